@@ -1,0 +1,25 @@
+# Kernels are compiled from one launch.cpp per folder, once for each instruction set, chosen at start (core/device.cpp).
+# These units must hold no inline code of the standard library: the linker keeps one copy of each such function, and it
+# might keep the one that an older processor cannot run.
+set(CHIARO_ISAS scalar x86_64_v2 x86_64_v3 x86_64_v4)
+set(CHIARO_FLAGS_scalar -march=x86-64)
+set(CHIARO_FLAGS_x86_64_v2 -march=x86-64-v2)
+set(CHIARO_FLAGS_x86_64_v3 -march=x86-64-v3)
+set(CHIARO_FLAGS_x86_64_v4 -march=x86-64-v4 -mprefer-vector-width=512)
+
+function(chiaro_add_kernels target)
+  file(GLOB_RECURSE launches CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/*/launch.cpp)
+  if(NOT launches)
+    return()
+  endif()
+  foreach(isa ${CHIARO_ISAS})
+    set(kernels ${target}_kernels_${isa})
+    add_library(${kernels} OBJECT ${launches})
+    target_include_directories(${kernels} PRIVATE ${PROJECT_SOURCE_DIR}/src)
+    target_compile_definitions(${kernels} PRIVATE CHIARO_ISA=${isa} CHIARO_ISA_${isa}=1)
+    # One rounding rule for all: sums and products are fused only where the kernel says fma.
+    target_compile_options(${kernels} PRIVATE ${CHIARO_FLAGS_${isa}} -O3 -ffp-contract=off -fno-math-errno -fno-trapping-math)
+    target_link_libraries(${kernels} PRIVATE chiaro_warnings)
+    target_sources(${target} PRIVATE $<TARGET_OBJECTS:${kernels}>)
+  endforeach()
+endfunction()

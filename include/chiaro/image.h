@@ -1,0 +1,46 @@
+// From a frame of light to a picture in a file.
+#pragma once
+#include <chiaro/medium.h>
+#include <chiaro/settings.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace chiaro {
+
+/// What the ray caster fills: float RGBA, premultiplied, row 0 on top; linear light unless ColorMode is display.
+struct Frame {
+    int width = 0, height = 0;
+    std::vector<float> rgba;
+
+    Frame() = default;
+    Frame(int width, int height) : width(width), height(height), rgba(std::size_t(4) * width * height) {}
+};
+
+/// 8 bit sRGB, row 0 on top, straight alpha.
+struct Image {
+    int width = 0, height = 0;
+    bool has_alpha = false;
+    std::vector<std::uint8_t> pixels;  ///< RGBA, or RGB without alpha
+};
+
+struct ToneMap {
+    Rgb background{0, 0, 0};      ///< sRGB, as picked
+    bool transparent = false;     ///< keep alpha instead of the background
+    ColorMode color = ColorMode::linear;
+    bool operator==(const ToneMap&) const = default;
+};
+
+/// Composites over the background, encodes to sRGB (ColorMode::linear) and rounds to 8 bits.
+Image develop(const Frame& frame, const ToneMap& tone);
+
+/// Key and text pairs that go into a PNG (tEXt/iTXt).
+using Metadata = std::vector<std::pair<std::string, std::string>>;
+
+/// Written whole or not at all. Throws Error{output}.
+void write_png(const Image& image, const std::filesystem::path& path, const Metadata& metadata = {});
+Image read_png(const std::filesystem::path& path);
+
+}  // namespace chiaro

@@ -1,0 +1,47 @@
+// Volumes in and out.
+#pragma once
+#include <chiaro/progress.h>
+#include <chiaro/volume.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace chiaro {
+
+/// How a headerless file is laid out; what is missing is taken from a name such as `head_256x256x113_uint16.raw`.
+struct RawLayout {
+    std::optional<std::array<int, 3>> dimensions;
+    std::optional<VoxelType> type;
+    std::optional<Vec3> spacing_mm;
+    bool big_endian = false;
+    std::uint64_t offset = 0;  ///< bytes before the first voxel
+};
+
+struct ReadOptions {
+    RawLayout raw;
+    std::string series;  ///< of a DICOM folder: its UID, or its number in the order of size (1 = largest); empty: the largest
+    std::optional<std::pair<double, double>> rescale;  ///< slope and intercept where a file lacks them
+    double seconds = 120;           ///< wall time allowed to decode
+    double stall_seconds = 15;      ///< allowed without any progress
+    std::uint64_t max_bytes = 0;    ///< largest decoded volume; 0: what the machine's memory allows
+};
+
+/// Reads a file, a folder of DICOM slices, `sample:NAME[:SIZE]`, or `-` (NRRD on standard input).
+/// Files are decoded by the isolated helper program `chiaro-decode`: whatever they hold, this call either returns a
+/// consistent volume or throws. NaN and infinite voxels are kept, and counted in `notes`.
+/// Throws Error{input} for everything wrong with the file, Error{interrupted} when cancelled.
+Volume read_volume(const std::string& name, const ReadOptions& options, Progress& progress);
+
+enum class NrrdEncoding { raw, gzip };
+
+/// Writes NRRD with geometry and key/values, whole or not at all. Slope and intercept other than 1 and 0 are applied
+/// (integers that stay integers in 16 bits are kept as such, else float32). Throws Error{output}.
+void write_nrrd(const Volume& volume, const std::filesystem::path& path, NrrdEncoding encoding);
+
+/// A format for `--list-formats` and for messages.
+struct FormatInfo { std::string name, extensions, note; };
+std::vector<FormatInfo> list_formats();
+
+}  // namespace chiaro

@@ -1,0 +1,21 @@
+// Generated volumes: exact functions of position, at any size.
+#pragma once
+#include <chiaro/transfer_function.h>
+#include <chiaro/volume.h>
+
+#include <string>
+#include <vector>
+
+namespace chiaro {
+
+struct SampleInfo { std::string name, sentence; int default_size; };
+std::vector<SampleInfo> list_samples();
+
+/// Generates a sample as a cube of `size` voxels (0: its default size). Throws Error{usage} for an unknown name (with
+/// "did you mean") or a size outside 2..4096.
+Volume make_sample(const std::string& name, int size = 0);
+
+/// The transfer function a sample is shown with by default.
+TransferFunction sample_transfer_function(const std::string& name);
+
+}  // namespace chiaro

@@ -1,0 +1,41 @@
+// One viewer's state: each verb's result, kept with the inputs that made it.
+#pragma once
+#include <chiaro/device.h>
+#include <chiaro/scene.h>
+
+#include <string>
+#include <vector>
+
+namespace chiaro {
+
+/// How long one verb took; 0 when its kept result served.
+struct Stage { std::string name; double seconds = 0; };
+
+/// Renders scenes one after the other and redoes only the verbs to the right of what changed: an edit of the transfer
+/// function starts at `classify`, a camera move is `raycast` and `develop`.
+class Session {
+public:
+    explicit Session(Device device);
+    ~Session();
+    Session(Session&&) noexcept;
+
+    /// Takes the volume that later scenes show (read_volume or make_sample gave it).
+    void show(Volume&& volume, Progress& progress);
+
+    const Image& render(const Scene& scene, Progress& progress);
+    const Frame& frame() const;                  ///< of the last render
+    const std::vector<Stage>& stages() const;    ///< of the last render, in order
+    Outcome outcome() const;                     ///< of the last render
+    const Statistics& statistics() const;        ///< of the shown volume
+    const TransferFunction& transfer_function() const;  ///< the one the last render used, window and unit applied
+    const Guess& guess() const;                  ///< what the shown volume seems to be
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+/// A whole picture in one call: read, the six verbs, done.
+Image render_image(const Device& device, const Scene& scene, Progress& progress);
+
+}  // namespace chiaro

@@ -1,0 +1,62 @@
+// What a value looks like: colour and opacity.
+#pragma once
+#include <chiaro/volume.h>
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace chiaro {
+
+using Rgb = std::array<double, 3>;
+
+struct ControlPoint {
+    double value = 0;       ///< in data units (HU for CT)
+    Rgb rgb{0, 0, 0};       ///< [0, 1], in the function's rgb_space
+    double opacity = 0;     ///< [0, 1] per opacity unit distance
+    bool operator==(const ControlPoint&) const = default;
+};
+
+enum class RgbSpace { srgb, linear };
+
+/// Piecewise linear between points, constant outside. Two points of equal value make a step.
+struct TransferFunction {
+    std::vector<ControlPoint> points;  ///< at least one, values not falling
+    RgbSpace rgb_space = RgbSpace::srgb;
+    double opacity_unit = 1;           ///< the length that `opacity` belongs to, > 0 ...
+    bool opacity_unit_is_mm = false;   ///< ... in millimetres, or else in smallest voxel edges
+    std::string name;                  ///< preset, file or colour map it came from
+    bool operator==(const TransferFunction&) const = default;
+};
+
+/// Colour and opacity at `value`, interpolated in the function's own rgb_space.
+ControlPoint evaluate(const TransferFunction& tf, double value);
+
+/// Throws Error{input} with one sentence unless the points are finite, in range and in order.
+void validate(const TransferFunction& tf);
+
+/// Moves the function so that its [first, last] point values span the window.
+TransferFunction with_window(TransferFunction tf, double center, double width);
+
+struct PresetInfo { std::string name, modality, sentence; bool stretched; };
+/// Our presets, then the colour maps (matplotlib's names; each also with `_r`).
+std::vector<PresetInfo> list_presets();
+
+/// A preset or colour map by name. CT presets are in HU and never stretched; the others are stretched to the data.
+/// Throws Error{usage} with "did you mean" for an unknown name.
+TransferFunction preset(const std::string& name, const Statistics& data);
+
+/// A file of ours (JSON: the `transfer_function` object of a scene), else a preset or colour map of that name.
+TransferFunction load_transfer_function(const std::string& file_or_preset, const Statistics& data);
+TransferFunction parse_transfer_function(const std::string& json, const std::string& origin);
+std::string to_json(const TransferFunction& tf);
+
+/// What kind of data this seems to be and which preset suits it, with the reason in words.
+struct Guess { std::string modality, preset, reason; };
+Guess guess(const Volume& volume, const Statistics& data);
+
+/// CSS colour name, `#rgb`, `#rrggbb` or `r,g,b` in [0, 1]; sRGB. Throws Error{usage} with "did you mean".
+Rgb parse_color(const std::string& text);
+
+}  // namespace chiaro

@@ -1,0 +1,24 @@
+// The only door to the thread library (oneTBB).
+#pragma once
+#include <chiaro/device.h>
+#include <chiaro/progress.h>
+
+#include <cstdint>
+#include <functional>
+#include <string_view>
+
+namespace chiaro {
+
+/// How many threads the process may use: its affinity mask, not the machine's size.
+int usable_threads();
+
+/// Calls body(first, last) over disjoint pieces of [0, count), each at most `grain` long, on up to `threads` threads, and
+/// reports the share done under `stage`. Stops early, returning false, once `progress` is cancelled. Which thread takes
+/// which piece is not fixed: pieces must be independent. An exception thrown by `body` is rethrown here.
+bool parallel_for(int threads, std::int64_t count, std::int64_t grain, std::string_view stage, Progress& progress,
+                  const std::function<void(std::int64_t first, std::int64_t last)>& body);
+
+/// The same on all usable threads, silent and not cancellable: for passes of milliseconds.
+void parallel_for(std::int64_t count, std::int64_t grain, const std::function<void(std::int64_t, std::int64_t)>& body);
+
+}  // namespace chiaro

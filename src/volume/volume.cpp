@@ -1,0 +1,70 @@
+#include <chiaro/error.h>
+#include <chiaro/volume.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <utility>
+
+namespace chiaro {
+
+std::size_t size_of(VoxelType type) {
+    return with_voxel_type(type, [](auto voxel) { return sizeof voxel; });
+}
+
+std::string_view name_of(VoxelType type) {
+    constexpr std::string_view names[] = {"uint8", "int8", "uint16", "int16", "uint32", "int32", "uint64", "int64", "float32", "float64"};
+    return names[int(type)];
+}
+
+VoxelBuffer::VoxelBuffer(std::size_t bytes) {
+    if (bytes == 0) return;
+    void* mapping = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (mapping == MAP_FAILED)
+        throw Error(ErrorCode::output, "not enough memory for " + std::to_string(bytes >> 20) + " MiB of voxels");
+    *this = adopt(mapping, bytes, false);
+}
+
+VoxelBuffer VoxelBuffer::adopt(void* mapping, std::size_t bytes, bool shared) {
+    VoxelBuffer buffer;
+    buffer.data_ = static_cast<std::byte*>(mapping);
+    buffer.bytes_ = bytes;
+    buffer.shared_ = shared;
+    return buffer;
+}
+
+VoxelBuffer::VoxelBuffer(VoxelBuffer&& other) noexcept { *this = std::move(other); }
+
+VoxelBuffer& VoxelBuffer::operator=(VoxelBuffer&& other) noexcept {
+    std::swap(data_, other.data_);
+    std::swap(bytes_, other.bytes_);
+    std::swap(discarded_, other.discarded_);
+    std::swap(shared_, other.shared_);
+    return *this;
+}
+
+VoxelBuffer::~VoxelBuffer() {
+    if (data_) munmap(data_, bytes_);
+}
+
+void VoxelBuffer::discard_before(std::size_t end) noexcept {
+    const std::size_t page = std::size_t(sysconf(_SC_PAGESIZE));
+    const std::size_t whole = end / page * page;
+    if (whole <= discarded_) return;
+    // Shared pages (of a memfd) live until they are punched out; private ones are simply forgotten.
+    madvise(data_ + discarded_, whole - discarded_, shared_ ? MADV_REMOVE : MADV_DONTNEED);
+    discarded_ = whole;
+}
+
+Volume make_volume(std::array<int, 3> dimensions, VoxelType type) {
+    for (int n : dimensions)
+        if (n < 1 || n > 65535)
+            throw Error(ErrorCode::input, "a volume of " + std::to_string(dimensions[0]) + " x " + std::to_string(dimensions[1]) + " x " +
+                                              std::to_string(dimensions[2]) + " voxels: every dimension must be in 1..65535");
+    Volume volume;
+    volume.dimensions = dimensions;
+    volume.type = type;
+    volume.voxels = VoxelBuffer(volume.voxel_count() * size_of(type));
+    return volume;
+}
+
+}  // namespace chiaro
