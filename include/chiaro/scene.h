@@ -1,6 +1,7 @@
 // Everything that a picture needs, and its JSON form.
 #pragma once
 #include <chiaro/camera.h>
+#include <chiaro/error.h>
 #include <chiaro/image.h>
 #include <chiaro/io.h>
 #include <chiaro/lighting.h>
@@ -16,28 +17,35 @@ namespace chiaro {
 
 /// Where the transfer function comes from and what is done to it.
 struct TransferSettings {
-    std::string source;                     ///< file, preset or colour map; empty: guessed from the data
-    std::optional<TransferFunction> points; ///< given in the scene itself; wins over `source`
+    std::string source;                                  ///< file, preset or colour map; empty: guessed from the data
+    std::optional<TransferFunction> points;              ///< given in the scene itself; wins over `source`
     std::optional<std::pair<double, double>> window;     ///< centre, width
     std::optional<std::pair<double, double>> threshold;  ///< low, high; outside is transparent
-    double opacity_scale = 1;                   ///< multiplies the extinction
-    std::optional<double> opacity_unit;         ///< in smallest voxel edges; replaces the function's own
-    std::optional<double> opacity_unit_mm;      ///< in mm; one of the two at most
+    double opacity_scale = 1;                            ///< multiplies the extinction
+    std::optional<double> opacity_unit;                  ///< in smallest voxel edges; replaces the function's own
+    std::optional<double> opacity_unit_mm;               ///< in mm; one of the two at most
     bool operator==(const TransferSettings&) const = default;
 };
 
 /// The same scene gives the same picture.
 struct Scene {
-    std::string volume;      ///< as for read_volume; relative names are resolved by read_scene
+    std::string volume;  ///< as for read_volume; relative names are resolved by read_scene
     ReadOptions read;
     TransferSettings transfer;
     CameraSettings camera;
     Lighting lighting;
     IlluminationSettings illumination;
     RaySettings sampling;
-    ToneMap output;          ///< its `color` is the scene's colour mode
+    ToneMap output;  ///< its `color` is the scene's colour mode
     int width = 1024, height = 768;
 };
+
+/// Throws Error{code} when settings contradict each other.
+void check(const Scene& scene, ErrorCode code);
+
+/// Reads the scene's volume. The size and type that the scene states are checked; its spacing replaces the file's (and
+/// a note says so where the two differ). Throws Error{input}, or Error{interrupted} when cancelled.
+Volume read_volume(const Scene& scene, Progress& progress);
 
 /// Reads a scene file (docs/scene.md). A relative volume is looked up beside the file, then in `data_folder`.
 /// Keys that this version does not know are named in `unknown_keys`. Throws Error{input}.
@@ -45,7 +53,7 @@ Scene read_scene(const std::filesystem::path& file, const std::filesystem::path&
                  std::vector<std::string>& unknown_keys);
 /// The scene as JSON; parse_scene of it gives the same scene.
 std::string to_json(const Scene& scene);
-Scene parse_scene(const std::string& json, const std::filesystem::path& folder, const std::filesystem::path& data_folder,
-                  std::vector<std::string>& unknown_keys);
+Scene parse_scene(const std::string& json, const std::filesystem::path& folder,
+                  const std::filesystem::path& data_folder, std::vector<std::string>& unknown_keys);
 
 }  // namespace chiaro
