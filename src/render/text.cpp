@@ -61,7 +61,6 @@ std::vector<double> numbers_in(std::string_view text) {
 std::string to_text(bool value) { return value ? "true" : "false"; }
 std::string to_text(int value) { return fmt::format("{}", value); }
 std::string to_text(std::uint64_t value) { return fmt::format("{}", value); }
-std::string to_text(double value) { return fmt::format("{}", value); }
 std::string to_text(const std::string& value) { return value; }
 std::string to_text(const Vec3& v) { return fmt::format("{},{},{}", v.x, v.y, v.z); }
 std::string to_text(const Rgb& c) { return fmt::format("{},{},{}", c[0], c[1], c[2]); }
