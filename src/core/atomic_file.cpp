@@ -44,7 +44,8 @@ void AtomicFile::commit() {
 }
 
 void AtomicFile::fail(int error_number) const {
-    throw Error(ErrorCode::output, "cannot write '" + path_.string() + "': " + std::generic_category().message(error_number));
+    throw Error(ErrorCode::output,
+                "cannot write '" + path_.string() + "': " + std::generic_category().message(error_number));
 }
 
 }  // namespace chiaro

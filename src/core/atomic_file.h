@@ -6,8 +6,8 @@
 
 namespace chiaro {
 
-/// Collects bytes in a temporary file beside `path` and renames it over `path` on commit, so that neither a full disk nor
-/// an interruption leaves half a file. Every member throws Error{output}, naming the path and the reason.
+/// Collects bytes in a temporary file beside `path` and renames it over `path` on commit, so that neither a full disk
+/// nor an interruption leaves half a file. Every member throws Error{output}, naming the path and the reason.
 class AtomicFile {
 public:
     explicit AtomicFile(std::filesystem::path path);
