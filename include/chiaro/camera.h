@@ -30,8 +30,13 @@ struct Camera {
     Vec3 forward, right, up;  ///< orthonormal
     Projection projection = Projection::perspective;
     double half_height = 0;   ///< tan(fov / 2), or half the height of the view in mm (orthographic)
+    Vec3 orbit_up{0, 0, 1};   ///< what azimuth and elevation of lights turn about
     bool operator==(const Camera&) const = default;
 };
+
+/// Unit vector from the centre to azimuth and elevation (radians) about `up`: for u = up, the azimuth-0 axis e is z→x, x→y,
+/// y→z (the same for -u), for other u x, or y where |u_x| > .9, made orthogonal; cos el (cos az e + sin az u×e) + sin el u.
+Vec3 orbit_direction(double azimuth, double elevation, Vec3 up);
 
 /// The camera of these settings for a volume. Orbit: c the centre of the span [0, n-1], R half its diagonal,
 /// distance zoom⁻¹ R / sin(fov / 2); see docs/scene.md. Throws Error{input} for a named view of a volume without an

@@ -51,6 +51,7 @@ bool parallel_for(int threads, std::int64_t count, std::int64_t grain, std::stri
     return !progress.cancelled();
 }
 
+void parallel_for(int threads, std::int64_t count, std::int64_t grain, const Body& body) { run(threads, count, grain, body); }
 void parallel_for(std::int64_t count, std::int64_t grain, const Body& body) { run(usable_threads(), count, grain, body); }
 
 }  // namespace chiaro

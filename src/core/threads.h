@@ -18,7 +18,9 @@ int usable_threads();
 bool parallel_for(int threads, std::int64_t count, std::int64_t grain, std::string_view stage, Progress& progress,
                   const std::function<void(std::int64_t first, std::int64_t last)>& body);
 
-/// The same on all usable threads, silent and not cancellable: for passes of milliseconds.
+/// The same, silent and not cancellable: for passes of milliseconds.
+void parallel_for(int threads, std::int64_t count, std::int64_t grain, const std::function<void(std::int64_t, std::int64_t)>& body);
+/// On all usable threads.
 void parallel_for(std::int64_t count, std::int64_t grain, const std::function<void(std::int64_t, std::int64_t)>& body);
 
 }  // namespace chiaro

@@ -1,0 +1,38 @@
+// What stands behind a Medium.
+#pragma once
+#include <chiaro/medium.h>
+
+#include <vector>
+
+#include "volume/device_volume.h"
+
+namespace chiaro {
+
+/// Colour and extinction over the stored values; entry j stands for the stored value (j - index_offset) / index_scale.
+struct OpticalTable {
+    struct Entry {
+        float r, g, b;            ///< not premultiplied; linear, or display colours as they are
+        float extinction_per_mm;  ///< κ
+    };
+    std::vector<Entry> entries;
+    double index_scale = 1, index_offset = 0;
+
+    double index_of(double stored) const { return stored * index_scale + index_offset; }
+};
+
+struct Medium::Data {
+    DeviceVolume volume;
+    OpticalTable table;
+    ColorMode color = ColorMode::linear;
+    std::vector<std::uint8_t> cells;  ///< as volume/occupancy.h reads them
+    double occupied_fraction = 0;
+};
+
+/// The table of a transfer function over the stored values that occur (classify/table.cpp). About 4096 entries; for whole
+/// numbers a power of two per unit, so that every stored value has an entry of its own wherever they fit.
+OpticalTable make_optical_table(const DeviceVolume::Data& volume, const TransferFunction& tf, const Shape& shape);
+
+/// The code of every cell (volume/occupancy.h), and a spare byte at the end.
+std::vector<std::uint8_t> make_occupancy(const CellRanges& ranges, const OpticalTable& table, double& occupied_fraction);
+
+}  // namespace chiaro

@@ -1,0 +1,14 @@
+// No illumination method: all light arrives everywhere.
+#pragma once
+#include "illumination/view.h"
+
+namespace chiaro::kernel {
+
+struct NoneView {
+    static constexpr bool modulates = false;
+    template <class F> CHIARO_INLINE Incident<F> incident(const SamplePoint<F>& sample, const ShadingView& shading) const {
+        return shading.local(sample);
+    }
+};
+
+}  // namespace chiaro::kernel

@@ -1,0 +1,10 @@
+// The sRGB transfer curve (IEC 61966-2-1), on [0, 1].
+#pragma once
+#include <cmath>
+
+namespace chiaro {
+
+inline double linear_from_srgb(double c) { return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4); }
+inline double srgb_from_linear(double c) { return c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055; }
+
+}  // namespace chiaro

@@ -1,0 +1,73 @@
+#include "raycast/views.h"
+
+#include <cmath>
+
+#include "image/srgb.h"
+
+namespace chiaro {
+namespace {
+
+kernel::Float3 float3(Vec3 v) { return {float(v.x), float(v.y), float(v.z)}; }
+constexpr double radians(double degrees) { return degrees * 3.14159265358979323846 / 180; }
+
+/// The light's direction: along the camera's axis, or fixed to the world in the orbit's angles.
+Vec3 direction_to_light(const Lighting& lighting, const Camera& camera) {
+    if (lighting.headlight) return -camera.forward;
+    return orbit_direction(radians(lighting.azimuth_deg), radians(lighting.elevation_deg), camera.orbit_up);
+}
+
+}  // namespace
+
+kernel::CameraView camera_view(const Camera& camera, const Geometry& geometry, int width, int height) {
+    const auto per_mm = [&](Vec3 world) { return float3(geometry.voxel_from_world_vector(world)); };
+    return {
+        .eye = float3(geometry.voxel_from_world(camera.eye)),
+        .forward = per_mm(camera.forward),
+        .right = per_mm(camera.right),
+        .up = per_mm(camera.up),
+        .half_width = float(camera.half_height * width / height),
+        .half_height = float(camera.half_height),
+        .width = float(width),
+        .height = float(height),
+        .orthographic = camera.projection == Projection::orthographic,
+    };
+}
+
+kernel::ShadingView shading_view(const Lighting& lighting, const Camera& camera, const Geometry& geometry, ColorMode color) {
+    const bool on = lighting.shading != Shading::none;
+    const Vec3 to_light = direction_to_light(lighting, camera);
+    const Vec3 sum = to_light - camera.forward;  // the viewer is directional too: along the camera's axis
+    const Vec3 half = length(sum) > 1e-9 ? normalized(sum) : to_light;
+    const auto channel = [&](int c) { return color == ColorMode::linear ? linear_from_srgb(lighting.color[c]) : lighting.color[c]; };
+    const double kd = on ? lighting.diffuse : 0, ks = lighting.shading == Shading::phong ? lighting.specular : 0;
+    const auto times_color = [&](double factor) { return float3({factor * channel(0), factor * channel(1), factor * channel(2)}); };
+    // A gradient is a covector: ∇_world f = M⁻ᵀ ∇_voxel f, and the columns of M⁻¹ are the voxel vectors of the world's axes.
+    const Vec3 x = geometry.voxel_from_world_vector({1, 0, 0}), y = geometry.voxel_from_world_vector({0, 1, 0}),
+               z = geometry.voxel_from_world_vector({0, 0, 1});
+    // Only the direction counts: scaled to millimetres of the smallest edge, so that tiny or huge spacings stay in float's range.
+    const double edge = geometry.smallest_spacing_mm();
+    return {
+        .enabled = on,
+        .ambient = on ? float(lighting.ambient) : 1.0f,
+        .shininess = float(lighting.shininess),
+        .diffuse = times_color(kd),
+        .specular = times_color(ks),
+        .to_light = float3(to_light),
+        .half = float3(half),
+        .gradient_x = float3(edge * x),
+        .gradient_y = float3(edge * y),
+        .gradient_z = float3(edge * z),
+    };
+}
+
+std::vector<kernel::Rgba> step_table(const OpticalTable& table, double step_mm) {
+    std::vector<kernel::Rgba> steps;
+    steps.reserve(table.entries.size());
+    for (const auto& e : table.entries) {
+        const float alpha = float(-std::expm1(-double(e.extinction_per_mm) * step_mm));
+        steps.push_back({e.r * alpha, e.g * alpha, e.b * alpha, alpha});
+    }
+    return steps;
+}
+
+}  // namespace chiaro

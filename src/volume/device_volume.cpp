@@ -1,0 +1,176 @@
+// upload: voxels into bricks, with the value range of every cell.
+#include "volume/device_volume.h"
+
+#include <chiaro/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+
+#include "core/threads.h"
+
+namespace chiaro {
+namespace {
+
+/// How stored numbers become device numbers: device = stored - shift, then clamped to [low, high] where that is not finite.
+template <class Source> struct Conversion {
+    Source shift = 0;
+    Source low = 0, high = 0;
+};
+
+template <class Device, class Source> Device convert(Source v, const Conversion<Source>& c) {
+    if constexpr (std::is_floating_point_v<Source>) {
+        // NaN reads as the smallest value, which transfer functions leave empty more often than any other.
+        if (!std::isfinite(v)) v = v > 0 ? c.high : c.low;
+        return Device(v);
+    } else if constexpr (std::is_floating_point_v<Device>) {
+        return Device(v);
+    } else {
+        return Device(std::make_unsigned_t<Source>(v) - std::make_unsigned_t<Source>(c.shift));
+    }
+}
+
+/// Smallest and largest finite stored value; low > high if there is none.
+template <class Source> Conversion<Source> stored_range(const Volume& volume, int threads) {
+    const auto voxels = volume.as<Source>();
+    Conversion<Source> all{0, std::numeric_limits<Source>::max(), std::numeric_limits<Source>::lowest()};
+    std::mutex merging;
+    parallel_for(threads, std::int64_t(voxels.size()), 1 << 20, [&](std::int64_t first, std::int64_t last) {
+        Source low = std::numeric_limits<Source>::max(), high = std::numeric_limits<Source>::lowest();
+        for (auto i = first; i < last; ++i) {
+            if constexpr (std::is_floating_point_v<Source>)
+                if (!std::isfinite(voxels[i])) continue;
+            low = std::min(low, voxels[i]);
+            high = std::max(high, voxels[i]);
+        }
+        const std::lock_guard lock(merging);
+        all.low = std::min(all.low, low);
+        all.high = std::max(all.high, high);
+    });
+    return all;
+}
+
+/// Fills one brick, border included, from the volume; outside, the nearest voxel stands.
+template <class Source, class Device>
+void fill_brick(const Volume& volume, const Conversion<Source>& conversion, std::array<int, 3> brick, Device* out) {
+    const auto voxels = volume.as<Source>();
+    const auto [nx, ny, nz] = volume.dimensions;
+    const int x0 = brick[0] * brick_edge - brick_before;
+    for (int z = 0; z < brick_row; ++z)
+        for (int y = 0; y < brick_row; ++y) {
+            const int sz = std::clamp(brick[2] * brick_edge - brick_before + z, 0, nz - 1);
+            const int sy = std::clamp(brick[1] * brick_edge - brick_before + y, 0, ny - 1);
+            const Source* row = voxels.data() + (std::size_t(sz) * ny + sy) * nx;
+            Device* to = out + z * brick_slice + y * brick_row;
+            const int begin = std::clamp(-x0, 0, brick_row), end = std::clamp(nx - x0, begin, brick_row);
+            for (int x = 0; x < begin; ++x) to[x] = convert<Device>(row[0], conversion);
+            for (int x = begin; x < end; ++x) to[x] = convert<Device>(row[x0 + x], conversion);
+            for (int x = end; x < brick_row; ++x) to[x] = convert<Device>(row[nx - 1], conversion);
+        }
+}
+
+/// The ranges of the brick's 4³ cells, each over the 9³ voxels that samples inside it can touch.
+template <class Device> void fill_cells(const Device* brick, std::array<int, 3> at, CellRanges& cells) {
+    constexpr int per_brick = brick_edge / cell_edge;
+    for (int c = 0; c < per_brick * per_brick * per_brick; ++c) {
+        const int cx = c % per_brick, cy = c / per_brick % per_brick, cz = c / (per_brick * per_brick);
+        const int x = at[0] * per_brick + cx, y = at[1] * per_brick + cy, z = at[2] * per_brick + cz;
+        if (x >= cells.count[0] || y >= cells.count[1] || z >= cells.count[2]) continue;
+        const Device* corner = brick + (cz * cell_edge + 1) * brick_slice + (cy * cell_edge + 1) * brick_row + cx * cell_edge + 1;
+        // Columns side by side first: the compiler turns the inner loop into vector minima.
+        Device low[cell_edge + 1], high[cell_edge + 1];
+        std::copy_n(corner, cell_edge + 1, low);
+        std::copy_n(corner, cell_edge + 1, high);
+        for (int k = 0; k <= cell_edge; ++k)
+            for (int j = 0; j <= cell_edge; ++j)
+                for (int i = 0; i <= cell_edge; ++i) {
+                    const Device v = corner[k * brick_slice + j * brick_row + i];
+                    low[i] = std::min(low[i], v);
+                    high[i] = std::max(high[i], v);
+                }
+        const std::size_t cell = (std::size_t(z) * cells.count[1] + y) * cells.count[0] + x;
+        cells.low[cell] = float(*std::min_element(low, low + cell_edge + 1));
+        cells.high[cell] = float(*std::max_element(high, high + cell_edge + 1));
+    }
+}
+
+/// Layer by layer, so that the source's pages can be given back behind the work.
+template <class Source, class Device>
+void fill_bricks(const Volume& volume, int threads, VoxelBuffer* discard, const Conversion<Source>& conversion, DeviceVolume::Data& data) {
+    const auto [nx, ny, nz] = volume.dimensions;
+    const std::array<int, 3> bricks{brick_count(nx), brick_count(ny), brick_count(nz)};
+    data.cells.count = {cell_count(nx), cell_count(ny), cell_count(nz)};
+    data.cells.low.resize(std::size_t(data.cells.count[0]) * data.cells.count[1] * data.cells.count[2]);
+    data.cells.high.resize(data.cells.low.size());
+    const std::size_t layer_bricks = std::size_t(bricks[0]) * bricks[1];
+    // Gathers read up to three voxels behind the last one they need.
+    data.bricks = VoxelBuffer((layer_bricks * bricks[2] * brick_voxels + 4) * sizeof(Device));
+    Device* out = reinterpret_cast<Device*>(data.bricks.data());
+    for (int bz = 0; bz < bricks[2]; ++bz) {
+        parallel_for(threads, std::int64_t(layer_bricks), 1, [&](std::int64_t b, std::int64_t) {
+            const std::array<int, 3> at{int(b % bricks[0]), int(b / bricks[0]), bz};
+            Device* brick = out + (bz * layer_bricks + std::size_t(b)) * brick_voxels;
+            fill_brick(volume, conversion, at, brick);
+            fill_cells(brick, at, data.cells);
+        });
+        const int done_slices = (bz + 1) * brick_edge - brick_before;
+        if (discard) discard->discard_before(std::size_t(std::min(done_slices, nz)) * ny * nx * sizeof(Source));
+    }
+    data.stored_min = *std::min_element(data.cells.low.begin(), data.cells.low.end());
+    data.stored_max = *std::max_element(data.cells.high.begin(), data.cells.high.end());
+}
+
+/// Chooses the device type and fills it.
+template <class Source> void store(const Volume& volume, int threads, VoxelBuffer* discard, DeviceVolume::Data& data) {
+    Conversion<Source> c;
+    data.scale = volume.slope;
+    data.offset = volume.intercept;
+    data.whole_numbers = std::is_integral_v<Source>;
+    if constexpr (std::is_integral_v<Source> && sizeof(Source) <= 2) {
+        using Device = std::make_unsigned_t<Source>;
+        data.stored = voxel_type_of<Device>();
+        c.shift = std::numeric_limits<Source>::min();
+        data.offset += volume.slope * double(c.shift);
+        return fill_bricks<Source, Device>(volume, threads, discard, c, data);
+    } else {
+        c = stored_range<Source>(volume, threads);
+        if (c.low > c.high) throw Error(ErrorCode::input, "no voxel of " + volume.source + " is a finite number");
+        if constexpr (std::is_integral_v<Source>)
+            if (std::make_unsigned_t<Source>(c.high) - std::make_unsigned_t<Source>(c.low) <= 65535u) {
+                data.stored = VoxelType::u16;
+                c.shift = c.low;
+                data.offset += volume.slope * double(c.low);
+                return fill_bricks<Source, std::uint16_t>(volume, threads, discard, c, data);
+            }
+        data.stored = VoxelType::f32;
+        fill_bricks<Source, float>(volume, threads, discard, c, data);
+    }
+}
+
+DeviceVolume upload_bricks(const Device& device, const Volume& volume, VoxelBuffer* discard) {
+    if (volume.components != 1)
+        throw Error(ErrorCode::input, volume.source + " has " + std::to_string(volume.components) + " values a voxel: only volumes of one value a voxel can be rendered");
+    const auto [nx, ny, nz] = volume.dimensions;
+    const double stored = double(brick_count(nx)) * brick_count(ny) * brick_count(nz) * brick_voxels;
+    if (stored > double(UINT32_MAX) - 8)
+        throw Error(ErrorCode::input, volume.source + " has " + std::to_string(volume.voxel_count()) + " voxels: at most about 3.2e9 (1480 cubed) can be rendered");
+    auto data = std::make_shared<DeviceVolume::Data>();
+    data->dimensions = volume.dimensions;
+    data->geometry = volume.geometry;
+    with_voxel_type(volume.type, [&](auto voxel) { store<decltype(voxel)>(volume, device.threads, discard, *data); });
+    return DeviceVolume(std::move(data));
+}
+
+}  // namespace
+
+DeviceVolume upload(const Device& device, const Volume& volume) { return upload_bricks(device, volume, nullptr); }
+DeviceVolume upload(const Device& device, Volume&& volume) {
+    Volume owned = std::move(volume);
+    return upload_bricks(device, owned, &owned.voxels);
+}
+
+std::array<int, 3> DeviceVolume::dimensions() const { return data().dimensions; }
+const Geometry& DeviceVolume::geometry() const { return data().geometry; }
+std::size_t DeviceVolume::bytes() const { return data().bricks.size() + data().cells.low.size() * 2 * sizeof(float); }
+
+}  // namespace chiaro
