@@ -81,7 +81,7 @@ TEST(Scene, ReportsUnknownKeysWithTheirPath) {
     parse(R"("camera": {"azimut_deg": 1}, "mood": "bright", "bench": {"any": 1}, "conventions": {"x": 1}, "note": "n",
         "transfer_function": {"opacity_unit_distance": 1, "points": [{"value": 0, "rgb": [0, 0, 0], "opacity": 0, "glow": 1}]})",
           &unknown);
-    EXPECT_EQ(unknown, (std::vector<std::string>{"camera.azimut_deg; did you mean 'camera.azimuth_deg'?", "mood",
+    EXPECT_EQ(unknown, (std::vector<std::string>{"camera.azimut_deg; did you mean 'azimuth_deg'?", "mood",
                                                  "transfer_function.points[0].glow"}));
 }
 

@@ -23,9 +23,10 @@ std::string text_of_png(const fs::path& file) {
 std::string text_of(const fs::path& file) {
     if (file.extension() == ".png") return text_of_png(file);
     std::ifstream stream(file, std::ios::binary);
-    std::string text((std::istreambuf_iterator<char>(stream)), {});
-    if (!stream) throw Error(ErrorCode::input, fmt::format("{}: cannot be read", file.string()));
-    return text;
+    std::error_code no_access;
+    if (!stream || fs::is_directory(file, no_access))
+        throw Error(ErrorCode::input, fmt::format("{}: cannot be read", file.string()));
+    return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 }  // namespace
@@ -43,8 +44,8 @@ std::string found_file(const std::string& name, const fs::path& folder, const fs
 }
 
 Scene seen_from(Scene scene, const fs::path& folder) {
-    const auto see = [base = fs::absolute(folder)](const std::string& name) {
-        return fs::absolute(name).lexically_normal().lexically_proximate(base.lexically_normal()).string();
+    const auto see = [base = fs::absolute(folder / ".").lexically_normal()](const std::string& name) {
+        return fs::absolute(name).lexically_normal().lexically_proximate(base).string();
     };
     if (!names_no_file(scene.volume)) scene.volume = see(scene.volume);
     if (is_file(scene.transfer.source)) scene.transfer.source = see(scene.transfer.source);
