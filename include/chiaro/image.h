@@ -41,6 +41,9 @@ using Metadata = std::vector<std::pair<std::string, std::string>>;
 
 /// Written whole or not at all. Throws Error{output}.
 void write_png(const Image& image, const std::filesystem::path& path, const Metadata& metadata = {});
+/// 8 bit RGB or RGBA from any PNG of at most 100 megapixels. Throws Error{input}.
 Image read_png(const std::filesystem::path& path);
+/// The texts that a PNG carries. Throws Error{input}.
+Metadata read_png_metadata(const std::filesystem::path& path);
 
 }  // namespace chiaro

@@ -1,0 +1,51 @@
+#include "core/atomic_file.h"
+
+#include <chiaro/error.h>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <string>
+#include <system_error>
+#include <utility>
+
+namespace chiaro {
+AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
+    struct stat existing {};
+    if (stat(path_.c_str(), &existing) == 0 && !S_ISREG(existing.st_mode))
+        fail(S_ISDIR(existing.st_mode) ? EISDIR : EINVAL);  // renaming over a device would replace it
+    for (int attempt = 0; descriptor_ < 0; ++attempt) {
+        const std::string name = ".chiaro-" + std::to_string(getpid()) + "-" + std::to_string(attempt);
+        temporary_ = path_.parent_path() / name;
+        descriptor_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (descriptor_ < 0 && (errno != EEXIST || attempt == 1000)) fail(errno);
+    }
+}
+
+AtomicFile::~AtomicFile() {
+    if (descriptor_ >= 0) close(descriptor_);
+    if (!temporary_.empty()) unlink(temporary_.c_str());
+}
+
+void AtomicFile::write(std::span<const std::byte> bytes) {
+    while (!bytes.empty()) {
+        const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
+        if (written < 0 && errno != EINTR) fail(errno);
+        if (written > 0) bytes = bytes.subspan(std::size_t(written));
+    }
+}
+
+void AtomicFile::commit() {
+    if (fsync(descriptor_) != 0) fail(errno);
+    if (close(std::exchange(descriptor_, -1)) != 0) fail(errno);
+    if (rename(temporary_.c_str(), path_.c_str()) != 0) fail(errno);
+    temporary_.clear();
+}
+
+void AtomicFile::fail(int error_number) const {
+    throw Error(ErrorCode::output,
+                "cannot write '" + path_.string() + "': " + std::generic_category().message(error_number));
+}
+
+}  // namespace chiaro

@@ -1,0 +1,20 @@
+// "Did you mean": the nearest of the words that would have been right.
+#pragma once
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace chiaro {
+
+/// Insertions, deletions, substitutions and swaps of neighbours that turn `a` into `b`, ignoring the case of ASCII
+/// letters (Damerau-Levenshtein distance, optimal string alignment). Cost |a| |b|.
+int edit_distance(std::string_view a, std::string_view b);
+
+/// The candidate nearest to `word` (the first of equals), unless all differ in more than a third of its letters.
+std::optional<std::string> nearest_word(std::string_view word, std::span<const std::string> candidates);
+
+/// "; did you mean 'X'?" to append to a message, or nothing.
+std::string did_you_mean(std::string_view word, std::span<const std::string> candidates);
+
+}  // namespace chiaro

@@ -1,0 +1,16 @@
+// What the helper may use of the machine: set on itself before it looks at the file.
+#pragma once
+#include <cstdint>
+
+namespace chiaro::decode {
+
+struct Limits {
+    std::uint64_t max_bytes = 0;  ///< of voxels; working memory comes on top
+    unsigned cpu_seconds = 0;
+};
+
+/// Limits memory, processor time, file size and open files; forbids new programs, sockets and core dumps; ties the
+/// helper's life to its parent's. Whatever the kernel lacks is left out: the parent checks the results all the same.
+void limit_this_process(const Limits& limits);
+
+}  // namespace chiaro::decode

@@ -1,0 +1,54 @@
+#include "decode/output.h"
+
+#include "io/wire.h"
+#include "volume/validate.h"
+
+#include <fmt/format.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+namespace chiaro::decode {
+namespace {
+
+void send(const nlohmann::json& message) {
+    // Header texts may be in any encoding; JSON is UTF-8.
+    const std::string line = message.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+    for (std::size_t sent = 0; sent < line.size();) {
+        const ssize_t n = write(wire::messages_descriptor, line.data() + sent, line.size() - sent);
+        if (n <= 0) _exit(1);  // nobody listens any more
+        sent += std::size_t(n);
+    }
+}
+
+}  // namespace
+
+void Output::allocate(Volume& volume) {
+    const std::uint64_t bytes = check_header(volume);
+    const auto& n = volume.dimensions;
+    if (bytes > max_bytes_)
+        refuse(fmt::format("its {} x {} x {} voxels take {} MiB, but at most {} MiB may be used", n[0], n[1], n[2],
+                           bytes >> 20, max_bytes_ >> 20));
+    if (ftruncate(wire::voxels_descriptor, off_t(bytes)) != 0)
+        refuse(fmt::format("no room for {} MiB of voxels", bytes >> 20));
+    void* mapping = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, wire::voxels_descriptor, 0);
+    if (mapping == MAP_FAILED) refuse(fmt::format("no room for {} MiB of voxels", bytes >> 20));
+    volume.voxels = VoxelBuffer::adopt(mapping, bytes, true);
+}
+
+void Output::progress(double fraction) {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - last_report_ < std::chrono::milliseconds(50)) return;
+    last_report_ = now;
+    send({{"progress", fraction}});
+}
+
+void Output::at(const std::string& file) { send({{"at", file}}); }
+
+void Output::succeed(const Volume& volume) { send({{"volume", wire::header_to_json(volume)}}); }
+
+void Output::fail(const std::string& sentence) { send({{"error", sentence}}); }
+
+}  // namespace chiaro::decode

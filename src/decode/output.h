@@ -1,0 +1,33 @@
+// Where a decoder puts what it found: voxels into the memory file, words into the message pipe.
+#pragma once
+#include <chiaro/error.h>
+#include <chiaro/volume.h>
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+namespace chiaro::decode {
+
+/// Refuses the file: `sentence` continues "cannot read 'name': ".
+[[noreturn]] inline void refuse(const std::string& sentence) { throw Error(ErrorCode::input, sentence); }
+
+class Output {
+public:
+    explicit Output(std::uint64_t max_bytes) : max_bytes_(max_bytes) {}
+
+    /// Gives `volume` its voxels, mapped from the memory file. Throws Error{input} for a header that makes no sense or
+    /// takes more than the permitted bytes; the caller has already made sure that its file can hold that much.
+    void allocate(Volume& volume);
+    void progress(double fraction);
+    /// Says which of many files is being worked on, so that a crash can be pinned on it.
+    void at(const std::string& file);
+    void succeed(const Volume& volume);
+    void fail(const std::string& sentence);
+
+private:
+    std::uint64_t max_bytes_;
+    std::chrono::steady_clock::time_point last_report_{};
+};
+
+}  // namespace chiaro::decode

@@ -1,0 +1,37 @@
+// The voxels of the simple formats: one or more files, plain, deflated or text.
+#pragma once
+#include "decode/byte_source.h"
+#include "decode/output.h"
+
+#include <vector>
+
+namespace chiaro::decode {
+
+enum class Encoding { raw, deflated, text };
+
+/// Where and how voxels lie. With several files each holds an equal share.
+struct Payload {
+    std::vector<std::filesystem::path> files;
+    std::uint64_t offset = 0;  ///< bytes of the file before the (compressed) data
+    std::uint64_t skip = 0;    ///< bytes of the inflated data before the first voxel
+    Encoding encoding = Encoding::raw;
+    bool big_endian = false;
+    std::uint64_t volumes = 1;  ///< in the data, one after the other; the first is read
+};
+
+/// Allocates and fills the voxels of `volume`, whose shape is set. Throws Error{input} before it allocates anything
+/// when the files cannot hold as much as the header states, and when they turn out to hold less.
+void read_voxels(const Payload& payload, Volume& volume, Output& output);
+
+/// Swaps the bytes of every value in place: voxels are kept in the machine's (little-endian) order.
+void swap_bytes(std::span<std::byte> bytes, std::size_t value_size);
+
+/// The place of a detached data file. Throws Error{input} for absolute paths, for `..`, and for links that lead out of
+/// the header's folder: a header from elsewhere must not read other files of this machine.
+std::filesystem::path confined(const std::filesystem::path& header, const std::string& name);
+
+/// A list of files named by a printf-like pattern with one %d, from `first` to `last` by `step`.
+std::vector<std::string> expand_pattern(const std::string& pattern, std::int64_t first, std::int64_t last,
+                                        std::int64_t step);
+
+}  // namespace chiaro::decode

@@ -1,0 +1,132 @@
+#include "io/helper.h"
+
+#include "io/helper_process.h"
+#include "io/memory.h"
+#include "io/wire.h"
+#include "volume/validate.h"
+
+#include <chiaro/error.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <csignal>
+#include <nlohmann/json.hpp>
+
+namespace chiaro {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// What a damaged file may smuggle into a message: made one line of moderate length.
+std::string one_line(std::string text) {
+    for (char& c : text)
+        if (static_cast<unsigned char>(c) < 32 || c == 127) c = ' ';
+    if (text.size() > 400) text = text.substr(0, 400) + "...";
+    return text;
+}
+
+[[noreturn]] void refuse(const DecodeRequest& request, const std::string& sentence) {
+    throw Error(ErrorCode::input, "cannot read '" + one_line(request.name) + "': " + one_line(sentence));
+}
+
+std::string text_of_end(int signal, const std::string& at) {
+    const std::string what = at.empty() ? "it" : "'" + at + "'";
+    if (signal == SIGXCPU || signal == SIGKILL)
+        return "decoding " + what + " took more processor time or memory than is permitted";
+    if (signal != 0)
+        return fmt::format("the decoder crashed on {} (signal {}), so the file is damaged or of an unknown kind", what,
+                           signal);
+    return "the decoder ended without an answer";
+}
+
+/// Reads messages until the volume's header arrives.
+class Conversation {
+public:
+    Conversation(const DecodeRequest& request, const ReadOptions& options, Progress& progress)
+        : request_(request), options_(options), progress_(progress) {}
+
+    nlohmann::json header_from(HelperProcess& helper) {
+        const auto start = Clock::now();
+        auto last_sign = start;
+        const auto seconds_since = [](auto then) { return std::chrono::duration<double>(Clock::now() - then).count(); };
+        std::string line;
+        for (;;) {
+            progress_.check();
+            const auto event = helper.next(line, std::chrono::milliseconds(20));
+            if (event == HelperProcess::Event::ended) refuse(request_, text_of_end(helper.ending_signal(), at_));
+            if (event == HelperProcess::Event::line) {
+                last_sign = Clock::now();
+                if (auto header = take(line); !header.is_null()) return header;
+            }
+            if (seconds_since(start) > options_.seconds)
+                refuse(request_, fmt::format("decoding it took more than {} seconds", options_.seconds));
+            if (seconds_since(last_sign) > options_.stall_seconds)
+                refuse(request_,
+                       fmt::format("decoding it came to a halt for more than {} seconds", options_.stall_seconds));
+        }
+    }
+
+private:
+    nlohmann::json take(const std::string& line) {
+        const auto message = nlohmann::json::parse(line, nullptr, false);
+        if (!message.is_object()) refuse(request_, "the decoder answered with garbage");
+        if (const auto error = message.find("error"); error != message.end() && error->is_string())
+            refuse(request_, error->get<std::string>());
+        if (const auto fraction = message.find("progress"); fraction != message.end() && fraction->is_number())
+            progress_.report("read", std::clamp(fraction->get<double>(), 0.0, 1.0));
+        if (const auto at = message.find("at"); at != message.end() && at->is_string()) at_ = at->get<std::string>();
+        const auto volume = message.find("volume");
+        return volume == message.end() ? nlohmann::json() : *volume;
+    }
+
+    const DecodeRequest& request_;
+    const ReadOptions& options_;
+    Progress& progress_;
+    std::string at_;  ///< the file last named by the helper
+};
+
+/// Takes over the voxels, once the memory file is proved to be as large as the header says and can no longer shrink.
+VoxelBuffer map_voxels(const Descriptor& file, std::uint64_t bytes) {
+    struct stat status {};
+    if (fcntl(file.number(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW) != 0 || fstat(file.number(), &status) != 0 ||
+        std::uint64_t(status.st_size) != bytes)
+        throw Error(ErrorCode::input, "the decoder returned another number of voxels than it stated");
+    void* mapping = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file.number(), 0);
+    if (mapping == MAP_FAILED)
+        throw Error(ErrorCode::input, fmt::format("there is no room for its {} MiB of voxels", bytes >> 20));
+    return VoxelBuffer::adopt(mapping, bytes, true);
+}
+
+Volume checked_volume(const nlohmann::json& header, const Descriptor& voxels) {
+    Volume volume = wire::header_from_json(header);
+    const std::uint64_t bytes = check_header(volume);
+    volume.voxels = map_voxels(voxels, bytes);
+    for (auto& note : volume.notes) note = one_line(note);
+    return volume;
+}
+
+}  // namespace
+
+Volume decode_isolated(const DecodeRequest& request, const ReadOptions& options, Progress& progress) {
+    const std::uint64_t max_bytes = options.max_bytes > 0 ? options.max_bytes : available_memory();
+    const Descriptor voxels = make_memory_file("chiaro voxels");
+    const auto cpu_seconds = std::uint64_t(std::clamp(options.seconds, 1.0, 1e6)) + 1;
+    const std::vector<std::string> arguments{request.format, request.path, options.series, std::to_string(max_bytes),
+                                             std::to_string(cpu_seconds)};
+    nlohmann::json header;
+    {
+        // Killed at the end of this block, so that nobody else writes into the voxels any more.
+        HelperProcess helper(find_helper(), arguments, request.standard_input, voxels.number());
+        header = Conversation(request, options, progress).header_from(helper);
+    }
+    try {
+        return checked_volume(header, voxels);
+    } catch (const std::exception& error) {
+        refuse(request, error.what());
+    }
+}
+
+}  // namespace chiaro

@@ -1,0 +1,11 @@
+// How much memory there is.
+#pragma once
+#include <cstdint>
+
+namespace chiaro {
+
+/// Bytes that the process may still take without harm: what the kernel calls available, or what is left of the limit of
+/// its control group.
+std::uint64_t available_memory();
+
+}  // namespace chiaro

@@ -1,0 +1,17 @@
+// Headerless files.
+#pragma once
+#include <chiaro/io.h>
+
+#include <filesystem>
+#include <string>
+
+namespace chiaro {
+
+/// What a name such as `head_256x256x113_uint16.raw` says, where `stated` says nothing.
+RawLayout completed_layout(RawLayout stated, const std::string& name);
+
+/// Reads voxels as they lie. Throws Error{input} unless the layout is complete and the file holds exactly as many
+/// bytes.
+Volume read_raw(const std::filesystem::path& path, const ReadOptions& options, Progress& progress);
+
+}  // namespace chiaro

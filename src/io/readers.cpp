@@ -1,0 +1,173 @@
+// Everything that a volume can be read from, in the order in which it is tried.
+#include "core/threads.h"
+#include "io/helper.h"
+#include "io/raw.h"
+#include "io/standard_input.h"
+
+#include <chiaro/error.h>
+#include <chiaro/io.h>
+#include <chiaro/samples.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <functional>
+
+namespace chiaro {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What is known of a name before anything is decoded.
+struct Candidate {
+    std::string name, lower_name;
+    bool is_file = false, is_folder = false;
+    std::string beginning;  ///< the first bytes of a file
+    bool raw_stated = false;
+
+    bool ends_with(std::initializer_list<std::string_view> endings) const {
+        return std::any_of(endings.begin(), endings.end(), [&](auto e) { return lower_name.ends_with(e); });
+    }
+    bool has_at(std::size_t position, std::string_view magic) const {
+        return beginning.size() >= position && std::string_view(beginning).substr(position).starts_with(magic);
+    }
+};
+
+struct Reader {
+    FormatInfo info;
+    std::function<bool(const Candidate&)> accepts;
+    std::function<Volume(const Candidate&, const ReadOptions&, Progress&)> read;
+};
+
+Candidate examine(const std::string& name, const ReadOptions& options) {
+    Candidate candidate{
+        .name = name, .lower_name = name, .beginning = {}, .raw_stated = options.raw.dimensions.has_value()};
+    for (char& c : candidate.lower_name) c = char(std::tolower(static_cast<unsigned char>(c)));
+    if (name == "-" || name.starts_with("sample:")) return candidate;
+    std::error_code error;
+    const auto status = fs::status(name, error);
+    candidate.is_folder = fs::is_directory(status);
+    candidate.is_file = fs::is_regular_file(status);
+    if (!fs::exists(status))
+        throw Error(ErrorCode::input, "cannot read '" + name + "': there is no such file or folder");
+    if (!candidate.is_file && !candidate.is_folder)
+        throw Error(ErrorCode::input, "cannot read '" + name + "': it is neither a regular file nor a folder");
+    if (!candidate.is_file) return candidate;
+    std::ifstream file(name, std::ios::binary);
+    if (!file) throw Error(ErrorCode::input, "cannot read '" + name + "': it cannot be opened");
+    candidate.beginning.resize(352);
+    file.read(candidate.beginning.data(), 352);
+    candidate.beginning.resize(std::size_t(file.gcount()));
+    if (candidate.beginning.empty()) throw Error(ErrorCode::input, "cannot read '" + name + "': it is empty");
+    return candidate;
+}
+
+Volume read_sample(const Candidate& candidate, const ReadOptions&, Progress&) {
+    const std::string name = candidate.name.substr(7), text = name.substr(std::min(name.find(':'), name.size()));
+    int size = 0;
+    if (!text.empty()) {
+        const auto [end, error] = std::from_chars(text.data() + 1, text.data() + text.size(), size);
+        if (error != std::errc{} || end != text.data() + text.size() || size <= 0)
+            throw Error(ErrorCode::usage, "'" + candidate.name + "' is not sample:NAME or sample:NAME:SIZE");
+    }
+    return make_sample(name.substr(0, name.size() - text.size()), size);
+}
+
+Volume read_standard_input(const Candidate&, const ReadOptions& options, Progress& progress) {
+    const Descriptor spooled = spool_standard_input(options, progress);
+    return decode_isolated({"nrrd", "/proc/self/fd/0", "standard input", spooled.number()}, options, progress);
+}
+
+auto decoded_as(const std::string& format) {
+    return [format](const Candidate& candidate, const ReadOptions& options, Progress& progress) {
+        return decode_isolated({format, candidate.name, candidate.name}, options, progress);
+    };
+}
+
+std::vector<Reader> readers() {
+    return {
+        {{"sample", "sample:NAME", "generated"}, [](auto& c) { return c.name.starts_with("sample:"); }, read_sample},
+        {{"standard input", "-", "NRRD with its data inside"},
+         [](auto& c) { return c.name == "-"; },
+         read_standard_input},
+        {{"DICOM", "folder, .dcm", "a folder with one or more series, or one file"},
+         [](auto& c) { return c.is_folder || c.has_at(128, "DICM") || c.ends_with({".dcm"}); },
+         decoded_as("dicom")},
+        {{"raw", ".raw", "with --raw-size and --raw-type, or name_64x64x64_uint8.raw"},
+         [](auto& c) { return c.raw_stated; },
+         [](auto& c, auto& options, auto& progress) { return read_raw(c.name, options, progress); }},
+        {{"NRRD", ".nrrd .nhdr", "raw, gzip, ascii; attached or detached"},
+         [](auto& c) {
+             return c.ends_with({".nrrd", ".nhdr"}) || c.has_at(0, "NRRD000");
+         },
+         decoded_as("nrrd")},
+        {{"MetaImage", ".mha .mhd", "raw, compressed, ascii"},
+         [](auto& c) {
+             return c.ends_with({".mha", ".mhd"});
+         },
+         decoded_as("meta")},
+        {{"NIfTI", ".nii .nii.gz .hdr", "NIfTI-1 and NIfTI-2"},
+         [](auto& c) {
+             return c.ends_with({".nii", ".nii.gz", ".hdr", ".hdr.gz"}) || c.has_at(344, "n+1") ||
+                    c.has_at(344, "ni1") || c.has_at(4, "n+2");
+         },
+         decoded_as("nifti")},
+    };
+}
+
+/// Raw is listed once but tried twice: before the others where its layout is stated, after them by its name alone.
+const Reader* find_reader(const std::vector<Reader>& all, const Candidate& candidate) {
+    for (const auto& reader : all)
+        if (reader.accepts(candidate)) return &reader;
+    const auto layout = completed_layout({}, fs::path(candidate.name).filename().string());
+    const bool raw = candidate.ends_with({".raw"}) || (layout.dimensions && layout.type);
+    return raw ? &*std::find_if(all.begin(), all.end(), [](auto& r) { return r.info.name == "raw"; }) : nullptr;
+}
+
+std::uint64_t count_nonfinite(const Volume& volume) {
+    std::atomic<std::uint64_t> sum{0};
+    const auto count = [&]<class T>(std::span<const T> values) {
+        parallel_for(std::int64_t(values.size()), 1 << 20, [&, values](std::int64_t first, std::int64_t last) {
+            std::uint64_t part = 0;
+            for (auto i = first; i < last; ++i) part += !std::isfinite(values[std::size_t(i)]);
+            sum += part;
+        });
+    };
+    if (volume.type == VoxelType::f32) count(volume.as<float>());
+    if (volume.type == VoxelType::f64) count(volume.as<double>());
+    return sum;
+}
+
+}  // namespace
+
+Volume read_volume(const std::string& name, const ReadOptions& options, Progress& progress) {
+    progress.report("read", 0);
+    const auto all = readers();
+    const Candidate candidate = examine(name, options);
+    const Reader* reader = find_reader(all, candidate);
+    if (!reader) {
+        std::string known;
+        for (const auto& format : list_formats()) known += (known.empty() ? "" : ", ") + format.name;
+        throw Error(ErrorCode::input, "cannot read '" + name + "': it is none of " + known);
+    }
+    Volume volume = reader->read(candidate, options, progress);
+    volume.source = name;
+    if (options.rescale && volume.slope == 1 && volume.intercept == 0)
+        std::tie(volume.slope, volume.intercept) = *options.rescale;
+    if (const auto n = count_nonfinite(volume); n > 0)
+        volume.notes.push_back(fmt::format("{} voxels are not finite", n));
+    progress.report("read", 1);
+    return volume;
+}
+
+std::vector<FormatInfo> list_formats() {
+    std::vector<FormatInfo> formats;
+    for (const auto& reader : readers()) formats.push_back(reader.info);
+    return formats;
+}
+
+}  // namespace chiaro

@@ -1,0 +1,59 @@
+#include "io/wire.h"
+
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+namespace chiaro::wire {
+namespace {
+
+using nlohmann::json;
+
+json to_json(const Vec3& v) { return {v.x, v.y, v.z}; }
+Vec3 vec3_from(const json& j) { return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()}; }
+
+template <class Enum>
+Enum enum_from(const json& j, Enum last) {
+    const int value = j.get<int>();
+    if (value < 0 || value > int(last)) throw std::out_of_range("enumerator");
+    return Enum(value);
+}
+
+}  // namespace
+
+json header_to_json(const Volume& volume) {
+    const Geometry& geometry = volume.geometry;
+    const auto& direction = geometry.direction;
+    return {{"dimensions", volume.dimensions},
+            {"type", int(volume.type)},
+            {"components", volume.components},
+            {"slope", volume.slope},
+            {"intercept", volume.intercept},
+            {"spacing_mm", to_json(geometry.spacing_mm)},
+            {"origin_mm", to_json(geometry.origin_mm)},
+            {"direction", {to_json(direction[0]), to_json(direction[1]), to_json(direction[2])}},
+            {"world", int(geometry.world)},
+            {"format", volume.format},
+            {"modality", volume.modality},
+            {"notes", volume.notes},
+            {"key_values", volume.key_values}};
+}
+
+Volume header_from_json(const json& j) {
+    Volume volume;
+    volume.dimensions = j.at("dimensions").get<std::array<int, 3>>();
+    volume.type = enum_from(j.at("type"), VoxelType::f64);
+    volume.components = j.at("components").get<int>();
+    volume.slope = j.at("slope").get<double>();
+    volume.intercept = j.at("intercept").get<double>();
+    volume.geometry.spacing_mm = vec3_from(j.at("spacing_mm"));
+    volume.geometry.origin_mm = vec3_from(j.at("origin_mm"));
+    for (int axis = 0; axis < 3; ++axis) volume.geometry.direction[axis] = vec3_from(j.at("direction").at(axis));
+    volume.geometry.world = enum_from(j.at("world"), World::ras);
+    volume.format = j.at("format").get<std::string>();
+    volume.modality = j.at("modality").get<std::string>();
+    volume.notes = j.at("notes").get<std::vector<std::string>>();
+    volume.key_values = j.at("key_values").get<std::map<std::string, std::string>>();
+    return volume;
+}
+
+}  // namespace chiaro::wire

@@ -1,0 +1,158 @@
+// What the values of a volume are. Values of 8 and 16 bits are counted one by one. Others are counted at 65536 levels
+// between the least and the greatest, the first level being the least value itself: a second pass.
+#include "core/threads.h"
+
+#include <chiaro/error.h>
+#include <chiaro/volume.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <mutex>
+
+namespace chiaro {
+namespace {
+
+constexpr std::size_t level_count = 65536;
+
+/// How often each level occurs; level i stands for the value first + i * step, the last one exactly for `last`.
+struct Levels {
+    std::vector<std::uint64_t> counts = std::vector<std::uint64_t>(level_count);
+    double first = 0, step = 1, last = 0;
+    std::uint64_t nonfinite = 0;
+};
+
+struct Range {
+    double least = std::numeric_limits<double>::infinity(), greatest = -std::numeric_limits<double>::infinity();
+};
+
+/// Pieces so large that each thread has one: every piece brings half a megabyte of counters.
+std::int64_t grain_of(std::size_t count) { return std::int64_t(count) / usable_threads() + 1; }
+
+template <class T>
+bool is_finite(T value) {
+    if constexpr (std::is_floating_point_v<T>) return std::isfinite(value);
+    return true;
+}
+
+template <class T>
+Range range_of(std::span<const T> values) {
+    Range range;
+    std::mutex merging;
+    parallel_for(std::int64_t(values.size()), grain_of(values.size()), [&](std::int64_t begin, std::int64_t end) {
+        T least = std::numeric_limits<T>::max(), greatest = std::numeric_limits<T>::lowest();
+        bool any = false;
+        for (auto i = begin; i < end; ++i) {
+            const T value = values[std::size_t(i)];
+            if (!is_finite(value)) continue;
+            any = true;
+            least = std::min(least, value);
+            greatest = std::max(greatest, value);
+        }
+        if (!any) return;
+        const std::lock_guard lock(merging);
+        range.least = std::min(range.least, double(least));
+        range.greatest = std::max(range.greatest, double(greatest));
+    });
+    return range;
+}
+
+/// Counts every value at the level nearest to it.
+template <class T>
+void count_values(std::span<const T> values, Levels& levels) {
+    std::mutex merging;
+    parallel_for(std::int64_t(values.size()), grain_of(values.size()), [&](std::int64_t begin, std::int64_t end) {
+        std::vector<std::uint64_t> counts(level_count);
+        std::uint64_t nonfinite = 0;
+        const double first = levels.first, per_step = 1 / levels.step;
+        for (auto i = begin; i < end; ++i) {
+            const T value = values[std::size_t(i)];
+            if constexpr (sizeof(T) <= 2) {
+                ++counts[std::size_t(int(value) - int(std::numeric_limits<T>::min()))];
+            } else if (is_finite(value)) {
+                const double level = std::floor((double(value) - first) * per_step + 0.5);
+                ++counts[std::size_t(std::clamp(level, 0.0, double(level_count - 1)))];
+            } else {
+                ++nonfinite;
+            }
+        }
+        const std::lock_guard lock(merging);
+        for (std::size_t i = 0; i < level_count; ++i) levels.counts[i] += counts[i];
+        levels.nonfinite += nonfinite;
+    });
+}
+
+template <class T>
+Levels levels_of(std::span<const T> values) {
+    Levels levels;
+    if constexpr (sizeof(T) <= 2) {
+        levels.first = double(std::numeric_limits<T>::min());
+    } else {
+        const Range range = range_of(values);
+        if (range.greatest < range.least) throw Error(ErrorCode::input, "the volume has no finite voxel");
+        levels.first = range.least;
+        // Halved first: the whole range of doubles is no double.
+        levels.step = 2 * ((range.greatest / 2 - range.least / 2) / double(level_count - 1));
+        if (std::is_integral_v<T>) levels.step = std::max(1.0, levels.step);
+        if (!(levels.step > 0)) levels.step = 1;
+        if (!std::is_integral_v<T>) levels.last = range.greatest;
+    }
+    if (std::is_integral_v<T>) levels.last = levels.first + double(level_count - 1) * levels.step;
+    count_values(values, levels);
+    return levels;
+}
+
+/// Values after slope and intercept; a negative slope turns their order around.
+void apply_rescale(Levels& levels, double slope, double intercept) {
+    if (slope < 0) {
+        std::reverse(levels.counts.begin(), levels.counts.end());
+        std::swap(levels.first, levels.last);
+        levels.step = -levels.step;
+    }
+    levels.first = slope * levels.first + intercept;
+    levels.last = slope * levels.last + intercept;
+    levels.step *= slope;
+}
+
+void summarize(const Levels& levels, Statistics& result) {
+    const auto occurs = [](std::uint64_t count) { return count > 0; };
+    const auto& counts = levels.counts;
+    const auto value_of = [&](std::size_t level) {
+        return level == level_count - 1 ? levels.last : levels.first + double(level) * levels.step;
+    };
+    const auto lowest = std::size_t(std::find_if(counts.begin(), counts.end(), occurs) - counts.begin());
+    const auto highest = std::size_t(counts.rend() - std::find_if(counts.rbegin(), counts.rend(), occurs)) - 1;
+    result.min = value_of(lowest);
+    result.max = value_of(highest);
+    std::uint64_t total = 0;
+    for (const auto count : counts) total += count;
+    // The least value that at least the share p of the voxels does not exceed.
+    const std::pair<double, double*> percentiles[] = {
+        {0.01, &result.p1}, {0.5, &result.p50}, {0.99, &result.p99}, {0.999, &result.p999}};
+    std::uint64_t seen = 0;
+    std::size_t next = 0;
+    for (std::size_t level = lowest; level <= highest; ++level) {
+        seen += counts[level];
+        for (; next < std::size(percentiles) && double(seen) >= percentiles[next].first * double(total); ++next)
+            *percentiles[next].second = value_of(level);
+        const double share = result.max > result.min ? double(level - lowest) / double(highest - lowest) : 0;
+        result.histogram[std::min<std::size_t>(255, std::size_t(share * 256))] += counts[level];
+    }
+    result.nonfinite = levels.nonfinite;
+}
+
+}  // namespace
+
+Statistics measure(const Volume& volume) {
+    return with_voxel_type(volume.type, [&](auto zero) {
+        const auto values = volume.as<decltype(zero)>();
+        if (values.empty()) throw Error(ErrorCode::input, "the volume has no voxels");
+        Levels levels = levels_of(values);
+        apply_rescale(levels, volume.slope, volume.intercept);
+        Statistics result;
+        summarize(levels, result);
+        return result;
+    });
+}
+
+}  // namespace chiaro
