@@ -1,4 +1,5 @@
 // The tool as a script sees it: exit codes, messages, files.
+#include "changed_scene.h"
 #include "tool_case.h"
 
 namespace {
@@ -142,6 +143,27 @@ TEST_F(Tool, FlagsWinOverTheScene) {
     EXPECT_EQ(settings["sampling"]["step"], 1);
     EXPECT_EQ(settings["transfer_function"]["preset"], "viridis");
     EXPECT_FALSE(settings["transfer_function"].contains("opacity_unit_mm"));
+}
+
+TEST_F(Tool, EverySettingHasAFlagThatWorks) {
+    using namespace chiaro;
+    Scene scene = changed_scene();
+    scene.volume = "sample:ball:16";
+    scene.read = {}, scene.stated = {};  // a raw file's layout is no sample's
+    scene.camera.view.reset();           // excludes the eye
+    std::string flags;
+    const auto add = [&](const Setting& setting, const auto&... fields) {
+        const std::string text = value_text(setting, fields...), name(setting.name);
+        if (name.empty() || text.empty() || setting.key.starts_with("volume.")) return;
+        flags += " --" + name + (setting.name.starts_with("no-") ? "" : " " + text);
+    };
+    for_each_setting(add, scene);
+    const Said said = tool("render sample:ball:16 -o p.png --stats s.json" + flags);
+    ASSERT_EQ(said.code, 0) << said.err << flags;
+    std::vector<std::string> unknown;
+    const Scene again = parse_scene(json("s.json")["settings"].dump(), "", "", unknown);
+    EXPECT_EQ(texts_of(again), texts_of(scene));
+    EXPECT_EQ(again.transfer, scene.transfer);
 }
 
 TEST_F(Tool, APictureRemakesItself) {
