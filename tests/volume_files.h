@@ -5,8 +5,8 @@
 #include <unistd.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <array>
-#include <bit>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -100,7 +100,8 @@ public:
     }
     template <class T>
     Nifti& set(std::size_t offset, T value) {
-        header_.replace(offset, sizeof value, bytes_of(value, big_endian_));
+        const std::string bytes = bytes_of(value, big_endian_);
+        std::copy(bytes.begin(), bytes.end(), header_.begin() + std::ptrdiff_t(offset));
         return *this;
     }
     Nifti& qform(float b, float c, float d, std::array<float, 3> offset) {
