@@ -179,7 +179,8 @@ private:
         for (const double value : values) {
             char word[32];
             std::snprintf(word, sizeof word, "%.9g", value);
-            text += (text.empty() ? "" : "\\") + std::string(word);
+            if (!text.empty()) text += '\\';
+            text += word;
         }
         return text;
     }
