@@ -219,7 +219,7 @@ TEST_F(Tool, AnInterruptLeavesNothingHalfWritten) {
 
 TEST_F(Tool, ProgressIsShownWhereAskedFor) {
     const std::string slow =
-        "render sample:ball:64 --size 512x512 --step 0.02 --early-termination 0 --no-skip-empty -o p.png";
+        "render sample:ball:64 --threads 1 --size 384x384 --step 0.02 --early-termination 0 --no-skip-empty -o p.png";
     EXPECT_EQ(tool(slow).err, "");
     EXPECT_NE(tool(slow + " --progress always").err.find("raycast"), std::string::npos);
 }
