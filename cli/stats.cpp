@@ -30,7 +30,7 @@ void write_stats(const std::filesystem::path& path, const Stats& stats, const De
     for (double seconds : stats.frame_seconds) json["frames"].push_back({{"seconds", seconds}});
     json["samples"] = stats.samples;
     json["peak_memory_bytes"] = peak_memory_bytes();
-    write_text(path, json.dump(2) + "\n");
+    write_text(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace chiaro::cli
