@@ -43,7 +43,7 @@ struct ShadingView {
 
     template <class F> CHIARO_INLINE Incident<F> local(const SamplePoint<F>& s) const {
         const Vec3<F> ambient_light(F{ambient}, F{ambient}, F{ambient});
-        return {fma(s.lambert, Vec3<F>(diffuse), ambient_light), s.highlight * Vec3<F>(specular)};
+        return {mad(s.lambert, Vec3<F>(diffuse), ambient_light), s.highlight * Vec3<F>(specular)};
     }
 };
 

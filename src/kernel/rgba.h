@@ -23,12 +23,12 @@ CHIARO_INLINE Rgba load_rgba(const Rgba* table, std::int32_t index) { return tab
 CHIARO_INLINE float alpha_of(Rgba c) { return c.a; }
 /// sum + weight * c
 CHIARO_INLINE Rgba accumulate(Rgba sum, float weight, Rgba c) {
-    return {fma(weight, c.r, sum.r), fma(weight, c.g, sum.g), fma(weight, c.b, sum.b), fma(weight, c.a, sum.a)};
+    return {mad(weight, c.r, sum.r), mad(weight, c.g, sum.g), mad(weight, c.b, sum.b), mad(weight, c.a, sum.a)};
 }
 CHIARO_INLINE Rgba scale(Rgba c, float s) { return {s * c.r, s * c.g, s * c.b, s * c.a}; }
 /// Colour times `diffuse` plus opacity times `specular`; the opacity stays.
 CHIARO_INLINE Rgba light_up(Rgba c, Vec3<float> diffuse, Vec3<float> specular) {
-    return {fma(c.r, diffuse.x, c.a * specular.x), fma(c.g, diffuse.y, c.a * specular.y), fma(c.b, diffuse.z, c.a * specular.z), c.a};
+    return {mad(c.r, diffuse.x, c.a * specular.x), mad(c.g, diffuse.y, c.a * specular.y), mad(c.b, diffuse.z, c.a * specular.z), c.a};
 }
 CHIARO_INLINE void zero(Rgba& c) { c = {0, 0, 0, 0}; }
 /// Writes the pixels of a 1 × 1 block.
@@ -57,8 +57,8 @@ CHIARO_INLINE RgbaPack scale(const RgbaPack& c, Lanes s) {
     return {c.q0 * spread<0>(s), c.q1 * spread<1>(s), c.q2 * spread<2>(s), c.q3 * spread<3>(s)};
 }
 CHIARO_INLINE RgbaPack accumulate(const RgbaPack& sum, Lanes weight, const RgbaPack& c) {
-    return {fma(spread<0>(weight), c.q0, sum.q0), fma(spread<1>(weight), c.q1, sum.q1), fma(spread<2>(weight), c.q2, sum.q2),
-            fma(spread<3>(weight), c.q3, sum.q3)};
+    return {mad(spread<0>(weight), c.q0, sum.q0), mad(spread<1>(weight), c.q1, sum.q1), mad(spread<2>(weight), c.q2, sum.q2),
+            mad(spread<3>(weight), c.q3, sum.q3)};
 }
 /// Four planes to four pixels a vector: a 4 × 4 transposition in each group of four lanes.
 CHIARO_INLINE RgbaPack transpose(Lanes r, Lanes g, Lanes b, Lanes a) {
@@ -69,8 +69,8 @@ CHIARO_INLINE RgbaPack transpose(Lanes r, Lanes g, Lanes b, Lanes a) {
 }
 CHIARO_INLINE RgbaPack light_up(const RgbaPack& c, Vec3<Lanes> diffuse, Vec3<Lanes> specular) {
     const RgbaPack d = transpose(diffuse.x, diffuse.y, diffuse.z, Lanes(1)), s = transpose(specular.x, specular.y, specular.z, Lanes(0));
-    return {fma(c.q0, d.q0, shuffle<3, 3, 3, 3>(c.q0, c.q0) * s.q0), fma(c.q1, d.q1, shuffle<3, 3, 3, 3>(c.q1, c.q1) * s.q1),
-            fma(c.q2, d.q2, shuffle<3, 3, 3, 3>(c.q2, c.q2) * s.q2), fma(c.q3, d.q3, shuffle<3, 3, 3, 3>(c.q3, c.q3) * s.q3)};
+    return {mad(c.q0, d.q0, shuffle<3, 3, 3, 3>(c.q0, c.q0) * s.q0), mad(c.q1, d.q1, shuffle<3, 3, 3, 3>(c.q1, c.q1) * s.q1),
+            mad(c.q2, d.q2, shuffle<3, 3, 3, 3>(c.q2, c.q2) * s.q2), mad(c.q3, d.q3, shuffle<3, 3, 3, 3>(c.q3, c.q3) * s.q3)};
 }
 CHIARO_INLINE void zero(RgbaPack& c) { c = {Lanes(0), Lanes(0), Lanes(0), Lanes(0)}; }
 

@@ -109,7 +109,6 @@ CHIARO_INLINE NativeInt native_min(NativeInt a, NativeInt b) { return NativeInt(
 CHIARO_INLINE NativeInt native_max(NativeInt a, NativeInt b) { return NativeInt(_mm512_max_epi32(__m512i(a), __m512i(b))); }
 CHIARO_INLINE NativeFloat native_sqrt(NativeFloat a) { return _mm512_sqrt_ps(a); }
 CHIARO_INLINE NativeFloat native_floor(NativeFloat a) { return _mm512_roundscale_ps(a, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC); }
-CHIARO_INLINE NativeFloat native_fma(NativeFloat a, NativeFloat b, NativeFloat c) { return _mm512_fmadd_ps(a, b, c); }
 CHIARO_INLINE unsigned native_bits(NativeInt m) { return _mm512_movepi32_mask(__m512i(m)); }
 template <int imm> CHIARO_INLINE NativeFloat native_shuffle(NativeFloat a, NativeFloat b) { return _mm512_shuffle_ps(a, b, imm); }
 CHIARO_INLINE NativeInt native_select(NativeInt m, NativeInt a, NativeInt b) {
@@ -124,7 +123,6 @@ CHIARO_INLINE NativeInt native_min(NativeInt a, NativeInt b) { return NativeInt(
 CHIARO_INLINE NativeInt native_max(NativeInt a, NativeInt b) { return NativeInt(_mm256_max_epi32(__m256i(a), __m256i(b))); }
 CHIARO_INLINE NativeFloat native_sqrt(NativeFloat a) { return _mm256_sqrt_ps(a); }
 CHIARO_INLINE NativeFloat native_floor(NativeFloat a) { return _mm256_floor_ps(a); }
-CHIARO_INLINE NativeFloat native_fma(NativeFloat a, NativeFloat b, NativeFloat c) { return _mm256_fmadd_ps(a, b, c); }
 CHIARO_INLINE unsigned native_bits(NativeInt m) { return unsigned(_mm256_movemask_ps(__m256(m))); }
 template <int imm> CHIARO_INLINE NativeFloat native_shuffle(NativeFloat a, NativeFloat b) { return _mm256_shuffle_ps(a, b, imm); }
 CHIARO_INLINE NativeInt native_select(NativeInt m, NativeInt a, NativeInt b) {
@@ -139,7 +137,6 @@ CHIARO_INLINE NativeInt native_min(NativeInt a, NativeInt b) { return NativeInt(
 CHIARO_INLINE NativeInt native_max(NativeInt a, NativeInt b) { return NativeInt(_mm_max_epi32(__m128i(a), __m128i(b))); }
 CHIARO_INLINE NativeFloat native_sqrt(NativeFloat a) { return _mm_sqrt_ps(a); }
 CHIARO_INLINE NativeFloat native_floor(NativeFloat a) { return _mm_floor_ps(a); }
-CHIARO_INLINE NativeFloat native_fma(NativeFloat a, NativeFloat b, NativeFloat c) { return a * b + c; }
 CHIARO_INLINE unsigned native_bits(NativeInt m) { return unsigned(_mm_movemask_ps(__m128(m))); }
 template <int imm> CHIARO_INLINE NativeFloat native_shuffle(NativeFloat a, NativeFloat b) { return _mm_shuffle_ps(a, b, imm); }
 CHIARO_INLINE NativeInt native_select(NativeInt m, NativeInt a, NativeInt b) {
@@ -163,9 +160,7 @@ CHIARO_INLINE Lanes float_of(IntLanes a) { return map<float, 16>(CHIARO_UNARY(Na
 #undef CHIARO_UNARY
 CHIARO_INLINE Lanes abs(Lanes a) { return float_of(bits_of(a) & IntLanes(0x7fffffff)); }
 
-CHIARO_INLINE Lanes fma(Lanes a, Lanes b, Lanes c) {
-    return map<float, 16>([](auto x, auto y, auto z) __attribute__((always_inline)) { return native_fma(x, y, z); }, a, b, c);
-}
+CHIARO_INLINE Lanes mad(Lanes a, Lanes b, Lanes c) { return a * b + c; }
 CHIARO_INLINE IntLanes select(MaskLanes m, IntLanes a, IntLanes b) {
     return map<std::int32_t, 16>([](auto x, auto y, auto z) __attribute__((always_inline)) { return native_select(x, y, z); }, m.bits, a, b);
 }

@@ -23,9 +23,9 @@ struct CameraView {
     template <class F> CHIARO_INLINE Ray<F> ray(F column, F row) const {
         const F px = ((column + F(0.5f)) * F(2 / width) - F(1)) * F(half_width);
         const F py = (F(1) - (row + F(0.5f)) * F(2 / height)) * F(half_height);
-        const Vec3<F> offset = fma(px, Vec3<F>(right), py * Vec3<F>(up));
+        const Vec3<F> offset = mad(px, Vec3<F>(right), py * Vec3<F>(up));
         if (orthographic) return {Vec3<F>(eye) + offset, Vec3<F>(forward)};
-        const F inverse_length = F(1) / sqrt(fma(px, px, fma(py, py, F(1))));  // of the world vector
+        const F inverse_length = F(1) / sqrt(mad(px, px, mad(py, py, F(1))));  // of the world vector
         return {Vec3<F>(eye), inverse_length * (Vec3<F>(forward) + offset)};
     }
 };

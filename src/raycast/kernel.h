@@ -16,7 +16,7 @@ struct StepTableView {
     float last;
 
     template <class F> CHIARO_INLINE Int<F> index(F stored) const {
-        return truncate(min(max(fma(stored, F(scale), F(offset)), F(0)), F(last)));
+        return truncate(min(max(mad(stored, F(scale), F(offset)), F(0)), F(last)));
     }
 };
 
@@ -33,7 +33,7 @@ template <class F> struct Lattice {
     F full, rest, count;       ///< whole steps, the share of the last one, samples in all
 
     /// Voxel coordinates of sample k.
-    CHIARO_INLINE Vec3<F> position(F k) const { return fma(min(k + F(0.5f), full + F(0.5f) * rest), step, entry); }
+    CHIARO_INLINE Vec3<F> position(F k) const { return mad(min(k + F(0.5f), full + F(0.5f) * rest), step, entry); }
 };
 
 template <class F> CHIARO_INLINE Lattice<F> make_lattice(const Ray<F>& ray, Interval<F> hit, float step_mm) {
@@ -43,7 +43,7 @@ template <class F> CHIARO_INLINE Lattice<F> make_lattice(const Ray<F>& ray, Inte
     l.full = floor(span + F(negligible));
     l.rest = max(span - l.full, F(0));
     l.count = l.full + select(l.rest > F(negligible), F(1), F(0));
-    l.entry = fma(hit.near, ray.direction, ray.origin);
+    l.entry = mad(hit.near, ray.direction, ray.origin);
     l.step = F(step_mm) * ray.direction;
     const Vec3<F> per_voxel{F(1) / away_from_zero(l.step.x), F(1) / away_from_zero(l.step.y), F(1) / away_from_zero(l.step.z)};
     const auto edge_if_climbing = [](F d) CHIARO_INLINE_LAMBDA { return select(d > F(0), F(cell_edge), F(0)); };
