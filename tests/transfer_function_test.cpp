@@ -144,8 +144,10 @@ TEST(TransferFunctionJson, RefusesWithOneSentence) {
               "tf.json: opacity_unit_mm is -1: must be greater than 0");
     EXPECT_EQ(refusal(R"({"rgb_space": "hsv", "points": [)" + point + "]}"),
               "tf.json: rgb_space is 'hsv': must be 'srgb' or 'linear'");
-    for (const char* garbage : {"", "{", "nonsense", "{\"points\": [1e999]}", "\xff\xfe", "{\"points\": [{]}"})
-        EXPECT_TRUE(refusal(garbage).starts_with("tf.json: is not JSON: ")) << garbage;
+    const std::string deep(1000000, '[');
+    for (const char* garbage :
+         {"", "{", "nonsense", "{\"points\": [1e999]}", "\xff\xfe", "{\"points\": [{]}", deep.c_str()})
+        EXPECT_TRUE(refusal(garbage).starts_with("tf.json: is not JSON: ")) << std::string(garbage, 0, 20);
 }
 
 TEST(TransferFunctionJson, LoadsFilesAndPresets) {
