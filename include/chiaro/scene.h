@@ -1,6 +1,7 @@
 // Everything that a picture needs, and its JSON form.
 #pragma once
 #include <chiaro/camera.h>
+#include <chiaro/error.h>
 #include <chiaro/image.h>
 #include <chiaro/io.h>
 #include <chiaro/lighting.h>
@@ -16,36 +17,56 @@ namespace chiaro {
 
 /// Where the transfer function comes from and what is done to it.
 struct TransferSettings {
-    std::string source;                     ///< file, preset or colour map; empty: guessed from the data
-    std::optional<TransferFunction> points; ///< given in the scene itself; wins over `source`
+    std::string source;                                  ///< file, preset or colour map; empty: guessed from the data
+    std::optional<TransferFunction> points;              ///< given in the scene itself; wins over `source`
     std::optional<std::pair<double, double>> window;     ///< centre, width
     std::optional<std::pair<double, double>> threshold;  ///< low, high; outside is transparent
-    double opacity_scale = 1;                   ///< multiplies the extinction
-    std::optional<double> opacity_unit;         ///< in smallest voxel edges; replaces the function's own
-    std::optional<double> opacity_unit_mm;      ///< in mm; one of the two at most
+    double opacity_scale = 1;                            ///< multiplies the extinction
+    std::optional<double> opacity_unit;                  ///< in smallest voxel edges; replaces the function's own
+    std::optional<double> opacity_unit_mm;               ///< in mm; one of the two at most
     bool operator==(const TransferSettings&) const = default;
+};
+
+/// What a scene tells of its volume. Size and type are checked; the spacing replaces the file's.
+struct StatedVolume {
+    std::optional<std::array<int, 3>> dimensions;
+    std::optional<VoxelType> type;
+    std::optional<Vec3> spacing_mm;
+    bool operator==(const StatedVolume&) const = default;
 };
 
 /// The same scene gives the same picture.
 struct Scene {
-    std::string volume;      ///< as for read_volume; relative names are resolved by read_scene
+    std::string volume;  ///< as for read_volume; relative names are resolved by read_scene
+    StatedVolume stated;
     ReadOptions read;
     TransferSettings transfer;
     CameraSettings camera;
     Lighting lighting;
     IlluminationSettings illumination;
     RaySettings sampling;
-    ToneMap output;          ///< its `color` is the scene's colour mode
+    ToneMap output;  ///< its `color` is the scene's colour mode
     int width = 1024, height = 768;
 };
 
-/// Reads a scene file (docs/scene.md). A relative volume is looked up beside the file, then in `data_folder`.
-/// Keys that this version does not know are named in `unknown_keys`. Throws Error{input}.
+/// Throws Error{code} when settings contradict each other.
+void check(const Scene& scene, ErrorCode code);
+
+/// Reads the scene's volume. The size and type that the scene states are checked; its spacing replaces the file's (and
+/// a note says so where the two differ). Throws Error{input}, or Error{interrupted} when cancelled.
+Volume read_volume(const Scene& scene, Progress& progress);
+
+/// The scene with its files named as seen from a folder, to be kept in a file there.
+Scene seen_from(Scene scene, const std::filesystem::path& folder);
+
+/// Reads a scene file (docs/scene.md), or the scene that a PNG of ours carries. A relative volume is looked up beside
+/// the file, then in `data_folder`. Keys that this version does not know are named in `unknown_keys`. Throws
+/// Error{input}.
 Scene read_scene(const std::filesystem::path& file, const std::filesystem::path& data_folder,
                  std::vector<std::string>& unknown_keys);
 /// The scene as JSON; parse_scene of it gives the same scene.
 std::string to_json(const Scene& scene);
-Scene parse_scene(const std::string& json, const std::filesystem::path& folder, const std::filesystem::path& data_folder,
-                  std::vector<std::string>& unknown_keys);
+Scene parse_scene(const std::string& json, const std::filesystem::path& folder,
+                  const std::filesystem::path& data_folder, std::vector<std::string>& unknown_keys);
 
 }  // namespace chiaro

@@ -1,0 +1,150 @@
+// Every setting of a picture, told once. `describe(visit, settings)` calls visit(Setting, field...) for each setting,
+// with the field (rarely fields) that it sets, const when `settings` is.
+#pragma once
+#include <chiaro/scene.h>
+#include <chiaro/text.h>
+
+#include <concepts>
+#include <type_traits>
+
+namespace chiaro {
+
+// A setting reads best in a line, or in two: what it is, and what it takes.
+// clang-format off
+
+template <class S, class Settings>
+concept SettingsOf = std::same_as<std::remove_const_t<S>, Settings>;
+
+template <class Visit, SettingsOf<ReadOptions> S>
+void describe(Visit&& visit, S& s) {
+    visit(Setting{"raw-size", "volume.raw_size", "voxels", "size of a raw volume"}
+          .within(1, 65535).written("XxYxZ"), s.raw.dimensions);
+    visit(Setting{"raw-type", "volume.raw_type", "", "voxel type of a raw volume"}, s.raw.type);
+    visit(Setting{"raw-spacing", "volume.raw_spacing", "mm",
+                  "voxel spacing of a raw volume"}.above(0), s.raw.spacing_mm);
+    visit(Setting{"raw-endian", "volume.raw_endian", "", "byte order of a raw volume"}
+          .written("little|big"), s.raw.big_endian);
+    visit(Setting{"raw-offset", "volume.raw_offset", "bytes", "bytes before the first voxel of a raw volume"}
+          .within(0, 1e15), s.raw.offset);
+    visit(Setting{"series", "volume.series", "",
+                  "one of several DICOM series: its UID, or its number by size (1 = largest)"}
+          .written("UID|N"), s.series);
+    visit(Setting{"rescale", "volume.rescale", "", "value = SLOPE * stored + INTERCEPT, where a file lacks it"}
+          .written("SLOPE,INTERCEPT"), s.rescale);
+}
+
+template <class Visit, SettingsOf<TransferSettings> S>
+void describe(Visit&& visit, S& s) {
+    visit(Setting{"transfer", "transfer_function", "",
+                  "transfer function: a file, a preset or a colour map (guessed from the data)"}
+          .written("FILE|PRESET").kept(SceneForm::custom), s.source);
+    visit(Setting{"window", "window", "", "stretches the transfer function over these values"}
+          .written("CENTER,WIDTH"), s.window);
+    visit(Setting{"threshold", "threshold", "", "makes values outside transparent"}.written("LO,HI"), s.threshold);
+    visit(Setting{"opacity-scale", "transfer_function.opacity_scale", "", "multiplies the extinction"}
+          .within(0, 1e6), s.opacity_scale);
+    visit(Setting{"opacity-unit", "transfer_function.opacity_unit_distance", "voxels",
+                  "length that opacities belong to, in smallest voxel edges"}
+          .above(0), s.opacity_unit);
+    visit(Setting{"opacity-unit-mm", "transfer_function.opacity_unit_mm", "mm",
+                  "length that opacities belong to, in millimetres"}
+          .above(0), s.opacity_unit_mm);
+}
+
+/// Scene files only: no flags.
+template <class Visit, SettingsOf<StatedVolume> S>
+void describe(Visit&& visit, S& s) {
+    visit(Setting{"", "volume.dims", "voxels",
+                  "size of the volume, checked"}.within(1, 65535).written("XxYxZ"), s.dimensions);
+    visit(Setting{"", "volume.type", "", "voxel type of the volume, checked"}, s.type);
+    visit(Setting{"", "volume.spacing", "mm", "voxel spacing, in the place of the file's"}.above(0), s.spacing_mm);
+}
+
+/// The settings of the scene itself.
+template <class Visit, SettingsOf<Scene> S>
+void describe(Visit&& visit, S& s) {
+    visit(Setting{"size", "image.size", "pixels", "width and height of the picture"}
+          .within(1, 16384).written("WxH"), s.width, s.height);
+}
+
+template <class Visit, SettingsOf<RaySettings> S>
+void describe(Visit&& visit, S& s) {
+    visit(Setting{"step", "sampling.step", "voxels", "distance of the samples along a ray, in smallest voxel edges"}
+          .within(0.001, 100), s.step_voxels);
+    visit(Setting{"early-termination", "sampling.early_termination", "",
+                  "remaining transmittance at which a ray stops; 0: never"}
+          .within(0, 0.99), s.early_termination);
+    visit(Setting{"no-skip-empty", "sampling.no_skip_empty", "", "samples empty space too, as a check of the skipping"},
+          s.skip_empty);
+}
+
+template <class Visit, SettingsOf<CameraSettings> S>
+void describe(Visit&& visit, S& s) {
+    visit(Setting{"azimuth", "camera.azimuth_deg", "degrees", "turns the camera around the up axis"}
+          .within(-36000, 36000), s.azimuth_deg);
+    visit(Setting{"elevation", "camera.elevation_deg", "degrees", "raises the camera towards the up axis"}
+          .within(-90, 90), s.elevation_deg);
+    visit(Setting{"roll", "camera.roll", "degrees", "turns the picture clockwise"}.within(-36000, 36000), s.roll_deg);
+    visit(Setting{"zoom", "camera.fit_scale", "", "1 shows the whole volume, 2 from half the distance"}
+          .above(0, 1000).kept(SceneForm::reciprocal), s.zoom);
+    visit(Setting{"fov", "camera.view_angle_deg", "degrees", "vertical angle of view"}.within(0.1, 170), s.fov_deg);
+    visit(Setting{"up", "camera.up", "", "up axis in the world (+z, superior where the file states a frame)"}
+          .written("±x|±y|±z|X,Y,Z"), s.up);
+    visit(Setting{"projection", "camera.projection", "", "projection of the camera"}, s.projection);
+    visit(Setting{"view", "camera.view", "", "looks at the volume from this anatomical side"}, s.view);
+    visit(Setting{"eye", "camera.eye", "mm",
+                  "position of the camera in the world; with --target, in the place of the orbit"},
+          s.eye);
+    visit(Setting{"target", "camera.target", "mm", "point in the world that the camera looks at"}, s.target);
+}
+
+template <class Visit, SettingsOf<Lighting> S>
+void describe(Visit&& visit, S& s) {
+    visit(Setting{"shading", "shading.enabled", "", "reflection model of surfaces"}.kept(SceneForm::on_off), s.shading);
+    visit(Setting{"ambient", "shading.ambient", "", "share of light that comes from everywhere"}
+          .within(0, 10), s.ambient);
+    visit(Setting{"diffuse", "shading.diffuse", "", "share of light reflected diffusely"}.within(0, 10), s.diffuse);
+    visit(Setting{"specular", "shading.specular", "", "strength of highlights"}.within(0, 10), s.specular);
+    visit(Setting{"shininess", "shading.specular_power", "", "exponent of highlights: higher is smaller"}
+          .within(0, 10000), s.shininess);
+    visit(Setting{"light", "shading.light", "degrees",
+                  "direction towards the light, fixed to the world, or with the camera"}
+          .written("AZ,EL[,COLOR]|headlight"), s.headlight, s.azimuth_deg, s.elevation_deg, s.color);
+}
+
+template <class Visit, SettingsOf<IlluminationSettings> S>
+void describe(Visit&& visit, S& s) {
+    visit(Setting{"lighting", "lighting.method", "", "method that computes how much light arrives at a sample"},
+          s.method);
+}
+
+template <class Visit, SettingsOf<ToneMap> S>
+void describe(Visit&& visit, S& s) {
+    visit(Setting{"background", "background", "", "colour behind the volume: a CSS name, #rrggbb or r,g,b"}
+          .written("COLOR|transparent"), s.background, s.transparent);
+    visit(Setting{"color", "color", "",
+                  "composites decoded sRGB colours as linear light, or as they are (as VTK does)"},
+          s.color);
+}
+
+/// Calls group(title, settings) for each struct of settings in a scene, in the order of --help.
+template <class Group, SettingsOf<Scene> S>
+void for_each_group(Group&& group, S& scene) {
+    group("Volume", scene.read);
+    group("Volume as stated", scene.stated);
+    group("Transfer function", scene.transfer);
+    group("Picture", scene);
+    group("Sampling", scene.sampling);
+    group("Camera", scene.camera);
+    group("Shading", scene.lighting);
+    group("Lighting", scene.illumination);
+    group("Output", scene.output);
+}
+
+/// Calls visit(Setting, field...) for every setting of a scene.
+template <class Visit, SettingsOf<Scene> S>
+void for_each_setting(Visit&& visit, S& scene) {
+    for_each_group([&](std::string_view, auto& settings) { describe(visit, settings); }, scene);
+}
+
+}  // namespace chiaro

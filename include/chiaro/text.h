@@ -1,0 +1,131 @@
+// The text form of every kind of setting: what a flag takes, what a scene file holds, what the documentation shows.
+#pragma once
+#include <chiaro/camera.h>
+#include <chiaro/error.h>
+#include <chiaro/image.h>
+#include <chiaro/io.h>
+#include <chiaro/lighting.h>
+#include <chiaro/settings.h>
+#include <chiaro/volume.h>
+
+#include <array>
+#include <concepts>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace chiaro {
+
+/// The names of an enum's values, in order.
+constexpr auto names_of(Projection) { return std::to_array<std::string_view>({"perspective", "orthographic"}); }
+constexpr auto names_of(View) {
+    return std::to_array<std::string_view>({"anterior", "posterior", "left", "right", "superior", "inferior"});
+}
+constexpr auto names_of(Shading) { return std::to_array<std::string_view>({"none", "lambert", "phong"}); }
+constexpr auto names_of(Method) { return std::to_array<std::string_view>({"none"}); }
+constexpr auto names_of(ColorMode) { return std::to_array<std::string_view>({"linear", "display"}); }
+constexpr auto names_of(NrrdEncoding) { return std::to_array<std::string_view>({"raw", "gzip"}); }
+constexpr auto names_of(Isa) {
+    return std::to_array<std::string_view>({"scalar", "x86-64-v2", "x86-64-v3", "x86-64-v4"});
+}
+constexpr auto names_of(VoxelType) {
+    return std::to_array<std::string_view>(
+        {"uint8", "int8", "uint16", "int16", "uint32", "int32", "uint64", "int64", "float32", "float64"});
+}
+template <class E>
+concept Named = std::is_enum_v<E> && requires(E e) {
+    names_of(e);
+};
+
+/// Text of a value, which from_text gives back; "" for an optional that is not set.
+std::string to_text(bool value);
+std::string to_text(int value);
+std::string to_text(std::uint64_t value);
+std::string to_text(double value);
+std::string to_text(const std::string& value);
+std::string to_text(const Vec3& value);
+std::string to_text(const Rgb& value);
+std::string to_text(const std::pair<double, double>& value);
+std::string to_text(const std::array<int, 3>& value);
+std::string to_text(int width, int height);
+std::string to_text(const Rgb& color, bool transparent);
+std::string to_text(bool headlight, double azimuth_deg, double elevation_deg, const Rgb& color);
+std::string to_text(Named auto value) { return std::string(names_of(value)[std::size_t(value)]); }
+template <class T>
+std::string to_text(const std::optional<T>& value) {
+    return value ? to_text(*value) : "";
+}
+
+/// Sets the fields from text. Throws Error{usage} that says what was expected, or what is wrong with the text.
+void from_text(std::string_view text, bool& value);
+void from_text(std::string_view text, int& value);
+void from_text(std::string_view text, std::uint64_t& value);
+void from_text(std::string_view text, double& value);
+void from_text(std::string_view text, std::string& value);
+void from_text(std::string_view text, Vec3& value);  ///< also an axis: x, -z
+void from_text(std::string_view text, Rgb& value);
+void from_text(std::string_view text, std::pair<double, double>& value);
+void from_text(std::string_view text, std::array<int, 3>& value);
+void from_text(std::string_view text, int& width, int& height);
+void from_text(std::string_view text, Rgb& color, bool& transparent);
+void from_text(std::string_view text, bool& headlight, double& azimuth_deg, double& elevation_deg, Rgb& color);
+
+/// Position of `text` among the names; throws Error{usage} with "did you mean".
+std::size_t index_among(std::string_view text, std::span<const std::string_view> names);
+
+void from_text(std::string_view text, Named auto& value) {
+    using E = std::remove_reference_t<decltype(value)>;
+    value = E(index_among(text, names_of(value)));
+}
+template <class T>
+void from_text(std::string_view text, std::optional<T>& value) {
+    from_text(text, value.emplace());
+}
+
+/// How a value is written where its setting does not say: "perspective|orthographic", "X,Y,Z"; "" for a switch.
+std::string form_of(const Named auto& value) {
+    std::string form;
+    for (std::string_view name : names_of(value)) form += (form.empty() ? "" : "|") + std::string(name);
+    return form;
+}
+inline std::string form_of(const bool&) { return ""; }
+inline std::string form_of(const Vec3&) { return "X,Y,Z"; }
+inline std::string form_of(const auto&...) { return "N"; }
+template <class T>
+std::string form_of(const std::optional<T>&) {
+    return form_of(T{});
+}
+
+/// The numbers of "1,2", "64x64x64" or "5"; nothing unless all pieces are finite numbers.
+std::vector<double> numbers_in(std::string_view text);
+/// "0 to 1", "above 0 mm", ...; "" when every number will do.
+std::string range_of(const Setting& setting);
+/// Throws Error{usage} unless every number in the text is in the setting's range.
+void check_range(const Setting& setting, std::string_view text);
+
+/// Text of a setting's value. A bool is a switch, turned by a name that begins with "no-", or a choice of two where its
+/// setting has a form "off|on".
+std::string value_text(const Setting&, const auto&... fields) { return to_text(fields...); }
+std::string value_text(const Setting& setting, const bool& field);
+
+/// The inverse of value_text. Throws Error{usage}.
+void read_value(const Setting&, std::string_view text, auto&... fields) { from_text(text, fields...); }
+void read_value(const Setting& setting, std::string_view text, bool& field);
+
+/// Sets the fields of a setting from text, within its range. Throws Error{code} that begins with `who` ("--step 0").
+template <class... Fields>
+void set(const Setting& setting, std::string_view text, const std::string& who, ErrorCode code, Fields&... fields) {
+    try {
+        read_value(setting, text, fields...);
+        check_range(setting, text);
+    } catch (const Error& error) {
+        throw Error(code, who + ": " + error.what());
+    }
+}
+
+}  // namespace chiaro

@@ -1,0 +1,43 @@
+#include "render/appearance.h"
+
+#include <chiaro/samples.h>
+
+namespace chiaro {
+namespace {
+
+TransferFunction chosen(const TransferSettings& settings, const Subject& subject) {
+    if (settings.points) return *settings.points;
+    if (!settings.source.empty()) return load_transfer_function(settings.source, subject.statistics);
+    constexpr std::string_view prefix = "sample:";
+    if (!subject.source.starts_with(prefix)) return preset(subject.guess.preset, subject.statistics);
+    const std::string name = subject.source.substr(prefix.size());
+    return sample_transfer_function(name.substr(0, name.find(':')));
+}
+
+}  // namespace
+
+Subject study(const Volume& volume) {
+    const Statistics statistics = measure(volume);
+    return {volume.source, statistics, guess(volume, statistics)};
+}
+
+TransferFunction transfer_function_for(const TransferSettings& settings, const Subject& subject) {
+    TransferFunction tf = chosen(settings, subject);
+    if (settings.window) tf = with_window(std::move(tf), settings.window->first, settings.window->second);
+    if (settings.opacity_unit) tf.opacity_unit = *settings.opacity_unit, tf.opacity_unit_is_mm = false;
+    if (settings.opacity_unit_mm) tf.opacity_unit = *settings.opacity_unit_mm, tf.opacity_unit_is_mm = true;
+    return tf;
+}
+
+Shape shape_for(const Scene& scene) {
+    Shape shape;
+    if (scene.transfer.threshold) {
+        shape.threshold_low = scene.transfer.threshold->first;
+        shape.threshold_high = scene.transfer.threshold->second;
+    }
+    shape.opacity_scale = scene.transfer.opacity_scale;
+    shape.color = scene.output.color;
+    return shape;
+}
+
+}  // namespace chiaro

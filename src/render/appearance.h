@@ -1,0 +1,24 @@
+// From the settings of a scene to what the verbs take.
+#pragma once
+#include <chiaro/scene.h>
+
+#include <string>
+
+namespace chiaro {
+
+/// What is known of a volume once it has been measured.
+struct Subject {
+    std::string source;  ///< as in Volume
+    Statistics statistics;
+    Guess guess;
+};
+
+Subject study(const Volume& volume);
+
+/// The transfer function that the settings ask for - their points, a named one, else a sample's own or the guessed
+/// preset - with their window and opacity unit applied. Throws as load_transfer_function.
+TransferFunction transfer_function_for(const TransferSettings& settings, const Subject& subject);
+
+Shape shape_for(const Scene& scene);
+
+}  // namespace chiaro

@@ -1,0 +1,37 @@
+#include <chiaro/session.h>
+
+#include "render/appearance.h"
+
+namespace chiaro {
+
+Image render_image(const Device& device, const Scene& scene, Progress& progress) {
+    // What is shown, and what its values mean.
+    Volume volume = read_volume(scene, progress);
+    const Subject subject = study(volume);
+    const Geometry geometry = volume.geometry;
+    const auto dimensions = volume.dimensions;
+
+    // What depends on the data alone.
+    const DeviceVolume voxels = upload(device, std::move(volume));
+    const Prepared prepared = prepare(voxels, scene.illumination, progress);
+
+    // What it looks like.
+    const TransferFunction tf = transfer_function_for(scene.transfer, subject);
+    const Medium medium = classify(voxels, tf, shape_for(scene));
+
+    // How much light arrives where: the last field is the finest.
+    IlluminationField field;
+    const auto keep = [&](IlluminationField finer) { field = std::move(finer); };
+    illuminate(device, medium, prepared, scene.lighting, scene.illumination, keep, progress);
+    progress.check();
+
+    // What the camera sees of it.
+    const Camera camera = make_camera(scene.camera, geometry, dimensions);
+    Frame frame(scene.width, scene.height);
+    raycast(device, medium, field, scene.lighting, camera, scene.sampling, frame, progress);
+    progress.check();
+
+    return develop(frame, scene.output);
+}
+
+}  // namespace chiaro

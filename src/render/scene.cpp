@@ -1,0 +1,173 @@
+#include <chiaro/describe.h>
+#include <chiaro/error.h>
+#include <chiaro/scene.h>
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "render/scene_files.h"
+#include "render/scene_keys.h"
+
+namespace chiaro {
+namespace {
+
+constexpr int format_version = 1;
+
+[[noreturn]] void refuse(const std::string& sentence) { throw Error(ErrorCode::input, sentence); }
+
+Json parse_json(const std::string& text) {
+    // Copying and printing JSON recurse: a scene is shallow, and what is not would overflow the stack.
+    const auto is_shallow = [](int depth, Json::parse_event_t, Json&) {
+        if (depth > 32) refuse("nested too deeply");
+        return true;
+    };
+    try {
+        return Json::parse(text, is_shallow);
+    } catch (const Json::exception& error) {
+        const std::string what = error.what();  // "[json.exception.parse_error.101] parse error at line 3, ..."
+        refuse("not JSON: " + what.substr(std::min(what.find("] ") + 2, what.size())));
+    }
+}
+
+/// A value as the flag of its setting would be written.
+std::string flag_text(const Setting& setting, const Json& value) {
+    if (value.is_string()) return value.get<std::string>();
+    if (setting.scene_form == SceneForm::on_off && value.is_boolean()) return value ? "phong" : "none";
+    if (setting.scene_form == SceneForm::reciprocal && value.is_number()) return to_text(1 / value.get<double>());
+    if (!value.is_array()) return value.dump();
+    std::vector<std::string> items;
+    for (const Json& item : value) items.push_back(item.is_string() ? item.get<std::string>() : item.dump());
+    return fmt::format("{}", fmt::join(items, ","));
+}
+
+Json json_of_number(double value) {
+    const bool whole = value == std::floor(value) && std::abs(value) < 9e15;
+    return whole ? Json(std::int64_t(value)) : Json(value);
+}
+
+/// The inverse of flag_text.
+Json json_of(const Setting& setting, const std::string& text) {
+    if (setting.scene_form == SceneForm::on_off && text != "lambert") return text == "phong";
+    if (text == "true" || text == "false") return text == "true";
+    const auto numbers = numbers_in(text);
+    if (numbers.empty()) return text;
+    if (setting.scene_form == SceneForm::reciprocal) return json_of_number(1 / numbers[0]);
+    if (numbers.size() == 1) return json_of_number(numbers[0]);
+    Json list = Json::array();
+    for (double number : numbers) list.push_back(json_of_number(number));
+    return list;
+}
+
+void read_settings(const Json& root, Scene& scene) {
+    for_each_setting(
+        [&](const Setting& setting, auto&... fields) {
+            if (setting.scene_form == SceneForm::custom) return;
+            const Json* value = find(root, setting.key);
+            if (!value) return;
+            const std::string who = fmt::format("{} {}", setting.key, value->dump());
+            set(setting, flag_text(setting, *value), who, ErrorCode::input, fields...);
+        },
+        scene);
+}
+
+std::string text_at(const Json& root, std::string_view key) {
+    const Json* value = find(root, key);
+    if (value && !value->is_string()) refuse(fmt::format("{} {}: must be text", key, value->dump()));
+    return value ? value->get<std::string>() : "";
+}
+
+/// An object without the keys that are reported as unknown.
+Json only(const Json& object, std::initializer_list<const char*> keys) {
+    if (!object.is_object()) return object;
+    Json kept = Json::object();
+    for (const char* key : keys)
+        if (object.contains(key)) kept[key] = object[key];
+    return kept;
+}
+
+void read_transfer_function(const Json& root, const std::filesystem::path& folder,
+                            const std::filesystem::path& data_folder, TransferSettings& transfer) {
+    const Json* points = find(root, "transfer_function.points");
+    const std::string file = text_at(root, "transfer_function.file"),
+                      preset = text_at(root, "transfer_function.preset");
+    if ((points != nullptr) + !file.empty() + !preset.empty() > 1)
+        refuse("transfer_function: points, file and preset exclude each other");
+    transfer.source = file.empty() ? preset : found_file(file, folder, data_folder);
+    if (!points) return;
+    Json own =
+        only(root["transfer_function"], {"points", "opacity_unit_distance", "opacity_unit_mm", "rgb_space", "name"});
+    if (points->is_array())
+        for (Json& point : own["points"]) point = only(point, {"value", "rgb", "opacity"});
+    transfer.points = parse_transfer_function(own.dump(), "transfer_function");
+    transfer.opacity_unit.reset(), transfer.opacity_unit_mm.reset();  // these belong to the points, and replace nothing
+}
+
+void write_transfer_function(const TransferSettings& transfer, Json& root) {
+    if (transfer.points) {
+        TransferFunction tf = *transfer.points;
+        if (transfer.opacity_unit) tf.opacity_unit = *transfer.opacity_unit, tf.opacity_unit_is_mm = false;
+        if (transfer.opacity_unit_mm) tf.opacity_unit = *transfer.opacity_unit_mm, tf.opacity_unit_is_mm = true;
+        root["transfer_function"] = Json::parse(to_json(tf));
+    } else if (!transfer.source.empty()) {
+        // As load_transfer_function tells the two apart; the path may be one seen from elsewhere.
+        const bool named_as_file = transfer.source.find_first_of("/.") != std::string::npos;
+        root["transfer_function"][named_as_file || is_file(transfer.source) ? "file" : "preset"] = transfer.source;
+    }
+}
+
+void check_fixed(const Json& root) {
+    if (!root.is_object()) refuse("must be a JSON object");
+    const Json* version = find(root, "chiaro");
+    if (version && *version != format_version)
+        refuse(fmt::format("chiaro {}: this program reads scenes of version {}", version->dump(), format_version));
+    const Json* model = find(root, "camera.model");
+    if (model && *model != "orbit") refuse(fmt::format("camera.model {}: must be \"orbit\"", model->dump()));
+}
+
+}  // namespace
+
+void check(const Scene& scene, ErrorCode code) {
+    const auto& [source, points, window, threshold, scale, unit, unit_mm] = scene.transfer;
+    if (window && window->second <= 0)
+        throw Error(code, fmt::format("window {}: the width must be above 0", to_text(window)));
+    if (threshold && threshold->first > threshold->second)
+        throw Error(code, fmt::format("threshold {}: LO must not be above HI", to_text(threshold)));
+    if (unit && unit_mm) throw Error(code, "opacity unit: give it in voxels or in mm, not both");
+    if (scene.camera.eye.has_value() != scene.camera.target.has_value())
+        throw Error(code, "camera: eye and target need each other");
+}
+
+Scene parse_scene(const std::string& json, const std::filesystem::path& folder,
+                  const std::filesystem::path& data_folder, std::vector<std::string>& unknown_keys) {
+    const Json root = parse_json(json);
+    check_fixed(root);
+    Scene scene;
+    const std::string name = text_at(root, "volume.file");
+    if (name.empty()) refuse("volume.file is missing: it names the volume to show");
+    scene.volume = found_file(name, folder, data_folder);
+    read_settings(root, scene);
+    read_transfer_function(root, folder, data_folder, scene.transfer);
+    check(scene, ErrorCode::input);
+    unknown_keys = unknown_keys_of(root);
+    return scene;
+}
+
+std::string to_json(const Scene& scene) {
+    Json root;
+    root["chiaro"] = format_version;
+    root["volume"]["file"] = scene.volume;
+    write_transfer_function(scene.transfer, root);
+    root["camera"]["model"] = "orbit";
+    const auto write = [&](const Setting& setting, const auto&... fields) {
+        const std::string text = value_text(setting, fields...);
+        if (setting.scene_form == SceneForm::custom || text.empty()) return;
+        // Names stay text, though one may look like a number: "1.10" is the UID of a series.
+        const bool is_name = (std::is_same_v<decltype(fields), const std::string&> || ...);
+        at(root, setting.key) = is_name ? Json(text) : json_of(setting, text);
+    };
+    for_each_setting(write, scene);
+    if (scene.read.raw == RawLayout()) root["volume"].erase("raw_endian"), root["volume"].erase("raw_offset");
+    return root.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace chiaro

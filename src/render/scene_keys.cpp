@@ -1,0 +1,106 @@
+#include "render/scene_keys.h"
+
+#include <chiaro/describe.h>
+#include <chiaro/error.h>
+
+#include <algorithm>
+
+#include "core/did_you_mean.h"
+
+namespace chiaro {
+namespace {
+
+/// Keys that no setting describes: the scene's own, and those that only inform (a benchmark's, an author's).
+constexpr std::string_view other_keys[] = {"chiaro",
+                                           "note",
+                                           "bench",
+                                           "conventions",
+                                           "volume.file",
+                                           "volume.generator",
+                                           "camera.model",
+                                           "transfer_function.file",
+                                           "transfer_function.preset",
+                                           "transfer_function.points",
+                                           "transfer_function.points.value",
+                                           "transfer_function.points.rgb",
+                                           "transfer_function.points.opacity",
+                                           "transfer_function.rgb_space",
+                                           "transfer_function.name"};
+
+std::vector<std::string> known_keys() {
+    std::vector<std::string> keys(std::begin(other_keys), std::end(other_keys));
+    Scene scene;
+    for_each_setting([&](const Setting& setting, const auto&...) { keys.emplace_back(setting.key); }, scene);
+    return keys;
+}
+
+/// Collects what is unknown below `value`. `shown` is its path with positions in lists, `key` the path without.
+class Search {
+public:
+    std::vector<std::string> found;
+
+    void below(const Json& value, const std::string& shown, const std::string& key) {
+        if (value.is_array()) {
+            for (std::size_t i = 0; i < value.size(); ++i) below(value[i], shown + "[" + std::to_string(i) + "]", key);
+        } else if (value.is_object()) {
+            const std::string dot = key.empty() ? "" : ".";
+            for (const auto& [name, child] : value.items()) member(child, shown + dot + name, key + dot + name);
+        }
+    }
+
+private:
+    void member(const Json& value, const std::string& shown, const std::string& key) {
+        const bool leads_on = std::any_of(known_.begin(), known_.end(),
+                                          [&](const std::string& known) { return known.starts_with(key + "."); });
+        if (leads_on)
+            below(value, shown, key);
+        else if (std::find(known_.begin(), known_.end(), key) == known_.end())
+            found.push_back(shown + did_you_mean(key.substr(key.rfind('.') + 1), siblings(key)));
+    }
+
+    /// Names of the known keys in the same object.
+    std::vector<std::string> siblings(const std::string& key) const {
+        const std::string parent = key.substr(0, key.rfind('.') + 1);
+        std::vector<std::string> names;
+        for (const std::string& known : known_)
+            if (known.starts_with(parent))
+                names.push_back(known.substr(parent.size(), known.find('.', parent.size()) - parent.size()));
+        return names;
+    }
+
+    const std::vector<std::string> known_ = known_keys();
+};
+
+}  // namespace
+
+const Json* find(const Json& root, std::string_view key) {
+    const Json* value = &root;
+    for (std::size_t begin = 0; begin <= key.size();) {
+        const std::size_t end = std::min(key.find('.', begin), key.size());
+        if (!value->is_object())
+            throw Error(ErrorCode::input, std::string(key.substr(0, begin ? begin - 1 : 0)) + ": must be an object");
+        const auto next = value->find(std::string(key.substr(begin, end - begin)));
+        if (next == value->end() || next->is_null()) return nullptr;
+        value = &*next;
+        begin = end + 1;
+    }
+    return value;
+}
+
+Json& at(Json& root, std::string_view key) {
+    Json* value = &root;
+    for (std::size_t begin = 0; begin <= key.size();) {
+        const std::size_t end = std::min(key.find('.', begin), key.size());
+        value = &(*value)[std::string(key.substr(begin, end - begin))];
+        begin = end + 1;
+    }
+    return *value;
+}
+
+std::vector<std::string> unknown_keys_of(const Json& root) {
+    Search search;
+    search.below(root, "", "");
+    return search.found;
+}
+
+}  // namespace chiaro

@@ -1,0 +1,33 @@
+#include <chiaro/error.h>
+#include <chiaro/scene.h>
+#include <chiaro/text.h>
+#include <fmt/format.h>
+
+namespace chiaro {
+namespace {
+
+void check_against(const StatedVolume& stated, const Volume& volume) {
+    if (stated.dimensions && *stated.dimensions != volume.dimensions)
+        throw Error(ErrorCode::input, fmt::format("{}: holds {} voxels, where the scene states {}", volume.source,
+                                                  to_text(volume.dimensions), to_text(stated.dimensions)));
+    if (stated.type && *stated.type != volume.type)
+        throw Error(ErrorCode::input, fmt::format("{}: holds {} voxels, where the scene states {}", volume.source,
+                                                  to_text(volume.type), to_text(stated.type)));
+}
+
+}  // namespace
+
+Volume read_volume(const Scene& scene, Progress& progress) {
+    Volume volume = read_volume(scene.volume, scene.read, progress);
+    check_against(scene.stated, volume);
+    Vec3& spacing = volume.geometry.spacing_mm;
+    if (const auto& stated = scene.stated.spacing_mm; stated && *stated != spacing) {
+        if (spacing != Vec3{1, 1, 1})
+            volume.notes.push_back(fmt::format("the scene's spacing of {} mm replaces the file's {} mm",
+                                               to_text(stated), to_text(spacing)));
+        spacing = *stated;
+    }
+    return volume;
+}
+
+}  // namespace chiaro

@@ -1,0 +1,133 @@
+#include <chiaro/error.h>
+#include <chiaro/session.h>
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <tuple>
+
+#include "render/appearance.h"
+
+namespace chiaro {
+namespace {
+
+using Version = std::uint64_t;
+
+/// A verb's result, kept with the inputs that made it.
+template <class Result, class... Inputs>
+struct Kept {
+    Result result;
+    std::optional<std::tuple<Inputs...>> inputs;
+    Version version = 0;  ///< names the result among the inputs of the verbs to its right
+};
+
+struct Classified {
+    TransferFunction tf;
+    Medium medium;
+};
+
+struct Cast {
+    Frame frame;
+    Outcome outcome;
+};
+
+}  // namespace
+
+struct Session::State {
+    explicit State(Device where) : device(where) {}
+
+    Device device;
+    Subject subject;
+    std::vector<Stage> shown;   // what it took to show the volume, until a render has told it
+    std::vector<Stage> stages;  // of the last render
+    Version last_version = 0;
+
+    // The table: what each verb makes, and from what.
+    Kept<DeviceVolume, Version> upload;
+    Kept<Prepared, Version, IlluminationSettings> prepare;
+    Kept<Classified, Version, TransferSettings, ColorMode> classify;
+    Kept<IlluminationField, Version, Version, IlluminationSettings> illuminate;
+    Kept<Cast, Version, Version, Lighting, Camera, RaySettings, std::pair<int, int>> raycast;
+    Kept<Image, Version, ToneMap> develop;
+
+    /// Calls verb(result), unless the kept result was made from these very inputs.
+    template <class Result, class... Inputs, class Verb>
+    void redo(std::string name, Kept<Result, Inputs...>& kept, std::tuple<Inputs...> inputs, Verb&& verb) {
+        stages.push_back({std::move(name), 0});
+        if (kept.inputs == inputs) return;
+        kept.inputs.reset();  // a verb that throws leaves nothing that could serve
+        const auto start = std::chrono::steady_clock::now();
+        verb(kept.result);
+        stages.back().seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        kept.inputs = std::move(inputs);
+        kept.version = ++last_version;
+    }
+};
+
+Session::Session(Device device) : state_(std::make_unique<State>(device)) {}
+Session::~Session() = default;
+Session::Session(Session&&) noexcept = default;
+
+void Session::show(Volume&& volume, Progress& progress) {
+    // The old volume, and all that was made from it, go before the new one takes its memory.
+    state_ = std::make_unique<State>(state_->device);
+    State& s = *state_;
+    progress.report("measure", 0);
+    Kept<Subject, Version> measured;
+    s.redo("measure", measured, {0}, [&](Subject& subject) { subject = study(volume); });
+    s.subject = std::move(measured.result);
+    progress.check();
+    progress.report("upload", 0);
+    s.redo("upload", s.upload, {0}, [&](DeviceVolume& voxels) { voxels = upload(s.device, std::move(volume)); });
+    progress.check();
+    s.shown = s.stages;
+}
+
+const Image& Session::render(const Scene& scene, Progress& progress) {
+    State& s = *state_;
+    if (!s.upload.inputs) throw Error(ErrorCode::internal, "a session must show a volume before it renders");
+    const DeviceVolume& voxels = s.upload.result;
+    s.stages = s.shown;
+    for (Stage& stage : s.shown) stage.seconds = 0;
+
+    s.redo("prepare", s.prepare, {s.upload.version, scene.illumination},
+           [&](Prepared& prepared) { prepared = prepare(voxels, scene.illumination, progress); });
+    progress.check();
+
+    s.redo("classify", s.classify, {s.upload.version, scene.transfer, scene.output.color}, [&](Classified& classified) {
+        classified.tf = transfer_function_for(scene.transfer, s.subject);
+        classified.medium = classify(voxels, classified.tf, shape_for(scene));
+    });
+    const Medium& medium = s.classify.result.medium;
+
+    s.redo("illuminate", s.illuminate, {s.classify.version, s.prepare.version, scene.illumination},
+           [&](IlluminationField& field) {
+               const auto keep = [&](IlluminationField finer) { field = std::move(finer); };
+               illuminate(s.device, medium, s.prepare.result, scene.lighting, scene.illumination, keep, progress);
+               progress.check();
+           });
+
+    const Camera camera = make_camera(scene.camera, voxels.geometry(), voxels.dimensions());
+    const std::pair size(scene.width, scene.height);
+    s.redo("raycast", s.raycast,
+           {s.classify.version, s.illuminate.version, scene.lighting, camera, scene.sampling, size}, [&](Cast& cast) {
+               Frame& frame = cast.frame;
+               if (std::pair(frame.width, frame.height) != size) frame = Frame(scene.width, scene.height);
+               cast.outcome = raycast(s.device, medium, s.illuminate.result, scene.lighting, camera, scene.sampling,
+                                      frame, progress);
+               progress.check();
+           });
+
+    s.redo("develop", s.develop, {s.raycast.version, scene.output},
+           [&](Image& image) { image = develop(s.raycast.result.frame, scene.output); });
+    return s.develop.result;
+}
+
+const Frame& Session::frame() const { return state_->raycast.result.frame; }
+const std::vector<Stage>& Session::stages() const { return state_->stages; }
+Outcome Session::outcome() const { return state_->raycast.result.outcome; }
+const Statistics& Session::statistics() const { return state_->subject.statistics; }
+const TransferFunction& Session::transfer_function() const { return state_->classify.result.tf; }
+const Guess& Session::guess() const { return state_->subject.guess; }
+
+}  // namespace chiaro

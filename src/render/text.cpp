@@ -1,0 +1,163 @@
+#include <chiaro/text.h>
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+
+#include "core/did_you_mean.h"
+
+namespace chiaro {
+namespace {
+
+[[noreturn]] void refuse(const std::string& sentence) { throw Error(ErrorCode::usage, sentence); }
+
+std::optional<double> number_in(std::string_view text) {
+    if (text.starts_with('+')) text.remove_prefix(1);
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return {};
+    return value;
+}
+
+/// Exactly `count` numbers, or the refusal that `expected` tells.
+std::vector<double> numbers(std::string_view text, std::size_t count, const char* expected) {
+    auto values = numbers_in(text);
+    if (values.size() != count) refuse(fmt::format("expected {}", expected));
+    return values;
+}
+
+template <class Integer>
+Integer integer(double value, Integer lowest, Integer highest) {
+    if (value != std::floor(value)) refuse("expected a whole number");
+    if (value < double(lowest) || value > double(highest)) refuse(fmt::format("must be {} to {}", lowest, highest));
+    return Integer(value);
+}
+
+int to_int(double value) { return integer<int>(value, -2147483647, 2147483647); }
+
+std::optional<Vec3> axis_in(std::string_view text) {
+    const double sign = text.starts_with('-') ? -1 : 1;
+    if (text.starts_with('-') || text.starts_with('+')) text.remove_prefix(1);
+    if (text.size() != 1 || text[0] < 'x' || text[0] > 'z') return {};
+    Vec3 axis;
+    axis[text[0] - 'x'] = sign;
+    return axis;
+}
+
+}  // namespace
+
+std::vector<double> numbers_in(std::string_view text) {
+    std::vector<double> values;
+    for (std::size_t begin = 0; begin <= text.size();) {
+        const std::size_t end = std::min(text.find_first_of(",x", begin), text.size());
+        const auto value = number_in(text.substr(begin, end - begin));
+        if (!value) return {};
+        values.push_back(*value);
+        begin = end + 1;
+    }
+    return values;
+}
+
+std::string to_text(bool value) { return value ? "true" : "false"; }
+std::string to_text(int value) { return fmt::format("{}", value); }
+std::string to_text(std::uint64_t value) { return fmt::format("{}", value); }
+std::string to_text(const std::string& value) { return value; }
+std::string to_text(const Vec3& v) { return fmt::format("{},{},{}", v.x, v.y, v.z); }
+std::string to_text(const Rgb& c) { return fmt::format("{},{},{}", c[0], c[1], c[2]); }
+std::string to_text(const std::pair<double, double>& p) { return fmt::format("{},{}", p.first, p.second); }
+std::string to_text(const std::array<int, 3>& n) { return fmt::format("{}x{}x{}", n[0], n[1], n[2]); }
+std::string to_text(int width, int height) { return fmt::format("{}x{}", width, height); }
+std::string to_text(const Rgb& color, bool transparent) { return transparent ? "transparent" : to_text(color); }
+std::string to_text(bool headlight, double azimuth_deg, double elevation_deg, const Rgb& color) {
+    if (headlight) return "headlight";
+    return fmt::format("{},{},{}", azimuth_deg, elevation_deg, to_text(color));
+}
+
+void from_text(std::string_view text, bool& value) {
+    if (text != "true" && text != "false") refuse("expected true or false");
+    value = text == "true";
+}
+void from_text(std::string_view text, int& value) { value = to_int(numbers(text, 1, "a whole number")[0]); }
+void from_text(std::string_view text, std::uint64_t& value) {
+    // Up to 2^53 a number of JSON is exact.
+    value = integer<std::uint64_t>(numbers(text, 1, "a whole number")[0], 0, std::uint64_t(1) << 53);
+}
+void from_text(std::string_view text, double& value) { value = numbers(text, 1, "a number")[0]; }
+void from_text(std::string_view text, std::string& value) { value = text; }
+void from_text(std::string_view text, Vec3& value) {
+    if (const auto axis = axis_in(text)) {
+        value = *axis;
+        return;
+    }
+    const auto v = numbers(text, 3, "three numbers X,Y,Z or an axis such as -z");
+    value = {v[0], v[1], v[2]};
+}
+void from_text(std::string_view text, Rgb& value) { value = parse_color(std::string(text)); }
+void from_text(std::string_view text, std::pair<double, double>& value) {
+    const auto v = numbers(text, 2, "two numbers A,B");
+    value = {v[0], v[1]};
+}
+void from_text(std::string_view text, std::array<int, 3>& value) {
+    const auto v = numbers(text, 3, "three whole numbers XxYxZ");
+    value = {to_int(v[0]), to_int(v[1]), to_int(v[2])};
+}
+void from_text(std::string_view text, int& width, int& height) {
+    const auto v = numbers(text, 2, "WIDTHxHEIGHT");
+    width = to_int(v[0]), height = to_int(v[1]);
+}
+void from_text(std::string_view text, Rgb& color, bool& transparent) {
+    transparent = text == "transparent";
+    if (!transparent) color = parse_color(std::string(text));
+}
+void from_text(std::string_view text, bool& headlight, double& azimuth_deg, double& elevation_deg, Rgb& color) {
+    headlight = text == "headlight";
+    color = {1, 1, 1};
+    if (headlight) return;
+    const std::size_t first = text.find(','), second = first == text.npos ? first : text.find(',', first + 1);
+    const auto angles = numbers(text.substr(0, second), 2, "headlight or AZ,EL[,COLOR]");
+    azimuth_deg = angles[0], elevation_deg = angles[1];
+    if (second != text.npos) color = parse_color(std::string(text.substr(second + 1)));
+}
+
+std::size_t index_among(std::string_view text, std::span<const std::string_view> names) {
+    for (std::size_t i = 0; i < names.size(); ++i)
+        if (names[i] == text) return i;
+    const std::vector<std::string> candidates(names.begin(), names.end());
+    refuse(fmt::format("must be {}{}", fmt::join(names, ", "), did_you_mean(text, candidates)));
+}
+
+std::string range_of(const Setting& setting) {
+    const bool low = std::isfinite(setting.lowest), high = std::isfinite(setting.highest);
+    std::string range;
+    if (low && high && !setting.lowest_excluded)
+        range = fmt::format("{} to {}", setting.lowest, setting.highest);
+    else if (low)
+        range = fmt::format("{} {}", setting.lowest_excluded ? "above" : "at least", setting.lowest);
+    if (low && high && setting.lowest_excluded) range += fmt::format(" and at most {}", setting.highest);
+    if (!range.empty() && !setting.unit.empty()) range += fmt::format(" {}", setting.unit);
+    return range;
+}
+
+void check_range(const Setting& setting, std::string_view text) {
+    for (double value : numbers_in(text))
+        if (value < setting.lowest || value > setting.highest || (setting.lowest_excluded && value == setting.lowest))
+            refuse("must be " + range_of(setting));
+}
+
+std::string value_text(const Setting& setting, const bool& field) {
+    const std::size_t bar = setting.form.find('|');
+    if (bar == setting.form.npos) return to_text(field != setting.name.starts_with("no-"));
+    return std::string(field ? setting.form.substr(bar + 1) : setting.form.substr(0, bar));
+}
+
+void read_value(const Setting& setting, std::string_view text, bool& field) {
+    if (const std::size_t bar = setting.form.find('|'); bar != setting.form.npos) {
+        const std::string_view names[] = {setting.form.substr(0, bar), setting.form.substr(bar + 1)};
+        field = index_among(text, names) == 1;
+    } else {
+        from_text(text, field);
+        field = field != setting.name.starts_with("no-");
+    }
+}
+
+}  // namespace chiaro
