@@ -4,8 +4,10 @@
 
 namespace chiaro::kernel {
 
-/// log2(x) for finite x > 0, relative error below 1e-6 away from 1: mantissa m in [√½, √2), log m = 2 artanh((m-1)/(m+1)) by its series.
-template <class F> CHIARO_INLINE F log2(F x) {
+/// log2(x) for finite x > 0, relative error below 1e-6 away from 1: mantissa m in [√½, √2), log m = 2
+/// artanh((m-1)/(m+1)) by its series.
+template <class F>
+CHIARO_INLINE F log2(F x) {
     const Int<F> bits = bits_of(x);
     const Int<F> exponent = (bits - Int<F>(0x3f3504f3)) >> Int<F>(23);
     const F m = float_of(bits - (exponent << Int<F>(23)));
@@ -18,7 +20,8 @@ template <class F> CHIARO_INLINE F log2(F x) {
 }
 
 /// 2^x, relative error below 1e-6; 0 below -126.
-template <class F> CHIARO_INLINE F exp2(F x) {
+template <class F>
+CHIARO_INLINE F exp2(F x) {
     const F clamped = max(min(x, F(127)), F(-126));
     const F whole = floor(clamped + F(0.5f));
     const F r = (clamped - whole) * F(0.6931471806f);  // 2^f = e^(f ln 2), |r| <= .35
@@ -34,7 +37,8 @@ template <class F> CHIARO_INLINE F exp2(F x) {
 }
 
 /// base^exponent for base >= 0; 0^0 is 1.
-template <class F> CHIARO_INLINE F pow(F base, F exponent) {
+template <class F>
+CHIARO_INLINE F pow(F base, F exponent) {
     const F power = exp2(exponent * log2(max(base, F(1e-30f))));
     return select((base < F(1e-30f)) & (exponent > F(0)), F(0), power);
 }
