@@ -16,17 +16,17 @@ concept SettingsOf = std::same_as<std::remove_const_t<S>, Settings>;
 
 template <class Visit, SettingsOf<ReadOptions> S>
 void describe(Visit&& visit, S& s) {
-    visit(Setting{"raw-size", "volume.dims", "voxels", "size of a raw volume; that of any other is checked"}
+    visit(Setting{"raw-size", "volume.raw_size", "voxels", "size of a raw volume"}
           .within(1, 65535).written("XxYxZ"), s.raw.dimensions);
-    visit(Setting{"raw-type", "volume.type", "", "voxel type of a raw volume; that of any other is checked"},
-          s.raw.type);
-    visit(Setting{"raw-spacing", "volume.spacing", "mm", "voxel spacing, in the place of the file's"}
-          .above(0), s.raw.spacing_mm);
+    visit(Setting{"raw-type", "volume.raw_type", "", "voxel type of a raw volume"}, s.raw.type);
+    visit(Setting{"raw-spacing", "volume.raw_spacing", "mm",
+                  "voxel spacing of a raw volume"}.above(0), s.raw.spacing_mm);
     visit(Setting{"raw-endian", "volume.raw_endian", "", "byte order of a raw volume"}
           .written("little|big"), s.raw.big_endian);
     visit(Setting{"raw-offset", "volume.raw_offset", "bytes", "bytes before the first voxel of a raw volume"}
           .within(0, 1e15), s.raw.offset);
-    visit(Setting{"series", "volume.series", "", "one of several DICOM series: its UID, or its number by size (1 = largest)"}
+    visit(Setting{"series", "volume.series", "",
+                  "one of several DICOM series: its UID, or its number by size (1 = largest)"}
           .written("UID|N"), s.series);
     visit(Setting{"rescale", "volume.rescale", "", "value = SLOPE * stored + INTERCEPT, where a file lacks it"}
           .written("SLOPE,INTERCEPT"), s.rescale);
@@ -34,17 +34,29 @@ void describe(Visit&& visit, S& s) {
 
 template <class Visit, SettingsOf<TransferSettings> S>
 void describe(Visit&& visit, S& s) {
-    visit(Setting{"transfer", "transfer_function", "", "transfer function: a file, a preset or a colour map (guessed from the data)"}
+    visit(Setting{"transfer", "transfer_function", "",
+                  "transfer function: a file, a preset or a colour map (guessed from the data)"}
           .written("FILE|PRESET").kept(SceneForm::custom), s.source);
     visit(Setting{"window", "window", "", "stretches the transfer function over these values"}
           .written("CENTER,WIDTH"), s.window);
     visit(Setting{"threshold", "threshold", "", "makes values outside transparent"}.written("LO,HI"), s.threshold);
     visit(Setting{"opacity-scale", "transfer_function.opacity_scale", "", "multiplies the extinction"}
           .within(0, 1e6), s.opacity_scale);
-    visit(Setting{"opacity-unit", "transfer_function.opacity_unit_distance", "voxels", "length that opacities belong to, in smallest voxel edges"}
+    visit(Setting{"opacity-unit", "transfer_function.opacity_unit_distance", "voxels",
+                  "length that opacities belong to, in smallest voxel edges"}
           .above(0), s.opacity_unit);
-    visit(Setting{"opacity-unit-mm", "transfer_function.opacity_unit_mm", "mm", "length that opacities belong to, in millimetres"}
+    visit(Setting{"opacity-unit-mm", "transfer_function.opacity_unit_mm", "mm",
+                  "length that opacities belong to, in millimetres"}
           .above(0), s.opacity_unit_mm);
+}
+
+/// Scene files only: no flags.
+template <class Visit, SettingsOf<StatedVolume> S>
+void describe(Visit&& visit, S& s) {
+    visit(Setting{"", "volume.dims", "voxels",
+                  "size of the volume, checked"}.within(1, 65535).written("XxYxZ"), s.dimensions);
+    visit(Setting{"", "volume.type", "", "voxel type of the volume, checked"}, s.type);
+    visit(Setting{"", "volume.spacing", "mm", "voxel spacing, in the place of the file's"}.above(0), s.spacing_mm);
 }
 
 /// The settings of the scene itself.
@@ -58,7 +70,8 @@ template <class Visit, SettingsOf<RaySettings> S>
 void describe(Visit&& visit, S& s) {
     visit(Setting{"step", "sampling.step", "voxels", "distance of the samples along a ray, in smallest voxel edges"}
           .within(0.001, 100), s.step_voxels);
-    visit(Setting{"early-termination", "sampling.early_termination", "", "remaining transmittance at which a ray stops; 0: never"}
+    visit(Setting{"early-termination", "sampling.early_termination", "",
+                  "remaining transmittance at which a ray stops; 0: never"}
           .within(0, 0.99), s.early_termination);
     visit(Setting{"no-skip-empty", "sampling.no_skip_empty", "", "samples empty space too, as a check of the skipping"},
           s.skip_empty);
@@ -78,7 +91,8 @@ void describe(Visit&& visit, S& s) {
           .written("±x|±y|±z|X,Y,Z"), s.up);
     visit(Setting{"projection", "camera.projection", "", "projection of the camera"}, s.projection);
     visit(Setting{"view", "camera.view", "", "looks at the volume from this anatomical side"}, s.view);
-    visit(Setting{"eye", "camera.eye", "mm", "position of the camera in the world; with --target, in the place of the orbit"},
+    visit(Setting{"eye", "camera.eye", "mm",
+                  "position of the camera in the world; with --target, in the place of the orbit"},
           s.eye);
     visit(Setting{"target", "camera.target", "mm", "point in the world that the camera looks at"}, s.target);
 }
@@ -92,7 +106,8 @@ void describe(Visit&& visit, S& s) {
     visit(Setting{"specular", "shading.specular", "", "strength of highlights"}.within(0, 10), s.specular);
     visit(Setting{"shininess", "shading.specular_power", "", "exponent of highlights: higher is smaller"}
           .within(0, 10000), s.shininess);
-    visit(Setting{"light", "shading.light", "degrees", "direction towards the light, fixed to the world, or with the camera"}
+    visit(Setting{"light", "shading.light", "degrees",
+                  "direction towards the light, fixed to the world, or with the camera"}
           .written("AZ,EL[,COLOR]|headlight"), s.headlight, s.azimuth_deg, s.elevation_deg, s.color);
 }
 
@@ -106,7 +121,8 @@ template <class Visit, SettingsOf<ToneMap> S>
 void describe(Visit&& visit, S& s) {
     visit(Setting{"background", "background", "", "colour behind the volume: a CSS name, #rrggbb or r,g,b"}
           .written("COLOR|transparent"), s.background, s.transparent);
-    visit(Setting{"color", "color", "", "composites decoded sRGB colours as linear light, or as they are (as VTK does)"},
+    visit(Setting{"color", "color", "",
+                  "composites decoded sRGB colours as linear light, or as they are (as VTK does)"},
           s.color);
 }
 
@@ -114,6 +130,7 @@ void describe(Visit&& visit, S& s) {
 template <class Group, SettingsOf<Scene> S>
 void for_each_group(Group&& group, S& scene) {
     group("Volume", scene.read);
+    group("Volume as stated", scene.stated);
     group("Transfer function", scene.transfer);
     group("Picture", scene);
     group("Sampling", scene.sampling);

@@ -17,7 +17,7 @@ enum class SceneForm {
 
 /// What there is to know about one setting beside its value; the default is the initial value of its field.
 struct Setting {
-    std::string_view name;      ///< the flag without dashes; "no-..." switches its field off
+    std::string_view name;      ///< the flag without dashes; "no-..." switches its field off; "": scene files only
     std::string_view key;       ///< where it lives in a scene file, "sampling.early_termination"
     std::string_view unit;      ///< "" when it has none
     std::string_view sentence;  ///< what it does, in one line

@@ -1,4 +1,192 @@
+// DICOM: GDCM decodes the pictures; which slices make a volume, and where they lie, is decided in dicom_series.cpp.
+#include "decode/dicom_series.h"
 #include "decode/readers.h"
+#include "volume/validate.h"
+
+#include <fmt/format.h>
+#include <gdcmImageReader.h>
+#include <gdcmTrace.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+
 namespace chiaro::decode {
-Volume read_dicom(const std::filesystem::path&, const std::string&, Output&) { refuse("DICOM is not built in yet"); }
+namespace {
+
+using Path = std::filesystem::path;
+
+std::vector<Path> files_in(const Path& path) {
+    if (!std::filesystem::is_directory(path)) return {path};
+    std::vector<Path> files;
+    for (const auto& entry : std::filesystem::directory_iterator(path))
+        if (entry.is_regular_file()) files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+/// Every slice of every file; what is no image, or none that can be read, is skipped with a note.
+std::vector<DicomSlice> scan(const Path& path, Volume& volume, Output& output) {
+    const auto files = files_in(path);
+    std::vector<DicomSlice> slices;
+    std::size_t strangers = 0;
+    std::string reason;
+    for (std::size_t i = 0; i < files.size(); ++i) {
+        output.progress(0.3 * double(i) / double(files.size()));
+        try {
+            const auto found = scan_dicom_file(files[i]);
+            strangers += found.empty();
+            slices.insert(slices.end(), found.begin(), found.end());
+        } catch (const std::exception& error) {
+            reason = fmt::format("'{}' {}", files[i].filename().string(), error.what());
+            ++strangers;
+        }
+    }
+    if (slices.empty() && !reason.empty()) refuse("holds no DICOM image that can be read: " + reason);
+    if (slices.empty())
+        refuse(files.size() == 1 ? "is no DICOM image"
+                                 : fmt::format("none of its {} files is a DICOM image", files.size()));
+    if (strangers > 0)
+        volume.notes.push_back(fmt::format("{} files that are no readable images were skipped{}", strangers,
+                                           reason.empty() ? "" : ": " + reason));
+    return slices;
+}
+
+std::size_t index_of(const std::vector<DicomSeries>& all, const std::string& wanted) {
+    if (wanted.empty()) return 0;
+    std::size_t position = 0;
+    const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), position);
+    if (error == std::errc{} && end == wanted.data() + wanted.size() && position >= 1 && position <= all.size())
+        return position - 1;
+    for (std::size_t i = 0; i < all.size(); ++i)
+        if (all[i][0].series == wanted) return i;
+    refuse(fmt::format("has no series '{}', but {}, numbered from 1 (the largest)", wanted, all.size()));
+}
+
+DicomSeries choose(std::vector<DicomSeries> all, const std::string& wanted, Volume& volume) {
+    const std::size_t chosen = index_of(all, wanted);
+    std::string others;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        if (i == chosen) continue;
+        const auto& first = all[i][0];
+        others += fmt::format("{}{} ({} slices of {} x {}{}{}, {})", others.empty() ? "" : "; ", i + 1, all[i].size(),
+                              first.columns, first.rows, first.description.empty() ? "" : ", ", first.description,
+                              first.series);
+    }
+    if (!others.empty()) volume.notes.push_back("other series here: " + others);
+    return std::move(all[chosen]);
+}
+
+bool same_rescale(const DicomSeries& series) {
+    return std::all_of(series.begin(), series.end(),
+                       [&](auto& s) { return s.slope == series[0].slope && s.intercept == series[0].intercept; });
+}
+
+/// Notices where a file ends too early: GDCM itself fills up with zeros what is missing, and calls it good.
+class WatchedFile : public std::filebuf {
+public:
+    explicit WatchedFile(const Path& path) { open(path, std::ios::in | std::ios::binary); }
+    bool is_truncated() const { return truncated_; }
+
+protected:
+    std::streamsize xsgetn(char* to, std::streamsize count) override {
+        const std::streamsize got = std::filebuf::xsgetn(to, count);
+        constexpr std::streamsize tag = 4;  // trying for one more element is how a parser finds the regular end
+        truncated_ = truncated_ || (got < count && (got > 0 || count > tag));
+        return got;
+    }
+
+private:
+    bool truncated_ = false;
+};
+
+/// All pictures of one file, in the stored type.
+std::vector<std::byte> decode_file(const DicomSlice& slice, std::size_t frames) {
+    try {
+        WatchedFile file(slice.path);
+        std::istream stream(&file);
+        gdcm::ImageReader reader;
+        reader.SetStream(stream);
+        const bool read = reader.Read();
+        if (file.is_truncated()) refuse("is truncated");
+        if (!read) refuse("cannot be decoded");
+        const gdcm::Image& image = reader.GetImage();
+        const std::size_t bytes = slice.bytes() * frames;
+        if (image.GetBufferLength() != bytes || image.GetPixelFormat().GetPixelSize() != size_of(slice.type))
+            refuse(fmt::format("holds {} bytes of pixels where {} are needed", image.GetBufferLength(), bytes));
+        std::vector<std::byte> pixels(bytes);
+        if (!image.GetBuffer(reinterpret_cast<char*>(pixels.data()))) refuse("holds pixels that cannot be decoded");
+        return pixels;
+    } catch (const std::exception& error) {
+        refuse(fmt::format("'{}' {}", slice.path.filename().string(), error.what()));
+    }
+}
+
+/// Stored pixels to values, where slices differ in slope: one slope cannot say what they mean.
+void rescale(const DicomSlice& slice, const std::byte* from, std::byte* to) {
+    with_voxel_type(slice.type, [&](auto zero) {
+        using T = decltype(zero);
+        for (std::size_t i = 0; i < slice.bytes() / sizeof(T); ++i) {
+            T stored;
+            std::memcpy(&stored, from + i * sizeof(T), sizeof(T));
+            const float value = float(slice.slope * double(stored) + slice.intercept);
+            std::memcpy(to + i * sizeof(float), &value, sizeof(float));
+        }
+    });
+}
+
+std::size_t frames_in(const DicomSeries& series, const Path& path) {
+    std::size_t last = 0;
+    for (const auto& slice : series)
+        if (slice.path == path) last = std::max(last, std::size_t(slice.frame));
+    return last + 1;
+}
+
+void fill(const DicomSeries& series, std::size_t frames, bool rescaled, Volume& volume, Output& output) {
+    std::vector<std::byte> pixels;
+    const Path* decoded = nullptr;
+    const std::size_t slice_bytes = volume.voxels.size() / series.size();
+    for (std::size_t z = 0; z < series.size(); ++z) {
+        const DicomSlice& slice = series[z];
+        if (!decoded || *decoded != slice.path) pixels = decode_file(slice, frames);
+        decoded = &slice.path;
+        const std::byte* from = pixels.data() + std::size_t(slice.frame) * slice.bytes();
+        std::byte* to = volume.voxels.data() + z * slice_bytes;
+        if (rescaled)
+            rescale(slice, from, to);
+        else
+            std::copy_n(from, slice_bytes, to);
+        output.progress(0.3 + 0.7 * double(z + 1) / double(series.size()));
+    }
+}
+
+}  // namespace
+
+Volume read_dicom(const Path& path, const std::string& wanted, Output& output) {
+    gdcm::Trace::WarningOff();
+    gdcm::Trace::ErrorOff();
+    Volume volume;
+    volume.format = "DICOM";
+    DicomSeries series = choose(group_series(scan(path, volume, output)), wanted, volume);
+    const std::size_t frames = series[0].frame == 0 && series.size() > 1 ? frames_in(series, series[0].path) : 1;
+    arrange(series, volume);
+    const DicomSlice& first = series[0];
+    const bool rescaled = !same_rescale(series);
+    volume.type = rescaled ? VoxelType::f32 : first.type;
+    checked_bytes({first.columns, first.rows, std::int64_t(series.size())}, 1, volume.type);
+    volume.dimensions = {first.columns, first.rows, int(series.size())};
+    if (rescaled)
+        volume.notes.push_back("slices differ in rescale slope or intercept; values were computed as 32-bit floats");
+    else
+        volume.slope = first.slope, volume.intercept = first.intercept;
+    volume.modality = first.modality;
+    if (!first.series.empty()) volume.key_values["SeriesInstanceUID"] = first.series;
+    if (!first.description.empty()) volume.key_values["SeriesDescription"] = first.description;
+    output.allocate(volume);
+    fill(series, frames, rescaled, volume, output);
+    return volume;
+}
+
 }  // namespace chiaro::decode

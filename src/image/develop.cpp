@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/srgb.h"
 #include "core/threads.h"
+#include "image/srgb.h"
 
 namespace chiaro {
 namespace {
@@ -16,7 +16,7 @@ namespace {
 class SrgbTable {
 public:
     SrgbTable() {
-        for (int code = 1; code < 256; ++code) lowest_[code] = float(srgb_decode((code - 0.5) / 255));
+        for (int code = 1; code < 256; ++code) lowest_[code] = float(linear_from_srgb((code - 0.5) / 255));
         lowest_[256] = std::numeric_limits<float>::infinity();
         for (int cell = 0; cell <= cells; ++cell) {
             const auto above = std::upper_bound(lowest_.begin() + 1, lowest_.end(), float(cell) / cells);
@@ -63,7 +63,8 @@ Image develop(const Frame& frame, const ToneMap& tone) {
     Image image{frame.width, frame.height, tone.transparent, {}};
     image.pixels.resize(std::size_t(tone.transparent ? 4 : 3) * frame.width * frame.height);
     std::array<float, 3> background{};
-    for (int c = 0; c < 3; ++c) background[c] = float(linear ? srgb_decode(tone.background[c]) : tone.background[c]);
+    for (int c = 0; c < 3; ++c)
+        background[c] = float(linear ? linear_from_srgb(tone.background[c]) : tone.background[c]);
     if (linear) {
         static const SrgbTable table;
         develop_rows(frame, tone, background, table, image);

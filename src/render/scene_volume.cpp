@@ -6,12 +6,12 @@
 namespace chiaro {
 namespace {
 
-void check_against(const RawLayout& stated, const Volume& volume) {
+void check_against(const StatedVolume& stated, const Volume& volume) {
     if (stated.dimensions && *stated.dimensions != volume.dimensions)
-        throw Error(ErrorCode::input, fmt::format("{}: holds {} voxels, where {} are asked for", volume.source,
+        throw Error(ErrorCode::input, fmt::format("{}: holds {} voxels, where the scene states {}", volume.source,
                                                   to_text(volume.dimensions), to_text(stated.dimensions)));
     if (stated.type && *stated.type != volume.type)
-        throw Error(ErrorCode::input, fmt::format("{}: holds {} voxels, where {} are asked for", volume.source,
+        throw Error(ErrorCode::input, fmt::format("{}: holds {} voxels, where the scene states {}", volume.source,
                                                   to_text(volume.type), to_text(stated.type)));
 }
 
@@ -19,11 +19,11 @@ void check_against(const RawLayout& stated, const Volume& volume) {
 
 Volume read_volume(const Scene& scene, Progress& progress) {
     Volume volume = read_volume(scene.volume, scene.read, progress);
-    check_against(scene.read.raw, volume);
+    check_against(scene.stated, volume);
     Vec3& spacing = volume.geometry.spacing_mm;
-    if (const auto& stated = scene.read.raw.spacing_mm; stated && *stated != spacing) {
+    if (const auto& stated = scene.stated.spacing_mm; stated && *stated != spacing) {
         if (spacing != Vec3{1, 1, 1})
-            volume.notes.push_back(fmt::format("spacing {} mm, as asked for, replaces the file's {} mm",
+            volume.notes.push_back(fmt::format("the scene's spacing of {} mm replaces the file's {} mm",
                                                to_text(stated), to_text(spacing)));
         spacing = *stated;
     }

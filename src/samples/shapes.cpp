@@ -36,14 +36,14 @@ TransferFunction homogeneous(Rgb rgb, double opacity) {
     return tf;
 }
 
-/// A step at the surface's value, fully opaque behind.
+/// Air is clear and the body opaque; between them a ramp about the surface's value, kinder to the eye than a step.
 TransferFunction solid(Rgb rgb) {
     TransferFunction tf;
-    tf.points = {{0, rgb, 0}, {inside / 2, rgb, 0}, {inside / 2, rgb, 1}, {inside, rgb, 1}};
+    tf.points = {{inside / 4, rgb, 0}, {inside * 3 / 4, rgb, 1}};
     return tf;
 }
 
-TransferFunction slab_transfer_function() { return homogeneous({0.55, 0.75, 0.95}, 0.03); }
+TransferFunction slab_transfer_function() { return homogeneous({0.60, 0.80, 1.0}, 0.05); }
 TransferFunction ball_transfer_function() { return solid({0.90, 0.55, 0.30}); }
 TransferFunction halfspace_transfer_function() { return solid({0.80, 0.80, 0.80}); }
 

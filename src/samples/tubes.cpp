@@ -1,8 +1,7 @@
 // After Ritschel 2007: coloured translucent bodies throw their shadows onto a plate and into a hollow tube.
 //
-// Where matter meets air the interpolated value passes through all that lies between. So the materials lie close
-// together at the upper end, and the translucent ones below the opaque ones: a surface shows at most a tenth of a voxel
-// of another material.
+// Air lies in the middle of the range, opaque matter below and translucent matter above it: the interpolated value at
+// the surface of an opaque body passes through opaque matter only, and the surface has a ramp for its gradient.
 #include <cmath>
 
 #include "samples/sample.h"
@@ -10,7 +9,7 @@
 namespace chiaro {
 namespace {
 
-constexpr double red_ball = 225, blue_bar = 232, yellow_pane = 239, tube = 247, plate = 255;
+constexpr double plate = 0, tube = 40, air = 128, yellow_pane = 200, blue_bar = 227, red_ball = 255;
 
 double depth_in_box(Vec3 p, Vec3 low, Vec3 high) {
     double depth = 1;
@@ -27,12 +26,13 @@ double depth_in_tube(Vec3 p, double y, double z, double inner, double outer, dou
 }
 
 double value(Vec3 p, int size) {
-    const auto body = [=](double material, double depth) { return material * coverage(depth * size); };
-    return std::max({body(plate, depth_in_box(p, {0.05, 0.05, 0.05}, {0.95, 0.95, 0.11})),
-                     body(tube, depth_in_tube(p, 0.42, 0.30, 0.155, 0.19, 0.22, 0.70)),
-                     body(red_ball, depth_in_ball(p, {0.80, 0.56, 0.55}, 0.10)),
-                     body(blue_bar, depth_in_tube(p, 0.76, 0.50, 0, 0.045, 0.15, 0.75)),
-                     body(yellow_pane, depth_in_box(p, {0.80, 0.16, 0.11}, {0.83, 0.44, 0.50}))});
+    const auto body = [=](double material, double depth) { return (material - air) * coverage(depth * size); };
+    const double opaque = std::min(body(plate, depth_in_box(p, {0.05, 0.05, 0.05}, {0.95, 0.95, 0.11})),
+                                   body(tube, depth_in_tube(p, 0.42, 0.30, 0.155, 0.19, 0.22, 0.70)));
+    const double translucent = std::max({body(red_ball, depth_in_ball(p, {0.80, 0.56, 0.55}, 0.10)),
+                                         body(blue_bar, depth_in_tube(p, 0.76, 0.50, 0, 0.045, 0.15, 0.75)),
+                                         body(yellow_pane, depth_in_box(p, {0.80, 0.16, 0.11}, {0.83, 0.44, 0.50}))});
+    return air + opaque + translucent;
 }
 
 Volume make(int size) {
@@ -41,21 +41,14 @@ Volume make(int size) {
 }
 
 TransferFunction transfer_function() {
-    constexpr struct {
-        double value;
-        Rgb rgb;
-        double opacity;
-    } materials[] = {{red_ball, {0.90, 0.15, 0.12}, 0.15},
-                     {blue_bar, {0.15, 0.35, 0.95}, 0.15},
-                     {yellow_pane, {0.98, 0.80, 0.10}, 0.15},
-                     {tube, {0.92, 0.90, 0.86}, 0.9},
-                     {plate, {0.85, 0.85, 0.85}, 0.9}};
+    constexpr Rgb white{0.93, 0.91, 0.87}, grey{0.82, 0.83, 0.85}, yellow{1.0, 0.82, 0.10}, blue{0.15, 0.35, 1.0},
+        red{0.95, 0.15, 0.10};
+    constexpr double opaque = 0.95, translucent = 0.2;
     TransferFunction tf;
-    tf.points = {{red_ball - 5, materials[0].rgb, 0}};
-    for (const auto& [value, rgb, opacity] : materials) {
-        tf.points.push_back({value - 3, rgb, opacity});
-        tf.points.push_back({value + 3, rgb, opacity});
-    }
+    tf.points = {
+        {plate, grey, opaque},    {12, grey, opaque},       {28, white, opaque},        {52, white, opaque},
+        {100, white, 0},          {160, yellow, 0},         {185, yellow, translucent}, {210, yellow, translucent},
+        {217, blue, translucent}, {237, blue, translucent}, {244, red, translucent},    {red_ball, red, translucent}};
     return tf;
 }
 

@@ -1,0 +1,101 @@
+// chiaro info: what a volume is and what its values mean.
+#include <chiaro/error.h>
+#include <chiaro/text.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "command.h"
+#include "job.h"
+#include "setting_flags.h"
+#include "volume_json.h"
+
+namespace chiaro::cli {
+namespace {
+
+struct InfoOptions {
+    std::string volume;
+    bool json = false;
+    SettingFlags flags;
+    CommonOptions common;
+};
+
+void print_json(const Volume& volume, const Statistics& s, const Guess& guess) {
+    Json json = json_of(volume);
+    json["range"] = {s.min, s.max};
+    json["percentiles"] = {{"1", s.p1}, {"50", s.p50}, {"99", s.p99}, {"99.9", s.p999}};
+    json["histogram"] = {{"min", s.min}, {"max", s.max}, {"counts", s.histogram}};
+    json["nonfinite"] = s.nonfinite;
+    json["modality_guess"] = guess.modality;
+    json["preset_guess"] = guess.preset;
+    json["notes"] = volume.notes;
+    fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
+}
+
+/// Counts as a line of 64 blocks, on a logarithmic scale: one bin of air would flatten all others.
+std::string drawing(const std::array<std::uint64_t, 256>& counts) {
+    constexpr std::string_view blocks[] = {" ", "▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
+    std::array<double, 64> heights{};
+    for (std::size_t i = 0; i < counts.size(); ++i) heights[i / 4] += double(counts[i]);
+    for (double& height : heights) height = std::log1p(height);
+    const double highest = std::max(1e-9, *std::max_element(heights.begin(), heights.end()));
+    std::string line;
+    for (double height : heights) line += blocks[std::size_t(std::ceil(8 * height / highest))];
+    return line;
+}
+
+void print_geometry(const Volume& volume) {
+    const Geometry& g = volume.geometry;
+    const auto& n = volume.dimensions;
+    fmt::print("  spacing     {:.6g} x {:.6g} x {:.6g} mm\n", g.spacing_mm.x, g.spacing_mm.y, g.spacing_mm.z);
+    fmt::print("  extent      {:.6g} x {:.6g} x {:.6g} mm\n", n[0] * g.spacing_mm.x, n[1] * g.spacing_mm.y,
+               n[2] * g.spacing_mm.z);
+    fmt::print("  origin      {:.6g}, {:.6g}, {:.6g} mm\n", g.origin_mm.x, g.origin_mm.y, g.origin_mm.z);
+    for (int axis = 0; axis < 3; ++axis) {
+        const Vec3& d = g.direction[std::size_t(axis)];
+        fmt::print("  {} runs      {:.6g}, {:.6g}, {:.6g}\n", "xyz"[axis], d.x, d.y, d.z);
+    }
+    fmt::print("  world       {}\n", name_of(g.world));
+}
+
+void print_text(const Volume& volume, const Statistics& s, const Guess& guess) {
+    const std::string parts = volume.components > 1 ? fmt::format(", {} components", volume.components) : "";
+    fmt::print("{}\n  format      {}\n  voxels      {} {}{}\n", volume.source, volume.format,
+               to_text(volume.dimensions), chiaro::name_of(volume.type), parts);
+    print_geometry(volume);
+    fmt::print("  values      {:.6g} to {:.6g}\n", s.min, s.max);
+    fmt::print("  percentiles 1 %: {:.6g}, 50 %: {:.6g}, 99 %: {:.6g}, 99.9 %: {:.6g}\n", s.p1, s.p50, s.p99, s.p999);
+    if (s.nonfinite) fmt::print("  not finite  {} voxels\n", s.nonfinite);
+    fmt::print("  histogram   |{}| (logarithmic)\n", drawing(s.histogram));
+    fmt::print("  looks like  {} ({}): --transfer {}\n", guess.modality, guess.reason, guess.preset);
+    for (const auto& note : volume.notes) fmt::print("  note        {}\n", note);
+}
+
+void run(const InfoOptions& o) {
+    if (o.volume.empty()) throw Error(ErrorCode::usage, "VOLUME is missing; see chiaro info --help");
+    Scene scene;
+    scene.volume = o.volume;
+    o.flags.apply(scene);
+    Job job(o.common);
+    const Volume volume = read_volume(scene, job.progress);
+    const Statistics statistics = measure(volume);
+    job.progress.check();
+    job.bar.clear();
+    (o.json ? print_json : print_text)(volume, statistics, guess(volume, statistics));
+}
+
+}  // namespace
+
+Command info_command(CLI::App& tool) {
+    const auto o = std::make_shared<InfoOptions>();
+    CLI::App* app = tool.add_subcommand("info", "Tells a volume's geometry, values and notes");
+    app->add_option("VOLUME", o->volume, "file, folder of slices, sample:NAME[:SIZE], or - for NRRD on standard input");
+    app->add_flag("--json", o->json, "as JSON; the columns of `direction` are the index axes in the world");
+    add_common_options(*app, o->common);
+    o->flags.add_to(*app, "Volume");
+    return {app, [o] { run(*o); }};
+}
+
+}  // namespace chiaro::cli

@@ -1,0 +1,37 @@
+#include "lists.h"
+
+#include <chiaro/chiaro.h>
+#include <fmt/format.h>
+
+#include "setting_flags.h"
+
+namespace chiaro::cli {
+
+void list_methods() {
+    for (const auto& method : chiaro::list_methods()) fmt::print("{:<12} {}\n", method.name, method.sentence);
+}
+
+void list_formats() {
+    for (const auto& format : chiaro::list_formats())
+        fmt::print("{:<12} {:<28} {}\n", format.name, format.extensions, format.note);
+}
+
+void list_presets() {
+    for (const auto& preset : chiaro::list_presets())
+        fmt::print("{:<16} {:<12} {}{}\n", preset.name, preset.modality, preset.sentence,
+                   preset.stretched ? "" : " (in HU, never stretched)");
+}
+
+void list_devices() {
+    const Device device = Device::cpu();
+    fmt::print("cpu          {} threads, {}\n", device.threads, name_of(device.isa));
+}
+
+void list_options() {
+    fmt::print(
+        "# Options that describe a picture\n\nWritten by `chiaro --list-options`; see [scene.md](scene.md) for scene "
+        "files.\n{}",
+        options_table());
+}
+
+}  // namespace chiaro::cli

@@ -1,0 +1,62 @@
+#include "output_file.h"
+
+#include <chiaro/error.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <span>
+
+#include "core/atomic_file.h"
+
+namespace chiaro::cli {
+namespace fs = std::filesystem;
+
+void check_output(const fs::path& path, std::initializer_list<std::string_view> endings) {
+    if (path.empty()) throw Error(ErrorCode::usage, "-o FILE is missing: it names the file to write");
+    const std::string ending = path.extension();
+    if (std::find(endings.begin(), endings.end(), ending) == endings.end())
+        throw Error(ErrorCode::usage,
+                    fmt::format("{}: the name must end in {}", path.string(), fmt::join(endings, " or ")));
+    const fs::path folder = path.has_parent_path() ? path.parent_path() : ".";
+    std::error_code ignored;
+    if (!fs::is_directory(folder, ignored))
+        throw Error(ErrorCode::output, fmt::format("{}: there is no folder {}", path.string(), folder.string()));
+    if (access(folder.c_str(), W_OK) != 0)
+        throw Error(ErrorCode::output,
+                    fmt::format("{}: the folder {} cannot be written to", path.string(), folder.string()));
+    if (fs::is_directory(path, ignored)) throw Error(ErrorCode::output, fmt::format("{}: is a folder", path.string()));
+}
+
+void write_text(const fs::path& path, std::string_view text) {
+    AtomicFile file(path);
+    file.write(std::as_bytes(std::span(text)));
+    file.commit();
+}
+
+FramePattern::FramePattern(const std::string& text) {
+    const std::size_t open = text.find('{'), close = text.find('}');
+    before_ = text.substr(0, open);
+    if (open == text.npos && close == text.npos) return;
+    has_placeholder_ = true;
+    const auto refuse = [&] {
+        throw Error(ErrorCode::usage,
+                    fmt::format("{}: the only placeholder is {{frame}} or, with digits, {{frame:03}}", text));
+    };
+    if (open == text.npos || close == text.npos || close < open) refuse();
+    std::string inside = text.substr(open + 1, close - open - 1);
+    after_ = text.substr(close + 1);
+    if (inside.starts_with("frame:0") && inside.size() == 8 && std::isdigit(static_cast<unsigned char>(inside[7]))) {
+        digits_ = std::size_t(inside[7] - '0');
+        inside = "frame";
+    }
+    if (inside != "frame" || after_.find_first_of("{}") != after_.npos) refuse();
+}
+
+fs::path FramePattern::operator()(int frame) const {
+    if (!has_placeholder_) return before_;
+    return fmt::format("{}{:0{}}{}", before_, frame, digits_, after_);
+}
+
+}  // namespace chiaro::cli

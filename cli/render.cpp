@@ -1,0 +1,164 @@
+// chiaro render: a volume or a scene to pictures.
+#include <chiaro/error.h>
+#include <chiaro/image.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "command.h"
+#include "job.h"
+#include "output_file.h"
+#include "setting_flags.h"
+#include "stats.h"
+
+namespace chiaro::cli {
+namespace {
+
+struct RenderOptions {
+    std::string volume, output;
+    std::filesystem::path scene, data;
+    int frames = 0;  // 0: one picture
+    SettingFlags flags;
+    CommonOptions common;
+};
+
+Scene scene_of(const RenderOptions& o) {
+    if (o.volume.empty() == o.scene.empty())
+        throw Error(ErrorCode::usage, "give either a VOLUME or --scene FILE; see chiaro render --help");
+    Scene scene;
+    scene.volume = o.volume;
+    if (!o.scene.empty()) {
+        std::vector<std::string> unknown;
+        scene = read_scene(o.scene, o.data, unknown);
+        if (!o.common.quiet)
+            for (const auto& key : unknown) say(fmt::format("{}: unknown key {}", o.scene.string(), key));
+    }
+    o.flags.apply(scene);
+    return scene;
+}
+
+/// Everything that can be refused before the work begins.
+void check_options(const RenderOptions& o, const FramePattern& pattern, const Scene& scene) {
+    if (o.frames < 0 || o.frames > 100000)
+        throw Error(ErrorCode::usage, fmt::format("--frames {}: must be 1 to 100000", o.frames));
+    if (o.frames && (scene.camera.view || scene.camera.eye))
+        throw Error(ErrorCode::usage, "--frames turns the orbit: it goes with neither --view nor --eye");
+    if (pattern.has_placeholder() && !o.frames)
+        throw Error(ErrorCode::usage, fmt::format("{}: a {{frame}} needs --frames N", o.output));
+    check_output(pattern(0), {".png"});
+    if (!o.common.stats.empty()) check_output(o.common.stats, {".json"});
+}
+
+void tell_guess(const Session& session, const Scene& scene) {
+    if (!scene.transfer.source.empty() || scene.transfer.points || scene.volume.starts_with("sample:")) return;
+    const Guess& guess = session.guess();
+    say(fmt::format("looks like {} ({}): using --transfer {}", guess.modality, guess.reason, guess.preset));
+}
+
+void tell_stages(const Stats& stats, const Device& device) {
+    std::string line = fmt::format("{}, {} threads:", name_of(device.isa), device.threads);
+    for (const Stage& stage : stats.stages) line += fmt::format(" {} {:.3f} s", stage.name, stage.seconds);
+    say(line);
+}
+
+/// One command's work, from the volume to the last picture.
+class Rendering {
+public:
+    Rendering(const RenderOptions& options)
+        : o_(options), pattern_(options.output), scene_(scene_of(options)), device_(device_of(options.common)) {
+        check_options(o_, pattern_, scene_);
+    }
+
+    void run() {
+        Job job(o_.common);
+        show(job);
+        o_.frames ? turntable(job) : picture(job);
+        if (!o_.common.stats.empty()) write_stats(o_.common.stats, stats_, device_, scene_);
+        job.bar.clear();
+        if (o_.common.verbose) tell_stages(stats_, device_);
+    }
+
+private:
+    void show(Job& job) {
+        Volume volume;
+        stats_.stages.push_back({"read", Stats::time([&] { volume = read_volume(scene_, job.progress); })});
+        stats_.volume = json_of(volume);
+        const std::vector<std::string> notes = volume.notes;
+        session_.show(std::move(volume), job.progress);
+        job.bar.clear();
+        if (o_.common.quiet) return;
+        for (const auto& note : notes) say(fmt::format("{}: {}", scene_.volume, note));
+        tell_guess(session_, scene_);
+    }
+
+    double render(const Scene& scene, Job& job) {
+        return Stats::time([&] { session_.render(scene, job.progress); });
+    }
+
+    void keep_stages() {
+        stats_.stages.insert(stats_.stages.end(), session_.stages().begin(), session_.stages().end());
+    }
+
+    void count_frame(double seconds) {
+        stats_.frame_seconds.push_back(seconds);
+        stats_.samples += session_.outcome().samples;
+    }
+
+    void write(const Scene& scene, int frame, Job& job) {
+        const Image& image = session_.render(scene, job.progress);
+        write_seconds_ += Stats::time([&] { write_png(image, pattern_(frame), {{"chiaro", to_json(scene)}}); });
+    }
+
+    void picture(Job& job) {
+        count_frame(render(scene_, job));
+        keep_stages();
+        write(scene_, 0, job);
+        stats_.stages.push_back({"write", write_seconds_});
+    }
+
+    void turntable(Job& job) {
+        Scene scene = scene_;
+        const auto turn = [&](double frames) {
+            scene.camera.azimuth_deg = scene_.camera.azimuth_deg + 360 * frames / o_.frames;
+        };
+        turn(0.5);  // the warm-up looks from where no frame does, so that the session has nothing kept for any
+        render(scene, job);
+        keep_stages();
+        for (int frame = 0; frame < o_.frames; ++frame) {
+            turn(frame);
+            count_frame(render(scene, job));
+            if (frame == 0 || pattern_.has_placeholder()) write(scene, frame, job);
+        }
+        stats_.stages.push_back({"write", write_seconds_});
+    }
+
+    const RenderOptions& o_;
+    const FramePattern pattern_;
+    const Scene scene_;
+    const Device device_;
+    Session session_{device_};
+    Stats stats_;
+    double write_seconds_ = 0;
+};
+
+}  // namespace
+
+Command render_command(CLI::App& tool) {
+    const auto o = std::make_shared<RenderOptions>();
+    CLI::App* app = tool.add_subcommand("render", "Renders a volume or a scene to a picture");
+    app->add_option("VOLUME", o->volume, "file, folder of slices, sample:NAME[:SIZE], or - for NRRD on standard input");
+    app->add_option("-o,--output", o->output, "picture to write, .png; turn-{frame:03}.png keeps all frames")
+        ->type_name("IMAGE");
+    app->add_option("--scene", o->scene, "scene file, instead of a VOLUME; flags beside it win")->type_name("FILE");
+    app->add_option("--data", o->data, "folder where volumes of scenes are looked up after the scene's own")
+        ->type_name("DIR");
+    app->add_option("--frames", o->frames,
+                    "turntable of N azimuths after a warm-up; without {frame} only the first is kept")
+        ->type_name("N");
+    add_common_options(*app, o->common);
+    o->flags.add_to(*app);
+    return {app, [o] { Rendering(*o).run(); }};
+}
+
+}  // namespace chiaro::cli

@@ -1,0 +1,33 @@
+// What a run did, as JSON: --stats.
+#pragma once
+#include <chiaro/device.h>
+#include <chiaro/session.h>
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "volume_json.h"
+
+namespace chiaro::cli {
+
+struct Stats {
+    Json volume;
+    std::vector<Stage> stages;          ///< in order; the verbs of the first picture
+    std::vector<double> frame_seconds;  ///< one for each picture
+    std::uint64_t samples = 0;          ///< at which the volume was read, in all these pictures
+
+    /// Runs the work and returns its seconds.
+    template <class Work>
+    static double time(Work&& work) {
+        const auto start = std::chrono::steady_clock::now();
+        work();
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    }
+};
+
+/// Throws Error{output}.
+void write_stats(const std::filesystem::path& path, const Stats& stats, const Device& device, const Scene& scene);
+
+}  // namespace chiaro::cli

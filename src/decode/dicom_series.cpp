@@ -1,0 +1,103 @@
+#include "decode/dicom_series.h"
+
+#include "decode/output.h"
+#include "volume/validate.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace chiaro::decode {
+namespace {
+
+bool close(const Vec3& a, const Vec3& b) { return length(a - b) < 1e-3; }
+
+bool belong_together(const DicomSlice& a, const DicomSlice& b) {
+    return a.series == b.series && a.columns == b.columns && a.rows == b.rows && a.type == b.type &&
+           a.has_place == b.has_place && close(a.along_row, b.along_row) && close(a.along_column, b.along_column) &&
+           std::abs(a.column_spacing - b.column_spacing) < 1e-4 && std::abs(a.row_spacing - b.row_spacing) < 1e-4;
+}
+
+Vec3 normal_of(const DicomSlice& slice) { return cross(slice.along_row, slice.along_column); }
+
+/// Several slices at one place are several volumes in one series: the first of each place is kept.
+void leave_out_repeated(DicomSeries& series, Volume& volume) {
+    const auto end =
+        std::unique(series.begin(), series.end(), [](auto& a, auto& b) { return close(a.position, b.position); });
+    const auto count = series.end() - end;
+    if (count == 0) return;
+    volume.notes.push_back(
+        fmt::format("{} slices lie at the place of another; the first at each place is taken", count));
+    series.erase(end, series.end());
+}
+
+void note_uneven(const DicomSeries& series, const Vec3& step, Volume& volume) {
+    double worst = 0, least = length(step), greatest = least;
+    for (std::size_t i = 1; i < series.size(); ++i) {
+        worst = std::max(worst, length(series[i].position - (series[0].position + double(i) * step)));
+        const double distance = length(series[i].position - series[i - 1].position);
+        least = std::min(least, distance);
+        greatest = std::max(greatest, distance);
+    }
+    // Positions are often rounded to a tenth of a millimetre, so a part of a step is no news.
+    if (worst <= 0.2 * length(step)) return;
+    volume.notes.push_back(
+        fmt::format("slices are unevenly spaced ({:.4g} to {:.4g} mm apart, as where some are missing); they are shown "
+                    "as if all were {:.4g} mm apart",
+                    least, greatest, length(step)));
+}
+
+/// The slice axis follows the positions exactly, so a tilted gantry gives a sheared, not a skewed volume.
+void note_tilt(const Vec3& normal, const Vec3& step, Volume& volume) {
+    const double cosine = std::clamp(dot(normal, step) / length(step), -1.0, 1.0);
+    const double degrees = std::acos(cosine) * 180 / std::numbers::pi;
+    if (degrees > 0.1)
+        volume.notes.push_back(fmt::format(
+            "slices are shifted against each other by {:.3g} degrees (a tilted gantry); the volume is sheared to match",
+            degrees));
+}
+
+}  // namespace
+
+std::vector<DicomSeries> group_series(std::vector<DicomSlice> slices) {
+    std::vector<DicomSeries> all;
+    for (auto& slice : slices) {
+        const auto found =
+            std::find_if(all.begin(), all.end(), [&](auto& series) { return belong_together(series[0], slice); });
+        if (found == all.end())
+            all.push_back({std::move(slice)});
+        else
+            found->push_back(std::move(slice));
+    }
+    std::stable_sort(all.begin(), all.end(), [](auto& a, auto& b) { return a.size() > b.size(); });
+    return all;
+}
+
+void arrange(DicomSeries& series, Volume& volume) {
+    const DicomSlice first = series.at(0);
+    const Vec3 normal = normal_of(first);
+    std::stable_sort(series.begin(), series.end(), [](auto& a, auto& b) { return a.instance < b.instance; });
+    Vec3 step = first.thickness * normal;
+    if (first.has_place) {
+        // Keys of 1 µm keep the order of instances at one place, where the last digits differ.
+        const auto key = [&](const DicomSlice& slice) { return std::round(1000 * dot(slice.position, normal)); };
+        for (const auto& slice : series)
+            if (!std::isfinite(key(slice))) refuse("has a slice whose position is not finite");
+        std::stable_sort(series.begin(), series.end(), [&](auto& a, auto& b) { return key(a) < key(b); });
+        leave_out_repeated(series, volume);
+        volume.geometry.world = World::lps;
+        volume.geometry.origin_mm = series[0].position;
+        if (series.size() > 1) {
+            step = (1.0 / double(series.size() - 1)) * (series.back().position - series[0].position);
+            note_uneven(series, step, volume);
+            note_tilt(normal, step, volume);
+        }
+    } else {
+        volume.notes.push_back("its slices state no position; they are taken in the order of their numbers");
+    }
+    set_steps(volume.geometry, {first.column_spacing * first.along_row, first.row_spacing * first.along_column, step});
+}
+
+}  // namespace chiaro::decode

@@ -1,0 +1,17 @@
+// Slices put in order: which belong together, and where they lie.
+#pragma once
+#include "decode/dicom_scan.h"
+
+namespace chiaro::decode {
+
+/// Slices that form one volume: the same series, size, type and orientation.
+using DicomSeries = std::vector<DicomSlice>;
+
+/// All series, the largest first.
+std::vector<DicomSeries> group_series(std::vector<DicomSlice> slices);
+
+/// Sorts the slices along their normal, leaves out those that lie where another does, and sets the geometry of
+/// `volume`. What is out of the ordinary (tilted, uneven, repeated slices, no positions) is put into its notes.
+void arrange(DicomSeries& series, Volume& volume);
+
+}  // namespace chiaro::decode
