@@ -1,20 +1,13 @@
 #include "measure.h"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 
 namespace chiaro::bench {
 namespace {
 
-double seconds(const timeval& t) { return double(t.tv_sec) + 1e-6 * double(t.tv_usec); }
-
-double cpu_now() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
+double cpu_now() { return double(std::clock()) / CLOCKS_PER_SEC; }
 
 double wall_now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 

@@ -42,7 +42,7 @@ void run(const BenchOptions& o) {
 
 }  // namespace
 
-Command make_bench(CLI::App& tool) {
+Command bench_command(CLI::App& tool) {
     const auto o = std::make_shared<BenchOptions>();
     CLI::App* app = tool.add_subcommand("bench", "Measures how fast this build is here");
     std::string names = "which benchmarks (all):";
