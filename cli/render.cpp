@@ -107,7 +107,9 @@ private:
 
     void write(const Scene& scene, int frame, Job& job) {
         const Image& image = session_.render(scene, job.progress);
-        write_seconds_ += Stats::time([&] { write_png(image, pattern_(frame), {{"chiaro", to_json(scene)}}); });
+        const std::filesystem::path path = pattern_(frame);
+        const Metadata metadata{{"chiaro", to_json(seen_from(scene, path.parent_path()))}};
+        write_seconds_ += Stats::time([&] { write_png(image, path, metadata); });
     }
 
     void picture(Job& job) {

@@ -18,39 +18,41 @@ std::string default_text(const Setting& setting, const auto&... fields) {
 
 }  // namespace
 
+void SettingFlags::add(CLI::App& app, const Setting& setting, const std::string& form, const std::string& text) {
+    const std::string flag = fmt::format("--{}", setting.name), name(setting.name), range = range_of(setting);
+    std::string help(setting.sentence);
+    if (!range.empty()) help += fmt::format(" ({})", range);
+    if (!text.empty()) help += fmt::format(" [{}]", text);
+    if (form.empty())
+        app.add_flag_function(
+               flag, [this, name](std::int64_t) { given_[name] = "true"; }, help)
+            ->group(group_);
+    else
+        app.add_option_function<std::string>(
+               flag, [this, name](const std::string& value) { given_[name] = value; }, help)
+            ->type_name(form)
+            ->take_last()
+            ->group(group_);
+}
+
 void SettingFlags::add_to(CLI::App& app, std::string_view only_group) {
-    Scene defaults;
-    for_each_group(
-        [&](std::string_view title, auto& settings) {
-            if (!only_group.empty() && title != only_group) return;
-            describe(
-                [&](const Setting& setting, const auto&... fields) {
-                    const std::string flag = fmt::format("--{}", setting.name), name(setting.name);
-                    std::string help(setting.sentence);
-                    if (const std::string range = range_of(setting); !range.empty())
-                        help += fmt::format(" ({})", range);
-                    if (const std::string text = default_text(setting, fields...); !text.empty())
-                        help += fmt::format(" [{}]", text);
-                    const std::string how = form(setting, fields...);
-                    CLI::Option* option =
-                        how.empty() ? app.add_flag_function(
-                                          flag, [this, name](std::int64_t) { given_[name] = "true"; }, help)
-                                    : app.add_option_function<std::string>(
-                                             flag, [this, name](const std::string& text) { given_[name] = text; }, help)
-                                          ->type_name(how)
-                                          ->take_last();
-                    option->group(std::string(title));
-                },
-                settings);
-        },
-        defaults);
+    const auto add_group = [&](std::string_view title, const auto& settings) {
+        if (!only_group.empty() && title != only_group) return;
+        group_ = title;
+        const auto add_one = [&](const Setting& setting, const auto&... fields) {
+            if (!setting.name.empty()) add(app, setting, form(setting, fields...), default_text(setting, fields...));
+        };
+        describe(add_one, settings);
+    };
+    const Scene defaults;
+    for_each_group(add_group, defaults);
 }
 
 void SettingFlags::apply(Scene& scene) const {
     const auto is_given = [&](std::string_view name) { return given_.contains(name); };
     // Of settings that replace each other, one on the command line puts away the scene's.
     if (is_given("transfer")) scene.transfer.points.reset();
-    if (is_given("opacity-unit") != is_given("opacity-unit-mm"))
+    if (is_given("transfer") || is_given("opacity-unit") || is_given("opacity-unit-mm"))
         scene.transfer.opacity_unit.reset(), scene.transfer.opacity_unit_mm.reset();
     const bool turns_orbit = is_given("azimuth") || is_given("elevation") || is_given("view");
     if (turns_orbit) scene.camera.eye.reset(), scene.camera.target.reset();
@@ -68,26 +70,23 @@ void SettingFlags::apply(Scene& scene) const {
 }
 
 std::string options_table() {
-    std::string text;
-    Scene defaults;
-    for_each_group(
-        [&](std::string_view title, auto& settings) {
-            text += fmt::format(
-                "\n## {}\n\n| flag | scene key | what it does | range | default |\n| --- | --- | --- | --- | --- |\n",
-                title);
-            describe(
-                [&](const Setting& setting, const auto&... fields) {
-                    std::string flag = fmt::format("--{} {}", setting.name, form(setting, fields...));
-                    for (std::size_t bar = 0; (bar = flag.find('|', bar)) != flag.npos; bar += 2)
-                        flag.insert(bar, "\\");
-                    text +=
-                        fmt::format("| `{}` | `{}` | {} | {} | {} |\n", flag.substr(0, flag.find_last_not_of(' ') + 1),
-                                    setting.key, setting.sentence, range_of(setting), default_text(setting, fields...));
-                },
-                settings);
-        },
-        defaults);
-    return text;
+    std::string table;
+    const auto add_row = [&](const Setting& setting, const auto&... fields) {
+        const std::string how = form(setting, fields...);
+        std::string flag = fmt::format("`--{}{}{}`", setting.name, how.empty() ? "" : " ", how);
+        if (setting.name.empty()) flag = "scene files only";
+        for (std::size_t bar = 0; (bar = flag.find('|', bar)) != flag.npos; bar += 2) flag.insert(bar, "\\");
+        table += fmt::format("| {} | `{}` | {} | {} | {} |\n", flag, setting.key, setting.sentence, range_of(setting),
+                             default_text(setting, fields...));
+    };
+    const auto add_group = [&](std::string_view title, const auto& settings) {
+        table += fmt::format("\n## {}\n\n| flag | scene key | what it does | range | default |\n", title);
+        table += "| --- | --- | --- | --- | --- |\n";
+        describe(add_row, settings);
+    };
+    const Scene defaults;
+    for_each_group(add_group, defaults);
+    return table;
 }
 
 }  // namespace chiaro::cli

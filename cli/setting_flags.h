@@ -1,6 +1,7 @@
 // The flags of the settings that <chiaro/describe.h> tells.
 #pragma once
 #include <chiaro/scene.h>
+#include <chiaro/settings.h>
 
 #include <CLI/CLI.hpp>
 #include <map>
@@ -18,6 +19,9 @@ public:
     void apply(Scene& scene) const;
 
 private:
+    void add(CLI::App& app, const Setting& setting, const std::string& form, const std::string& text);
+
+    std::string group_;
     std::map<std::string, std::string, std::less<>> given_;
 };
 

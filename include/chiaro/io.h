@@ -17,6 +17,7 @@ struct RawLayout {
     std::optional<Vec3> spacing_mm;
     bool big_endian = false;
     std::uint64_t offset = 0;  ///< bytes before the first voxel
+    bool operator==(const RawLayout&) const = default;
 };
 
 struct ReadOptions {

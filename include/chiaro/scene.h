@@ -56,7 +56,10 @@ void check(const Scene& scene, ErrorCode code);
 /// a note says so where the two differ). Throws Error{input}, or Error{interrupted} when cancelled.
 Volume read_volume(const Scene& scene, Progress& progress);
 
-/// Reads a scene file (docs/scene.md). A relative volume is looked up beside the file, then in `data_folder`.
+/// The scene with its files named as seen from a folder, to be kept in a file there.
+Scene seen_from(Scene scene, const std::filesystem::path& folder);
+
+/// Reads a scene file (docs/scene.md), or the scene that a PNG of ours carries. A relative volume is looked up beside the file, then in `data_folder`.
 /// Keys that this version does not know are named in `unknown_keys`. Throws Error{input}.
 Scene read_scene(const std::filesystem::path& file, const std::filesystem::path& data_folder,
                  std::vector<std::string>& unknown_keys);

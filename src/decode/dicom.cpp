@@ -35,6 +35,7 @@ std::vector<DicomSlice> scan(const Path& path, Volume& volume, Output& output) {
     std::string reason;
     for (std::size_t i = 0; i < files.size(); ++i) {
         output.progress(0.3 * double(i) / double(files.size()));
+        output.at(files[i].filename().string());
         try {
             const auto found = scan_dicom_file(files[i]);
             strangers += found.empty();
@@ -116,6 +117,9 @@ std::vector<std::byte> decode_file(const DicomSlice& slice, std::size_t frames) 
         const std::size_t bytes = slice.bytes() * frames;
         if (image.GetBufferLength() != bytes || image.GetPixelFormat().GetPixelSize() != size_of(slice.type))
             refuse(fmt::format("holds {} bytes of pixels where {} are needed", image.GetBufferLength(), bytes));
+        if (const auto* value = image.GetDataElement().GetByteValue(); value && value->GetLength() < bytes)
+            refuse(
+                fmt::format("holds {} bytes of pixels where {} are needed", std::uint64_t(value->GetLength()), bytes));
         std::vector<std::byte> pixels(bytes);
         if (!image.GetBuffer(reinterpret_cast<char*>(pixels.data()))) refuse("holds pixels that cannot be decoded");
         return pixels;
@@ -150,6 +154,7 @@ void fill(const DicomSeries& series, std::size_t frames, bool rescaled, Volume& 
     const std::size_t slice_bytes = volume.voxels.size() / series.size();
     for (std::size_t z = 0; z < series.size(); ++z) {
         const DicomSlice& slice = series[z];
+        output.at(slice.path.filename().string());
         if (!decoded || *decoded != slice.path) pixels = decode_file(slice, frames);
         decoded = &slice.path;
         const std::byte* from = pixels.data() + std::size_t(slice.frame) * slice.bytes();

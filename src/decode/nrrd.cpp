@@ -181,7 +181,7 @@ void set_geometry(const NrrdHeader& header, const Axes& axes, Volume& volume) {
 std::vector<Path> data_files(const NrrdHeader& header, const Path& path) {
     const std::string& field = header.fields.at("data file");
     std::vector<std::string> names{field};
-    if (const auto parts = words(field); parts[0] == "LIST")
+    if (const auto parts = words(field); field.starts_with("LIST"))
         names = header.data_files;
     else if (parts.size() >= 4 && parts[0].find('%') != std::string::npos)
         names = expand_pattern(parts[0], integer(parts[1], "data file"), integer(parts[2], "data file"),
@@ -225,7 +225,7 @@ Payload payload_from(const NrrdHeader& header, const Axes& axes, const Path& pat
         refuse("its encoding is '" + encoding + "', not one of raw, gzip, ascii");
     const std::string endian = lower(value_or(header.fields, "endian", "little"));
     if (endian != "little" && endian != "big") refuse("its endian is '" + endian + "', not little or big");
-    if (payload.encoding == Encoding::raw && size_of(volume.type) > 1 && !header.fields.contains("endian"))
+    if (payload.encoding != Encoding::text && size_of(volume.type) > 1 && !header.fields.contains("endian"))
         refuse("has values of several bytes but states no 'endian'");
     payload.big_endian = endian == "big";
     payload.volumes = axes.volumes;
@@ -250,7 +250,6 @@ Volume read_nrrd(const Path& path, Output& output) {
     volume.modality = value_or(header.key_values, "modality");
     set_shape(axes, volume);
     set_geometry(header, axes, volume);
-    check_geometry(volume.geometry);
     read_voxels(payload_from(header, axes, path, volume), volume, output);
     return volume;
 }

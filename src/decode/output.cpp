@@ -26,8 +26,8 @@ void send(const nlohmann::json& message) {
 }  // namespace
 
 void Output::allocate(Volume& volume) {
+    const std::uint64_t bytes = check_header(volume);
     const auto& n = volume.dimensions;
-    const std::uint64_t bytes = checked_bytes({n[0], n[1], n[2]}, volume.components, volume.type);
     if (bytes > max_bytes_)
         refuse(fmt::format("its {} x {} x {} voxels take {} MiB, but at most {} MiB may be used", n[0], n[1], n[2],
                            bytes >> 20, max_bytes_ >> 20));
@@ -44,6 +44,8 @@ void Output::progress(double fraction) {
     last_report_ = now;
     send({{"progress", fraction}});
 }
+
+void Output::at(const std::string& file) { send({{"at", file}}); }
 
 void Output::succeed(const Volume& volume) { send({{"volume", wire::header_to_json(volume)}}); }
 

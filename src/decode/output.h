@@ -16,10 +16,12 @@ class Output {
 public:
     explicit Output(std::uint64_t max_bytes) : max_bytes_(max_bytes) {}
 
-    /// Gives `volume` its voxels, mapped from the memory file. Throws Error{input} for more than the permitted bytes;
-    /// the caller has already made sure that its file can hold that much.
+    /// Gives `volume` its voxels, mapped from the memory file. Throws Error{input} for a header that makes no sense or
+    /// takes more than the permitted bytes; the caller has already made sure that its file can hold that much.
     void allocate(Volume& volume);
     void progress(double fraction);
+    /// Says which of many files is being worked on, so that a crash can be pinned on it.
+    void at(const std::string& file);
     void succeed(const Volume& volume);
     void fail(const std::string& sentence);
 

@@ -13,18 +13,19 @@
 namespace chiaro::decode {
 namespace {
 
-void check_capacity(const Payload& payload, std::uint64_t bytes) {
+void check_capacity(const Payload& payload, std::uint64_t bytes, VoxelType type) {
     std::uint64_t available = 0;
     for (const auto& file : payload.files) {
         const std::uint64_t size = regular_file_size(file);
         available += size - std::min(size, payload.offset);
     }
-    const std::uint64_t ratio = payload.encoding == Encoding::deflated ? largest_deflate_ratio : 1;
-    // A text number takes at least one digit and one blank, whatever the size of its type.
-    if (payload.encoding != Encoding::text && bytes / ratio > available)
+    std::uint64_t most = available;
+    if (payload.encoding == Encoding::deflated) most = available * largest_deflate_ratio;
+    if (payload.encoding == Encoding::text) most = (available + 1) / 2 * size_of(type);  // a digit and a blank each
+    if (bytes > most)
         refuse(fmt::format(
             "its header states {} bytes of voxels, but the file can hold at most {}: truncated, or a wrong header",
-            bytes, available * ratio));
+            bytes, most));
 }
 
 /// Numbers as text, separated by blanks or commas.
@@ -114,7 +115,7 @@ void read_voxels(const Payload& payload, Volume& volume, Output& output) {
         refuse("states more voxels than can be counted in 64 bits");
     if (payload.files.empty() || bytes % (payload.files.size() * size_of(volume.type)) != 0)
         refuse(fmt::format("has {} data files, which {} slices cannot be shared among", payload.files.size(), n[2]));
-    check_capacity(payload, stated);
+    check_capacity(payload, stated, volume.type);
     output.allocate(volume);
     const std::size_t share = bytes / payload.files.size();
     for (std::size_t i = 0; i < payload.files.size(); ++i) {

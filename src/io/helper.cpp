@@ -12,7 +12,6 @@
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <cmath>
 #include <csignal>
 #include <nlohmann/json.hpp>
 
@@ -33,11 +32,12 @@ std::string one_line(std::string text) {
     throw Error(ErrorCode::input, "cannot read '" + one_line(request.name) + "': " + one_line(sentence));
 }
 
-std::string text_of_end(int signal) {
+std::string text_of_end(int signal, const std::string& at) {
+    const std::string what = at.empty() ? "it" : "'" + at + "'";
     if (signal == SIGXCPU || signal == SIGKILL)
-        return "decoding it took more processor time or memory than is permitted";
+        return "decoding " + what + " took more processor time or memory than is permitted";
     if (signal != 0)
-        return fmt::format("the decoder crashed on it (signal {}), so the file is damaged or of an unknown kind",
+        return fmt::format("the decoder crashed on {} (signal {}), so the file is damaged or of an unknown kind", what,
                            signal);
     return "the decoder ended without an answer";
 }
@@ -56,7 +56,7 @@ public:
         for (;;) {
             progress_.check();
             const auto event = helper.next(line, std::chrono::milliseconds(20));
-            if (event == HelperProcess::Event::ended) refuse(request_, text_of_end(helper.ending_signal()));
+            if (event == HelperProcess::Event::ended) refuse(request_, text_of_end(helper.ending_signal(), at_));
             if (event == HelperProcess::Event::line) {
                 last_sign = Clock::now();
                 if (auto header = take(line); !header.is_null()) return header;
@@ -77,6 +77,7 @@ private:
             refuse(request_, error->get<std::string>());
         if (const auto fraction = message.find("progress"); fraction != message.end() && fraction->is_number())
             progress_.report("read", std::clamp(fraction->get<double>(), 0.0, 1.0));
+        if (const auto at = message.find("at"); at != message.end() && at->is_string()) at_ = at->get<std::string>();
         const auto volume = message.find("volume");
         return volume == message.end() ? nlohmann::json() : *volume;
     }
@@ -84,6 +85,7 @@ private:
     const DecodeRequest& request_;
     const ReadOptions& options_;
     Progress& progress_;
+    std::string at_;  ///< the file last named by the helper
 };
 
 /// Takes over the voxels, once the memory file is proved to be as large as the header says and can no longer shrink.
@@ -100,12 +102,7 @@ VoxelBuffer map_voxels(const Descriptor& file, std::uint64_t bytes) {
 
 Volume checked_volume(const nlohmann::json& header, const Descriptor& voxels) {
     Volume volume = wire::header_from_json(header);
-    const auto& n = volume.dimensions;
-    const std::uint64_t bytes = checked_bytes({n[0], n[1], n[2]}, volume.components, volume.type);
-    check_geometry(volume.geometry);
-    if (!std::isfinite(volume.slope) || !std::isfinite(volume.intercept))
-        throw Error(ErrorCode::input,
-                    fmt::format("states the slope {} and intercept {}", volume.slope, volume.intercept));
+    const std::uint64_t bytes = check_header(volume);
     volume.voxels = map_voxels(voxels, bytes);
     for (auto& note : volume.notes) note = one_line(note);
     return volume;

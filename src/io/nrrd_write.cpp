@@ -35,7 +35,7 @@ VoxelType written_type(const Volume& volume) {
     if (!small || !whole) return VoxelType::f32;
     const auto [least, greatest] = stored_range(volume);
     const auto [low, high] =
-        std::minmax(volume.slope * least + volume.intercept, volume.slope * greatest + volume.intercept);
+        std::minmax({volume.slope * least + volume.intercept, volume.slope * greatest + volume.intercept});
     if (low >= 0 && high <= 65535) return VoxelType::u16;
     return low >= -32768 && high <= 32767 ? VoxelType::i16 : VoxelType::f32;
 }

@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <fstream>
 
+#include "render/scene_files.h"
 #include "render/scene_keys.h"
 
 namespace chiaro {
@@ -65,26 +65,19 @@ void read_settings(const Json& root, Scene& scene) {
         scene);
 }
 
-bool names_no_file(const std::string& name) { return name == "-" || name.starts_with("sample:"); }
-
-bool is_there(const std::filesystem::path& path) {
-    std::error_code no_access;
-    return std::filesystem::exists(path, no_access);
-}
-
-/// A name in a scene file as the path that it stands for: beside the file, then in the data folder.
-std::string resolve(const std::string& name, const std::filesystem::path& folder,
-                    const std::filesystem::path& data_folder) {
-    if (names_no_file(name)) return name;
-    const std::string file = name.substr(0, name.find(":/"));  // of file.h5:/path/to/dataset
-    const bool only_in_data = !is_there(folder / file) && !data_folder.empty() && is_there(data_folder / file);
-    return ((only_in_data ? data_folder : folder) / name).lexically_normal().string();
-}
-
 std::string text_at(const Json& root, std::string_view key) {
     const Json* value = find(root, key);
     if (value && !value->is_string()) refuse(fmt::format("{} {}: must be text", key, value->dump()));
     return value ? value->get<std::string>() : "";
+}
+
+/// An object without the keys that are reported as unknown.
+Json only(const Json& object, std::initializer_list<const char*> keys) {
+    if (!object.is_object()) return object;
+    Json kept = Json::object();
+    for (const char* key : keys)
+        if (object.contains(key)) kept[key] = object[key];
+    return kept;
 }
 
 void read_transfer_function(const Json& root, const std::filesystem::path& folder,
@@ -94,10 +87,12 @@ void read_transfer_function(const Json& root, const std::filesystem::path& folde
                       preset = text_at(root, "transfer_function.preset");
     if ((points != nullptr) + !file.empty() + !preset.empty() > 1)
         refuse("transfer_function: points, file and preset exclude each other");
-    transfer.source = file.empty() ? preset : resolve(file, folder, data_folder);
+    transfer.source = file.empty() ? preset : found_file(file, folder, data_folder);
     if (!points) return;
-    Json own = root["transfer_function"];
-    own.erase("opacity_scale");
+    Json own =
+        only(root["transfer_function"], {"points", "opacity_unit_distance", "opacity_unit_mm", "rgb_space", "name"});
+    if (points->is_array())
+        for (Json& point : own["points"]) point = only(point, {"value", "rgb", "opacity"});
     transfer.points = parse_transfer_function(own.dump(), "transfer_function");
     transfer.opacity_unit.reset(), transfer.opacity_unit_mm.reset();  // these belong to the points, and replace nothing
 }
@@ -109,8 +104,9 @@ void write_transfer_function(const TransferSettings& transfer, Json& root) {
         if (transfer.opacity_unit_mm) tf.opacity_unit = *transfer.opacity_unit_mm, tf.opacity_unit_is_mm = true;
         root["transfer_function"] = Json::parse(to_json(tf));
     } else if (!transfer.source.empty()) {
-        const bool is_file = is_there(transfer.source);
-        root["transfer_function"][is_file ? "file" : "preset"] = transfer.source;
+        // As load_transfer_function tells the two apart; the path may be one seen from elsewhere.
+        const bool named_as_file = transfer.source.find_first_of("/.") != std::string::npos;
+        root["transfer_function"][named_as_file || is_file(transfer.source) ? "file" : "preset"] = transfer.source;
     }
 }
 
@@ -143,24 +139,12 @@ Scene parse_scene(const std::string& json, const std::filesystem::path& folder,
     Scene scene;
     const std::string name = text_at(root, "volume.file");
     if (name.empty()) refuse("volume.file is missing: it names the volume to show");
-    scene.volume = resolve(name, folder, data_folder);
+    scene.volume = found_file(name, folder, data_folder);
     read_settings(root, scene);
     read_transfer_function(root, folder, data_folder, scene.transfer);
     check(scene, ErrorCode::input);
     unknown_keys = unknown_keys_of(root);
     return scene;
-}
-
-Scene read_scene(const std::filesystem::path& file, const std::filesystem::path& data_folder,
-                 std::vector<std::string>& unknown_keys) {
-    std::ifstream stream(file, std::ios::binary);
-    const std::string text((std::istreambuf_iterator<char>(stream)), {});
-    if (!stream) refuse(fmt::format("{}: cannot be read", file.string()));
-    try {
-        return parse_scene(text, file.parent_path(), data_folder, unknown_keys);
-    } catch (const Error& error) {
-        throw Error(error.code(), fmt::format("{}: {}", file.string(), error.what()));
-    }
 }
 
 std::string to_json(const Scene& scene) {
@@ -169,16 +153,16 @@ std::string to_json(const Scene& scene) {
     root["volume"]["file"] = scene.volume;
     write_transfer_function(scene.transfer, root);
     root["camera"]["model"] = "orbit";
-    for_each_setting(
-        [&](const Setting& setting, const auto&... fields) {
-            const std::string text = value_text(setting, fields...);
-            if (setting.scene_form == SceneForm::custom || text.empty()) return;
-            // Names stay text, though one may look like a number: "1.10" is the UID of a series.
-            const bool is_name = (std::is_same_v<decltype(fields), const std::string&> || ...);
-            at(root, setting.key) = is_name ? Json(text) : json_of(setting, text);
-        },
-        scene);
-    return root.dump(2) + "\n";
+    const auto write = [&](const Setting& setting, const auto&... fields) {
+        const std::string text = value_text(setting, fields...);
+        if (setting.scene_form == SceneForm::custom || text.empty()) return;
+        // Names stay text, though one may look like a number: "1.10" is the UID of a series.
+        const bool is_name = (std::is_same_v<decltype(fields), const std::string&> || ...);
+        at(root, setting.key) = is_name ? Json(text) : json_of(setting, text);
+    };
+    for_each_setting(write, scene);
+    if (scene.read.raw == RawLayout()) root["volume"].erase("raw_endian"), root["volume"].erase("raw_offset");
+    return root.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace chiaro

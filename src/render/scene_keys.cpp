@@ -55,7 +55,17 @@ private:
         if (leads_on)
             below(value, shown, key);
         else if (std::find(known_.begin(), known_.end(), key) == known_.end())
-            found.push_back(shown + did_you_mean(key, known_));
+            found.push_back(shown + did_you_mean(key.substr(key.rfind('.') + 1), siblings(key)));
+    }
+
+    /// Names of the known keys in the same object.
+    std::vector<std::string> siblings(const std::string& key) const {
+        const std::string parent = key.substr(0, key.rfind('.') + 1);
+        std::vector<std::string> names;
+        for (const std::string& known : known_)
+            if (known.starts_with(parent))
+                names.push_back(known.substr(parent.size(), known.find('.', parent.size()) - parent.size()));
+        return names;
     }
 
     const std::vector<std::string> known_ = known_keys();

@@ -30,6 +30,15 @@ std::uint64_t checked_bytes(const std::array<std::int64_t, 3>& dimensions, std::
     return bytes;
 }
 
+std::uint64_t check_header(const Volume& volume) {
+    check_geometry(volume.geometry);
+    if (!std::isfinite(volume.slope) || !std::isfinite(volume.intercept))
+        refuse(fmt::format("states the slope {} and the intercept {}, which are not both finite", volume.slope,
+                           volume.intercept));
+    const auto& n = volume.dimensions;
+    return checked_bytes({n[0], n[1], n[2]}, volume.components, volume.type);
+}
+
 void check_geometry(const Geometry& geometry) {
     const Vec3& spacing = geometry.spacing_mm;
     if (!finite(geometry.origin_mm)) refuse("has an origin " + text_of(geometry.origin_mm) + " that is not finite");

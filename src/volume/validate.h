@@ -10,6 +10,10 @@ namespace chiaro {
 /// size can be counted in 64 bits. Takes the numbers as a header states them: they may be absurd.
 std::uint64_t checked_bytes(const std::array<std::int64_t, 3>& dimensions, std::int64_t components, VoxelType type);
 
+/// Checks everything but the voxels, and returns how many bytes they take. Throws Error{input} for dimensions outside
+/// 1..65535, geometry that makes no sense, or a slope that is not finite.
+std::uint64_t check_header(const Volume& volume);
+
 /// Throws Error{input} unless all numbers are finite, spacings positive, directions unit vectors and not singular.
 void check_geometry(const Geometry& geometry);
 

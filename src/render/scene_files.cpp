@@ -1,0 +1,64 @@
+#include "render/scene_files.h"
+
+#include <chiaro/error.h>
+#include <chiaro/image.h>
+#include <chiaro/scene.h>
+#include <fmt/format.h>
+
+#include <fstream>
+#include <iterator>
+
+namespace chiaro {
+namespace fs = std::filesystem;
+namespace {
+
+bool names_no_file(const std::string& name) { return name.empty() || name == "-" || name.starts_with("sample:"); }
+
+std::string text_of_png(const fs::path& file) {
+    for (const auto& [key, text] : read_png_metadata(file))
+        if (key == "chiaro") return text;
+    throw Error(ErrorCode::input, fmt::format("{}: this picture carries no scene", file.string()));
+}
+
+std::string text_of(const fs::path& file) {
+    if (file.extension() == ".png") return text_of_png(file);
+    std::ifstream stream(file, std::ios::binary);
+    std::error_code no_access;
+    if (!stream || fs::is_directory(file, no_access))
+        throw Error(ErrorCode::input, fmt::format("{}: cannot be read", file.string()));
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+}  // namespace
+
+bool is_file(const fs::path& path) {
+    std::error_code no_access;
+    return fs::exists(path, no_access);
+}
+
+std::string found_file(const std::string& name, const fs::path& folder, const fs::path& data_folder) {
+    if (names_no_file(name)) return name;
+    const std::string file = name.substr(0, name.find(":/"));
+    const bool only_in_data = !is_file(folder / file) && !data_folder.empty() && is_file(data_folder / file);
+    return ((only_in_data ? data_folder : folder) / name).lexically_normal().string();
+}
+
+Scene seen_from(Scene scene, const fs::path& folder) {
+    const auto see = [base = fs::absolute(folder / ".").lexically_normal()](const std::string& name) {
+        return fs::absolute(name).lexically_normal().lexically_proximate(base).string();
+    };
+    if (!names_no_file(scene.volume)) scene.volume = see(scene.volume);
+    if (is_file(scene.transfer.source)) scene.transfer.source = see(scene.transfer.source);
+    return scene;
+}
+
+Scene read_scene(const fs::path& file, const fs::path& data_folder, std::vector<std::string>& unknown_keys) {
+    const std::string text = text_of(file);
+    try {
+        return parse_scene(text, file.parent_path(), data_folder, unknown_keys);
+    } catch (const Error& error) {
+        throw Error(error.code(), fmt::format("{}: {}", file.string(), error.what()));
+    }
+}
+
+}  // namespace chiaro

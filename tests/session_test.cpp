@@ -1,0 +1,112 @@
+// A session redoes what lies right of a change, and nothing else.
+#include <chiaro/error.h>
+#include <chiaro/samples.h>
+#include <chiaro/session.h>
+#include <gtest/gtest.h>
+
+using namespace chiaro;
+
+namespace {
+
+struct SessionTest : testing::Test {
+    Progress progress;
+    Session session{Device::cpu(2)};
+    Scene scene;
+
+    void SetUp() override {
+        scene.volume = "sample:ball:24";
+        scene.width = 40, scene.height = 30;
+        session.show(make_sample("ball", 24), progress);
+        session.render(scene, progress);
+    }
+
+    /// Names of the stages that the next render really does.
+    std::string redone() {
+        session.render(scene, progress);
+        std::string names;
+        for (const auto& stage : session.stages())
+            if (stage.seconds > 0) names += (names.empty() ? "" : " ") + stage.name;
+        return names;
+    }
+};
+
+}  // namespace
+
+TEST_F(SessionTest, TellsEveryStageInOrder) {
+    std::string names;
+    for (const auto& stage : session.stages()) names += stage.name + " ";
+    EXPECT_EQ(names, "measure upload prepare classify illuminate raycast develop ");
+    EXPECT_GT(session.stages()[1].seconds, 0);
+    EXPECT_GT(session.outcome().samples, 0u);
+}
+
+TEST_F(SessionTest, KeepsEverythingWithoutAChange) { EXPECT_EQ(redone(), ""); }
+
+TEST_F(SessionTest, CameraMovesStartAtRaycast) {
+    scene.camera.azimuth_deg += 10;
+    EXPECT_EQ(redone(), "raycast develop");
+    scene.lighting.ambient = 0.5;
+    EXPECT_EQ(redone(), "raycast develop");
+    scene.sampling.step_voxels = 1;
+    EXPECT_EQ(redone(), "raycast develop");
+    scene.width = 50;
+    EXPECT_EQ(redone(), "raycast develop");
+    EXPECT_EQ(session.frame().width, 50);
+}
+
+TEST_F(SessionTest, BackgroundsStartAtDevelop) {
+    scene.output.background = {1, 1, 1};
+    EXPECT_EQ(redone(), "develop");
+    scene.output.transparent = true;
+    EXPECT_EQ(redone(), "develop");
+}
+
+TEST_F(SessionTest, TransferFunctionsStartAtClassify) {
+    for (const auto& change : std::vector<std::function<void()>>{[&] { scene.transfer.source = "gray"; },
+                                                                 [&] { scene.transfer.opacity_scale = 0.5; },
+                                                                 [&] {
+                                                                     scene.transfer.threshold = {10, 300};
+                                                                 },
+                                                                 [&] { scene.output.color = ColorMode::display; }}) {
+        change();
+        EXPECT_EQ(redone(), "classify illuminate raycast develop");
+    }
+}
+
+TEST_F(SessionTest, NewVolumesStartOver) {
+    const auto before = session.render(scene, progress).pixels;
+    session.show(make_sample("menger", 24), progress);
+    EXPECT_EQ(redone(), "measure upload prepare classify illuminate raycast develop");
+    EXPECT_NE(session.render(scene, progress).pixels, before);
+}
+
+TEST_F(SessionTest, GivesThePictureOfRenderImage) {
+    EXPECT_EQ(session.render(scene, progress).pixels, render_image(Device::cpu(1), scene, progress).pixels);
+}
+
+TEST_F(SessionTest, AnInterruptedRenderIsDoneAgain) {
+    const auto before = session.render(scene, progress).pixels;
+    scene.camera.azimuth_deg += 90;
+    Progress cancelled;
+    cancelled.cancel();
+    EXPECT_THROW(session.render(scene, cancelled), Error);
+    scene.camera.azimuth_deg -= 90;
+    EXPECT_EQ(session.render(scene, progress).pixels, before);
+}
+
+TEST_F(SessionTest, GivesTheTransferFunctionItUsed) {
+    scene.transfer.points.emplace().points = {{0, {0, 0, 0}, 0}, {10, {1, 1, 1}, 0.5}};
+    scene.transfer.window = {100, 50};
+    scene.transfer.opacity_unit_mm = 4;
+    session.render(scene, progress);
+    EXPECT_DOUBLE_EQ(session.transfer_function().points.front().value, 75);
+    EXPECT_DOUBLE_EQ(session.transfer_function().points.back().value, 125);
+    EXPECT_EQ(session.transfer_function().opacity_unit, 4);
+    EXPECT_TRUE(session.transfer_function().opacity_unit_is_mm);
+}
+
+TEST(Session, NeedsAVolume) {
+    Progress progress;
+    Session session(Device::cpu(1));
+    EXPECT_THROW(session.render(Scene(), progress), Error);
+}

@@ -1,0 +1,152 @@
+// Walks every setting that <chiaro/describe.h> tells.
+#include <chiaro/describe.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+using namespace chiaro;
+
+namespace {
+
+/// A scene with every setting away from its default.
+Scene changed_scene() {
+    Scene s;
+    s.volume = "volume.nrrd";
+    s.read.raw = {{{4, 5, 6}}, VoxelType::u16, Vec3{1, 2, 3}, true, 12};
+    s.read.series = "1.10";
+    s.read.rescale = {2, -1024};
+    s.stated = {{{7, 8, 9}}, VoxelType::f32, Vec3{0.5, 0.25, 2}};
+    s.transfer.source = "ct-bone";
+    s.transfer.window = {40, 400};
+    s.transfer.threshold = {-100.5, 1e6};
+    s.transfer.opacity_scale = 0.5;
+    s.transfer.opacity_unit_mm = 3;
+    s.camera = {-10,           12.5,           90, 4, 45, Vec3{0, -1, 0}, Projection::orthographic, View::left,
+                Vec3{1, 2, 3}, Vec3{0, 0, 0.1}};
+    s.lighting = {Shading::lambert, 0.1, 0.2, 0.4, 5, false, 30, -40, {1, 0.5, 0.25}};
+    s.sampling = {1, 0, false};
+    s.output = {{0.1, 0.2, 0.3}, false, ColorMode::display};
+    s.width = 64, s.height = 48;
+    return s;
+}
+
+/// Every value as text, by key.
+std::vector<std::pair<std::string, std::string>> texts_of(const Scene& scene) {
+    std::vector<std::pair<std::string, std::string>> texts;
+    for_each_setting(
+        [&](const Setting& s, const auto&... fields) { texts.emplace_back(s.key, value_text(s, fields...)); }, scene);
+    return texts;
+}
+
+}  // namespace
+
+TEST(Settings, AreAllTold) {
+    std::set<std::string_view> names, keys;
+    const Scene scene;
+    for_each_setting(
+        [&](const Setting& s, const auto&...) {
+            EXPECT_FALSE(s.sentence.empty()) << s.key;
+            EXPECT_NE(s.sentence.back(), '.') << s.key;
+            EXPECT_TRUE(s.name.empty() || names.insert(s.name).second) << s.name << " twice";
+            EXPECT_TRUE(keys.insert(s.key).second) << s.key << " twice";
+            EXPECT_LT(s.lowest, s.highest) << s.key;
+        },
+        scene);
+    EXPECT_GT(keys.size(), 35u);
+}
+
+TEST(Settings, DefaultsAreInRange) {
+    const Scene scene;
+    for_each_setting([](const Setting& s,
+                        const auto&... fields) { EXPECT_NO_THROW(check_range(s, value_text(s, fields...))) << s.key; },
+                     scene);
+}
+
+TEST(Settings, RoundTripThroughText) {
+    const Scene from = changed_scene();
+    std::map<std::string, std::string> given;
+    for (const auto& [key, text] : texts_of(from)) given[key] = text;
+    Scene to;
+    for_each_setting(
+        [&](const Setting& s, auto&... fields) {
+            const std::string& text = given.at(std::string(s.key));
+            if (!text.empty()) set(s, text, "test", ErrorCode::usage, fields...);
+        },
+        to);
+    EXPECT_EQ(texts_of(from), texts_of(to));
+    EXPECT_EQ(from.camera, to.camera);
+    EXPECT_EQ(from.lighting, to.lighting);
+    EXPECT_EQ(from.transfer, to.transfer);
+}
+
+TEST(Settings, EveryChangeIsSeen) {
+    const auto before = texts_of(Scene()), after = texts_of(changed_scene());
+    for (std::size_t i = 0; i < before.size(); ++i) {
+        const std::string& key = before[i].first;
+        // There is one method so far; the other unit of opacity excludes this one.
+        if (key == "lighting.method" || key == "transfer_function.opacity_unit_distance") continue;
+        EXPECT_NE(before[i], after[i]);
+    }
+}
+
+TEST(Settings, RoundTripThroughAScene) {
+    Scene from = changed_scene();
+    from.camera.view.reset();
+    std::vector<std::string> unknown;
+    const Scene to = parse_scene(to_json(from), "", "", unknown);
+    EXPECT_EQ(texts_of(from), texts_of(to));
+    EXPECT_EQ(from.transfer, to.transfer);
+    EXPECT_TRUE(unknown.empty());
+    EXPECT_EQ(to_json(from), to_json(to));
+}
+
+TEST(Settings, RefusalsNameTheValueAndTheRange) {
+    struct Case {
+        std::string_view name;
+        const char *text, *message;
+    };
+    const Case cases[] = {
+        {"step", "0", "--step 0: must be 0.001 to 100 voxels"},
+        {"step", "fine", "--step fine: expected a number"},
+        {"step", "nan", "--step nan: expected a number"},
+        {"zoom", "0", "--zoom 0: must be above 0 and at most 1000"},
+        {"size", "0x5", "--size 0x5: must be 1 to 16384 pixels"},
+        {"size", "1024", "--size 1024: expected WIDTHxHEIGHT"},
+        {"size", "10.5x4", "--size 10.5x4: expected a whole number"},
+        {"window", "40", "--window 40: expected two numbers A,B"},
+        {"up", "w", "--up w: expected three numbers X,Y,Z or an axis such as -z"},
+        {"projection", "perspectiv",
+         "--projection perspectiv: must be perspective, orthographic; did you mean 'perspective'?"},
+        {"light", "left", "--light left: expected headlight or AZ,EL[,COLOR]"},
+    };
+    for (const auto& [name, text, message] : cases) {
+        Scene scene;
+        std::string said;
+        for_each_setting(
+            [&](const Setting& s, auto&... fields) {
+                if (s.name != name) return;
+                try {
+                    set(s, text, "--" + std::string(name) + " " + text, ErrorCode::usage, fields...);
+                } catch (const Error& error) {
+                    said = error.what();
+                }
+            },
+            scene);
+        EXPECT_EQ(said, message);
+    }
+}
+
+TEST(Settings, LightsAndColorsReadAsWritten) {
+    bool headlight = true;
+    double azimuth = 0, elevation = 0;
+    Rgb color{};
+    from_text("-30,20,red", headlight, azimuth, elevation, color);
+    EXPECT_FALSE(headlight);
+    EXPECT_EQ(azimuth, -30);
+    EXPECT_EQ(color, (Rgb{1, 0, 0}));
+    from_text("10,20", headlight, azimuth, elevation, color);
+    EXPECT_EQ(color, (Rgb{1, 1, 1}));
+    Vec3 up;
+    from_text("-y", up);
+    EXPECT_EQ(up, (Vec3{0, -1, 0}));
+}

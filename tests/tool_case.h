@@ -1,0 +1,67 @@
+// Runs the built tool and keeps what it said.
+#pragma once
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <thread>
+
+struct Said {
+    int code = -1;
+    std::string out, err;
+};
+
+/// A test that runs the tool in a folder of its own.
+class ToolTest : public testing::Test {
+protected:
+    std::filesystem::path folder = std::filesystem::temp_directory_path() / ("chiaro-tool-" + std::to_string(getpid()));
+
+    void SetUp() override { std::filesystem::create_directories(folder); }
+    void TearDown() override { std::filesystem::remove_all(folder); }
+
+    /// Runs `chiaro ARGUMENTS`, as a shell reads them, in the folder. A signal is sent, where given, after that time.
+    Said tool(const std::string& arguments, int signal = 0, std::chrono::milliseconds after = {}) {
+        const auto out = folder / ".out", err = folder / ".err";
+        const std::string line = "exec " CHIARO_BIN "/chiaro " + arguments + " >.out 2>.err";
+        const pid_t child = fork();
+        if (child == 0) {
+            if (chdir(folder.c_str()) == 0) execl("/bin/sh", "sh", "-c", line.c_str(), nullptr);
+            _exit(127);
+        }
+        if (signal) {
+            std::this_thread::sleep_for(after);
+            kill(child, signal);
+        }
+        int status = 0;
+        waitpid(child, &status, 0);
+        const Said said{WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), read(".out"), read(".err")};
+        std::filesystem::remove(out), std::filesystem::remove(err);
+        return said;
+    }
+
+    std::string read(const std::string& name) const {
+        std::ifstream stream(folder / name, std::ios::binary);
+        return {std::istreambuf_iterator<char>(stream), {}};
+    }
+
+    nlohmann::json json(const std::string& name) const { return nlohmann::json::parse(read(name)); }
+
+    void write(const std::string& name, const std::string& text) const { std::ofstream(folder / name) << text; }
+
+    /// The files in the folder, sorted.
+    std::string files() const {
+        std::set<std::string> names;
+        for (const auto& entry : std::filesystem::directory_iterator(folder)) names.insert(entry.path().filename());
+        std::string list;
+        for (const auto& name : names) list += (list.empty() ? "" : " ") + name;
+        return list;
+    }
+};

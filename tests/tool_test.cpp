@@ -1,0 +1,211 @@
+// The tool as a script sees it: exit codes, messages, files.
+#include "tool_case.h"
+
+namespace {
+
+using Tool = ToolTest;
+
+TEST_F(Tool, RefusesInOneLine) {
+    write("bad.nrrd", "NRRD0004\ntype: uint8\nrubbish\n");
+    write("bad.json", "{");
+    write("two.json", R"({"chiaro": 2, "volume": {"file": "sample:ball"}})");
+    std::filesystem::create_directory(folder / "folder.png");
+    struct Case {
+        const char* arguments;
+        int code;
+        const char* message;
+    };
+    const Case cases[] = {
+        {"", 2, "no command given"},
+        {"rendr x", 2, "unknown command 'rendr'; did you mean 'render'?"},
+        {"--list-preset", 2, "did you mean '--list-presets'?"},
+        {"info", 2, "VOLUME is missing"},
+        {"info none.nrrd", 3, "none.nrrd"},
+        {"info bad.nrrd", 3, "bad.nrrd"},
+        {"info sample:bal", 2, "did you mean 'ball'?"},
+        {"info sample:ball extra", 2, "unknown argument 'extra'"},
+        {"sample", 2, "NAME is missing"},
+        {"sample ball", 2, "-o FILE is missing"},
+        {"sample ball -o ball.png", 2, "ball.png: the name must end in .nrrd"},
+        {"sample ball --size 1 -o b.nrrd", 2, "2..4096"},
+        {"render -o a.png", 2, "give either a VOLUME or --scene FILE"},
+        {"render sample:ball --scene two.json -o a.png", 2, "give either a VOLUME or --scene FILE"},
+        {"render sample:ball", 2, "-o FILE is missing"},
+        {"render sample:ball -o a.jpg", 2, "a.jpg: the name must end in .png"},
+        {"render sample:ball -o no/a.png", 4, "there is no folder no"},
+        {"render sample:ball -o folder.png", 4, "is a folder"},
+        {"render sample:ball -o a.png --stats no/s.json", 4, "there is no folder no"},
+        {"render sample:ball -o a.png --azimut 5", 2, "unknown option '--azimut'; did you mean '--azimuth'?"},
+        {"render sample:ball -o a.png --azimut=5", 2, "unknown option '--azimut'; did you mean '--azimuth'?"},
+        {"render sample:ball -o a.png --spao-levels 5", 2, "unknown option '--spao-levels'"},
+        {"render sample:ball -o a.png --step 0", 2, "--step 0: must be 0.001 to 100 voxels"},
+        {"render sample:ball -o a.png --step", 2, "--step"},
+        {"render sample:ball -o a.png --background blu", 2, "did you mean 'blue'?"},
+        {"render sample:ball -o a.png --transfer virids", 2, "did you mean 'viridis'?"},
+        {"render sample:ball -o a.png --transfer none.json", 3, "none.json"},
+        {"render sample:ball -o a.png --opacity-unit 1 --opacity-unit-mm 1", 2, "not both"},
+        {"render sample:ball -o a.png --eye 1,2,3", 2, "eye and target need each other"},
+        {"render sample:ball -o a.png --view anterior", 3, "no anatomical frame"},
+        {"render sample:ball -o a.png --view anterior --frames 3", 2, "--frames turns the orbit"},
+        {"render sample:ball -o a.png --frames -1", 2, "--frames -1"},
+        {"render sample:ball -o a{frame:3}.png --frames 2", 2, "{frame:03}"},
+        {"render sample:ball -o a{frame}{frame}.png --frames 2", 2, "{frame:03}"},
+        {"render sample:ball -o a{frame}.png", 2, "needs --frames"},
+        {"render sample:ball -o a.png --device gpu", 2, "--device gpu: must be auto or cpu"},
+        {"render sample:ball -o a.png --device cuda:0", 4, "processor only"},
+        {"render sample:ball -o a.png --isa x86-64-v5", 2, "--isa x86-64-v5"},
+        {"render sample:ball -o a.png --threads 5000", 2, "1024"},
+        {"render sample:ball -o a.png --threads two", 2, "two"},
+        {"render sample:ball -o a.png --progress maybe", 2, "--progress maybe"},
+        {"render --scene bad.json -o a.png", 3, "bad.json: not JSON"},
+        {"render --scene two.json -o a.png", 3, "two.json: chiaro 2"},
+        {"render --scene none.json -o a.png", 3, "none.json: cannot be read"},
+        {"convert", 2, "IN is missing"},
+        {"convert sample:ball b.mha", 2, "must end in .nrrd or .json"},
+        {"convert sample:ball b.nrrd --encoding zip", 2, "--encoding zip: must be raw, gzip"},
+    };
+    const std::string before = files();
+    for (const auto& [arguments, code, message] : cases) {
+        const Said said = tool(arguments);
+        EXPECT_EQ(said.code, code) << arguments << "\n" << said.err;
+        EXPECT_TRUE(said.err.starts_with("chiaro: ")) << arguments << "\n" << said.err;
+        EXPECT_NE(said.err.find(message), said.err.npos) << arguments << "\n" << said.err;
+        EXPECT_EQ(std::count(said.err.begin(), said.err.end(), '\n'), 1) << arguments << "\n" << said.err;
+        EXPECT_EQ(said.out, "") << arguments;
+        EXPECT_EQ(files(), before) << arguments;
+    }
+}
+
+TEST_F(Tool, Tells) {
+    struct Case {
+        const char *arguments, *text;
+    };
+    const Case cases[] = {
+        {"--help", "render"},       {"--version", "chiaro 0.1.0"}, {"render --help", "--early-termination"},
+        {"--list-methods", "none"}, {"--list-formats", "NRRD"},    {"--list-presets", "ct-bone"},
+        {"--list-devices", "cpu"},  {"sample --list", "cornell"},  {"info sample:ball:16", "16x16x16 uint8"},
+        {"convert --help", "gzip"},
+    };
+    for (const auto& [arguments, text] : cases) {
+        const Said said = tool(arguments);
+        EXPECT_EQ(said.code, 0) << arguments << said.err;
+        EXPECT_NE(said.out.find(text), said.out.npos) << arguments << "\n" << said.out;
+        EXPECT_EQ(said.err, "") << arguments;
+    }
+}
+
+TEST_F(Tool, InfoGivesJson) {
+    const auto info = nlohmann::json::parse(tool("info sample:ball:16 --json").out);
+    for (const char* key :
+         {"file", "format", "dimensions", "type", "components", "spacing_mm", "origin_mm", "direction", "world",
+          "range", "percentiles", "histogram", "nonfinite", "modality_guess", "preset_guess", "notes"})
+        EXPECT_TRUE(info.contains(key)) << key;
+    EXPECT_EQ(info["dimensions"], nlohmann::json({16, 16, 16}));
+    EXPECT_EQ(info["histogram"]["counts"].size(), 256u);
+    EXPECT_TRUE(info["percentiles"].contains("99.9"));
+}
+
+TEST_F(Tool, ConvertsThereAndBack) {
+    EXPECT_EQ(tool("sample ball --size 16 -o a.nrrd").code, 0);
+    EXPECT_EQ(tool("convert a.nrrd b.nrrd --encoding gzip").code, 0);
+    EXPECT_EQ(tool("convert b.nrrd c.nrrd --encoding raw").code, 0);
+    EXPECT_LT(read("b.nrrd").size(), read("a.nrrd").size());
+    EXPECT_EQ(read("a.nrrd").substr(read("a.nrrd").size() - 4096), read("c.nrrd").substr(read("c.nrrd").size() - 4096));
+    EXPECT_EQ(tool("convert ct-bone tf.json").code, 0);
+    EXPECT_TRUE(json("tf.json").contains("points"));
+    EXPECT_EQ(tool("render a.nrrd --transfer tf.json --size 16x16 -o p.png").code, 0);
+}
+
+TEST_F(Tool, TellsTheGuessOnce) {
+    tool("sample ball --size 16 -o a.nrrd");
+    const Said said = tool("render a.nrrd --size 16x16 -o p.png");
+    EXPECT_TRUE(said.err.starts_with("chiaro: looks like ")) << said.err;
+    EXPECT_NE(said.err.find("using --transfer "), said.err.npos);
+    EXPECT_EQ(tool("render a.nrrd --size 16x16 -o p.png --quiet").err, "");
+    EXPECT_EQ(tool("render a.nrrd --size 16x16 -o p.png --transfer gray").err, "");
+    EXPECT_EQ(tool("render a.nrrd --size 16x16 --elevation -20 --up -x --light -30,20,red -o p.png --quiet").err, "");
+}
+
+TEST_F(Tool, FlagsWinOverTheScene) {
+    write(
+        "s.json",
+        R"({"volume": {"file": "sample:ball:16"}, "image": {"size": [20, 10]}, "camera": {"azimuth_deg": 10, "eye": [1, 2, 3], "target": [8, 8, 8]},
+        "sampling": {"step": 1}, "transfer_function": {"preset": "gray", "opacity_unit_mm": 2}, "colour": "display"})");
+    const Said said =
+        tool("render --scene s.json --size 30x10 --azimuth 50 --transfer viridis -o p.png --stats t.json");
+    EXPECT_EQ(said.code, 0);
+    EXPECT_EQ(said.err, "chiaro: s.json: unknown key colour; did you mean 'color'?\n");
+    const auto settings = json("t.json")["settings"];
+    EXPECT_EQ(settings["image"]["size"], nlohmann::json({30, 10}));
+    EXPECT_EQ(settings["camera"]["azimuth_deg"], 50);
+    EXPECT_FALSE(settings["camera"].contains("eye"));
+    EXPECT_EQ(settings["sampling"]["step"], 1);
+    EXPECT_EQ(settings["transfer_function"]["preset"], "viridis");
+    EXPECT_FALSE(settings["transfer_function"].contains("opacity_unit_mm"));
+}
+
+TEST_F(Tool, APictureRemakesItself) {
+    tool("sample menger --size 20 -o a.nrrd");
+    EXPECT_EQ(tool("render a.nrrd --size 30x20 --azimuth 70 --transfer plasma --zoom 1.3 -o p.png").code, 0);
+    const Said said = tool("render --scene p.png -o again.png");
+    EXPECT_EQ(said.code, 0) << said.err;
+    EXPECT_EQ(read("p.png"), read("again.png"));
+}
+
+TEST_F(Tool, WritesStats) {
+    EXPECT_EQ(tool("render sample:ball:16 --size 16x16 -o p.png --stats s.json --threads 1 --isa scalar").code, 0);
+    const auto stats = json("s.json");
+    for (const char* key : {"chiaro", "device", "isa", "threads", "volume", "settings", "stages", "frames", "samples",
+                            "peak_memory_bytes"})
+        EXPECT_TRUE(stats.contains(key)) << key;
+    EXPECT_EQ(stats["isa"], "scalar");
+    EXPECT_EQ(stats["threads"], 1);
+    EXPECT_EQ(stats["frames"].size(), 1u);
+    EXPECT_GT(stats["samples"], 0);
+    std::string names;
+    for (const auto& stage : stats["stages"]) names += stage["name"].get<std::string>() + " ";
+    EXPECT_EQ(names, "read measure upload prepare classify illuminate raycast develop write ");
+}
+
+TEST_F(Tool, RendersTurntables) {
+    EXPECT_EQ(tool("render sample:menger:16 --size 16x16 --frames 3 -o t-{frame:03}.png --stats s.json").code, 0);
+    EXPECT_EQ(files(), "s.json t-000.png t-001.png t-002.png");
+    EXPECT_EQ(json("s.json")["frames"].size(), 3u);
+    EXPECT_NE(read("t-000.png"), read("t-001.png"));
+    EXPECT_EQ(tool("render sample:menger:16 --size 16x16 --frames 2 -o one.png").code, 0);
+    EXPECT_EQ(read("one.png"), read("t-000.png"));
+    EXPECT_EQ(tool("render sample:menger:16 --size 16x16 -o still.png").code, 0);
+    EXPECT_EQ(read("still.png"), read("t-000.png"));
+}
+
+TEST_F(Tool, AnInterruptLeavesNothingHalfWritten) {
+    using namespace std::chrono_literals;
+    const std::string endless =
+        "render sample:ball:64 --size 2048x2048 --step 0.001 --early-termination 0 --no-skip-empty -o p.png --stats "
+        "s.json";
+    for (int signal : {SIGINT, SIGTERM}) {
+        const Said said = tool(endless, signal, 500ms);
+        EXPECT_EQ(said.code, 130);
+        EXPECT_EQ(said.err, "chiaro: interrupted\n");
+        EXPECT_EQ(files(), "");
+    }
+    write("p.png", "the picture before");
+    EXPECT_EQ(tool(endless, SIGINT, 500ms).code, 130);
+    EXPECT_EQ(read("p.png"), "the picture before");
+    EXPECT_EQ(files(), "p.png");
+}
+
+TEST_F(Tool, ProgressIsShownWhereAskedFor) {
+    const std::string slow =
+        "render sample:ball:64 --size 512x512 --step 0.02 --early-termination 0 --no-skip-empty -o p.png";
+    EXPECT_EQ(tool(slow).err, "");
+    EXPECT_NE(tool(slow + " --progress always").err.find("raycast"), std::string::npos);
+}
+
+TEST_F(Tool, OptionsAreDocumented) {
+    std::ifstream stream(CHIARO_SOURCE "/docs/options.md");
+    const std::string documented{std::istreambuf_iterator<char>(stream), {}};
+    EXPECT_EQ(tool("--list-options").out, documented) << "run: chiaro --list-options > docs/options.md";
+}
+
+}  // namespace
