@@ -2,7 +2,9 @@
 #include <chiaro/error.h>
 #include <fmt/format.h>
 
+#include <cstdio>
 #include <new>
+#include <system_error>
 #include <vector>
 
 #include "command.h"
@@ -37,9 +39,22 @@ void refuse_rest(const CLI::App& app) {
     throw Error(ErrorCode::usage, fmt::format("unknown {} '{}'{}", what, word, did_you_mean(word, known)));
 }
 
-int run(int argc, char** argv) {
+/// False where the answer was printed already: --help, --version.
+bool parse(CLI::App& tool, int argc, char** argv) {
+    try {
+        tool.parse(argc, argv);
+        return true;
+    } catch (const CLI::Success& asked) {
+        tool.exit(asked);
+        return false;
+    } catch (const CLI::ParseError& error) {
+        throw Error(ErrorCode::usage, error.what());
+    }
+}
+
+void run(int argc, char** argv) {
     CLI::App tool{"Chiaro: natural light for volumes", "chiaro"};
-    tool.allow_extras();
+    tool.allow_extras();  // so that refuse_rest can say what was meant
     tool.set_version_flag("--version", std::string("chiaro ") + CHIARO_VERSION);
     tool.get_formatter()->column_width(36);
     List lists[] = {{"--list-methods", "lists the lighting methods", list_methods},
@@ -49,29 +64,21 @@ int run(int argc, char** argv) {
                     {"--list-options", "", list_options}};
     for (List& list : lists) tool.add_flag(list.flag, list.wanted, list.help)->group(*list.help ? "Options" : "");
     std::vector<Command> all;
-    for (const auto make : commands) {
-        all.push_back(make(tool));
+    for (const auto command : commands) {
+        all.push_back(command(tool));
         all.back().app->allow_extras();
     }
-    try {
-        tool.parse(argc, argv);
-    } catch (const CLI::Success& asked) {  // --help, --version
-        return tool.exit(asked);
-    } catch (const CLI::ParseError& error) {
-        throw Error(ErrorCode::usage, error.what());
-    }
+    if (!parse(tool, argc, argv)) return;
     for (const Command& command : all) {
         if (!command.app->parsed()) continue;
         refuse_rest(*command.app);
-        command.run();
-        return 0;
+        return command.run();
     }
     refuse_rest(tool);
     bool listed = false;
     for (const List& list : lists)
         if (list.wanted) list.print(), listed = true;
     if (!listed) throw Error(ErrorCode::usage, "no command given; see chiaro --help");
-    return 0;
 }
 
 }  // namespace
@@ -80,12 +87,17 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
     using namespace chiaro;
     try {
-        return cli::run(argc, argv);
+        cli::run(argc, argv);
+        if (std::fflush(stdout) != 0) throw Error(ErrorCode::output, "standard output cannot be written to");
+        return 0;
     } catch (const Error& error) {
         cli::say(error.what());
         return int(error.code());
     } catch (const std::bad_alloc&) {
         cli::say("not enough memory");
+        return int(ErrorCode::output);
+    } catch (const std::system_error& error) {  // of fmt: a full disk, a closed pipe
+        cli::say(error.what());
         return int(ErrorCode::output);
     } catch (const std::exception& error) {
         cli::say(fmt::format("internal error: {}", error.what()));

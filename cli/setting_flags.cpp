@@ -18,7 +18,8 @@ std::string default_text(const Setting& setting, const auto&... fields) {
 
 }  // namespace
 
-void SettingFlags::add(CLI::App& app, const Setting& setting, const std::string& form, const std::string& text) {
+void SettingFlags::add(CLI::App& app, const std::string& group, const Setting& setting, const std::string& form,
+                       const std::string& text) {
     const std::string flag = fmt::format("--{}", setting.name), name(setting.name), range = range_of(setting);
     std::string help(setting.sentence);
     if (!range.empty()) help += fmt::format(" ({})", range);
@@ -26,21 +27,21 @@ void SettingFlags::add(CLI::App& app, const Setting& setting, const std::string&
     if (form.empty())
         app.add_flag_function(
                flag, [this, name](std::int64_t) { given_[name] = "true"; }, help)
-            ->group(group_);
+            ->group(group);
     else
         app.add_option_function<std::string>(
                flag, [this, name](const std::string& value) { given_[name] = value; }, help)
             ->type_name(form)
             ->take_last()
-            ->group(group_);
+            ->group(group);
 }
 
 void SettingFlags::add_to(CLI::App& app, std::string_view only_group) {
     const auto add_group = [&](std::string_view title, const auto& settings) {
         if (!only_group.empty() && title != only_group) return;
-        group_ = title;
         const auto add_one = [&](const Setting& setting, const auto&... fields) {
-            if (!setting.name.empty()) add(app, setting, form(setting, fields...), default_text(setting, fields...));
+            if (!setting.name.empty())
+                add(app, std::string(title), setting, form(setting, fields...), default_text(setting, fields...));
         };
         describe(add_one, settings);
     };

@@ -19,9 +19,9 @@ public:
     void apply(Scene& scene) const;
 
 private:
-    void add(CLI::App& app, const Setting& setting, const std::string& form, const std::string& text);
+    void add(CLI::App& app, const std::string& group, const Setting& setting, const std::string& form,
+             const std::string& text);
 
-    std::string group_;
     std::map<std::string, std::string, std::less<>> given_;
 };
 

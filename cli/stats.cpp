@@ -34,7 +34,7 @@ void write_stats(const std::filesystem::path& path, const Stats& stats, const De
         json["frames"].push_back({{"seconds", seconds}, {"cpu_seconds", cpu_seconds}});
     json["samples"] = stats.samples;
     json["peak_memory_bytes"] = peak_memory_bytes();
-    write_text(path, json.dump(2) + "\n");
+    write_text(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace chiaro::cli

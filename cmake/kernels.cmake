@@ -20,6 +20,10 @@ function(chiaro_add_kernels target)
     # One rounding rule for all: sums and products are fused only where the kernel says fma.
     target_compile_options(${kernels} PRIVATE ${CHIARO_FLAGS_${isa}} -O3 -ffp-contract=off -fno-math-errno -fno-trapping-math
                            -Wno-maybe-uninitialized) # false alarms inside GCC 12's own AVX-512 header (PR 105593)
+    if(CHIARO_SANITIZE AND NOT isa STREQUAL "scalar")
+      # Same source, and minutes of compiling each: the scalar build is the one that is watched.
+      target_compile_options(${kernels} PRIVATE -fno-sanitize=all)
+    endif()
     target_link_libraries(${kernels} PRIVATE chiaro_warnings)
     target_sources(${target} PRIVATE $<TARGET_OBJECTS:${kernels}>)
   endforeach()

@@ -127,3 +127,21 @@ TEST(Dicom, SignedPixels) {
     EXPECT_EQ(volume.as<std::int16_t>()[11], -5);
     EXPECT_EQ(volume.dimensions, (std::array{4, 3, 1}));
 }
+
+TEST(Dicom, FramesOfAnEnhancedImageAreSlices) {
+    const Folder folder;
+    std::vector<std::string> frames;
+    for (const std::string z : {"6", "3", "0"}) {  // stored from the top down
+        const auto position = Dicom::element(0x20, 0x32, "DS", "1\\2\\" + z);
+        frames.push_back(Dicom::sequence(0x20, 0x9113, {position}));
+    }
+    const auto measures = Dicom::sequence(0x28, 0x9110, {Dicom::element(0x28, 0x30, "DS", "0.7\\0.8")});
+    const auto orientation = Dicom::sequence(0x20, 0x9116, {Dicom::element(0x20, 0x37, "DS", "1\\0\\0\\0\\1\\0")});
+    Dicom image{.pixels = ramp<std::uint16_t>(36), .frames = 3};
+    image.functional_groups =
+        Dicom::sequence(0x5200, 0x9229, {orientation + measures}) + Dicom::sequence(0x5200, 0x9230, frames);
+    const auto volume = read(folder.write("enhanced.dcm", image.bytes()));
+    EXPECT_EQ(first_pixels(volume), (std::vector{24, 12, 0}));
+    expect_near(volume.geometry.spacing_mm, {0.8, 0.7, 3});
+    expect_near(volume.geometry.origin_mm, {1, 2, 0});
+}

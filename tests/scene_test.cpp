@@ -107,6 +107,23 @@ TEST(Scene, RefusesInOneSentence) {
     EXPECT_THROW(parse_scene(R"({"volume": "v.nrrd"})", "", "", unknown), Error);
 }
 
+TEST(Scene, SurvivesAnyText) {
+    const std::string good =
+        to_json(parse(R"("transfer_function": {"points": [{"value": 5, "rgb": [0, 0.5, 1], "opacity": 0.25}]})"));
+    const std::string pieces[] = {"[", "{", "}", "\"", "null", "-1", "1e400", "[[", "true", "\xff", ",", "{\"a\":1}"};
+    std::vector<std::string> unknown;
+    for (std::size_t i = 0; i < good.size(); i += 3)
+        for (const auto& piece : pieces) {
+            const std::string text = good.substr(0, i) + piece + good.substr(std::min(good.size(), i + i % 7));
+            try {
+                parse_scene(text, "", "", unknown);
+            } catch (const Error&) {
+            }
+        }
+    EXPECT_THROW(parse_scene(std::string(1000000, '['), "", "", unknown), Error);
+    EXPECT_THROW(parse_scene("{\"note\": " + std::string(1000000, '['), "", "", unknown), Error);
+}
+
 TEST(Scene, LooksForTheVolumeBesideItselfThenInTheData) {
     const Folder folder;
     fs::create_directories(folder.path / "data");

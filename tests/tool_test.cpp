@@ -1,4 +1,5 @@
 // The tool as a script sees it: exit codes, messages, files.
+#include "changed_scene.h"
 #include "tool_case.h"
 
 namespace {
@@ -144,6 +145,27 @@ TEST_F(Tool, FlagsWinOverTheScene) {
     EXPECT_FALSE(settings["transfer_function"].contains("opacity_unit_mm"));
 }
 
+TEST_F(Tool, EverySettingHasAFlagThatWorks) {
+    using namespace chiaro;
+    Scene scene = changed_scene();
+    scene.volume = "sample:ball:16";
+    scene.read = {}, scene.stated = {};  // a raw file's layout is no sample's
+    scene.camera.view.reset();           // excludes the eye
+    std::string flags;
+    const auto add = [&](const Setting& setting, const auto&... fields) {
+        const std::string text = value_text(setting, fields...), name(setting.name);
+        if (name.empty() || text.empty() || setting.key.starts_with("volume.")) return;
+        flags += " --" + name + (setting.name.starts_with("no-") ? "" : " " + text);
+    };
+    for_each_setting(add, scene);
+    const Said said = tool("render sample:ball:16 -o p.png --stats s.json" + flags);
+    ASSERT_EQ(said.code, 0) << said.err << flags;
+    std::vector<std::string> unknown;
+    const Scene again = parse_scene(json("s.json")["settings"].dump(), "", "", unknown);
+    EXPECT_EQ(texts_of(again), texts_of(scene));
+    EXPECT_EQ(again.transfer, scene.transfer);
+}
+
 TEST_F(Tool, APictureRemakesItself) {
     tool("sample menger --size 20 -o a.nrrd");
     EXPECT_EQ(tool("render a.nrrd --size 30x20 --azimuth 70 --transfer plasma --zoom 1.3 -o p.png").code, 0);
@@ -197,7 +219,7 @@ TEST_F(Tool, AnInterruptLeavesNothingHalfWritten) {
 
 TEST_F(Tool, ProgressIsShownWhereAskedFor) {
     const std::string slow =
-        "render sample:ball:64 --size 512x512 --step 0.02 --early-termination 0 --no-skip-empty -o p.png";
+        "render sample:ball:64 --threads 1 --size 384x384 --step 0.02 --early-termination 0 --no-skip-empty -o p.png";
     EXPECT_EQ(tool(slow).err, "");
     EXPECT_NE(tool(slow + " --progress always").err.find("raycast"), std::string::npos);
 }

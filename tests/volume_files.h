@@ -5,8 +5,8 @@
 #include <unistd.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <array>
-#include <bit>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -100,7 +100,8 @@ public:
     }
     template <class T>
     Nifti& set(std::size_t offset, T value) {
-        header_.replace(offset, sizeof value, bytes_of(value, big_endian_));
+        const std::string bytes = bytes_of(value, big_endian_);
+        std::copy(bytes.begin(), bytes.end(), header_.begin() + std::ptrdiff_t(offset));
         return *this;
     }
     Nifti& qform(float b, float c, float d, std::array<float, 3> offset) {
@@ -130,9 +131,13 @@ struct Dicom {
     bool is_signed = false;
     std::vector<std::uint16_t> pixels = ramp<std::uint16_t>(12);
     int stated_rows = 0;  ///< other than there are, for lies
+    int frames = 1;
+    std::string functional_groups = {};  ///< elements of group 5200 of an enhanced image
 
     std::string bytes() const {
-        const std::string transfer_syntax = "1.2.840.10008.1.2.1", ct_image = "1.2.840.10008.5.1.4.1.1.2";
+        const std::string transfer_syntax = "1.2.840.10008.1.2.1";
+        const std::string ct_image =
+            functional_groups.empty() ? "1.2.840.10008.5.1.4.1.1.2" : "1.2.840.10008.5.1.4.1.1.2.1";
         std::string meta = element(2, 0x10, "UI", transfer_syntax);
         meta = element(2, 2, "UI", ct_image) + element(2, 3, "UI", series + "." + std::to_string(instance)) + meta;
         std::string body =
@@ -140,21 +145,31 @@ struct Dicom {
             element(8, 0x60, "CS", modality) + element(0x20, 0xd, "UI", "1.2") + element(0x20, 0xe, "UI", series) +
             element(0x20, 0x13, "IS", std::to_string(instance)) + element(0x20, 0x32, "DS", decimals(position)) +
             element(0x20, 0x37, "DS", decimals(orientation)) + us(0x28, 2, 1) + element(0x28, 4, "CS", "MONOCHROME2") +
+            (frames > 1 ? element(0x28, 8, "IS", std::to_string(frames)) : "") +
             us(0x28, 0x10, stated_rows ? stated_rows : rows) + us(0x28, 0x11, columns) +
             element(0x28, 0x30, "DS", decimals(std::array{row_spacing, column_spacing})) + us(0x28, 0x100, 16) +
             us(0x28, 0x101, 16) + us(0x28, 0x102, 15) + us(0x28, 0x103, is_signed) +
             element(0x28, 0x1052, "DS", decimals(std::array{intercept})) +
-            element(0x28, 0x1053, "DS", decimals(std::array{slope})) + pixel_data();
+            element(0x28, 0x1053, "DS", decimals(std::array{slope})) + functional_groups + pixel_data();
         return std::string(128, '\0') + "DICM" + element(2, 0, "UL", bytes_of(std::uint32_t(meta.size()))) + meta +
                body;
     }
 
-private:
+    /// A sequence of items, each the bytes of its elements.
+    static std::string sequence(int group, int number, const std::vector<std::string>& items) {
+        std::string value;
+        for (const auto& item : items)
+            value += std::string("\xfe\xff\x00\xe0", 4) + bytes_of(std::uint32_t(item.size())) + item;
+        return bytes_of(std::uint16_t(group)) + bytes_of(std::uint16_t(number)) + "SQ" + std::string(2, '\0') +
+               bytes_of(std::uint32_t(value.size())) + value;
+    }
     static std::string element(int group, int number, const std::string& vr, std::string value) {
         if (value.size() % 2) value += vr == "UI" ? '\0' : ' ';
         return bytes_of(std::uint16_t(group)) + bytes_of(std::uint16_t(number)) + vr +
                bytes_of(std::uint16_t(value.size())) + value;
     }
+
+private:
     static std::string us(int group, int number, int value) {
         return element(group, number, "US", bytes_of(std::uint16_t(value)));
     }
@@ -164,7 +179,8 @@ private:
         for (const double value : values) {
             char word[32];
             std::snprintf(word, sizeof word, "%.9g", value);
-            text += (text.empty() ? "" : "\\") + std::string(word);
+            if (!text.empty()) text += '\\';
+            text += word;
         }
         return text;
     }

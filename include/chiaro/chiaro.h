@@ -1,6 +1,7 @@
 // All of Chiaro's public interface.
 #pragma once
 #include <chiaro/camera.h>
+#include <chiaro/describe.h>
 #include <chiaro/device.h>
 #include <chiaro/error.h>
 #include <chiaro/geometry.h>
@@ -14,5 +15,6 @@
 #include <chiaro/scene.h>
 #include <chiaro/session.h>
 #include <chiaro/settings.h>
+#include <chiaro/text.h>
 #include <chiaro/transfer_function.h>
 #include <chiaro/volume.h>

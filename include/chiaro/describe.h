@@ -9,7 +9,8 @@
 
 namespace chiaro {
 
-// clang-format off: a setting reads best in a line, or in two: what it is, and what it takes.
+// A setting reads best in a line, or in two: what it is, and what it takes.
+// clang-format off
 
 template <class S, class Settings>
 concept SettingsOf = std::same_as<std::remove_const_t<S>, Settings>;

@@ -55,14 +55,14 @@ public:
     const Data& data() const { return *data_; }
     explicit operator bool() const { return data_ != nullptr; }
 
-    /// Share of the 8³ cells that hold matter.
+    /// Share of the 4³ cells that hold matter.
     double occupied_fraction() const;
 
 private:
     std::shared_ptr<const Data> data_;
 };
 
-/// Cost: the table (some thousand exponentials) and one test per 8³ cell; a millisecond at 512³.
+/// Cost: the table (some thousand exponentials) and one test per 4³ cell; a millisecond at 512³.
 /// Throws Error{input} for a transfer function that `validate` refuses.
 Medium classify(const DeviceVolume& volume, const TransferFunction& tf, const Shape& shape);
 

@@ -111,6 +111,9 @@ std::vector<std::byte> decode_file(const DicomSlice& slice, std::size_t frames) 
         gdcm::ImageReader reader;
         reader.SetStream(stream);
         const bool read = reader.Read();
+        if (reader.GetFile().GetHeader().GetDataSetTransferSyntax() ==
+            gdcm::TransferSyntax::DeflatedExplicitVRLittleEndian)
+            refuse("is deflated as a whole, a transfer syntax that is not read");
         if (file.is_truncated()) refuse("is truncated");
         if (!read) refuse("cannot be decoded");
         const gdcm::Image& image = reader.GetImage();

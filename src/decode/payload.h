@@ -26,6 +26,9 @@ void read_voxels(const Payload& payload, Volume& volume, Output& output);
 /// Swaps the bytes of every value in place: voxels are kept in the machine's (little-endian) order.
 void swap_bytes(std::span<std::byte> bytes, std::size_t value_size);
 
+/// How the library names what it was handed on standard input.
+constexpr const char* standard_input = "/proc/self/fd/0";
+
 /// The place of a detached data file. Throws Error{input} for absolute paths, for `..`, and for links that lead out of
 /// the header's folder: a header from elsewhere must not read other files of this machine.
 std::filesystem::path confined(const std::filesystem::path& header, const std::string& name);

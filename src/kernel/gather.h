@@ -13,23 +13,41 @@ template <class F> struct Four {
     F a, b, c, d;
 };
 
-template <class V> CHIARO_INLINE Two<float> gather_two(const V* p, std::int32_t index) {
+/// The same load at four fixed distances (in voxels) from the lane's address: one address serves four loads.
+struct Distances {
+    std::int32_t a, b, c, d;
+};
+
+template <class V> CHIARO_INLINE Two<float> load_two(const V* p) { return {float(p[0]), float(p[1])}; }
+template <class V> CHIARO_INLINE Four<float> load_four(const V* p) { return {float(p[0]), float(p[1]), float(p[2]), float(p[3])}; }
+
+/// Voxels 0 and 1 at four distances.
+template <class V> CHIARO_INLINE Four<Two<float>> gather_two(const V* p, std::int32_t index, Distances at) {
     p += std::uint32_t(index);
-    return {float(p[0]), float(p[1])};
+    return {load_two(p + at.a), load_two(p + at.b), load_two(p + at.c), load_two(p + at.d)};
 }
-template <class V> CHIARO_INLINE Four<float> gather_four(const V* p, std::int32_t index) {
+/// Voxels 0 to 3 at four distances.
+template <class V> CHIARO_INLINE Four<Four<float>> gather_four(const V* p, std::int32_t index, Distances at) {
     p += std::uint32_t(index);
-    return {float(p[0]), float(p[1]), float(p[2]), float(p[3])};
+    return {load_four(p + at.a), load_four(p + at.b), load_four(p + at.c), load_four(p + at.d)};
 }
 CHIARO_INLINE std::int32_t gather_byte(const std::uint8_t* p, std::int32_t index) { return p[std::uint32_t(index)]; }
 
 #ifdef CHIARO_SIMD
 inline namespace CHIARO_ISA {
 
-/// The indices in memory, where scalar address arithmetic finds them.
+/// The indices in memory, where scalar address arithmetic finds them. The empty statement keeps the compiler from
+/// picking them out of the vector register again, which takes two instructions each.
 struct Indices {
     alignas(64) std::uint32_t at[16];
-    CHIARO_INLINE explicit Indices(IntLanes index) { __builtin_memcpy(at, &index, sizeof at); }
+    CHIARO_INLINE explicit Indices(IntLanes index) {
+        __builtin_memcpy(at, &index, sizeof at);
+        asm("" : "+m"(at));
+    }
+};
+
+struct FourVectors {
+    __m128i a, b, c, d;
 };
 
 template <class Word> CHIARO_INLINE Word load_unaligned(const void* p) {
@@ -38,17 +56,43 @@ template <class Word> CHIARO_INLINE Word load_unaligned(const void* p) {
     return word;
 }
 
-/// Four 32-bit words from four addresses.
-template <class V> CHIARO_INLINE __m128i words4(const V* p, const std::uint32_t* at) {
-    __m128i v = _mm_cvtsi32_si128(load_unaligned<std::int32_t>(p + at[0]));
-    v = _mm_insert_epi32(v, load_unaligned<std::int32_t>(p + at[1]), 1);
-    v = _mm_insert_epi32(v, load_unaligned<std::int32_t>(p + at[2]), 2);
-    return _mm_insert_epi32(v, load_unaligned<std::int32_t>(p + at[3]), 3);
+template <int lane> CHIARO_INLINE __m128i insert_word(__m128i v, const void* p) { return _mm_insert_epi32(v, load_unaligned<std::int32_t>(p), lane); }
+template <int lane> CHIARO_INLINE __m128i insert_half(__m128i v, const void* p) { return _mm_insert_epi16(v, load_unaligned<std::uint16_t>(p), lane); }
+
+/// 32-bit words of four lanes at four distances.
+template <class V> CHIARO_INLINE FourVectors words4(const V* voxels, const std::uint32_t* index, Distances at) {
+    const V* p = voxels + index[0];
+    FourVectors w{_mm_cvtsi32_si128(load_unaligned<std::int32_t>(p + at.a)), _mm_cvtsi32_si128(load_unaligned<std::int32_t>(p + at.b)),
+                    _mm_cvtsi32_si128(load_unaligned<std::int32_t>(p + at.c)), _mm_cvtsi32_si128(load_unaligned<std::int32_t>(p + at.d))};
+    p = voxels + index[1];
+    w = {insert_word<1>(w.a, p + at.a), insert_word<1>(w.b, p + at.b), insert_word<1>(w.c, p + at.c), insert_word<1>(w.d, p + at.d)};
+    p = voxels + index[2];
+    w = {insert_word<2>(w.a, p + at.a), insert_word<2>(w.b, p + at.b), insert_word<2>(w.c, p + at.c), insert_word<2>(w.d, p + at.d)};
+    p = voxels + index[3];
+    return {insert_word<3>(w.a, p + at.a), insert_word<3>(w.b, p + at.b), insert_word<3>(w.c, p + at.c), insert_word<3>(w.d, p + at.d)};
 }
 
-/// One 32-bit word per lane.
-template <class V> CHIARO_INLINE IntLanes gather_words(const V* p, const Indices& i) {
-    const __m128i a = words4(p, i.at), b = words4(p, i.at + 4), c = words4(p, i.at + 8), d = words4(p, i.at + 12);
+template <int lane, class V> CHIARO_INLINE void insert_halves(FourVectors& w, const V* p, Distances at) {
+    w = {insert_half<lane>(w.a, p + at.a), insert_half<lane>(w.b, p + at.b), insert_half<lane>(w.c, p + at.c), insert_half<lane>(w.d, p + at.d)};
+}
+
+/// 16-bit words of eight lanes at four distances.
+template <class V> CHIARO_INLINE FourVectors halves8(const V* voxels, const std::uint32_t* index, Distances at) {
+    const V* p = voxels + index[0];
+    FourVectors w{_mm_cvtsi32_si128(load_unaligned<std::uint16_t>(p + at.a)), _mm_cvtsi32_si128(load_unaligned<std::uint16_t>(p + at.b)),
+                    _mm_cvtsi32_si128(load_unaligned<std::uint16_t>(p + at.c)), _mm_cvtsi32_si128(load_unaligned<std::uint16_t>(p + at.d))};
+    insert_halves<1>(w, voxels + index[1], at);
+    insert_halves<2>(w, voxels + index[2], at);
+    insert_halves<3>(w, voxels + index[3], at);
+    insert_halves<4>(w, voxels + index[4], at);
+    insert_halves<5>(w, voxels + index[5], at);
+    insert_halves<6>(w, voxels + index[6], at);
+    insert_halves<7>(w, voxels + index[7], at);
+    return w;
+}
+
+/// Four vectors of four words, or two of eight halves, to sixteen lanes.
+CHIARO_INLINE IntLanes join_words(__m128i a, __m128i b, __m128i c, __m128i d) {
 #if defined(__AVX512F__)
     const __m256i low = _mm256_inserti128_si256(_mm256_castsi128_si256(a), b, 1), high = _mm256_inserti128_si256(_mm256_castsi128_si256(c), d, 1);
     return IntLanes(NativeInt(_mm512_inserti64x4(_mm512_castsi256_si512(low), high, 1)));
@@ -59,60 +103,67 @@ template <class V> CHIARO_INLINE IntLanes gather_words(const V* p, const Indices
     return {{Pack<std::int32_t, 4>(NativeInt(a)), Pack<std::int32_t, 4>(NativeInt(b))}, {Pack<std::int32_t, 4>(NativeInt(c)), Pack<std::int32_t, 4>(NativeInt(d))}};
 #endif
 }
-
-/// Eight 16-bit words from eight addresses.
-template <class V> CHIARO_INLINE __m128i halves8(const V* p, const std::uint32_t* at) {
-    __m128i v = _mm_cvtsi32_si128(load_unaligned<std::uint16_t>(p + at[0]));
-    v = _mm_insert_epi16(v, load_unaligned<std::uint16_t>(p + at[1]), 1);
-    v = _mm_insert_epi16(v, load_unaligned<std::uint16_t>(p + at[2]), 2);
-    v = _mm_insert_epi16(v, load_unaligned<std::uint16_t>(p + at[3]), 3);
-    v = _mm_insert_epi16(v, load_unaligned<std::uint16_t>(p + at[4]), 4);
-    v = _mm_insert_epi16(v, load_unaligned<std::uint16_t>(p + at[5]), 5);
-    v = _mm_insert_epi16(v, load_unaligned<std::uint16_t>(p + at[6]), 6);
-    return _mm_insert_epi16(v, load_unaligned<std::uint16_t>(p + at[7]), 7);
-}
-
-/// One 16-bit word per lane, zero-extended.
-template <class V> CHIARO_INLINE IntLanes gather_halves(const V* p, const Indices& i) {
-    const __m128i a = halves8(p, i.at), b = halves8(p, i.at + 8);
+CHIARO_INLINE IntLanes join_halves(__m128i a, __m128i b) {
 #if defined(__AVX512F__)
     return IntLanes(NativeInt(_mm512_cvtepu16_epi32(_mm256_inserti128_si256(_mm256_castsi128_si256(a), b, 1))));
 #elif defined(__AVX2__)
     return {Pack<std::int32_t, 8>(NativeInt(_mm256_cvtepu16_epi32(a))), Pack<std::int32_t, 8>(NativeInt(_mm256_cvtepu16_epi32(b)))};
 #else
-    return {{Pack<std::int32_t, 4>(NativeInt(_mm_cvtepu16_epi32(a))), Pack<std::int32_t, 4>(NativeInt(_mm_cvtepu16_epi32(_mm_srli_si128(a, 8))))},
-            {Pack<std::int32_t, 4>(NativeInt(_mm_cvtepu16_epi32(b))), Pack<std::int32_t, 4>(NativeInt(_mm_cvtepu16_epi32(_mm_srli_si128(b, 8))))}};
+    return join_words(_mm_cvtepu16_epi32(a), _mm_cvtepu16_epi32(_mm_srli_si128(a, 8)), _mm_cvtepu16_epi32(b), _mm_cvtepu16_epi32(_mm_srli_si128(b, 8)));
 #endif
 }
 
-/// The byte or half at `shift` bits of each word. Words may be negative: the shift is arithmetic, the mask follows it.
-template <int shift, int bits> CHIARO_INLINE Lanes field(IntLanes word) {
-    return to_float((word >> IntLanes(shift)) & IntLanes((1 << bits) - 1));
+/// One 32-bit word per lane, at four distances.
+template <class V> CHIARO_INLINE Four<IntLanes> gather_words(const V* p, const Indices& i, Distances at) {
+    const FourVectors r = words4(p, i.at, at), s = words4(p, i.at + 4, at), t = words4(p, i.at + 8, at), u = words4(p, i.at + 12, at);
+    return {join_words(r.a, s.a, t.a, u.a), join_words(r.b, s.b, t.b, u.b), join_words(r.c, s.c, t.c, u.c), join_words(r.d, s.d, t.d, u.d)};
+}
+/// One 16-bit word per lane, zero-extended, at four distances.
+template <class V> CHIARO_INLINE Four<IntLanes> gather_halves(const V* p, const Indices& i, Distances at) {
+    const FourVectors r = halves8(p, i.at, at), s = halves8(p, i.at + 8, at);
+    return {join_halves(r.a, s.a), join_halves(r.b, s.b), join_halves(r.c, s.c), join_halves(r.d, s.d)};
 }
 
-CHIARO_INLINE Two<Lanes> gather_two(const std::uint8_t* p, const Indices& i) {
-    const IntLanes word = gather_halves(p, i);
-    return {field<0, 8>(word), to_float(word >> IntLanes(8))};
+/// The byte or half at `shift` bits of each word. Words may be negative: the shift is arithmetic, the mask follows it.
+template <int shift, int bits> CHIARO_INLINE Lanes bit_field(IntLanes word) {
+    return to_float((word >> IntLanes(shift)) & IntLanes((1 << bits) - 1));
 }
-CHIARO_INLINE Two<Lanes> gather_two(const std::uint16_t* p, const Indices& i) {
-    const IntLanes word = gather_words(p, i);
-    return {field<0, 16>(word), field<16, 16>(word)};
+CHIARO_INLINE Two<Lanes> split_bytes(IntLanes half) { return {bit_field<0, 8>(half), to_float(half >> IntLanes(8))}; }
+CHIARO_INLINE Two<Lanes> split_halves(IntLanes word) { return {bit_field<0, 16>(word), bit_field<16, 16>(word)}; }
+CHIARO_INLINE Four<Lanes> split_four(IntLanes word) {
+    return {bit_field<0, 8>(word), bit_field<8, 8>(word), bit_field<16, 8>(word), bit_field<24, 8>(word)};
 }
-CHIARO_INLINE Two<Lanes> gather_two(const float* p, const Indices& i) {
-    return {float_of(gather_words(p, i)), float_of(gather_words(p + 1, i))};
+
+CHIARO_INLINE Four<Two<Lanes>> gather_two(const std::uint8_t* p, const Indices& i, Distances at) {
+    const Four<IntLanes> w = gather_halves(p, i, at);
+    return {split_bytes(w.a), split_bytes(w.b), split_bytes(w.c), split_bytes(w.d)};
 }
-CHIARO_INLINE Four<Lanes> gather_four(const std::uint8_t* p, const Indices& i) {
-    const IntLanes word = gather_words(p, i);
-    return {field<0, 8>(word), field<8, 8>(word), field<16, 8>(word), field<24, 8>(word)};
+CHIARO_INLINE Four<Two<Lanes>> gather_two(const std::uint16_t* p, const Indices& i, Distances at) {
+    const Four<IntLanes> w = gather_words(p, i, at);
+    return {split_halves(w.a), split_halves(w.b), split_halves(w.c), split_halves(w.d)};
 }
-template <class V> CHIARO_INLINE Four<Lanes> gather_four(const V* p, const Indices& i) {
-    const Two<Lanes> ab = gather_two(p, i), cd = gather_two(p + 2, i);
-    return {ab.a, ab.b, cd.a, cd.b};
+CHIARO_INLINE Four<Two<Lanes>> gather_two(const float* p, const Indices& i, Distances at) {
+    const Four<IntLanes> v = gather_words(p, i, at), w = gather_words(p + 1, i, at);
+    return {{float_of(v.a), float_of(w.a)}, {float_of(v.b), float_of(w.b)}, {float_of(v.c), float_of(w.c)}, {float_of(v.d), float_of(w.d)}};
 }
+CHIARO_INLINE Four<Four<Lanes>> gather_four(const std::uint8_t* p, const Indices& i, Distances at) {
+    const Four<IntLanes> w = gather_words(p, i, at);
+    return {split_four(w.a), split_four(w.b), split_four(w.c), split_four(w.d)};
+}
+template <class V> CHIARO_INLINE Four<Four<Lanes>> gather_four(const V* p, const Indices& i, Distances at) {
+    const Four<Two<Lanes>> v = gather_two(p, i, at), w = gather_two(p + 2, i, at);
+    return {{v.a.a, v.a.b, w.a.a, w.a.b}, {v.b.a, v.b.b, w.b.a, w.b.b}, {v.c.a, v.c.b, w.c.a, w.c.b}, {v.d.a, v.d.b, w.d.a, w.d.b}};
+}
+
 CHIARO_INLINE IntLanes gather_byte(const std::uint8_t* p, IntLanes index) {
     const Indices i(index);
-    // Two bytes a load; the table ends with one spare byte.
-    return gather_halves(p, i) & IntLanes(0xff);
+    const auto bytes4 = [&](int lane) CHIARO_INLINE_LAMBDA {
+        __m128i v = _mm_cvtsi32_si128(p[i.at[lane]]);
+        v = _mm_insert_epi8(v, p[i.at[lane + 1]], 4);
+        v = _mm_insert_epi8(v, p[i.at[lane + 2]], 8);
+        return _mm_insert_epi8(v, p[i.at[lane + 3]], 12);
+    };
+    return join_words(bytes4(0), bytes4(4), bytes4(8), bytes4(12));
 }
 
 }  // namespace CHIARO_ISA

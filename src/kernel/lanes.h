@@ -7,8 +7,10 @@
 
 #ifdef __CUDACC__
 #define CHIARO_INLINE __host__ __device__ __forceinline__
+#define CHIARO_INLINE_LAMBDA
 #else
 #define CHIARO_INLINE inline __attribute__((always_inline))
+#define CHIARO_INLINE_LAMBDA __attribute__((always_inline))  // lambdas in kernels must be forced too
 #endif
 
 namespace chiaro::kernel {

@@ -2,6 +2,7 @@
 // vectors of four pixels × RGBA, so that a table entry is one 16-byte load and compositing needs no transposition
 // (+40 % against four planes). In-lane shuffles only: vector i holds the pixels i, 4+i, 8+i, 12+i.
 #pragma once
+#include "kernel/gather.h"
 #include "kernel/lanes.h"
 #include "kernel/vec.h"
 
@@ -74,7 +75,7 @@ CHIARO_INLINE RgbaPack light_up(const RgbaPack& c, Vec3<Lanes> diffuse, Vec3<Lan
 CHIARO_INLINE void zero(RgbaPack& c) { c = {Lanes(0), Lanes(0), Lanes(0), Lanes(0)}; }
 
 /// Entries for the lanes first, first + 4, first + 8, first + 12.
-CHIARO_INLINE Lanes load_quad(const Rgba* table, const std::int32_t* index) {
+CHIARO_INLINE Lanes load_quad(const Rgba* table, const std::uint32_t* index) {
     const auto entry = [&](int lane) __attribute__((always_inline)) { return _mm_load_ps(&table[index[lane]].r); };
 #if defined(__AVX512F__)
     return Lanes(_mm512_insertf32x4(_mm512_insertf32x4(_mm512_insertf32x4(_mm512_castps128_ps512(entry(0)), entry(4), 1), entry(8), 2), entry(12), 3));
@@ -88,9 +89,8 @@ CHIARO_INLINE Lanes load_quad(const Rgba* table, const std::int32_t* index) {
 #endif
 }
 CHIARO_INLINE RgbaPack load_rgba(const Rgba* table, IntLanes index) {
-    alignas(64) std::int32_t at[16];
-    __builtin_memcpy(at, &index, sizeof at);
-    return {load_quad(table, at), load_quad(table, at + 1), load_quad(table, at + 2), load_quad(table, at + 3)};
+    const Indices i(index);
+    return {load_quad(table, i.at), load_quad(table, i.at + 1), load_quad(table, i.at + 2), load_quad(table, i.at + 3)};
 }
 
 /// Writes the 4 × 4 block of pixels whose first is `first`; lane 4 j + i is row j, column i.

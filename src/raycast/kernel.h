@@ -28,7 +28,8 @@ struct FrameView {
 /// The samples of a ray: midpoints of steps from the entry on, the last one shortened to the exit.
 template <class F> struct Lattice {
     Vec3<F> entry, step;       ///< voxels
-    Vec3<F> steps_per_voxel;
+    Vec3<F> steps_per_voxel;   ///< magnitudes
+    Vec3<F> ahead;             ///< a cell's edge where the ray climbs, else 0
     F full, rest, count;       ///< whole steps, the share of the last one, samples in all
 
     /// Voxel coordinates of sample k.
@@ -44,7 +45,10 @@ template <class F> CHIARO_INLINE Lattice<F> make_lattice(const Ray<F>& ray, Inte
     l.count = l.full + select(l.rest > F(negligible), F(1), F(0));
     l.entry = fma(hit.near, ray.direction, ray.origin);
     l.step = F(step_mm) * ray.direction;
-    l.steps_per_voxel = {F(1) / away_from_zero(l.step.x), F(1) / away_from_zero(l.step.y), F(1) / away_from_zero(l.step.z)};
+    const Vec3<F> per_voxel{F(1) / away_from_zero(l.step.x), F(1) / away_from_zero(l.step.y), F(1) / away_from_zero(l.step.z)};
+    const auto edge_if_climbing = [](F d) CHIARO_INLINE_LAMBDA { return select(d > F(0), F(cell_edge), F(0)); };
+    l.steps_per_voxel = {abs(per_voxel.x), abs(per_voxel.y), abs(per_voxel.z)};
+    l.ahead = {edge_if_climbing(per_voxel.x), edge_if_climbing(per_voxel.y), edge_if_climbing(per_voxel.z)};
     return l;
 }
 
@@ -77,45 +81,54 @@ private:
         F k(0), leave(0), transmittance(1);
         Int<F> samples(0);
         while (any(alive)) {
-            Mask<F> sampling = alive;
-            if (skip_empty) {
-                skip(lattice, alive, k, leave);
-                sampling = alive & (k < leave);
-            }
-            samples += select(sampling, Int<F>(1), Int<F>(0));
             const Vec3<F> p = volume.clamp(lattice.position(k));
-            const Location<F> at = volume.locate(p, volume.voxel(p));
-            const F value = volume.value(at);
-            RgbaLanes<F> colour = load_rgba(table.entries, table.index(value));
-            F alpha = select(sampling, alpha_of(colour), F(0));
-            const Mask<F> visible = alpha > F(0);
-            if (any(visible)) {
-                shorten_last(lattice, visible & (k >= lattice.full), colour, alpha);
-                if (shading.enabled || Field::modulates) light(at, {p, value, F(0), F(0)}, colour);
-                const F weight = select(visible, transmittance, F(0));
-                sum = accumulate(sum, weight, colour);
-                transmittance = transmittance - weight * alpha;
+            const VoxelIndex<F> voxel = volume.voxel(p);
+            F next = k + F(1);
+            Mask<F> sampled = alive;
+            if (skip_empty) {
+                const Mask<F> lost = alive & (k >= leave);
+                if (any(lost)) {
+                    sampled = alive & !leap(lattice, lost, p, voxel, next, leave);
+                    if (!any(sampled)) {
+                        k = next;
+                        alive &= k < lattice.count;
+                        continue;
+                    }
+                }
             }
-            k = select(sampling, k + F(1), k);
+            samples += select(sampled, Int<F>(1), Int<F>(0));
+            sample(lattice, sampled, k, volume.locate(p, voxel), p, transmittance, sum);
+            k = next;
             alive &= (k < lattice.count) & (transmittance > F(cutoff));
         }
         return samples;
     }
 
-    /// Moves the lanes that have come to the end of their cube (k >= leave) on: over empty cubes to the next occupied
-    /// one, whose end becomes `leave`. Samples stay on the lattice.
-    template <class F> CHIARO_INLINE void skip(const Lattice<F>& lattice, Mask<F>& alive, F& k, F& leave) const {
-        Mask<F> lost = alive & (k >= leave);
-        while (any(lost)) {
-            const Vec3<F> p = volume.clamp(lattice.position(k));
-            const VoxelIndex<F> voxel = volume.voxel(p);
-            const Cube<F> cube = occupancy.around(voxel);
-            const F next = k + max(F(1), floor(steps_to_leave(cube, voxel, p, lattice.steps_per_voxel)) + F(1));
-            leave = select(lost & !cube.empty, next, leave);
-            k = select(lost & cube.empty, next, k);
-            alive &= k < lattice.count;
-            lost = lost & cube.empty & alive;
-        }
+    /// For the lanes that have left the cube they knew: those in an empty cube get the first sample behind it as `next`
+    /// and are returned; the others learn in `leave` where their occupied cube ends. Samples stay on the lattice.
+    template <class F>
+    CHIARO_INLINE Mask<F> leap(const Lattice<F>& lattice, Mask<F> lost, Vec3<F> p, VoxelIndex<F> voxel, F& next, F& leave) const {
+        const Cube<F> cube = occupancy.around(voxel);
+        const F behind = next + steps_to_leave(cube, voxel, p, lattice.ahead, lattice.steps_per_voxel);
+        const Mask<F> empty = lost & cube.empty;
+        leave = select(lost & !cube.empty, behind, leave);
+        next = select(empty, behind, next);
+        return empty;
+    }
+
+    /// Takes one sample: C += T c, T *= 1 - α, with c = α × colour.
+    template <class F>
+    CHIARO_INLINE void sample(const Lattice<F>& lattice, Mask<F> sampled, F k, const Location<F>& at, Vec3<F> p, F& transmittance, RgbaLanes<F>& sum) const {
+        const F value = volume.value(at);
+        RgbaLanes<F> colour = load_rgba(table.entries, table.index(value));
+        F alpha = select(sampled, alpha_of(colour), F(0));
+        const Mask<F> visible = alpha > F(0);
+        if (!any(visible)) return;
+        shorten_last(lattice, visible & (k >= lattice.full), colour, alpha);
+        if (shading.enabled || Field::modulates) light(at, {p, value, F(0), F(0)}, colour);
+        const F weight = select(visible, transmittance, F(0));
+        sum = accumulate(sum, weight, colour);
+        transmittance = transmittance - weight * alpha;
     }
 
     /// Opacity correction of the last, shorter step: 1 - (1 - α)^rest.

@@ -16,8 +16,13 @@ constexpr int format_version = 1;
 [[noreturn]] void refuse(const std::string& sentence) { throw Error(ErrorCode::input, sentence); }
 
 Json parse_json(const std::string& text) {
+    // Copying and printing JSON recurse: a scene is shallow, and what is not would overflow the stack.
+    const auto is_shallow = [](int depth, Json::parse_event_t, Json&) {
+        if (depth > 32) refuse("nested too deeply");
+        return true;
+    };
     try {
-        return Json::parse(text);
+        return Json::parse(text, is_shallow);
     } catch (const Json::exception& error) {
         const std::string what = error.what();  // "[json.exception.parse_error.101] parse error at line 3, ..."
         refuse("not JSON: " + what.substr(std::min(what.find("] ") + 2, what.size())));

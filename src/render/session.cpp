@@ -69,9 +69,9 @@ Session::~Session() = default;
 Session::Session(Session&&) noexcept = default;
 
 void Session::show(Volume&& volume, Progress& progress) {
+    // The old volume, and all that was made from it, go before the new one takes its memory.
+    state_ = std::make_unique<State>(state_->device);
     State& s = *state_;
-    s.stages.clear();
-    s.upload = {};  // the old volume goes before the new one takes its memory
     progress.report("measure", 0);
     Kept<Subject, Version> measured;
     s.redo("measure", measured, {0}, [&](Subject& subject) { subject = study(volume); });

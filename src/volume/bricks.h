@@ -11,7 +11,7 @@ inline constexpr int brick_before = 1, brick_behind = 2;     ///< border voxels 
 inline constexpr int brick_row = brick_edge + brick_before + brick_behind;
 inline constexpr int brick_slice = brick_row * brick_row;
 inline constexpr int brick_voxels = brick_slice * brick_row;
-inline constexpr int cell_bits = 3;                          ///< occupancy is kept for cells of 8³ voxel intervals
+inline constexpr int cell_bits = 3;                          ///< occupancy is kept for cells of 4³ voxel intervals
 inline constexpr int cell_edge = 1 << cell_bits;
 
 /// Bricks along an axis of n voxels: they cover its n - 1 intervals.

@@ -8,7 +8,7 @@
 
 namespace chiaro {
 
-/// Smallest and largest stored value in each 8³ cell, its shared border included.
+/// Smallest and largest stored value in each 4³ cell, its shared border included.
 struct CellRanges {
     std::array<int, 3> count{0, 0, 0};
     std::vector<float> low, high;  ///< x fastest

@@ -44,37 +44,31 @@ template <class Voxel> struct VolumeView {
 
     /// Trilinear; in stored units.
     template <class F> CHIARO_INLINE F value(const Location<F>& at) const {
-        const F near = lerp(along_x(at, 0, 0), along_x(at, 1, 0), at.t.y);
-        const F far = lerp(along_x(at, 0, 1), along_x(at, 1, 1), at.t.y);
-        return lerp(near, far, at.t.z);
+        const Four<F> s = along_x(gather_two(voxels, at.index, {0, brick_row, brick_slice, brick_slice + brick_row}), at.t.x);
+        return lerp(lerp(s.a, s.b, at.t.y), lerp(s.c, s.d, at.t.y), at.t.z);
     }
 
     /// Central differences of one voxel, interpolated; stored units per voxel. At the border the missing neighbour is
     /// the border voxel itself. 32 voxels in 12 loads.
     template <class F> CHIARO_INLINE Vec3<F> gradient(const Location<F>& at) const {
         const Vec3<F> t = at.t;
-        const Row<F> r00 = row(at, 0, 0), r10 = row(at, 1, 0), r01 = row(at, 0, 1), r11 = row(at, 1, 1);
-        const F dx = lerp(lerp(r00.slope, r10.slope, t.y), lerp(r01.slope, r11.slope, t.y), t.z);
-        const F dy = lerp(lerp(r10.value - along_x(at, -1, 0), along_x(at, 2, 0) - r00.value, t.y),
-                          lerp(r11.value - along_x(at, -1, 1), along_x(at, 2, 1) - r01.value, t.y), t.z);
-        const F dz = lerp(lerp(r01.value - along_x(at, 0, -1), r11.value - along_x(at, 1, -1), t.y),
-                          lerp(along_x(at, 0, 2) - r00.value, along_x(at, 1, 2) - r10.value, t.y), t.z);
+        constexpr int y = brick_row, z = brick_slice;
+        const Four<Four<F>> rows = gather_four(voxels - 1, at.index, {0, y, z, z + y});
+        const Four<F> s{lerp(rows.a.b, rows.a.c, t.x), lerp(rows.b.b, rows.b.c, t.x), lerp(rows.c.b, rows.c.c, t.x), lerp(rows.d.b, rows.d.c, t.x)};
+        const F dx = lerp(lerp(slope(rows.a, t.x), slope(rows.b, t.x), t.y), lerp(slope(rows.c, t.x), slope(rows.d, t.x), t.y), t.z);
+        const Four<F> sy = along_x(gather_two(voxels, at.index, {-y, 2 * y, z - y, z + 2 * y}), t.x);
+        const F dy = lerp(lerp(s.b - sy.a, sy.b - s.a, t.y), lerp(s.d - sy.c, sy.d - s.c, t.y), t.z);
+        const Four<F> sz = along_x(gather_two(voxels, at.index, {-z, y - z, 2 * z, y + 2 * z}), t.x);
+        const F dz = lerp(lerp(s.c - sz.a, s.d - sz.b, t.y), lerp(sz.c - s.a, sz.d - s.b, t.y), t.z);
         return {F(0.5f) * dx, F(0.5f) * dy, F(0.5f) * dz};
     }
 
 private:
-    template <class F> struct Row {
-        F value, slope;  ///< interpolated along x; slope over two voxels
-    };
-
-    template <class F> CHIARO_INLINE F along_x(const Location<F>& at, int y, int z) const {
-        const Two<F> v = gather_two(voxels + (z * brick_slice + y * brick_row), at.index);
-        return lerp(v.a, v.b, at.t.x);
+    template <class F> static CHIARO_INLINE Four<F> along_x(const Four<Two<F>>& v, F t) {
+        return {lerp(v.a.a, v.a.b, t), lerp(v.b.a, v.b.b, t), lerp(v.c.a, v.c.b, t), lerp(v.d.a, v.d.b, t)};
     }
-    template <class F> CHIARO_INLINE Row<F> row(const Location<F>& at, int y, int z) const {
-        const Four<F> v = gather_four(voxels + (z * brick_slice + y * brick_row) - 1, at.index);
-        return {lerp(v.b, v.c, at.t.x), lerp(v.c - v.a, v.d - v.b, at.t.x)};
-    }
+    /// Of a row of four voxels, over two voxels.
+    template <class F> static CHIARO_INLINE F slope(const Four<F>& row, F t) { return lerp(row.c - row.a, row.d - row.b, t); }
 };
 
 }  // namespace chiaro::kernel

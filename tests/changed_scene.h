@@ -1,0 +1,38 @@
+// A scene with every setting away from its default.
+#pragma once
+#include <chiaro/describe.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+inline chiaro::Scene changed_scene() {
+    using namespace chiaro;
+    Scene s;
+    s.volume = "volume.nrrd";
+    s.read.raw = {{{4, 5, 6}}, VoxelType::u16, Vec3{1, 2, 3}, true, 12};
+    s.read.series = "1.10";
+    s.read.rescale = {2, -1024};
+    s.stated = {{{7, 8, 9}}, VoxelType::f32, Vec3{0.5, 0.25, 2}};
+    s.transfer.source = "ct-bone";
+    s.transfer.window = {40, 400};
+    s.transfer.threshold = {-100.5, 1e6};
+    s.transfer.opacity_scale = 0.5;
+    s.transfer.opacity_unit_mm = 3;
+    s.camera = {-10,           12.5,           90, 4, 45, Vec3{0, -1, 0}, Projection::orthographic, View::left,
+                Vec3{1, 2, 3}, Vec3{0, 0, 0.1}};
+    s.lighting = {Shading::lambert, 0.1, 0.2, 0.4, 5, false, 30, -40, {1, 0.5, 0.25}};
+    s.sampling = {1, 0, false};
+    s.output = {{0.1, 0.2, 0.3}, false, ColorMode::display};
+    s.width = 64, s.height = 48;
+    return s;
+}
+
+/// Every value as text, by key.
+inline std::vector<std::pair<std::string, std::string>> texts_of(const chiaro::Scene& scene) {
+    std::vector<std::pair<std::string, std::string>> texts;
+    for_each_setting(
+        [&](const chiaro::Setting& s, const auto&... fields) { texts.emplace_back(s.key, value_text(s, fields...)); },
+        scene);
+    return texts;
+}
