@@ -7,17 +7,6 @@
 namespace chiaro::bench {
 namespace {
 
-Scene scene_named(const Setup& setup, const std::string& name) {
-    for (const SceneText& text : scene_texts())
-        if (text.name == name) {
-            std::vector<std::string> unknown;
-            Scene scene = parse_scene(text.json, setup.data, setup.data, unknown);
-            if (setup.quick) scene.width /= 4, scene.height /= 4;
-            return scene;
-        }
-    throw Error(ErrorCode::internal, "no scene '" + name + "' in bench/scenes");
-}
-
 bool is_there(const std::string& volume, const std::filesystem::path& data) {
     if (volume.starts_with("sample:")) return true;
     std::error_code unreadable;
@@ -26,24 +15,37 @@ bool is_there(const std::string& volume, const std::filesystem::path& data) {
 
 }  // namespace
 
-Turntable::Turntable(const Setup& setup, const std::string& name)
-    : progress_(setup.progress),
-      scene_(scene_named(setup, name)),
-      session_(setup.device),
-      has_data_(is_there(scene_.volume, setup.data)) {}
+std::optional<Scene> find_scene(const Setup& setup, const std::string& name) {
+    for (const SceneText& text : scene_texts()) {
+        if (text.name != name) continue;
+        std::vector<std::string> unknown;
+        Scene scene = parse_scene(text.json, setup.data, setup.data, unknown);
+        if (setup.quick) scene.width /= 4, scene.height /= 4;
+        return is_there(scene.volume, setup.data) ? std::optional(scene) : std::nullopt;
+    }
+    throw Error(ErrorCode::internal, "no scene '" + name + "' in bench/scenes");
+}
 
-double Turntable::seconds_per_frame() {
-    if (!shown_) session_.show(read_volume(scene_, progress_), progress_), shown_ = true;
+CameraSettings turned(CameraSettings camera, int frame) {
+    camera.azimuth_deg += 360.0 * frame / turn_frames;
+    return camera;
+}
+
+Turntable::Turntable(const Setup& setup, const Scene& scene) : progress_(setup.progress), session_(setup.device) {
+    session_.show(read_volume(scene, progress_), progress_);
+}
+
+double Turntable::seconds_per_frame(const Scene& scene) {
     samples_ = 0;
-    return cpu_seconds([&] {
-               for (int frame = 0; frame < frames; ++frame) {
-                   Scene scene = scene_;
-                   scene.camera.azimuth_deg += 360.0 * frame / frames;
-                   session_.render(scene, progress_);
-                   samples_ += session_.outcome().samples;
-               }
-           }) /
-           frames;
+    const auto turn = [&] {
+        for (int frame = 0; frame < turn_frames; ++frame) {
+            Scene view = scene;
+            view.camera = turned(scene.camera, frame);
+            session_.render(view, progress_);
+            samples_ += session_.outcome().samples;
+        }
+    };
+    return cpu_seconds(turn) / turn_frames;
 }
 
 }  // namespace chiaro::bench

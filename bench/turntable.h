@@ -1,4 +1,4 @@
-// A scene that is timed, from bench/scenes.
+// The scenes that are timed, from bench/scenes.
 #pragma once
 #include <chiaro/session.h>
 
@@ -17,29 +17,28 @@ struct SceneText {
 };
 std::vector<SceneText> scene_texts();
 
-/// What a row says when its volume is not there.
+/// A scene by its name; nothing when its volume is not there.
+std::optional<Scene> find_scene(const Setup& setup, const std::string& name);
+
+/// What a row says then.
 inline constexpr const char* no_data = "skipped: no data (CHIARO_DATA_DIR)";
 
-/// Four azimuths of a scene, whose volume is read once for all settings that it is rendered with.
+/// Views of a scene from all around.
+inline constexpr int turn_frames = 4;
+CameraSettings turned(CameraSettings camera, int frame);
+
+/// A scene whose volume is read once for all the settings that it is rendered with.
 class Turntable {
 public:
-    static constexpr int frames = 4;
+    Turntable(const Setup& setup, const Scene& scene);
 
-    Turntable(const Setup& setup, const std::string& name);
-
-    bool has_data() const { return has_data_; }
-    Scene& scene() { return scene_; }
-    /// Processor seconds of one frame, on average over the turn; the first call reads the volume.
-    double seconds_per_frame();
-    std::uint64_t samples_per_frame() const { return samples_ / frames; }
-    /// The pixels of the last frame, before they are rounded to 8 bits.
-    const Frame& frame() const { return session_.frame(); }
+    /// Processor seconds of one frame, on average over the turn.
+    double seconds_per_frame(const Scene& scene);
+    std::uint64_t samples_per_frame() const { return samples_ / turn_frames; }
 
 private:
     Progress& progress_;
-    Scene scene_;
     Session session_;
-    bool has_data_, shown_ = false;
     std::uint64_t samples_ = 0;
 };
 
