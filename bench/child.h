@@ -20,7 +20,8 @@ private:
     std::filesystem::path path_;
 };
 
-/// Runs a program to its end. Throws Error{internal} unless it ends with 0.
-void run_program(const std::filesystem::path& program, const std::vector<std::string>& arguments);
+/// Runs a program to its end; returns the processor seconds of it and of those that it started. Throws Error{internal}
+/// unless it ends with 0.
+double run_program(const std::filesystem::path& program, const std::vector<std::string>& arguments);
 
 }  // namespace chiaro::bench
