@@ -17,7 +17,7 @@ function(chiaro_add_kernels target)
     add_library(${kernels} OBJECT ${launches})
     target_include_directories(${kernels} PRIVATE ${PROJECT_SOURCE_DIR}/src)
     target_compile_definitions(${kernels} PRIVATE CHIARO_ISA=${isa} CHIARO_ISA_${isa}=1)
-    # One rounding rule for all: sums and products are fused only where the kernel says fma.
+    # One rounding rule for all: products and sums are never fused, so every instruction set gives the same bits.
     target_compile_options(${kernels} PRIVATE ${CHIARO_FLAGS_${isa}} -O3 -ffp-contract=off -fno-math-errno -fno-trapping-math
                            -Wno-maybe-uninitialized) # false alarms inside GCC 12's own AVX-512 header (PR 105593)
     if(CHIARO_SANITIZE AND NOT isa STREQUAL "scalar")

@@ -10,13 +10,15 @@ namespace chiaro::testing {
 using Field = std::function<double(double x, double y, double z)>;
 
 /// f at the voxel centres (voxel coordinates).
-template <class T> Volume sampled(std::array<int, 3> n, const Field& f) {
+template <class T>
+Volume sampled(std::array<int, 3> n, const Field& f) {
     Volume volume = make_volume(n, voxel_type_of<T>());
     auto voxels = volume.as<T>();
     std::size_t i = 0;
     for (int z = 0; z < n[2]; ++z)
         for (int y = 0; y < n[1]; ++y)
-            for (int x = 0; x < n[0]; ++x) voxels[i++] = T(std::is_integral_v<T> ? std::lround(f(x, y, z)) : f(x, y, z));
+            for (int x = 0; x < n[0]; ++x)
+                voxels[i++] = T(std::is_integral_v<T> ? std::lround(f(x, y, z)) : f(x, y, z));
     return volume;
 }
 
@@ -37,7 +39,11 @@ inline TransferFunction constant(double opacity, Rgb rgb = {1, 1, 1}) {
 /// Two translucent materials on a 0..255 scale, nothing below 60.
 inline TransferFunction two_materials() {
     TransferFunction tf;
-    tf.points = {{60, {0.2, 0.4, 0.9}, 0}, {110, {0.2, 0.4, 0.9}, 0.15}, {150, {0.3, 0.8, 0.3}, 0}, {170, {0.9, 0.4, 0.1}, 0}, {220, {0.9, 0.4, 0.1}, 0.7}};
+    tf.points = {{60, {0.2, 0.4, 0.9}, 0},
+                 {110, {0.2, 0.4, 0.9}, 0.15},
+                 {150, {0.3, 0.8, 0.3}, 0},
+                 {170, {0.9, 0.4, 0.1}, 0},
+                 {220, {0.9, 0.4, 0.1}, 0.7}};
     return tf;
 }
 
@@ -54,8 +60,8 @@ struct Shot {
     Frame operator()(const DeviceVolume& volume) const {
         Frame frame(width, height);
         Progress progress;
-        raycast(device, classify(volume, tf, shape), IlluminationField(), lighting, make_camera(camera, volume.geometry(), volume.dimensions()), rays,
-                frame, progress);
+        raycast(device, classify(volume, tf, shape), IlluminationField(), lighting,
+                make_camera(camera, volume.geometry(), volume.dimensions()), rays, frame, progress);
         return frame;
     }
     Frame operator()(const Volume& volume) const { return (*this)(upload(device, volume)); }

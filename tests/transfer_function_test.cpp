@@ -131,7 +131,7 @@ TEST(TransferFunctionJson, RefusesWithOneSentence) {
     EXPECT_EQ(refusal(R"({"points": [{"value": "0", "rgb": [0, 0, 0], "opacity": 0}]})"),
               "tf.json: points[0].value is string: must be a number");
     EXPECT_EQ(refusal(R"({"points": [{"value": 0, "rgb": [0, 0], "opacity": 0}]})"),
-              "tf.json: points[0].rgb is [0,0]: must be three numbers in [0, 1]");
+              "tf.json: points[0].rgb has 2 numbers: must have 3");
     EXPECT_EQ(refusal(R"({"points": [{"value": 0, "rgb": [0, 0, null], "opacity": 0}]})"),
               "tf.json: points[0].rgb[2] is null: must be a number");
     EXPECT_EQ(refusal(R"({"points": [{"value": 0, "rgb": [0, 0, 0], "opacity": 0, "alpha": 1}]})"),
@@ -144,8 +144,13 @@ TEST(TransferFunctionJson, RefusesWithOneSentence) {
               "tf.json: opacity_unit_mm is -1: must be greater than 0");
     EXPECT_EQ(refusal(R"({"rgb_space": "hsv", "points": [)" + point + "]}"),
               "tf.json: rgb_space is 'hsv': must be 'srgb' or 'linear'");
-    for (const char* garbage : {"", "{", "nonsense", "{\"points\": [1e999]}", "\xff\xfe", "{\"points\": [{]}"})
-        EXPECT_TRUE(refusal(garbage).starts_with("tf.json: is not JSON: ")) << garbage;
+    const std::string nest = std::string(200000, '[') + std::string(200000, ']');  // nothing may recurse into it
+    EXPECT_EQ(refusal(R"({"points": [{"value": 0, "opacity": 0, "rgb": )" + nest + "}]}"),
+              "tf.json: points[0].rgb has 1 numbers: must have 3");
+    const std::string deep(1000000, '[');
+    for (const char* garbage :
+         {"", "{", "nonsense", "{\"points\": [1e999]}", "\xff\xfe", "{\"points\": [{]}", deep.c_str()})
+        EXPECT_TRUE(refusal(garbage).starts_with("tf.json: is not JSON: ")) << std::string(garbage, 0, 20);
 }
 
 TEST(TransferFunctionJson, LoadsFilesAndPresets) {

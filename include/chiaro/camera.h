@@ -16,10 +16,10 @@ enum class View { anterior, posterior, left, right, superior, inferior };
 struct CameraSettings {
     double azimuth_deg = 35, elevation_deg = 25, roll_deg = 0;
     double zoom = 1;
-    double fov_deg = 30;  ///< vertical
+    double fov_deg = 30;     ///< vertical
     std::optional<Vec3> up;  ///< world; +z (superior) if missing
     Projection projection = Projection::perspective;
-    std::optional<View> view;  ///< named view: replaces azimuth, elevation and up
+    std::optional<View> view;         ///< named view: replaces azimuth, elevation and up
     std::optional<Vec3> eye, target;  ///< world mm; both or none: replaces the orbit
     bool operator==(const CameraSettings&) const = default;
 };
@@ -29,13 +29,14 @@ struct Camera {
     Vec3 eye;                 ///< mm
     Vec3 forward, right, up;  ///< orthonormal
     Projection projection = Projection::perspective;
-    double half_height = 0;   ///< tan(fov / 2), or half the height of the view in mm (orthographic)
-    Vec3 orbit_up{0, 0, 1};   ///< what azimuth and elevation of lights turn about
+    double half_height = 0;  ///< tan(fov / 2), or half the height of the view in mm (orthographic)
+    Vec3 orbit_up{0, 0, 1};  ///< what azimuth and elevation of lights turn about
     bool operator==(const Camera&) const = default;
 };
 
-/// Unit vector from the centre to azimuth and elevation (radians) about `up`: for u = up, the azimuth-0 axis e is z→x, x→y,
-/// y→z (the same for -u), for other u x, or y where |u_x| > .9, made orthogonal; cos el (cos az e + sin az u×e) + sin el u.
+/// Unit vector from the centre to azimuth and elevation (radians) about `up`: for u = up, the azimuth-0 axis e is z→x,
+/// x→y, y→z (the same for -u), for other u x, or y where |u_x| > .9, made orthogonal; cos el (cos az e + sin az u×e) +
+/// sin el u.
 Vec3 orbit_direction(double azimuth, double elevation, Vec3 up);
 
 /// The camera of these settings for a volume. Orbit: c the centre of the span [0, n-1], R half its diagonal,

@@ -27,8 +27,8 @@ struct Image {
 };
 
 struct ToneMap {
-    Rgb background{0, 0, 0};      ///< sRGB, as picked
-    bool transparent = false;     ///< keep alpha instead of the background
+    Rgb background{0, 0, 0};   ///< sRGB, as picked
+    bool transparent = false;  ///< keep alpha instead of the background
     ColorMode color = ColorMode::linear;
     bool operator==(const ToneMap&) const = default;
 };

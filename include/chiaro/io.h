@@ -22,11 +22,12 @@ struct RawLayout {
 
 struct ReadOptions {
     RawLayout raw;
-    std::string series;  ///< of a DICOM folder: its UID, or its number in the order of size (1 = largest); empty: the largest
+    std::string
+        series;  ///< of a DICOM folder: its UID, or its number in the order of size (1 = largest); empty: the largest
     std::optional<std::pair<double, double>> rescale;  ///< slope and intercept where a file lacks them
-    double seconds = 120;           ///< wall time allowed to decode
-    double stall_seconds = 15;      ///< allowed without any progress
-    std::uint64_t max_bytes = 0;    ///< largest decoded volume; 0: what the machine's memory allows
+    double seconds = 120;                              ///< wall time allowed to decode
+    double stall_seconds = 15;                         ///< allowed without any progress
+    std::uint64_t max_bytes = 0;                       ///< largest decoded volume; 0: what the machine's memory allows
 };
 
 /// Reads a file, a folder of DICOM slices, `sample:NAME[:SIZE]`, or `-` (NRRD on standard input).
@@ -42,7 +43,9 @@ enum class NrrdEncoding { raw, gzip };
 void write_nrrd(const Volume& volume, const std::filesystem::path& path, NrrdEncoding encoding);
 
 /// A format for `--list-formats` and for messages.
-struct FormatInfo { std::string name, extensions, note; };
+struct FormatInfo {
+    std::string name, extensions, note;
+};
 std::vector<FormatInfo> list_formats();
 
 }  // namespace chiaro

@@ -17,9 +17,9 @@ enum class Shading { none, lambert, phong };
 struct Lighting {
     Shading shading = Shading::phong;
     double ambient = 0.2, diffuse = 0.7, specular = 0.3, shininess = 20;
-    bool headlight = true;  ///< along the camera's axis, else azimuth and elevation
+    bool headlight = true;                      ///< along the camera's axis, else azimuth and elevation
     double azimuth_deg = 0, elevation_deg = 0;  ///< towards the light, in the orbit's angles, fixed to the world
-    Rgb color{1, 1, 1};     ///< sRGB, as picked
+    Rgb color{1, 1, 1};                         ///< sRGB, as picked
     bool operator==(const Lighting&) const = default;
 };
 
@@ -31,7 +31,9 @@ struct IlluminationSettings {
     bool operator==(const IlluminationSettings&) const = default;
 };
 
-struct MethodInfo { std::string name, sentence; };
+struct MethodInfo {
+    std::string name, sentence;
+};
 std::vector<MethodInfo> list_methods();
 
 /// What depends on the data alone (local histograms, later); empty for most methods.
@@ -40,7 +42,7 @@ struct Prepared {};
 /// The light that a method computed, looked up by the ray caster at every sample. Cheap to copy.
 class IlluminationField {
 public:
-    struct Data;  // src/illumination/field.h
+    struct Data;          // src/illumination/field.h
     IlluminationField();  ///< no illumination method: all light arrives
     explicit IlluminationField(std::shared_ptr<const Data> data) : data_(std::move(data)) {}
     const Data& data() const { return *data_; }

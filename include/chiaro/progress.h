@@ -20,7 +20,9 @@ public:
 
     void cancel() noexcept { cancelled_.store(true, std::memory_order_relaxed); }
     bool cancelled() const noexcept { return cancelled_.load(std::memory_order_relaxed); }
-    void report(std::string_view stage, double fraction) const { if (report_) report_(stage, fraction); }
+    void report(std::string_view stage, double fraction) const {
+        if (report_) report_(stage, fraction);
+    }
 
     /// Throws Error{interrupted} once cancelled: for stages that have nothing to hand back half-done.
     void check() const;

@@ -1,7 +1,7 @@
 // The ray caster, and the whole way from a scene to a picture.
 //
-// A frame is upload -> prepare -> classify -> illuminate -> raycast -> develop: six verbs, each needing only the results
-// to its left.
+// A frame is upload -> prepare -> classify -> illuminate -> raycast -> develop: six verbs, each needing only the
+// results to its left.
 #pragma once
 #include <chiaro/camera.h>
 #include <chiaro/image.h>
@@ -13,16 +13,16 @@
 namespace chiaro {
 
 struct RaySettings {
-    double step_voxels = 0.5;         ///< distance of the samples, in smallest voxel edges
-    double early_termination = 0.005; ///< stop a ray at this remaining transmittance; 0: never
-    bool skip_empty = true;           ///< jump over cells that the transfer function leaves empty
+    double step_voxels = 0.5;          ///< distance of the samples, in smallest voxel edges
+    double early_termination = 0.005;  ///< stop a ray at this remaining transmittance; 0: never
+    bool skip_empty = true;            ///< jump over cells that the transfer function leaves empty
     bool operator==(const RaySettings&) const = default;
 };
 
 /// What a ray-casting call did.
 struct Outcome {
-    bool complete = true;        ///< false: cancelled; rows may be missing
-    std::uint64_t samples = 0;   ///< at which the volume was read
+    bool complete = true;       ///< false: cancelled; rows may be missing
+    std::uint64_t samples = 0;  ///< at which the volume was read
 };
 
 /// L = ∫ κ E T dt by front-to-back compositing of associated colours, midpoint samples, the last step shortened to the

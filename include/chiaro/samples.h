@@ -8,7 +8,10 @@
 
 namespace chiaro {
 
-struct SampleInfo { std::string name, sentence; int default_size; };
+struct SampleInfo {
+    std::string name, sentence;
+    int default_size;
+};
 std::vector<SampleInfo> list_samples();
 
 /// Generates a sample as a cube of `size` voxels (0: its default size). Throws Error{usage} for an unknown name (with

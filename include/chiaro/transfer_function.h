@@ -12,9 +12,9 @@ namespace chiaro {
 using Rgb = std::array<double, 3>;
 
 struct ControlPoint {
-    double value = 0;       ///< in data units (HU for CT)
-    Rgb rgb{0, 0, 0};       ///< [0, 1], in the function's rgb_space
-    double opacity = 0;     ///< [0, 1] per opacity unit distance
+    double value = 0;    ///< in data units (HU for CT)
+    Rgb rgb{0, 0, 0};    ///< [0, 1], in the function's rgb_space
+    double opacity = 0;  ///< [0, 1] per opacity unit distance
     bool operator==(const ControlPoint&) const = default;
 };
 
@@ -24,9 +24,9 @@ enum class RgbSpace { srgb, linear };
 struct TransferFunction {
     std::vector<ControlPoint> points;  ///< at least one, values not falling
     RgbSpace rgb_space = RgbSpace::srgb;
-    double opacity_unit = 1;           ///< the length that `opacity` belongs to, > 0 ...
-    bool opacity_unit_is_mm = false;   ///< ... in millimetres, or else in smallest voxel edges
-    std::string name;                  ///< preset, file or colour map it came from
+    double opacity_unit = 1;          ///< the length that `opacity` belongs to, > 0 ...
+    bool opacity_unit_is_mm = false;  ///< ... in millimetres, or else in smallest voxel edges
+    std::string name;                 ///< preset, file or colour map it came from
     bool operator==(const TransferFunction&) const = default;
 };
 
@@ -39,7 +39,10 @@ void validate(const TransferFunction& tf);
 /// Moves the function so that its [first, last] point values span the window.
 TransferFunction with_window(TransferFunction tf, double center, double width);
 
-struct PresetInfo { std::string name, modality, sentence; bool stretched; };
+struct PresetInfo {
+    std::string name, modality, sentence;
+    bool stretched;
+};
 /// Our presets, then the colour maps (matplotlib's names; each also with `_r`).
 std::vector<PresetInfo> list_presets();
 
@@ -53,7 +56,9 @@ TransferFunction parse_transfer_function(const std::string& json, const std::str
 std::string to_json(const TransferFunction& tf);
 
 /// What kind of data this seems to be and which preset suits it, with the reason in words.
-struct Guess { std::string modality, preset, reason; };
+struct Guess {
+    std::string modality, preset, reason;
+};
 Guess guess(const Volume& volume, const Statistics& data);
 
 /// CSS colour name, `#rgb`, `#rrggbb` or `r,g,b` in [0, 1]; sRGB. Throws Error{usage} with "did you mean".

@@ -19,31 +19,73 @@ std::size_t size_of(VoxelType type);
 /// "uint8", "int16", "float32", ...
 std::string_view name_of(VoxelType type);
 
-template <class T> constexpr VoxelType voxel_type_of();
-template <> constexpr VoxelType voxel_type_of<std::uint8_t>() { return VoxelType::u8; }
-template <> constexpr VoxelType voxel_type_of<std::int8_t>() { return VoxelType::i8; }
-template <> constexpr VoxelType voxel_type_of<std::uint16_t>() { return VoxelType::u16; }
-template <> constexpr VoxelType voxel_type_of<std::int16_t>() { return VoxelType::i16; }
-template <> constexpr VoxelType voxel_type_of<std::uint32_t>() { return VoxelType::u32; }
-template <> constexpr VoxelType voxel_type_of<std::int32_t>() { return VoxelType::i32; }
-template <> constexpr VoxelType voxel_type_of<std::uint64_t>() { return VoxelType::u64; }
-template <> constexpr VoxelType voxel_type_of<std::int64_t>() { return VoxelType::i64; }
-template <> constexpr VoxelType voxel_type_of<float>() { return VoxelType::f32; }
-template <> constexpr VoxelType voxel_type_of<double>() { return VoxelType::f64; }
+template <class T>
+constexpr VoxelType voxel_type_of();
+template <>
+constexpr VoxelType voxel_type_of<std::uint8_t>() {
+    return VoxelType::u8;
+}
+template <>
+constexpr VoxelType voxel_type_of<std::int8_t>() {
+    return VoxelType::i8;
+}
+template <>
+constexpr VoxelType voxel_type_of<std::uint16_t>() {
+    return VoxelType::u16;
+}
+template <>
+constexpr VoxelType voxel_type_of<std::int16_t>() {
+    return VoxelType::i16;
+}
+template <>
+constexpr VoxelType voxel_type_of<std::uint32_t>() {
+    return VoxelType::u32;
+}
+template <>
+constexpr VoxelType voxel_type_of<std::int32_t>() {
+    return VoxelType::i32;
+}
+template <>
+constexpr VoxelType voxel_type_of<std::uint64_t>() {
+    return VoxelType::u64;
+}
+template <>
+constexpr VoxelType voxel_type_of<std::int64_t>() {
+    return VoxelType::i64;
+}
+template <>
+constexpr VoxelType voxel_type_of<float>() {
+    return VoxelType::f32;
+}
+template <>
+constexpr VoxelType voxel_type_of<double>() {
+    return VoxelType::f64;
+}
 
 /// Calls f(T{}) with the C++ type behind `type`.
-template <class Function> decltype(auto) with_voxel_type(VoxelType type, Function&& f) {
+template <class Function>
+decltype(auto) with_voxel_type(VoxelType type, Function&& f) {
     switch (type) {
-        case VoxelType::u8: return f(std::uint8_t{});
-        case VoxelType::i8: return f(std::int8_t{});
-        case VoxelType::u16: return f(std::uint16_t{});
-        case VoxelType::i16: return f(std::int16_t{});
-        case VoxelType::u32: return f(std::uint32_t{});
-        case VoxelType::i32: return f(std::int32_t{});
-        case VoxelType::u64: return f(std::uint64_t{});
-        case VoxelType::i64: return f(std::int64_t{});
-        case VoxelType::f32: return f(float{});
-        default: return f(double{});
+        case VoxelType::u8:
+            return f(std::uint8_t{});
+        case VoxelType::i8:
+            return f(std::int8_t{});
+        case VoxelType::u16:
+            return f(std::uint16_t{});
+        case VoxelType::i16:
+            return f(std::int16_t{});
+        case VoxelType::u32:
+            return f(std::uint32_t{});
+        case VoxelType::i32:
+            return f(std::int32_t{});
+        case VoxelType::u64:
+            return f(std::uint64_t{});
+        case VoxelType::i64:
+            return f(std::int64_t{});
+        case VoxelType::f32:
+            return f(float{});
+        default:
+            return f(double{});
     }
 }
 
@@ -88,17 +130,24 @@ struct Volume {
     std::map<std::string, std::string> key_values;  ///< of the header, where the format has them
 
     std::size_t voxel_count() const { return std::size_t(dimensions[0]) * dimensions[1] * dimensions[2]; }
-    template <class T> std::span<const T> as() const { return {reinterpret_cast<const T*>(voxels.data()), voxel_count() * components}; }
-    template <class T> std::span<T> as() { return {reinterpret_cast<T*>(voxels.data()), voxel_count() * components}; }
+    template <class T>
+    std::span<const T> as() const {
+        return {reinterpret_cast<const T*>(voxels.data()), voxel_count() * components};
+    }
+    template <class T>
+    std::span<T> as() {
+        return {reinterpret_cast<T*>(voxels.data()), voxel_count() * components};
+    }
 };
 
-/// An empty (zero) volume of the given shape with unit geometry. Throws Error{input} unless every dimension is in 1..65535.
+/// An empty (zero) volume of the given shape with unit geometry. Throws Error{input} unless every dimension is
+/// in 1..65535.
 Volume make_volume(std::array<int, 3> dimensions, VoxelType type);
 
 /// What the values of a volume are, after slope and intercept; non-finite voxels are counted and left out.
 struct Statistics {
     double min = 0, max = 0;
-    double p1 = 0, p50 = 0, p99 = 0, p999 = 0;  ///< percentiles; exact for 8 and 16 bit, from 65536 bins otherwise
+    double p1 = 0, p50 = 0, p99 = 0, p999 = 0;   ///< percentiles; exact for 8 and 16 bit, from 65536 bins otherwise
     std::array<std::uint64_t, 256> histogram{};  ///< equal bins over [min, max]
     std::uint64_t nonfinite = 0;                 ///< NaN or infinite voxels
 };

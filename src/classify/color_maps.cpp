@@ -1,11 +1,11 @@
 // Colour maps by the names that matplotlib gave them.
 //
-// None is a copied table. Each is an approximation by the fewest straight pieces, fitted by least squares, whose largest
-// error against the map of that name (matplotlib 3.6) is 0.025 in any component. The maps are due to: S. van der Walt
-// and N. Smith (viridis, plasma, inferno, magma; CC0), J. Nunez, C. Anderton and R. Renslow (cividis), A. Mikhailov
-// (turbo), K. Moreland (coolwarm), C. Brewer (the names in capitals, but CMRmap and Wistia), D. Green (cubehelix),
-// B. Bechtold (twilight). Left out: qualitative maps, and those too rugged for so few pieces (flag, gist_ncar,
-// gist_stern, nipy_spectral, prism).
+// None is a copied table. Each is an approximation by the fewest straight pieces, fitted by least squares, whose
+// largest error against the map of that name (matplotlib 3.6) is 0.025 in any component. The maps are due to: S. van
+// der Walt and N. Smith (viridis, plasma, inferno, magma; CC0), J. Nunez, C. Anderton and R. Renslow (cividis), A.
+// Mikhailov (turbo), K. Moreland (coolwarm), C. Brewer (the names in capitals, but CMRmap and Wistia), D. Green
+// (cubehelix), B. Bechtold (twilight). Left out: qualitative maps, and those too rugged for so few pieces (flag,
+// gist_ncar, gist_stern, nipy_spectral, prism).
 #include "classify/presets.h"
 
 namespace chiaro {

@@ -2,15 +2,12 @@
 // user so that a wrong guess can be put right.
 #include <chiaro/samples.h>
 #include <chiaro/transfer_function.h>
-
-#include <cmath>
-
-#include "core/text.h"
+#include <fmt/format.h>
 
 namespace chiaro {
 namespace {
 
-std::string range_text(const Statistics& data) { return to_text(data.min) + ".." + to_text(data.max); }
+std::string range_text(const Statistics& data) { return fmt::format("{:.6g}..{:.6g}", data.min, data.max); }
 
 bool is_float(VoxelType type) { return type == VoxelType::f32 || type == VoxelType::f64; }
 

@@ -28,11 +28,12 @@ struct Medium::Data {
     double occupied_fraction = 0;
 };
 
-/// The table of a transfer function over the stored values that occur (classify/table.cpp). About 4096 entries; for whole
-/// numbers a power of two per unit, so that every stored value has an entry of its own wherever they fit.
+/// The table of a transfer function over the stored values that occur (classify/table.cpp). About 4096 entries; for
+/// whole numbers a power of two per unit, so that every stored value has an entry of its own wherever they fit.
 OpticalTable make_optical_table(const DeviceVolume::Data& volume, const TransferFunction& tf, const Shape& shape);
 
 /// The code of every cell (volume/occupancy.h), and a spare byte at the end.
-std::vector<std::uint8_t> make_occupancy(const CellRanges& ranges, const OpticalTable& table, double& occupied_fraction);
+std::vector<std::uint8_t> make_occupancy(const CellRanges& ranges, const OpticalTable& table,
+                                         double& occupied_fraction);
 
 }  // namespace chiaro

@@ -1,5 +1,5 @@
-// Empty-space skipping (Krüger and Westermann 2003): cells whose range of values the transfer function leaves empty, and
-// around each cell the largest cube of cells that are all like it.
+// Empty-space skipping (Krüger and Westermann 2003): cells whose range of values the transfer function leaves empty,
+// and around each cell the largest cube of cells that are all like it.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -22,12 +22,14 @@ constexpr std::uint8_t farthest = 126;  ///< distances are clamped, so that one 
 CellGrid occupied_cells(const CellRanges& ranges, const OpticalTable& table) {
     const int last = int(table.entries.size()) - 1;
     std::vector<int> visible_before(table.entries.size() + 1, 0);
-    for (int j = 0; j <= last; ++j) visible_before[j + 1] = visible_before[j] + (table.entries[j].extinction_per_mm > 0);
+    for (int j = 0; j <= last; ++j)
+        visible_before[j + 1] = visible_before[j] + (table.entries[j].extinction_per_mm > 0);
     CellGrid cells{ranges.count, std::vector<std::uint8_t>(ranges.low.size())};
     for (std::size_t c = 0; c < ranges.low.size(); ++c) {
         // Rounding in interpolation can reach a little beyond the cell's values, unless they are all the same.
         const double low = ranges.low[c], high = ranges.high[c];
-        const double reach = low == high ? 0 : 1.0 / 256 + table.index_scale * std::max(std::abs(low), std::abs(high)) * 4e-7;
+        const double reach =
+            low == high ? 0 : 1.0 / 256 + table.index_scale * std::max(std::abs(low), std::abs(high)) * 4e-7;
         const int first = std::clamp(int(std::floor(table.index_of(low) - reach + 0.5)), 0, last);
         const int final = std::clamp(int(std::floor(table.index_of(high) + reach + 0.5)), 0, last);
         cells.at[c] = visible_before[final + 1] > visible_before[first];
@@ -53,7 +55,8 @@ void chebyshev_distance(CellGrid& d) {
                 std::uint8_t* row = d.row(y, z);
                 const int before = z - sign, above = y - sign;
                 if (before >= 0 && before < nz)
-                    for (int other = std::max(y - 1, 0); other <= std::min(y + 1, ny - 1); ++other) relax_from_row(d.row(other, before), row, nx);
+                    for (int other = std::max(y - 1, 0); other <= std::min(y + 1, ny - 1); ++other)
+                        relax_from_row(d.row(other, before), row, nx);
                 if (above >= 0 && above < ny) relax_from_row(d.row(above, z), row, nx);
                 for (int i = 1; i < nx; ++i) {
                     const int x = sign > 0 ? i : nx - 1 - i;
@@ -65,7 +68,8 @@ void chebyshev_distance(CellGrid& d) {
 
 }  // namespace
 
-std::vector<std::uint8_t> make_occupancy(const CellRanges& ranges, const OpticalTable& table, double& occupied_fraction) {
+std::vector<std::uint8_t> make_occupancy(const CellRanges& ranges, const OpticalTable& table,
+                                         double& occupied_fraction) {
     const CellGrid occupied = occupied_cells(ranges, table);
     CellGrid to_occupied = occupied, to_empty = occupied;
     for (auto& d : to_occupied.at) d = d ? 0 : farthest;

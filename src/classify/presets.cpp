@@ -1,4 +1,4 @@
-// The looks that Chiaro brings along, chosen by eye on the public volumes named in docs/presets.md.
+// The looks that Chiaro brings along, chosen by eye; docs/transfer-functions.md says what stretching is.
 #include "classify/presets.h"
 
 namespace chiaro {

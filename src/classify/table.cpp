@@ -10,7 +10,8 @@ namespace {
 constexpr double table_intervals = 4096;
 
 /// The stored values between which the function changes, within those that occur.
-std::pair<double, double> changing_range(const DeviceVolume::Data& volume, const TransferFunction& tf, const Shape& shape) {
+std::pair<double, double> changing_range(const DeviceVolume::Data& volume, const TransferFunction& tf,
+                                         const Shape& shape) {
     double low = tf.points.front().value, high = tf.points.back().value;
     for (double bound : {shape.threshold_low, shape.threshold_high})
         if (std::isfinite(bound)) low = std::min(low, bound), high = std::max(high, bound);
@@ -30,7 +31,8 @@ OpticalTable::Entry optical_entry(const TransferFunction& tf, const Shape& shape
         return float(c);
     };
     // κ = -ln(1 - α) / reference length
-    return {channel(p.rgb[0]), channel(p.rgb[1]), channel(p.rgb[2]), float(-std::log1p(-opacity) / unit_mm * shape.opacity_scale)};
+    return {channel(p.rgb[0]), channel(p.rgb[1]), channel(p.rgb[2]),
+            float(-std::log1p(-opacity) / unit_mm * shape.opacity_scale)};
 }
 
 }  // namespace
@@ -52,7 +54,8 @@ OpticalTable make_optical_table(const DeviceVolume::Data& volume, const Transfer
     const double unit_mm = tf.opacity_unit * (tf.opacity_unit_is_mm ? 1 : volume.geometry.smallest_spacing_mm());
     table.entries.reserve(count);
     for (int j = 0; j < count; ++j)
-        table.entries.push_back(optical_entry(tf, shape, volume.scale * (j - table.index_offset) / per_unit + volume.offset, unit_mm));
+        table.entries.push_back(
+            optical_entry(tf, shape, volume.scale * (j - table.index_offset) / per_unit + volume.offset, unit_mm));
     return table;
 }
 

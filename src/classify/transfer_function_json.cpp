@@ -55,8 +55,8 @@ ControlPoint read_point(const Node& node) {
     point.value = node.at("value").number();
     point.opacity = node.at("opacity").number();
     const Node rgb = node.at("rgb");
-    if (!rgb.json.is_array() || rgb.json.size() != 3)
-        rgb.fail("is " + rgb.json.dump().substr(0, 40) + ": must be three numbers in [0, 1]");
+    if (!rgb.json.is_array()) rgb.fail_type("three numbers in [0, 1]");
+    if (rgb.json.size() != 3) rgb.fail("has " + std::to_string(rgb.json.size()) + " numbers: must have 3");
     for (std::size_t c = 0; c < 3; ++c) point.rgb[c] = rgb.at(c).number();
     return point;
 }
@@ -96,7 +96,8 @@ Json parse(const std::string& text, const std::string& origin) {
         return Json::parse(text);
     } catch (const Json::exception& error) {  // "[json.exception.parse_error.101] parse error at line 3, column 7: ..."
         const std::string what = error.what();
-        throw Error(ErrorCode::input, origin + ": is not JSON: " + what.substr(what.find("] ") + 2));
+        throw Error(ErrorCode::input,
+                    origin + ": is not JSON: " + what.substr(std::min(what.find("] ") + 2, what.size())));
     }
 }
 

@@ -46,12 +46,17 @@ bool parallel_for(int threads, std::int64_t count, std::int64_t grain, std::stri
         body(first, last);
         const auto sum = done.fetch_add(last - first) + last - first;
         // Whoever finds another thread reporting moves on: progress is a hint, not a queue.
-        if (std::unique_lock lock(reporting, std::try_to_lock); lock) progress.report(stage, double(sum) / double(count));
+        if (std::unique_lock lock(reporting, std::try_to_lock); lock)
+            progress.report(stage, double(sum) / double(count));
     });
     return !progress.cancelled();
 }
 
-void parallel_for(int threads, std::int64_t count, std::int64_t grain, const Body& body) { run(threads, count, grain, body); }
-void parallel_for(std::int64_t count, std::int64_t grain, const Body& body) { run(usable_threads(), count, grain, body); }
+void parallel_for(int threads, std::int64_t count, std::int64_t grain, const Body& body) {
+    run(threads, count, grain, body);
+}
+void parallel_for(std::int64_t count, std::int64_t grain, const Body& body) {
+    run(usable_threads(), count, grain, body);
+}
 
 }  // namespace chiaro

@@ -12,14 +12,15 @@ namespace chiaro {
 /// How many threads the process may use: its affinity mask, not the machine's size.
 int usable_threads();
 
-/// Calls body(first, last) over disjoint pieces of [0, count), each at most `grain` long, on up to `threads` threads, and
-/// reports the share done under `stage`. Stops early, returning false, once `progress` is cancelled. Which thread takes
-/// which piece is not fixed: pieces must be independent. An exception thrown by `body` is rethrown here.
+/// Calls body(first, last) over disjoint pieces of [0, count), each at most `grain` long, on up to `threads` threads,
+/// and reports the share done under `stage`. Stops early, returning false, once `progress` is cancelled. Which thread
+/// takes which piece is not fixed: pieces must be independent. An exception thrown by `body` is rethrown here.
 bool parallel_for(int threads, std::int64_t count, std::int64_t grain, std::string_view stage, Progress& progress,
                   const std::function<void(std::int64_t first, std::int64_t last)>& body);
 
 /// The same, silent and not cancellable: for passes of milliseconds.
-void parallel_for(int threads, std::int64_t count, std::int64_t grain, const std::function<void(std::int64_t, std::int64_t)>& body);
+void parallel_for(int threads, std::int64_t count, std::int64_t grain,
+                  const std::function<void(std::int64_t, std::int64_t)>& body);
 /// On all usable threads.
 void parallel_for(std::int64_t count, std::int64_t grain, const std::function<void(std::int64_t, std::int64_t)>& body);
 

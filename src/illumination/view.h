@@ -1,5 +1,5 @@
-// The one question that every illumination method answers inside the ray caster: how much light of what colour arrives at
-// this sample? A method's view is a trivially copyable struct with
+// The one question that every illumination method answers inside the ray caster: how much light of what colour arrives
+// at this sample? A method's view is a trivially copyable struct with
 //
 //     static constexpr bool modulates;   // false: the answer is the shading's own; the caster may leave the call out
 //     template <class F> Incident<F> incident(const SamplePoint<F>&, const ShadingView&) const;
@@ -11,14 +11,16 @@
 
 namespace chiaro::kernel {
 
-template <class F> struct SamplePoint {
+template <class F>
+struct SamplePoint {
     Vec3<F> p_voxel;
-    F value;       ///< stored units
-    F lambert;     ///< |n · l|, 0 where there is no gradient
-    F highlight;   ///< (n · h)^shininess
+    F value;      ///< stored units
+    F lambert;    ///< |n · l|, 0 where there is no gradient
+    F highlight;  ///< (n · h)^shininess
 };
 
-template <class F> struct Incident {
+template <class F>
+struct Incident {
     Vec3<F> diffuse, specular;
 };
 
@@ -27,23 +29,27 @@ struct ShadingView {
     bool enabled;
     float ambient, shininess;
     Float3 diffuse, specular;
-    Float3 to_light, half;   ///< unit, world
+    Float3 to_light, half;                      ///< unit, world
     Float3 gradient_x, gradient_y, gradient_z;  ///< rows of the matrix from a gradient per voxel to one per mm of world
 
     /// Two-sided Lambert and Blinn-Phong factors of a gradient given per voxel (any scale).
-    template <class F> CHIARO_INLINE void reflect(Vec3<F> gradient, F& lambert, F& highlight) const {
-        const Vec3<F> g{dot(Vec3<F>(gradient_x), gradient), dot(Vec3<F>(gradient_y), gradient), dot(Vec3<F>(gradient_z), gradient)};
+    template <class F>
+    CHIARO_INLINE void reflect(Vec3<F> gradient, F& lambert, F& highlight) const {
+        const Vec3<F> g{dot(Vec3<F>(gradient_x), gradient), dot(Vec3<F>(gradient_y), gradient),
+                        dot(Vec3<F>(gradient_z), gradient)};
         const F squared = dot(g, g);
         const F inverse = select(squared > F(1e-24f), F(1) / sqrt(max(squared, F(1e-24f))), F(0));
         const F nl = dot(g, Vec3<F>(to_light)) * inverse, nh = dot(g, Vec3<F>(half)) * inverse;
         lambert = abs(nl);
         highlight = F(0);
-        if (specular.x + specular.y + specular.z > 0) highlight = pow(max(select(nl < F(0), F(0) - nh, nh), F(0)), F(shininess));
+        if (specular.x + specular.y + specular.z > 0)
+            highlight = pow(max(select(nl < F(0), F(0) - nh, nh), F(0)), F(shininess));
     }
 
-    template <class F> CHIARO_INLINE Incident<F> local(const SamplePoint<F>& s) const {
+    template <class F>
+    CHIARO_INLINE Incident<F> local(const SamplePoint<F>& s) const {
         const Vec3<F> ambient_light(F{ambient}, F{ambient}, F{ambient});
-        return {fma(s.lambert, Vec3<F>(diffuse), ambient_light), s.highlight * Vec3<F>(specular)};
+        return {mad(s.lambert, Vec3<F>(diffuse), ambient_light), s.highlight * Vec3<F>(specular)};
     }
 };
 

@@ -1,5 +1,6 @@
 #include <chiaro/error.h>
 #include <png.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <csetjmp>
@@ -36,12 +37,12 @@ void on_error(png_structp png, png_const_charp message) {
 
 void ignore_warning(png_structp, png_const_charp) {}
 
-/// Rendered pictures are smooth or empty: one cheap filter and the fastest deflate get within a fifth of the best size
-/// at a tenth of the time.
+/// Rendered pictures are smooth or empty: one cheap filter and run lengths give 0.6 MB in 13 ms for a shaded 1024 x
+/// 768, where level 6 saves a fifth of the bytes and takes 80 ms and more.
 void set_speed(png_structp png) {
-    png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
-    png_set_compression_level(png, 1);
-    png_set_compression_strategy(png, 3);  // Z_RLE
+    png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_UP);
+    png_set_compression_level(png, Z_BEST_SPEED);
+    png_set_compression_strategy(png, Z_RLE);
     png_set_compression_buffer_size(png, 1 << 16);
 }
 

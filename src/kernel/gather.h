@@ -1,15 +1,17 @@
-// Reading memory at one index per lane. Hardware gathers are microcoded; scalar loads put into place are faster, and one
-// load brings the neighbours along x together: two voxels (value) or four (value and gradient).
-// An index is unsigned 32 bit: up to 2^32 elements.
+// Reading memory at one index per lane. Hardware gathers are microcoded; scalar loads put into place are faster, and
+// one load brings the neighbours along x together: two voxels (value) or four (value and gradient). An index is
+// unsigned 32 bit: up to 2^32 elements.
 #pragma once
 #include "kernel/lanes.h"
 
 namespace chiaro::kernel {
 
-template <class F> struct Two {
+template <class F>
+struct Two {
     F a, b;
 };
-template <class F> struct Four {
+template <class F>
+struct Four {
     F a, b, c, d;
 };
 
@@ -18,16 +20,24 @@ struct Distances {
     std::int32_t a, b, c, d;
 };
 
-template <class V> CHIARO_INLINE Two<float> load_two(const V* p) { return {float(p[0]), float(p[1])}; }
-template <class V> CHIARO_INLINE Four<float> load_four(const V* p) { return {float(p[0]), float(p[1]), float(p[2]), float(p[3])}; }
+template <class V>
+CHIARO_INLINE Two<float> load_two(const V* p) {
+    return {float(p[0]), float(p[1])};
+}
+template <class V>
+CHIARO_INLINE Four<float> load_four(const V* p) {
+    return {float(p[0]), float(p[1]), float(p[2]), float(p[3])};
+}
 
 /// Voxels 0 and 1 at four distances.
-template <class V> CHIARO_INLINE Four<Two<float>> gather_two(const V* p, std::int32_t index, Distances at) {
+template <class V>
+CHIARO_INLINE Four<Two<float>> gather_two(const V* p, std::int32_t index, Distances at) {
     p += std::uint32_t(index);
     return {load_two(p + at.a), load_two(p + at.b), load_two(p + at.c), load_two(p + at.d)};
 }
 /// Voxels 0 to 3 at four distances.
-template <class V> CHIARO_INLINE Four<Four<float>> gather_four(const V* p, std::int32_t index, Distances at) {
+template <class V>
+CHIARO_INLINE Four<Four<float>> gather_four(const V* p, std::int32_t index, Distances at) {
     p += std::uint32_t(index);
     return {load_four(p + at.a), load_four(p + at.b), load_four(p + at.c), load_four(p + at.d)};
 }
@@ -50,37 +60,55 @@ struct FourVectors {
     __m128i a, b, c, d;
 };
 
-template <class Word> CHIARO_INLINE Word load_unaligned(const void* p) {
+template <class Word>
+CHIARO_INLINE Word load_unaligned(const void* p) {
     Word word;
     __builtin_memcpy(&word, p, sizeof word);
     return word;
 }
 
-template <int lane> CHIARO_INLINE __m128i insert_word(__m128i v, const void* p) { return _mm_insert_epi32(v, load_unaligned<std::int32_t>(p), lane); }
-template <int lane> CHIARO_INLINE __m128i insert_half(__m128i v, const void* p) { return _mm_insert_epi16(v, load_unaligned<std::uint16_t>(p), lane); }
-
-/// 32-bit words of four lanes at four distances.
-template <class V> CHIARO_INLINE FourVectors words4(const V* voxels, const std::uint32_t* index, Distances at) {
-    const V* p = voxels + index[0];
-    FourVectors w{_mm_cvtsi32_si128(load_unaligned<std::int32_t>(p + at.a)), _mm_cvtsi32_si128(load_unaligned<std::int32_t>(p + at.b)),
-                    _mm_cvtsi32_si128(load_unaligned<std::int32_t>(p + at.c)), _mm_cvtsi32_si128(load_unaligned<std::int32_t>(p + at.d))};
-    p = voxels + index[1];
-    w = {insert_word<1>(w.a, p + at.a), insert_word<1>(w.b, p + at.b), insert_word<1>(w.c, p + at.c), insert_word<1>(w.d, p + at.d)};
-    p = voxels + index[2];
-    w = {insert_word<2>(w.a, p + at.a), insert_word<2>(w.b, p + at.b), insert_word<2>(w.c, p + at.c), insert_word<2>(w.d, p + at.d)};
-    p = voxels + index[3];
-    return {insert_word<3>(w.a, p + at.a), insert_word<3>(w.b, p + at.b), insert_word<3>(w.c, p + at.c), insert_word<3>(w.d, p + at.d)};
+template <int lane>
+CHIARO_INLINE __m128i insert_word(__m128i v, const void* p) {
+    return _mm_insert_epi32(v, load_unaligned<std::int32_t>(p), lane);
+}
+template <int lane>
+CHIARO_INLINE __m128i insert_half(__m128i v, const void* p) {
+    return _mm_insert_epi16(v, load_unaligned<std::uint16_t>(p), lane);
 }
 
-template <int lane, class V> CHIARO_INLINE void insert_halves(FourVectors& w, const V* p, Distances at) {
-    w = {insert_half<lane>(w.a, p + at.a), insert_half<lane>(w.b, p + at.b), insert_half<lane>(w.c, p + at.c), insert_half<lane>(w.d, p + at.d)};
+/// 32-bit words of four lanes at four distances.
+template <class V>
+CHIARO_INLINE FourVectors words4(const V* voxels, const std::uint32_t* index, Distances at) {
+    const V* p = voxels + index[0];
+    FourVectors w{_mm_cvtsi32_si128(load_unaligned<std::int32_t>(p + at.a)),
+                  _mm_cvtsi32_si128(load_unaligned<std::int32_t>(p + at.b)),
+                  _mm_cvtsi32_si128(load_unaligned<std::int32_t>(p + at.c)),
+                  _mm_cvtsi32_si128(load_unaligned<std::int32_t>(p + at.d))};
+    p = voxels + index[1];
+    w = {insert_word<1>(w.a, p + at.a), insert_word<1>(w.b, p + at.b), insert_word<1>(w.c, p + at.c),
+         insert_word<1>(w.d, p + at.d)};
+    p = voxels + index[2];
+    w = {insert_word<2>(w.a, p + at.a), insert_word<2>(w.b, p + at.b), insert_word<2>(w.c, p + at.c),
+         insert_word<2>(w.d, p + at.d)};
+    p = voxels + index[3];
+    return {insert_word<3>(w.a, p + at.a), insert_word<3>(w.b, p + at.b), insert_word<3>(w.c, p + at.c),
+            insert_word<3>(w.d, p + at.d)};
+}
+
+template <int lane, class V>
+CHIARO_INLINE void insert_halves(FourVectors& w, const V* p, Distances at) {
+    w = {insert_half<lane>(w.a, p + at.a), insert_half<lane>(w.b, p + at.b), insert_half<lane>(w.c, p + at.c),
+         insert_half<lane>(w.d, p + at.d)};
 }
 
 /// 16-bit words of eight lanes at four distances.
-template <class V> CHIARO_INLINE FourVectors halves8(const V* voxels, const std::uint32_t* index, Distances at) {
+template <class V>
+CHIARO_INLINE FourVectors halves8(const V* voxels, const std::uint32_t* index, Distances at) {
     const V* p = voxels + index[0];
-    FourVectors w{_mm_cvtsi32_si128(load_unaligned<std::uint16_t>(p + at.a)), _mm_cvtsi32_si128(load_unaligned<std::uint16_t>(p + at.b)),
-                    _mm_cvtsi32_si128(load_unaligned<std::uint16_t>(p + at.c)), _mm_cvtsi32_si128(load_unaligned<std::uint16_t>(p + at.d))};
+    FourVectors w{_mm_cvtsi32_si128(load_unaligned<std::uint16_t>(p + at.a)),
+                  _mm_cvtsi32_si128(load_unaligned<std::uint16_t>(p + at.b)),
+                  _mm_cvtsi32_si128(load_unaligned<std::uint16_t>(p + at.c)),
+                  _mm_cvtsi32_si128(load_unaligned<std::uint16_t>(p + at.d))};
     insert_halves<1>(w, voxels + index[1], at);
     insert_halves<2>(w, voxels + index[2], at);
     insert_halves<3>(w, voxels + index[3], at);
@@ -94,38 +122,47 @@ template <class V> CHIARO_INLINE FourVectors halves8(const V* voxels, const std:
 /// Four vectors of four words, or two of eight halves, to sixteen lanes.
 CHIARO_INLINE IntLanes join_words(__m128i a, __m128i b, __m128i c, __m128i d) {
 #if defined(__AVX512F__)
-    const __m256i low = _mm256_inserti128_si256(_mm256_castsi128_si256(a), b, 1), high = _mm256_inserti128_si256(_mm256_castsi128_si256(c), d, 1);
+    const __m256i low = _mm256_inserti128_si256(_mm256_castsi128_si256(a), b, 1),
+                  high = _mm256_inserti128_si256(_mm256_castsi128_si256(c), d, 1);
     return IntLanes(NativeInt(_mm512_inserti64x4(_mm512_castsi256_si512(low), high, 1)));
 #elif defined(__AVX2__)
     return {Pack<std::int32_t, 8>(NativeInt(_mm256_inserti128_si256(_mm256_castsi128_si256(a), b, 1))),
             Pack<std::int32_t, 8>(NativeInt(_mm256_inserti128_si256(_mm256_castsi128_si256(c), d, 1)))};
 #else
-    return {{Pack<std::int32_t, 4>(NativeInt(a)), Pack<std::int32_t, 4>(NativeInt(b))}, {Pack<std::int32_t, 4>(NativeInt(c)), Pack<std::int32_t, 4>(NativeInt(d))}};
+    return {{Pack<std::int32_t, 4>(NativeInt(a)), Pack<std::int32_t, 4>(NativeInt(b))},
+            {Pack<std::int32_t, 4>(NativeInt(c)), Pack<std::int32_t, 4>(NativeInt(d))}};
 #endif
 }
 CHIARO_INLINE IntLanes join_halves(__m128i a, __m128i b) {
 #if defined(__AVX512F__)
     return IntLanes(NativeInt(_mm512_cvtepu16_epi32(_mm256_inserti128_si256(_mm256_castsi128_si256(a), b, 1))));
 #elif defined(__AVX2__)
-    return {Pack<std::int32_t, 8>(NativeInt(_mm256_cvtepu16_epi32(a))), Pack<std::int32_t, 8>(NativeInt(_mm256_cvtepu16_epi32(b)))};
+    return {Pack<std::int32_t, 8>(NativeInt(_mm256_cvtepu16_epi32(a))),
+            Pack<std::int32_t, 8>(NativeInt(_mm256_cvtepu16_epi32(b)))};
 #else
-    return join_words(_mm_cvtepu16_epi32(a), _mm_cvtepu16_epi32(_mm_srli_si128(a, 8)), _mm_cvtepu16_epi32(b), _mm_cvtepu16_epi32(_mm_srli_si128(b, 8)));
+    return join_words(_mm_cvtepu16_epi32(a), _mm_cvtepu16_epi32(_mm_srli_si128(a, 8)), _mm_cvtepu16_epi32(b),
+                      _mm_cvtepu16_epi32(_mm_srli_si128(b, 8)));
 #endif
 }
 
 /// One 32-bit word per lane, at four distances.
-template <class V> CHIARO_INLINE Four<IntLanes> gather_words(const V* p, const Indices& i, Distances at) {
-    const FourVectors r = words4(p, i.at, at), s = words4(p, i.at + 4, at), t = words4(p, i.at + 8, at), u = words4(p, i.at + 12, at);
-    return {join_words(r.a, s.a, t.a, u.a), join_words(r.b, s.b, t.b, u.b), join_words(r.c, s.c, t.c, u.c), join_words(r.d, s.d, t.d, u.d)};
+template <class V>
+CHIARO_INLINE Four<IntLanes> gather_words(const V* p, const Indices& i, Distances at) {
+    const FourVectors r = words4(p, i.at, at), s = words4(p, i.at + 4, at), t = words4(p, i.at + 8, at),
+                      u = words4(p, i.at + 12, at);
+    return {join_words(r.a, s.a, t.a, u.a), join_words(r.b, s.b, t.b, u.b), join_words(r.c, s.c, t.c, u.c),
+            join_words(r.d, s.d, t.d, u.d)};
 }
 /// One 16-bit word per lane, zero-extended, at four distances.
-template <class V> CHIARO_INLINE Four<IntLanes> gather_halves(const V* p, const Indices& i, Distances at) {
+template <class V>
+CHIARO_INLINE Four<IntLanes> gather_halves(const V* p, const Indices& i, Distances at) {
     const FourVectors r = halves8(p, i.at, at), s = halves8(p, i.at + 8, at);
     return {join_halves(r.a, s.a), join_halves(r.b, s.b), join_halves(r.c, s.c), join_halves(r.d, s.d)};
 }
 
 /// The byte or half at `shift` bits of each word. Words may be negative: the shift is arithmetic, the mask follows it.
-template <int shift, int bits> CHIARO_INLINE Lanes bit_field(IntLanes word) {
+template <int shift, int bits>
+CHIARO_INLINE Lanes bit_field(IntLanes word) {
     return to_float((word >> IntLanes(shift)) & IntLanes((1 << bits) - 1));
 }
 CHIARO_INLINE Two<Lanes> split_bytes(IntLanes half) { return {bit_field<0, 8>(half), to_float(half >> IntLanes(8))}; }
@@ -144,15 +181,22 @@ CHIARO_INLINE Four<Two<Lanes>> gather_two(const std::uint16_t* p, const Indices&
 }
 CHIARO_INLINE Four<Two<Lanes>> gather_two(const float* p, const Indices& i, Distances at) {
     const Four<IntLanes> v = gather_words(p, i, at), w = gather_words(p + 1, i, at);
-    return {{float_of(v.a), float_of(w.a)}, {float_of(v.b), float_of(w.b)}, {float_of(v.c), float_of(w.c)}, {float_of(v.d), float_of(w.d)}};
+    return {{float_of(v.a), float_of(w.a)},
+            {float_of(v.b), float_of(w.b)},
+            {float_of(v.c), float_of(w.c)},
+            {float_of(v.d), float_of(w.d)}};
 }
 CHIARO_INLINE Four<Four<Lanes>> gather_four(const std::uint8_t* p, const Indices& i, Distances at) {
     const Four<IntLanes> w = gather_words(p, i, at);
     return {split_four(w.a), split_four(w.b), split_four(w.c), split_four(w.d)};
 }
-template <class V> CHIARO_INLINE Four<Four<Lanes>> gather_four(const V* p, const Indices& i, Distances at) {
+template <class V>
+CHIARO_INLINE Four<Four<Lanes>> gather_four(const V* p, const Indices& i, Distances at) {
     const Four<Two<Lanes>> v = gather_two(p, i, at), w = gather_two(p + 2, i, at);
-    return {{v.a.a, v.a.b, w.a.a, w.a.b}, {v.b.a, v.b.b, w.b.a, w.b.b}, {v.c.a, v.c.b, w.c.a, w.c.b}, {v.d.a, v.d.b, w.d.a, w.d.b}};
+    return {{v.a.a, v.a.b, w.a.a, w.a.b},
+            {v.b.a, v.b.b, w.b.a, w.b.b},
+            {v.c.a, v.c.b, w.c.a, w.c.b},
+            {v.d.a, v.d.b, w.d.a, w.d.b}};
 }
 
 CHIARO_INLINE IntLanes gather_byte(const std::uint8_t* p, IntLanes index) {
@@ -170,12 +214,15 @@ CHIARO_INLINE IntLanes gather_byte(const std::uint8_t* p, IntLanes index) {
 #endif
 
 /// What gathers take as an index: for a SIMD type the indices are spilled once and serve several loads.
-template <class F> struct GatherIndex;
-template <> struct GatherIndex<float> {
+template <class F>
+struct GatherIndex;
+template <>
+struct GatherIndex<float> {
     using type = std::int32_t;
 };
 #ifdef CHIARO_SIMD
-template <> struct GatherIndex<Lanes> {
+template <>
+struct GatherIndex<Lanes> {
     using type = Indices;
 };
 #endif

@@ -1,6 +1,6 @@
 // The lane types that kernels are written over. `F` is float (one pixel: the scalar build and a CUDA thread) or Lanes
-// (sixteen pixels in lock step). What differs between pixels is F, Int<F> or Mask<F>; what is the same for all is plain.
-// This header holds the scalar side and picks the SIMD side.
+// (sixteen pixels in lock step). What differs between pixels is F, Int<F> or Mask<F>; what is the same for all is
+// plain. This header holds the scalar side and picks the SIMD side.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -15,14 +15,18 @@
 
 namespace chiaro::kernel {
 
-template <class F> struct LaneTraits;
-template <> struct LaneTraits<float> {
+template <class F>
+struct LaneTraits;
+template <>
+struct LaneTraits<float> {
     using Int = std::int32_t;
     using Mask = bool;
     static constexpr int count = 1;
 };
-template <class F> using Int = typename LaneTraits<F>::Int;
-template <class F> using Mask = typename LaneTraits<F>::Mask;
+template <class F>
+using Int = typename LaneTraits<F>::Int;
+template <class F>
+using Mask = typename LaneTraits<F>::Mask;
 
 CHIARO_INLINE bool any(bool m) { return m; }
 CHIARO_INLINE int count(bool m) { return m; }
@@ -51,17 +55,15 @@ CHIARO_INLINE float float_of(std::int32_t bits) {
     return a;
 }
 
-/// a * b + c, rounded once where the machine can.
-CHIARO_INLINE float fma(float a, float b, float c) {
-#if defined(__CUDACC__) || defined(__FMA__)
-    return ::fmaf(a, b, c);
-#else
-    return a * b + c;
-#endif
-}
+/// a * b + c in two roundings, on purpose: so every instruction set gives the same bits, those without fused
+/// multiply-add too, and a sample never falls on the other side of a table entry (3 % of a frame).
+CHIARO_INLINE float mad(float a, float b, float c) { return a * b + c; }
 
 /// a + t (b - a)
-template <class F> CHIARO_INLINE F lerp(F a, F b, F t) { return fma(t, b - a, a); }
+template <class F>
+CHIARO_INLINE F lerp(F a, F b, F t) {
+    return mad(t, b - a, a);
+}
 
 }  // namespace chiaro::kernel
 

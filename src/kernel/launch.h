@@ -5,10 +5,11 @@
 namespace chiaro::kernel {
 
 /// What an image kernel is called with.
-template <class F> struct PixelBlock {
-    std::int32_t x, y;      ///< first pixel
-    Int<F> column, row;     ///< of every lane
-    Mask<F> inside;         ///< lanes within the image
+template <class F>
+struct PixelBlock {
+    std::int32_t x, y;   ///< first pixel
+    Int<F> column, row;  ///< of every lane
+    Mask<F> inside;      ///< lanes within the image
 };
 
 /// Pixels [x0, x1) × [y0, y1).
@@ -16,8 +17,10 @@ struct Tile {
     std::int32_t x0, y0, x1, y1;
 };
 
-template <class F> struct BlockShape;
-template <> struct BlockShape<float> {
+template <class F>
+struct BlockShape;
+template <>
+struct BlockShape<float> {
     static constexpr std::int32_t edge = 1;
     static CHIARO_INLINE std::int32_t column() { return 0; }
     static CHIARO_INLINE std::int32_t row() { return 0; }
@@ -25,7 +28,8 @@ template <> struct BlockShape<float> {
 CHIARO_INLINE std::int64_t sum(std::int32_t a) { return a; }
 
 #ifdef CHIARO_SIMD
-template <> struct BlockShape<Lanes> {
+template <>
+struct BlockShape<Lanes> {
     static constexpr std::int32_t edge = 4;
     static CHIARO_INLINE IntLanes load(const std::int32_t (&values)[16]) {
         IntLanes lanes;
@@ -49,13 +53,15 @@ using NativeLanes = Lanes;
 using NativeLanes = float;
 #endif
 
-template <class F> CHIARO_INLINE PixelBlock<F> pixel_block(std::int32_t x, std::int32_t y, std::int32_t x1, std::int32_t y1) {
+template <class F>
+CHIARO_INLINE PixelBlock<F> pixel_block(std::int32_t x, std::int32_t y, std::int32_t x1, std::int32_t y1) {
     const Int<F> column = Int<F>(x) + BlockShape<F>::column(), row = Int<F>(y) + BlockShape<F>::row();
     return {x, y, column, row, Mask<F>((column < Int<F>(x1)) & (row < Int<F>(y1)))};
 }
 
 /// Calls the kernel for every pixel of the tile; returns the sum of what the calls return.
-template <class F, class Kernel> std::int64_t run_tile(const Kernel& kernel, Tile tile) {
+template <class F, class Kernel>
+std::int64_t run_tile(const Kernel& kernel, Tile tile) {
     std::int64_t total = 0;
     for (std::int32_t y = tile.y0; y < tile.y1; y += BlockShape<F>::edge)
         for (std::int32_t x = tile.x0; x < tile.x1; x += BlockShape<F>::edge)

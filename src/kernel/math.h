@@ -4,37 +4,41 @@
 
 namespace chiaro::kernel {
 
-/// log2(x) for finite x > 0, relative error below 1e-6 away from 1: mantissa m in [√½, √2), log m = 2 artanh((m-1)/(m+1)) by its series.
-template <class F> CHIARO_INLINE F log2(F x) {
+/// log2(x) for finite x > 0, relative error below 1e-6 away from 1: mantissa m in [√½, √2), log m = 2
+/// artanh((m-1)/(m+1)) by its series.
+template <class F>
+CHIARO_INLINE F log2(F x) {
     const Int<F> bits = bits_of(x);
     const Int<F> exponent = (bits - Int<F>(0x3f3504f3)) >> Int<F>(23);
     const F m = float_of(bits - (exponent << Int<F>(23)));
     const F s = (m - F(1)) / (m + F(1)), q = s * s;
-    F series = fma(q, F(1.0f / 9), F(1.0f / 7));
-    series = fma(q, series, F(1.0f / 5));
-    series = fma(q, series, F(1.0f / 3));
-    series = fma(q, series, F(1));
-    return fma(s * series, F(2.885390082f), to_float(exponent));  // 2 / ln 2
+    F series = mad(q, F(1.0f / 9), F(1.0f / 7));
+    series = mad(q, series, F(1.0f / 5));
+    series = mad(q, series, F(1.0f / 3));
+    series = mad(q, series, F(1));
+    return mad(s * series, F(2.885390082f), to_float(exponent));  // 2 / ln 2
 }
 
 /// 2^x, relative error below 1e-6; 0 below -126.
-template <class F> CHIARO_INLINE F exp2(F x) {
+template <class F>
+CHIARO_INLINE F exp2(F x) {
     const F clamped = max(min(x, F(127)), F(-126));
     const F whole = floor(clamped + F(0.5f));
     const F r = (clamped - whole) * F(0.6931471806f);  // 2^f = e^(f ln 2), |r| <= .35
-    F series = fma(r, F(1.0f / 5040), F(1.0f / 720));
-    series = fma(r, series, F(1.0f / 120));
-    series = fma(r, series, F(1.0f / 24));
-    series = fma(r, series, F(1.0f / 6));
-    series = fma(r, series, F(0.5f));
-    series = fma(r, series, F(1));
-    series = fma(r, series, F(1));
+    F series = mad(r, F(1.0f / 5040), F(1.0f / 720));
+    series = mad(r, series, F(1.0f / 120));
+    series = mad(r, series, F(1.0f / 24));
+    series = mad(r, series, F(1.0f / 6));
+    series = mad(r, series, F(0.5f));
+    series = mad(r, series, F(1));
+    series = mad(r, series, F(1));
     const F power = float_of(bits_of(series) + (truncate(whole) << Int<F>(23)));
     return select(x < F(-126), F(0), power);
 }
 
 /// base^exponent for base >= 0; 0^0 is 1.
-template <class F> CHIARO_INLINE F pow(F base, F exponent) {
+template <class F>
+CHIARO_INLINE F pow(F base, F exponent) {
     const F power = exp2(exponent * log2(max(base, F(1e-30f))));
     return select((base < F(1e-30f)) & (exponent > F(0)), F(0), power);
 }

@@ -1,5 +1,5 @@
-// Colours of a pack of pixels. The layout is the lane type's own: the scalar side holds one RGBA; sixteen lanes are four
-// vectors of four pixels × RGBA, so that a table entry is one 16-byte load and compositing needs no transposition
+// Colours of a pack of pixels. The layout is the lane type's own: the scalar side holds one RGBA; sixteen lanes are
+// four vectors of four pixels × RGBA, so that a table entry is one 16-byte load and compositing needs no transposition
 // (+40 % against four planes). In-lane shuffles only: vector i holds the pixels i, 4+i, 8+i, 12+i.
 #pragma once
 #include "kernel/gather.h"
@@ -13,22 +13,26 @@ struct alignas(16) Rgba {
     float r, g, b, a;
 };
 
-template <class F> struct RgbaOf;
-template <> struct RgbaOf<float> {
+template <class F>
+struct RgbaOf;
+template <>
+struct RgbaOf<float> {
     using type = Rgba;
 };
-template <class F> using RgbaLanes = typename RgbaOf<F>::type;
+template <class F>
+using RgbaLanes = typename RgbaOf<F>::type;
 
 CHIARO_INLINE Rgba load_rgba(const Rgba* table, std::int32_t index) { return table[index]; }
 CHIARO_INLINE float alpha_of(Rgba c) { return c.a; }
 /// sum + weight * c
 CHIARO_INLINE Rgba accumulate(Rgba sum, float weight, Rgba c) {
-    return {fma(weight, c.r, sum.r), fma(weight, c.g, sum.g), fma(weight, c.b, sum.b), fma(weight, c.a, sum.a)};
+    return {mad(weight, c.r, sum.r), mad(weight, c.g, sum.g), mad(weight, c.b, sum.b), mad(weight, c.a, sum.a)};
 }
 CHIARO_INLINE Rgba scale(Rgba c, float s) { return {s * c.r, s * c.g, s * c.b, s * c.a}; }
 /// Colour times `diffuse` plus opacity times `specular`; the opacity stays.
 CHIARO_INLINE Rgba light_up(Rgba c, Vec3<float> diffuse, Vec3<float> specular) {
-    return {fma(c.r, diffuse.x, c.a * specular.x), fma(c.g, diffuse.y, c.a * specular.y), fma(c.b, diffuse.z, c.a * specular.z), c.a};
+    return {mad(c.r, diffuse.x, c.a * specular.x), mad(c.g, diffuse.y, c.a * specular.y),
+            mad(c.b, diffuse.z, c.a * specular.z), c.a};
 }
 CHIARO_INLINE void zero(Rgba& c) { c = {0, 0, 0, 0}; }
 /// Writes the pixels of a 1 × 1 block.
@@ -44,10 +48,17 @@ struct RgbaPack {
 };
 
 /// In each group of four lanes: {a[i], a[j], b[k], b[l]}.
-template <int i, int j, int k, int l> CHIARO_INLINE Lanes shuffle(Lanes a, Lanes b) {
-    return map<float, 16>([](auto x, auto y) __attribute__((always_inline)) { return native_shuffle<i | j << 2 | k << 4 | l << 6>(x, y); }, a, b);
+template <int i, int j, int k, int l>
+CHIARO_INLINE Lanes shuffle(Lanes a, Lanes b) {
+    return map<float, 16>(
+        [](auto x, auto y)
+            __attribute__((always_inline)) { return native_shuffle<i | j << 2 | k << 4 | l << 6>(x, y); },
+        a, b);
 }
-template <int i> CHIARO_INLINE Lanes spread(Lanes a) { return shuffle<i, i, i, i>(a, a); }
+template <int i>
+CHIARO_INLINE Lanes spread(Lanes a) {
+    return shuffle<i, i, i, i>(a, a);
+}
 
 /// {a[2], b[2], a[3], b[3]} and so on would need two instructions; opacity alone needs three for all sixteen.
 CHIARO_INLINE Lanes alpha_of(const RgbaPack& c) {
@@ -57,8 +68,8 @@ CHIARO_INLINE RgbaPack scale(const RgbaPack& c, Lanes s) {
     return {c.q0 * spread<0>(s), c.q1 * spread<1>(s), c.q2 * spread<2>(s), c.q3 * spread<3>(s)};
 }
 CHIARO_INLINE RgbaPack accumulate(const RgbaPack& sum, Lanes weight, const RgbaPack& c) {
-    return {fma(spread<0>(weight), c.q0, sum.q0), fma(spread<1>(weight), c.q1, sum.q1), fma(spread<2>(weight), c.q2, sum.q2),
-            fma(spread<3>(weight), c.q3, sum.q3)};
+    return {mad(spread<0>(weight), c.q0, sum.q0), mad(spread<1>(weight), c.q1, sum.q1),
+            mad(spread<2>(weight), c.q2, sum.q2), mad(spread<3>(weight), c.q3, sum.q3)};
 }
 /// Four planes to four pixels a vector: a 4 × 4 transposition in each group of four lanes.
 CHIARO_INLINE RgbaPack transpose(Lanes r, Lanes g, Lanes b, Lanes a) {
@@ -68,9 +79,12 @@ CHIARO_INLINE RgbaPack transpose(Lanes r, Lanes g, Lanes b, Lanes a) {
             shuffle<1, 3, 1, 3>(rg23, ba23)};
 }
 CHIARO_INLINE RgbaPack light_up(const RgbaPack& c, Vec3<Lanes> diffuse, Vec3<Lanes> specular) {
-    const RgbaPack d = transpose(diffuse.x, diffuse.y, diffuse.z, Lanes(1)), s = transpose(specular.x, specular.y, specular.z, Lanes(0));
-    return {fma(c.q0, d.q0, shuffle<3, 3, 3, 3>(c.q0, c.q0) * s.q0), fma(c.q1, d.q1, shuffle<3, 3, 3, 3>(c.q1, c.q1) * s.q1),
-            fma(c.q2, d.q2, shuffle<3, 3, 3, 3>(c.q2, c.q2) * s.q2), fma(c.q3, d.q3, shuffle<3, 3, 3, 3>(c.q3, c.q3) * s.q3)};
+    const RgbaPack d = transpose(diffuse.x, diffuse.y, diffuse.z, Lanes(1)),
+                   s = transpose(specular.x, specular.y, specular.z, Lanes(0));
+    return {mad(c.q0, d.q0, shuffle<3, 3, 3, 3>(c.q0, c.q0) * s.q0),
+            mad(c.q1, d.q1, shuffle<3, 3, 3, 3>(c.q1, c.q1) * s.q1),
+            mad(c.q2, d.q2, shuffle<3, 3, 3, 3>(c.q2, c.q2) * s.q2),
+            mad(c.q3, d.q3, shuffle<3, 3, 3, 3>(c.q3, c.q3) * s.q3)};
 }
 CHIARO_INLINE void zero(RgbaPack& c) { c = {Lanes(0), Lanes(0), Lanes(0), Lanes(0)}; }
 
@@ -78,14 +92,17 @@ CHIARO_INLINE void zero(RgbaPack& c) { c = {Lanes(0), Lanes(0), Lanes(0), Lanes(
 CHIARO_INLINE Lanes load_quad(const Rgba* table, const std::uint32_t* index) {
     const auto entry = [&](int lane) __attribute__((always_inline)) { return _mm_load_ps(&table[index[lane]].r); };
 #if defined(__AVX512F__)
-    return Lanes(_mm512_insertf32x4(_mm512_insertf32x4(_mm512_insertf32x4(_mm512_castps128_ps512(entry(0)), entry(4), 1), entry(8), 2), entry(12), 3));
+    return Lanes(_mm512_insertf32x4(
+        _mm512_insertf32x4(_mm512_insertf32x4(_mm512_castps128_ps512(entry(0)), entry(4), 1), entry(8), 2), entry(12),
+        3));
 #elif defined(__AVX2__)
     const auto pair = [&](int lane) __attribute__((always_inline)) {
         return Pack<float, 8>(_mm256_insertf128_ps(_mm256_castps128_ps256(entry(lane)), entry(lane + 4), 1));
     };
     return {pair(0), pair(8)};
 #else
-    return {{Pack<float, 4>(entry(0)), Pack<float, 4>(entry(4))}, {Pack<float, 4>(entry(8)), Pack<float, 4>(entry(12))}};
+    return {{Pack<float, 4>(entry(0)), Pack<float, 4>(entry(4))},
+            {Pack<float, 4>(entry(8)), Pack<float, 4>(entry(12))}};
 #endif
 }
 CHIARO_INLINE RgbaPack load_rgba(const Rgba* table, IntLanes index) {
@@ -104,7 +121,8 @@ CHIARO_INLINE void store_block(const RgbaPack& c, Rgba* first, int row_length, M
 }
 
 }  // namespace CHIARO_ISA
-template <> struct RgbaOf<Lanes> {
+template <>
+struct RgbaOf<Lanes> {
     using type = RgbaPack;
 };
 #endif

@@ -17,15 +17,19 @@ inline constexpr int native_bytes = 32;
 inline constexpr int native_bytes = 16;
 #endif
 
-template <class T, int N> inline constexpr bool is_native = sizeof(T) * N <= native_bytes;
+template <class T, int N>
+inline constexpr bool is_native = sizeof(T) * N <= native_bytes;
 
-template <class T, int N, bool native = is_native<T, N>> struct Pack;
+template <class T, int N, bool native = is_native<T, N>>
+struct Pack;
 
-template <class T, int N> struct VectorOf {
+template <class T, int N>
+struct VectorOf {
     typedef T type __attribute__((vector_size(sizeof(T) * N)));
 };
 
-template <class T, int N> struct Pack<T, N, true> {
+template <class T, int N>
+struct Pack<T, N, true> {
     using V = typename VectorOf<T, N>::type;
     V v;
     Pack() = default;
@@ -33,7 +37,8 @@ template <class T, int N> struct Pack<T, N, true> {
     CHIARO_INLINE Pack(T same) : v(same - V{}) {}
 };
 
-template <class T, int N> struct Pack<T, N, false> {
+template <class T, int N>
+struct Pack<T, N, false> {
     Pack<T, N / 2> lo, hi;
     Pack() = default;
     CHIARO_INLINE Pack(Pack<T, N / 2> low, Pack<T, N / 2> high) : lo(low), hi(high) {}
@@ -41,7 +46,8 @@ template <class T, int N> struct Pack<T, N, false> {
 };
 
 /// Applies op to the native vectors of the packs.
-template <class R, int N, class Op, class... P> CHIARO_INLINE Pack<R, N> map(Op op, P... p) {
+template <class R, int N, class Op, class... P>
+CHIARO_INLINE Pack<R, N> map(Op op, P... p) {
     if constexpr (is_native<R, N>)
         return Pack<R, N>(op(p.v...));
     else
@@ -55,10 +61,13 @@ struct MaskLanes {
     IntLanes bits;
 };
 
-#define CHIARO_OP(expression) [](auto u, auto v) __attribute__((always_inline)) { return expression; }
-#define CHIARO_ARITHMETIC(op)                                                                                     \
-    CHIARO_INLINE Lanes operator op(Lanes a, Lanes b) { return map<float, 16>(CHIARO_OP(u op v), a, b); }         \
-    CHIARO_INLINE IntLanes operator op(IntLanes a, IntLanes b) { return map<std::int32_t, 16>(CHIARO_OP(u op v), a, b); }
+#define CHIARO_OP(expression) \
+    [](auto u, auto v) __attribute__((always_inline)) { return expression; }
+#define CHIARO_ARITHMETIC(op)                                                                             \
+    CHIARO_INLINE Lanes operator op(Lanes a, Lanes b) { return map<float, 16>(CHIARO_OP(u op v), a, b); } \
+    CHIARO_INLINE IntLanes operator op(IntLanes a, IntLanes b) {                                          \
+        return map<std::int32_t, 16>(CHIARO_OP(u op v), a, b);                                            \
+    }
 CHIARO_ARITHMETIC(+)
 CHIARO_ARITHMETIC(-)
 CHIARO_ARITHMETIC(*)
@@ -75,9 +84,11 @@ CHIARO_INLINE IntLanes operator<<(IntLanes a, IntLanes b) { return map<std::int3
 /// Arithmetic, as for int: mask what may be negative.
 CHIARO_INLINE IntLanes operator>>(IntLanes a, IntLanes b) { return map<std::int32_t, 16>(CHIARO_OP(u >> v), a, b); }
 
-#define CHIARO_COMPARE(op)                                                                                                  \
-    CHIARO_INLINE MaskLanes operator op(Lanes a, Lanes b) { return {map<std::int32_t, 16>(CHIARO_OP(u op v), a, b)}; }       \
-    CHIARO_INLINE MaskLanes operator op(IntLanes a, IntLanes b) { return {map<std::int32_t, 16>(CHIARO_OP(u op v), a, b)}; }
+#define CHIARO_COMPARE(op)                                                                                             \
+    CHIARO_INLINE MaskLanes operator op(Lanes a, Lanes b) { return {map<std::int32_t, 16>(CHIARO_OP(u op v), a, b)}; } \
+    CHIARO_INLINE MaskLanes operator op(IntLanes a, IntLanes b) {                                                      \
+        return {map<std::int32_t, 16>(CHIARO_OP(u op v), a, b)};                                                       \
+    }
 CHIARO_COMPARE(<)
 CHIARO_COMPARE(<=)
 CHIARO_COMPARE(>)
@@ -87,12 +98,16 @@ CHIARO_COMPARE(!=)
 #undef CHIARO_COMPARE
 CHIARO_INLINE MaskLanes operator&(MaskLanes a, MaskLanes b) { return {a.bits & b.bits}; }
 CHIARO_INLINE MaskLanes operator|(MaskLanes a, MaskLanes b) { return {a.bits | b.bits}; }
-CHIARO_INLINE MaskLanes operator!(MaskLanes a) { return {map<std::int32_t, 16>([](auto m) __attribute__((always_inline)) { return ~m; }, a.bits)}; }
+CHIARO_INLINE MaskLanes operator!(MaskLanes a) {
+    return {map<std::int32_t, 16>(
+        [](auto m) __attribute__((always_inline)) { return ~m; }, a.bits)};
+}
 CHIARO_INLINE MaskLanes& operator&=(MaskLanes& a, MaskLanes b) { return a = a & b; }
 
 }  // namespace CHIARO_ISA
 
-template <> struct LaneTraits<Lanes> {
+template <>
+struct LaneTraits<Lanes> {
     using Int = IntLanes;
     using Mask = MaskLanes;
     static constexpr int count = 16;
@@ -105,13 +120,21 @@ typedef Pack<float, 16>::V NativeFloat;
 typedef Pack<std::int32_t, 16>::V NativeInt;
 CHIARO_INLINE NativeFloat native_min(NativeFloat a, NativeFloat b) { return _mm512_min_ps(a, b); }
 CHIARO_INLINE NativeFloat native_max(NativeFloat a, NativeFloat b) { return _mm512_max_ps(a, b); }
-CHIARO_INLINE NativeInt native_min(NativeInt a, NativeInt b) { return NativeInt(_mm512_min_epi32(__m512i(a), __m512i(b))); }
-CHIARO_INLINE NativeInt native_max(NativeInt a, NativeInt b) { return NativeInt(_mm512_max_epi32(__m512i(a), __m512i(b))); }
+CHIARO_INLINE NativeInt native_min(NativeInt a, NativeInt b) {
+    return NativeInt(_mm512_min_epi32(__m512i(a), __m512i(b)));
+}
+CHIARO_INLINE NativeInt native_max(NativeInt a, NativeInt b) {
+    return NativeInt(_mm512_max_epi32(__m512i(a), __m512i(b)));
+}
 CHIARO_INLINE NativeFloat native_sqrt(NativeFloat a) { return _mm512_sqrt_ps(a); }
-CHIARO_INLINE NativeFloat native_floor(NativeFloat a) { return _mm512_roundscale_ps(a, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC); }
-CHIARO_INLINE NativeFloat native_fma(NativeFloat a, NativeFloat b, NativeFloat c) { return _mm512_fmadd_ps(a, b, c); }
+CHIARO_INLINE NativeFloat native_floor(NativeFloat a) {
+    return _mm512_roundscale_ps(a, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC);
+}
 CHIARO_INLINE unsigned native_bits(NativeInt m) { return _mm512_movepi32_mask(__m512i(m)); }
-template <int imm> CHIARO_INLINE NativeFloat native_shuffle(NativeFloat a, NativeFloat b) { return _mm512_shuffle_ps(a, b, imm); }
+template <int imm>
+CHIARO_INLINE NativeFloat native_shuffle(NativeFloat a, NativeFloat b) {
+    return _mm512_shuffle_ps(a, b, imm);
+}
 CHIARO_INLINE NativeInt native_select(NativeInt m, NativeInt a, NativeInt b) {
     return NativeInt(_mm512_ternarylogic_epi32(__m512i(m), __m512i(a), __m512i(b), 0xCA));
 }
@@ -120,13 +143,19 @@ typedef Pack<float, 8>::V NativeFloat;
 typedef Pack<std::int32_t, 8>::V NativeInt;
 CHIARO_INLINE NativeFloat native_min(NativeFloat a, NativeFloat b) { return _mm256_min_ps(a, b); }
 CHIARO_INLINE NativeFloat native_max(NativeFloat a, NativeFloat b) { return _mm256_max_ps(a, b); }
-CHIARO_INLINE NativeInt native_min(NativeInt a, NativeInt b) { return NativeInt(_mm256_min_epi32(__m256i(a), __m256i(b))); }
-CHIARO_INLINE NativeInt native_max(NativeInt a, NativeInt b) { return NativeInt(_mm256_max_epi32(__m256i(a), __m256i(b))); }
+CHIARO_INLINE NativeInt native_min(NativeInt a, NativeInt b) {
+    return NativeInt(_mm256_min_epi32(__m256i(a), __m256i(b)));
+}
+CHIARO_INLINE NativeInt native_max(NativeInt a, NativeInt b) {
+    return NativeInt(_mm256_max_epi32(__m256i(a), __m256i(b)));
+}
 CHIARO_INLINE NativeFloat native_sqrt(NativeFloat a) { return _mm256_sqrt_ps(a); }
 CHIARO_INLINE NativeFloat native_floor(NativeFloat a) { return _mm256_floor_ps(a); }
-CHIARO_INLINE NativeFloat native_fma(NativeFloat a, NativeFloat b, NativeFloat c) { return _mm256_fmadd_ps(a, b, c); }
 CHIARO_INLINE unsigned native_bits(NativeInt m) { return unsigned(_mm256_movemask_ps(__m256(m))); }
-template <int imm> CHIARO_INLINE NativeFloat native_shuffle(NativeFloat a, NativeFloat b) { return _mm256_shuffle_ps(a, b, imm); }
+template <int imm>
+CHIARO_INLINE NativeFloat native_shuffle(NativeFloat a, NativeFloat b) {
+    return _mm256_shuffle_ps(a, b, imm);
+}
 CHIARO_INLINE NativeInt native_select(NativeInt m, NativeInt a, NativeInt b) {
     return NativeInt(_mm256_blendv_ps(__m256(b), __m256(a), __m256(m)));
 }
@@ -135,13 +164,19 @@ typedef Pack<float, 4>::V NativeFloat;
 typedef Pack<std::int32_t, 4>::V NativeInt;
 CHIARO_INLINE NativeFloat native_min(NativeFloat a, NativeFloat b) { return _mm_min_ps(a, b); }
 CHIARO_INLINE NativeFloat native_max(NativeFloat a, NativeFloat b) { return _mm_max_ps(a, b); }
-CHIARO_INLINE NativeInt native_min(NativeInt a, NativeInt b) { return NativeInt(_mm_min_epi32(__m128i(a), __m128i(b))); }
-CHIARO_INLINE NativeInt native_max(NativeInt a, NativeInt b) { return NativeInt(_mm_max_epi32(__m128i(a), __m128i(b))); }
+CHIARO_INLINE NativeInt native_min(NativeInt a, NativeInt b) {
+    return NativeInt(_mm_min_epi32(__m128i(a), __m128i(b)));
+}
+CHIARO_INLINE NativeInt native_max(NativeInt a, NativeInt b) {
+    return NativeInt(_mm_max_epi32(__m128i(a), __m128i(b)));
+}
 CHIARO_INLINE NativeFloat native_sqrt(NativeFloat a) { return _mm_sqrt_ps(a); }
 CHIARO_INLINE NativeFloat native_floor(NativeFloat a) { return _mm_floor_ps(a); }
-CHIARO_INLINE NativeFloat native_fma(NativeFloat a, NativeFloat b, NativeFloat c) { return a * b + c; }
 CHIARO_INLINE unsigned native_bits(NativeInt m) { return unsigned(_mm_movemask_ps(__m128(m))); }
-template <int imm> CHIARO_INLINE NativeFloat native_shuffle(NativeFloat a, NativeFloat b) { return _mm_shuffle_ps(a, b, imm); }
+template <int imm>
+CHIARO_INLINE NativeFloat native_shuffle(NativeFloat a, NativeFloat b) {
+    return _mm_shuffle_ps(a, b, imm);
+}
 CHIARO_INLINE NativeInt native_select(NativeInt m, NativeInt a, NativeInt b) {
     return NativeInt(_mm_blendv_ps(__m128(b), __m128(a), __m128(m)));
 }
@@ -153,25 +188,30 @@ CHIARO_INLINE IntLanes min(IntLanes a, IntLanes b) { return map<std::int32_t, 16
 CHIARO_INLINE IntLanes max(IntLanes a, IntLanes b) { return map<std::int32_t, 16>(CHIARO_OP(native_max(u, v)), a, b); }
 #undef CHIARO_OP
 
-#define CHIARO_UNARY(expression) [](auto u) __attribute__((always_inline)) { return expression; }
+#define CHIARO_UNARY(expression) \
+    [](auto u) __attribute__((always_inline)) { return expression; }
 CHIARO_INLINE Lanes sqrt(Lanes a) { return map<float, 16>(CHIARO_UNARY(native_sqrt(u)), a); }
 CHIARO_INLINE Lanes floor(Lanes a) { return map<float, 16>(CHIARO_UNARY(native_floor(u)), a); }
-CHIARO_INLINE Lanes to_float(IntLanes a) { return map<float, 16>(CHIARO_UNARY(__builtin_convertvector(u, NativeFloat)), a); }
-CHIARO_INLINE IntLanes truncate(Lanes a) { return map<std::int32_t, 16>(CHIARO_UNARY(__builtin_convertvector(u, NativeInt)), a); }
+CHIARO_INLINE Lanes to_float(IntLanes a) {
+    return map<float, 16>(CHIARO_UNARY(__builtin_convertvector(u, NativeFloat)), a);
+}
+CHIARO_INLINE IntLanes truncate(Lanes a) {
+    return map<std::int32_t, 16>(CHIARO_UNARY(__builtin_convertvector(u, NativeInt)), a);
+}
 CHIARO_INLINE IntLanes bits_of(Lanes a) { return map<std::int32_t, 16>(CHIARO_UNARY(NativeInt(u)), a); }
 CHIARO_INLINE Lanes float_of(IntLanes a) { return map<float, 16>(CHIARO_UNARY(NativeFloat(u)), a); }
 #undef CHIARO_UNARY
 CHIARO_INLINE Lanes abs(Lanes a) { return float_of(bits_of(a) & IntLanes(0x7fffffff)); }
 
-CHIARO_INLINE Lanes fma(Lanes a, Lanes b, Lanes c) {
-    return map<float, 16>([](auto x, auto y, auto z) __attribute__((always_inline)) { return native_fma(x, y, z); }, a, b, c);
-}
+CHIARO_INLINE Lanes mad(Lanes a, Lanes b, Lanes c) { return a * b + c; }
 CHIARO_INLINE IntLanes select(MaskLanes m, IntLanes a, IntLanes b) {
-    return map<std::int32_t, 16>([](auto x, auto y, auto z) __attribute__((always_inline)) { return native_select(x, y, z); }, m.bits, a, b);
+    return map<std::int32_t, 16>(
+        [](auto x, auto y, auto z) __attribute__((always_inline)) { return native_select(x, y, z); }, m.bits, a, b);
 }
 CHIARO_INLINE Lanes select(MaskLanes m, Lanes a, Lanes b) { return float_of(select(m, bits_of(a), bits_of(b))); }
 
-template <int N> CHIARO_INLINE unsigned mask_bits(Pack<std::int32_t, N> m) {
+template <int N>
+CHIARO_INLINE unsigned mask_bits(Pack<std::int32_t, N> m) {
     if constexpr (is_native<std::int32_t, N>)
         return native_bits(m.v);
     else

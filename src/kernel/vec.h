@@ -9,18 +9,34 @@ struct Float3 {
     float x, y, z;
 };
 
-template <class F> struct Vec3 {
+template <class F>
+struct Vec3 {
     F x, y, z;
     Vec3() = default;
     CHIARO_INLINE Vec3(F x_, F y_, F z_) : x(x_), y(y_), z(z_) {}
     CHIARO_INLINE Vec3(Float3 v) : x(v.x), y(v.y), z(v.z) {}
 };
 
-template <class F> CHIARO_INLINE Vec3<F> operator+(Vec3<F> a, Vec3<F> b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-template <class F> CHIARO_INLINE Vec3<F> operator-(Vec3<F> a, Vec3<F> b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-template <class F> CHIARO_INLINE Vec3<F> operator*(F s, Vec3<F> a) { return {s * a.x, s * a.y, s * a.z}; }
+template <class F>
+CHIARO_INLINE Vec3<F> operator+(Vec3<F> a, Vec3<F> b) {
+    return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+template <class F>
+CHIARO_INLINE Vec3<F> operator-(Vec3<F> a, Vec3<F> b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+template <class F>
+CHIARO_INLINE Vec3<F> operator*(F s, Vec3<F> a) {
+    return {s * a.x, s * a.y, s * a.z};
+}
 /// s * a + b
-template <class F> CHIARO_INLINE Vec3<F> fma(F s, Vec3<F> a, Vec3<F> b) { return {fma(s, a.x, b.x), fma(s, a.y, b.y), fma(s, a.z, b.z)}; }
-template <class F> CHIARO_INLINE F dot(Vec3<F> a, Vec3<F> b) { return fma(a.x, b.x, fma(a.y, b.y, a.z * b.z)); }
+template <class F>
+CHIARO_INLINE Vec3<F> mad(F s, Vec3<F> a, Vec3<F> b) {
+    return {mad(s, a.x, b.x), mad(s, a.y, b.y), mad(s, a.z, b.z)};
+}
+template <class F>
+CHIARO_INLINE F dot(Vec3<F> a, Vec3<F> b) {
+    return mad(a.x, b.x, mad(a.y, b.y, a.z * b.z));
+}
 
 }  // namespace chiaro::kernel

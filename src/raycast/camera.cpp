@@ -16,17 +16,25 @@ struct Anatomy {
 
 Anatomy anatomy_of(View view, World world) {
     if (world == World::unknown)
-        throw Error(ErrorCode::input, "the volume states no anatomical frame, so it has no named views: use --azimuth, --elevation and --up");
+        throw Error(
+            ErrorCode::input,
+            "the volume states no anatomical frame, so it has no named views: use --azimuth, --elevation and --up");
     // LPS: +x left, +y posterior, +z superior; RAS: +x right, +y anterior, +z superior.
     const double sign = world == World::lps ? 1 : -1;
     const Vec3 left{sign, 0, 0}, posterior{0, sign, 0}, superior{0, 0, 1};
     switch (view) {
-        case View::anterior: return {-posterior, superior};
-        case View::posterior: return {posterior, superior};
-        case View::left: return {left, superior};
-        case View::right: return {-left, superior};
-        case View::superior: return {superior, -posterior};
-        default: return {-superior, -posterior};
+        case View::anterior:
+            return {-posterior, superior};
+        case View::posterior:
+            return {posterior, superior};
+        case View::left:
+            return {left, superior};
+        case View::right:
+            return {-left, superior};
+        case View::superior:
+            return {superior, -posterior};
+        default:
+            return {-superior, -posterior};
     }
 }
 
@@ -34,7 +42,9 @@ Anatomy anatomy_of(View view, World world) {
 void aim(Camera& camera, Vec3 forward, Vec3 up, double roll) {
     const Vec3 right = cross(forward, up);
     if (!(length(forward) > 0) || !(length(right) > 1e-9 * length(forward) * length(up)))
-        throw Error(ErrorCode::usage, "the camera looks along its own up direction, or nowhere: choose another --up, --eye or --elevation");
+        throw Error(
+            ErrorCode::usage,
+            "the camera looks along its own up direction, or nowhere: choose another --up, --eye or --elevation");
     camera.forward = normalized(forward);
     const Vec3 level = normalized(right), upright = cross(level, camera.forward);
     // Rolling the camera counterclockwise turns the picture clockwise.
@@ -47,19 +57,26 @@ void aim(Camera& camera, Vec3 forward, Vec3 up, double roll) {
 Vec3 orbit_direction(double azimuth, double elevation, Vec3 up) {
     const Vec3 u = normalized(up);
     const auto is_axis = [](double c) { return std::abs(std::abs(c) - 1) < 1e-12; };
-    Vec3 e = is_axis(u.z) ? Vec3{1, 0, 0} : is_axis(u.x) ? Vec3{0, 1, 0} : is_axis(u.y) ? Vec3{0, 0, 1} : std::abs(u.x) > 0.9 ? Vec3{0, 1, 0} : Vec3{1, 0, 0};
+    Vec3 e = is_axis(u.z)          ? Vec3{1, 0, 0}
+             : is_axis(u.x)        ? Vec3{0, 1, 0}
+             : is_axis(u.y)        ? Vec3{0, 0, 1}
+             : std::abs(u.x) > 0.9 ? Vec3{0, 1, 0}
+                                   : Vec3{1, 0, 0};
     e = normalized(e - dot(e, u) * u);
     return std::cos(elevation) * (std::cos(azimuth) * e + std::sin(azimuth) * cross(u, e)) + std::sin(elevation) * u;
 }
 
 Camera make_camera(const CameraSettings& s, const Geometry& geometry, const std::array<int, 3>& dimensions) {
-    if (s.eye.has_value() != s.target.has_value()) throw Error(ErrorCode::usage, "--eye and --target belong together: give both or neither");
+    if (s.eye.has_value() != s.target.has_value())
+        throw Error(ErrorCode::usage, "--eye and --target belong together: give both or neither");
     if (s.eye && s.view) throw Error(ErrorCode::usage, "--eye and --view contradict each other: give one of them");
     const Vec3 span{double(dimensions[0] - 1), double(dimensions[1] - 1), double(dimensions[2] - 1)};
     // An axis of one voxel is one voxel thick: a single slice still has a size.
     const Vec3 thick{std::fmax(span.x, 1), std::fmax(span.y, 1), std::fmax(span.z, 1)};
     const Vec3 centre = geometry.world_from_voxel(0.5 * span);
-    const double radius = 0.5 * std::fmax(length(geometry.world_from_voxel_vector(dimensions == std::array{1, 1, 1} ? thick : span)), 1e-30);
+    const double radius =
+        0.5 *
+        std::fmax(length(geometry.world_from_voxel_vector(dimensions == std::array{1, 1, 1} ? thick : span)), 1e-30);
 
     Camera camera;
     camera.projection = s.projection;
@@ -82,7 +99,8 @@ Camera make_camera(const CameraSettings& s, const Geometry& geometry, const std:
         to_eye = orbit_direction(radians(s.azimuth_deg), radians(s.elevation_deg), up);
         camera.orbit_up = up;
         // Straight above or below, any level direction will do: the limit of the orbit keeps the picture from turning.
-        if (length(cross(to_eye, normalized(up))) < 1e-9) up = -std::copysign(1.0, s.elevation_deg) * orbit_direction(radians(s.azimuth_deg), 0, up);
+        if (length(cross(to_eye, normalized(up))) < 1e-9)
+            up = -std::copysign(1.0, s.elevation_deg) * orbit_direction(radians(s.azimuth_deg), 0, up);
     }
     camera.eye = centre + radius / (s.zoom * std::sin(half_fov)) * to_eye;
     aim(camera, -to_eye, up, radians(s.roll_deg));

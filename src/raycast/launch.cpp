@@ -3,11 +3,14 @@
 
 namespace chiaro::kernel::CHIARO_ISA {
 
-template <class Kernel> std::int64_t raycast_tile(const Kernel& kernel, Tile tile) { return run_tile<NativeLanes>(kernel, tile); }
+template <class Kernel>
+std::int64_t raycast_tile(const Kernel& kernel, Tile tile) {
+    return run_tile<NativeLanes>(kernel, tile);
+}
 
-#define CHIARO_INSTANTIATE(Field)                                                                      \
-    template std::int64_t raycast_tile(const RaycastKernel<std::uint8_t, Field>&, Tile);               \
-    template std::int64_t raycast_tile(const RaycastKernel<std::uint16_t, Field>&, Tile);              \
+#define CHIARO_INSTANTIATE(Field)                                                         \
+    template std::int64_t raycast_tile(const RaycastKernel<std::uint8_t, Field>&, Tile);  \
+    template std::int64_t raycast_tile(const RaycastKernel<std::uint16_t, Field>&, Tile); \
     template std::int64_t raycast_tile(const RaycastKernel<float, Field>&, Tile);
 CHIARO_INSTANTIATE(NoneView)
 

@@ -1,6 +1,7 @@
 // Truths of the ray caster: closed forms, convergence, symmetries, and equality over instruction sets and threads.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "fixtures.h"
@@ -11,12 +12,15 @@ using namespace chiaro::testing;
 namespace {
 
 /// Length in mm of the pixel's ray inside the box of the voxel centres, by slabs in double precision.
-double chord_mm(const Camera& camera, const Geometry& g, std::array<int, 3> n, int width, int height, int column, int row) {
-    const double px = ((column + 0.5) / width * 2 - 1) * camera.half_height * width / height, py = (1 - (row + 0.5) / height * 2) * camera.half_height;
+double chord_mm(const Camera& camera, const Geometry& g, std::array<int, 3> n, int width, int height, int column,
+                int row) {
+    const double px = ((column + 0.5) / width * 2 - 1) * camera.half_height * width / height,
+                 py = (1 - (row + 0.5) / height * 2) * camera.half_height;
     const Vec3 offset = px * camera.right + py * camera.up;
     const bool orthographic = camera.projection == Projection::orthographic;
     const Vec3 origin = g.voxel_from_world(orthographic ? camera.eye + offset : camera.eye);
-    const Vec3 direction = g.voxel_from_world_vector(orthographic ? camera.forward : normalized(camera.forward + offset));
+    const Vec3 direction =
+        g.voxel_from_world_vector(orthographic ? camera.forward : normalized(camera.forward + offset));
     double near = 0, far = 1e300;
     for (int a = 0; a < 3; ++a) {
         const double low = n[a] == 1 ? -0.5 : 0, high = n[a] == 1 ? 0.5 : n[a] - 1;
@@ -61,7 +65,8 @@ TEST_P(HomogeneousSlab, TransmittanceIsExponential) {
             for (int column = 0; column < frame.width; ++column) {
                 const double length_mm = chord_mm(camera, volume.geometry, c.n, frame.width, frame.height, column, row);
                 const float* pixel = &frame.rgba[4 * (std::size_t(row) * frame.width + column)];
-                ASSERT_NEAR(pixel[3], -std::expm1(-kappa * length_mm), 2e-4) << name_of(isa) << " pixel " << column << "," << row;
+                ASSERT_NEAR(pixel[3], -std::expm1(-kappa * length_mm), 2e-4)
+                    << name_of(isa) << " pixel " << column << "," << row;
                 ASSERT_NEAR(pixel[0], pixel[3], 1e-5);
                 hit += length_mm > 0;
             }
@@ -71,18 +76,19 @@ TEST_P(HomogeneousSlab, TransmittanceIsExponential) {
 
 INSTANTIATE_TEST_SUITE_P(
     Truth, HomogeneousSlab,
-    ::testing::Values(SlabCase{"oblique", {40, 40, 40}, {1, 1, 1}, {}, 0.5}, SlabCase{"coarse", {40, 40, 40}, {1, 1, 1}, {}, 3.7},
-                      SlabCase{"fine", {40, 40, 40}, {1, 1, 1}, {}, 0.13},
-                      SlabCase{"spacing", {20, 40, 70}, {2, 0.9, 0.5}, {.azimuth_deg = -70, .elevation_deg = 50}, 1},
-                      SlabCase{"axis", {40, 30, 33}, {1, 1, 1}, {.azimuth_deg = 0, .elevation_deg = 0, .projection = Projection::orthographic}, 0.7},
-                      SlabCase{"above", {40, 30, 33}, {1, 1, 1}, {.elevation_deg = 90, .projection = Projection::orthographic}, 0.7},
-                      SlabCase{"inside", {40, 40, 40}, {1, 1, 1}, {.eye = Vec3{10, 12, 20}, .target = Vec3{30, 25, 11}}, 0.5},
-                      SlabCase{"one slice", {40, 40, 1}, {1, 1, 3}, {.elevation_deg = 60}, 0.5}),
-    [](const auto& info) {
-        std::string name = info.param.name;
-        std::replace(name.begin(), name.end(), ' ', '_');
-        return name;
-    });
+    ::testing::Values(
+        SlabCase{"oblique", {40, 40, 40}, {1, 1, 1}, {}, 0.5}, SlabCase{"coarse", {40, 40, 40}, {1, 1, 1}, {}, 3.7},
+        SlabCase{"fine", {40, 40, 40}, {1, 1, 1}, {}, 0.13},
+        SlabCase{"spacing", {20, 40, 70}, {2, 0.9, 0.5}, {.azimuth_deg = -70, .elevation_deg = 50}, 1},
+        SlabCase{"axis",
+                 {40, 30, 33},
+                 {1, 1, 1},
+                 {.azimuth_deg = 0, .elevation_deg = 0, .projection = Projection::orthographic},
+                 0.7},
+        SlabCase{"above", {40, 30, 33}, {1, 1, 1}, {.elevation_deg = 90, .projection = Projection::orthographic}, 0.7},
+        SlabCase{"inside", {40, 40, 40}, {1, 1, 1}, {.eye = Vec3{10, 12, 20}, .target = Vec3{30, 25, 11}}, 0.5},
+        SlabCase{"one_slice", {40, 40, 1}, {1, 1, 3}, {.elevation_deg = 60}, 0.5}),
+    [](const auto& test) { return std::string(test.param.name); });
 
 // The midpoint rule is of second order: halving the step quarters the error of ∫ κ dt for a quadratic κ.
 TEST(RayCaster, QuadraticExtinctionConvergesWithTheSquareOfTheStep) {
@@ -113,7 +119,8 @@ TEST(RayCaster, SkippingEmptySpaceChangesNoBit) {
         shot.camera.azimuth_deg = azimuth;
         shot.camera.elevation_deg = azimuth / 4.0;
         shot.lighting.shading = Shading::phong;
-        const Volume volume = sampled<std::uint8_t>({70, 70, 70}, [](double x, double y, double z) { return shells(x, y, z, 70); });
+        const Volume volume =
+            sampled<std::uint8_t>({70, 70, 70}, [](double x, double y, double z) { return shells(x, y, z, 70); });
         for (Isa isa : available_isas()) {
             shot.device.isa = isa;
             shot.rays.skip_empty = true;
@@ -121,27 +128,31 @@ TEST(RayCaster, SkippingEmptySpaceChangesNoBit) {
             shot.rays.skip_empty = false;
             const Frame all = shot(volume);
             EXPECT_GT(mean_alpha(all), 0.05);
-            EXPECT_EQ(std::memcmp(skipped.rgba.data(), all.rgba.data(), all.rgba.size() * sizeof(float)), 0) << name_of(isa) << " azimuth " << azimuth;
+            EXPECT_EQ(std::memcmp(skipped.rgba.data(), all.rgba.data(), all.rgba.size() * sizeof(float)), 0)
+                << name_of(isa) << " azimuth " << azimuth;
         }
     }
 }
 
 TEST(RayCaster, SkippingTakesFewerSamples) {
     const Device device = Device::cpu();
-    const DeviceVolume volume = upload(device, sampled<std::uint8_t>({96, 96, 96}, [](double x, double y, double z) { return shells(x, y, z, 96); }));
+    const DeviceVolume volume = upload(
+        device, sampled<std::uint8_t>({96, 96, 96}, [](double x, double y, double z) { return shells(x, y, z, 96); }));
     const Medium medium = classify(volume, two_materials(), {});
     Progress progress;
     Frame frame(64, 64);
     const auto samples = [&](bool skip) {
-        return raycast(device, medium, IlluminationField(), {}, make_camera({}, volume.geometry(), volume.dimensions()), {.early_termination = 0, .skip_empty = skip}, frame,
-                       progress).samples;
+        return raycast(device, medium, IlluminationField(), {}, make_camera({}, volume.geometry(), volume.dimensions()),
+                       {.early_termination = 0, .skip_empty = skip}, frame, progress)
+            .samples;
     };
     EXPECT_LT(samples(true), samples(false) / 2);
     EXPECT_GT(samples(true), 0u);
 }
 
 TEST(RayCaster, ThreadsChangeNoBit) {
-    const Volume volume = sampled<std::uint16_t>({64, 50, 40}, [](double x, double y, double z) { return 200 * shells(x, y, z, 50); });
+    const Volume volume =
+        sampled<std::uint16_t>({64, 50, 40}, [](double x, double y, double z) { return 200 * shells(x, y, z, 50); });
     Shot shot;
     for (auto& point : shot.tf.points) point.value *= 200;
     shot.lighting.shading = Shading::phong;
@@ -150,12 +161,15 @@ TEST(RayCaster, ThreadsChangeNoBit) {
     const Frame one = shot(volume);
     for (int threads : {2, 7}) {
         shot.device.threads = threads;
-        EXPECT_EQ(std::memcmp(shot(volume).rgba.data(), one.rgba.data(), one.rgba.size() * sizeof(float)), 0) << threads;
+        EXPECT_EQ(std::memcmp(shot(volume).rgba.data(), one.rgba.data(), one.rgba.size() * sizeof(float)), 0)
+            << threads;
     }
 }
 
-template <class T> void expect_equal_over_instruction_sets(double scale) {
-    const Volume volume = sampled<T>({60, 60, 60}, [&](double x, double y, double z) { return scale * shells(x, y, z, 60); });
+template <class T>
+void expect_equal_over_instruction_sets(double scale) {
+    const Volume volume =
+        sampled<T>({60, 60, 60}, [&](double x, double y, double z) { return scale * shells(x, y, z, 60); });
     Shot shot;
     for (auto& point : shot.tf.points) point.value *= scale;
     shot.lighting.shading = Shading::phong;
@@ -166,7 +180,8 @@ template <class T> void expect_equal_over_instruction_sets(double scale) {
     EXPECT_GT(mean_alpha(scalar), 0.05);
     for (Isa isa : available_isas()) {
         shot.device.isa = isa;
-        EXPECT_LE(difference(shot(volume), scalar, 1e-5).pixels_beyond, shot.width * shot.height / 1000) << name_of(isa);
+        EXPECT_EQ(std::memcmp(shot(volume).rgba.data(), scalar.rgba.data(), scalar.rgba.size() * sizeof(float)), 0)
+            << name_of(isa);
     }
 }
 TEST(RayCaster, InstructionSetsAgreeForBytes) { expect_equal_over_instruction_sets<std::uint8_t>(1); }
@@ -175,13 +190,16 @@ TEST(RayCaster, InstructionSetsAgreeForFloats) { expect_equal_over_instruction_s
 
 // Turning the object, the camera and the light together changes nothing.
 TEST(RayCaster, QuarterTurnsOfEverythingAreInvisible) {
-    const auto body = [](double x, double y, double z) { return shells(x, y, z, 48) * (0.7 + 0.3 * std::sin(0.2 * x + 0.1 * y)) * (y > 20 ? 1 : 0.6); };
+    const auto body = [](double x, double y, double z) {
+        return shells(x, y, z, 48) * (0.7 + 0.3 * std::sin(0.2 * x + 0.1 * y)) * (y > 20 ? 1 : 0.6);
+    };
     Shot shot;
     shot.lighting = {.shading = Shading::phong, .headlight = false, .azimuth_deg = 10, .elevation_deg = 40};
     const Volume still = sampled<float>({48, 48, 48}, body);
     const Frame before = shot(still);
     // The voxels turned a quarter about z: new x = -y, new y = x.
-    const Volume turned = sampled<float>({48, 48, 48}, [&](double x, double y, double z) { return body(y, 47 - x, z); });
+    const Volume turned =
+        sampled<float>({48, 48, 48}, [&](double x, double y, double z) { return body(y, 47 - x, z); });
     shot.camera.azimuth_deg += 90;
     shot.lighting.azimuth_deg += 90;
     EXPECT_LT(difference(shot(turned), before, 0).max, 2e-4);
@@ -193,23 +211,28 @@ TEST(RayCaster, QuarterTurnsOfEverythingAreInvisible) {
 
 // One object stored with its axes in another order and sense, as its direction says, gives the same picture.
 TEST(RayCaster, StorageOrderIsInvisible) {
-    const auto body = [](double x, double y, double z) { return shells(x, y, z, 40) * (x > 15 ? 1 : 0.5) + (z > 30 && y < 12 ? 200 : 0); };
+    const auto body = [](double x, double y, double z) {
+        return shells(x, y, z, 40) * (x > 15 ? 1 : 0.5) + (z > 30 && y < 12 ? 200 : 0);
+    };
     Shot shot;
     shot.lighting.shading = Shading::phong;
     Volume plain = sampled<std::uint8_t>({40, 36, 44}, body);
     plain.geometry.spacing_mm = {1, 2, 1.5};
     const Frame expected = shot(plain);
     // index a runs along -z, b along x, c along y
-    Volume other = sampled<std::uint8_t>({44, 40, 36}, [&](double a, double b, double c) { return body(b, c, 43 - a); });
+    Volume other =
+        sampled<std::uint8_t>({44, 40, 36}, [&](double a, double b, double c) { return body(b, c, 43 - a); });
     other.geometry.spacing_mm = {1.5, 1, 2};
     other.geometry.direction = {{{0, 0, -1}, {1, 0, 0}, {0, 1, 0}}};
     other.geometry.origin_mm = {0, 0, 43 * 1.5};
-    EXPECT_LT(difference(shot(other), expected, 0).max, 2e-3);  // steep edges: rounding moves a sample across a table entry
+    EXPECT_LT(difference(shot(other), expected, 0).max,
+              2e-3);  // steep edges: rounding moves a sample across a table entry
     EXPECT_LE(difference(shot(other), expected, 1e-4).pixels_beyond, 30);
 }
 
 TEST(RayCaster, MillimetresScale) {
-    Volume volume = sampled<std::uint8_t>({40, 40, 40}, [](double x, double y, double z) { return shells(x, y, z, 40); });
+    Volume volume =
+        sampled<std::uint8_t>({40, 40, 40}, [](double x, double y, double z) { return shells(x, y, z, 40); });
     Shot shot;
     shot.lighting.shading = Shading::phong;
     const Frame expected = shot(volume);
@@ -223,7 +246,8 @@ TEST(RayCaster, MillimetresScale) {
 }
 
 TEST(RayCaster, SmallerStepsConverge) {
-    const Volume volume = sampled<float>({40, 40, 40}, [](double x, double y, double z) { return shells(x, y, z, 40); });
+    const Volume volume =
+        sampled<float>({40, 40, 40}, [](double x, double y, double z) { return shells(x, y, z, 40); });
     Shot shot;
     shot.rays.step_voxels = 0.05;
     const Frame fine = shot(volume);
@@ -238,7 +262,8 @@ TEST(RayCaster, SmallerStepsConverge) {
 }
 
 TEST(RayCaster, EarlyTerminationStaysWithinItsShare) {
-    const Volume volume = sampled<std::uint8_t>({50, 50, 50}, [](double x, double y, double z) { return shells(x, y, z, 50); });
+    const Volume volume =
+        sampled<std::uint8_t>({50, 50, 50}, [](double x, double y, double z) { return shells(x, y, z, 50); });
     Shot shot;
     const Frame whole = shot(volume);
     shot.rays.early_termination = 0.05;
@@ -261,9 +286,18 @@ TEST(Shading, OfARampIsItsClosedForm) {
     shot.tf = constant(0.9999, {0.5, 0.5, 0.5});
     shot.tf.opacity_unit = 0.01;
     shot.camera = {.azimuth_deg = 0, .elevation_deg = 0, .projection = Projection::orthographic};
-    shot.lighting = {.shading = Shading::phong, .ambient = 0.1, .diffuse = 0.6, .specular = 0.4, .shininess = 8, .headlight = false, .azimuth_deg = 60, .elevation_deg = 0, .color = {1, 0, 1}};
+    shot.lighting = {.shading = Shading::phong,
+                     .ambient = 0.1,
+                     .diffuse = 0.6,
+                     .specular = 0.4,
+                     .shininess = 8,
+                     .headlight = false,
+                     .azimuth_deg = 60,
+                     .elevation_deg = 0,
+                     .color = {1, 0, 1}};
     const Frame frame = shot(ramp);
-    const Vec3 normal = normalized({1, 0.5, 0}), light{0.5, std::sqrt(0.75), 0}, half = normalized(light + Vec3{1, 0, 0});
+    const Vec3 normal = normalized({1, 0.5, 0}), light{0.5, std::sqrt(0.75), 0},
+               half = normalized(light + Vec3{1, 0, 0});
     const double diffuse = 0.1 + 0.6 * dot(normal, light), highlight = 0.4 * std::pow(dot(normal, half), 8);
     const float* pixel = &frame.rgba[4 * (23 * 61 + 30)];
     EXPECT_NEAR(pixel[0], 0.5 * diffuse + highlight, 1e-3);
@@ -278,7 +312,8 @@ TEST(RayCaster, CancelsBetweenTiles) {
     Progress progress;
     progress.cancel();
     Frame frame(100, 100);
-    const Outcome outcome = raycast(device, classify(on_device, constant(0.5), {}), IlluminationField(), {}, make_camera({}, on_device.geometry(), on_device.dimensions()), {}, frame, progress);
+    const Outcome outcome = raycast(device, classify(on_device, constant(0.5), {}), IlluminationField(), {},
+                                    make_camera({}, on_device.geometry(), on_device.dimensions()), {}, frame, progress);
     EXPECT_FALSE(outcome.complete);
     EXPECT_EQ(outcome.samples, 0u);
 }

@@ -33,18 +33,25 @@ kernel::CameraView camera_view(const Camera& camera, const Geometry& geometry, i
     };
 }
 
-kernel::ShadingView shading_view(const Lighting& lighting, const Camera& camera, const Geometry& geometry, ColorMode color) {
+kernel::ShadingView shading_view(const Lighting& lighting, const Camera& camera, const Geometry& geometry,
+                                 ColorMode color) {
     const bool on = lighting.shading != Shading::none;
     const Vec3 to_light = direction_to_light(lighting, camera);
     const Vec3 sum = to_light - camera.forward;  // the viewer is directional too: along the camera's axis
     const Vec3 half = length(sum) > 1e-9 ? normalized(sum) : to_light;
-    const auto channel = [&](int c) { return color == ColorMode::linear ? linear_from_srgb(lighting.color[c]) : lighting.color[c]; };
+    const auto channel = [&](int c) {
+        return color == ColorMode::linear ? linear_from_srgb(lighting.color[c]) : lighting.color[c];
+    };
     const double kd = on ? lighting.diffuse : 0, ks = lighting.shading == Shading::phong ? lighting.specular : 0;
-    const auto times_color = [&](double factor) { return float3({factor * channel(0), factor * channel(1), factor * channel(2)}); };
-    // A gradient is a covector: ∇_world f = M⁻ᵀ ∇_voxel f, and the columns of M⁻¹ are the voxel vectors of the world's axes.
+    const auto times_color = [&](double factor) {
+        return float3({factor * channel(0), factor * channel(1), factor * channel(2)});
+    };
+    // A gradient is a covector: ∇_world f = M⁻ᵀ ∇_voxel f, and the columns of M⁻¹ are the voxel vectors of the world's
+    // axes.
     const Vec3 x = geometry.voxel_from_world_vector({1, 0, 0}), y = geometry.voxel_from_world_vector({0, 1, 0}),
                z = geometry.voxel_from_world_vector({0, 0, 1});
-    // Only the direction counts: scaled to millimetres of the smallest edge, so that tiny or huge spacings stay in float's range.
+    // Only the direction counts: scaled to millimetres of the smallest edge, so that tiny or huge spacings stay in
+    // float's range.
     const double edge = geometry.smallest_spacing_mm();
     return {
         .enabled = on,

@@ -10,24 +10,32 @@
 namespace chiaro {
 
 kernel::CameraView camera_view(const Camera& camera, const Geometry& geometry, int width, int height);
-kernel::ShadingView shading_view(const Lighting& lighting, const Camera& camera, const Geometry& geometry, ColorMode color);
+kernel::ShadingView shading_view(const Lighting& lighting, const Camera& camera, const Geometry& geometry,
+                                 ColorMode color);
 /// The optical table for steps of `step_mm`: α = 1 - exp(-κ h), colours premultiplied.
 std::vector<kernel::Rgba> step_table(const OpticalTable& table, double step_mm);
 
 /// Everything but the voxels' type and the field: the members that all kernels share.
 template <class Voxel, class Field>
-kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, const std::vector<kernel::Rgba>& table, const Field& field,
-                                                const Lighting& lighting, const Camera& camera, const RaySettings& settings, Frame& frame) {
+kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, const std::vector<kernel::Rgba>& table,
+                                                const Field& field, const Lighting& lighting, const Camera& camera,
+                                                const RaySettings& settings, Frame& frame) {
     const DeviceVolume::Data& volume = medium.volume.data();
     const auto [nx, ny, nz] = volume.dimensions;
     // An axis of one voxel is one voxel thick.
     const auto low = [](int n) { return n == 1 ? -0.5f : 0.0f; };
     const auto high = [](int n) { return n == 1 ? 0.5f : float(n - 1); };
     return {
-        .volume = {reinterpret_cast<const Voxel*>(volume.bricks.data()), brick_count(nx), brick_count(ny),
-                   {float(nx - 1), float(ny - 1), float(nz - 1)}, std::max(nx - 2, 0), std::max(ny - 2, 0), std::max(nz - 2, 0)},
+        .volume = {reinterpret_cast<const Voxel*>(volume.bricks.data()),
+                   brick_count(nx),
+                   brick_count(ny),
+                   {float(nx - 1), float(ny - 1), float(nz - 1)},
+                   std::max(nx - 2, 0),
+                   std::max(ny - 2, 0),
+                   std::max(nz - 2, 0)},
         .occupancy = {medium.cells.data(), cell_count(nx), cell_count(ny)},
-        .table = {table.data(), float(medium.table.index_scale), float(medium.table.index_offset + 0.5), float(table.size() - 1)},
+        .table = {table.data(), float(medium.table.index_scale), float(medium.table.index_offset + 0.5),
+                  float(table.size() - 1)},
         .camera = camera_view(camera, volume.geometry, frame.width, frame.height),
         .shading = shading_view(lighting, camera, volume.geometry, medium.color),
         .field = field,

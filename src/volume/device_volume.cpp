@@ -12,13 +12,16 @@
 namespace chiaro {
 namespace {
 
-/// How stored numbers become device numbers: device = stored - shift, then clamped to [low, high] where that is not finite.
-template <class Source> struct Conversion {
+/// How stored numbers become device numbers: device = stored - shift, then clamped to [low, high] where that is not
+/// finite.
+template <class Source>
+struct Conversion {
     Source shift = 0;
     Source low = 0, high = 0;
 };
 
-template <class Device, class Source> Device convert(Source v, const Conversion<Source>& c) {
+template <class Device, class Source>
+Device convert(Source v, const Conversion<Source>& c) {
     if constexpr (std::is_floating_point_v<Source>) {
         // NaN reads as the smallest value, which transfer functions leave empty more often than any other.
         if (!std::isfinite(v)) v = v > 0 ? c.high : c.low;
@@ -31,7 +34,8 @@ template <class Device, class Source> Device convert(Source v, const Conversion<
 }
 
 /// Smallest and largest finite stored value; low > high if there is none.
-template <class Source> Conversion<Source> stored_range(const Volume& volume, int threads) {
+template <class Source>
+Conversion<Source> stored_range(const Volume& volume, int threads) {
     const auto voxels = volume.as<Source>();
     Conversion<Source> all{0, std::numeric_limits<Source>::max(), std::numeric_limits<Source>::lowest()};
     std::mutex merging;
@@ -70,13 +74,15 @@ void fill_brick(const Volume& volume, const Conversion<Source>& conversion, std:
 }
 
 /// The ranges of the brick's 4³ cells, each over the 9³ voxels that samples inside it can touch.
-template <class Device> void fill_cells(const Device* brick, std::array<int, 3> at, CellRanges& cells) {
+template <class Device>
+void fill_cells(const Device* brick, std::array<int, 3> at, CellRanges& cells) {
     constexpr int per_brick = brick_edge / cell_edge;
     for (int c = 0; c < per_brick * per_brick * per_brick; ++c) {
         const int cx = c % per_brick, cy = c / per_brick % per_brick, cz = c / (per_brick * per_brick);
         const int x = at[0] * per_brick + cx, y = at[1] * per_brick + cy, z = at[2] * per_brick + cz;
         if (x >= cells.count[0] || y >= cells.count[1] || z >= cells.count[2]) continue;
-        const Device* corner = brick + (cz * cell_edge + 1) * brick_slice + (cy * cell_edge + 1) * brick_row + cx * cell_edge + 1;
+        const Device* corner =
+            brick + (cz * cell_edge + 1) * brick_slice + (cy * cell_edge + 1) * brick_row + cx * cell_edge + 1;
         // Columns side by side first: the compiler turns the inner loop into vector minima.
         Device low[cell_edge + 1], high[cell_edge + 1];
         std::copy_n(corner, cell_edge + 1, low);
@@ -96,7 +102,8 @@ template <class Device> void fill_cells(const Device* brick, std::array<int, 3> 
 
 /// Layer by layer, so that the source's pages can be given back behind the work.
 template <class Source, class Device>
-void fill_bricks(const Volume& volume, int threads, VoxelBuffer* discard, const Conversion<Source>& conversion, DeviceVolume::Data& data) {
+void fill_bricks(const Volume& volume, int threads, VoxelBuffer* discard, const Conversion<Source>& conversion,
+                 DeviceVolume::Data& data) {
     const auto [nx, ny, nz] = volume.dimensions;
     const std::array<int, 3> bricks{brick_count(nx), brick_count(ny), brick_count(nz)};
     data.cells.count = {cell_count(nx), cell_count(ny), cell_count(nz)};
@@ -121,7 +128,8 @@ void fill_bricks(const Volume& volume, int threads, VoxelBuffer* discard, const 
 }
 
 /// Chooses the device type and fills it.
-template <class Source> void store(const Volume& volume, int threads, VoxelBuffer* discard, DeviceVolume::Data& data) {
+template <class Source>
+void store(const Volume& volume, int threads, VoxelBuffer* discard, DeviceVolume::Data& data) {
     Conversion<Source> c;
     data.scale = volume.slope;
     data.offset = volume.intercept;
@@ -149,11 +157,13 @@ template <class Source> void store(const Volume& volume, int threads, VoxelBuffe
 
 DeviceVolume upload_bricks(const Device& device, const Volume& volume, VoxelBuffer* discard) {
     if (volume.components != 1)
-        throw Error(ErrorCode::input, volume.source + " has " + std::to_string(volume.components) + " values a voxel: only volumes of one value a voxel can be rendered");
+        throw Error(ErrorCode::input, volume.source + " has " + std::to_string(volume.components) +
+                                          " values a voxel: only volumes of one value a voxel can be rendered");
     const auto [nx, ny, nz] = volume.dimensions;
     const double stored = double(brick_count(nx)) * brick_count(ny) * brick_count(nz) * brick_voxels;
     if (stored > double(UINT32_MAX) - 8)
-        throw Error(ErrorCode::input, volume.source + " has " + std::to_string(volume.voxel_count()) + " voxels: at most about 3.2e9 (1480 cubed) can be rendered");
+        throw Error(ErrorCode::input, volume.source + " has " + std::to_string(volume.voxel_count()) +
+                                          " voxels: at most about 3.2e9 (1480 cubed) can be rendered");
     auto data = std::make_shared<DeviceVolume::Data>();
     data->dimensions = volume.dimensions;
     data->geometry = volume.geometry;

@@ -19,8 +19,8 @@ struct DeviceVolume::Data {
     Geometry geometry;
     VoxelType stored = VoxelType::u8;  ///< u8, u16 or f32
     VoxelBuffer bricks;
-    double scale = 1, offset = 0;      ///< value = scale * stored + offset
-    bool whole_numbers = false;        ///< the stored values are integers
+    double scale = 1, offset = 0;  ///< value = scale * stored + offset
+    bool whole_numbers = false;    ///< the stored values are integers
     CellRanges cells;
     float stored_min = 0, stored_max = 0;
 };

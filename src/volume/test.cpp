@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <random>
 
 #include "fixtures.h"
@@ -13,20 +14,29 @@ using namespace chiaro::testing;
 
 namespace {
 
-template <class Voxel> kernel::VolumeView<Voxel> view_of(const DeviceVolume& volume) {
+template <class Voxel>
+kernel::VolumeView<Voxel> view_of(const DeviceVolume& volume) {
     const auto& d = volume.data();
     const auto [nx, ny, nz] = d.dimensions;
-    return {reinterpret_cast<const Voxel*>(d.bricks.data()), brick_count(nx), brick_count(ny), {float(nx - 1), float(ny - 1), float(nz - 1)},
-            std::max(nx - 2, 0), std::max(ny - 2, 0), std::max(nz - 2, 0)};
+    return {reinterpret_cast<const Voxel*>(d.bricks.data()),
+            brick_count(nx),
+            brick_count(ny),
+            {float(nx - 1), float(ny - 1), float(nz - 1)},
+            std::max(nx - 2, 0),
+            std::max(ny - 2, 0),
+            std::max(nz - 2, 0)};
 }
 
-template <class Voxel> float value_at(const kernel::VolumeView<Voxel>& view, kernel::Vec3<float> p) {
+template <class Voxel>
+float value_at(const kernel::VolumeView<Voxel>& view, kernel::Vec3<float> p) {
     p = view.clamp(p);
     return view.value(view.locate(p, view.voxel(p)));
 }
 
 // Trilinear in x, y and z; what trilinear interpolation reproduces exactly.
-double multilinear(double x, double y, double z) { return 3 + 0.5 * x - 0.25 * y + z + 0.125 * x * y - 0.0625 * y * z + 0.03125 * x * y * z; }
+double multilinear(double x, double y, double z) {
+    return 3 + 0.5 * x - 0.25 * y + z + 0.125 * x * y - 0.0625 * y * z + 0.03125 * x * y * z;
+}
 
 }  // namespace
 
@@ -39,7 +49,8 @@ TEST(Sampling, ReproducesXyzExactlyAcrossBricks) {
     for (int i = 0; i < 20000; ++i) {
         const float x = 69 * u(random), y = 40 * u(random), z = 36 * u(random);
         const double expected = multilinear(x, y, z);
-        ASSERT_NEAR(value_at(view, {x, y, z}), expected, 2e-6 * (std::abs(expected) + 700)) << x << " " << y << " " << z;
+        ASSERT_NEAR(value_at(view, {x, y, z}), expected, 2e-6 * (std::abs(expected) + 700))
+            << x << " " << y << " " << z;
         if (x < 1 || x > 68 || y < 1 || y > 39 || z < 1 || z > 35) continue;
         const auto p = view.clamp(kernel::Vec3<float>{x, y, z});
         const auto g = view.gradient(view.locate(p, view.voxel(p)));
@@ -50,14 +61,17 @@ TEST(Sampling, ReproducesXyzExactlyAcrossBricks) {
 }
 
 TEST(Sampling, GradientsAtTheBorderUseTheBorderVoxelItself) {
-    const DeviceVolume volume = upload(Device::cpu(), sampled<float>({5, 5, 5}, [](double x, double, double) { return 2 * x; }));
+    const DeviceVolume volume =
+        upload(Device::cpu(), sampled<float>({5, 5, 5}, [](double x, double, double) { return 2 * x; }));
     const auto view = view_of<float>(volume);
     const kernel::Vec3<float> p{0, 2, 2};
     EXPECT_FLOAT_EQ(view.gradient(view.locate(p, view.voxel(p))).x, 1);  // (f(1) - f(0)) / 2
 }
 
-template <class T> class StoredTypes : public ::testing::Test {};
-using AllTypes = ::testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t, std::uint64_t, std::int64_t, float, double>;
+template <class T>
+class StoredTypes : public ::testing::Test {};
+using AllTypes = ::testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t,
+                                  std::uint64_t, std::int64_t, float, double>;
 TYPED_TEST_SUITE(StoredTypes, AllTypes);
 
 // Every type keeps its values through scale and offset, and every cell its exact range.
@@ -72,15 +86,19 @@ TYPED_TEST(StoredTypes, ValuesAndCellRangesSurviveBricking) {
     const auto stored = [&](int x, int y, int z) -> double {
         const kernel::Vec3<float> p{float(x), float(y), float(z)};
         switch (d.stored) {
-            case VoxelType::u8: return value_at(view_of<std::uint8_t>(device_volume), p);
-            case VoxelType::u16: return value_at(view_of<std::uint16_t>(device_volume), p);
-            default: return value_at(view_of<float>(device_volume), p);
+            case VoxelType::u8:
+                return value_at(view_of<std::uint8_t>(device_volume), p);
+            case VoxelType::u16:
+                return value_at(view_of<std::uint16_t>(device_volume), p);
+            default:
+                return value_at(view_of<float>(device_volume), p);
         }
     };
     for (int z = 0; z < n[2]; ++z)
         for (int y = 0; y < n[1]; ++y)
             for (int x = 0; x < n[0]; ++x)
-                ASSERT_NEAR(d.scale * stored(x, y, z) + d.offset, 0.5 * double(volume.as<TypeParam>()[(std::size_t(z) * n[1] + y) * n[0] + x]) - 20, 1e-4);
+                ASSERT_NEAR(d.scale * stored(x, y, z) + d.offset,
+                            0.5 * double(volume.as<TypeParam>()[(std::size_t(z) * n[1] + y) * n[0] + x]) - 20, 1e-4);
     for (int cz = 0; cz < d.cells.count[2]; ++cz)
         for (int cy = 0; cy < d.cells.count[1]; ++cy)
             for (int cx = 0; cx < d.cells.count[0]; ++cx) {
@@ -98,7 +116,9 @@ TYPED_TEST(StoredTypes, ValuesAndCellRangesSurviveBricking) {
 TEST(Upload, KeepsBytesAndShortsAndNarrowsWideIntegers) {
     const auto stored = [](auto zero, double top) {
         using T = decltype(zero);
-        return upload(Device::cpu(), sampled<T>({4, 4, 4}, [&](double x, double, double) { return x / 3 * top; })).data().stored;
+        return upload(Device::cpu(), sampled<T>({4, 4, 4}, [&](double x, double, double) { return x / 3 * top; }))
+            .data()
+            .stored;
     };
     EXPECT_EQ(stored(std::uint8_t{}, 255), VoxelType::u8);
     EXPECT_EQ(stored(std::int8_t{}, 100), VoxelType::u8);
@@ -120,7 +140,10 @@ TEST(Upload, ReplacesWhatIsNotFinite) {
 }
 
 TEST(Upload, TakesTheVolumeApartWithoutChangingTheBricks) {
-    const auto make = [] { return sampled<std::uint16_t>({130, 70, 90}, [](double x, double y, double z) { return 3 * x + 5 * y + 7 * z; }); };
+    const auto make = [] {
+        return sampled<std::uint16_t>({130, 70, 90},
+                                      [](double x, double y, double z) { return 3 * x + 5 * y + 7 * z; });
+    };
     const DeviceVolume kept = upload(Device::cpu(), make());
     const Volume whole = make();
     const DeviceVolume copied = upload(Device::cpu(), whole);

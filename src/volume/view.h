@@ -7,55 +7,69 @@
 namespace chiaro::kernel {
 
 /// A point between eight voxels: where the first lies in memory, and the share of the way to the next along each axis.
-template <class F> struct Location {
+template <class F>
+struct Location {
     typename GatherIndex<F>::type index;
     Vec3<F> t;
 };
 
 /// The voxel whose interval [i, i + 1] holds a point, per axis.
-template <class F> struct VoxelIndex {
+template <class F>
+struct VoxelIndex {
     Int<F> x, y, z;
 };
 
 /// Voxels in bricks (volume/bricks.h). Points are in voxel coordinates, clamped to the box of the voxel centres.
-template <class Voxel> struct VolumeView {
+template <class Voxel>
+struct VolumeView {
     const Voxel* voxels;
     std::int32_t bricks_x, bricks_y;
-    Float3 last;                                  ///< n - 1 per axis
-    std::int32_t last_x, last_y, last_z;          ///< last interval's voxel, max(n - 2, 0)
+    Float3 last;                          ///< n - 1 per axis
+    std::int32_t last_x, last_y, last_z;  ///< last interval's voxel, max(n - 2, 0)
 
-    template <class F> CHIARO_INLINE Vec3<F> clamp(Vec3<F> p) const {
+    template <class F>
+    CHIARO_INLINE Vec3<F> clamp(Vec3<F> p) const {
         return {min(max(p.x, F(0)), F(last.x)), min(max(p.y, F(0)), F(last.y)), min(max(p.z, F(0)), F(last.z))};
     }
 
     /// Of a clamped point.
-    template <class F> CHIARO_INLINE VoxelIndex<F> voxel(Vec3<F> p) const {
-        return {min(truncate(p.x), Int<F>(last_x)), min(truncate(p.y), Int<F>(last_y)), min(truncate(p.z), Int<F>(last_z))};
+    template <class F>
+    CHIARO_INLINE VoxelIndex<F> voxel(Vec3<F> p) const {
+        return {min(truncate(p.x), Int<F>(last_x)), min(truncate(p.y), Int<F>(last_y)),
+                min(truncate(p.z), Int<F>(last_z))};
     }
 
-    template <class F> CHIARO_INLINE Location<F> locate(Vec3<F> p, VoxelIndex<F> i) const {
+    template <class F>
+    CHIARO_INLINE Location<F> locate(Vec3<F> p, VoxelIndex<F> i) const {
         using I = Int<F>;
-        const I brick = ((i.z >> I(brick_bits)) * I(bricks_y) + (i.y >> I(brick_bits))) * I(bricks_x) + (i.x >> I(brick_bits));
+        const I brick =
+            ((i.z >> I(brick_bits)) * I(bricks_y) + (i.y >> I(brick_bits))) * I(bricks_x) + (i.x >> I(brick_bits));
         const I inside(brick_edge - 1), before(brick_before);
-        const I local = ((i.z & inside) + before) * I(brick_slice) + ((i.y & inside) + before) * I(brick_row) + (i.x & inside) + before;
+        const I local = ((i.z & inside) + before) * I(brick_slice) + ((i.y & inside) + before) * I(brick_row) +
+                        (i.x & inside) + before;
         return {typename GatherIndex<F>::type(brick * I(brick_voxels) + local),
                 {p.x - to_float(i.x), p.y - to_float(i.y), p.z - to_float(i.z)}};
     }
 
     /// Trilinear; in stored units.
-    template <class F> CHIARO_INLINE F value(const Location<F>& at) const {
-        const Four<F> s = along_x(gather_two(voxels, at.index, {0, brick_row, brick_slice, brick_slice + brick_row}), at.t.x);
+    template <class F>
+    CHIARO_INLINE F value(const Location<F>& at) const {
+        const Four<F> s =
+            along_x(gather_two(voxels, at.index, {0, brick_row, brick_slice, brick_slice + brick_row}), at.t.x);
         return lerp(lerp(s.a, s.b, at.t.y), lerp(s.c, s.d, at.t.y), at.t.z);
     }
 
     /// Central differences of one voxel, interpolated; stored units per voxel. At the border the missing neighbour is
     /// the border voxel itself. 32 voxels in 12 loads.
-    template <class F> CHIARO_INLINE Vec3<F> gradient(const Location<F>& at) const {
+    template <class F>
+    CHIARO_INLINE Vec3<F> gradient(const Location<F>& at) const {
         const Vec3<F> t = at.t;
         constexpr int y = brick_row, z = brick_slice;
         const Four<Four<F>> rows = gather_four(voxels - 1, at.index, {0, y, z, z + y});
-        const Four<F> s{lerp(rows.a.b, rows.a.c, t.x), lerp(rows.b.b, rows.b.c, t.x), lerp(rows.c.b, rows.c.c, t.x), lerp(rows.d.b, rows.d.c, t.x)};
-        const F dx = lerp(lerp(slope(rows.a, t.x), slope(rows.b, t.x), t.y), lerp(slope(rows.c, t.x), slope(rows.d, t.x), t.y), t.z);
+        const Four<F> s{lerp(rows.a.b, rows.a.c, t.x), lerp(rows.b.b, rows.b.c, t.x), lerp(rows.c.b, rows.c.c, t.x),
+                        lerp(rows.d.b, rows.d.c, t.x)};
+        const F dx = lerp(lerp(slope(rows.a, t.x), slope(rows.b, t.x), t.y),
+                          lerp(slope(rows.c, t.x), slope(rows.d, t.x), t.y), t.z);
         const Four<F> sy = along_x(gather_two(voxels, at.index, {-y, 2 * y, z - y, z + 2 * y}), t.x);
         const F dy = lerp(lerp(s.b - sy.a, sy.b - s.a, t.y), lerp(s.d - sy.c, sy.d - s.c, t.y), t.z);
         const Four<F> sz = along_x(gather_two(voxels, at.index, {-z, y - z, 2 * z, y + 2 * z}), t.x);
@@ -64,11 +78,15 @@ template <class Voxel> struct VolumeView {
     }
 
 private:
-    template <class F> static CHIARO_INLINE Four<F> along_x(const Four<Two<F>>& v, F t) {
+    template <class F>
+    static CHIARO_INLINE Four<F> along_x(const Four<Two<F>>& v, F t) {
         return {lerp(v.a.a, v.a.b, t), lerp(v.b.a, v.b.b, t), lerp(v.c.a, v.c.b, t), lerp(v.d.a, v.d.b, t)};
     }
     /// Of a row of four voxels, over two voxels.
-    template <class F> static CHIARO_INLINE F slope(const Four<F>& row, F t) { return lerp(row.c - row.a, row.d - row.b, t); }
+    template <class F>
+    static CHIARO_INLINE F slope(const Four<F>& row, F t) {
+        return lerp(row.c - row.a, row.d - row.b, t);
+    }
 };
 
 }  // namespace chiaro::kernel

@@ -12,7 +12,8 @@ std::size_t size_of(VoxelType type) {
 }
 
 std::string_view name_of(VoxelType type) {
-    constexpr std::string_view names[] = {"uint8", "int8", "uint16", "int16", "uint32", "int32", "uint64", "int64", "float32", "float64"};
+    constexpr std::string_view names[] = {"uint8", "int8",   "uint16", "int16",   "uint32",
+                                          "int32", "uint64", "int64",  "float32", "float64"};
     return names[int(type)];
 }
 
@@ -58,8 +59,9 @@ void VoxelBuffer::discard_before(std::size_t end) noexcept {
 Volume make_volume(std::array<int, 3> dimensions, VoxelType type) {
     for (int n : dimensions)
         if (n < 1 || n > 65535)
-            throw Error(ErrorCode::input, "a volume of " + std::to_string(dimensions[0]) + " x " + std::to_string(dimensions[1]) + " x " +
-                                              std::to_string(dimensions[2]) + " voxels: every dimension must be in 1..65535");
+            throw Error(ErrorCode::input, "a volume of " + std::to_string(dimensions[0]) + " x " +
+                                              std::to_string(dimensions[1]) + " x " + std::to_string(dimensions[2]) +
+                                              " voxels: every dimension must be in 1..65535");
     Volume volume;
     volume.dimensions = dimensions;
     volume.type = type;

@@ -6,7 +6,8 @@ namespace chiaro::kernel {
 
 struct NoneView {
     static constexpr bool modulates = false;
-    template <class F> CHIARO_INLINE Incident<F> incident(const SamplePoint<F>& sample, const ShadingView& shading) const {
+    template <class F>
+    CHIARO_INLINE Incident<F> incident(const SamplePoint<F>& sample, const ShadingView& shading) const {
         return shading.local(sample);
     }
 };
