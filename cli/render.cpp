@@ -92,16 +92,16 @@ private:
         tell_guess(session_, scene_);
     }
 
-    double render(const Scene& scene, Job& job) {
-        return Stats::time([&] { session_.render(scene, job.progress); });
+    FrameTime render(const Scene& scene, Job& job) {
+        return Stats::frame_time([&] { session_.render(scene, job.progress); });
     }
 
     void keep_stages() {
         stats_.stages.insert(stats_.stages.end(), session_.stages().begin(), session_.stages().end());
     }
 
-    void count_frame(double seconds) {
-        stats_.frame_seconds.push_back(seconds);
+    void count_frame(FrameTime time) {
+        stats_.frames.push_back(time);
         stats_.samples += session_.outcome().samples;
     }
 
