@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "classify/medium.h"
-#include "image/srgb.h"
+#include "core/srgb.h"
 
 namespace chiaro {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "image/srgb.h"
+#include "core/srgb.h"
 
 namespace chiaro {
 namespace {
