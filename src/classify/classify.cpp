@@ -8,7 +8,8 @@ Medium classify(const DeviceVolume& volume, const TransferFunction& tf, const Sh
     data->volume = volume;
     data->color = shape.color;
     data->table = make_optical_table(volume.data(), tf, shape);
-    data->cells = make_occupancy(volume.data().cells, data->table, data->occupied_fraction);
+    data->cells =
+        make_occupancy(volume.data().cells, data->table, volume.data().device.threads, data->occupied_fraction);
     return Medium(std::move(data));
 }
 

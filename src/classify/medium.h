@@ -33,7 +33,7 @@ struct Medium::Data {
 OpticalTable make_optical_table(const DeviceVolume::Data& volume, const TransferFunction& tf, const Shape& shape);
 
 /// The code of every cell (volume/occupancy.h), and a spare byte at the end.
-std::vector<std::uint8_t> make_occupancy(const CellRanges& ranges, const OpticalTable& table,
+std::vector<std::uint8_t> make_occupancy(const CellRanges& ranges, const OpticalTable& table, int threads,
                                          double& occupied_fraction);
 
 }  // namespace chiaro

@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "classify/medium.h"
+#include "core/threads.h"
 
 namespace chiaro {
 namespace {
@@ -13,74 +14,102 @@ namespace {
 struct CellGrid {
     std::array<int, 3> count;
     std::vector<std::uint8_t> at;
-    std::uint8_t* row(int y, int z) { return at.data() + (std::size_t(z) * count[1] + y) * count[0]; }
+    std::size_t row(int y, int z) const { return (std::size_t(z) * count[1] + y) * count[0]; }
 };
 
 constexpr std::uint8_t farthest = 126;  ///< distances are clamped, so that one fits beside the occupied bit
 
 /// 1 where the transfer function leaves something visible.
-CellGrid occupied_cells(const CellRanges& ranges, const OpticalTable& table) {
+CellGrid occupied_cells(const CellRanges& ranges, const OpticalTable& table, int threads) {
     const int last = int(table.entries.size()) - 1;
     std::vector<int> visible_before(table.entries.size() + 1, 0);
     for (int j = 0; j <= last; ++j)
         visible_before[j + 1] = visible_before[j] + (table.entries[j].extinction_per_mm > 0);
+    const auto entry = [&](double index) { return int(std::clamp(index + 0.5, 0.0, double(last))); };
     CellGrid cells{ranges.count, std::vector<std::uint8_t>(ranges.low.size())};
-    for (std::size_t c = 0; c < ranges.low.size(); ++c) {
-        // Rounding in interpolation can reach a little beyond the cell's values, unless they are all the same.
-        const double low = ranges.low[c], high = ranges.high[c];
-        const double reach =
-            low == high ? 0 : 1.0 / 256 + table.index_scale * std::max(std::abs(low), std::abs(high)) * 4e-7;
-        const int first = std::clamp(int(std::floor(table.index_of(low) - reach + 0.5)), 0, last);
-        const int final = std::clamp(int(std::floor(table.index_of(high) + reach + 0.5)), 0, last);
-        cells.at[c] = visible_before[final + 1] > visible_before[first];
-    }
+    parallel_for(threads, std::int64_t(ranges.low.size()), 1 << 16, [&](std::int64_t begin, std::int64_t end) {
+        for (auto c = begin; c < end; ++c) {
+            // Rounding in interpolation can reach a little beyond the cell's values, unless they are all the same.
+            const double low = ranges.low[c], high = ranges.high[c];
+            const double reach =
+                low == high ? 0 : 1.0 / 256 + table.index_scale * std::max(std::abs(low), std::abs(high)) * 4e-7;
+            const int first = entry(table.index_of(low) - reach), final = entry(table.index_of(high) + reach);
+            cells.at[c] = visible_before[final + 1] > visible_before[first];
+        }
+    });
     return cells;
 }
 
-/// distance = min(distance, neighbour + 1) over the rows of cells around (y, z) that a sweep has already passed.
-void relax_from_row(const std::uint8_t* neighbour, std::uint8_t* row, int n) {
-    for (int x = 0; x < n; ++x) row[x] = std::min<std::uint8_t>(row[x], neighbour[x] + 1);
-    for (int x = 1; x < n; ++x) row[x] = std::min<std::uint8_t>(row[x], neighbour[x - 1] + 1);
-    for (int x = 0; x + 1 < n; ++x) row[x] = std::min<std::uint8_t>(row[x], neighbour[x + 1] + 1);
-}
+/// Distances to the nearest cell of the other kind: a neighbour of the same kind offers its own distance and one more,
+/// one of the other kind offers 1.
+class KindDistance {
+public:
+    explicit KindDistance(const CellGrid& kind)
+        : kind_(kind), distance_{kind.count, std::vector<std::uint8_t>(kind.at.size(), farthest)} {}
 
-/// Chebyshev distance in cells to the nearest cell that is 0, in two sweeps over 13 neighbours each (Borgefors 1986);
-/// exact for this metric. What lies beyond the volume counts for nothing.
-void chebyshev_distance(CellGrid& d) {
-    const auto [nx, ny, nz] = d.count;
-    for (int sign : {1, -1}) {
+    /// Chebyshev distances in two sweeps over 13 neighbours each (Borgefors 1986), exact for this metric. What lies
+    /// beyond the volume counts for nothing.
+    const CellGrid& compute() {
+        sweep(1);
+        sweep(-1);
+        return distance_;
+    }
+
+private:
+    void sweep(int sign) {
+        const auto [nx, ny, nz] = kind_.count;
         for (int k = 0; k < nz; ++k)
             for (int j = 0; j < ny; ++j) {
                 const int z = sign > 0 ? k : nz - 1 - k, y = sign > 0 ? j : ny - 1 - j;
-                std::uint8_t* row = d.row(y, z);
                 const int before = z - sign, above = y - sign;
+                const std::size_t row = kind_.row(y, z);
                 if (before >= 0 && before < nz)
                     for (int other = std::max(y - 1, 0); other <= std::min(y + 1, ny - 1); ++other)
-                        relax_from_row(d.row(other, before), row, nx);
-                if (above >= 0 && above < ny) relax_from_row(d.row(above, z), row, nx);
-                for (int i = 1; i < nx; ++i) {
-                    const int x = sign > 0 ? i : nx - 1 - i;
-                    row[x] = std::min<std::uint8_t>(row[x], row[x - sign] + 1);
-                }
+                        relax_row(kind_.row(other, before), row, nx);
+                if (above >= 0 && above < ny) relax_row(kind_.row(above, z), row, nx);
+                const int first = sign > 0 ? 1 : nx - 2;
+                for (int x = first; x >= 0 && x < nx; x += sign) relax(row + x - sign, row + x);
             }
     }
-}
+
+    /// From the neighbours at x - 1, x and x + 1 in a row that the sweep has already passed.
+    void relax_row(std::size_t neighbours, std::size_t row, int nx) {
+        for (int shift : {0, -1, 1}) {
+            const int first = std::max(0, -shift), last = std::min(nx, nx - shift);
+            // Plain pointers: the compiler turns this loop into vector instructions.
+            const std::uint8_t *kind = &kind_.at[row], *their_kind = &kind_.at[neighbours] + shift;
+            const std::uint8_t* theirs = &distance_.at[neighbours] + shift;
+            std::uint8_t* distance = &distance_.at[row];
+            for (int x = first; x < last; ++x) distance[x] = nearer(distance[x], kind[x] == their_kind[x], theirs[x]);
+        }
+    }
+
+    void relax(std::size_t neighbour, std::size_t cell) {
+        auto& distance = distance_.at[cell];
+        distance = nearer(distance, kind_.at[neighbour] == kind_.at[cell], distance_.at[neighbour]);
+    }
+
+    static std::uint8_t nearer(std::uint8_t distance, bool same_kind, std::uint8_t neighbour) {
+        const std::uint8_t offer = (same_kind ? neighbour : 0) + 1;
+        return std::min(distance, offer);
+    }
+
+    const CellGrid& kind_;
+    CellGrid distance_;
+};
 
 }  // namespace
 
-std::vector<std::uint8_t> make_occupancy(const CellRanges& ranges, const OpticalTable& table,
+std::vector<std::uint8_t> make_occupancy(const CellRanges& ranges, const OpticalTable& table, int threads,
                                          double& occupied_fraction) {
-    const CellGrid occupied = occupied_cells(ranges, table);
-    CellGrid to_occupied = occupied, to_empty = occupied;
-    for (auto& d : to_occupied.at) d = d ? 0 : farthest;
-    for (auto& d : to_empty.at) d = d ? farthest : 0;
-    chebyshev_distance(to_occupied);
-    chebyshev_distance(to_empty);
+    const CellGrid occupied = occupied_cells(ranges, table, threads);
+    KindDistance distances(occupied);
+    const CellGrid& distance = distances.compute();
 
     std::vector<std::uint8_t> codes(occupied.at.size() + 1);
     std::size_t count = 0;
     for (std::size_t c = 0; c < occupied.at.size(); ++c) {
-        codes[c] = std::uint8_t(2 * (std::max(to_occupied.at[c], to_empty.at[c]) - 1) + occupied.at[c]);
+        codes[c] = std::uint8_t(2 * (distance.at[c] - 1) + occupied.at[c]);
         count += occupied.at[c];
     }
     occupied_fraction = double(count) / double(occupied.at.size());

@@ -165,6 +165,7 @@ DeviceVolume upload_bricks(const Device& device, const Volume& volume, VoxelBuff
         throw Error(ErrorCode::input, volume.source + " has " + std::to_string(volume.voxel_count()) +
                                           " voxels: at most about 3.2e9 (1480 cubed) can be rendered");
     auto data = std::make_shared<DeviceVolume::Data>();
+    data->device = device;
     data->dimensions = volume.dimensions;
     data->geometry = volume.geometry;
     with_voxel_type(volume.type, [&](auto voxel) { store<decltype(voxel)>(volume, device.threads, discard, *data); });

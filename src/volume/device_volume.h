@@ -15,6 +15,7 @@ struct CellRanges {
 };
 
 struct DeviceVolume::Data {
+    Device device;
     std::array<int, 3> dimensions{0, 0, 0};
     Geometry geometry;
     VoxelType stored = VoxelType::u8;  ///< u8, u16 or f32

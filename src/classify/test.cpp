@@ -1,0 +1,102 @@
+// The optical table and the occupancy cubes against their definitions.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "classify/medium.h"
+#include "fixtures.h"
+
+using namespace chiaro;
+using namespace chiaro::testing;
+
+namespace {
+
+const OpticalTable::Entry& entry_at(const Medium& medium, double value) {
+    const auto& d = medium.data();
+    const auto& v = d.volume.data();
+    return d.table.entries.at(std::size_t(std::lround(d.table.index_of((value - v.offset) / v.scale))));
+}
+
+DeviceVolume ramp() {
+    return upload(Device::cpu(), sampled<std::uint8_t>({256, 2, 2}, [](double x, double, double) { return x; }));
+}
+
+}  // namespace
+
+TEST(OpticalTable, HoldsTheExtinctionOfEveryStoredValue) {
+    const DeviceVolume volume = ramp();
+    const Medium medium = classify(volume, two_materials(), {});
+    for (int value = 60; value <= 220; ++value) {
+        const double opacity = evaluate(two_materials(), value).opacity;
+        EXPECT_NEAR(entry_at(medium, value).extinction_per_mm, -std::log1p(-opacity), 1e-5) << value;
+    }
+    EXPECT_EQ(medium.data().table.entries.front().extinction_per_mm, 0);
+}
+
+TEST(OpticalTable, OpacityBelongsToItsUnit) {
+    Volume thick = sampled<std::uint8_t>({4, 4, 4}, [](double x, double, double) { return 80 * x; });
+    thick.geometry.spacing_mm = {2, 3, 4};
+    const DeviceVolume volume = upload(Device::cpu(), thick);
+    TransferFunction tf = constant(0.5);
+    EXPECT_NEAR(entry_at(classify(volume, tf, {}), 100).extinction_per_mm, std::log(2) / 2, 1e-6);  // a voxel is 2 mm
+    tf.opacity_unit = 5;
+    EXPECT_NEAR(entry_at(classify(volume, tf, {}), 100).extinction_per_mm, std::log(2) / 10, 1e-6);
+    tf.opacity_unit_is_mm = true;
+    EXPECT_NEAR(entry_at(classify(volume, tf, {}), 100).extinction_per_mm, std::log(2) / 5, 1e-6);
+    EXPECT_NEAR(entry_at(classify(volume, tf, {.opacity_scale = 3}), 100).extinction_per_mm, 3 * std::log(2) / 5, 1e-6);
+    EXPECT_TRUE(std::isfinite(entry_at(classify(volume, constant(1), {}), 100).extinction_per_mm));
+}
+
+TEST(OpticalTable, ThresholdCutsValuesOff) {
+    const Medium medium = classify(ramp(), constant(0.5), {.threshold_low = 50, .threshold_high = 100});
+    EXPECT_EQ(entry_at(medium, 49).extinction_per_mm, 0);
+    EXPECT_GT(entry_at(medium, 50).extinction_per_mm, 0);
+    EXPECT_GT(entry_at(medium, 100).extinction_per_mm, 0);
+    EXPECT_EQ(entry_at(medium, 101).extinction_per_mm, 0);
+}
+
+TEST(OpticalTable, ColoursAreDecodedForLinearLightOnly) {
+    TransferFunction tf = constant(0.5, {0.5, 0.5, 0.5});
+    tf.rgb_space = RgbSpace::srgb;
+    EXPECT_NEAR(entry_at(classify(ramp(), tf, {}), 9).r, 0.2140, 1e-4);  // IEC 61966-2-1
+    EXPECT_NEAR(entry_at(classify(ramp(), tf, {.color = ColorMode::display}), 9).r, 0.5, 1e-6);
+}
+
+// The radius of every cell's cube is its Chebyshev distance to the nearest cell of the other kind, less one.
+TEST(Occupancy, CubesAreAsLargeAsTheyCanBe) {
+    std::mt19937 random(3);
+    const std::array<int, 3> n{45, 61, 38};
+    Volume volume = make_volume(n, VoxelType::u8);
+    for (int i = 0; i < 25; ++i) volume.as<std::uint8_t>()[random() % volume.voxel_count()] = 200;
+    const DeviceVolume device_volume = upload(Device::cpu(), volume);
+    const Medium medium = classify(device_volume, two_materials(), {});
+    const auto count = device_volume.data().cells.count;
+    const auto code = [&](int x, int y, int z) {
+        return medium.data().cells[(std::size_t(z) * count[1] + y) * count[0] + x];
+    };
+    int occupied = 0;
+    for (int z = 0; z < count[2]; ++z)
+        for (int y = 0; y < count[1]; ++y)
+            for (int x = 0; x < count[0]; ++x) {
+                int nearest = 126;
+                for (int c = 0; c < count[2]; ++c)
+                    for (int b = 0; b < count[1]; ++b)
+                        for (int a = 0; a < count[0]; ++a)
+                            if ((code(a, b, c) & 1) != (code(x, y, z) & 1))
+                                nearest =
+                                    std::min(nearest, std::max({std::abs(a - x), std::abs(b - y), std::abs(c - z)}));
+                ASSERT_EQ(code(x, y, z) >> 1, nearest - 1) << x << " " << y << " " << z;
+                const bool visible =
+                    device_volume.data().cells.high[(std::size_t(z) * count[1] + y) * count[0] + x] > 0;
+                ASSERT_EQ(code(x, y, z) & 1, visible);
+                occupied += visible;
+            }
+    EXPECT_NEAR(medium.occupied_fraction(), double(occupied) / (count[0] * count[1] * count[2]), 1e-12);
+    EXPECT_GT(occupied, 20);
+}
+
+TEST(Occupancy, AnEmptyVolumeIsOneCube) {
+    const Medium medium = classify(ramp(), constant(0), {});
+    EXPECT_EQ(medium.occupied_fraction(), 0);
+    EXPECT_EQ(medium.data().cells.front(), 2 * 125);
+}
