@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 
 #include "command.h"
 #include "job.h"
@@ -18,7 +19,7 @@ namespace {
 struct RenderOptions {
     std::string volume, output;
     std::filesystem::path scene, data;
-    int frames = 0;  // 0: one picture
+    std::optional<int> frames;  // none: one picture
     SettingFlags flags;
     CommonOptions common;
 };
@@ -40,8 +41,8 @@ Scene scene_of(const RenderOptions& o) {
 
 /// Everything that can be refused before the work begins.
 void check_options(const RenderOptions& o, const FramePattern& pattern, const Scene& scene) {
-    if (o.frames < 0 || o.frames > 100000)
-        throw Error(ErrorCode::usage, fmt::format("--frames {}: must be 1 to 100000", o.frames));
+    if (o.frames && (*o.frames < 1 || *o.frames > 100000))
+        throw Error(ErrorCode::usage, fmt::format("--frames {}: must be 1 to 100000", *o.frames));
     if (o.frames && (scene.camera.view || scene.camera.eye))
         throw Error(ErrorCode::usage, "--frames turns the orbit: it goes with neither --view nor --eye");
     if (pattern.has_placeholder() && !o.frames)
@@ -122,12 +123,12 @@ private:
     void turntable(Job& job) {
         Scene scene = scene_;
         const auto turn = [&](double frames) {
-            scene.camera.azimuth_deg = scene_.camera.azimuth_deg + 360 * frames / o_.frames;
+            scene.camera.azimuth_deg = scene_.camera.azimuth_deg + 360 * frames / *o_.frames;
         };
         turn(0.5);  // the warm-up looks from where no frame does, so that the session has nothing kept for any
         render(scene, job);
         keep_stages();
-        for (int frame = 0; frame < o_.frames; ++frame) {
+        for (int frame = 0; frame < *o_.frames; ++frame) {
             turn(frame);
             count_frame(render(scene, job));
             if (frame == 0 || pattern_.has_placeholder()) write(scene, frame, job);

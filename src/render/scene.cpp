@@ -124,6 +124,17 @@ void check_fixed(const Json& root) {
     if (model && *model != "orbit") refuse(fmt::format("camera.model {}: must be \"orbit\"", model->dump()));
 }
 
+/// Whether a camera points somewhere does not depend on the volume: any one with a frame will tell.
+void check_direction(const CameraSettings& camera, ErrorCode code) {
+    Geometry anywhere;
+    anywhere.world = World::lps;
+    try {
+        make_camera(camera, anywhere, {2, 2, 2});
+    } catch (const Error& error) {
+        throw Error(code, error.what());
+    }
+}
+
 }  // namespace
 
 void check(const Scene& scene, ErrorCode code) {
@@ -135,6 +146,7 @@ void check(const Scene& scene, ErrorCode code) {
     if (unit && unit_mm) throw Error(code, "opacity unit: give it in voxels or in mm, not both");
     if (scene.camera.eye.has_value() != scene.camera.target.has_value())
         throw Error(code, "camera: eye and target need each other");
+    check_direction(scene.camera, code);
 }
 
 Scene parse_scene(const std::string& json, const std::filesystem::path& folder,
