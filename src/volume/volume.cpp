@@ -22,6 +22,8 @@ VoxelBuffer::VoxelBuffer(std::size_t bytes) {
     void* mapping = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (mapping == MAP_FAILED)
         throw Error(ErrorCode::output, "not enough memory for " + std::to_string(bytes >> 20) + " MiB of voxels");
+    // Bricks are read along rays that cross many pages: large ones save a tenth of an oblique frame. A hint, no more.
+    madvise(mapping, bytes, MADV_HUGEPAGE);
     *this = adopt(mapping, bytes, false);
 }
 
