@@ -20,9 +20,9 @@ struct FrameTime {
 
 struct Stats {
     Json volume;
-    std::vector<Stage> stages;          ///< in order; the verbs of the first picture
+    std::vector<Stage> stages;      ///< in order; the verbs of the first picture
     std::vector<FrameTime> frames;  ///< one for each picture
-    std::uint64_t samples = 0;          ///< at which the volume was read, in all these pictures
+    std::uint64_t samples = 0;      ///< at which the volume was read, in all these pictures
 
     /// Runs the work and returns its seconds.
     template <class Work>
