@@ -15,5 +15,6 @@ Command info_command(CLI::App& tool);
 Command sample_command(CLI::App& tool);
 Command render_command(CLI::App& tool);
 Command convert_command(CLI::App& tool);
+Command compare_command(CLI::App& tool);
 
 }  // namespace chiaro::cli
