@@ -26,14 +26,21 @@ struct Image {
     std::vector<std::uint8_t> pixels;  ///< RGBA, or RGB without alpha
 };
 
+enum class Tone { none, aces };
+
 struct ToneMap {
     Rgb background{0, 0, 0};   ///< sRGB, as picked
     bool transparent = false;  ///< keep alpha instead of the background
     ColorMode color = ColorMode::linear;
+    Tone tone = Tone::none;     ///< aces: the film curve of Narkowicz 2015
+    double exposure_stops = 0;  ///< light is multiplied by 2^stops
     bool operator==(const ToneMap&) const = default;
 };
 
-/// Composites over the background, encodes to sRGB (ColorMode::linear) and rounds to 8 bits.
+/// Multiplies by the exposure, bends by the tone curve, composites over the background, encodes to sRGB
+/// (ColorMode::linear) and rounds to 8 bits. The curve bends the volume's straight colour: coverage stays as it is, the
+/// background is shown as picked, and over any background a transparent picture looks as if made for it.
+/// With ColorMode::display exposure and curve apply to the display values as they are.
 Image develop(const Frame& frame, const ToneMap& tone);
 
 /// Key and text pairs that go into a PNG (tEXt/iTXt).
