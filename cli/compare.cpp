@@ -33,10 +33,17 @@ struct Metric {
 };
 using Metrics = std::vector<Metric>;
 
-bool is_picture(const std::string& name) { return std::filesystem::path(name).extension() == ".png"; }
+bool is_png(const std::string& name) { return std::filesystem::path(name).extension() == ".png"; }
+bool is_exr(const std::string& name) { return std::filesystem::path(name).extension() == ".exr"; }
+bool is_picture(const std::string& name) { return is_png(name) || is_exr(name); }
+
+Frame read_picture(const std::string& name) { return is_png(name) ? display_values(read_png(name)) : read_exr(name); }
 
 Metrics compare_pictures(const std::string& a, const std::string& b) {
-    const ImageDifference d = compare(display_values(read_png(a)), display_values(read_png(b)));
+    if (is_png(a) != is_png(b))
+        throw Error(ErrorCode::usage,
+                    fmt::format("{} and {}: display values and linear light cannot be compared", a, b));
+    const ImageDifference d = compare(read_picture(a), read_picture(b));
     return {{"rmse", d.rmse},
             {"psnr", d.psnr, Kind::likeness},
             {"ssim", d.ssim, Kind::likeness},
@@ -114,7 +121,7 @@ void run(const CompareOptions& o) {
 Command compare_command(CLI::App& tool) {
     const auto o = std::make_shared<CompareOptions>();
     CLI::App* app = tool.add_subcommand("compare", "Tells how far apart two pictures are, or two fields");
-    app->add_option("A", o->a, "picture (.png), or volume or field, as for info");
+    app->add_option("A", o->a, "picture (.png, .exr), or volume or field, as for info");
     app->add_option("B", o->b, "what is compared with it, of the same size");
     app->add_option("--fail-above", o->fail_above,
                     "exit code 5 where rmse, max or the size of bias is more; repeatable")

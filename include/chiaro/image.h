@@ -43,7 +43,10 @@ struct ToneMap {
 /// With ColorMode::display exposure and curve apply to the display values as they are.
 Image develop(const Frame& frame, const ToneMap& tone);
 
-/// Key and text pairs that go into a PNG (tEXt/iTXt).
+/// The frame with its light multiplied by the exposure: what an .exr holds. Neither tone curve nor background.
+Frame expose(Frame frame, const ToneMap& tone);
+
+/// Key and text pairs that go into a PNG (tEXt/iTXt) or an OpenEXR header (string attributes).
 using Metadata = std::vector<std::pair<std::string, std::string>>;
 
 /// Written whole or not at all. Throws Error{output}.
@@ -52,5 +55,14 @@ void write_png(const Image& image, const std::filesystem::path& path, const Meta
 Image read_png(const std::filesystem::path& path);
 /// The texts that a PNG carries. Throws Error{input}.
 Metadata read_png_metadata(const std::filesystem::path& path);
+
+/// OpenEXR: float RGBA, premultiplied, linear light (Rec. 709 primaries), lossless. Written whole or not at all. Throws
+/// Error{output}.
+void write_exr(const Frame& frame, const std::filesystem::path& path, const Metadata& metadata = {});
+/// The data window of an OpenEXR file of at most 100 megapixels with channels R, G and B, and A (else 1), half or
+/// float. Throws Error{input}.
+Frame read_exr(const std::filesystem::path& path);
+/// The texts in the header of an OpenEXR file. Throws Error{input}.
+Metadata read_exr_metadata(const std::filesystem::path& path);
 
 }  // namespace chiaro

@@ -66,6 +66,13 @@ void develop_rows(const Frame& frame, const ToneMap& tone, const std::array<floa
 
 }  // namespace
 
+Frame expose(Frame frame, const ToneMap& tone) {
+    const float gain = float(std::exp2(tone.exposure_stops));
+    for (std::size_t i = 0; i < frame.rgba.size(); ++i)
+        if (i % 4 != 3) frame.rgba[i] *= gain;
+    return frame;
+}
+
 Image develop(const Frame& frame, const ToneMap& tone) {
     const bool linear = tone.color == ColorMode::linear;
     Image image{frame.width, frame.height, tone.transparent, {}};
