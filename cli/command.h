@@ -16,5 +16,6 @@ Command sample_command(CLI::App& tool);
 Command render_command(CLI::App& tool);
 Command convert_command(CLI::App& tool);
 Command compare_command(CLI::App& tool);
+Command bench_command(CLI::App& tool);
 
 }  // namespace chiaro::cli

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 
 #include "command.h"
 #include "job.h"
@@ -18,7 +19,7 @@ namespace {
 struct RenderOptions {
     std::string volume, output;
     std::filesystem::path scene, data;
-    int frames = 0;  // 0: one picture
+    std::optional<int> frames;  // none: one picture
     SettingFlags flags;
     CommonOptions common;
 };
@@ -42,8 +43,8 @@ bool is_exr(const std::filesystem::path& path) { return path.extension() == ".ex
 
 /// Everything that can be refused before the work begins.
 void check_options(const RenderOptions& o, const FramePattern& pattern, const Scene& scene) {
-    if (o.frames < 0 || o.frames > 100000)
-        throw Error(ErrorCode::usage, fmt::format("--frames {}: must be 1 to 100000", o.frames));
+    if (o.frames && (*o.frames < 1 || *o.frames > 100000))
+        throw Error(ErrorCode::usage, fmt::format("--frames {}: must be 1 to 100000", *o.frames));
     if (o.frames && (scene.camera.view || scene.camera.eye))
         throw Error(ErrorCode::usage, "--frames turns the orbit: it goes with neither --view nor --eye");
     if (pattern.has_placeholder() && !o.frames)
@@ -97,16 +98,16 @@ private:
         tell_guess(session_, scene_);
     }
 
-    double render(const Scene& scene, Job& job) {
-        return Stats::time([&] { session_.render(scene, job.progress); });
+    FrameTime render(const Scene& scene, Job& job) {
+        return Stats::frame_time([&] { session_.render(scene, job.progress); });
     }
 
     void keep_stages() {
         stats_.stages.insert(stats_.stages.end(), session_.stages().begin(), session_.stages().end());
     }
 
-    void count_frame(double seconds) {
-        stats_.frame_seconds.push_back(seconds);
+    void count_frame(FrameTime time) {
+        stats_.frames.push_back(time);
         stats_.samples += session_.outcome().samples;
     }
 
@@ -132,12 +133,12 @@ private:
     void turntable(Job& job) {
         Scene scene = scene_;
         const auto turn = [&](double frames) {
-            scene.camera.azimuth_deg = scene_.camera.azimuth_deg + 360 * frames / o_.frames;
+            scene.camera.azimuth_deg = scene_.camera.azimuth_deg + 360 * frames / *o_.frames;
         };
         turn(0.5);  // the warm-up looks from where no frame does, so that the session has nothing kept for any
         render(scene, job);
         keep_stages();
-        for (int frame = 0; frame < o_.frames; ++frame) {
+        for (int frame = 0; frame < *o_.frames; ++frame) {
             turn(frame);
             count_frame(render(scene, job));
             if (frame == 0 || pattern_.has_placeholder()) write(scene, frame, job);

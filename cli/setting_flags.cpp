@@ -24,7 +24,18 @@ void SettingFlags::add(CLI::App& app, const std::string& group, const Setting& s
     std::string help(setting.sentence);
     if (!range.empty()) help += fmt::format(" ({})", range);
     if (!text.empty()) help += fmt::format(" [{}]", text);
-    if (form.empty())
+    if (setting.repeats())
+        app.add_option_function<std::vector<std::string>>(
+               flag,
+               [this, name](const std::vector<std::string>& all) {
+                   given_[name] = fmt::format("{}", fmt::join(all, ";"));
+               },
+               help + " (may be repeated)")
+            ->type_name(form)
+            ->expected(1)
+            ->take_all()
+            ->group(group);
+    else if (form.empty())
         app.add_flag_function(
                flag, [this, name](std::int64_t) { given_[name] = "true"; }, help)
             ->group(group);

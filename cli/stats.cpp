@@ -1,16 +1,19 @@
 #include "stats.h"
 
-#include <sys/resource.h>
+#include <fstream>
 
 #include "output_file.h"
 
 namespace chiaro::cli {
 namespace {
 
+/// Not getrusage: its peak includes what the program that started this one held.
 std::uint64_t peak_memory_bytes() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return std::uint64_t(usage.ru_maxrss) * 1024;  // Linux counts in KiB
+    std::ifstream status("/proc/self/status");
+    std::uint64_t kib = 0;
+    for (std::string line; std::getline(status, line);)
+        if (line.starts_with("VmHWM:")) kib = std::stoull(line.substr(6));
+    return kib * 1024;
 }
 
 }  // namespace
@@ -27,7 +30,8 @@ void write_stats(const std::filesystem::path& path, const Stats& stats, const De
     for (const Stage& stage : stats.stages)
         json["stages"].push_back({{"name", stage.name}, {"seconds", stage.seconds}});
     json["frames"] = Json::array();
-    for (double seconds : stats.frame_seconds) json["frames"].push_back({{"seconds", seconds}});
+    for (const auto& [seconds, cpu_seconds] : stats.frames)
+        json["frames"].push_back({{"seconds", seconds}, {"cpu_seconds", cpu_seconds}});
     json["samples"] = stats.samples;
     json["peak_memory_bytes"] = peak_memory_bytes();
     write_text(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");

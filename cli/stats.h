@@ -4,6 +4,7 @@
 #include <chiaro/session.h>
 
 #include <chrono>
+#include <ctime>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -12,10 +13,15 @@
 
 namespace chiaro::cli {
 
+/// On the wall, and of all threads together.
+struct FrameTime {
+    double seconds, cpu_seconds;
+};
+
 struct Stats {
     Json volume;
     std::vector<Stage> stages;          ///< in order; the verbs of the first picture
-    std::vector<double> frame_seconds;  ///< one for each picture
+    std::vector<FrameTime> frames;  ///< one for each picture
     std::uint64_t samples = 0;          ///< at which the volume was read, in all these pictures
 
     /// Runs the work and returns its seconds.
@@ -24,6 +30,13 @@ struct Stats {
         const auto start = std::chrono::steady_clock::now();
         work();
         return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    }
+
+    template <class Work>
+    static FrameTime frame_time(Work&& work) {
+        const std::clock_t start = std::clock();
+        const double seconds = time(work);
+        return {seconds, double(std::clock() - start) / CLOCKS_PER_SEC};
     }
 };
 

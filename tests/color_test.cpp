@@ -3,7 +3,7 @@
 #include <chiaro/transfer_function.h>
 #include <gtest/gtest.h>
 
-#include "image/srgb.h"
+#include "core/srgb.h"
 
 using namespace chiaro;
 

@@ -10,8 +10,8 @@
 #include <cstring>
 #include <fstream>
 
+#include "core/srgb.h"
 #include "image/png.h"
-#include "image/srgb.h"
 #include "image/tone.h"
 
 using namespace chiaro;

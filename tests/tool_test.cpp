@@ -11,6 +11,9 @@ TEST_F(Tool, RefusesInOneLine) {
     write("bad.json", "{");
     write("two.json", R"({"chiaro": 2, "volume": {"file": "sample:ball"}})");
     std::filesystem::create_directory(folder / "folder.png");
+    std::filesystem::create_directory(folder / "empty");
+    write("nan.nrrd", "NRRD0004\ntype: float\ndimension: 3\nsizes: 1 1 1\nencoding: ascii\n\nnan\n");
+    write("up.json", R"({"chiaro": 1, "volume": {"file": "sample:ball"}, "camera": {"up": [0, 0, 0]}})");
     struct Case {
         const char* arguments;
         int code;
@@ -24,6 +27,10 @@ TEST_F(Tool, RefusesInOneLine) {
         {"info none.nrrd", 3, "none.nrrd"},
         {"info bad.nrrd", 3, "bad.nrrd"},
         {"info sample:bal", 2, "did you mean 'ball'?"},
+        {"info empty", 3, "the folder is empty"},
+        {"info .", 3, "holds no DICOM image, but"},
+        {"info nan.nrrd", 3, "no voxel of nan.nrrd is a finite number"},
+        {"info sample:ball --rescale 0,1", 2, "slope of 0"},
         {"info sample:ball extra", 2, "unknown argument 'extra'"},
         {"sample", 2, "NAME is missing"},
         {"sample ball", 2, "-o FILE is missing"},
@@ -47,8 +54,12 @@ TEST_F(Tool, RefusesInOneLine) {
         {"render sample:ball -o a.png --transfer none.json", 3, "none.json"},
         {"render sample:ball -o a.png --opacity-unit 1 --opacity-unit-mm 1", 2, "not both"},
         {"render sample:ball -o a.png --eye 1,2,3", 2, "eye and target need each other"},
+        {"render nan.nrrd -o a.png --up 0,0,0", 2, "--up must point somewhere"},
+        {"render nan.nrrd -o a.png --eye 1,1,1 --target 1,1,1", 2, "or nowhere"},
+        {"render --scene up.json -o a.png", 3, "--up must point somewhere"},
         {"render sample:ball -o a.png --view anterior", 3, "no anatomical frame"},
         {"render sample:ball -o a.png --view anterior --frames 3", 2, "--frames turns the orbit"},
+        {"render sample:ball -o a.png --frames 0", 2, "--frames 0: must be 1 to 100000"},
         {"render sample:ball -o a.png --frames -1", 2, "--frames -1"},
         {"render sample:ball -o a{frame:3}.png --frames 2", 2, "{frame:03}"},
         {"render sample:ball -o a{frame}{frame}.png --frames 2", 2, "{frame:03}"},
@@ -94,6 +105,12 @@ TEST_F(Tool, Tells) {
         EXPECT_NE(said.out.find(text), said.out.npos) << arguments << "\n" << said.out;
         EXPECT_EQ(said.err, "") << arguments;
     }
+}
+
+TEST_F(Tool, MoreThreadsThanProcessorsAreFine) {
+    const Said said = tool("render sample:ball -o a.png --size 64x64 --threads 37");
+    EXPECT_EQ(said.code, 0);
+    EXPECT_EQ(said.err, "");
 }
 
 TEST_F(Tool, InfoGivesJson) {

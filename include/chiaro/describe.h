@@ -65,6 +65,17 @@ template <class Visit, SettingsOf<Scene> S>
 void describe(Visit&& visit, S& s) {
     visit(Setting{"size", "image.size", "pixels", "width and height of the picture"}
           .within(1, 16384).written("WxH"), s.width, s.height);
+    visit(Setting{"mode", "mode", "", "shows the volume, isosurfaces, or along each ray the largest value"}, s.mode);
+    visit(Setting{"iso", "iso", "", "adds an isosurface at a value, in the transfer function's colour or another"}
+          .written("VALUE[,COLOR][@OPACITY]").kept(SceneForm::surfaces), s.iso);
+}
+
+template <class Visit, SettingsOf<Clip> S>
+void describe(Visit&& visit, S& s) {
+    visit(Setting{"clip-box", "clip.box", "", "keeps a part of the volume, in fractions of its size along its axes"}
+          .written("X0,X1,Y0,Y1,Z0,Z1").within(0, 1), s.box);
+    visit(Setting{"clip-plane", "clip.planes", "mm", "removes what lies beyond the plane n·x = D, where n points"}
+          .written("NX,NY,NZ,D").kept(SceneForm::list), s.planes);
 }
 
 template <class Visit, SettingsOf<RaySettings> S>
@@ -137,6 +148,7 @@ void for_each_group(Group&& group, S& scene) {
     group("Volume as stated", scene.stated);
     group("Transfer function", scene.transfer);
     group("Picture", scene);
+    group("Clipping", scene.clip);
     group("Sampling", scene.sampling);
     group("Camera", scene.camera);
     group("Shading", scene.lighting);

@@ -5,7 +5,11 @@
 #include <chiaro/transfer_function.h>
 #include <chiaro/volume.h>
 
+#include <array>
+#include <limits>
 #include <memory>
+#include <optional>
+#include <vector>
 
 namespace chiaro {
 
@@ -37,8 +41,38 @@ DeviceVolume upload(const Device& device, Volume&& volume);
 /// Whether colours are composited as linear light (sRGB colours decoded first) or as they are.
 enum class ColorMode { linear, display };
 
+/// What a picture shows: the volume itself, isosurfaces, or along each ray the largest value.
+enum class Mode { dvr, iso, mip };
+
+/// A surface of one value. At most `max_isosurfaces` at a time.
+struct IsoSurface {
+    double value = 0;          ///< in data units
+    std::optional<Rgb> color;  ///< sRGB, as picked; missing: the transfer function's at `value`
+    double opacity = 1;        ///< [0, 1], of the surface as a whole
+    bool operator==(const IsoSurface&) const = default;
+};
+inline constexpr int max_isosurfaces = 8;
+
+/// Removes what lies beyond the plane n · x = d, on the side that n points to.
+struct ClipPlane {
+    Vec3 normal{0, 0, 1};  ///< world; any length but 0
+    double d = 0;          ///< of x in world mm, times the normal's length
+    bool operator==(const ClipPlane&) const = default;
+};
+inline constexpr int max_clip_planes = 6;
+
+/// What is cut away; it casts no shadow either.
+struct Clip {
+    std::optional<std::array<double, 6>> box;  ///< x0, x1, y0, y1, z0, z1: kept part, as fractions of [0, n - 1]
+    std::vector<ClipPlane> planes;             ///< at most `max_clip_planes`
+    bool operator==(const Clip&) const = default;
+};
+
 /// What of the classified volume takes part.
 struct Shape {
+    Mode mode = Mode::dvr;
+    std::vector<IsoSurface> iso;  ///< for Mode::iso, at least one
+    Clip clip;
     double threshold_low = -std::numeric_limits<double>::infinity();  ///< values outside are transparent
     double threshold_high = std::numeric_limits<double>::infinity();
     double opacity_scale = 1;  ///< multiplies the extinction
@@ -63,7 +97,8 @@ private:
 };
 
 /// Cost: the table (some thousand exponentials), one test and 26 comparisons per 4³ cell: some 20 core-ms at 512³.
-/// Throws Error{input} for a transfer function that `validate` refuses.
+/// Throws Error{input} for a transfer function that `validate` refuses, Error{usage} for a shape that shows nothing (a
+/// clip box without inside, no isosurface) or too much (more isosurfaces or planes than there is room for).
 Medium classify(const DeviceVolume& volume, const TransferFunction& tf, const Shape& shape);
 
 }  // namespace chiaro

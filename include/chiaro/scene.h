@@ -41,6 +41,9 @@ struct Scene {
     StatedVolume stated;
     ReadOptions read;
     TransferSettings transfer;
+    Mode mode = Mode::dvr;
+    std::vector<IsoSurface> iso;  ///< for Mode::iso
+    Clip clip;
     CameraSettings camera;
     Lighting lighting;
     IlluminationSettings illumination;

@@ -12,6 +12,8 @@ enum class SceneForm {
     same,
     reciprocal,  ///< 1 / value
     on_off,      ///< true and false stand for phong and none
+    list,        ///< a list of what the flag takes, which may be given again and again
+    surfaces,    ///< a list of {value, color, opacity}, likewise
     custom       ///< read and written by hand
 };
 
@@ -26,6 +28,8 @@ struct Setting {
     bool lowest_excluded = false;  ///< the range is open at `lowest`
     std::string_view form = "";    ///< how the value is written, "CENTER,WIDTH"; "a|b" for a bool: off|on
     SceneForm scene_form = SceneForm::same;
+
+    constexpr bool repeats() const { return scene_form == SceneForm::list || scene_form == SceneForm::surfaces; }
 
     constexpr Setting within(double low, double high) const {
         Setting s = *this;

@@ -5,6 +5,7 @@
 #include <chiaro/image.h>
 #include <chiaro/io.h>
 #include <chiaro/lighting.h>
+#include <chiaro/medium.h>
 #include <chiaro/settings.h>
 #include <chiaro/volume.h>
 
@@ -28,6 +29,7 @@ constexpr auto names_of(View) {
 }
 constexpr auto names_of(Shading) { return std::to_array<std::string_view>({"none", "lambert", "phong"}); }
 constexpr auto names_of(Method) { return std::to_array<std::string_view>({"none"}); }
+constexpr auto names_of(Mode) { return std::to_array<std::string_view>({"dvr", "iso", "mip"}); }
 constexpr auto names_of(ColorMode) { return std::to_array<std::string_view>({"linear", "display"}); }
 constexpr auto names_of(Tone) { return std::to_array<std::string_view>({"none", "aces"}); }
 constexpr auto names_of(NrrdEncoding) { return std::to_array<std::string_view>({"raw", "gzip"}); }
@@ -53,6 +55,9 @@ std::string to_text(const Vec3& value);
 std::string to_text(const Rgb& value);
 std::string to_text(const std::pair<double, double>& value);
 std::string to_text(const std::array<int, 3>& value);
+std::string to_text(const std::array<double, 6>& value);
+std::string to_text(const ClipPlane& value);
+std::string to_text(const IsoSurface& value);
 std::string to_text(int width, int height);
 std::string to_text(const Rgb& color, bool transparent);
 std::string to_text(bool headlight, double azimuth_deg, double elevation_deg, const Rgb& color);
@@ -60,6 +65,14 @@ std::string to_text(Named auto value) { return std::string(names_of(value)[std::
 template <class T>
 std::string to_text(const std::optional<T>& value) {
     return value ? to_text(*value) : "";
+}
+
+/// Of a setting that repeats: its values with ';' between.
+template <class T>
+std::string to_text(const std::vector<T>& values) {
+    std::string text;
+    for (const T& value : values) text += (text.empty() ? "" : ";") + to_text(value);
+    return text;
 }
 
 /// Sets the fields from text. Throws Error{usage} that says what was expected, or what is wrong with the text.
@@ -72,6 +85,9 @@ void from_text(std::string_view text, Vec3& value);  ///< also an axis: x, -z
 void from_text(std::string_view text, Rgb& value);
 void from_text(std::string_view text, std::pair<double, double>& value);
 void from_text(std::string_view text, std::array<int, 3>& value);
+void from_text(std::string_view text, std::array<double, 6>& value);
+void from_text(std::string_view text, ClipPlane& value);
+void from_text(std::string_view text, IsoSurface& value);
 void from_text(std::string_view text, int& width, int& height);
 void from_text(std::string_view text, Rgb& color, bool& transparent);
 void from_text(std::string_view text, bool& headlight, double& azimuth_deg, double& elevation_deg, Rgb& color);
@@ -86,6 +102,16 @@ void from_text(std::string_view text, Named auto& value) {
 template <class T>
 void from_text(std::string_view text, std::optional<T>& value) {
     from_text(text, value.emplace());
+}
+
+template <class T>
+void from_text(std::string_view text, std::vector<T>& values) {
+    values.clear();
+    for (std::size_t begin = 0; begin <= text.size() && !text.empty();) {
+        const std::size_t end = std::min(text.find(';', begin), text.size());
+        from_text(text.substr(begin, end - begin), values.emplace_back());
+        begin = end + 1;
+    }
 }
 
 /// How a value is written where its setting does not say: "perspective|orthographic", "X,Y,Z"; "" for a switch.

@@ -1,15 +1,36 @@
+#include <chiaro/error.h>
+
+#include <cmath>
+
 #include "classify/medium.h"
 
 namespace chiaro {
 
+void validate(const Shape& shape) {
+    const auto refuse = [](const std::string& sentence) { throw Error(ErrorCode::usage, sentence); };
+    if (shape.mode == Mode::iso && shape.iso.empty())
+        refuse("an isosurface picture needs at least one value: give --iso VALUE");
+    if (int(shape.iso.size()) > max_isosurfaces) refuse("at most 8 isosurfaces can be shown at a time");
+    if (int(shape.clip.planes.size()) > max_clip_planes) refuse("at most 6 clip planes can be used at a time");
+    for (const ClipPlane& plane : shape.clip.planes)
+        if (!(length(plane.normal) > 0)) refuse("a clip plane needs a normal other than 0,0,0");
+    if (const auto& box = shape.clip.box)
+        for (int axis = 0; axis < 3; ++axis)
+            if (!((*box)[2 * axis] < (*box)[2 * axis + 1]))
+                refuse("the clip box leaves nothing: each of x0,x1,y0,y1,z0,z1 must rise from the first to the second");
+}
+
 Medium classify(const DeviceVolume& volume, const TransferFunction& tf, const Shape& shape) {
     validate(tf);
+    validate(shape);
     auto data = std::make_shared<Medium::Data>();
     data->volume = volume;
-    data->color = shape.color;
+    data->shape = shape;
     data->table = make_optical_table(volume.data(), tf, shape);
+    const RangeTest is_visible =
+        shape.mode == Mode::iso ? crossed_range(volume.data(), shape.iso) : visible_range(data->table);
     data->cells =
-        make_occupancy(volume.data().cells, data->table, volume.data().device.threads, data->occupied_fraction);
+        make_occupancy(volume.data().cells, is_visible, volume.data().device.threads, data->occupied_fraction);
     return Medium(std::move(data));
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 #include <chiaro/medium.h>
 
+#include <functional>
 #include <vector>
 
 #include "volume/device_volume.h"
@@ -16,6 +17,7 @@ struct OpticalTable {
     };
     std::vector<Entry> entries;
     double index_scale = 1, index_offset = 0;
+    double unit_mm = 1;  ///< the length that the transfer function's opacities belong to
 
     double index_of(double stored) const { return stored * index_scale + index_offset; }
 };
@@ -23,7 +25,7 @@ struct OpticalTable {
 struct Medium::Data {
     DeviceVolume volume;
     OpticalTable table;
-    ColorMode color = ColorMode::linear;
+    Shape shape;
     std::vector<std::uint8_t> cells;  ///< as volume/occupancy.h reads them
     double occupied_fraction = 0;
 };
@@ -32,8 +34,17 @@ struct Medium::Data {
 /// whole numbers a power of two per unit, so that every stored value has an entry of its own wherever they fit.
 OpticalTable make_optical_table(const DeviceVolume::Data& volume, const TransferFunction& tf, const Shape& shape);
 
+/// Throws Error{usage} unless the shape can be shown.
+void validate(const Shape& shape);
+
 /// The code of every cell (volume/occupancy.h), and a spare byte at the end.
-std::vector<std::uint8_t> make_occupancy(const CellRanges& ranges, const OpticalTable& table, int threads,
+/// A cell is occupied where `is_visible` says so of its range of stored values.
+using RangeTest = std::function<bool(float low, float high)>;
+std::vector<std::uint8_t> make_occupancy(const CellRanges& ranges, const RangeTest& is_visible, int threads,
                                          double& occupied_fraction);
+/// Whether the transfer function leaves something visible between two stored values.
+RangeTest visible_range(const OpticalTable& table);
+/// Whether an isosurface passes between two stored values.
+RangeTest crossed_range(const DeviceVolume::Data& volume, const std::vector<IsoSurface>& surfaces);
 
 }  // namespace chiaro

@@ -19,23 +19,10 @@ struct CellGrid {
 
 constexpr std::uint8_t farthest = 126;  ///< distances are clamped, so that one fits beside the occupied bit
 
-/// 1 where the transfer function leaves something visible.
-CellGrid occupied_cells(const CellRanges& ranges, const OpticalTable& table, int threads) {
-    const int last = int(table.entries.size()) - 1;
-    std::vector<int> visible_before(table.entries.size() + 1, 0);
-    for (int j = 0; j <= last; ++j)
-        visible_before[j + 1] = visible_before[j] + (table.entries[j].extinction_per_mm > 0);
-    const auto entry = [&](double index) { return int(std::clamp(index + 0.5, 0.0, double(last))); };
+CellGrid occupied_cells(const CellRanges& ranges, const RangeTest& is_visible, int threads) {
     CellGrid cells{ranges.count, std::vector<std::uint8_t>(ranges.low.size())};
     parallel_for(threads, std::int64_t(ranges.low.size()), 1 << 16, [&](std::int64_t begin, std::int64_t end) {
-        for (auto c = begin; c < end; ++c) {
-            // Rounding in interpolation can reach a little beyond the cell's values, unless they are all the same.
-            const double low = ranges.low[c], high = ranges.high[c];
-            const double reach =
-                low == high ? 0 : 1.0 / 256 + table.index_scale * std::max(std::abs(low), std::abs(high)) * 4e-7;
-            const int first = entry(table.index_of(low) - reach), final = entry(table.index_of(high) + reach);
-            cells.at[c] = visible_before[final + 1] > visible_before[first];
-        }
+        for (auto c = begin; c < end; ++c) cells.at[c] = is_visible(ranges.low[c], ranges.high[c]);
     });
     return cells;
 }
@@ -98,11 +85,38 @@ private:
     CellGrid distance_;
 };
 
+/// Rounding in interpolation can reach a little beyond the values, unless they are all the same.
+double reach_beyond(double low, double high) {
+    return low == high ? 0 : std::max(std::abs(low), std::abs(high)) * 4e-7;
+}
+
 }  // namespace
 
-std::vector<std::uint8_t> make_occupancy(const CellRanges& ranges, const OpticalTable& table, int threads,
+RangeTest visible_range(const OpticalTable& table) {
+    const double last = double(table.entries.size()) - 1;
+    std::vector<int> before(table.entries.size() + 1, 0);
+    for (std::size_t j = 0; j < table.entries.size(); ++j)
+        before[j + 1] = before[j] + (table.entries[j].extinction_per_mm > 0);
+    return [before = std::move(before), &table, last](float low, float high) {
+        const double reach = low == high ? 0 : 1.0 / 256 + table.index_scale * reach_beyond(low, high);
+        const auto entry = [&](double index) { return int(std::clamp(index + 0.5, 0.0, last)); };
+        return before[entry(table.index_of(high) + reach) + 1] > before[entry(table.index_of(low) - reach)];
+    };
+}
+
+RangeTest crossed_range(const DeviceVolume::Data& volume, const std::vector<IsoSurface>& surfaces) {
+    std::vector<double> stored;
+    for (const IsoSurface& surface : surfaces) stored.push_back((surface.value - volume.offset) / volume.scale);
+    return [stored = std::move(stored)](float low, float high) {
+        const double reach = reach_beyond(low, high);
+        return std::any_of(stored.begin(), stored.end(),
+                           [&](double v) { return v >= low - reach && v <= high + reach; });
+    };
+}
+
+std::vector<std::uint8_t> make_occupancy(const CellRanges& ranges, const RangeTest& is_visible, int threads,
                                          double& occupied_fraction) {
-    const CellGrid occupied = occupied_cells(ranges, table, threads);
+    const CellGrid occupied = occupied_cells(ranges, is_visible, threads);
     KindDistance distances(occupied);
     const CellGrid& distance = distances.compute();
 

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "classify/medium.h"
-#include "image/srgb.h"
+#include "core/srgb.h"
 
 namespace chiaro {
 namespace {
@@ -52,6 +52,7 @@ OpticalTable make_optical_table(const DeviceVolume::Data& volume, const Transfer
     table.index_scale = per_unit;
     table.index_offset = 1 - low * per_unit;
     const double unit_mm = tf.opacity_unit * (tf.opacity_unit_is_mm ? 1 : volume.geometry.smallest_spacing_mm());
+    table.unit_mm = unit_mm;
     table.entries.reserve(count);
     for (int j = 0; j < count; ++j)
         table.entries.push_back(

@@ -47,8 +47,10 @@ std::vector<DicomSlice> scan(const Path& path, Volume& volume, Output& output) {
     }
     if (slices.empty() && !reason.empty()) refuse("holds no DICOM image that can be read: " + reason);
     if (slices.empty())
-        refuse(files.size() == 1 ? "is no DICOM image"
-                                 : fmt::format("none of its {} files is a DICOM image", files.size()));
+        refuse(!std::filesystem::is_directory(path) ? "is no DICOM image"
+               : files.empty()                      ? "the folder is empty"
+                               : fmt::format("the folder holds no DICOM image, but {} other file{}", files.size(),
+                                             files.size() == 1 ? "" : "s"));
     if (strangers > 0)
         volume.notes.push_back(fmt::format("{} files that are no readable images were skipped{}", strangers,
                                            reason.empty() ? "" : ": " + reason));

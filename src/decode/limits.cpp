@@ -76,7 +76,7 @@ void limit_this_process(const Limits& limits) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
     syscall(SYS_close_range, wire::messages_descriptor + 1, ~0u, 0);  // whatever the parent forgot to close
-#ifndef __SANITIZE_ADDRESS__                                          // which maps terabytes
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)   // which map terabytes
     constexpr std::uint64_t working_memory = std::uint64_t(1) << 30;
     limit(RLIMIT_AS, limits.max_bytes + working_memory);
 #endif

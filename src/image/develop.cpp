@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/srgb.h"
 #include "core/threads.h"
-#include "image/srgb.h"
 #include "image/tone.h"
 
 namespace chiaro {

@@ -145,6 +145,8 @@ std::uint64_t count_nonfinite(const Volume& volume) {
 }  // namespace
 
 Volume read_volume(const std::string& name, const ReadOptions& options, Progress& progress) {
+    if (options.rescale && options.rescale->first == 0)
+        throw Error(ErrorCode::usage, "rescale: a slope of 0 would leave nothing of the volume");
     progress.report("read", 0);
     const auto all = readers();
     const Candidate candidate = examine(name, options);

@@ -43,6 +43,8 @@ CHIARO_INLINE Four<Four<float>> gather_four(const V* p, std::int32_t index, Dist
 }
 CHIARO_INLINE std::int32_t gather_byte(const std::uint8_t* p, std::int32_t index) { return p[std::uint32_t(index)]; }
 
+CHIARO_INLINE float gather_float(const float* p, std::int32_t index) { return p[std::uint32_t(index)]; }
+
 #ifdef CHIARO_SIMD
 inline namespace CHIARO_ISA {
 
@@ -208,6 +210,10 @@ CHIARO_INLINE IntLanes gather_byte(const std::uint8_t* p, IntLanes index) {
         return _mm_insert_epi8(v, p[i.at[lane + 3]], 12);
     };
     return join_words(bytes4(0), bytes4(4), bytes4(8), bytes4(12));
+}
+
+CHIARO_INLINE Lanes gather_float(const float* p, IntLanes index) {
+    return float_of(gather_words(p, Indices(index), {0, 0, 0, 0}).a);
 }
 
 }  // namespace CHIARO_ISA

@@ -83,6 +83,8 @@ Camera make_camera(const CameraSettings& s, const Geometry& geometry, const std:
     const double half_fov = radians(s.fov_deg) / 2;
     camera.half_height = s.projection == Projection::perspective ? std::tan(half_fov) : radius / s.zoom;
     Vec3 up = s.up.value_or(Vec3{0, 0, 1});
+    if (!(length(up) > 0) || !std::isfinite(length(up)))
+        throw Error(ErrorCode::usage, "--up must point somewhere: an axis such as -z, or X,Y,Z other than 0,0,0");
     if (s.eye) {
         camera.eye = *s.eye;
         camera.orbit_up = up;

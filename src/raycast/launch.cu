@@ -4,7 +4,8 @@
 
 namespace chiaro::kernel {
 
-template <class Kernel> __global__ void raycast_pixels(Kernel kernel, Tile tile, unsigned long long* samples) {
+template <class Kernel>
+__global__ void raycast_pixels(Kernel kernel, Tile tile, unsigned long long* samples) {
     const std::int32_t x = tile.x0 + std::int32_t(blockIdx.x * blockDim.x + threadIdx.x);
     const std::int32_t y = tile.y0 + std::int32_t(blockIdx.y * blockDim.y + threadIdx.y);
     if (x < tile.x1 && y < tile.y1) atomicAdd(samples, sum(kernel(pixel_block<float>(x, y, tile.x1, tile.y1))));

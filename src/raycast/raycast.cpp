@@ -47,7 +47,7 @@ Outcome with_stored_type(VoxelType stored, Function&& f) {
 Outcome raycast(const Device& device, const Medium& medium, const IlluminationField& field, const Lighting& lighting,
                 const Camera& camera, const RaySettings& settings, Frame& frame, Progress& progress) {
     const Medium::Data& data = medium.data();
-    const auto table = step_table(data.table, settings.step_voxels * data.volume.geometry().smallest_spacing_mm());
+    const auto table = step_table(data.table, table_length_mm(data, settings));
     return std::visit(
         [&](const auto& view) {
             return with_stored_type(data.volume.data().stored, [&](auto voxel) {

@@ -1,8 +1,9 @@
 #include "raycast/views.h"
 
+#include <algorithm>
 #include <cmath>
 
-#include "image/srgb.h"
+#include "core/srgb.h"
 
 namespace chiaro {
 namespace {
@@ -65,6 +66,56 @@ kernel::ShadingView shading_view(const Lighting& lighting, const Camera& camera,
         .gradient_y = float3(edge * y),
         .gradient_z = float3(edge * z),
     };
+}
+
+kernel::ClipView clip_view(const Clip& clip, const Geometry& geometry, const std::array<int, 3>& dimensions) {
+    kernel::ClipView view{};
+    const auto add = [&](Vec3 normal, double d) { view.planes[view.count++] = {float3(normal), float(d)}; };
+    if (clip.box)
+        for (int axis = 0; axis < 3; ++axis) {
+            Vec3 along;
+            along[axis] = 1;
+            const double low = (*clip.box)[2 * axis], high = (*clip.box)[2 * axis + 1], last = dimensions[axis] - 1;
+            // Fractions 0 and 1 cut nothing off: the volume's own border is no cut.
+            if (low > 0) add(-along, -low * last);
+            if (high < 1) add(along, high * last);
+        }
+    for (const ClipPlane& plane : clip.planes) {
+        // n · (o + M v) <= d becomes (Mᵀ n) · v <= d - n · o, over the normal's length
+        const double scale = 1 / length(plane.normal);
+        Vec3 normal;
+        for (int axis = 0; axis < 3; ++axis)
+            normal[axis] = scale * geometry.spacing_mm[axis] * dot(plane.normal, geometry.direction[axis]);
+        add(normal, scale * (plane.d - dot(plane.normal, geometry.origin_mm)));
+    }
+    return view;
+}
+
+kernel::SurfacesView surfaces_view(const Medium::Data& medium) {
+    const DeviceVolume::Data& volume = medium.volume.data();
+    std::vector<IsoSurface> surfaces = medium.shape.iso;
+    const auto stored = [&](const IsoSurface& s) { return (s.value - volume.offset) / volume.scale; };
+    std::sort(surfaces.begin(), surfaces.end(), [&](const auto& a, const auto& b) { return stored(a) < stored(b); });
+    kernel::SurfacesView view{};
+    for (const IsoSurface& s : surfaces) {
+        const double last = double(medium.table.entries.size()) - 1;
+        const auto& entry =
+            medium.table.entries[std::size_t(std::clamp(medium.table.index_of(stored(s)) + 0.5, 0.0, last))];
+        std::array<float, 3> rgb{entry.r, entry.g, entry.b};
+        if (s.color)
+            for (int c = 0; c < 3; ++c)
+                rgb[c] =
+                    float(medium.shape.color == ColorMode::linear ? linear_from_srgb((*s.color)[c]) : (*s.color)[c]);
+        const float alpha = float(s.opacity);
+        view.values[view.count] = float(stored(s));
+        view.colours[view.count++] = {alpha * rgb[0], alpha * rgb[1], alpha * rgb[2], alpha};
+    }
+    return view;
+}
+
+double table_length_mm(const Medium::Data& medium, const RaySettings& settings) {
+    if (medium.shape.mode == Mode::mip) return medium.table.unit_mm;
+    return settings.step_voxels * medium.volume.geometry().smallest_spacing_mm();
 }
 
 std::vector<kernel::Rgba> step_table(const OpticalTable& table, double step_mm) {

@@ -2,6 +2,7 @@
 #pragma once
 #include <chiaro/render.h>
 
+#include <cmath>
 #include <vector>
 
 #include "classify/medium.h"
@@ -14,6 +15,11 @@ kernel::ShadingView shading_view(const Lighting& lighting, const Camera& camera,
                                  ColorMode color);
 /// The optical table for steps of `step_mm`: α = 1 - exp(-κ h), colours premultiplied.
 std::vector<kernel::Rgba> step_table(const OpticalTable& table, double step_mm);
+
+kernel::ClipView clip_view(const Clip& clip, const Geometry& geometry, const std::array<int, 3>& dimensions);
+kernel::SurfacesView surfaces_view(const Medium::Data& medium);
+/// The length that the table's opacities are corrected to: a step, or a reference length where nothing is integrated.
+double table_length_mm(const Medium::Data& medium, const RaySettings& settings);
 
 /// Everything but the voxels' type and the field: the members that all kernels share.
 template <class Voxel, class Field>
@@ -37,13 +43,19 @@ kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, cons
         .table = {table.data(), float(medium.table.index_scale), float(medium.table.index_offset + 0.5),
                   float(table.size() - 1)},
         .camera = camera_view(camera, volume.geometry, frame.width, frame.height),
-        .shading = shading_view(lighting, camera, volume.geometry, medium.color),
+        .shading = shading_view(lighting, camera, volume.geometry, medium.shape.color),
         .field = field,
         .frame = {reinterpret_cast<kernel::Rgba*>(frame.rgba.data()), frame.width},
         .box_low = {low(nx), low(ny), low(nz)},
         .box_high = {high(nx), high(ny), high(nz)},
+        .clip_view = clip_view(medium.shape.clip, volume.geometry, volume.dimensions),
+        .surfaces = surfaces_view(medium),
+        .cell_high = volume.cells.high.data(),
+        .highest = volume.stored_max,
+        .mode = kernel::March(medium.shape.mode),
         .step_mm = float(settings.step_voxels * volume.geometry.smallest_spacing_mm()),
         .cutoff = float(settings.early_termination),
+        .cut_alpha = float(1 - std::exp2(-settings.step_voxels)),  // ½ over one voxel
         .skip_empty = settings.skip_empty,
     };
 }

@@ -30,7 +30,7 @@ TransferFunction transfer_function_for(const TransferSettings& settings, const S
 }
 
 Shape shape_for(const Scene& scene) {
-    Shape shape;
+    Shape shape{.mode = scene.mode, .iso = scene.iso, .clip = scene.clip};
     if (scene.transfer.threshold) {
         shape.threshold_low = scene.transfer.threshold->first;
         shape.threshold_high = scene.transfer.threshold->second;

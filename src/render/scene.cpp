@@ -29,8 +29,29 @@ Json parse_json(const std::string& text) {
     }
 }
 
+std::string flag_text(const Setting& setting, const Json& value);
+
+/// A surface as the flag writes it.
+std::string surface_text(const Json& surface) {
+    if (!surface.is_object() || !surface.contains("value")) refuse("iso: each surface is an object with a value");
+    std::string text = surface["value"].dump();
+    if (surface.contains("color")) {
+        const Json& color = surface["color"];
+        text += "," + (color.is_string() ? color.get<std::string>() : flag_text({}, color));
+    }
+    if (surface.contains("opacity")) text += "@" + surface["opacity"].dump();
+    return text;
+}
+
 /// A value as the flag of its setting would be written.
 std::string flag_text(const Setting& setting, const Json& value) {
+    if (setting.repeats()) {
+        if (!value.is_array()) refuse(fmt::format("{}: must be a list", setting.key));
+        std::vector<std::string> items;
+        for (const Json& item : value)
+            items.push_back(setting.scene_form == SceneForm::surfaces ? surface_text(item) : flag_text({}, item));
+        return fmt::format("{}", fmt::join(items, ";"));
+    }
     if (value.is_string()) return value.get<std::string>();
     if (setting.scene_form == SceneForm::on_off && value.is_boolean()) return value ? "phong" : "none";
     if (setting.scene_form == SceneForm::reciprocal && value.is_number()) return to_text(1 / value.get<double>());
@@ -45,8 +66,27 @@ Json json_of_number(double value) {
     return whole ? Json(std::int64_t(value)) : Json(value);
 }
 
+Json json_of_surface(const IsoSurface& surface) {
+    Json json{{"value", json_of_number(surface.value)}};
+    if (surface.color) json["color"] = *surface.color;
+    if (surface.opacity != 1) json["opacity"] = surface.opacity;
+    return json;
+}
+
 /// The inverse of flag_text.
 Json json_of(const Setting& setting, const std::string& text) {
+    if (setting.repeats()) {
+        Json list = Json::array();
+        for (std::size_t begin = 0; begin <= text.size();) {
+            const std::size_t end = std::min(text.find(';', begin), text.size());
+            const std::string item = text.substr(begin, end - begin);
+            IsoSurface surface;
+            if (setting.scene_form == SceneForm::surfaces) from_text(item, surface);
+            list.push_back(setting.scene_form == SceneForm::surfaces ? json_of_surface(surface) : json_of({}, item));
+            begin = end + 1;
+        }
+        return list;
+    }
     if (setting.scene_form == SceneForm::on_off && text != "lambert") return text == "phong";
     if (text == "true" || text == "false") return text == "true";
     const auto numbers = numbers_in(text);
@@ -124,6 +164,17 @@ void check_fixed(const Json& root) {
     if (model && *model != "orbit") refuse(fmt::format("camera.model {}: must be \"orbit\"", model->dump()));
 }
 
+/// Whether a camera points somewhere does not depend on the volume: any one with a frame will tell.
+void check_direction(const CameraSettings& camera, ErrorCode code) {
+    Geometry anywhere;
+    anywhere.world = World::lps;
+    try {
+        make_camera(camera, anywhere, {2, 2, 2});
+    } catch (const Error& error) {
+        throw Error(code, error.what());
+    }
+}
+
 }  // namespace
 
 void check(const Scene& scene, ErrorCode code) {
@@ -135,6 +186,7 @@ void check(const Scene& scene, ErrorCode code) {
     if (unit && unit_mm) throw Error(code, "opacity unit: give it in voxels or in mm, not both");
     if (scene.camera.eye.has_value() != scene.camera.target.has_value())
         throw Error(code, "camera: eye and target need each other");
+    check_direction(scene.camera, code);
 }
 
 Scene parse_scene(const std::string& json, const std::filesystem::path& folder,

@@ -45,7 +45,7 @@ struct Session::State {
     // The table: what each verb makes, and from what.
     Kept<DeviceVolume, Version> upload;
     Kept<Prepared, Version, IlluminationSettings> prepare;
-    Kept<Classified, Version, TransferSettings, ColorMode> classify;
+    Kept<Classified, Version, TransferSettings, Shape> classify;
     Kept<IlluminationField, Version, Version, IlluminationSettings> illuminate;
     Kept<Cast, Version, Version, Lighting, Camera, RaySettings, std::pair<int, int>> raycast;
     Kept<Image, Version, ToneMap> develop;
@@ -94,7 +94,7 @@ const Image& Session::render(const Scene& scene, Progress& progress) {
            [&](Prepared& prepared) { prepared = prepare(voxels, scene.illumination, progress); });
     progress.check();
 
-    s.redo("classify", s.classify, {s.upload.version, scene.transfer, scene.output.color}, [&](Classified& classified) {
+    s.redo("classify", s.classify, {s.upload.version, scene.transfer, shape_for(scene)}, [&](Classified& classified) {
         classified.tf = transfer_function_for(scene.transfer, s.subject);
         classified.medium = classify(voxels, classified.tf, shape_for(scene));
     });

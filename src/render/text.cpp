@@ -1,6 +1,7 @@
 #include <chiaro/text.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -66,6 +67,16 @@ std::string to_text(const Vec3& v) { return fmt::format("{},{},{}", v.x, v.y, v.
 std::string to_text(const Rgb& c) { return fmt::format("{},{},{}", c[0], c[1], c[2]); }
 std::string to_text(const std::pair<double, double>& p) { return fmt::format("{},{}", p.first, p.second); }
 std::string to_text(const std::array<int, 3>& n) { return fmt::format("{}x{}x{}", n[0], n[1], n[2]); }
+std::string to_text(const std::array<double, 6>& value) { return fmt::format("{}", fmt::join(value, ",")); }
+std::string to_text(const ClipPlane& value) { return to_text(value.normal) + "," + to_text(value.d); }
+
+std::string to_text(const IsoSurface& value) {
+    std::string text = to_text(value.value);
+    if (value.color) text += "," + to_text(*value.color);
+    if (value.opacity != 1) text += "@" + to_text(value.opacity);
+    return text;
+}
+
 std::string to_text(int width, int height) { return fmt::format("{}x{}", width, height); }
 std::string to_text(const Rgb& color, bool transparent) { return transparent ? "transparent" : to_text(color); }
 std::string to_text(bool headlight, double azimuth_deg, double elevation_deg, const Rgb& color) {
@@ -101,6 +112,29 @@ void from_text(std::string_view text, std::array<int, 3>& value) {
     const auto v = numbers(text, 3, "three whole numbers XxYxZ");
     value = {to_int(v[0]), to_int(v[1]), to_int(v[2])};
 }
+void from_text(std::string_view text, std::array<double, 6>& value) {
+    const auto v = numbers(text, 6, "six numbers X0,X1,Y0,Y1,Z0,Z1");
+    std::copy(v.begin(), v.end(), value.begin());
+}
+
+void from_text(std::string_view text, ClipPlane& value) {
+    const auto v = numbers(text, 4, "four numbers NX,NY,NZ,D");
+    value = {{v[0], v[1], v[2]}, v[3]};
+    if (!(length(value.normal) > 0)) refuse("the normal must not be 0,0,0");
+}
+
+void from_text(std::string_view text, IsoSurface& value) {
+    value = {};
+    if (const auto at = text.find('@'); at != text.npos) {
+        value.opacity = numbers(text.substr(at + 1), 1, "an opacity after the @")[0];
+        if (value.opacity < 0 || value.opacity > 1) refuse("the opacity must be 0 to 1");
+        text = text.substr(0, at);
+    }
+    const auto comma = text.find(',');
+    value.value = numbers(text.substr(0, comma), 1, "VALUE[,COLOR][@OPACITY]")[0];
+    if (comma != text.npos) from_text(text.substr(comma + 1), value.color.emplace());
+}
+
 void from_text(std::string_view text, int& width, int& height) {
     const auto v = numbers(text, 2, "WIDTHxHEIGHT");
     width = to_int(v[0]), height = to_int(v[1]);

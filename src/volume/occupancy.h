@@ -21,11 +21,15 @@ struct OccupancyView {
     std::int32_t cells_x, cells_y;
 
     template <class F>
+    CHIARO_INLINE Int<F> index(VoxelIndex<F> i) const {
+        using I = Int<F>;
+        return ((i.z >> I(cell_bits)) * I(cells_y) + (i.y >> I(cell_bits))) * I(cells_x) + (i.x >> I(cell_bits));
+    }
+
+    template <class F>
     CHIARO_INLINE Cube<F> around(VoxelIndex<F> i) const {
         using I = Int<F>;
-        const I index =
-            ((i.z >> I(cell_bits)) * I(cells_y) + (i.y >> I(cell_bits))) * I(cells_x) + (i.x >> I(cell_bits));
-        const I code = gather_byte(cells, index);
+        const I code = gather_byte(cells, index(i));
         return {(code & I(1)) == I(0), to_float((code >> I(1)) << I(cell_bits))};
     }
 };

@@ -83,13 +83,16 @@ void count_values(std::span<const T> values, Levels& levels) {
 }
 
 template <class T>
-Levels levels_of(std::span<const T> values) {
+Levels levels_of(const Volume& volume) {
+    const std::span<const T> values = volume.as<T>();
+    if (values.empty()) throw Error(ErrorCode::input, "the volume has no voxels");
     Levels levels;
     if constexpr (sizeof(T) <= 2) {
         levels.first = double(std::numeric_limits<T>::min());
     } else {
         const Range range = range_of(values);
-        if (range.greatest < range.least) throw Error(ErrorCode::input, "the volume has no finite voxel");
+        if (range.greatest < range.least)
+            throw Error(ErrorCode::input, "no voxel of " + volume.source + " is a finite number");
         levels.first = range.least;
         // Halved first: the whole range of doubles is no double.
         levels.step = 2 * ((range.greatest / 2 - range.least / 2) / double(level_count - 1));
@@ -145,9 +148,7 @@ void summarize(const Levels& levels, Statistics& result) {
 
 Statistics measure(const Volume& volume) {
     return with_voxel_type(volume.type, [&](auto zero) {
-        const auto values = volume.as<decltype(zero)>();
-        if (values.empty()) throw Error(ErrorCode::input, "the volume has no voxels");
-        Levels levels = levels_of(values);
+        Levels levels = levels_of<decltype(zero)>(volume);
         apply_rescale(levels, volume.slope, volume.intercept);
         Statistics result;
         summarize(levels, result);

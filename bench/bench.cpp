@@ -1,0 +1,60 @@
+#include "bench.h"
+
+#include <chiaro/error.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "core/did_you_mean.h"
+
+namespace chiaro::bench {
+namespace {
+
+constexpr auto suite_table = std::to_array<Suite>({
+    {"memory", "copying and reading: what the machine's memory gives", memory_cases},
+    {"sampling", "ray casting without skipping: types, directions, instruction sets", sampling_cases},
+    {"skipping", "what empty-space skipping saves", skipping_cases},
+    {"scenes", "a frame of each scene of bench/scenes", scene_cases},
+    {"pipeline", "upload and classify", pipeline_cases},
+    {"tool", "first picture and peak memory of the program itself", tool_cases},
+});
+
+void check_suites(const std::vector<std::string>& names) {
+    std::vector<std::string> known;
+    for (const Suite& suite : suite_table) known.emplace_back(suite.name);
+    for (const auto& name : names)
+        if (std::find(known.begin(), known.end(), name) == known.end())
+            throw Error(ErrorCode::usage, "unknown benchmark '" + name + "'" + did_you_mean(name, known));
+}
+
+std::regex filter_of(const std::string& text) {
+    try {
+        return std::regex(text);
+    } catch (const std::regex_error&) {
+        throw Error(ErrorCode::usage, "--filter " + text + ": is not a regular expression");
+    }
+}
+
+}  // namespace
+
+std::span<const Suite> suites() { return suite_table; }
+
+void run(const Setup& setup, const Selection& selection, const std::function<void(const Row&)>& found) {
+    check_suites(selection.suites);
+    const std::regex filter = filter_of(selection.filter);
+    const auto is_wanted = [&](const std::string& name) { return std::regex_search(name, filter); };
+    for (const Suite& suite : suite_table) {
+        const auto& names = selection.suites;
+        if (!names.empty() && std::find(names.begin(), names.end(), suite.name) == names.end()) continue;
+        for (Case& each : suite.cases(setup)) {
+            const Case current = std::exchange(each, {});  // what cases share goes with the last that needs it
+            if (std::none_of(current.names.begin(), current.names.end(), is_wanted)) continue;
+            setup.progress.check();
+            for (const Row& row : current.measure())
+                if (is_wanted(row.name)) found(row);
+        }
+    }
+}
+
+}  // namespace chiaro::bench

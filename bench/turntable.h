@@ -1,0 +1,45 @@
+// The scenes that are timed, from bench/scenes.
+#pragma once
+#include <chiaro/session.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rows.h"
+
+namespace chiaro::bench {
+
+/// The scenes of bench/scenes, which are part of the program.
+struct SceneText {
+    const char* name;
+    const char* json;
+};
+std::vector<SceneText> scene_texts();
+
+/// A scene by its name; nothing when its volume is not there.
+std::optional<Scene> find_scene(const Setup& setup, const std::string& name);
+
+/// What a row says then.
+inline constexpr const char* no_data = "skipped: no data (CHIARO_DATA_DIR)";
+
+/// Views of a scene from all around.
+inline constexpr int turn_frames = 4;
+CameraSettings turned(CameraSettings camera, int frame);
+
+/// A scene whose volume is read once for all the settings that it is rendered with.
+class Turntable {
+public:
+    Turntable(const Setup& setup, const Scene& scene);
+
+    /// Processor seconds of one frame, on average over the turn.
+    double seconds_per_frame(const Scene& scene);
+    std::uint64_t samples_per_frame() const { return samples_ / turn_frames; }
+
+private:
+    Progress& progress_;
+    Session session_;
+    std::uint64_t samples_ = 0;
+};
+
+}  // namespace chiaro::bench
