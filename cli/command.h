@@ -15,6 +15,7 @@ Command info_command(CLI::App& tool);
 Command sample_command(CLI::App& tool);
 Command render_command(CLI::App& tool);
 Command convert_command(CLI::App& tool);
+Command compare_command(CLI::App& tool);
 Command bench_command(CLI::App& tool);
 
 }  // namespace chiaro::cli

@@ -15,8 +15,8 @@
 namespace chiaro::cli {
 namespace {
 
-constexpr Command (*commands[])(CLI::App&) = {info_command, sample_command, render_command, convert_command,
-                                              bench_command};
+constexpr Command (*commands[])(CLI::App&) = {info_command,    sample_command,  render_command,
+                                              convert_command, compare_command, bench_command};
 
 struct List {
     const char* flag;

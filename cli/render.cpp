@@ -39,6 +39,8 @@ Scene scene_of(const RenderOptions& o) {
     return scene;
 }
 
+bool is_exr(const std::filesystem::path& path) { return path.extension() == ".exr"; }
+
 /// Everything that can be refused before the work begins.
 void check_options(const RenderOptions& o, const FramePattern& pattern, const Scene& scene) {
     if (o.frames && (*o.frames < 1 || *o.frames > 100000))
@@ -47,7 +49,10 @@ void check_options(const RenderOptions& o, const FramePattern& pattern, const Sc
         throw Error(ErrorCode::usage, "--frames turns the orbit: it goes with neither --view nor --eye");
     if (pattern.has_placeholder() && !o.frames)
         throw Error(ErrorCode::usage, fmt::format("{}: a {{frame}} needs --frames N", o.output));
-    check_output(pattern(0), {".png"});
+    check_output(pattern(0), {".png", ".exr"});
+    if (is_exr(pattern(0)) && scene.output.color == ColorMode::display)
+        throw Error(ErrorCode::usage,
+                    fmt::format("{}: --color display gives no linear light, which .exr holds", o.output));
     if (!o.common.stats.empty()) check_output(o.common.stats, {".json"});
 }
 
@@ -110,7 +115,12 @@ private:
         const Image& image = session_.render(scene, job.progress);
         const std::filesystem::path path = pattern_(frame);
         const Metadata metadata{{"chiaro", to_json(seen_from(scene, path.parent_path()))}};
-        write_seconds_ += Stats::time([&] { write_png(image, path, metadata); });
+        write_seconds_ += Stats::time([&] {
+            if (is_exr(path))
+                write_exr(expose(session_.frame(), scene.output), path, metadata);
+            else
+                write_png(image, path, metadata);
+        });
     }
 
     void picture(Job& job) {
@@ -151,7 +161,9 @@ Command render_command(CLI::App& tool) {
     const auto o = std::make_shared<RenderOptions>();
     CLI::App* app = tool.add_subcommand("render", "Renders a volume or a scene to a picture");
     app->add_option("VOLUME", o->volume, "file, folder of slices, sample:NAME[:SIZE], or - for NRRD on standard input");
-    app->add_option("-o,--output", o->output, "picture to write, .png; turn-{frame:03}.png keeps all frames")
+    app->add_option(
+           "-o,--output", o->output,
+           "picture to write, .png or .exr (linear light, premultiplied); turn-{frame:03}.png keeps all frames")
         ->type_name("IMAGE");
     app->add_option("--scene", o->scene, "scene file, instead of a VOLUME; flags beside it win")->type_name("FILE");
     app->add_option("--data", o->data, "folder where volumes of scenes are looked up after the scene's own")

@@ -12,6 +12,7 @@
 
 #include "core/srgb.h"
 #include "image/png.h"
+#include "image/tone.h"
 
 using namespace chiaro;
 namespace fs = std::filesystem;
@@ -108,6 +109,56 @@ TEST(Develop, SurvivesWhatIsNoColour) {
         tone.color = mode;
         EXPECT_EQ(develop(one_pixel(nan, infinity, -1, 1), tone).pixels, (std::vector<std::uint8_t>{0, 255, 0}));
         EXPECT_EQ(develop(Frame(0, 0), tone).pixels.size(), 0u);
+    }
+}
+
+TEST(Develop, AStopDoublesTheLight) {
+    ToneMap brighter, darker;
+    brighter.exposure_stops = 1, darker.exposure_stops = -2;
+    brighter.background = darker.background = {0, 0, 1};
+    const Frame frame = one_pixel(0.125f, 0.25f, 0.375f, 0.75f);
+    for (const auto& [tone, factor] : {std::pair(brighter, 2.0), std::pair(darker, 0.25)}) {
+        const Image image = develop(frame, tone);
+        EXPECT_EQ(image.pixels[0], int(255 * srgb_from_linear(factor * 0.125) + 0.5));
+        EXPECT_EQ(image.pixels[1], int(255 * srgb_from_linear(factor * 0.25) + 0.5));
+        EXPECT_EQ(image.pixels[2], int(255 * srgb_from_linear(std::min(1.0, factor * 0.375 + 0.25)) + 0.5));
+    }
+    brighter.color = ColorMode::display;
+    EXPECT_EQ(develop(frame, brighter).pixels, (std::vector<std::uint8_t>{64, 128, 255}));
+}
+
+TEST(Develop, TheFilmCurveRisesFromBlackToWhite) {
+    EXPECT_EQ(aces(0), 0);
+    EXPECT_EQ(aces(-5), 0);
+    EXPECT_EQ(aces(HUGE_VALF), 1);
+    EXPECT_NEAR(aces(1), 2.54 / 3.16, 1e-6);  // the formula at 1
+    float before = 0;
+    for (float x = 0; x < 20; x += 0.001f) {
+        EXPECT_GE(aces(x), before) << x;
+        EXPECT_LE(aces(x), 1) << x;
+        before = aces(x);
+    }
+    ToneMap tone;
+    tone.tone = Tone::aces;
+    EXPECT_EQ(develop(one_pixel(std::nanf(""), HUGE_VALF, -1, 1), tone).pixels, (std::vector<std::uint8_t>{0, 255, 0}));
+    tone.exposure_stops = 2;
+    EXPECT_EQ(develop(one_pixel(0.25f, 0, 0, 1), tone).pixels[0], int(255 * srgb_from_linear(2.54 / 3.16) + 0.5));
+}
+
+TEST(Develop, ATransparentPictureLooksAsIfMadeForItsBackground) {
+    ToneMap tone;
+    tone.tone = Tone::aces, tone.exposure_stops = 1, tone.background = {0.5, 0.5, 0.5};
+    for (float alpha : {0.0f, 0.25f, 0.5f, 1.0f}) {
+        const Frame frame = one_pixel(0.6f * alpha, 0.1f * alpha, 2 * alpha, alpha);
+        tone.transparent = false;
+        const Image opaque = develop(frame, tone);
+        tone.transparent = true;
+        const Image clear = develop(frame, tone);
+        const double a = clear.pixels[3] / 255.0;
+        for (int c = 0; c < 3; ++c) {
+            const double over = a * linear_from_srgb(clear.pixels[c] / 255.0) + (1 - a) * linear_from_srgb(0.5);
+            EXPECT_NEAR(255 * srgb_from_linear(over), opaque.pixels[c], 1.5) << alpha;
+        }
     }
 }
 

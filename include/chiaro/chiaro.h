@@ -1,6 +1,7 @@
 // All of Chiaro's public interface.
 #pragma once
 #include <chiaro/camera.h>
+#include <chiaro/compare.h>
 #include <chiaro/describe.h>
 #include <chiaro/device.h>
 #include <chiaro/error.h>

@@ -136,6 +136,9 @@ void describe(Visit&& visit, S& s) {
     visit(Setting{"color", "color", "",
                   "composites decoded sRGB colours as linear light, or as they are (as VTK does)"},
           s.color);
+    visit(Setting{"tone", "output.tone", "", "curve that bends bright light into what a screen can show"}, s.tone);
+    visit(Setting{"exposure", "output.exposure", "stops", "multiplies the light by 2 to this power, before the curve"}
+          .within(-32, 32).written("STOPS"), s.exposure_stops);
 }
 
 /// Calls group(title, settings) for each struct of settings in a scene, in the order of --help.

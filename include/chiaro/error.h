@@ -6,7 +6,7 @@
 namespace chiaro {
 
 /// What kind of thing went wrong; the value is the exit code of the tool.
-enum class ErrorCode { internal = 1, usage = 2, input = 3, output = 4, interrupted = 130 };
+enum class ErrorCode { internal = 1, usage = 2, input = 3, output = 4, difference = 5, interrupted = 130 };
 
 /// One sentence that names the thing, the value and the allowed range. The library never prints and never exits.
 class Error : public std::runtime_error {

@@ -26,17 +26,27 @@ struct Image {
     std::vector<std::uint8_t> pixels;  ///< RGBA, or RGB without alpha
 };
 
+enum class Tone { none, aces };
+
 struct ToneMap {
     Rgb background{0, 0, 0};   ///< sRGB, as picked
     bool transparent = false;  ///< keep alpha instead of the background
     ColorMode color = ColorMode::linear;
+    Tone tone = Tone::none;     ///< aces: the film curve of Narkowicz 2015
+    double exposure_stops = 0;  ///< light is multiplied by 2^stops
     bool operator==(const ToneMap&) const = default;
 };
 
-/// Composites over the background, encodes to sRGB (ColorMode::linear) and rounds to 8 bits.
+/// Multiplies by the exposure, bends by the tone curve, composites over the background, encodes to sRGB
+/// (ColorMode::linear) and rounds to 8 bits. The curve bends the volume's straight colour: coverage stays as it is, the
+/// background is shown as picked, and over any background a transparent picture looks as if made for it.
+/// With ColorMode::display exposure and curve apply to the display values as they are.
 Image develop(const Frame& frame, const ToneMap& tone);
 
-/// Key and text pairs that go into a PNG (tEXt/iTXt).
+/// The frame with its light multiplied by the exposure: what an .exr holds. Neither tone curve nor background.
+Frame expose(Frame frame, const ToneMap& tone);
+
+/// Key and text pairs that go into a PNG (tEXt/iTXt) or an OpenEXR header (string attributes).
 using Metadata = std::vector<std::pair<std::string, std::string>>;
 
 /// Written whole or not at all. Throws Error{output}.
@@ -45,5 +55,14 @@ void write_png(const Image& image, const std::filesystem::path& path, const Meta
 Image read_png(const std::filesystem::path& path);
 /// The texts that a PNG carries. Throws Error{input}.
 Metadata read_png_metadata(const std::filesystem::path& path);
+
+/// OpenEXR: float RGBA, premultiplied, linear light (Rec. 709 primaries), lossless. Written whole or not at all. Throws
+/// Error{output}.
+void write_exr(const Frame& frame, const std::filesystem::path& path, const Metadata& metadata = {});
+/// The data window of an OpenEXR file of at most 100 megapixels with channels R, G and B, and A (else 1), half or
+/// float. Throws Error{input}.
+Frame read_exr(const std::filesystem::path& path);
+/// The texts in the header of an OpenEXR file. Throws Error{input}.
+Metadata read_exr_metadata(const std::filesystem::path& path);
 
 }  // namespace chiaro

@@ -62,9 +62,9 @@ Volume read_volume(const Scene& scene, Progress& progress);
 /// The scene with its files named as seen from a folder, to be kept in a file there.
 Scene seen_from(Scene scene, const std::filesystem::path& folder);
 
-/// Reads a scene file (docs/scene.md), or the scene that a PNG of ours carries. A relative volume is looked up beside
-/// the file, then in `data_folder`. Keys that this version does not know are named in `unknown_keys`. Throws
-/// Error{input}.
+/// Reads a scene file (docs/scene.md), or the scene that a PNG or OpenEXR file of ours carries. A relative volume is
+/// looked up beside the file, then in `data_folder`. Keys that this version does not know are named in `unknown_keys`.
+/// Throws Error{input}.
 Scene read_scene(const std::filesystem::path& file, const std::filesystem::path& data_folder,
                  std::vector<std::string>& unknown_keys);
 /// The scene as JSON; parse_scene of it gives the same scene.

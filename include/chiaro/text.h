@@ -31,6 +31,7 @@ constexpr auto names_of(Shading) { return std::to_array<std::string_view>({"none
 constexpr auto names_of(Method) { return std::to_array<std::string_view>({"none"}); }
 constexpr auto names_of(Mode) { return std::to_array<std::string_view>({"dvr", "iso", "mip"}); }
 constexpr auto names_of(ColorMode) { return std::to_array<std::string_view>({"linear", "display"}); }
+constexpr auto names_of(Tone) { return std::to_array<std::string_view>({"none", "aces"}); }
 constexpr auto names_of(NrrdEncoding) { return std::to_array<std::string_view>({"raw", "gzip"}); }
 constexpr auto names_of(Isa) {
     return std::to_array<std::string_view>({"scalar", "x86-64-v2", "x86-64-v3", "x86-64-v4"});

@@ -7,6 +7,7 @@
 
 #include "core/srgb.h"
 #include "core/threads.h"
+#include "image/tone.h"
 
 namespace chiaro {
 namespace {
@@ -41,22 +42,36 @@ template <class Encode>
 void develop_rows(const Frame& frame, const ToneMap& tone, const std::array<float, 3>& background, const Encode& encode,
                   Image& image) {
     const int channels = image.has_alpha ? 4 : 3;
+    const float gain = float(std::exp2(tone.exposure_stops));
+    const bool curved = tone.tone == Tone::aces;
     parallel_for(frame.height, 16, [&](std::int64_t first, std::int64_t last) {
         const float* in = frame.rgba.data() + std::size_t(4) * frame.width * first;
         std::uint8_t* out = image.pixels.data() + std::size_t(channels) * frame.width * first;
         for (auto left = (last - first) * frame.width; left > 0; --left, in += 4, out += channels) {
             const float alpha = std::clamp(in[3], 0.0f, 1.0f);
-            if (tone.transparent) {  // straight alpha: the colour is divided out again
-                for (int c = 0; c < 3; ++c) out[c] = encode(alpha > 0 ? in[c] / alpha : 0);
+            const auto straight = [&](int c) {  // the premultiplied colour, divided out again
+                const float light = alpha > 0 ? gain * in[c] / alpha : 0;
+                return curved ? aces(light) : light;
+            };
+            if (tone.transparent) {
+                for (int c = 0; c < 3; ++c) out[c] = encode(straight(c));
                 out[3] = round_to_byte(alpha);
             } else {
-                for (int c = 0; c < 3; ++c) out[c] = encode(in[c] + (1 - alpha) * background[c]);
+                for (int c = 0; c < 3; ++c)
+                    out[c] = encode((curved ? alpha * straight(c) : gain * in[c]) + (1 - alpha) * background[c]);
             }
         }
     });
 }
 
 }  // namespace
+
+Frame expose(Frame frame, const ToneMap& tone) {
+    const float gain = float(std::exp2(tone.exposure_stops));
+    for (std::size_t i = 0; i < frame.rgba.size(); ++i)
+        if (i % 4 != 3) frame.rgba[i] *= gain;
+    return frame;
+}
 
 Image develop(const Frame& frame, const ToneMap& tone) {
     const bool linear = tone.color == ColorMode::linear;

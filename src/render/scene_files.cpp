@@ -14,14 +14,15 @@ namespace {
 
 bool names_no_file(const std::string& name) { return name.empty() || name == "-" || name.starts_with("sample:"); }
 
-std::string text_of_png(const fs::path& file) {
-    for (const auto& [key, text] : read_png_metadata(file))
+std::string text_in(const Metadata& metadata, const fs::path& file) {
+    for (const auto& [key, text] : metadata)
         if (key == "chiaro") return text;
     throw Error(ErrorCode::input, fmt::format("{}: this picture carries no scene", file.string()));
 }
 
 std::string text_of(const fs::path& file) {
-    if (file.extension() == ".png") return text_of_png(file);
+    if (file.extension() == ".png") return text_in(read_png_metadata(file), file);
+    if (file.extension() == ".exr") return text_in(read_exr_metadata(file), file);
     std::ifstream stream(file, std::ios::binary);
     std::error_code no_access;
     if (!stream || fs::is_directory(file, no_access))

@@ -1,0 +1,114 @@
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfIO.h>
+#include <ImfInputPart.h>
+#include <ImfMultiPartInputFile.h>
+#include <ImfStringAttribute.h>
+#include <ImfTileDescription.h>
+#include <chiaro/error.h>
+
+#include <cstring>
+#include <stdexcept>
+
+#include "image/exr.h"
+
+namespace chiaro {
+namespace {
+
+constexpr std::int64_t max_pixels = 100'000'000;
+constexpr int no_threads = 0;
+
+class Memory : public Imf::IStream {
+public:
+    explicit Memory(std::span<const std::byte> bytes) : IStream("memory"), bytes_(bytes) {}
+
+    bool read(char* data, int count) override {
+        if (count < 0 || position_ > bytes_.size() || std::size_t(count) > bytes_.size() - position_)
+            throw std::runtime_error("the file ends too early");
+        std::memcpy(data, bytes_.data() + position_, std::size_t(count));
+        position_ += std::size_t(count);
+        return position_ < bytes_.size();
+    }
+    std::uint64_t tellg() override { return position_; }
+    void seekg(std::uint64_t position) override { position_ = position; }
+
+private:
+    std::span<const std::byte> bytes_;
+    std::uint64_t position_ = 0;
+};
+
+std::int64_t pixels_of(const Imath::Box2i& box) {
+    return (std::int64_t(box.max.x) - box.min.x + 1) * (std::int64_t(box.max.y) - box.min.y + 1);
+}
+
+/// Before OpenEXR allocates for what the header claims.
+void check_claims(const Imf::Header& header) {
+    if (pixels_of(header.dataWindow()) > max_pixels) throw std::runtime_error("more than 100 megapixels");
+    if (header.hasTileDescription()) {
+        const Imf::TileDescription& tile = header.tileDescription();
+        if (std::uint64_t(tile.xSize) * tile.ySize > std::uint64_t(max_pixels))
+            throw std::runtime_error("tiles of more than 100 megapixels");
+    }
+    for (const char* name : {"R", "G", "B"})
+        if (!header.channels().findChannel(name)) throw std::runtime_error(std::string("no channel ") + name);
+}
+
+Frame read_frame(Imf::MultiPartInputFile& file) {
+    const Imf::Header& header = file.header(0);
+    check_claims(header);
+    const Imath::Box2i window = header.dataWindow();
+    Frame frame(window.max.x - window.min.x + 1, window.max.y - window.min.y + 1);
+    const std::size_t pixel = 4 * sizeof(float), row = pixel * frame.width;
+    Imf::FrameBuffer buffer;
+    for (int c = 0; c < 4; ++c) {
+        const char name[] = {"RGBA"[c], 0};
+        char* first = reinterpret_cast<char*>(frame.rgba.data() + c);
+        const double absent = c == 3 ? 1 : 0;
+        buffer.insert(name, Imf::Slice::Make(Imf::FLOAT, first, window, pixel, row, 1, 1, absent));
+    }
+    Imf::InputPart part(file, 0);
+    part.setFrameBuffer(buffer);
+    part.readPixels(window.min.y, window.max.y);
+    return frame;
+}
+
+Metadata read_texts(const Imf::Header& header) {
+    Metadata metadata;
+    for (auto attribute = header.begin(); attribute != header.end(); ++attribute)
+        if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&attribute.attribute());
+            text && std::strcmp(attribute.name(), "type") != 0)  // which OpenEXR adds: scanlineimage
+            metadata.emplace_back(attribute.name(), text->value());
+    return metadata;
+}
+
+/// Hands `use` the opened file, and makes one sentence of whatever OpenEXR throws.
+template <class Use>
+auto with_file(std::span<const std::byte> bytes, const std::string& origin, const Use& use) {
+    constexpr unsigned char magic[] = {0x76, 0x2f, 0x31, 0x01};
+    if (bytes.size() < sizeof magic || std::memcmp(bytes.data(), magic, sizeof magic) != 0)
+        throw Error(ErrorCode::input, origin + ": is not an OpenEXR file");
+    try {
+        Memory memory(bytes);
+        Imf::MultiPartInputFile file(memory, no_threads, false);  // false: a table of offsets that is cut is an error
+        return use(file);
+    } catch (const std::bad_alloc&) {
+        throw Error(ErrorCode::input, origin + ": is a broken OpenEXR file: not enough memory");
+    } catch (const std::exception& error) {
+        throw Error(ErrorCode::input, origin + ": is a broken OpenEXR file: " + error.what());
+    }
+}
+
+}  // namespace
+
+DecodedExr decode_exr(std::span<const std::byte> bytes, const std::string& origin) {
+    return with_file(bytes, origin, [](Imf::MultiPartInputFile& file) {
+        return DecodedExr{read_frame(file), read_texts(file.header(0))};
+    });
+}
+
+Metadata decode_exr_metadata(std::span<const std::byte> bytes, const std::string& origin) {
+    return with_file(bytes, origin, [](Imf::MultiPartInputFile& file) { return read_texts(file.header(0)); });
+}
+
+}  // namespace chiaro
