@@ -250,9 +250,9 @@ TEST(Hostile, ADecoderThatHangsOrDiesIsOneSentence) {
         R"("origin_mm":[0,0,0],"direction":[[1,0,0],[0,1,0],[0,0,1]],"world":0,"format":"","modality":"",)"
         R"("notes":[],"key_values":{}}})";
     for (const std::string& script :
-         {std::string("exec sleep 60"), std::string("kill -SEGV $$"), std::string("exit 0"),
-          std::string("echo garbage >&4"), std::string("echo '{\"volume\": 3}' >&4"), std::string("echo '[]' >&4"),
-          std::string("while :; do echo '{\"progress\":0}' >&4; done"),
+         {std::string("exec sleep 60"), std::string("exec 4>&-; exec sleep 60"), std::string("kill -SEGV $$"),
+          std::string("exit 0"), std::string("echo garbage >&4"), std::string("echo '{\"volume\": 3}' >&4"),
+          std::string("echo '[]' >&4"), std::string("while :; do echo '{\"progress\":0}' >&4; done"),
           std::string("while :; do printf xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx >&4; done"),
           fmt::format("echo '{}' >&4", volume)})
         decoder(script);

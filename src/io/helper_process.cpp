@@ -12,8 +12,10 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <thread>
 
 extern char** environ;
 
@@ -120,12 +122,18 @@ HelperProcess::Event HelperProcess::next(std::string& line, std::chrono::millise
 }
 
 int HelperProcess::ending_signal() {
+    // It may have closed its pipe, or said too much, without ending: it gets a moment, then it is made to.
+    constexpr int tries = 100;
     int status = 0;
-    pid_t ended;
-    do ended = waitpid(process_, &status, 0);
-    while (ended < 0 && errno == EINTR);
+    bool stopped_here = false;
+    pid_t ended = 0;
+    for (int i = 0; ended == 0 || (ended < 0 && errno == EINTR); ++i) {
+        if (i == tries) stopped_here = kill(process_, SIGKILL) == 0;
+        ended = waitpid(process_, &status, i < tries ? WNOHANG : 0);
+        if (ended == 0) std::this_thread::sleep_for(std::chrono::milliseconds(i < 10 ? 1 : 5));
+    }
     process_ = -1;
-    return ended > 0 && WIFSIGNALED(status) ? WTERMSIG(status) : 0;
+    return ended > 0 && !stopped_here && WIFSIGNALED(status) ? WTERMSIG(status) : 0;
 }
 
 }  // namespace chiaro
