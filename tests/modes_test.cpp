@@ -176,7 +176,8 @@ TEST(Clipping, CutFacesHaveThePlanesNormal) {
     for (Mode mode : {Mode::dvr, Mode::iso}) {
         shot.shape = {.mode = mode, .iso = {{.value = 80, .color = Rgb{1, 1, 1}}}};
         shot.shape.clip.planes = {{normal, dot(normal, {20, 20, 20})}};
-        const float* centre = &shot(volume).rgba[4 * (23 * 61 + 30)];
+        const Frame frame = shot(volume);
+        const float* centre = &frame.rgba[4 * (23 * 61 + 30)];
         EXPECT_NEAR(centre[0], (mode == Mode::dvr ? 0.5 : 1) * (0.1 + 0.8 * dot(normal, to_light)), 2e-3) << int(mode);
         EXPECT_GT(centre[3], 0.99);
     }
