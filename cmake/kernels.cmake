@@ -19,7 +19,7 @@ function(chiaro_add_kernels target)
     target_compile_definitions(${kernels} PRIVATE CHIARO_ISA=${isa} CHIARO_ISA_${isa}=1)
     # One rounding rule for all: products and sums are never fused, so every instruction set gives the same bits.
     target_compile_options(${kernels} PRIVATE ${CHIARO_FLAGS_${isa}} -O3 -ffp-contract=off -fno-math-errno -fno-trapping-math
-                           -Wno-maybe-uninitialized) # false alarms inside GCC 12's own AVX-512 header (PR 105593)
+                           -Wno-maybe-uninitialized -Wno-uninitialized) # false alarms inside GCC 12's own AVX-512 header (PR 105593)
     if(CHIARO_SANITIZE AND NOT isa STREQUAL "scalar")
       # Same source, and minutes of compiling each: the scalar build is the one that is watched.
       target_compile_options(${kernels} PRIVATE -fno-sanitize=all)

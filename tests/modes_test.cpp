@@ -25,9 +25,9 @@ struct PositionView {
 Frame positions(const Volume& volume, const Shape& shape, const CameraSettings& settings, double step) {
     const Medium medium = classify(upload(Device::cpu(), volume), constant(1), shape);
     const RaySettings rays{.step_voxels = step, .early_termination = 0};
-    const auto table = step_table(medium.data().table, step);
+    const RayTables tables = make_tables(medium.data(), rays, 1);
     Frame frame(64, 64);
-    const auto kernel = make_kernel<float>(medium.data(), table, PositionView{}, {.shading = Shading::none},
+    const auto kernel = make_kernel<float>(medium.data(), tables, PositionView{}, {.shading = Shading::none},
                                            make_camera(settings, volume.geometry, volume.dimensions), rays, frame);
     kernel::run_tile<float>(kernel, {0, 0, 64, 64});
     return frame;
@@ -191,35 +191,63 @@ TEST(Clipping, RefusesWhatShowsNothing) {
     EXPECT_THROW(classify(volume, two_materials(), {.mode = Mode::iso, .iso = std::vector<IsoSurface>(9)}), Error);
 }
 
-// One body over all: mode, camera, clip, voxel type, instruction set; skipping and threads change no bit.
+// One body over all: mode, camera, clip, classification, order, voxel type, instruction set; skipping and threads
+// change no bit.
 template <class T>
 class EveryMode : public ::testing::Test {};
 using VoxelTypes = ::testing::Types<std::uint8_t, std::uint16_t, float>;
 TYPED_TEST_SUITE(EveryMode, VoxelTypes);
 
+namespace {
+
+/// Every mode, with every classification that it knows, in both orders.
+std::vector<std::pair<Mode, RaySettings>> ways() {
+    const RaySettings plain{.step_voxels = 0.5, .early_termination = 0};
+    std::vector<std::pair<Mode, RaySettings>> all;
+    for (Compositing compositing : {Compositing::front_to_back, Compositing::back_to_front}) {
+        RaySettings rays = plain;
+        rays.compositing = compositing;
+        all.insert(all.end(), {{Mode::iso, rays}, {Mode::mip, rays}});
+        for (Classification c : {Classification::post, Classification::pre, Classification::preintegrated}) {
+            rays.classification = c;
+            all.emplace_back(Mode::dvr, rays);
+        }
+    }
+    return all;
+}
+
+/// The same bits on every instruction set, with and without skipping, on one thread and on two.
+void expect_same_everywhere(const DeviceVolume& volume, Shot shot) {
+    shot.device = {1, Isa::scalar};
+    shot.rays.skip_empty = false;
+    const Frame expected = shot(volume);
+    EXPECT_GT(mean_alpha(expected), 0.02);
+    for (Isa isa : available_isas())
+        for (bool skip : {true, false}) {
+            shot.device = {2, isa};
+            shot.rays.skip_empty = skip;
+            EXPECT_TRUE(same_bits(shot(volume), expected)) << name_of(isa) << " skip " << skip;
+        }
+}
+
+}  // namespace
+
 TYPED_TEST(EveryMode, GivesTheSameBitsEverywhere) {
     Volume volume = sampled<TypeParam>({40, 36, 44}, [](double x, double y, double z) { return shells(x, y, z, 42); });
     volume.geometry.spacing_mm = {1, 1.2, 0.8};
     const DeviceVolume on_device = upload(Device::cpu(), volume);
-    for (Mode mode : {Mode::dvr, Mode::iso, Mode::mip})
+    for (const auto& [mode, rays] : ways())
         for (Projection projection : {Projection::perspective, Projection::orthographic})
             for (bool clipped : {false, true}) {
                 Shot shot;
                 shot.lighting.shading = Shading::phong;
                 shot.camera.projection = projection;
+                shot.rays = rays;
                 shot.shape = {.mode = mode, .iso = {{.value = 90, .opacity = 0.6}, {.value = 150}}};
                 if (clipped)
                     shot.shape.clip = {.box = std::array{0.1, 1.0, 0.0, 0.9, 0.2, 1.0}, .planes = {{{1, 1, 1}, 70}}};
-                shot.device = {1, Isa::scalar};
-                shot.rays.skip_empty = false;
-                const Frame expected = shot(on_device);
-                EXPECT_GT(mean_alpha(expected), 0.02) << int(mode);
-                for (Isa isa : available_isas())
-                    for (bool skip : {true, false}) {
-                        shot.device = {2, isa};
-                        shot.rays.skip_empty = skip;
-                        EXPECT_TRUE(same_bits(shot(on_device), expected))
-                            << int(mode) << name_of(isa) << skip << clipped;
-                    }
+                SCOPED_TRACE(to_text(mode) + " " + to_text(rays.classification) + " " + to_text(rays.compositing) +
+                             (clipped ? " clipped" : ""));
+                expect_same_everywhere(on_device, shot);
             }
 }

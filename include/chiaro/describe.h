@@ -82,6 +82,10 @@ template <class Visit, SettingsOf<RaySettings> S>
 void describe(Visit&& visit, S& s) {
     visit(Setting{"step", "sampling.step", "voxels", "distance of the samples along a ray, in smallest voxel edges"}
           .within(0.001, 100), s.step_voxels);
+    visit(Setting{"classification", "sampling.classification", "",
+                  "what meets the transfer function: interpolated values, voxels, or all values that a step passes"},
+          s.classification);
+    visit(Setting{"compositing", "sampling.compositing", "", "order in which samples are composited"}, s.compositing);
     visit(Setting{"early-termination", "sampling.early_termination", "",
                   "remaining transmittance at which a ray stops; 0: never"}
           .within(0, 0.99), s.early_termination);

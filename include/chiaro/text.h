@@ -6,6 +6,7 @@
 #include <chiaro/io.h>
 #include <chiaro/lighting.h>
 #include <chiaro/medium.h>
+#include <chiaro/render.h>
 #include <chiaro/settings.h>
 #include <chiaro/volume.h>
 
@@ -30,6 +31,8 @@ constexpr auto names_of(View) {
 constexpr auto names_of(Shading) { return std::to_array<std::string_view>({"none", "lambert", "phong"}); }
 constexpr auto names_of(Method) { return std::to_array<std::string_view>({"none"}); }
 constexpr auto names_of(Mode) { return std::to_array<std::string_view>({"dvr", "iso", "mip"}); }
+constexpr auto names_of(Classification) { return std::to_array<std::string_view>({"post", "pre", "preintegrated"}); }
+constexpr auto names_of(Compositing) { return std::to_array<std::string_view>({"front-to-back", "back-to-front"}); }
 constexpr auto names_of(ColorMode) { return std::to_array<std::string_view>({"linear", "display"}); }
 constexpr auto names_of(Tone) { return std::to_array<std::string_view>({"none", "aces"}); }
 constexpr auto names_of(NrrdEncoding) { return std::to_array<std::string_view>({"raw", "gzip"}); }

@@ -1,9 +1,11 @@
 // The optical table and the occupancy cubes against their definitions.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <random>
 
 #include "classify/medium.h"
+#include "classify/segments.h"
 #include "fixtures.h"
 
 using namespace chiaro;
@@ -61,6 +63,54 @@ TEST(OpticalTable, ColoursAreDecodedForLinearLightOnly) {
     EXPECT_NEAR(entry_at(classify(ramp(), tf, {}), 9).r, 0.2140, 1e-4);  // IEC 61966-2-1
     EXPECT_NEAR(entry_at(classify(ramp(), tf, {.color = ColorMode::display}), 9).r, 0.5, 1e-6);
 }
+
+namespace {
+
+/// ∫ c κ exp(-∫ κ) along a step from one node to another, in ten thousand pieces.
+std::array<double, 4> integral(const OpticalTable& table, double near_entry, double far_entry, double step_mm) {
+    std::array<double, 4> sum{};
+    double transmittance = 1;
+    constexpr int pieces = 10000;
+    for (int i = 0; i < pieces; ++i) {
+        const double entry = near_entry + (i + 0.5) / pieces * (far_entry - near_entry);
+        const auto& e = table.entries[std::size_t(std::clamp(entry + 0.5, 0.0, double(table.entries.size()) - 1))];
+        const double alpha = -std::expm1(-double(e.extinction_per_mm) * step_mm / pieces);
+        const double weight = transmittance * alpha;
+        sum[0] += weight * e.r, sum[1] += weight * e.g, sum[2] += weight * e.b, sum[3] += weight;
+        transmittance *= 1 - alpha;
+    }
+    return sum;
+}
+
+}  // namespace
+
+template <class T>
+void expect_integrals(double scale) {
+    std::mt19937 random(7);
+    const DeviceVolume volume =
+        upload(Device::cpu(), sampled<T>({256, 2, 2}, [&](double x, double, double) { return scale * x; }));
+    TransferFunction tf = two_materials();
+    for (auto& point : tf.points) point.value *= scale;
+    const Medium medium = classify(volume, tf, {});
+    const OpticalTable& optical = medium.data().table;
+    for (double step_mm : {0.25, 1.0, 4.0}) {
+        const SegmentTable table = make_segment_table(volume.data(), optical, step_mm, 2);
+        EXPECT_GE(table.nodes, 256);
+        const auto entry = [&](int node) { return optical.index_of((node - table.offset) / table.scale); };
+        for (int i = 0; i < 200; ++i) {
+            const int near = int(random() % unsigned(table.nodes)), far = int(random() % unsigned(table.nodes));
+            const auto expected = integral(optical, entry(near), entry(far), step_mm);
+            const kernel::Rgba& c = table.entries[std::size_t(near) * table.nodes + far];
+            EXPECT_NEAR(c.r, expected[0], 2e-3) << near << " " << far;
+            EXPECT_NEAR(c.g, expected[1], 2e-3) << near << " " << far;
+            EXPECT_NEAR(c.b, expected[2], 2e-3) << near << " " << far;
+            EXPECT_NEAR(c.a, expected[3], 1e-3) << near << " " << far;
+        }
+    }
+}
+TEST(SegmentTable, HoldsIntegralsOfBytes) { expect_integrals<std::uint8_t>(1); }
+TEST(SegmentTable, HoldsIntegralsOfShorts) { expect_integrals<std::uint16_t>(200); }
+TEST(SegmentTable, HoldsIntegralsOfFloats) { expect_integrals<float>(0.01); }
 
 // The radius of every cell's cube is its Chebyshev distance to the nearest cell of the other kind, less one.
 TEST(Occupancy, CubesAreAsLargeAsTheyCanBe) {

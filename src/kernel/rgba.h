@@ -127,4 +127,10 @@ struct RgbaOf<Lanes> {
 };
 #endif
 
+/// (1 - t) a + t b
+template <class F>
+CHIARO_INLINE RgbaLanes<F> mix(const RgbaLanes<F>& a, const RgbaLanes<F>& b, F t) {
+    return accumulate(scale(a, F(1) - t), t, b);
+}
+
 }  // namespace chiaro::kernel

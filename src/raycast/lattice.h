@@ -47,12 +47,20 @@ struct Lattice {
     Vec3<F> entry, step;      ///< voxels
     Vec3<F> steps_per_voxel;  ///< magnitudes
     Vec3<F> ahead;            ///< a cell's edge where the ray climbs, else 0
-    F full, rest, count;      ///< whole steps, the share of the last one, samples in all
+    F full, rest;             ///< whole steps, the share of the last one
+    F first, end;             ///< steps that are marched, [first, end)
 
     /// Voxel coordinates of sample k.
     CHIARO_INLINE Vec3<F> position(F k) const { return at(min(k + F(0.5f), full + F(0.5f) * rest)); }
     /// Voxel coordinates after a number of steps, of `full + rest` to the exit.
     CHIARO_INLINE Vec3<F> at(F steps) const { return mad(steps, step, entry); }
+    CHIARO_INLINE F exit() const { return full + rest; }
+    /// The same samples, met from the other side: `ahead` is what lies ahead then.
+    CHIARO_INLINE Lattice reversed() const {
+        Lattice l = *this;
+        l.ahead = Vec3<F>(F(cell_edge), F(cell_edge), F(cell_edge)) - ahead;
+        return l;
+    }
 };
 
 template <class F>
@@ -62,7 +70,8 @@ CHIARO_INLINE Lattice<F> make_lattice(const Ray<F>& ray, Interval<F> hit, float 
     const F span = max(hit.far - hit.near, F(0)) * F(1 / step_mm);
     l.full = floor(span + F(negligible));
     l.rest = max(span - l.full, F(0));
-    l.count = l.full + select(l.rest > F(negligible), F(1), F(0));
+    l.first = F(0);
+    l.end = l.full + select(l.rest > F(negligible), F(1), F(0));
     l.entry = mad(hit.near, ray.direction, ray.origin);
     l.step = F(step_mm) * ray.direction;
     const Vec3<F> per_voxel{F(1) / away_from_zero(l.step.x), F(1) / away_from_zero(l.step.y),

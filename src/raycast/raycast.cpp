@@ -47,11 +47,11 @@ Outcome with_stored_type(VoxelType stored, Function&& f) {
 Outcome raycast(const Device& device, const Medium& medium, const IlluminationField& field, const Lighting& lighting,
                 const Camera& camera, const RaySettings& settings, Frame& frame, Progress& progress) {
     const Medium::Data& data = medium.data();
-    const auto table = step_table(data.table, table_length_mm(data, settings));
+    const RayTables tables = make_tables(data, settings, device.threads);
     return std::visit(
         [&](const auto& view) {
             return with_stored_type(data.volume.data().stored, [&](auto voxel) {
-                return cast(device, make_kernel<decltype(voxel)>(data, table, view, lighting, camera, settings, frame),
+                return cast(device, make_kernel<decltype(voxel)>(data, tables, view, lighting, camera, settings, frame),
                             frame, progress);
             });
         },

@@ -91,12 +91,13 @@ kernel::ClipView clip_view(const Clip& clip, const Geometry& geometry, const std
     return view;
 }
 
-kernel::SurfacesView surfaces_view(const Medium::Data& medium) {
+kernel::SurfacesView surfaces_view(const Medium::Data& medium, bool backwards) {
     const DeviceVolume::Data& volume = medium.volume.data();
     std::vector<IsoSurface> surfaces = medium.shape.iso;
     const auto stored = [&](const IsoSurface& s) { return (s.value - volume.offset) / volume.scale; };
     std::sort(surfaces.begin(), surfaces.end(), [&](const auto& a, const auto& b) { return stored(a) < stored(b); });
     kernel::SurfacesView view{};
+    view.backwards = backwards;
     for (const IsoSurface& s : surfaces) {
         const double last = double(medium.table.entries.size()) - 1;
         const auto& entry =
@@ -113,11 +114,6 @@ kernel::SurfacesView surfaces_view(const Medium::Data& medium) {
     return view;
 }
 
-double table_length_mm(const Medium::Data& medium, const RaySettings& settings) {
-    if (medium.shape.mode == Mode::mip) return medium.table.unit_mm;
-    return settings.step_voxels * medium.volume.geometry().smallest_spacing_mm();
-}
-
 std::vector<kernel::Rgba> step_table(const OpticalTable& table, double step_mm) {
     std::vector<kernel::Rgba> steps;
     steps.reserve(table.entries.size());
@@ -126,6 +122,25 @@ std::vector<kernel::Rgba> step_table(const OpticalTable& table, double step_mm) 
         steps.push_back({e.r * alpha, e.g * alpha, e.b * alpha, alpha});
     }
     return steps;
+}
+
+RayTables make_tables(const Medium::Data& medium, const RaySettings& settings, int threads) {
+    // Where nothing is integrated a value shows as one reference length of it.
+    const double step_mm = settings.step_voxels * medium.volume.geometry().smallest_spacing_mm();
+    const bool integrated = medium.shape.mode != Mode::mip;
+    RayTables tables{step_table(medium.table, integrated ? step_mm : medium.table.unit_mm), {}};
+    if (medium.shape.mode == Mode::dvr && settings.classification == Classification::preintegrated)
+        tables.segments = make_segment_table(medium.volume.data(), medium.table, step_mm, threads);
+    return tables;
+}
+
+kernel::StepTableView step_table_view(const OpticalTable& table, const RayTables& tables) {
+    return {tables.steps.data(), float(table.index_scale), float(table.index_offset + 0.5),
+            float(tables.steps.size() - 1)};
+}
+
+kernel::SegmentTableView segment_table_view(const SegmentTable& table) {
+    return {table.entries.data(), table.visible_before.data(), float(table.scale), float(table.offset), table.nodes};
 }
 
 }  // namespace chiaro

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "classify/medium.h"
+#include "classify/segments.h"
 #include "raycast/kernel.h"
 
 namespace chiaro {
@@ -16,47 +17,55 @@ kernel::ShadingView shading_view(const Lighting& lighting, const Camera& camera,
 /// The optical table for steps of `step_mm`: α = 1 - exp(-κ h), colours premultiplied.
 std::vector<kernel::Rgba> step_table(const OpticalTable& table, double step_mm);
 
+/// What the kernel looks colours up in.
+struct RayTables {
+    std::vector<kernel::Rgba> steps;
+    SegmentTable segments;  ///< empty unless needed
+};
+RayTables make_tables(const Medium::Data& medium, const RaySettings& settings, int threads);
+kernel::StepTableView step_table_view(const OpticalTable& table, const RayTables& tables);
+kernel::SegmentTableView segment_table_view(const SegmentTable& table);
+
 kernel::ClipView clip_view(const Clip& clip, const Geometry& geometry, const std::array<int, 3>& dimensions);
-kernel::SurfacesView surfaces_view(const Medium::Data& medium);
-/// The length that the table's opacities are corrected to: a step, or a reference length where nothing is integrated.
-double table_length_mm(const Medium::Data& medium, const RaySettings& settings);
+kernel::SurfacesView surfaces_view(const Medium::Data& medium, bool backwards);
 
 /// Everything but the voxels' type and the field: the members that all kernels share.
 template <class Voxel, class Field>
-kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, const std::vector<kernel::Rgba>& table,
-                                                const Field& field, const Lighting& lighting, const Camera& camera,
+kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, const RayTables& tables, const Field& field,
+                                                const Lighting& lighting, const Camera& camera,
                                                 const RaySettings& settings, Frame& frame) {
     const DeviceVolume::Data& volume = medium.volume.data();
     const auto [nx, ny, nz] = volume.dimensions;
     // An axis of one voxel is one voxel thick.
     const auto low = [](int n) { return n == 1 ? -0.5f : 0.0f; };
     const auto high = [](int n) { return n == 1 ? 0.5f : float(n - 1); };
+    const bool backwards = settings.compositing == Compositing::back_to_front;
     return {
-        .volume = {reinterpret_cast<const Voxel*>(volume.bricks.data()),
-                   brick_count(nx),
-                   brick_count(ny),
-                   {float(nx - 1), float(ny - 1), float(nz - 1)},
-                   std::max(nx - 2, 0),
-                   std::max(ny - 2, 0),
-                   std::max(nz - 2, 0)},
-        .occupancy = {medium.cells.data(), cell_count(nx), cell_count(ny)},
-        .table = {table.data(), float(medium.table.index_scale), float(medium.table.index_offset + 0.5),
-                  float(table.size() - 1)},
+        .matter = {.volume = {reinterpret_cast<const Voxel*>(volume.bricks.data()),
+                              brick_count(nx),
+                              brick_count(ny),
+                              {float(nx - 1), float(ny - 1), float(nz - 1)},
+                              std::max(nx - 2, 0),
+                              std::max(ny - 2, 0),
+                              std::max(nz - 2, 0)},
+                   .occupancy = {medium.cells.data(), cell_count(nx), cell_count(ny)},
+                   .table = step_table_view(medium.table, tables),
+                   .segments = segment_table_view(tables.segments),
+                   .shading = shading_view(lighting, camera, volume.geometry, medium.shape.color),
+                   .field = field,
+                   .cutoff = float(settings.early_termination),
+                   .cut_alpha = float(1 - std::exp2(-settings.step_voxels)),  // ½ over one voxel
+                   .skip_empty = settings.skip_empty},
         .camera = camera_view(camera, volume.geometry, frame.width, frame.height),
-        .shading = shading_view(lighting, camera, volume.geometry, medium.shape.color),
-        .field = field,
         .frame = {reinterpret_cast<kernel::Rgba*>(frame.rgba.data()), frame.width},
         .box_low = {low(nx), low(ny), low(nz)},
         .box_high = {high(nx), high(ny), high(nz)},
         .clip_view = clip_view(medium.shape.clip, volume.geometry, volume.dimensions),
-        .surfaces = surfaces_view(medium),
-        .cell_high = volume.cells.high.data(),
-        .highest = volume.stored_max,
+        .surfaces = surfaces_view(medium, backwards),
+        .maximum = {volume.cells.high.data(), volume.stored_max},
         .mode = kernel::March(medium.shape.mode),
+        .way = {kernel::Classification(settings.classification), backwards},
         .step_mm = float(settings.step_voxels * volume.geometry.smallest_spacing_mm()),
-        .cutoff = float(settings.early_termination),
-        .cut_alpha = float(1 - std::exp2(-settings.step_voxels)),  // ½ over one voxel
-        .skip_empty = settings.skip_empty,
     };
 }
 

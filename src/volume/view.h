@@ -54,9 +54,14 @@ struct VolumeView {
     /// Trilinear; in stored units.
     template <class F>
     CHIARO_INLINE F value(const Location<F>& at) const {
-        const Four<F> s =
-            along_x(gather_two(voxels, at.index, {0, brick_row, brick_slice, brick_slice + brick_row}), at.t.x);
+        const Four<F> s = along_x(corners(at), at.t.x);
         return lerp(lerp(s.a, s.b, at.t.y), lerp(s.c, s.d, at.t.y), at.t.z);
+    }
+
+    /// The eight voxels around a point, in pairs along x: (y, z) = (0, 0), (1, 0), (0, 1), (1, 1).
+    template <class F>
+    CHIARO_INLINE Four<Two<F>> corners(const Location<F>& at) const {
+        return gather_two(voxels, at.index, {0, brick_row, brick_slice, brick_slice + brick_row});
     }
 
     /// Central differences of one voxel, interpolated; stored units per voxel. At the border the missing neighbour is

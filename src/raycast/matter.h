@@ -1,0 +1,60 @@
+// What rays travel through, and what every march asks of it.
+#pragma once
+#include "illumination/view.h"
+#include "raycast/lattice.h"
+#include "raycast/tables.h"
+#include "volume/occupancy.h"
+#include "volume/view.h"
+
+namespace chiaro::kernel {
+
+template <class Voxel, class Field>
+struct Matter {
+    VolumeView<Voxel> volume;
+    OccupancyView occupancy;
+    StepTableView table;
+    SegmentTableView segments;
+    ShadingView shading;
+    Field field;
+    float cutoff;     ///< a ray ends below this transmittance
+    float cut_alpha;  ///< a cut through more opaque matter shows the plane's normal
+    bool skip_empty;
+
+    static constexpr bool modulates = Field::modulates;
+
+    template <class F>
+    CHIARO_INLINE F value_at(Vec3<F> p_clamped) const {
+        return volume.value(volume.locate(p_clamped, volume.voxel(p_clamped)));
+    }
+
+    /// For the lanes that have left the cube they knew: those in an empty cube are returned, and get as `next` the
+    /// sample `behind` p, moved on by as many as the cube still holds; the others learn in `leave` where their occupied
+    /// cube ends. Samples stay on the lattice.
+    template <class F>
+    CHIARO_INLINE Mask<F> leap(const Lattice<F>& lattice, Mask<F> lost, Vec3<F> p, VoxelIndex<F> voxel, F behind,
+                               F& next, F& leave) const {
+        const Cube<F> cube = occupancy.around(voxel);
+        behind = behind + steps_to_leave(cube, voxel, p, lattice.ahead, lattice.steps_per_voxel);
+        const Mask<F> empty = lost & cube.empty;
+        leave = select(lost & !cube.empty, behind, leave);
+        next = select(empty, behind, next);
+        return empty;
+    }
+
+    /// Light that arrives at a sample and leaves it towards the eye.
+    template <class F>
+    CHIARO_INLINE void light(const Location<F>& at, const Cut<F>& cut, SamplePoint<F> sample,
+                             RgbaLanes<F>& colour) const {
+        if (!shading.enabled && !modulates) return;
+        if (shading.enabled) {
+            Vec3<F> g = volume.gradient(at);
+            g = {select(cut.open, cut.normal.x, g.x), select(cut.open, cut.normal.y, g.y),
+                 select(cut.open, cut.normal.z, g.z)};
+            shading.reflect(g, sample.lambert, sample.highlight);
+        }
+        const Incident<F> incident = field.incident(sample, shading);
+        colour = light_up(colour, incident.diffuse, incident.specular);
+    }
+};
+
+}  // namespace chiaro::kernel

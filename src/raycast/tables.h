@@ -1,0 +1,68 @@
+// What the transfer function makes of values: of one at a sample, of eight around it, of all between two.
+#pragma once
+#include "kernel/rgba.h"
+
+namespace chiaro::kernel {
+
+/// Associated colours, corrected to the opacity of one step, over the stored values.
+struct StepTableView {
+    const Rgba* entries;
+    float scale, offset;  ///< index = stored * scale + offset, rounding included
+    float last;
+
+    template <class F>
+    CHIARO_INLINE Int<F> index(F stored) const {
+        return truncate(min(max(mad(stored, F(scale), F(offset)), F(0)), F(last)));
+    }
+
+    template <class F>
+    CHIARO_INLINE RgbaLanes<F> at(F stored) const {
+        return load_rgba(entries, index(stored));
+    }
+
+    /// Classified first: the colours of the eight voxels, interpolated.
+    template <class F>
+    CHIARO_INLINE RgbaLanes<F> interpolated(const Four<Two<F>>& voxels, Vec3<F> t) const {
+        const auto along_x = [&](const Two<F>& v) CHIARO_INLINE_LAMBDA { return mix<F>(at(v.a), at(v.b), t.x); };
+        const RgbaLanes<F> low = mix<F>(along_x(voxels.a), along_x(voxels.b), t.y);
+        const RgbaLanes<F> high = mix<F>(along_x(voxels.c), along_x(voxels.d), t.y);
+        return mix<F>(low, high, t.z);
+    }
+};
+
+/// Pre-integrated steps over the stored values at their ends (classify/segments.h).
+struct SegmentTableView {
+    const Rgba* entries;          ///< [value at the near end][value at the far end]
+    const float* visible_before;  ///< how many of the step table's entries before each are visible
+    float scale, offset;          ///< node = stored * scale + offset
+    std::int32_t nodes;           ///< of either value
+
+    /// Bilinear. Where no entry between the two values is visible nothing is, whatever the nodes around them hold: so
+    /// skipping empty cells, whose ranges meet wherever the cells do, changes nothing.
+    template <class F>
+    CHIARO_INLINE RgbaLanes<F> between(F near, F far, const StepTableView& steps) const {
+        const F a = node_of(near), b = node_of(far);
+        const Int<F> i = node_before(a), j = node_before(b), at = i * Int<F>(nodes) + j;
+        const F s = a - to_float(i), t = b - to_float(j);
+        const RgbaLanes<F> colour =
+            mix<F>(mix<F>(load_rgba(entries, at), load_rgba(entries + 1, at), t),
+                   mix<F>(load_rgba(entries + nodes, at), load_rgba(entries + nodes + 1, at), t), s);
+        if (!any(alpha_of(colour) > F(0))) return colour;
+        const Int<F> p = steps.index(near), q = steps.index(far);
+        const F visible = gather_float(visible_before + 1, max(p, q)) - gather_float(visible_before, min(p, q));
+        return kernel::scale(colour, min(visible, F(1)));
+    }
+
+private:
+    template <class F>
+    CHIARO_INLINE F node_of(F stored) const {
+        return min(max(mad(stored, F(scale), F(offset)), F(0)), F(float(nodes - 1)));
+    }
+    /// One that another follows.
+    template <class F>
+    CHIARO_INLINE Int<F> node_before(F node) const {
+        return min(truncate(node), Int<F>(nodes - 2));
+    }
+};
+
+}  // namespace chiaro::kernel

@@ -1,0 +1,129 @@
+// Emission and absorption along a ray (Max 1995; CS 247): one loop for every classification and order.
+#pragma once
+#include "raycast/composite.h"
+#include "raycast/matter.h"
+
+namespace chiaro::kernel {
+
+enum class Classification : std::int32_t { post, pre, preintegrated };
+
+/// How a volume is marched through: the usual way, known when compiling, and any other.
+struct UsualWay {
+    static constexpr Classification classification = Classification::post;
+    static constexpr bool backwards = false;
+};
+struct AnyWay {
+    Classification classification;
+    bool backwards;
+};
+
+/// The value at the end of a pre-integrated step, kept for the next one.
+template <class F>
+struct EndValue {
+    F value{0};
+    F steps{-1};  ///< where it was read
+};
+
+/// What is classified: a point, or a step by the values at its ends.
+template <class F>
+struct Classified {
+    RgbaLanes<F> colour;
+    F value;
+};
+
+/// Step k between its two ends, in whole steps from the entry but for the exit.
+template <class F, class Matter>
+CHIARO_INLINE Classified<F> classify_step(const Matter& matter, const Lattice<F>& lattice, bool backwards,
+                                          Mask<F> sampled, F k, EndValue<F>& known) {
+    const F exit = lattice.exit(), here = backwards ? min(k + F(1), exit) : k,
+            there = backwards ? k : min(k + F(1), exit);
+    const Mask<F> unknown = sampled & (known.steps != here);
+    F before = known.value;
+    if (any(unknown)) before = select(unknown, matter.value_at(matter.volume.clamp(lattice.at(here))), before);
+    const F after = matter.value_at(matter.volume.clamp(lattice.at(there)));
+    known = {select(sampled, after, known.value), select(sampled, there, known.steps)};
+    const F near = backwards ? after : before, far = backwards ? before : after;
+    return {matter.segments.between(near, far, matter.table), F(0.5f) * (near + far)};
+}
+
+/// Opacity correction of the last, shorter step: 1 - (1 - α)^rest.
+template <class F>
+CHIARO_INLINE void shorten_last(const Lattice<F>& lattice, Mask<F> last, RgbaLanes<F>& colour, F& alpha) {
+    if (!any(last)) return;
+    const F shorter = F(1) - pow(max(F(1) - alpha, F(0)), lattice.rest);
+    const F ratio = select(last, shorter / max(alpha, F(1e-30f)), F(1));
+    colour = scale(colour, ratio);
+    alpha = alpha * ratio;
+}
+
+/// Takes sample k, the middle of step k, in voxel coordinates at p.
+template <class F, class Matter, class Way>
+CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& lattice, const Cut<F>& cut,
+                               Mask<F> sampled, F k, Vec3<F> p, VoxelIndex<F> voxel, EndValue<F>& known,
+                               Composite<F>& ray) {
+    Classified<F> c;
+    if (way.classification == Classification::preintegrated) {
+        c = classify_step(matter, lattice, way.backwards, sampled, k, known);
+        p = matter.volume.clamp(lattice.position(k)), voxel = matter.volume.voxel(p);
+    }
+    const Location<F> at = matter.volume.locate(p, voxel);
+    if (way.classification != Classification::preintegrated) c.value = matter.volume.value(at);
+    if (way.classification == Classification::post) c.colour = matter.table.at(c.value);
+    if (way.classification == Classification::pre)
+        c.colour = matter.table.interpolated(matter.volume.corners(at), at.t);
+
+    F alpha = select(sampled, alpha_of(c.colour), F(0));
+    const Mask<F> visible = alpha > F(0);
+    if (!any(visible)) return;
+    // The first half step behind a cut through solid matter has the plane's normal.
+    const Cut<F> solid{cut.normal, Mask<F>(cut.open & (k < F(0.5f)) & (alpha > F(matter.cut_alpha)))};
+    shorten_last(lattice, visible & (k >= lattice.full), c.colour, alpha);
+    matter.light(at, solid, {p, c.value, F(0), F(0)}, c.colour);
+    ray.add(way.backwards, visible, c.colour, alpha);
+}
+
+/// Marches through the lattice's steps in either order; j counts them as they are met. A pre-integrated step is empty
+/// where it lies in an empty cube as a whole, so it starts at its end, any other where its sample is.
+template <class F, class Matter, class Way>
+CHIARO_INLINE Int<F> march_volume(const Matter& matter, Way way, const Lattice<F>& lattice, const Cut<F>& cut,
+                                  Mask<F> alive, Composite<F>& ray) {
+    const bool by_ends = way.classification == Classification::preintegrated;
+    F j = lattice.first, leave(0);
+    EndValue<F> known;
+    Int<F> samples(0);
+    while (any(alive)) {
+        const F k = way.backwards ? lattice.first + lattice.end - F(1) - j : j;
+        const F end = way.backwards ? min(k + F(1), lattice.exit()) : k;
+        const Vec3<F> p = matter.volume.clamp(by_ends ? lattice.at(end) : lattice.position(k));
+        const VoxelIndex<F> voxel = matter.volume.voxel(p);
+        F next = j + F(1);
+        Mask<F> sampled = alive;
+        if (matter.skip_empty) {
+            const Mask<F> lost = alive & (j >= leave);
+            if (any(lost)) {
+                Mask<F> empty = matter.leap(lattice, lost, p, voxel, by_ends ? j : next, next, leave);
+                if (by_ends) empty = empty & (next > j), next = max(next, j + F(1));
+                sampled = alive & !empty;
+                if (!any(sampled)) {
+                    j = next;
+                    alive &= j < lattice.end;
+                    continue;
+                }
+            }
+        }
+        samples += select(sampled, Int<F>(1), Int<F>(0));
+        take_sample(matter, way, lattice, cut, sampled, k, p, voxel, known, ray);
+        j = next;
+        alive &= (j < lattice.end) & (ray.transmittance > F(matter.cutoff));
+    }
+    return samples;
+}
+
+/// As any way; apart, so that the usual one keeps its registers.
+template <class F, class Matter>
+CHIARO_APART Int<F> march_any_way(const Matter& matter, const AnyWay& way, const Lattice<F>& lattice, const Cut<F>& cut,
+                                  const Mask<F>& alive, Composite<F>& ray) {
+    return march_volume(matter, way, way.backwards ? lattice.reversed() : lattice, cut, alive, ray);
+}
+
+}  // namespace chiaro::kernel
