@@ -25,7 +25,7 @@ inline chiaro::Scene changed_scene() {
     s.camera = {-10,           12.5,           90, 4, 45, Vec3{0, -1, 0}, Projection::orthographic, View::left,
                 Vec3{1, 2, 3}, Vec3{0, 0, 0.1}};
     s.lighting = {Shading::lambert, 0.1, 0.2, 0.4, 5, false, 30, -40, {1, 0.5, 0.25}};
-    s.sampling = {1, Classification::preintegrated, Compositing::back_to_front, 0, false};
+    s.sampling = {1, Classification::preintegrated, Compositing::back_to_front, 4, RaySetup::raster, 0, false};
     s.output = {{0.1, 0.2, 0.3}, false, ColorMode::display, Tone::aces, -1.5};
     s.width = 64, s.height = 48;
     return s;

@@ -216,18 +216,20 @@ std::vector<std::pair<Mode, RaySettings>> ways() {
     return all;
 }
 
-/// The same bits on every instruction set, with and without skipping, on one thread and on two.
+/// The same bits on every instruction set, with and without skipping, however rays are set up, on one thread and two.
 void expect_same_everywhere(const DeviceVolume& volume, Shot shot) {
     shot.device = {1, Isa::scalar};
     shot.rays.skip_empty = false;
     const Frame expected = shot(volume);
     EXPECT_GT(mean_alpha(expected), 0.02);
     for (Isa isa : available_isas())
-        for (bool skip : {true, false}) {
-            shot.device = {2, isa};
-            shot.rays.skip_empty = skip;
-            EXPECT_TRUE(same_bits(shot(volume), expected)) << name_of(isa) << " skip " << skip;
-        }
+        for (bool skip : {true, false})
+            for (RaySetup setup : {RaySetup::box, RaySetup::raster}) {
+                shot.device = {2, isa};
+                shot.rays.skip_empty = skip;
+                shot.rays.ray_setup = setup;
+                EXPECT_TRUE(same_bits(shot(volume), expected)) << name_of(isa) << " skip " << skip << to_text(setup);
+            }
 }
 
 }  // namespace
@@ -243,6 +245,7 @@ TYPED_TEST(EveryMode, GivesTheSameBitsEverywhere) {
                 shot.lighting.shading = Shading::phong;
                 shot.camera.projection = projection;
                 shot.rays = rays;
+                shot.rays.samples_per_pixel = clipped ? 3 : 1;
                 shot.shape = {.mode = mode, .iso = {{.value = 90, .opacity = 0.6}, {.value = 150}}};
                 if (clipped)
                     shot.shape.clip = {.box = std::array{0.1, 1.0, 0.0, 0.9, 0.2, 1.0}, .planes = {{{1, 1, 1}, 70}}};

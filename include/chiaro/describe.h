@@ -86,6 +86,11 @@ void describe(Visit&& visit, S& s) {
                   "what meets the transfer function: interpolated values, voxels, or all values that a step passes"},
           s.classification);
     visit(Setting{"compositing", "sampling.compositing", "", "order in which samples are composited"}, s.compositing);
+    visit(Setting{"samples-per-pixel", "sampling.samples_per_pixel", "", "rays through each pixel, averaged"}
+          .within(1, 256), s.samples_per_pixel);
+    visit(Setting{"ray-setup", "sampling.ray_setup", "",
+                  "starts rays at the volume's box, or at the rasterised bounds of what is visible; the same picture"},
+          s.ray_setup);
     visit(Setting{"early-termination", "sampling.early_termination", "",
                   "remaining transmittance at which a ray stops; 0: never"}
           .within(0, 0.99), s.early_termination);

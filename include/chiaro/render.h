@@ -18,12 +18,18 @@ enum class Classification { post, pre, preintegrated };
 
 enum class Compositing { front_to_back, back_to_front };
 
+/// Where a ray begins and ends: at the volume's box, or at the geometry around what is visible, rasterised. The samples
+/// are the same.
+enum class RaySetup { box, raster };
+
 struct RaySettings {
     double step_voxels = 0.5;                              ///< distance of the samples, in smallest voxel edges
     Classification classification = Classification::post;  ///< for Mode::dvr
     Compositing compositing = Compositing::front_to_back;  ///< back to front no ray ends early
-    double early_termination = 0.005;                      ///< stop a ray at this remaining transmittance; 0: never
-    bool skip_empty = true;                                ///< jump over cells that the transfer function leaves empty
+    int samples_per_pixel = 1;                             ///< rays through a pixel, averaged
+    RaySetup ray_setup = RaySetup::box;
+    double early_termination = 0.005;  ///< stop a ray at this remaining transmittance; 0: never
+    bool skip_empty = true;            ///< jump over cells that the transfer function leaves empty
     bool operator==(const RaySettings&) const = default;
 };
 

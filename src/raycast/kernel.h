@@ -2,6 +2,7 @@
 #pragma once
 #include "kernel/launch.h"
 #include "raycast/maximum_march.h"
+#include "raycast/ray_bounds.h"
 #include "raycast/surface_march.h"
 #include "raycast/volume_march.h"
 
@@ -26,28 +27,43 @@ struct RaycastKernel {
     March mode;
     AnyWay way;  ///< of March::volume
     float step_mm;
+    std::int32_t rays_per_pixel;
+    BoundsView bounds;  ///< of the tile
 
     /// Renders the block's pixels; returns the number of samples taken per lane.
     template <class F>
     CHIARO_INLINE Int<F> operator()(const PixelBlock<F>& block) const {
-        const Ray<F> ray = camera.ray(to_float(block.column), to_float(block.row));
-        Interval<F> hit = intersect(ray, box_low, box_high);
-        const Cut<F> cut = clip(clip_view, ray, hit);
-        const Lattice<F> lattice = make_lattice(ray, hit, step_mm);
-        const Mask<F> alive = block.inside & (lattice.end > F(0));
-        Composite<F> composite;
-        const Int<F> samples = march(lattice, cut, alive, composite);
-        store_block(composite.sum, frame.pixels + std::int64_t(block.y) * frame.width + block.x, frame.width,
-                    block.inside);
+        RgbaLanes<F> sum;
+        zero(sum);
+        Int<F> samples(0);
+        for (std::int32_t i = 0; i < rays_per_pixel; ++i) samples += cast_ray(block, i, sum);
+        store_block(sum, frame.pixels + std::int64_t(block.y) * frame.width + block.x, frame.width, block.inside);
         return samples;
     }
 
 private:
+    /// Adds ray i's share of its pixel.
+    template <class F>
+    CHIARO_INLINE Int<F> cast_ray(const PixelBlock<F>& block, std::int32_t i, RgbaLanes<F>& sum) const {
+        const SubPixel offset = sub_pixel(i, rays_per_pixel);
+        const Ray<F> ray = camera.ray(to_float(block.column) + F(offset.x), to_float(block.row) + F(offset.y));
+        Interval<F> hit = intersect(ray, box_low, box_high);
+        const Cut<F> cut = clip(clip_view, ray, hit);
+        Lattice<F> lattice = make_lattice(ray, hit, step_mm);
+        const Mask<F> alive = block.inside & (lattice.end > F(0));
+        if (bounds.near_mm) bounds.narrow(block.column, block.row, i, hit.near, step_mm, lattice);
+        Composite<F> composite;
+        const Int<F> samples = march(lattice, cut, alive, composite);
+        sum = accumulate(sum, F(1 / float(rays_per_pixel)), composite.sum);
+        return samples;
+    }
+
     template <class F>
     CHIARO_INLINE Int<F> march(const Lattice<F>& lattice, const Cut<F>& cut, Mask<F> alive,
                                Composite<F>& composite) const {
         if (mode == March::surfaces) return march_to_surfaces(matter, surfaces, lattice, cut, alive, composite);
         if (mode == March::maximum) return march_for_maximum(matter, maximum, lattice, alive, composite);
+        alive &= lattice.first < lattice.end;
         if (way.classification == UsualWay::classification && way.backwards == UsualWay::backwards)
             return march_volume(matter, UsualWay{}, lattice, cut, alive, composite);
         return march_any_way(matter, way, lattice, cut, alive, composite);

@@ -3,28 +3,38 @@
 
 #include <algorithm>
 #include <atomic>
+#include <optional>
 
 #include "core/threads.h"
 #include "illumination/field.h"
+#include "raycast/bounds.h"
 #include "raycast/launch.h"
 #include "raycast/views.h"
 
 namespace chiaro {
 namespace {
 
-constexpr int tile_edge = 32;
-
 /// Casts all tiles of the frame. Tiles are independent, so the picture is the same for any number of threads.
 template <class Kernel>
-Outcome cast(const Device& device, const Kernel& kernel, const Frame& frame, Progress& progress) {
+Outcome cast(const Device& device, const Kernel& kernel, const BoundingGeometry* geometry, const Frame& frame,
+             Progress& progress) {
+    constexpr int edge = kernel::tile_edge;
     const auto tile_function = kernel::raycast_tile_for<Kernel>(device.isa);
-    const int tiles_x = (frame.width + tile_edge - 1) / tile_edge, tiles_y = (frame.height + tile_edge - 1) / tile_edge;
+    const int tiles_x = (frame.width + edge - 1) / edge, tiles_y = (frame.height + edge - 1) / edge;
     std::atomic<std::int64_t> samples{0};
     const bool complete = parallel_for(
         device.threads, std::int64_t(tiles_x) * tiles_y, 1, "raycast", progress, [&](std::int64_t t, std::int64_t) {
-            const int x = int(t % tiles_x) * tile_edge, y = int(t / tiles_x) * tile_edge;
-            samples += tile_function(
-                kernel, {x, y, std::min(x + tile_edge, frame.width), std::min(y + tile_edge, frame.height)});
+            const int x = int(t % tiles_x) * edge, y = int(t / tiles_x) * edge;
+            const kernel::Tile tile{x, y, std::min(x + edge, frame.width), std::min(y + edge, frame.height)};
+            if (!geometry) {
+                samples += tile_function(kernel, tile);
+                return;
+            }
+            TileBounds bounds;
+            geometry->rasterise(tile, kernel.rays_per_pixel, bounds);
+            Kernel bounded = kernel;
+            bounded.bounds = bounds.view(tile);
+            samples += tile_function(bounded, tile);
         });
     return {complete, std::uint64_t(samples)};
 }
@@ -48,11 +58,14 @@ Outcome raycast(const Device& device, const Medium& medium, const IlluminationFi
                 const Camera& camera, const RaySettings& settings, Frame& frame, Progress& progress) {
     const Medium::Data& data = medium.data();
     const RayTables tables = make_tables(data, settings, device.threads);
+    std::optional<BoundingGeometry> geometry;  // the largest value is looked for everywhere
+    if (settings.ray_setup == RaySetup::raster && data.shape.mode != Mode::mip)
+        geometry.emplace(data, camera_view(camera, data.volume.geometry(), frame.width, frame.height));
     return std::visit(
         [&](const auto& view) {
             return with_stored_type(data.volume.data().stored, [&](auto voxel) {
-                return cast(device, make_kernel<decltype(voxel)>(data, tables, view, lighting, camera, settings, frame),
-                            frame, progress);
+                const auto kernel = make_kernel<decltype(voxel)>(data, tables, view, lighting, camera, settings, frame);
+                return cast(device, kernel, geometry ? &*geometry : nullptr, frame, progress);
             });
         },
         field.data().view);

@@ -89,10 +89,11 @@ template <class F, class Matter>
 CHIARO_APART Int<F> march_to_surfaces(const Matter& matter, const SurfacesView& surfaces, Lattice<F> lattice,
                                       const Cut<F>& cut, Mask<F> alive, Composite<F>& ray) {
     const bool backwards = surfaces.backwards;
-    const F exit = lattice.exit(), pieces = floor(exit + F(0.5f)) + F(1);
+    const F exit = lattice.exit(), pieces = min(floor(exit + F(0.5f)), lattice.end) + F(1);
     if (backwards) lattice = lattice.reversed();
     if (!backwards) show_cut(matter, surfaces, lattice, cut, alive, ray);
     const Mask<F> seen = alive;
+    alive &= lattice.first < pieces;
     F j = lattice.first, leave(0);
     F before = matter.value_at(matter.volume.clamp(backwards ? lattice.at(exit) : lattice.entry));
     Int<F> samples = select(alive, Int<F>(1), Int<F>(0));

@@ -66,6 +66,8 @@ kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, cons
         .mode = kernel::March(medium.shape.mode),
         .way = {kernel::Classification(settings.classification), backwards},
         .step_mm = float(settings.step_voxels * volume.geometry.smallest_spacing_mm()),
+        .rays_per_pixel = settings.samples_per_pixel,
+        .bounds = {},
     };
 }
 
