@@ -19,7 +19,7 @@ struct SegmentTable {
 /// At 8 bit each stored value has a node, or more where few occur. More bits are quantised to nodes, and interpolated.
 inline constexpr int byte_intervals = 256, wide_intervals = 512;
 
-/// Cost: n² exponentials and 6 n² compositions for n nodes: some 3 ms of one core for 8 bit, 12 ms for more.
+/// Cost: n² exponentials and 6 n² compositions for n nodes: some 2 to 4 ms on two cores for 8 bit, 10 ms for more.
 SegmentTable make_segment_table(const DeviceVolume::Data& volume, const OpticalTable& table, double step_mm,
                                 int threads);
 
