@@ -5,6 +5,7 @@
 
 #include <cstring>
 
+#include "classify/segments.h"
 #include "rows.h"
 
 namespace chiaro::bench {
@@ -39,6 +40,17 @@ std::vector<Row> measure_classify(const Setup& setup, const std::string& name, i
     return {{name, "ms", spread_of(series[0])}};
 }
 
+/// The table for one step length, as each pre-integrated frame makes it; on the clock, for a frame waits for it.
+std::vector<Row> measure_segments(const Setup& setup, const std::string& name, VoxelType type) {
+    const DeviceVolume volume = upload(setup.device, make_shells(64, type));
+    TransferFunction tf = sample_transfer_function("shells");
+    if (type != VoxelType::u8)
+        for (ControlPoint& point : tf.points) point.value *= 257;
+    const Medium medium = classify(volume, tf, Shape{});
+    const auto make = [&] { make_segment_table(volume.data(), medium.data().table, 1, setup.device.threads); };
+    return {{name, "ms", spread_of(in_turns(setup.runs, {[&] { return 1e3 * wall_seconds(make); }})[0])}};
+}
+
 }  // namespace
 
 std::vector<Case> pipeline_cases(const Setup& setup) {
@@ -47,6 +59,10 @@ std::vector<Case> pipeline_cases(const Setup& setup) {
     for (const VoxelType type : {VoxelType::u8, VoxelType::u16}) {
         const std::string name = fmt::format("pipeline/upload/{}", type == VoxelType::u8 ? "u8" : "u16");
         cases.push_back({{name}, [=, &setup] { return measure_upload(setup, name, size, type); }});
+    }
+    for (const VoxelType type : {VoxelType::u8, VoxelType::u16}) {
+        const std::string name = fmt::format("pipeline/segments/{}", type == VoxelType::u8 ? "u8" : "u16");
+        cases.push_back({{name}, [=, &setup] { return measure_segments(setup, name, type); }});
     }
     const std::string name = "pipeline/classify";
     cases.push_back({{name}, [=, &setup] { return measure_classify(setup, name, size); }});
