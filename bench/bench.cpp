@@ -18,6 +18,7 @@ constexpr auto suite_table = std::to_array<Suite>({
     {"scenes", "a frame of each scene of bench/scenes", scene_cases},
     {"ways", "the same scenes as isosurfaces and maxima, classified, composited and set up in other ways", way_cases},
     {"pipeline", "upload and classify", pipeline_cases},
+    {"spao", "ambient occlusion by filtering: the paper's table, and an edit's update", spao_cases},
     {"tool", "first picture and peak memory of the program itself", tool_cases},
 });
 

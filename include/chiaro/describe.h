@@ -130,12 +130,41 @@ void describe(Visit&& visit, S& s) {
     visit(Setting{"light", "shading.light", "degrees",
                   "direction towards the light, fixed to the world, or with the camera"}
           .written("AZ,EL[,COLOR]|headlight"), s.headlight, s.azimuth_deg, s.elevation_deg, s.color);
+    visit(Setting{"strength", "lighting.strength", "", "how much of the occlusion is shown"}.within(0, 1), s.strength);
 }
 
 template <class Visit, SettingsOf<IlluminationSettings> S>
 void describe(Visit&& visit, S& s) {
     visit(Setting{"lighting", "lighting.method", "", "method that computes how much light arrives at a sample"},
           s.method);
+}
+
+template <class Visit, SettingsOf<SpaoSettings> S>
+void describe(Visit&& visit, S& s) {
+    visit(Setting{"spao-filter", "lighting.filter", "", "how the means over cubes are found"}.of("spao"), s.filter);
+    visit(Setting{"spao-levels", "lighting.levels", "", "shells: cubes of width 1 to 2^N voxels"}
+          .within(1, 14).of("spao"), s.levels);
+    visit(Setting{"spao-mip-levels", "lighting.mip_levels", "", "mipmaps of the hybrid before its N-buffers"}
+          .within(0, 14).of("spao"), s.mip_levels);
+    visit(Setting{"spao-normal-factor", "lighting.normal_factor", "",
+                  "0: light from all directions, else from those that the surface faces"}
+          .within(0, 2).of("spao"), s.normal_factor);
+    visit(Setting{"spao-model", "lighting.model", "", "the paper's product, with thick shells, or per octant"}
+          .of("spao"), s.model);
+}
+
+template <class Visit, SettingsOf<ReferenceSettings> S>
+void describe(Visit&& visit, S& s) {
+    visit(Setting{"reference-rays", "lighting.rays", "", "rays from every voxel"}
+          .within(1, 65536).of("reference"), s.rays);
+    visit(Setting{"reference-quantity", "lighting.quantity", "", "share of open directions: all, outwards, by cosine"}
+          .of("reference"), s.quantity);
+    visit(Setting{"reference-medium", "lighting.medium", "", "extinction constant in each voxel, or interpolated"}
+          .of("reference"), s.medium);
+    visit(Setting{"reference-start", "lighting.start", "half edges", "distance from a voxel's centre at which rays begin"}
+          .within(0, 1000).written("HALF_EDGES").of("reference"), s.start_half_edges);
+    visit(Setting{"reference-subsample", "lighting.subsample", "", "rays from every Nth voxel per axis only"}
+          .within(1, 64).of("reference"), s.subsample);
 }
 
 template <class Visit, SettingsOf<ToneMap> S>
@@ -162,6 +191,8 @@ void for_each_group(Group&& group, S& scene) {
     group("Camera", scene.camera);
     group("Shading", scene.lighting);
     group("Lighting", scene.illumination);
+    group("Lighting by spao", scene.illumination.spao);
+    group("Lighting by reference", scene.illumination.reference);
     group("Output", scene.output);
 }
 

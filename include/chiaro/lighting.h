@@ -20,14 +20,49 @@ struct Lighting {
     bool headlight = true;                      ///< along the camera's axis, else azimuth and elevation
     double azimuth_deg = 0, elevation_deg = 0;  ///< towards the light, in the orbit's angles, fixed to the world
     Rgb color{1, 1, 1};                         ///< sRGB, as picked
+    double strength = 1;                        ///< of the illumination method: A' = 1 - strength (1 - A)
     bool operator==(const Lighting&) const = default;
 };
 
 /// The methods that this build has; a new one is one new value and one new folder.
-enum class Method { none };
+enum class Method { none, spao, reference };
+
+/// How the means over cubes are found: all at full resolution, by mipmaps, by N-buffers over some mipmaps, exactly from
+/// a table of sums, or (automatic) by a fused sweep over blocks that keeps no level.
+enum class SpaoFilter { automatic, nbuffer, mipmap, hybrid, exact };
+/// The paper's product over shells; the same with each shell's thickness as exponent; and the product per octant.
+enum class SpaoModel { paper, thick, corrected };
+
+/// Smooth probabilistic ambient occlusion (Kroes, Schut and Eisemann, GPU Zen).
+struct SpaoSettings {
+    SpaoFilter filter = SpaoFilter::automatic;
+    int levels = 7;            ///< shells: cubes of width 2^0 to 2^levels cells
+    int mip_levels = 1;        ///< of the hybrid: mipmaps before the N-buffers
+    double normal_factor = 1;  ///< 0: obscurance (over all directions), else ambient occlusion (over those outwards)
+    SpaoModel model = SpaoModel::corrected;
+    bool operator==(const SpaoSettings&) const = default;
+};
+
+/// What rays find out for every voxel: the mean transmittance over all directions, over those outwards, or over those
+/// weighted by their cosine.
+enum class ReferenceQuantity { obscurance, ao, ao_cosine };
+/// Whether the extinction is constant in each voxel or interpolated between them.
+enum class ReferenceMedium { voxels, trilinear };
+
+/// Brute force: rays in all directions from every voxel.
+struct ReferenceSettings {
+    int rays = 256;
+    ReferenceQuantity quantity = ReferenceQuantity::obscurance;
+    ReferenceMedium medium = ReferenceMedium::voxels;
+    double start_half_edges = 1;  ///< rays begin this far from the centre, in half cell edges
+    int subsample = 1;            ///< only every so many voxels per axis; between them trilinear
+    bool operator==(const ReferenceSettings&) const = default;
+};
 
 struct IlluminationSettings {
     Method method = Method::none;
+    SpaoSettings spao;
+    ReferenceSettings reference;
     bool operator==(const IlluminationSettings&) const = default;
 };
 
@@ -46,6 +81,9 @@ public:
     IlluminationField();  ///< no illumination method: all light arrives
     explicit IlluminationField(std::shared_ptr<const Data> data) : data_(std::move(data)) {}
     const Data& data() const { return *data_; }
+
+    std::size_t bytes() const;                 ///< held for the ray caster
+    const std::vector<Stage>& stages() const;  ///< how long each step took
 
 private:
     std::shared_ptr<const Data> data_;

@@ -2,6 +2,7 @@
 #pragma once
 #include <atomic>
 #include <functional>
+#include <string>
 #include <string_view>
 
 namespace chiaro {
@@ -30,6 +31,12 @@ public:
 private:
     Report report_;
     std::atomic<bool> cancelled_{false};
+};
+
+/// How long one step of the work took.
+struct Stage {
+    std::string name;
+    double seconds = 0;
 };
 
 }  // namespace chiaro

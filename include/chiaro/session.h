@@ -8,12 +8,6 @@
 
 namespace chiaro {
 
-/// How long one verb took; 0 when its kept result served.
-struct Stage {
-    std::string name;
-    double seconds = 0;
-};
-
 /// Renders scenes one after the other and redoes only the verbs to the right of what changed: an edit of the transfer
 /// function starts at `classify`, a camera move is `raycast` and `develop`.
 class Session {
@@ -26,8 +20,9 @@ public:
     void show(Volume&& volume, Progress& progress);
 
     const Image& render(const Scene& scene, Progress& progress);
-    const Frame& frame() const;                         ///< of the last render
-    const std::vector<Stage>& stages() const;           ///< of the last render, in order
+    const Frame& frame() const;  ///< of the last render
+    /// Of the last render, in order; a verb whose kept result served took 0. What a verb consists of follows it.
+    const std::vector<Stage>& stages() const;
     Outcome outcome() const;                            ///< of the last render
     const Statistics& statistics() const;               ///< of the shown volume
     const TransferFunction& transfer_function() const;  ///< the one the last render used, window and unit applied

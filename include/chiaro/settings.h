@@ -28,6 +28,7 @@ struct Setting {
     bool lowest_excluded = false;  ///< the range is open at `lowest`
     std::string_view form = "";    ///< how the value is written, "CENTER,WIDTH"; "a|b" for a bool: off|on
     SceneForm scene_form = SceneForm::same;
+    std::string_view method = "";  ///< the lighting method that it belongs to; "": to every picture
 
     constexpr bool repeats() const { return scene_form == SceneForm::list || scene_form == SceneForm::surfaces; }
 
@@ -44,6 +45,11 @@ struct Setting {
     constexpr Setting written(std::string_view how) const {
         Setting s = *this;
         s.form = how;
+        return s;
+    }
+    constexpr Setting of(std::string_view lighting_method) const {
+        Setting s = *this;
+        s.method = lighting_method;
         return s;
     }
     constexpr Setting kept(SceneForm how) const {

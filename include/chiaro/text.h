@@ -29,7 +29,17 @@ constexpr auto names_of(View) {
     return std::to_array<std::string_view>({"anterior", "posterior", "left", "right", "superior", "inferior"});
 }
 constexpr auto names_of(Shading) { return std::to_array<std::string_view>({"none", "lambert", "phong"}); }
-constexpr auto names_of(Method) { return std::to_array<std::string_view>({"none"}); }
+constexpr auto names_of(Method) {
+    return std::to_array<std::string_view>({"none", "spao", "reference"});
+}
+constexpr auto names_of(SpaoFilter) {
+    return std::to_array<std::string_view>({"auto", "nbuffer", "mipmap", "hybrid", "exact"});
+}
+constexpr auto names_of(SpaoModel) { return std::to_array<std::string_view>({"paper", "thick", "corrected"}); }
+constexpr auto names_of(ReferenceQuantity) {
+    return std::to_array<std::string_view>({"obscurance", "ao", "ao-cosine"});
+}
+constexpr auto names_of(ReferenceMedium) { return std::to_array<std::string_view>({"voxels", "trilinear"}); }
 constexpr auto names_of(Mode) { return std::to_array<std::string_view>({"dvr", "iso", "mip"}); }
 constexpr auto names_of(Classification) { return std::to_array<std::string_view>({"post", "pre", "preintegrated"}); }
 constexpr auto names_of(Compositing) { return std::to_array<std::string_view>({"front-to-back", "back-to-front"}); }

@@ -1,24 +1,83 @@
+#include "classify/medium.h"
+#include "illumination/access.h"
+#include "illumination/cells/lift.h"
 #include "illumination/field.h"
 
 namespace chiaro {
+namespace {
+
+kernel::AccessView view_of(const CellValues& values) {
+    const CellGrid& grid = values.grid;
+    const auto [nx, ny, nz] = grid.count;
+    const auto last = [](int n) { return std::max(n - 2, 0); };
+    const auto scale = [&](int axis) { return float(1 / grid.voxels_per_cell[axis]); };
+    // voxel = (cell + ½) k - ½, the other way round
+    const auto shift = [&](int axis) { return float(0.5 / grid.voxels_per_cell[axis] - 0.5); };
+    return {
+        .cells = values.data(),
+        .row = ny > 1 ? nx : 0,
+        .slice = nz > 1 ? nx * ny : 0,
+        .last = {float(nx - 1), float(ny - 1), float(nz - 1)},
+        .last_x = last(nx),
+        .last_y = last(ny),
+        .last_z = last(nz),
+        .cells_per_voxel = {scale(0), scale(1), scale(2)},
+        .shift = {shift(0), shift(1), shift(2)},
+        .strength = 1,
+    };
+}
+
+IlluminationField field_of(CellValues values, Steps& steps) {
+    auto data = std::make_shared<IlluminationField::Data>();
+    auto access = std::make_shared<const CellValues>(std::move(values));
+    data->view = view_of(*access);
+    data->access = std::move(access);
+    data->stages = steps.take();
+    return IlluminationField(std::move(data));
+}
+
+IlluminationField light_of(const Device& device, const Medium::Data& medium, const IlluminationSettings& settings,
+                           Progress& progress) {
+    Steps steps;
+    const CellOpacity opacity = steps("opacity", [&] { return cell_opacity(medium, progress); });
+    const CellGrid& grid = opacity.values.grid;
+    // A sample reads the cells around it, each of which was lifted from a cell further out.
+    const CellValues access =
+        accessibility(device, medium, opacity, settings, visible_blocks(medium, grid, 2), steps, progress);
+    CellValues lifted = steps("lift", [&] {
+        return lift_off_surfaces(device, access, opacity.values, outward_factor(settings),
+                                 visible_blocks(medium, grid, 1), progress);
+    });
+    return field_of(std::move(lifted), steps);
+}
+
+}  // namespace
 
 IlluminationField::IlluminationField() : data_(std::make_shared<Data>()) {}
+std::size_t IlluminationField::bytes() const { return data().access ? data().access->buffer.size() : 0; }
+const std::vector<Stage>& IlluminationField::stages() const { return data().stages; }
 
 std::vector<MethodInfo> list_methods() {
-    return {{"none", "All light arrives everywhere; only the shading model acts."}};
+    return {
+        {"none", "All light arrives everywhere; only the shading model acts."},
+        {"spao", "Ambient occlusion by filtering: means of growing cubes; follows an edit within a frame or two."},
+        {"reference", "Ambient occlusion by rays from every voxel: slow, and what the others are measured against."}};
 }
 
 Prepared prepare(const DeviceVolume&, const IlluminationSettings&, Progress&) { return {}; }
 
-bool illuminate(const Device&, const Medium&, const Prepared&, const Lighting&, const IlluminationSettings& settings,
-                const Sink& sink, Progress& progress) {
-    if (progress.cancelled()) return false;
-    switch (settings.method) {
-        case Method::none:
-            sink(IlluminationField());
-            break;
-    }
+bool illuminate(const Device& device, const Medium& medium, const Prepared&, const Lighting&,
+                const IlluminationSettings& settings, const Sink& sink, Progress& progress) try {
+    progress.check();
+    // A maximum along a ray has no place in which it could be lit.
+    if (settings.method == Method::none || medium.data().shape.mode == Mode::mip)
+        sink(IlluminationField());
+    else
+        sink(light_of(device, medium.data(), settings, progress));
     return true;
+} catch (const Error& error) {
+    if (error.code() == ErrorCode::interrupted) return false;
+    throw;
 }
 
 }  // namespace chiaro

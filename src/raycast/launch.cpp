@@ -1,3 +1,4 @@
+#include "illumination/cells/field.h"
 #include "illumination/none/field.h"
 #include "raycast/kernel.h"
 
@@ -13,5 +14,6 @@ std::int64_t raycast_tile(const Kernel& kernel, Tile tile) {
     template std::int64_t raycast_tile(const RaycastKernel<std::uint16_t, Field>&, Tile); \
     template std::int64_t raycast_tile(const RaycastKernel<float, Field>&, Tile);
 CHIARO_INSTANTIATE(NoneView)
+CHIARO_INSTANTIATE(AccessView)
 
 }  // namespace chiaro::kernel::CHIARO_ISA

@@ -1,4 +1,5 @@
 // The ray caster's kernel as CUDA sees it: the same source, one thread a pixel. Compiled wherever nvcc exists.
+#include "illumination/cells/field.h"
 #include "illumination/none/field.h"
 #include "raycast/kernel.h"
 
@@ -11,8 +12,11 @@ __global__ void raycast_pixels(Kernel kernel, Tile tile, unsigned long long* sam
     if (x < tile.x1 && y < tile.y1) atomicAdd(samples, sum(kernel(pixel_block<float>(x, y, tile.x1, tile.y1))));
 }
 
-template __global__ void raycast_pixels(RaycastKernel<std::uint8_t, NoneView>, Tile, unsigned long long*);
-template __global__ void raycast_pixels(RaycastKernel<std::uint16_t, NoneView>, Tile, unsigned long long*);
-template __global__ void raycast_pixels(RaycastKernel<float, NoneView>, Tile, unsigned long long*);
+#define CHIARO_INSTANTIATE(Field)                                                                               \
+    template __global__ void raycast_pixels(RaycastKernel<std::uint8_t, Field>, Tile, unsigned long long*);  \
+    template __global__ void raycast_pixels(RaycastKernel<std::uint16_t, Field>, Tile, unsigned long long*); \
+    template __global__ void raycast_pixels(RaycastKernel<float, Field>, Tile, unsigned long long*);
+CHIARO_INSTANTIATE(NoneView)
+CHIARO_INSTANTIATE(AccessView)
 
 }  // namespace chiaro::kernel

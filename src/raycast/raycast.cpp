@@ -62,7 +62,8 @@ Outcome raycast(const Device& device, const Medium& medium, const IlluminationFi
     if (settings.ray_setup == RaySetup::raster && data.shape.mode != Mode::mip)
         geometry.emplace(data, camera_view(camera, data.volume.geometry(), frame.width, frame.height));
     return std::visit(
-        [&](const auto& view) {
+        [&](auto view) {
+            if constexpr (requires { view.strength; }) view.strength = float(lighting.strength);
             return with_stored_type(data.volume.data().stored, [&](auto voxel) {
                 const auto kernel = make_kernel<decltype(voxel)>(data, tables, view, lighting, camera, settings, frame);
                 return cast(device, kernel, geometry ? &*geometry : nullptr, frame, progress);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "classify/clip.h"
 #include "core/srgb.h"
 
 namespace chiaro {
@@ -70,24 +71,8 @@ kernel::ShadingView shading_view(const Lighting& lighting, const Camera& camera,
 
 kernel::ClipView clip_view(const Clip& clip, const Geometry& geometry, const std::array<int, 3>& dimensions) {
     kernel::ClipView view{};
-    const auto add = [&](Vec3 normal, double d) { view.planes[view.count++] = {float3(normal), float(d)}; };
-    if (clip.box)
-        for (int axis = 0; axis < 3; ++axis) {
-            Vec3 along;
-            along[axis] = 1;
-            const double low = (*clip.box)[2 * axis], high = (*clip.box)[2 * axis + 1], last = dimensions[axis] - 1;
-            // Fractions 0 and 1 cut nothing off: the volume's own border is no cut.
-            if (low > 0) add(-along, -low * last);
-            if (high < 1) add(along, high * last);
-        }
-    for (const ClipPlane& plane : clip.planes) {
-        // n · (o + M v) <= d becomes (Mᵀ n) · v <= d - n · o, over the normal's length
-        const double scale = 1 / length(plane.normal);
-        Vec3 normal;
-        for (int axis = 0; axis < 3; ++axis)
-            normal[axis] = scale * geometry.spacing_mm[axis] * dot(plane.normal, geometry.direction[axis]);
-        add(normal, scale * (plane.d - dot(plane.normal, geometry.origin_mm)));
-    }
+    for (const HalfSpace& kept : half_spaces(clip, geometry, dimensions))
+        view.planes[view.count++] = {float3(kept.normal), float(kept.d)};
     return view;
 }
 

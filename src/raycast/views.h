@@ -8,6 +8,7 @@
 #include "classify/medium.h"
 #include "classify/segments.h"
 #include "raycast/kernel.h"
+#include "volume/device_view.h"
 
 namespace chiaro {
 
@@ -41,13 +42,7 @@ kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, cons
     const auto high = [](int n) { return n == 1 ? 0.5f : float(n - 1); };
     const bool backwards = settings.compositing == Compositing::back_to_front;
     return {
-        .matter = {.volume = {reinterpret_cast<const Voxel*>(volume.bricks.data()),
-                              brick_count(nx),
-                              brick_count(ny),
-                              {float(nx - 1), float(ny - 1), float(nz - 1)},
-                              std::max(nx - 2, 0),
-                              std::max(ny - 2, 0),
-                              std::max(nz - 2, 0)},
+        .matter = {.volume = view_of<Voxel>(volume),
                    .occupancy = {medium.cells.data(), cell_count(nx), cell_count(ny)},
                    .table = step_table_view(medium.table, tables),
                    .segments = segment_table_view(tables.segments),

@@ -98,10 +98,15 @@ Json json_of(const Setting& setting, const std::string& text) {
     return list;
 }
 
+/// Methods share names in a scene file: only those of the scene's own method are meant.
+bool concerns(const Setting& setting, const Scene& scene) {
+    return setting.method.empty() || setting.method == to_text(scene.illumination.method);
+}
+
 void read_settings(const Json& root, Scene& scene) {
     for_each_setting(
         [&](const Setting& setting, auto&... fields) {
-            if (setting.scene_form == SceneForm::custom) return;
+            if (setting.scene_form == SceneForm::custom || !concerns(setting, scene)) return;
             const Json* value = find(root, setting.key);
             if (!value) return;
             const std::string who = fmt::format("{} {}", setting.key, value->dump());
@@ -212,7 +217,7 @@ std::string to_json(const Scene& scene) {
     root["camera"]["model"] = "orbit";
     const auto write = [&](const Setting& setting, const auto&... fields) {
         const std::string text = value_text(setting, fields...);
-        if (setting.scene_form == SceneForm::custom || text.empty()) return;
+        if (setting.scene_form == SceneForm::custom || text.empty() || !concerns(setting, scene)) return;
         // Names stay text, though one may look like a number: "1.10" is the UID of a series.
         const bool is_name = (std::is_same_v<decltype(fields), const std::string&> || ...);
         at(root, setting.key) = is_name ? Json(text) : json_of(setting, text);

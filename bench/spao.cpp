@@ -1,0 +1,155 @@
+// Ambient occlusion by filtering: each stage and the whole, against copies of the same bytes, and the paper's table.
+#include <chiaro/error.h>
+#include <chiaro/render.h>
+#include <chiaro/samples.h>
+#include <fmt/format.h>
+
+#include <cstring>
+
+#include "classify/medium.h"
+#include "illumination/access.h"
+#include "illumination/spao/means.h"
+#include "rows.h"
+#include "turntable.h"
+
+namespace chiaro::bench {
+namespace {
+
+/// A classified volume, and room to copy as many bytes as it has voxels of 8 bit.
+struct Subject {
+    Device device;
+    Medium medium;
+    VoxelBuffer from, to;
+
+    Subject(const Device& d, Medium m) : device(d), medium(std::move(m)) {
+        const auto [nx, ny, nz] = medium.data().volume.dimensions();
+        from = VoxelBuffer(std::size_t(nx) * ny * nz), to = VoxelBuffer(from.size());
+        std::memset(from.data(), 1, from.size());
+    }
+    double copy_seconds(double share = 1) {
+        return cpu_seconds([&] { std::memcpy(to.data(), from.data(), std::size_t(share * double(to.size()))); });
+    }
+};
+
+Subject shells(const Setup& setup, int size) {
+    const DeviceVolume volume = upload(setup.device, make_sample("shells", size));
+    return {setup.device, classify(volume, sample_transfer_function("shells"), Shape{})};
+}
+
+IlluminationSettings settings_of(SpaoFilter filter, SpaoModel model, double normal_factor) {
+    IlluminationSettings settings{Method::spao, {}, {}};
+    settings.spao.filter = filter, settings.spao.model = model, settings.spao.normal_factor = normal_factor;
+    return settings;
+}
+
+/// Opacity and accessibility of every cell, or of those near something visible.
+double seconds_of(Subject& s, const IlluminationSettings& settings, bool everywhere, Progress& progress) {
+    return cpu_seconds([&] {
+        Steps steps;
+        const CellOpacity opacity = cell_opacity(s.medium.data(), progress);
+        const CellGrid& grid = opacity.values.grid;
+        const BlockMap blocks = everywhere ? BlockMap(grid.count, true) : visible_blocks(s.medium.data(), grid, 2);
+        accessibility(s.device, s.medium.data(), opacity, settings, blocks, steps, progress);
+    });
+}
+
+std::vector<Row> measure_whole(const Setup& setup, const std::string& name, Subject& subject, SpaoModel model) {
+    const auto settings = settings_of(SpaoFilter::automatic, model, model == SpaoModel::corrected);
+    const bool everywhere = model != SpaoModel::corrected;
+    const auto series =
+        in_turns(setup.runs, {[&] { return 1e3 * seconds_of(subject, settings, everywhere, setup.progress); },
+                              [&] { return 1e3 * subject.copy_seconds(); }});
+    return {{name, "ms", spread_of(series[0]), median_ratio(series[0], series[1]), "memcpy of the u8 volume"}};
+}
+
+/// The corrected model against the paper's, in turns, where something may be visible.
+std::vector<Row> measure_models(const Setup& setup, const std::string& name, Subject& subject) {
+    const auto run = [&](SpaoModel model) {
+        return 1e3 * seconds_of(subject, settings_of(SpaoFilter::automatic, model, model == SpaoModel::corrected),
+                                model != SpaoModel::corrected, setup.progress);
+    };
+    const auto series =
+        in_turns(setup.runs, {[&] { return run(SpaoModel::corrected); }, [&] { return run(SpaoModel::paper); }});
+    return {{name, "ms", spread_of(series[0]), median_ratio(series[0], series[1]), "the paper's model"}};
+}
+
+/// Stored levels: the median of every step, against a copy of as many bytes as the level has.
+std::vector<Row> measure_levels(const Setup& setup, const std::string& prefix, Subject& subject, SpaoFilter filter) {
+    const auto settings = settings_of(filter, SpaoModel::paper, 1);
+    std::vector<std::string> names;
+    std::vector<Series> times;
+    Series copies;
+    for (int run = -1; run < setup.runs; ++run) {
+        Steps steps;
+        const CellOpacity opacity = cell_opacity(subject.medium.data(), setup.progress);
+        accessibility(subject.device, subject.medium.data(), opacity, settings,
+                      BlockMap(opacity.values.grid.count, true), steps, setup.progress);
+        const auto stages = steps.take();
+        times.resize(stages.size()), names.resize(stages.size());
+        for (std::size_t i = 0; run >= 0 && i < stages.size(); ++i) {
+            names[i] = stages[i].name;
+            times[i].push_back(1e3 * stages[i].seconds);
+        }
+        if (run >= 0) copies.push_back(2e3 * subject.copy_seconds());  // two bytes a cell
+    }
+    std::vector<Row> rows;
+    Series levels(copies.size()), total(copies.size());
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        const bool is_level = names[i].find("level") != std::string::npos;
+        for (std::size_t run = 0; run < copies.size(); ++run) {
+            total[run] += times[i][run];
+            if (is_level) levels[run] += times[i][run];
+        }
+        rows.push_back({prefix + names[i], "wall ms", spread_of(times[i]), median_ratio(times[i], copies),
+                        "memcpy of 2 bytes a cell"});
+    }
+    rows.push_back(
+        {prefix + "levels", "wall ms", spread_of(levels), median_ratio(levels, copies), "memcpy of 2 bytes a cell"});
+    rows.push_back({prefix + "total", "wall ms", spread_of(total)});
+    return rows;
+}
+
+/// What follows an edit of the transfer function: classify and illuminate.
+std::vector<Row> measure_update(const Setup& setup, const std::string& name, int size) {
+    const DeviceVolume volume = upload(setup.device, make_sample("shells", size));
+    const TransferFunction tf = sample_transfer_function("shells");
+    IlluminationSettings settings;
+    settings.method = Method::spao;
+    const auto update = [&] {
+        const Medium medium = classify(volume, tf, Shape{});
+        illuminate(
+            setup.device, medium, Prepared(), Lighting(), settings, [](const IlluminationField&) {}, setup.progress);
+    };
+    const auto series = in_turns(setup.runs, {[&] { return 1e3 * wall_seconds(update); }});
+    return {{name, "wall ms", spread_of(series[0])}};
+}
+
+}  // namespace
+
+std::vector<Case> spao_cases(const Setup& setup) {
+    const int size = setup.quick ? 96 : 512;
+    const Shared<Subject> volume([&setup, size] { return shells(setup, size); });
+    std::vector<Case> cases;
+    const auto add = [&](std::string name, auto measure) {
+        cases.push_back({{name}, [=, &setup] { return measure(setup, name, *volume); }});
+    };
+    add("spao/paper/whole", [](const Setup& s, const std::string& name, Subject& subject) {
+        return measure_whole(s, name, subject, SpaoModel::paper);
+    });
+    add("spao/corrected/whole", [](const Setup& s, const std::string& name, Subject& subject) {
+        return measure_whole(s, name, subject, SpaoModel::corrected);
+    });
+    add("spao/corrected-to-paper", measure_models);
+    for (const SpaoFilter filter : {SpaoFilter::nbuffer, SpaoFilter::mipmap}) {
+        const std::string prefix = fmt::format("spao/{}/", filter == SpaoFilter::nbuffer ? "nbuffer" : "mipmap");
+        cases.push_back({{prefix}, [=, &setup] { return measure_levels(setup, prefix, *volume, filter); }});
+    }
+    for (const int edge : {256, 512}) {
+        if (setup.quick) continue;
+        const std::string name = fmt::format("spao/update/{}", edge);
+        cases.push_back({{name}, [=, &setup] { return measure_update(setup, name, edge); }});
+    }
+    return cases;
+}
+
+}  // namespace chiaro::bench

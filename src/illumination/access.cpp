@@ -1,0 +1,29 @@
+#include "illumination/access.h"
+
+#include "illumination/reference/reference.h"
+#include "illumination/spao/spao.h"
+
+namespace chiaro {
+namespace {
+
+/// Any normal that can be told from noise decides.
+constexpr double at_once = 10;
+
+}  // namespace
+
+CellValues accessibility(const Device& device, const Medium::Data& medium, const CellOpacity& opacity,
+                         const IlluminationSettings& settings, const BlockMap& blocks, Steps& steps,
+                         Progress& progress) {
+    if (settings.method == Method::spao)
+        return spao_accessibility(device, opacity, settings.spao, blocks, steps, progress);
+    return reference_accessibility(device, medium, opacity, settings.reference, blocks, steps, progress);
+}
+
+double outward_factor(const IlluminationSettings& settings) {
+    if (settings.method == Method::reference)
+        return settings.reference.quantity == ReferenceQuantity::obscurance ? 0 : at_once;
+    if (settings.spao.model == SpaoModel::corrected) return settings.spao.normal_factor;
+    return settings.spao.normal_factor == 0 ? 0 : at_once;  // the paper's cubes move outwards as a whole
+}
+
+}  // namespace chiaro

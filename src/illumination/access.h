@@ -1,0 +1,20 @@
+// The methods that answer with one number: the share of light that reaches a cell.
+#pragma once
+#include <chiaro/device.h>
+#include <chiaro/error.h>
+#include <chiaro/lighting.h>
+
+#include "illumination/cells/opacity.h"
+#include "illumination/steps.h"
+
+namespace chiaro {
+
+/// The accessibility of every cell of the given blocks, 1 = open, neither shifted nor scaled.
+CellValues accessibility(const Device& device, const Medium::Data& medium, const CellOpacity& opacity,
+                         const IlluminationSettings& settings, const BlockMap& blocks, Steps& steps,
+                         Progress& progress);
+
+/// F of `lift_off_surfaces`: how soon a normal makes the answer look outwards only; 0 when it never does.
+double outward_factor(const IlluminationSettings& settings);
+
+}  // namespace chiaro

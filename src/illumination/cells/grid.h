@@ -1,0 +1,90 @@
+// Cubic cells of the smallest spacing over the volume's whole voxels. Light is computed on them, so that cubes, balls
+// and distances are what they are in millimetres whatever the voxels' shape (cells are the voxels where these are
+// cubes).
+#pragma once
+#include <chiaro/medium.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace chiaro {
+
+struct CellGrid {
+    std::array<int, 3> count{0, 0, 0};
+    double edge_mm = 1;
+    Vec3 voxels_per_cell{1, 1, 1};  ///< at most 1
+    bool is_voxel_grid = true;
+
+    std::size_t size() const { return std::size_t(count[0]) * count[1] * count[2]; }
+    std::size_t index(int x, int y, int z) const { return (std::size_t(z) * count[1] + y) * count[0] + x; }
+    /// Voxel coordinates of a cell's centre; cells and voxels both cover [-½, n - ½] of their index.
+    Vec3 voxel_of(double x, double y, double z) const {
+        return {(x + 0.5) * voxels_per_cell.x - 0.5, (y + 0.5) * voxels_per_cell.y - 0.5,
+                (z + 0.5) * voxels_per_cell.z - 0.5};
+    }
+};
+
+/// Throws Error{output} when there would be more cells than can be held (2^31).
+CellGrid make_cell_grid(const std::array<int, 3>& dimensions, const Geometry& geometry);
+
+inline constexpr float cell_one = 65535;
+inline std::uint16_t cell_value(double share) { return std::uint16_t(std::clamp(share, 0.0, 1.0) * cell_one + 0.5); }
+
+/// One number in [0, 1] for every cell, as 65535ths; x fastest. What was never written takes no memory and reads as 0.
+struct CellValues {
+    CellGrid grid;
+    VoxelBuffer buffer;
+
+    explicit CellValues(const CellGrid& cells) : grid(cells), buffer((cells.size() + spare) * sizeof(std::uint16_t)) {}
+    std::uint16_t* data() { return reinterpret_cast<std::uint16_t*>(buffer.data()); }
+    const std::uint16_t* data() const { return reinterpret_cast<const std::uint16_t*>(buffer.data()); }
+
+private:
+    static constexpr std::size_t spare = 8;  ///< look-ups read two cells at a time
+};
+
+/// Blocks of cells, over which work is shared out and empty space is left out.
+inline constexpr int block_edge = 32;
+
+/// Pieces of a block, 16 × 4 × 4 cells each: bit x of [z][y].
+struct BlockPieces {
+    static constexpr int width = 16, height = 4;
+    std::uint8_t bits[block_edge / height][block_edge / height];
+};
+inline constexpr BlockPieces all_pieces = [] {
+    BlockPieces all{};
+    for (auto& slice : all.bits)
+        for (auto& row : slice) row = 3;
+    return all;
+}();
+
+struct BlockMap {
+    std::array<int, 3> count{0, 0, 0};
+    std::vector<std::uint8_t> holds;  ///< x fastest
+    std::vector<BlockPieces> pieces;  ///< of each block; empty: all of those that are held
+
+    explicit BlockMap(const std::array<int, 3>& cells, bool all = false)
+        : count{blocks(cells[0]), blocks(cells[1]), blocks(cells[2])},
+          holds(std::size_t(count[0]) * count[1] * count[2], all) {}
+    std::array<int, 3> at(std::size_t block) const {
+        return {int(block % count[0]), int(block / count[0] % count[1]), int(block / count[0] / count[1])};
+    }
+    std::uint8_t& operator()(int x, int y, int z) { return holds[(std::size_t(z) * count[1] + y) * count[0] + x]; }
+    const BlockPieces& pieces_of(std::size_t block) const { return pieces.empty() ? all_pieces : pieces[block]; }
+    bool at(int x, int y, int z) const { return holds[(std::size_t(z) * count[1] + y) * count[0] + x]; }
+    bool any_in_row(int y, int z) const {
+        const auto row = holds.begin() + std::ptrdiff_t((std::size_t(z) * count[1] + y) * count[0]);
+        return std::any_of(row, row + count[0], [](std::uint8_t held) { return held != 0; });
+    }
+    /// First cell and end of a block, within the grid.
+    std::array<std::pair<int, int>, 3> cells(std::size_t block, const std::array<int, 3>& grid) const;
+    std::vector<std::size_t> held() const;  ///< the blocks that are set, in order
+
+private:
+    static int blocks(int cells) { return (cells + block_edge - 1) / block_edge; }
+};
+
+/// The blocks, and pieces of them, within `reach` cells of which a ray may see something.
+BlockMap visible_blocks(const Medium::Data& medium, const CellGrid& grid, double reach);
+
+}  // namespace chiaro

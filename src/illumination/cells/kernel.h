@@ -1,0 +1,68 @@
+// Rows of cells in plain loops that the compiler turns into vectors: neighbours along x are neighbours in memory.
+#pragma once
+#include "kernel/lanes.h"
+#include "kernel/vec.h"
+
+namespace chiaro::kernel {
+
+/// A block of floats and two cells around it.
+struct LiftTile {
+    static constexpr int edge = 32, halo = 2, row = edge + 2 * halo, slice = row * row, size = slice * row;
+};
+
+/// -(α(i + 1) - α(i - 1)) per axis; `alpha` points at the cell.
+template <class T>
+CHIARO_INLINE Vec3<float> step_down(const T* alpha, int row, int slice) {
+    return {float(alpha[-1]) - float(alpha[1]), float(alpha[-row]) - float(alpha[row]),
+            float(alpha[-slice]) - float(alpha[slice])};
+}
+
+/// min(1, F |n|) of a normal shortened to 1.
+template <class F>
+CHIARO_INLINE F outward_share(Vec3<F> n, float normal_factor) {
+    return min(F(normal_factor) * min(sqrt(dot(n, n)), F(1)), F(1));
+}
+
+/// Towards the neighbour on the side that n points to.
+CHIARO_INLINE float towards(float below, float here, float above, float n) {
+    return lerp(here, n > 0 ? above : below, abs(n));
+}
+
+/// Of a cell with normal n: A × 2 / (1 + q), not clamped yet.
+CHIARO_INLINE float scaled(float access, const float* opacity, float normal_factor) {
+    return access * 2 / (1 + outward_share(step_down(opacity, LiftTile::row, LiftTile::slice), normal_factor));
+}
+/// The scaled field one edge along the normal: trilinear between the cell and the 7 neighbours on that side.
+CHIARO_INLINE float lifted(const float* access, const float* opacity) {
+    constexpr int row = LiftTile::row, slice = LiftTile::slice;
+    Vec3<float> n = step_down(opacity, row, slice);
+    n = (1 / max(sqrt(dot(n, n)), 1.0f)) * n;
+    const auto along_x = [&](const float* a) CHIARO_INLINE_LAMBDA { return towards(a[-1], a[0], a[1], n.x); };
+    const auto along_y = [&](const float* a) CHIARO_INLINE_LAMBDA {
+        return towards(along_x(a - row), along_x(a), along_x(a + row), n.y);
+    };
+    return min(towards(along_y(access - slice), along_y(access), along_y(access + slice), n.z), 1.0f);
+}
+
+/// A piece of 16 cells of a row; `scaled` and `opacity` point at its first cell in their tiles.
+CHIARO_INLINE void lift_piece(const float* scaled, const float* opacity, std::uint16_t* out) {
+    for (int x = 0; x < 16; ++x) out[x] = std::uint16_t(std::int32_t(lifted(scaled + x, opacity + x) * 65535 + 0.5f));
+}
+
+/// Rows of a block; `access` and `opacity` are tiles, `access` is scaled in place. Only the pieces of 16 × 4 × 4 cells
+/// that bit x of [z][y] asks for.
+CHIARO_INLINE void lift_block(float* access, const float* opacity, float normal_factor,
+                              const std::uint8_t (*pieces)[LiftTile::edge / 4], std::uint16_t* out) {
+    constexpr int row = LiftTile::row, slice = LiftTile::slice, edge = LiftTile::edge;
+    for (int i = slice + row + 1; i < LiftTile::size - slice - row - 1; ++i)
+        access[i] = scaled(access[i], opacity + i, normal_factor);
+    for (int z = 0; z < edge; ++z)
+        for (int y = 0; y < edge; ++y, out += edge)
+            for (int x = 0; x < edge; x += 16) {
+                if (!(pieces[z / 4][y / 4] >> (x / 16) & 1)) continue;
+                const int at = (z + 2) * slice + (y + 2) * row + 2 + x;
+                lift_piece(access + at, opacity + at, out + x);
+            }
+}
+
+}  // namespace chiaro::kernel

@@ -1,0 +1,23 @@
+// How much light one cell stops: what every method that filters opacity starts from.
+#pragma once
+#include <chiaro/progress.h>
+
+#include "illumination/cells/grid.h"
+
+namespace chiaro {
+
+struct CellOpacity {
+    CellValues values;
+    BlockMap matter;  ///< blocks that may hold something else than 0
+};
+
+/// α of one cell edge at the cells' centres, α = 1 - exp(-κ e): the volume classified there (interpolated first where
+/// cells are not voxels); 0 where it is clipped away. Of isosurfaces, how much of the cell lies inside:
+/// α = clamp(½ + (f - iso) / (|∇f| e), 0, 1), times the surface's opacity. Cost: one look-up a cell near matter.
+/// Throws Error{interrupted} when cancelled.
+CellOpacity cell_opacity(const Medium::Data& medium, Progress& progress);
+
+/// Extinction per cell edge of entry j of the optical table: the same quantity unrounded.
+std::vector<float> extinction_per_edge(const Medium::Data& medium, const CellGrid& grid);
+
+}  // namespace chiaro

@@ -1,0 +1,160 @@
+#include "illumination/spao/coarse.h"
+
+#include <algorithm>
+
+namespace chiaro {
+namespace {
+
+constexpr int half_block = block_edge / 2;
+
+/// 2 × 2 × 2 means from four rows; beyond the finer row's end nothing.
+void shrink_row(const kernel::SpaoFunctions& run, kernel::MipRows rows, int first, int end, int finer_end,
+                std::uint16_t* to) {
+    for (auto& from : rows.from) from += 2 * first;
+    const int whole = std::min(end, finer_end / 2) - first;
+    run.mip_row(rows, whole, to + first);
+    if (first + whole == end) return;
+    int sum = 4;  // the last cell has no partner
+    for (const auto* from : rows.from) sum += from[2 * whole];
+    to[end - 1] = std::uint16_t(sum >> 3);
+}
+
+}  // namespace
+
+CoarseGrid::CoarseGrid(const CellOpacity& finest, int octants, const Device& device, Progress& progress)
+    : octants_(octants) {
+    const OpacityGrid grid{finest.values.grid.count, finest.values.data()};
+    allocate(grid.count);
+    shrink(grid, &finest.matter, device, progress);
+    if (octants_ > 1) find_weights(grid, finest.matter, device, progress);
+}
+
+CoarseGrid::CoarseGrid(const CoarseGrid& finer, const Device& device, Progress& progress) : octants_(finer.octants_) {
+    allocate(finer.count_);
+    shrink(finer.opacity(), nullptr, device, progress);
+    if (octants_ == 1) return;
+    // Every other corner of the finer grid.
+    for (int z = 0; z < corners_[2]; ++z)
+        for (int y = 0; y < corners_[1]; ++y)
+            for (int x = 0; x < corners_[0]; ++x) {
+                const Cells from{2 * x, 2 * y, 2 * z};
+                const bool inside =
+                    from[0] < finer.corners_[0] && from[1] < finer.corners_[1] && from[2] < finer.corners_[2];
+                as_shorts(weight_)[corner({x, y, z})] = inside ? as_shorts(finer.weight_)[finer.corner(from)] : 65535;
+            }
+}
+
+void CoarseGrid::allocate(const Cells& finer) {
+    for (int axis = 0; axis < 3; ++axis) {
+        count_[axis] = (finer[axis] + 1) / 2;
+        corners_[axis] = (count_[axis] / block_edge + 1) * block_edge;
+    }
+    opacity_ = VoxelBuffer(std::size_t(count_[0]) * count_[1] * count_[2] * sizeof(std::uint16_t));
+    open_ = VoxelBuffer(corners() * octants_ * sizeof(std::uint16_t));
+    if (octants_ > 1) weight_ = VoxelBuffer(corners() * sizeof(std::uint16_t));
+}
+
+/// `matter` tells which blocks of the finer grid may hold something else than 0; null: all may.
+void CoarseGrid::shrink(const OpacityGrid& finer, const BlockMap* matter, const Device& device, Progress& progress) {
+    const auto run = kernel::spao_functions_for(device.isa);
+    const std::vector<std::uint16_t> zeros(finer.count[0]);
+    const auto [nx, ny, nz] = count_;
+    const auto slice = [&, nx = nx, ny = ny](std::int64_t z, std::int64_t) {
+        for (int y = 0; y < ny; ++y) {
+            kernel::MipRows rows;
+            for (int r = 0; r < 4; ++r) {
+                const int j = 2 * y + (r & 1), k = 2 * int(z) + (r >> 1);
+                rows.from[r] = j < finer.count[1] && k < finer.count[2] ? finer.row(j, k) : zeros.data();
+            }
+            std::uint16_t* to = as_shorts(opacity_) + (std::size_t(z) * ny + y) * nx;
+            for (int x = 0; x < nx; x += half_block)
+                if (!matter || matter->at(x / half_block, y / half_block, int(z) / half_block))
+                    shrink_row(run, rows, x, std::min(x + half_block, nx), finer.count[0], to);
+        }
+    };
+    parallel_for(device.threads, nz, 1, "spao", progress, slice);
+    progress.check();
+}
+
+/// Twice the transparency at the corner (the mean of the 8 finest cells around it), at most 1, at least 1/64.
+void CoarseGrid::find_weights(const OpacityGrid& finest, const BlockMap& matter, const Device& device,
+                              Progress& progress) {
+    const auto run = kernel::spao_functions_for(device.isa);
+    const int n = corners_[0];
+    const auto slice = [&](std::int64_t z, std::int64_t) {
+        std::vector<std::uint16_t> around(4 * std::size_t(2 * n)), opacity(n);
+        for (int y = 0; y < corners_[1]; ++y) {
+            std::uint16_t* to = as_shorts(weight_) + corner({0, y, int(z)});
+            kernel::MipRows rows;
+            bool any = false;
+            for (int r = 0; r < 4; ++r) {  // cells 2 i - 1 and 2 i along each axis
+                const int j = 2 * y - (r & 1), k = 2 * int(z) - (r >> 1);
+                std::uint16_t* row = &around[r * std::size_t(2 * n)];
+                rows.from[r] = row;
+                std::fill_n(row, 2 * n, std::uint16_t(0));
+                if (j < 0 || j >= finest.count[1] || k < 0 || k >= finest.count[2]) continue;
+                if (!matter.any_in_row(j / block_edge, k / block_edge)) continue;
+                std::copy_n(finest.row(j, k), std::min(finest.count[0], 2 * n - 1), row + 1);
+                any = true;
+            }
+            if (!any) {
+                std::fill_n(to, n, std::uint16_t(65535));
+                continue;
+            }
+            run.mip_row(rows, n, opacity.data());
+            for (int x = 0; x < n; ++x) to[x] = std::uint16_t(std::clamp(2 * (65535 - opacity[x]), 1024, 65535));
+        }
+    };
+    parallel_for(device.threads, corners_[2], 1, "spao", progress, slice);
+    progress.check();
+}
+
+void CoarseGrid::need(const BlockMap& finer) {
+    needed_ = BlockMap(corners_);
+    for (const std::size_t b : finer.held()) {
+        const Cells at = finer.at(b);
+        Cells low, high;
+        for (int axis = 0; axis < 3; ++axis) {
+            low[axis] = std::min(at[axis] / 2, needed_.count[axis] - 1);
+            high[axis] = std::min((at[axis] * half_block + half_block) / block_edge, needed_.count[axis] - 1);
+        }
+        for (int z = low[2]; z <= high[2]; ++z)
+            for (int y = low[1]; y <= high[1]; ++y)
+                for (int x = low[0]; x <= high[0]; ++x) needed_(x, y, z) = 1;
+    }
+}
+
+const std::uint16_t* CoarseGrid::weights(const Cells& first) const {
+    return octants_ > 1 ? as_shorts(weight_) + corner(first) : nullptr;
+}
+
+kernel::SpaoOutput CoarseGrid::output(const Cells& first) {
+    kernel::SpaoOutput to{.row = corners_[0],
+                          .slice = std::int64_t(corners_[0]) * corners_[1],
+                          .nx = block_edge,
+                          .ny = block_edge,
+                          .nz = block_edge,
+                          .pieces = all_pieces.bits};
+    for (int s = 0; s < octants_; ++s) to.at[s] = as_shorts(open_) + s * corners() + corner(first);
+    return to;
+}
+
+void CoarseGrid::load(const Cells& first, kernel::CoarseTile& tile) const {
+    constexpr int edge = kernel::CoarseTile::edge;
+    const auto copy = [&](const std::uint16_t* from, std::uint16_t* to) {
+        const int x0 = first[0] / 2, inside = std::min(edge, corners_[0] - x0);
+        for (int k = 0; k < edge; ++k)
+            for (int j = 0; j < edge; ++j, to += edge) {
+                // Past the last corner lies no cell that asks.
+                const int y = std::min(first[1] / 2 + j, corners_[1] - 1),
+                          z = std::min(first[2] / 2 + k, corners_[2] - 1);
+                const std::uint16_t* row = from + corner({x0, y, z});
+                std::copy_n(row, inside, to);
+                std::fill(to + inside, to + edge, row[inside - 1]);
+            }
+    };
+    for (int s = 0; s < octants_; ++s) copy(as_shorts(open_) + s * corners(), tile.open[s]);
+    if (octants_ > 1) copy(as_shorts(weight_), tile.weight);
+}
+
+}  // namespace chiaro

@@ -1,0 +1,13 @@
+// The fused sweep: no level is kept. Shells 0 and 1 are found block by block in the cache; shell l >= 2 at the corners
+// of cells 2^(l-1) as wide, where its octants are whole cells, joined to all further ones, and then interpolated.
+#pragma once
+#include "illumination/access.h"
+
+namespace chiaro {
+
+/// Fills the cells of the given blocks; `settings` ask for no look-up that moves with the normal. Memory: two bytes a
+/// cell for the result, a quarter more for the coarser opacities, two for what they found out (of the visible blocks).
+CellValues fused_sweep(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
+                       const BlockMap& blocks, Steps& steps, Progress& progress);
+
+}  // namespace chiaro

@@ -1,0 +1,59 @@
+// Where the mean opacity of any cube can be looked up: stored levels, or a table of sums.
+#pragma once
+#include "core/threads.h"
+#include "illumination/access.h"
+#include "illumination/spao/launch.h"
+
+namespace chiaro {
+
+/// Mipmaps up to level m, then N-buffers on the grid of 2^m cells: m = 0 is N-buffers alone, m = levels mipmaps alone.
+/// Memory: two bytes a cell and level, and 8^m times less from level m on; N-buffers reach half a cube beyond the grid.
+class SpaoLevels {
+public:
+    /// Levels 0 to `top`. Throws Error{output} without the memory for them, Error{interrupted} when cancelled.
+    SpaoLevels(const Device& device, const CellOpacity& opacity, int mip_levels, int top, Steps& steps,
+               Progress& progress);
+    kernel::StoredLevels view() const;
+    std::size_t bytes() const;
+
+private:
+    struct Level {
+        std::array<int, 3> count;  ///< with a layer of zeros on every side
+        VoxelBuffer cells;
+        double scale, shift;
+        std::uint16_t* row(int y, int z);
+        const std::uint16_t* row(int y, int z) const;
+    };
+    Level make_level(std::array<int, 3> count, double scale, double shift) const;
+    void copy_opacity(const CellOpacity& opacity, Progress& progress);
+    void add_mipmap(Progress& progress);
+    void add_nbuffer(int distance, Progress& progress);
+
+    Device device_;
+    kernel::SpaoFunctions run_;
+    std::vector<Level> levels_;
+};
+
+/// Sums over [0, x) × [0, y) × [0, z): exact means of any box. For tests and small volumes: 8 bytes a cell.
+class SummedOpacity {
+public:
+    SummedOpacity(const CellValues& opacity, Progress& progress);
+    /// Mean of 65535 α over the cube of the given width about p (cells); outside counts as 0.
+    double mean(double width, Vec3 p) const;
+
+private:
+    double below(double x, double y, double z) const;
+    std::array<int, 3> count_;
+    std::vector<std::int64_t> sums_;
+};
+
+/// As AccessKernel asks for means.
+struct ExactMeans {
+    const SummedOpacity* sums;
+    template <class F>
+    F mean(std::int32_t level, kernel::Vec3<F> p) const {
+        return F(sums->mean(std::ldexp(1.0, level), {p.x, p.y, p.z}));
+    }
+};
+
+}  // namespace chiaro

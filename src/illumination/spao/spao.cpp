@@ -1,0 +1,76 @@
+#include "illumination/spao/spao.h"
+
+#include "illumination/spao/fused.h"
+#include "illumination/spao/means.h"
+
+namespace chiaro {
+namespace {
+
+kernel::SpaoProduct product_of(SpaoModel model) { return kernel::SpaoProduct(model); }
+
+/// Look-ups that move with the normal need levels that can be asked for anywhere.
+bool needs_levels(const SpaoSettings& settings) {
+    return settings.model != SpaoModel::corrected && settings.normal_factor > 0;
+}
+
+/// How many of the levels are mipmaps before N-buffers begin.
+int mip_levels(const SpaoSettings& settings) {
+    switch (settings.filter) {
+        case SpaoFilter::nbuffer:
+            return 0;
+        case SpaoFilter::mipmap:
+            return settings.levels;
+        default:
+            return std::min(settings.mip_levels, settings.levels);
+    }
+}
+
+/// `fill(cells)` for every row of every block.
+template <class Fill>
+CellValues fill_rows(const Device& device, const CellGrid& grid, const BlockMap& map, Progress& progress, Fill&& fill) {
+    CellValues access(grid);
+    const auto blocks = map.held();
+    parallel_for(device.threads, std::int64_t(blocks.size()), 1, "spao", progress, [&](std::int64_t b, std::int64_t) {
+        const auto [x, y, z] = map.cells(blocks[b], grid.count);
+        for (int k = z.first; k < z.second; ++k)
+            for (int j = y.first; j < y.second; ++j)
+                fill(kernel::SpaoCells{x.first, x.second - x.first, j, k, access.data() + grid.index(x.first, j, k)});
+    });
+    progress.check();
+    return access;
+}
+
+CellValues from_levels(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
+                       const BlockMap& blocks, Steps& steps, Progress& progress) {
+    const SpaoLevels levels(device, opacity, mip_levels(settings), settings.levels, steps, progress);
+    const kernel::StoredKernel kernel{levels.view(), settings.levels, product_of(settings.model),
+                                      float(settings.normal_factor)};
+    const auto row = kernel::spao_functions_for(device.isa).stored_row;
+    return steps("spao combine", [&] {
+        return fill_rows(device, opacity.values.grid, blocks, progress,
+                         [&](const kernel::SpaoCells& cells) { row(kernel, cells); });
+    });
+}
+
+CellValues from_sums(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
+                     const BlockMap& blocks, Steps& steps, Progress& progress) {
+    const SummedOpacity sums = steps("spao sums", [&] { return SummedOpacity(opacity.values, progress); });
+    const kernel::AccessKernel<ExactMeans> kernel{
+        {&sums}, settings.levels, product_of(settings.model), float(settings.normal_factor)};
+    return steps("spao combine", [&] {
+        return fill_rows(device, opacity.values.grid, blocks, progress,
+                         [&](const kernel::SpaoCells& cells) { kernel::access_row<float>(kernel, cells); });
+    });
+}
+
+}  // namespace
+
+CellValues spao_accessibility(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
+                              const BlockMap& blocks, Steps& steps, Progress& progress) {
+    if (settings.filter == SpaoFilter::exact) return from_sums(device, opacity, settings, blocks, steps, progress);
+    if (settings.filter != SpaoFilter::automatic || needs_levels(settings))
+        return from_levels(device, opacity, settings, blocks, steps, progress);
+    return fused_sweep(device, opacity, settings, blocks, steps, progress);
+}
+
+}  // namespace chiaro

@@ -1,0 +1,11 @@
+// Smooth probabilistic ambient occlusion (Kroes, Schut and Eisemann, GPU Zen): means of opacity over growing cubes.
+#pragma once
+#include "illumination/access.h"
+
+namespace chiaro {
+
+/// Fills the cells of the given blocks.
+CellValues spao_accessibility(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
+                              const BlockMap& blocks, Steps& steps, Progress& progress);
+
+}  // namespace chiaro

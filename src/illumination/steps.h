@@ -1,0 +1,36 @@
+// What an illumination method consists of, step by step, with the time that each took.
+#pragma once
+#include <chiaro/progress.h>
+
+#include <chrono>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace chiaro {
+
+class Steps {
+public:
+    /// Runs one step and keeps its time; returns what it returns.
+    template <class Step>
+    auto operator()(std::string name, Step&& step) {
+        const Clock clock(*this, std::move(name));
+        return step();
+    }
+    std::vector<Stage> take() { return std::move(stages_); }
+
+private:
+    struct Clock {
+        Steps& steps;
+        std::string name;
+        std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+        Clock(Steps& s, std::string n) : steps(s), name(std::move(n)) {}
+        ~Clock() {
+            const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
+            steps.stages_.push_back({std::move(name), time.count()});
+        }
+    };
+    std::vector<Stage> stages_;
+};
+
+}  // namespace chiaro

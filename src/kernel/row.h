@@ -1,0 +1,162 @@
+// Numbers that lie next to each other in memory: one, or sixteen at a time.
+#pragma once
+#include "kernel/lanes.h"
+
+namespace chiaro::kernel {
+
+/// 16-bit numbers: one, or sixteen.
+template <class F>
+struct ShortsOf;
+template <>
+struct ShortsOf<float> {
+    using type = std::uint16_t;
+};
+template <class F>
+using Shorts = typename ShortsOf<F>::type;
+
+CHIARO_INLINE void load(const std::uint16_t* from, std::uint16_t& shorts) { shorts = *from; }
+CHIARO_INLINE void store(std::uint16_t shorts, std::uint16_t* to) { *to = shorts; }
+/// The mean of each pair, rounded up.
+CHIARO_INLINE std::uint16_t mean_of(std::uint16_t a, std::uint16_t b) { return std::uint16_t((a + b + 1) >> 1); }
+/// Whole numbers up to 65535.
+CHIARO_INLINE float to_float(std::uint16_t shorts) { return float(shorts); }
+CHIARO_INLINE void store_whole(std::int32_t values, std::uint16_t* to) { *to = std::uint16_t(values); }
+/// a0 b0 a1 b1 ...
+CHIARO_INLINE void store_interleaved(std::uint16_t a, std::uint16_t b, std::uint16_t* to) { to[0] = a, to[1] = b; }
+
+#ifdef CHIARO_SIMD
+inline namespace CHIARO_ISA {
+
+using ShortLanes = Pack<std::uint16_t, 16>;
+
+/// A vector wherever it lies. Copied as bytes it would come in pieces through the stack, and wait there.
+template <class V>
+struct Anywhere {
+    typedef V type __attribute__((aligned(2), may_alias));
+};
+template <class V>
+CHIARO_INLINE V load_vector(const std::uint16_t* from) {
+    return *reinterpret_cast<const typename Anywhere<V>::type*>(from);
+}
+template <class V>
+CHIARO_INLINE void store_vector(V v, std::uint16_t* to) {
+    *reinterpret_cast<typename Anywhere<V>::type*>(to) = v;
+}
+
+template <int N>
+CHIARO_INLINE void load(const std::uint16_t* from, Pack<std::uint16_t, N>& shorts) {
+    if constexpr (is_native<std::uint16_t, N>)
+        shorts.v = load_vector<typename Pack<std::uint16_t, N>::V>(from);
+    else
+        load(from, shorts.lo), load(from + N / 2, shorts.hi);
+}
+template <int N>
+CHIARO_INLINE void store(Pack<std::uint16_t, N> shorts, std::uint16_t* to) {
+    if constexpr (is_native<std::uint16_t, N>)
+        store_vector(shorts.v, to);
+    else
+        store(shorts.lo, to), store(shorts.hi, to + N / 2);
+}
+
+typedef VectorOf<std::uint16_t, 8>::type NativeShorts8;
+CHIARO_INLINE NativeShorts8 native_mean(NativeShorts8 a, NativeShorts8 b) {
+    return NativeShorts8(_mm_avg_epu16(__m128i(a), __m128i(b)));
+}
+CHIARO_INLINE void native_interleave(NativeShorts8 a, NativeShorts8 b, std::uint16_t* to) {
+    const NativeShorts8 low = __builtin_shufflevector(a, b, 0, 8, 1, 9, 2, 10, 3, 11),
+                        high = __builtin_shufflevector(a, b, 4, 12, 5, 13, 6, 14, 7, 15);
+    store_vector(low, to);
+    store_vector(high, to + 8);
+}
+#if defined(__AVX2__)
+typedef VectorOf<std::uint16_t, 16>::type NativeShorts16;
+CHIARO_INLINE NativeShorts16 native_mean(NativeShorts16 a, NativeShorts16 b) {
+    return NativeShorts16(_mm256_avg_epu16(__m256i(a), __m256i(b)));
+}
+CHIARO_INLINE void native_interleave(NativeShorts16 a, NativeShorts16 b, std::uint16_t* to) {
+    const NativeShorts16 low = __builtin_shufflevector(a, b, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23),
+                         high = __builtin_shufflevector(a, b, 8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15,
+                                                        31);
+    store_vector(low, to);
+    store_vector(high, to + 16);
+}
+#endif
+
+template <int N>
+struct ShortHalves {
+    Pack<std::uint16_t, N / 2> low, high;
+};
+CHIARO_INLINE ShortHalves<8> split(NativeShorts8 v) {
+    typedef VectorOf<std::uint16_t, 4>::type V;
+    return {V(__builtin_shufflevector(v, v, 0, 1, 2, 3)), V(__builtin_shufflevector(v, v, 4, 5, 6, 7))};
+}
+#if defined(__AVX2__)
+CHIARO_INLINE ShortHalves<16> split(NativeShorts16 v) {
+    return {NativeShorts8(_mm256_castsi256_si128(__m256i(v))), NativeShorts8(_mm256_extracti128_si256(__m256i(v), 1))};
+}
+#endif
+
+CHIARO_INLINE ShortLanes mean_of(ShortLanes a, ShortLanes b) {
+    return map<std::uint16_t, 16>(
+        [](auto u, auto v) __attribute__((always_inline)) { return native_mean(u, v); }, a, b);
+}
+template <int N>
+CHIARO_INLINE void store_interleaved(Pack<std::uint16_t, N> a, Pack<std::uint16_t, N> b, std::uint16_t* to) {
+    if constexpr (is_native<std::uint16_t, N>) {
+        native_interleave(a.v, b.v, to);
+    } else {
+        store_interleaved<N / 2>(a.lo, b.lo, to);
+        store_interleaved<N / 2>(a.hi, b.hi, to + N);
+    }
+}
+
+/// Shorts to words and back, as wide as the machine's words are.
+template <int N>
+CHIARO_INLINE Pack<std::int32_t, N> widen(Pack<std::uint16_t, N> shorts) {
+    using Words = Pack<std::int32_t, N>;
+    if constexpr (is_native<std::int32_t, N>) {
+        return Words(__builtin_convertvector(shorts.v, typename Words::V));
+    } else if constexpr (is_native<std::uint16_t, N>) {
+        const auto halves = split(shorts.v);
+        return {widen<N / 2>(halves.low), widen<N / 2>(halves.high)};
+    } else {
+        return {widen<N / 2>(shorts.lo), widen<N / 2>(shorts.hi)};
+    }
+}
+template <int N>
+CHIARO_INLINE void narrow(Pack<std::int32_t, N> values, std::uint16_t* to) {
+    if constexpr (is_native<std::int32_t, N>) {
+        store_vector(__builtin_convertvector(values.v, typename VectorOf<std::uint16_t, N>::type), to);
+    } else {
+        narrow<N / 2>(values.lo, to);
+        narrow<N / 2>(values.hi, to + N / 2);
+    }
+}
+CHIARO_INLINE Lanes to_float(ShortLanes shorts) { return to_float(widen<16>(shorts)); }
+CHIARO_INLINE void store_whole(IntLanes values, std::uint16_t* to) { narrow<16>(values, to); }
+
+}  // namespace CHIARO_ISA
+template <>
+struct ShortsOf<Lanes> {
+    using type = ShortLanes;
+};
+#endif
+
+template <class F>
+CHIARO_INLINE Shorts<F> load_shorts(const std::uint16_t* from) {
+    Shorts<F> shorts;
+    load(from, shorts);
+    return shorts;
+}
+/// As numbers.
+template <class F>
+CHIARO_INLINE F load_row(const std::uint16_t* from) {
+    return to_float(load_shorts<F>(from));
+}
+/// Shares in [0, 1] as 65535ths.
+template <class F>
+CHIARO_INLINE void store_shares(F shares, std::uint16_t* to) {
+    store_whole(truncate(shares * F(65535) + F(0.5f)), to);
+}
+
+}  // namespace chiaro::kernel
