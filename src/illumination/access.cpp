@@ -21,7 +21,7 @@ CellValues accessibility(const Device& device, const Medium::Data& medium, const
 
 double outward_factor(const IlluminationSettings& settings) {
     if (settings.method == Method::reference)
-        return settings.reference.quantity == ReferenceQuantity::obscurance ? 0 : at_once;
+        return settings.reference.quantity == ReferenceQuantity::obscurance ? 0 : reference_normal_factor;
     if (settings.spao.model == SpaoModel::corrected) return settings.spao.normal_factor;
     return settings.spao.normal_factor == 0 ? 0 : at_once;  // the paper's cubes move outwards as a whole
 }

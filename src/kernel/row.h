@@ -159,4 +159,26 @@ CHIARO_INLINE void store_shares(F shares, std::uint16_t* to) {
     store_whole(truncate(shares * F(65535) + F(0.5f)), to);
 }
 
+/// Floats, one native vector after the other: a copy of all lanes at once would go through general registers.
+template <class F>
+CHIARO_INLINE F load_row(const float* from) {
+    if constexpr (requires(F f) { f.lo; }) {
+        using Half = decltype(F::lo);
+        return {load_row<Half>(from), load_row<Half>(from + sizeof(Half) / sizeof(float))};
+    } else {
+        F lanes;
+        __builtin_memcpy(&lanes, from, sizeof lanes);
+        return lanes;
+    }
+}
+template <class F>
+CHIARO_INLINE void store_row(float* to, F lanes) {
+    if constexpr (requires { lanes.lo; }) {
+        store_row(to, lanes.lo);
+        store_row(to + sizeof lanes.lo / sizeof(float), lanes.hi);
+    } else {
+        __builtin_memcpy(to, &lanes, sizeof lanes);
+    }
+}
+
 }  // namespace chiaro::kernel

@@ -1,7 +1,182 @@
 #include "illumination/reference/reference.h"
+
+#include "core/threads.h"
+#include "illumination/reference/crossings.h"
+#include "illumination/reference/directions.h"
+#include "illumination/reference/interpolated.h"
+#include "illumination/reference/launch.h"
+#include "illumination/reference/nodes.h"
+#include "illumination/reference/outward.h"
+
 namespace chiaro {
-CellValues reference_accessibility(const Device&, const Medium::Data&, const CellOpacity&, const ReferenceSettings&,
-                                   const BlockMap&, Steps&, Progress&) {
-    throw Error(ErrorCode::internal, "not written yet");
+namespace {
+
+using kernel::Lobe;
+using kernel::NodeColumn;
+
+Lobe lobe_of(ReferenceQuantity quantity) {
+    if (quantity == ReferenceQuantity::obscurance) return Lobe::sphere;
+    return quantity == ReferenceQuantity::ao ? Lobe::hemisphere : Lobe::cosine;
 }
+
+/// Up to sixteen nodes along x in each row of a block: what one thread traces at a time.
+struct Column {
+    int first, nodes;
+    std::pair<int, int> y, z;
+};
+
+/// An irregular last node lies off the rhythm of the others: it is a column of its own.
+std::vector<Column> columns_of(const NodeGrid& grid, const BlockMap& blocks) {
+    std::vector<Column> columns;
+    for (std::size_t b : blocks.held()) {
+        const auto [x, y, z] = blocks.cells(b, grid.nodes().count);
+        const int irregular = grid.is_irregular(0, x.second - 1);
+        for (int first = x.first; first < x.second - irregular; first += NodeColumn::width)
+            columns.push_back({first, std::min(NodeColumn::width, x.second - irregular - first), y, z});
+        if (irregular) columns.push_back({x.second - 1, 1, y, z});
+    }
+    return columns;
+}
+
+/// One column's nodes and sums.
+class Tracing {
+public:
+    Tracing(const NodeGrid& grid, const Column& column, Lobe lobe, const CellValues& opacity)
+        : grid_(grid), column_(column), x_(grid.cell(0, column.first)) {
+        for (int i = 0; i < NodeColumn::width; ++i) cell_x_.push_back(float(x_ + i * grid.stride()));
+        for (int j = column.y.first; j < column.y.second; ++j) y_.push_back(grid.cell(1, j));
+        for (int k = column.z.first; k < column.z.second; ++k) z_.push_back(grid.cell(2, k));
+        const std::size_t size = y_.size() * z_.size() * NodeColumn::width;
+        light_.resize(size);
+        if (lobe == Lobe::sphere) return;
+        weight_.resize(size);
+        for (auto& component : outward_) component.resize(size);
+        for_each_node([&](std::size_t at, int i, int j, int k) {
+            const Outward outward = outward_at(opacity, i, j, k, reference_normal_factor);
+            for (int axis = 0; axis < 3; ++axis) outward_[axis][at] = float(outward.normal[axis]);
+            outward_[3][at] = float(outward.share);
+        });
+    }
+
+    int x() const { return x_; }
+    NodeColumn view(int place) {
+        return {.x = x_,
+                .stride = grid_.stride(),
+                .place = place,
+                .rows_y = int(y_.size()),
+                .rows_z = int(z_.size()),
+                .y = y_.data(),
+                .z = z_.data(),
+                .cell_x = cell_x_.data(),
+                .normal_x = outward_[0].data(),
+                .normal_y = outward_[1].data(),
+                .normal_z = outward_[2].data(),
+                .share = outward_[3].data(),
+                .light = light_.data(),
+                .weight = weight_.data()};
+    }
+
+    void keep(CellValues& at_nodes, int rays) const {
+        std::size_t row = 0;
+        for (int k = column_.z.first; k < column_.z.second; ++k)
+            for (int j = column_.y.first; j < column_.y.second; ++j, row += NodeColumn::width)
+                for (int i = 0; i < column_.nodes; ++i) {
+                    const double weight = weight_.empty() ? rays : weight_[row + i];
+                    at_nodes.data()[at_nodes.grid.index(column_.first + i, j, k)] =
+                        cell_value(weight > 0 ? light_[row + i] / weight : 1);
+                }
+    }
+
+private:
+    template <class Visit>
+    void for_each_node(const Visit& visit) const {
+        std::size_t row = 0;
+        for (int z : z_)
+            for (int y : y_) {
+                for (int i = 0; i < column_.nodes; ++i) visit(row + i, x_ + i * grid_.stride(), y, z);
+                row += NodeColumn::width;
+            }
+    }
+
+    const NodeGrid& grid_;
+    const Column column_;
+    const int x_;
+    std::vector<float> cell_x_;
+    std::vector<std::int32_t> y_, z_;
+    std::array<std::vector<float>, 4> outward_;  ///< normal and share
+    std::vector<double> light_, weight_;
+};
+
+/// Rays in all directions from all nodes. `follower(column)` makes, for a thread's column, the function from a
+/// direction to the rays that the kernel follows.
+template <class Rays, class Follower>
+CellValues trace(const Device& device, const NodeGrid& grid, const ReferenceSettings& settings,
+                 const CellOpacity& opacity, const BlockMap& blocks, const Follower& follower, Progress& progress) {
+    CellValues at_nodes(grid.nodes());
+    const Lobe lobe = lobe_of(settings.quantity);
+    const auto directions = fibonacci_directions(settings.rays);
+    const auto columns = columns_of(grid, grid.blocks_for(blocks));
+    const auto trace_column = kernel::trace_column_for<Rays>(device.isa);
+    const auto work = [&](std::int64_t c, std::int64_t) {
+        Tracing tracing(grid, columns[c], lobe, opacity.values);
+        auto follow = follower(tracing.x());
+        for (const Vec3& d : directions) {
+            if (progress.cancelled()) return;
+            trace_column({follow(d), {float(d.x), float(d.y), float(d.z)}, lobe}, tracing.view(follow.place));
+        }
+        tracing.keep(at_nodes, settings.rays);
+    };
+    parallel_for(device.threads, std::int64_t(columns.size()), 1, "rays", progress, work);
+    progress.check();
+    return at_nodes;
+}
+
+/// Rays through cells of constant extinction.
+struct CellFollower {
+    Crossings crossings;
+    int x, place;
+    double start;
+    kernel::CellRays operator()(Vec3 direction) { return crossings.along(direction, x, start); }
+};
+
+/// Rays through the interpolated medium.
+template <class Voxel>
+struct InterpolatedFollower {
+    const InterpolatedMedium<Voxel>& medium;
+    double start;
+    int place = 0;
+    std::vector<kernel::HalfSpaceView> planes = {};
+    kernel::InterpolatedRays<Voxel> operator()(Vec3 direction) { return medium.along(direction, start, planes); }
+};
+
+}  // namespace
+
+CellValues reference_accessibility(const Device& device, const Medium::Data& medium, const CellOpacity& opacity,
+                                   const ReferenceSettings& settings, const BlockMap& blocks, Steps& steps,
+                                   Progress& progress, double step) {
+    const NodeGrid grid(opacity.values.grid, settings.subsample);
+    const double start = settings.start_half_edges;
+    const auto through_cells = [&] {
+        const ExtinctionCells cells =
+            steps("extinction", [&] { return ExtinctionCells(medium, opacity, settings.subsample, progress); });
+        const auto follower = [&](int x) { return CellFollower{Crossings(cells), x, cells.place(x), start}; };
+        return steps("rays", [&] {
+            return trace<kernel::CellRays>(device, grid, settings, opacity, blocks, follower, progress);
+        });
+    };
+    const auto through_voxels = [&](auto voxel) {
+        using Voxel = decltype(voxel);
+        const InterpolatedMedium<Voxel> interpolated(medium, grid.cells(), step);
+        const auto follower = [&](int) { return InterpolatedFollower<Voxel>{interpolated, start}; };
+        return steps("rays", [&] {
+            return trace<kernel::InterpolatedRays<Voxel>>(device, grid, settings, opacity, blocks, follower, progress);
+        });
+    };
+    CellValues at_nodes = settings.medium == ReferenceMedium::voxels
+                              ? through_cells()
+                              : with_stored_voxel(medium.volume.data(), through_voxels);
+    if (grid.stride() == 1) return at_nodes;
+    return steps("interpolation", [&] { return grid.interpolate(at_nodes, blocks, device.threads, progress); });
+}
+
 }  // namespace chiaro

@@ -1,0 +1,24 @@
+// What a ray in one direction crosses, from the centre of any cell: cells and lengths (Amanatides and Woo 1987).
+#pragma once
+#include <chiaro/geometry.h>
+
+#include "illumination/reference/extinction.h"
+#include "illumination/reference/kernel.h"
+
+namespace chiaro {
+
+class Crossings {
+public:
+    explicit Crossings(const ExtinctionCells& cells);
+
+    /// Lists the crossings of a ray from a cell at `x` (its place among the interleaved ones matters) until it has left
+    /// the grid, wherever it started. Returns what the kernel reads; it is valid until the next call.
+    kernel::CellRays along(Vec3 direction, int x, double start_half_edges);
+
+private:
+    const ExtinctionCells& cells_;
+    std::vector<kernel::Crossing> list_;
+    std::array<std::vector<std::int32_t>, 3> beyond_;
+};
+
+}  // namespace chiaro

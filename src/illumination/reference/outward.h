@@ -1,0 +1,26 @@
+// Where the surface at a cell faces, and how surely: what tells ambient occlusion from obscurance.
+#pragma once
+#include "illumination/cells/kernel.h"
+#include "illumination/cells/opacity.h"
+
+namespace chiaro {
+
+struct Outward {
+    Vec3 normal;       ///< n, unit; 0 where there is none
+    double share = 0;  ///< q = min(1, F |n|), of the answer that looks along n
+};
+
+/// n = -(α(i + 1) - α(i - 1)) per axis, α outside the grid 0.
+inline Outward outward_at(const CellValues& opacity, int x, int y, int z, double normal_factor) {
+    const auto alpha = [&](int i, int j, int k) {
+        const auto [nx, ny, nz] = opacity.grid.count;
+        const bool inside = i >= 0 && i < nx && j >= 0 && j < ny && k >= 0 && k < nz;
+        return inside ? opacity.data()[opacity.grid.index(i, j, k)] / double(cell_one) : 0;
+    };
+    const Vec3 n{alpha(x - 1, y, z) - alpha(x + 1, y, z), alpha(x, y - 1, z) - alpha(x, y + 1, z),
+                 alpha(x, y, z - 1) - alpha(x, y, z + 1)};
+    const double size = length(n);
+    return size > 0 ? Outward{(1 / size) * n, std::min(1.0, normal_factor * std::min(size, 1.0))} : Outward{};
+}
+
+}  // namespace chiaro
