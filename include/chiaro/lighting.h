@@ -89,6 +89,12 @@ private:
     std::shared_ptr<const Data> data_;
 };
 
+/// What a method computed, to be kept or measured.
+struct ComputedField {
+    Volume volume;              ///< float32 on the grid and geometry of the voxels; key_values tell how it was made
+    std::vector<Stage> stages;  ///< how long each step took
+};
+
 /// Receives a coarse field, then finer ones.
 using Sink = std::function<void(IlluminationField)>;
 
@@ -97,5 +103,11 @@ Prepared prepare(const DeviceVolume& volume, const IlluminationSettings& setting
 /// Hands at least one field to `sink` unless cancelled. Returns false when cancelled.
 bool illuminate(const Device& device, const Medium& medium, const Prepared& prepared, const Lighting& lighting,
                 const IlluminationSettings& settings, const Sink& sink, Progress& progress);
+
+/// The method's own answer for every voxel, neither moved off surfaces nor scaled as a picture needs it: accessibility,
+/// 1 = all light arrives. Throws Error{usage} for a method that computes no field and for maxima along rays (which have
+/// no place that could be lit), Error{interrupted} when cancelled.
+ComputedField compute_field(const Device& device, const Medium& medium, const Prepared& prepared,
+                            const Lighting& lighting, const IlluminationSettings& settings, Progress& progress);
 
 }  // namespace chiaro

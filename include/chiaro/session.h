@@ -20,8 +20,12 @@ public:
     void show(Volume&& volume, Progress& progress);
 
     const Image& render(const Scene& scene, Progress& progress);
+    /// What the scene's lighting method computes for the shown volume. Throws as chiaro::compute_field.
+    ComputedField compute_field(const Scene& scene, Progress& progress);
+
     const Frame& frame() const;  ///< of the last render
-    /// Of the last render, in order; a verb whose kept result served took 0. What a verb consists of follows it.
+    /// Of the last render or field, in order; a verb whose kept result served took 0. What a verb consists of follows
+    /// it.
     const std::vector<Stage>& stages() const;
     Outcome outcome() const;                            ///< of the last render
     const Statistics& statistics() const;               ///< of the shown volume

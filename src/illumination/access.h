@@ -14,6 +14,10 @@ CellValues accessibility(const Device& device, const Medium::Data& medium, const
                          const IlluminationSettings& settings, const BlockMap& blocks, Steps& steps,
                          Progress& progress);
 
+/// The same for every voxel of the volume, on its own grid and geometry.
+Volume accessibility_of_voxels(const Device& device, const Medium::Data& medium, const IlluminationSettings& settings,
+                               Steps& steps, Progress& progress);
+
 /// F of `lift_off_surfaces`: how soon a normal makes the answer look outwards only; 0 when it never does.
 double outward_factor(const IlluminationSettings& settings);
 

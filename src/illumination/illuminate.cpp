@@ -1,4 +1,5 @@
 #include "classify/medium.h"
+#include "core/threads.h"
 #include "illumination/access.h"
 #include "illumination/cells/lift.h"
 #include "illumination/field.h"
@@ -51,7 +52,30 @@ IlluminationField light_of(const Device& device, const Medium::Data& medium, con
     return field_of(std::move(lifted), steps);
 }
 
+/// A cell's number at every voxel's centre; interpolated where voxels are no cubes.
+Volume sampled_back(const Device& device, const CellValues& values, const DeviceVolume& volume, Progress& progress) {
+    Volume out = make_volume(volume.dimensions(), VoxelType::f32);
+    out.geometry = volume.geometry();
+    const kernel::AccessView view = view_of(values);
+    const auto [nx, ny, nz] = out.dimensions;
+    const auto fill_row = [&, nx = nx, ny = ny](std::int64_t row, std::int64_t) {
+        float* to = out.as<float>().data() + row * nx;
+        for (int x = 0; x < nx; ++x) to[x] = view.at(kernel::Vec3<float>(float(x), float(row % ny), float(row / ny)));
+    };
+    parallel_for(device.threads, std::int64_t(ny) * nz, 1, "voxels", progress, fill_row);
+    progress.check();
+    return out;
+}
+
 }  // namespace
+
+Volume accessibility_of_voxels(const Device& device, const Medium::Data& medium, const IlluminationSettings& settings,
+                               Steps& steps, Progress& progress) {
+    const CellOpacity opacity = steps("opacity", [&] { return cell_opacity(medium, progress); });
+    const BlockMap all(opacity.values.grid.count, true);
+    const CellValues access = accessibility(device, medium, opacity, settings, all, steps, progress);
+    return steps("voxels", [&] { return sampled_back(device, access, medium.volume, progress); });
+}
 
 IlluminationField::IlluminationField() : data_(std::make_shared<Data>()) {}
 std::size_t IlluminationField::bytes() const { return data().access ? data().access->buffer.size() : 0; }

@@ -62,6 +62,28 @@ struct Session::State {
         kept.inputs = std::move(inputs);
         kept.version = ++last_version;
     }
+
+    /// The verbs that pictures and fields have in common.
+    void redo_up_to_classify(const Scene& scene, Progress& progress) {
+        if (!upload.inputs) throw Error(ErrorCode::internal, "a session must show a volume before it renders");
+        const DeviceVolume& voxels = upload.result;
+        stages = shown;
+        for (Stage& stage : shown) stage.seconds = 0;
+        redo("prepare", prepare, {upload.version, scene.illumination},
+             [&](Prepared& prepared) { prepared = chiaro::prepare(voxels, scene.illumination, progress); });
+        progress.check();
+        const Shape shape = shape_for(scene);
+        redo("classify", classify, {upload.version, scene.transfer, shape}, [&](Classified& classified) {
+            classified.tf = transfer_function_for(scene.transfer, subject);
+            classified.medium = chiaro::classify(voxels, classified.tf, shape);
+        });
+    }
+
+    /// What the last verb consisted of.
+    void tell_steps(const std::vector<Stage>& steps) {
+        const bool is_kept = stages.back().seconds == 0;
+        for (const Stage& step : steps) stages.push_back({step.name, is_kept ? 0 : step.seconds});
+    }
 };
 
 Session::Session(Device device) : state_(std::make_unique<State>(device)) {}
@@ -85,19 +107,8 @@ void Session::show(Volume&& volume, Progress& progress) {
 
 const Image& Session::render(const Scene& scene, Progress& progress) {
     State& s = *state_;
-    if (!s.upload.inputs) throw Error(ErrorCode::internal, "a session must show a volume before it renders");
+    s.redo_up_to_classify(scene, progress);
     const DeviceVolume& voxels = s.upload.result;
-    s.stages = s.shown;
-    for (Stage& stage : s.shown) stage.seconds = 0;
-
-    s.redo("prepare", s.prepare, {s.upload.version, scene.illumination},
-           [&](Prepared& prepared) { prepared = prepare(voxels, scene.illumination, progress); });
-    progress.check();
-
-    s.redo("classify", s.classify, {s.upload.version, scene.transfer, shape_for(scene)}, [&](Classified& classified) {
-        classified.tf = transfer_function_for(scene.transfer, s.subject);
-        classified.medium = classify(voxels, classified.tf, shape_for(scene));
-    });
     const Medium& medium = s.classify.result.medium;
 
     s.redo("illuminate", s.illuminate, {s.classify.version, s.prepare.version, scene.illumination},
@@ -106,6 +117,7 @@ const Image& Session::render(const Scene& scene, Progress& progress) {
                illuminate(s.device, medium, s.prepare.result, scene.lighting, scene.illumination, keep, progress);
                progress.check();
            });
+    s.tell_steps(s.illuminate.result.stages());
 
     const Camera camera = make_camera(scene.camera, voxels.geometry(), voxels.dimensions());
     const std::pair size(scene.width, scene.height);
@@ -121,6 +133,18 @@ const Image& Session::render(const Scene& scene, Progress& progress) {
     s.redo("develop", s.develop, {s.raycast.version, scene.output},
            [&](Image& image) { image = develop(s.raycast.result.frame, scene.output); });
     return s.develop.result;
+}
+
+ComputedField Session::compute_field(const Scene& scene, Progress& progress) {
+    State& s = *state_;
+    s.redo_up_to_classify(scene, progress);
+    Kept<ComputedField, Version> made;
+    s.redo("illuminate", made, {s.classify.version}, [&](ComputedField& field) {
+        field = chiaro::compute_field(s.device, s.classify.result.medium, s.prepare.result, scene.lighting,
+                                      scene.illumination, progress);
+    });
+    s.tell_steps(made.result.stages);
+    return std::move(made.result);
 }
 
 const Frame& Session::frame() const { return state_->raycast.result.frame; }

@@ -1,0 +1,56 @@
+#include <chiaro/describe.h>
+#include <chiaro/error.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "classify/medium.h"
+#include "illumination/access.h"
+
+namespace chiaro {
+namespace {
+
+void check_computable(const Shape& shape, const IlluminationSettings& settings) {
+    if (settings.method == Method::none)
+        throw Error(ErrorCode::usage, "lighting method none computes no field: choose another, such as spao");
+    if (shape.mode == Mode::mip)
+        throw Error(ErrorCode::usage,
+                    "a maximum along a ray has no place that could be lit: fields go with dvr and iso");
+}
+
+/// "chiaro_spao_levels" of the flag "spao-levels".
+std::string key_of(const Setting& setting) {
+    std::string key = fmt::format("chiaro_{}", setting.name);
+    std::replace(key.begin(), key.end(), '-', '_');
+    return key;
+}
+
+std::map<std::string, std::string> how_made(const IlluminationSettings& settings, double seconds) {
+    std::map<std::string, std::string> told{{"chiaro", CHIARO_VERSION},
+                                            {"chiaro_field", "accessibility"},
+                                            {"chiaro_lighting", to_text(settings.method)},
+                                            {"chiaro_seconds", fmt::format("{:.6f}", seconds)}};
+    const auto tell = [&](const Setting& setting, const auto&... fields) {
+        if (setting.method == to_text(settings.method)) told[key_of(setting)] = value_text(setting, fields...);
+    };
+    describe(tell, settings.spao);
+    describe(tell, settings.reference);
+    return told;
+}
+
+}  // namespace
+
+ComputedField compute_field(const Device& device, const Medium& medium, const Prepared&, const Lighting&,
+                            const IlluminationSettings& settings, Progress& progress) {
+    check_computable(medium.data().shape, settings);
+    const auto start = std::chrono::steady_clock::now();
+    Steps steps;
+    ComputedField field{accessibility_of_voxels(device, medium.data(), settings, steps, progress), {}};
+    field.volume.key_values =
+        how_made(settings, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    field.stages = steps.take();
+    return field;
+}
+
+}  // namespace chiaro
