@@ -14,6 +14,7 @@ struct Command {
 Command info_command(CLI::App& tool);
 Command sample_command(CLI::App& tool);
 Command render_command(CLI::App& tool);
+Command illuminate_command(CLI::App& tool);
 Command convert_command(CLI::App& tool);
 Command compare_command(CLI::App& tool);
 Command bench_command(CLI::App& tool);

@@ -10,34 +10,18 @@
 #include "command.h"
 #include "job.h"
 #include "output_file.h"
-#include "setting_flags.h"
-#include "stats.h"
+#include "scene_source.h"
 
 namespace chiaro::cli {
 namespace {
 
 struct RenderOptions {
-    std::string volume, output;
-    std::filesystem::path scene, data;
+    SceneSource source;
+    std::string output;
     std::optional<int> frames;  // none: one picture
     SettingFlags flags;
     CommonOptions common;
 };
-
-Scene scene_of(const RenderOptions& o) {
-    if (o.volume.empty() == o.scene.empty())
-        throw Error(ErrorCode::usage, "give either a VOLUME or --scene FILE; see chiaro render --help");
-    Scene scene;
-    scene.volume = o.volume;
-    if (!o.scene.empty()) {
-        std::vector<std::string> unknown;
-        scene = read_scene(o.scene, o.data, unknown);
-        if (!o.common.quiet)
-            for (const auto& key : unknown) say(fmt::format("{}: unknown key {}", o.scene.string(), key));
-    }
-    o.flags.apply(scene);
-    return scene;
-}
 
 bool is_exr(const std::filesystem::path& path) { return path.extension() == ".exr"; }
 
@@ -56,29 +40,20 @@ void check_options(const RenderOptions& o, const FramePattern& pattern, const Sc
     if (!o.common.stats.empty()) check_output(o.common.stats, {".json"});
 }
 
-void tell_guess(const Session& session, const Scene& scene) {
-    if (!scene.transfer.source.empty() || scene.transfer.points || scene.volume.starts_with("sample:")) return;
-    const Guess& guess = session.guess();
-    say(fmt::format("looks like {} ({}): using --transfer {}", guess.modality, guess.reason, guess.preset));
-}
-
-void tell_stages(const Stats& stats, const Device& device) {
-    std::string line = fmt::format("{}, {} threads:", name_of(device.isa), device.threads);
-    for (const Stage& stage : stats.stages) line += fmt::format(" {} {:.3f} s", stage.name, stage.seconds);
-    say(line);
-}
-
 /// One command's work, from the volume to the last picture.
 class Rendering {
 public:
     Rendering(const RenderOptions& options)
-        : o_(options), pattern_(options.output), scene_(scene_of(options)), device_(device_of(options.common)) {
+        : o_(options),
+          pattern_(options.output),
+          scene_(scene_from(options.source, options.flags, options.common, "render")),
+          device_(device_of(options.common)) {
         check_options(o_, pattern_, scene_);
     }
 
     void run() {
         Job job(o_.common);
-        show(job);
+        show(scene_, session_, stats_, job, o_.common);
         o_.frames ? turntable(job) : picture(job);
         if (!o_.common.stats.empty()) write_stats(o_.common.stats, stats_, device_, scene_);
         job.bar.clear();
@@ -86,18 +61,6 @@ public:
     }
 
 private:
-    void show(Job& job) {
-        Volume volume;
-        stats_.stages.push_back({"read", Stats::time([&] { volume = read_volume(scene_, job.progress); })});
-        stats_.volume = json_of(volume);
-        const std::vector<std::string> notes = volume.notes;
-        session_.show(std::move(volume), job.progress);
-        job.bar.clear();
-        if (o_.common.quiet) return;
-        for (const auto& note : notes) say(fmt::format("{}: {}", scene_.volume, note));
-        tell_guess(session_, scene_);
-    }
-
     FrameTime render(const Scene& scene, Job& job) {
         return Stats::frame_time([&] { session_.render(scene, job.progress); });
     }
@@ -160,14 +123,11 @@ private:
 Command render_command(CLI::App& tool) {
     const auto o = std::make_shared<RenderOptions>();
     CLI::App* app = tool.add_subcommand("render", "Renders a volume or a scene to a picture");
-    app->add_option("VOLUME", o->volume, "file, folder of slices, sample:NAME[:SIZE], or - for NRRD on standard input");
+    add_scene_source(*app, o->source);
     app->add_option(
            "-o,--output", o->output,
            "picture to write, .png or .exr (linear light, premultiplied); turn-{frame:03}.png keeps all frames")
         ->type_name("IMAGE");
-    app->add_option("--scene", o->scene, "scene file, instead of a VOLUME; flags beside it win")->type_name("FILE");
-    app->add_option("--data", o->data, "folder where volumes of scenes are looked up after the scene's own")
-        ->type_name("DIR");
     app->add_option("--frames", o->frames,
                     "turntable of N azimuths after a warm-up; without {frame} only the first is kept")
         ->type_name("N");

@@ -48,10 +48,13 @@ void SettingFlags::add(CLI::App& app, const std::string& group, const Setting& s
 }
 
 void SettingFlags::add_to(CLI::App& app, std::string_view only_group) {
+    add_to(app, [&](std::string_view group, const Setting&) { return only_group.empty() || group == only_group; });
+}
+
+void SettingFlags::add_to(CLI::App& app, const Wanted& wanted) {
     const auto add_group = [&](std::string_view title, const auto& settings) {
-        if (!only_group.empty() && title != only_group) return;
         const auto add_one = [&](const Setting& setting, const auto&... fields) {
-            if (!setting.name.empty())
+            if (!setting.name.empty() && wanted(title, setting))
                 add(app, std::string(title), setting, form(setting, fields...), default_text(setting, fields...));
         };
         describe(add_one, settings);

@@ -4,6 +4,7 @@
 #include <chiaro/settings.h>
 
 #include <CLI/CLI.hpp>
+#include <functional>
 #include <map>
 #include <string>
 #include <string_view>
@@ -12,8 +13,12 @@ namespace chiaro::cli {
 
 class SettingFlags {
 public:
-    /// Adds a flag for each setting of the named group, or of all groups. `this` must outlive the parsing.
+    using Wanted = std::function<bool(std::string_view group, const Setting&)>;
+
+    /// Adds a flag for each setting of the named group, of all groups, or that is wanted. `this` must outlive the
+    /// parsing.
     void add_to(CLI::App& app, std::string_view only_group = "");
+    void add_to(CLI::App& app, const Wanted& wanted);
 
     /// Sets what was given on the command line, which wins over what the scene says. Throws Error{usage}.
     void apply(Scene& scene) const;

@@ -1,7 +1,10 @@
 #include "stats.h"
 
+#include <fmt/format.h>
+
 #include <fstream>
 
+#include "common.h"
 #include "output_file.h"
 
 namespace chiaro::cli {
@@ -17,6 +20,12 @@ std::uint64_t peak_memory_bytes() {
 }
 
 }  // namespace
+
+void tell_stages(const Stats& stats, const Device& device) {
+    std::string line = fmt::format("{}, {} threads:", name_of(device.isa), device.threads);
+    for (const Stage& stage : stats.stages) line += fmt::format(" {} {:.3f} s", stage.name, stage.seconds);
+    say(line);
+}
 
 void write_stats(const std::filesystem::path& path, const Stats& stats, const Device& device, const Scene& scene) {
     Json json;

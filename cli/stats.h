@@ -40,6 +40,9 @@ struct Stats {
     }
 };
 
+/// One line with the time of every stage.
+void tell_stages(const Stats& stats, const Device& device);
+
 /// Throws Error{output}.
 void write_stats(const std::filesystem::path& path, const Stats& stats, const Device& device, const Scene& scene);
 

@@ -1,0 +1,25 @@
+// What a command works on: a volume, or a scene file that names one.
+#pragma once
+#include <chiaro/session.h>
+
+#include "job.h"
+#include "setting_flags.h"
+#include "stats.h"
+
+namespace chiaro::cli {
+
+struct SceneSource {
+    std::string volume;
+    std::filesystem::path scene, data;
+};
+
+void add_scene_source(CLI::App& app, SceneSource& source);
+
+/// The scene with the flags that win over it. Throws Error{usage} unless there is either a volume or a scene file.
+Scene scene_from(const SceneSource& source, const SettingFlags& flags, const CommonOptions& common,
+                 std::string_view command);
+
+/// Reads the scene's volume into the session, and says what there is to know about it.
+void show(const Scene& scene, Session& session, Stats& stats, Job& job, const CommonOptions& common);
+
+}  // namespace chiaro::cli
