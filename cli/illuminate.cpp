@@ -33,7 +33,7 @@ NrrdEncoding checked(const IlluminateOptions& o, const Scene& scene) {
     check_output(o.output, {".nrrd"});
     if (!o.common.stats.empty()) check_output(o.common.stats, {".json"});
     if (scene.illumination.method == Method::none)
-        throw Error(ErrorCode::usage, "--lighting METHOD is missing; see chiaro --list-methods");
+        throw Error(ErrorCode::usage, "--lighting none computes no field; see chiaro --list-methods");
     if (scene.mode == Mode::mip)
         throw Error(ErrorCode::usage, "--mode mip: a maximum along a ray has no place that could be lit");
     NrrdEncoding encoding{};

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-inline chiaro::Scene changed_scene() {
+inline chiaro::Scene changed_scene(chiaro::Method method = chiaro::Method::spao) {
     using namespace chiaro;
     Scene s;
     s.volume = "volume.nrrd";
@@ -24,18 +24,24 @@ inline chiaro::Scene changed_scene() {
     s.clip = {std::array{0.0, 0.5, 0.25, 1.0, 0.0, 1.0}, {{{1, 0, 0.5}, -3}, {{0, -1, 0}, 4}}};
     s.camera = {-10,           12.5,           90, 4, 45, Vec3{0, -1, 0}, Projection::orthographic, View::left,
                 Vec3{1, 2, 3}, Vec3{0, 0, 0.1}};
-    s.lighting = {Shading::lambert, 0.1, 0.2, 0.4, 5, false, 30, -40, {1, 0.5, 0.25}};
+    s.lighting = {Shading::lambert, 0.1, 0.2, 0.4, 5, false, 30, -40, {1, 0.5, 0.25}, 0.75};
+    s.illumination = {method,
+                      {SpaoFilter::hybrid, 5, 2, 0.5, SpaoModel::thick},
+                      {64, ReferenceQuantity::ao, ReferenceMedium::trilinear, 0, 2}};
     s.sampling = {1, Classification::preintegrated, Compositing::back_to_front, 4, RaySetup::raster, 0, false};
     s.output = {{0.1, 0.2, 0.3}, false, ColorMode::display, Tone::aces, -1.5};
     s.width = 64, s.height = 48;
     return s;
 }
 
-/// Every value as text, by key.
+/// Every value that concerns the scene as text, by key.
 inline std::vector<std::pair<std::string, std::string>> texts_of(const chiaro::Scene& scene) {
     std::vector<std::pair<std::string, std::string>> texts;
     for_each_setting(
-        [&](const chiaro::Setting& s, const auto&... fields) { texts.emplace_back(s.key, value_text(s, fields...)); },
+        [&](const chiaro::Setting& s, const auto&... fields) {
+            if (s.method.empty() || s.method == chiaro::to_text(scene.illumination.method))
+                texts.emplace_back(s.key, value_text(s, fields...));
+        },
         scene);
     return texts;
 }

@@ -177,8 +177,7 @@ TEST_F(Illuminate, RefusesInOneLine) {
     };
     const Case cases[] = {
         {"illuminate --lighting reference -o f.nrrd", 2, "give either a VOLUME or --scene FILE"},
-        {"illuminate sample:ball:16 -o f.nrrd", 2, "--lighting METHOD is missing"},
-        {"illuminate sample:ball:16 --lighting none -o f.nrrd", 2, "--lighting METHOD is missing"},
+        {"illuminate sample:ball:16 --lighting none -o f.nrrd", 2, "--lighting none computes no field"},
         {"illuminate sample:ball:16 --lighting referense -o f.nrrd", 2, "did you mean 'reference'?"},
         {"illuminate sample:ball:16 --lighting reference", 2, "-o FILE is missing"},
         {"illuminate sample:ball:16 --lighting reference -o f.png", 2, "f.png: the name must end in .nrrd"},

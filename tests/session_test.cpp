@@ -16,6 +16,7 @@ struct SessionTest : testing::Test {
     void SetUp() override {
         scene.volume = "sample:ball:24";
         scene.width = 40, scene.height = 30;
+        scene.illumination.method = Method::none;
         session.show(make_sample("ball", 24), progress);
         session.render(scene, progress);
     }
@@ -38,6 +39,20 @@ TEST_F(SessionTest, TellsEveryStageInOrder) {
     EXPECT_EQ(names, "measure upload prepare classify illuminate raycast develop ");
     EXPECT_GT(session.stages()[1].seconds, 0);
     EXPECT_GT(session.outcome().samples, 0u);
+}
+
+TEST_F(SessionTest, LightFollowsAnEditAndItsStepsAreTold) {
+    scene.illumination.method = Method::spao;
+    scene.illumination.spao.levels = 3;
+    EXPECT_EQ(redone(), "prepare illuminate opacity spao mipmaps spao cells of 2 spao cells of 1 lift raycast develop");
+    EXPECT_EQ(redone(), "");
+    scene.transfer.source = "gray";
+    EXPECT_EQ(redone(),
+              "classify illuminate opacity spao mipmaps spao cells of 2 spao cells of 1 lift raycast develop");
+    scene.camera.azimuth_deg += 10;
+    EXPECT_EQ(redone(), "raycast develop");
+    scene.lighting.strength = 0.5;
+    EXPECT_EQ(redone(), "raycast develop");
 }
 
 TEST_F(SessionTest, KeepsEverythingWithoutAChange) { EXPECT_EQ(redone(), ""); }

@@ -46,7 +46,8 @@ TEST_F(Tool, RefusesInOneLine) {
         {"render sample:ball -o a.png --stats no/s.json", 4, "there is no folder no"},
         {"render sample:ball -o a.png --azimut 5", 2, "unknown option '--azimut'; did you mean '--azimuth'?"},
         {"render sample:ball -o a.png --azimut=5", 2, "unknown option '--azimut'; did you mean '--azimuth'?"},
-        {"render sample:ball -o a.png --spao-levels 5", 2, "unknown option '--spao-levels'"},
+        {"render sample:ball -o a.png --spao-levels 0", 2, "--spao-levels 0: must be 1 to 14"},
+        {"render sample:ball -o a.png --lighting spoa", 2, "did you mean 'spao'?"},
         {"render sample:ball -o a.png --step 0", 2, "--step 0: must be 0.001 to 100 voxels"},
         {"render sample:ball -o a.png --step", 2, "--step"},
         {"render sample:ball -o a.png --background blu", 2, "did you mean 'blue'?"},
@@ -201,7 +202,10 @@ TEST_F(Tool, EverySettingHasAFlagThatWorks) {
 }
 
 TEST_F(Tool, WritesStats) {
-    EXPECT_EQ(tool("render sample:ball:16 --size 16x16 -o p.png --stats s.json --threads 1 --isa scalar").code, 0);
+    EXPECT_EQ(
+        tool("render sample:ball:16 --size 16x16 -o p.png --lighting none --stats s.json --threads 1 --isa scalar")
+            .code,
+        0);
     const auto stats = json("s.json");
     for (const char* key : {"chiaro", "device", "isa", "threads", "volume", "settings", "stages", "frames", "samples",
                             "peak_memory_bytes"})

@@ -46,7 +46,7 @@ struct Scene {
     Clip clip;
     CameraSettings camera;
     Lighting lighting;
-    IlluminationSettings illumination;
+    IlluminationSettings illumination{.method = Method::spao};  ///< of a scene file that names none: none
     RaySettings sampling;
     ToneMap output;  ///< its `color` is the scene's colour mode
     int width = 1024, height = 768;

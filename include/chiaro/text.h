@@ -29,9 +29,7 @@ constexpr auto names_of(View) {
     return std::to_array<std::string_view>({"anterior", "posterior", "left", "right", "superior", "inferior"});
 }
 constexpr auto names_of(Shading) { return std::to_array<std::string_view>({"none", "lambert", "phong"}); }
-constexpr auto names_of(Method) {
-    return std::to_array<std::string_view>({"none", "spao", "reference"});
-}
+constexpr auto names_of(Method) { return std::to_array<std::string_view>({"none", "spao", "reference"}); }
 constexpr auto names_of(SpaoFilter) {
     return std::to_array<std::string_view>({"auto", "nbuffer", "mipmap", "hybrid", "exact"});
 }

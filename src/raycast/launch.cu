@@ -12,7 +12,7 @@ __global__ void raycast_pixels(Kernel kernel, Tile tile, unsigned long long* sam
     if (x < tile.x1 && y < tile.y1) atomicAdd(samples, sum(kernel(pixel_block<float>(x, y, tile.x1, tile.y1))));
 }
 
-#define CHIARO_INSTANTIATE(Field)                                                                               \
+#define CHIARO_INSTANTIATE(Field)                                                                            \
     template __global__ void raycast_pixels(RaycastKernel<std::uint8_t, Field>, Tile, unsigned long long*);  \
     template __global__ void raycast_pixels(RaycastKernel<std::uint16_t, Field>, Tile, unsigned long long*); \
     template __global__ void raycast_pixels(RaycastKernel<float, Field>, Tile, unsigned long long*);

@@ -202,6 +202,7 @@ Scene parse_scene(const std::string& json, const std::filesystem::path& folder,
     const std::string name = text_at(root, "volume.file");
     if (name.empty()) refuse("volume.file is missing: it names the volume to show");
     scene.volume = found_file(name, folder, data_folder);
+    scene.illumination.method = Method::none;  // a scene that says nothing of it was made without
     read_settings(root, scene);
     read_transfer_function(root, folder, data_folder, scene.transfer);
     check(scene, ErrorCode::input);
