@@ -11,10 +11,8 @@ struct LiftTile {
 };
 
 /// -(α(i + 1) - α(i - 1)) per axis; `alpha` points at the cell.
-template <class T>
-CHIARO_INLINE Vec3<float> step_down(const T* alpha, int row, int slice) {
-    return {float(alpha[-1]) - float(alpha[1]), float(alpha[-row]) - float(alpha[row]),
-            float(alpha[-slice]) - float(alpha[slice])};
+CHIARO_INLINE Vec3<float> step_down(const float* alpha, int row, int slice) {
+    return {alpha[-1] - alpha[1], alpha[-row] - alpha[row], alpha[-slice] - alpha[slice]};
 }
 
 /// min(1, F |n|) of a normal shortened to 1.

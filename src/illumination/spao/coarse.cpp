@@ -76,7 +76,7 @@ void CoarseGrid::shrink(const OpacityGrid& finer, const BlockMap* matter, const 
     progress.check();
 }
 
-/// Twice the transparency at the corner (the mean of the 8 finest cells around it), at most 1, at least 1/64.
+/// Twice the transparency at the corner (the mean of the 8 finest cells around it), at most 1, at least 1/512.
 void CoarseGrid::find_weights(const OpacityGrid& finest, const BlockMap& matter, const Device& device,
                               Progress& progress) {
     const auto run = kernel::spao_functions_for(device.isa);
@@ -102,7 +102,7 @@ void CoarseGrid::find_weights(const OpacityGrid& finest, const BlockMap& matter,
                 continue;
             }
             run.mip_row(rows, n, opacity.data());
-            for (int x = 0; x < n; ++x) to[x] = std::uint16_t(std::clamp(2 * (65535 - opacity[x]), 1024, 65535));
+            for (int x = 0; x < n; ++x) to[x] = std::uint16_t(std::clamp(2 * (65535 - opacity[x]), 128, 65535));
         }
     };
     parallel_for(device.threads, corners_[2], 1, "spao", progress, slice);

@@ -1,5 +1,6 @@
 // What of SPAO is compiled once per instruction set.
 #pragma once
+#include "illumination/spao/kernel.h"
 #include "illumination/spao/levels.h"
 #include "illumination/spao/stored.h"
 

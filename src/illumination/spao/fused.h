@@ -6,7 +6,8 @@
 namespace chiaro {
 
 /// Fills the cells of the given blocks; `settings` ask for no look-up that moves with the normal. Memory: two bytes a
-/// cell for the result, a quarter more for the coarser opacities, two for what they found out (of the visible blocks).
+/// cell for the result, .6 for coarser opacities and weights, 2.3 for what the coarser grids find out near what is
+/// seen.
 CellValues fused_sweep(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
                        const BlockMap& blocks, Steps& steps, Progress& progress);
 

@@ -1,6 +1,6 @@
 // Rows of the stored levels: mipmaps and N-buffers, in plain loops that the compiler turns into vectors.
 #pragma once
-#include "illumination/spao/kernel.h"
+#include "kernel/row.h"
 
 namespace chiaro::kernel {
 

@@ -1,9 +1,11 @@
 // The same products from means that can be asked for anywhere: stored levels, or exact sums. Look-ups may be moved off
 // the cell, along the normal.
 #pragma once
-#include "illumination/spao/kernel.h"
+#include "illumination/cells/kernel.h"
+#include "illumination/spao/product.h"
 #include "kernel/gather.h"
 #include "kernel/launch.h"
+#include "kernel/row.h"
 
 namespace chiaro::kernel {
 
@@ -119,10 +121,9 @@ CHIARO_INLINE void access_row(const Kernel& kernel, const SpaoCells& cells) {
     for (std::int32_t i = 0; i < cells.count; i += lanes) {
         const Int<F> x = Int<F>(cells.x + i) + BlockShape<F>::column() + BlockShape<F>::row() * Int<F>(4);
         const Vec3<F> p{to_float(x), F(float(cells.y)), F(float(cells.z))};
-        const Int<F> value = truncate(min(kernel(p), F(1)) * F(65535) + F(0.5f));
-        std::int32_t values[lanes];
-        __builtin_memcpy(values, &value, sizeof values);
-        for (std::int32_t k = 0; k < lanes && i + k < cells.count; ++k) cells.out[i + k] = std::uint16_t(values[k]);
+        std::uint16_t values[lanes];
+        store_shares(min(kernel(p), F(1)), values);
+        for (std::int32_t k = 0; k < lanes && i + k < cells.count; ++k) cells.out[i + k] = values[k];
     }
 }
 

@@ -1,0 +1,100 @@
+// What the fused sweep keeps of a block while it works on it: its opacities and their means over octants, and what the
+// coarser grid says around it.
+//
+// Octant s of cell p at level l is the cube between p and p + s 2^(l-1) (cells); its mean O_l,s is one look-up:
+// repeated halving gives means over windows that begin at a cell, T_1[i] over i..i+1 and T_2[i] over i..i+2 with half
+// weight at both ends, per axis; then O_l,s(p) = T_l[p] on the side that ascends and T_l[p - 2^(l-1)] on the other. The
+// paper's cube A_l about p is the mean of the eight O_l,s, and A_0 = O_0 = α.
+#pragma once
+#include "kernel/row.h"
+
+namespace chiaro::kernel {
+
+/// A block of cells and the two around it that its levels reach.
+struct SpaoTile {
+    static constexpr int edge = 32, halo = 2, row = edge + 2 * halo, slice = row * row, size = slice * row;
+    static constexpr int shells = 2;  ///< of the finest grid; each coarser one has one
+    static constexpr int piece = 16;  ///< cells of a row that are computed together
+    std::uint16_t opacity[size + row];
+    std::uint16_t mean[shells][size + row];  ///< T_1, T_2; on a coarser grid only means over two cells, in the second
+};
+
+template <int distance>
+CHIARO_INLINE void halve(const std::uint16_t* from, std::uint16_t* to) {
+    for (int i = 0; i < SpaoTile::size - distance; ++i) to[i] = mean_of(from[i], from[i + distance]);
+}
+template <int distance>
+CHIARO_INLINE void halve(std::uint16_t* values) {
+    for (int i = 0; i < SpaoTile::size - distance; ++i) values[i] = mean_of(values[i], values[i + distance]);
+}
+CHIARO_INLINE void halve_all_axes(const std::uint16_t* from, std::uint16_t* to) {
+    halve<1>(from, to);
+    halve<SpaoTile::row>(to);
+    halve<SpaoTile::slice>(to);
+}
+/// On the finest grid octants begin in the middle of their cell: half weight at both ends.
+CHIARO_INLINE void find_means_from_cells(SpaoTile& tile) {
+    halve_all_axes(tile.opacity, tile.mean[0]);
+    halve_all_axes(tile.mean[0], tile.mean[1]);
+}
+/// On a coarser one at a cell's corner, the low one: whole cells, one and two. No cell is cut, nothing is smeared.
+CHIARO_INLINE void find_means_from_corners(SpaoTile& tile) { halve_all_axes(tile.opacity, tile.mean[1]); }
+
+/// Level l as octants look it up; a corner's innermost octant is the cell itself.
+template <bool at_cells>
+CHIARO_INLINE const std::uint16_t* level_of(const SpaoTile& tile, int level) {
+    return !at_cells && level == 1 ? tile.opacity : tile.mean[level - 1];
+}
+
+/// Where octant s looks up level l, from the cell's own place: s has a bit for each axis that ascends.
+CHIARO_INLINE int octant_offset(int level, int s) {
+    if (level == 0) return 0;
+    const int back = 1 << (level - 1);
+    return -((s & 1 ? 0 : back) + (s & 2 ? 0 : back * SpaoTile::row) + (s & 4 ? 0 : back * SpaoTile::slice));
+}
+
+/// What the coarser grid says at the corners of its cells, of half the block and one corner more.
+struct CoarseTile {
+    static constexpr int edge = SpaoTile::edge / 2 + 1, slice = edge * edge, size = edge * slice;
+    std::uint16_t open[8][size + slice + 16];  ///< by octant; weighted where there are weights
+    std::uint16_t weight[size + slice + 16];
+};
+
+/// Between two corners of the coarser grid: a cell's centre lies a quarter of the way from the nearer one, a corner of
+/// the finer grid on the first or half-way.
+template <bool at_cells, class S>
+CHIARO_INLINE S between(S low, S high, bool is_odd) {
+    if (at_cells) return mean_of(mean_of(low, high), is_odd ? high : low);
+    return is_odd ? mean_of(low, high) : low;
+}
+
+/// The coarser grid at one slice of a block, as fine as the block along x.
+struct CoarsePlanes {
+    static constexpr int row = SpaoTile::edge;
+    std::uint16_t open[8][CoarseTile::edge * row], weight[CoarseTile::edge * row];
+};
+
+template <bool at_cells, class F>
+CHIARO_INLINE void coarse_plane(const std::uint16_t* corners, int z, std::uint16_t* plane) {
+    constexpr int lanes = LaneTraits<F>::count, n = CoarseTile::edge;
+    std::uint16_t blend[CoarseTile::slice + lanes];
+    const std::uint16_t* low = corners + (z >> 1) * CoarseTile::slice;
+    for (int i = 0; i < CoarseTile::slice; i += lanes)
+        store(between<at_cells>(load_shorts<F>(low + i), load_shorts<F>(low + i + CoarseTile::slice), z & 1),
+              blend + i);
+    for (int y = 0; y < n; ++y)
+        for (int i = 0; i < n - 1; i += lanes) {
+            const Shorts<F> a = load_shorts<F>(blend + y * n + i), b = load_shorts<F>(blend + y * n + i + 1);
+            store_interleaved(between<at_cells>(a, b, false), between<at_cells>(a, b, true),
+                              plane + y * CoarsePlanes::row + 2 * i);
+        }
+}
+
+/// Cells of a row of that plane.
+template <bool at_cells, class F>
+CHIARO_INLINE F coarse_row(const std::uint16_t* plane, int x, int y) {
+    const std::uint16_t* low = plane + (y >> 1) * CoarsePlanes::row + x;
+    return to_float(between<at_cells>(load_shorts<F>(low), load_shorts<F>(low + CoarsePlanes::row), y & 1));
+}
+
+}  // namespace chiaro::kernel
