@@ -19,6 +19,7 @@ constexpr auto suite_table = std::to_array<Suite>({
     {"ways", "the same scenes as isosurfaces and maxima, classified, composited and set up in other ways", way_cases},
     {"pipeline", "upload and classify", pipeline_cases},
     {"spao", "ambient occlusion by filtering: the paper's table, and an edit's update", spao_cases},
+    {"spao-error", "ambient occlusion by filtering against rays: error of every model and filter", spao_error_cases},
     {"tool", "first picture and peak memory of the program itself", tool_cases},
 });
 

@@ -4,7 +4,11 @@
 #include <chiaro/samples.h>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <cstring>
+#include <numeric>
+#include <random>
 
 #include "classify/medium.h"
 #include "illumination/access.h"
@@ -28,6 +32,11 @@ struct Subject {
     }
     double copy_seconds(double share = 1) {
         return cpu_seconds([&] { std::memcpy(to.data(), from.data(), std::size_t(share * double(to.size()))); });
+    }
+    double read_seconds() const {
+        const auto* words = reinterpret_cast<const std::uint64_t*>(from.data());
+        volatile std::uint64_t sum = 0;  // keeps the reading
+        return cpu_seconds([&] { sum = std::accumulate(words, words + from.size() / 8, std::uint64_t(0)); });
     }
 };
 
@@ -73,9 +82,22 @@ std::vector<Row> measure_models(const Setup& setup, const std::string& name, Sub
     return {{name, "ms", spread_of(series[0]), median_ratio(series[0], series[1]), "the paper's model"}};
 }
 
+/// The paper's figures: milliseconds on a GTX TITAN, 512³, levels 0 to 6, 512 rays.
+struct PaperTable {
+    double levels, access;
+};
+constexpr PaperTable paper_nbuffers{268.9, 63.2}, paper_mipmaps{38.8, 110.4};
+constexpr double paper_rays_s = 425;
+constexpr int paper_levels = 6, paper_rays = 512;
+
+constexpr const char* two_bytes = "memcpy of 2 bytes a cell";
+std::string paper_says(double ms) { return fmt::format("the paper's GTX TITAN at 512³: {:.1f} ms", ms); }
+
 /// Stored levels: the median of every step, against a copy of as many bytes as the level has.
 std::vector<Row> measure_levels(const Setup& setup, const std::string& prefix, Subject& subject, SpaoFilter filter) {
-    const auto settings = settings_of(filter, SpaoModel::paper, 1);
+    auto settings = settings_of(filter, SpaoModel::paper, 1);
+    settings.spao.levels = paper_levels;
+    const PaperTable& paper = filter == SpaoFilter::nbuffer ? paper_nbuffers : paper_mipmaps;
     std::vector<std::string> names;
     std::vector<Series> times;
     Series copies;
@@ -100,13 +122,74 @@ std::vector<Row> measure_levels(const Setup& setup, const std::string& prefix, S
             total[run] += times[i][run];
             if (is_level) levels[run] += times[i][run];
         }
-        rows.push_back({prefix + names[i], "wall ms", spread_of(times[i]), median_ratio(times[i], copies),
-                        "memcpy of 2 bytes a cell"});
+        rows.push_back({prefix + names[i], "wall ms", spread_of(times[i]), median_ratio(times[i], copies), two_bytes,
+                        is_level ? "" : paper_says(paper.access)});
     }
-    rows.push_back(
-        {prefix + "levels", "wall ms", spread_of(levels), median_ratio(levels, copies), "memcpy of 2 bytes a cell"});
-    rows.push_back({prefix + "total", "wall ms", spread_of(total)});
+    rows.push_back({prefix + "levels", "wall ms", spread_of(levels), median_ratio(levels, copies), two_bytes,
+                    paper_says(paper.levels)});
+    rows.push_back({prefix + "total", "wall ms", spread_of(total), {}, {}, paper_says(paper.levels + paper.access)});
     return rows;
+}
+
+/// What levels 1 to 6 cost beyond level 0, and how many bytes they have.
+struct Chain {
+    double seconds;
+    std::size_t bytes;
+};
+Chain chain_of(Subject& s, const CellOpacity& opacity, int mip_levels, Progress& progress) {
+    const auto make = [&](int top) {
+        Chain chain{0, 0};
+        chain.seconds = cpu_seconds([&] {
+            Steps steps;
+            chain.bytes = SpaoLevels(s.device, opacity, std::min(mip_levels, top), top, steps, progress).bytes();
+        });
+        return chain;
+    };
+    const Chain all = make(paper_levels), first = make(0);
+    return {std::max(all.seconds - first.seconds, 0.0), all.bytes - first.bytes};
+}
+
+/// An N-buffer against a copy of as many bytes; the chain of mipmaps against reading what it is made of.
+std::vector<Row> measure_chain(const Setup& setup, const std::string& name, Subject& subject, SpaoFilter filter) {
+    const bool is_nbuffer = filter == SpaoFilter::nbuffer;
+    const CellOpacity opacity = cell_opacity(subject.medium.data(), setup.progress);
+    std::size_t bytes = 0;
+    const auto chain = [&] {
+        const Chain found = chain_of(subject, opacity, is_nbuffer ? 0 : paper_levels, setup.progress);
+        bytes = found.bytes;
+        return 1e3 * found.seconds / (is_nbuffer ? paper_levels : 1);
+    };
+    const auto yardstick = [&] {
+        if (!is_nbuffer) return 2e3 * subject.read_seconds();
+        return 1e3 * subject.copy_seconds() * double(bytes) / double(subject.from.size()) / paper_levels;
+    };
+    const auto series = in_turns(setup.runs, {chain, yardstick});
+    return {{name, is_nbuffer ? "ms/level" : "ms", spread_of(series[0]), median_ratio(series[0], series[1]),
+             is_nbuffer ? "memcpy of a level" : "reading 2 bytes a cell"}};
+}
+
+/// Rays from the cells of a few blocks, scaled to all.
+std::vector<Row> measure_rays(const Setup& setup, const std::string& name, Subject& subject) {
+    const CellOpacity opacity = cell_opacity(subject.medium.data(), setup.progress);
+    BlockMap some(opacity.values.grid.count);
+    std::vector<std::size_t> order(some.holds.size());
+    std::iota(order.begin(), order.end(), std::size_t(0));
+    std::shuffle(order.begin(), order.end(), std::mt19937(1));
+    order.resize(std::max<std::size_t>(order.size() / 512, 1));
+    for (const std::size_t block : order) some.holds[block] = 1;
+    IlluminationSettings settings{Method::reference, {}, {}};
+    settings.reference.rays = setup.quick ? 16 : paper_rays;
+    Steps steps;
+    accessibility(subject.device, subject.medium.data(), opacity, settings, some, steps, setup.progress);
+    double seconds = 0, share = double(order.size()) / double(some.holds.size());
+    for (const Stage& stage : steps.take()) seconds += stage.name == "rays" ? stage.seconds / share : stage.seconds;
+    return {{name,
+             "wall s",
+             {seconds, seconds, seconds, 1},
+             {},
+             {},
+             fmt::format("{} rays a cell, from {} of {} blocks at random, scaled; the paper's GTX TITAN at 512³: {} s",
+                         settings.reference.rays, order.size(), some.holds.size(), paper_rays_s)}};
 }
 
 /// What follows an edit of the transfer function: classify and illuminate.
@@ -143,7 +226,10 @@ std::vector<Case> spao_cases(const Setup& setup) {
     for (const SpaoFilter filter : {SpaoFilter::nbuffer, SpaoFilter::mipmap}) {
         const std::string prefix = fmt::format("spao/{}/", filter == SpaoFilter::nbuffer ? "nbuffer" : "mipmap");
         cases.push_back({{prefix}, [=, &setup] { return measure_levels(setup, prefix, *volume, filter); }});
+        const std::string chain = filter == SpaoFilter::nbuffer ? "spao/nbuffer-level" : "spao/mipmap-chain";
+        cases.push_back({{chain}, [=, &setup] { return measure_chain(setup, chain, *volume, filter); }});
     }
+    add("spao/rays", measure_rays);
     for (const int edge : {256, 512}) {
         if (setup.quick) continue;
         const std::string name = fmt::format("spao/update/{}", edge);
