@@ -20,6 +20,12 @@ struct BenchOptions {
     CommonOptions common;
 };
 
+/// The volumes lie in the folder itself or, beside light probes, in one of its own.
+std::filesystem::path volumes_in(const std::filesystem::path& data) {
+    std::error_code unreadable;
+    return std::filesystem::exists(data / "volumes", unreadable) ? data / "volumes" : data;
+}
+
 void run(const BenchOptions& o) {
     if (!o.json.empty()) check_output(o.json, {".json"});
     Job job(o.common);
@@ -27,7 +33,7 @@ void run(const BenchOptions& o) {
     const bench::Setup setup{.device = device_of(o.common),
                              .quick = o.quick,
                              .tool = std::filesystem::read_symlink("/proc/self/exe"),
-                             .data = data ? data : "",
+                             .data = volumes_in(data ? data : ""),
                              .progress = job.progress};
     std::vector<bench::Row> rows;
     if (!o.common.quiet) fmt::print("{}\n", bench::heading(setup));

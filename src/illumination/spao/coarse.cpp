@@ -7,16 +7,16 @@ namespace {
 
 constexpr int half_block = block_edge / 2;
 
-/// 2 × 2 × 2 means from four rows; beyond the finer row's end nothing.
-void shrink_row(const kernel::SpaoFunctions& run, kernel::MipRows rows, int first, int end, int finer_end,
-                std::uint16_t* to) {
+/// Cells [first, end) of a row from four finer rows; beyond the finer rows' end lies nothing.
+template <class ShrinkRow>
+void shrink_row(ShrinkRow run, kernel::MipRows rows, int first, int end, int finer_end, std::uint16_t* to) {
     for (auto& from : rows.from) from += 2 * first;
     const int whole = std::min(end, finer_end / 2) - first;
-    run.mip_row(rows, whole, to + first);
+    run(rows, whole, to + first);
     if (first + whole == end) return;
-    int sum = 4;  // the last cell has no partner
-    for (const auto* from : rows.from) sum += from[2 * whole];
-    to[end - 1] = std::uint16_t(sum >> 3);
+    std::uint16_t last[4][2] = {};  // the last cell has no partner
+    for (int r = 0; r < 4; ++r) last[r][0] = rows.from[r][2 * whole];
+    run({{last[0], last[1], last[2], last[3]}}, 1, to + end - 1);
 }
 
 }  // namespace
@@ -56,7 +56,8 @@ void CoarseGrid::allocate(const Cells& finer) {
 
 /// `matter` tells which blocks of the finer grid may hold something else than 0; null: all may.
 void CoarseGrid::shrink(const OpacityGrid& finer, const BlockMap* matter, const Device& device, Progress& progress) {
-    const auto run = kernel::spao_functions_for(device.isa);
+    const auto functions = kernel::spao_functions_for(device.isa);
+    const auto run = octants_ > 1 ? functions.crossing_row : functions.mip_row;
     const std::vector<std::uint16_t> zeros(finer.count[0]);
     const auto [nx, ny, nz] = count_;
     const auto slice = [&, nx = nx, ny = ny](std::int64_t z, std::int64_t) {

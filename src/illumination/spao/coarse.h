@@ -1,5 +1,5 @@
-// The coarser grids of the fused sweep: opacities of wider cells, and at the corners of these cells what their shell
-// and those further out let through, octant by octant.
+// The coarser grids of the fused sweep: what crosses wider cells (their mean opacity, for products over cubes), and at
+// the corners of these cells what their shell and those further out let through, octant by octant.
 #pragma once
 #include "core/threads.h"
 #include "illumination/access.h"

@@ -11,12 +11,23 @@ struct OctantLevels {
     const std::uint16_t* at[SpaoTile::shells + 1];
 };
 
-/// Shells 1 and 0 joined to the product of those further out.
+/// The shells of cubes joined to the product of those further out.
 template <SpaoProduct product, class F>
-CHIARO_INLINE F join_shells(const OctantLevels& o, bool has_second, bool has_first, F further_out) {
+CHIARO_INLINE F join_cubes(const OctantLevels& o, bool has_second, bool has_first, F further_out) {
     F r = further_out, middle = load_row<F>(o.at[1]);
     if (has_second) r = join<product>(r, open_share(middle, load_row<F>(o.at[2])));
     if (has_first) r = join<product>(r, open_share(load_row<F>(o.at[0]), middle));
+    return r;
+}
+
+/// The shells of an octant likewise. On the coarser grids a cell's opacity is what does not cross it, thickness and
+/// all: no exponent is left but that of shell 0, which is half a cell thick. (Powers of mean opacities take matter as
+/// spread evenly; where it lies in clumps, as bone and twigs do, they close the ways between.)
+template <class F>
+CHIARO_INLINE F join_octant(const OctantLevels& o, bool has_second, bool has_first, F further_out) {
+    F r = further_out, middle = load_row<F>(o.at[1]);
+    if (has_second) r = r * open_share(middle, load_row<F>(o.at[2]));
+    if (has_first) r = r * sqrt(open_share(load_row<F>(o.at[0]), middle));
     return r;
 }
 
@@ -76,11 +87,10 @@ CHIARO_INLINE void octants_piece(const SpaoBlock& b, const SpaoPiece& p, const s
         const Vec3<F> n = step_down_row<F>(b.tile->opacity + p.at + x);
         F all(0), outwards(0);
         for (int s = 0; s < 8; ++s) {
-            F r = join_shells<SpaoProduct::corrected>(octant_levels<at_cells>(*b.tile, p.at + x, s), b.last >= 1,
-                                                      at_cells, further_out<at_cells>(b, p, x, s, scale));
+            const F r = join_octant(octant_levels<at_cells>(*b.tile, p.at + x, s), b.last >= 1, at_cells,
+                                    further_out<at_cells>(b, p, x, s, scale));
             if constexpr (at_cells) {
                 const F side = (s & 1 ? n.x : F(0) - n.x) + (s & 2 ? n.y : F(0) - n.y) + (s & 4 ? n.z : F(0) - n.z);
-                r = finish<SpaoProduct::corrected>(r);
                 all = all + r;
                 outwards = outwards + max(side, F(0)) * r;
             } else {
@@ -108,7 +118,7 @@ CHIARO_INLINE void cubes_piece(const SpaoBlock& b, const SpaoPiece& p, std::uint
     for (int l = 1; l <= SpaoTile::shells; ++l) cube_piece(level_of<at_cells>(*b.tile, l) + p.at, l, cubes[l - 1]);
     for (int x = 0; x < SpaoTile::piece; x += LaneTraits<F>::count) {
         const OctantLevels levels{{b.tile->opacity + p.at + x, cubes[0] + x, cubes[1] + x}};
-        F r = join_shells<product>(levels, b.last >= 1, at_cells, further_out<at_cells>(b, p, x, 0, F(1.0f / 65535)));
+        F r = join_cubes<product>(levels, b.last >= 1, at_cells, further_out<at_cells>(b, p, x, 0, F(1.0f / 65535)));
         if constexpr (at_cells) r = finish<product>(r);
         store_shares(r, out[0] + x);
     }

@@ -13,6 +13,7 @@ SpaoFunctions spao_functions() {
             spao_block<false, NativeLanes>(block, to);
         },
         [](const MipRows& rows, int n, std::uint16_t* to) { mip_row(rows, n, to); },
+        [](const MipRows& rows, int n, std::uint16_t* to) { crossing_row(rows, n, to); },
         [](const NBufferRows& rows, std::uint16_t* scratch, std::uint16_t* to) { nbuffer_row(rows, scratch, to); },
         [](const StoredKernel& kernel, const SpaoCells& cells) { access_row<NativeLanes>(kernel, cells); },
     };

@@ -17,6 +17,21 @@ CHIARO_INLINE void mip_row(const MipRows& rows, int n, std::uint16_t* to) {
     }
 }
 
+/// What crosses 2 × 2 × 2 cells: along each axis the mean over its four columns of the product of their two cells'
+/// transparencies, and of the three axes the least; as opacity. A wall stays a wall, a clump leaves its gaps open.
+CHIARO_INLINE void crossing_row(const MipRows& rows, int n, std::uint16_t* to) {
+    const std::uint16_t *a = rows.from[0], *b = rows.from[1], *c = rows.from[2], *d = rows.from[3];
+    const auto clear = [](std::uint16_t opacity) CHIARO_INLINE_LAMBDA { return 1 - opacity * (1 / 65535.0f); };
+    for (int i = 0; i < n; ++i) {
+        const float a0 = clear(a[2 * i]), a1 = clear(a[2 * i + 1]), b0 = clear(b[2 * i]), b1 = clear(b[2 * i + 1]);
+        const float c0 = clear(c[2 * i]), c1 = clear(c[2 * i + 1]), d0 = clear(d[2 * i]), d1 = clear(d[2 * i + 1]);
+        const float x = a0 * a1 + b0 * b1 + c0 * c1 + d0 * d1;
+        const float y = a0 * b0 + a1 * b1 + c0 * d0 + c1 * d1;
+        const float z = a0 * c0 + a1 * c1 + b0 * d0 + b1 * d1;
+        to[i] = std::uint16_t(std::int32_t((1 - 0.25f * min(x, min(y, z))) * 65535 + 0.5f));
+    }
+}
+
 /// Mean rounded down, so that one half of the roundings cancels the other.
 CHIARO_INLINE std::uint16_t mean_below(std::uint16_t a, std::uint16_t b) {
     return std::uint16_t(mean_of(a, b) - ((a ^ b) & 1));
