@@ -1,7 +1,5 @@
 #include "illumination/cells/grid.h"
 
-#include <chiaro/error.h>
-
 #include "classify/medium.h"
 
 namespace chiaro {
@@ -41,27 +39,32 @@ private:
     double reach_;
 };
 
-}  // namespace
+constexpr double most_resampled = 1 << 28;  ///< cells; about 6 bytes are needed for each
 
-CellGrid make_cell_grid(const std::array<int, 3>& dimensions, const Geometry& geometry) {
+CellGrid cells_of_edge(double edge_mm, const std::array<int, 3>& dimensions, const Geometry& geometry) {
     CellGrid grid;
-    grid.edge_mm = geometry.smallest_spacing_mm();
-    double cells = 1;
+    grid.edge_mm = edge_mm;
     for (int axis = 0; axis < 3; ++axis) {
         const int n = dimensions[axis];
-        double stretch = geometry.spacing_mm[axis] / grid.edge_mm;
+        double stretch = geometry.spacing_mm[axis] / edge_mm;
         if (std::abs(stretch - 1) * n < 0.05) stretch = 1;  // less than rounding in a header
         grid.is_voxel_grid = grid.is_voxel_grid && stretch == 1;
         grid.voxels_per_cell[axis] = 1 / stretch;
-        const double count = std::ceil(n * stretch - 0.01);
-        cells *= count;
-        if (cells > 2147483647.0)
-            throw Error(ErrorCode::output,
-                        "light on cells of the smallest spacing would need more than 2147483647 of them: resample the "
-                        "volume, or use --lighting none");
-        grid.count[axis] = int(count);
+        grid.count[axis] = int(std::clamp(std::ceil(n * stretch - 0.01), 1.0, 2e9));
     }
     return grid;
+}
+
+}  // namespace
+
+CellGrid make_cell_grid(const std::array<int, 3>& dimensions, const Geometry& geometry) {
+    const double voxels = double(dimensions[0]) * dimensions[1] * dimensions[2];
+    // Very thick slices would make very many cells: then these are wider.
+    const double most = std::max(voxels, std::min(64 * voxels, most_resampled));
+    for (double edge = geometry.smallest_spacing_mm();; edge *= 1.25) {
+        const CellGrid grid = cells_of_edge(edge, dimensions, geometry);
+        if (double(grid.count[0]) * grid.count[1] * grid.count[2] <= most) return grid;
+    }
 }
 
 std::array<std::pair<int, int>, 3> BlockMap::cells(std::size_t block, const std::array<int, 3>& grid) const {

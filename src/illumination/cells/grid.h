@@ -12,7 +12,7 @@ namespace chiaro {
 struct CellGrid {
     std::array<int, 3> count{0, 0, 0};
     double edge_mm = 1;
-    Vec3 voxels_per_cell{1, 1, 1};  ///< at most 1
+    Vec3 voxels_per_cell{1, 1, 1};
     bool is_voxel_grid = true;
 
     std::size_t size() const { return std::size_t(count[0]) * count[1] * count[2]; }
@@ -24,7 +24,8 @@ struct CellGrid {
     }
 };
 
-/// Throws Error{output} when there would be more cells than can be held (2^31).
+/// Of the smallest spacing, or wider where that would make more than 64 cells a voxel, or 2^28 and more cells
+/// than voxels.
 CellGrid make_cell_grid(const std::array<int, 3>& dimensions, const Geometry& geometry);
 
 inline constexpr float cell_one = 65535;

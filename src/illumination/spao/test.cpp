@@ -349,6 +349,19 @@ TEST(Spao, ThickSlicesAreLitAsTheCubicVoxelsTheyStandFor) {
     EXPECT_LT(rms(a, b), 0.02);
 }
 
+TEST(Spao, CellsStayFewWhateverTheSpacing) {
+    Geometry geometry;
+    geometry.spacing_mm = {1e-3, 1, 1000};
+    const CellGrid wild = make_cell_grid({16, 16, 16}, geometry);
+    EXPECT_LE(wild.size(), 64 * 4096u);
+    EXPECT_GE(wild.count[0], 1);
+    geometry.spacing_mm = {0.5, 0.5, 2};
+    const CellGrid thick = make_cell_grid({40, 30, 20}, geometry);
+    EXPECT_EQ(thick.count, (Cells{40, 30, 80}));
+    EXPECT_EQ(thick.edge_mm, 0.5);
+    EXPECT_EQ(make_cell_grid({40, 30, 20}, Geometry{}).is_voxel_grid, true);
+}
+
 TEST(Spao, StrengthBlendsTowardsFullLight) {
     const Volume volume = testing::sampled<std::uint8_t>(
         {40, 40, 40}, [](double x, double y, double z) { return testing::shells(x, y, z, 40); });
