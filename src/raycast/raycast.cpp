@@ -39,19 +39,6 @@ Outcome cast(const Device& device, const Kernel& kernel, const BoundingGeometry*
     return {complete, std::uint64_t(samples)};
 }
 
-/// Calls f with a value of the stored voxel type.
-template <class Function>
-Outcome with_stored_type(VoxelType stored, Function&& f) {
-    switch (stored) {
-        case VoxelType::u8:
-            return f(std::uint8_t{});
-        case VoxelType::u16:
-            return f(std::uint16_t{});
-        default:
-            return f(float{});
-    }
-}
-
 }  // namespace
 
 Outcome raycast(const Device& device, const Medium& medium, const IlluminationField& field, const Lighting& lighting,
@@ -64,7 +51,7 @@ Outcome raycast(const Device& device, const Medium& medium, const IlluminationFi
     return std::visit(
         [&](auto view) {
             if constexpr (requires { view.strength; }) view.strength = float(lighting.strength);
-            return with_stored_type(data.volume.data().stored, [&](auto voxel) {
+            return with_stored_voxel(data.volume.data(), [&](auto voxel) {
                 const auto kernel = make_kernel<decltype(voxel)>(data, tables, view, lighting, camera, settings, frame);
                 return cast(device, kernel, geometry ? &*geometry : nullptr, frame, progress);
             });

@@ -20,4 +20,17 @@ kernel::VolumeView<Voxel> view_of(const DeviceVolume::Data& volume) {
             std::max(nz - 2, 0)};
 }
 
+/// Calls f with a value of the type that the voxels are stored as.
+template <class Function>
+decltype(auto) with_stored_voxel(const DeviceVolume::Data& volume, Function&& f) {
+    switch (volume.stored) {
+        case VoxelType::u8:
+            return f(std::uint8_t{});
+        case VoxelType::u16:
+            return f(std::uint16_t{});
+        default:
+            return f(float{});
+    }
+}
+
 }  // namespace chiaro

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "fixtures.h"
-#include "volume/view.h"
+#include "volume/device_view.h"
 
 using namespace chiaro;
 using namespace chiaro::testing;
@@ -16,15 +16,7 @@ namespace {
 
 template <class Voxel>
 kernel::VolumeView<Voxel> view_of(const DeviceVolume& volume) {
-    const auto& d = volume.data();
-    const auto [nx, ny, nz] = d.dimensions;
-    return {reinterpret_cast<const Voxel*>(d.bricks.data()),
-            brick_count(nx),
-            brick_count(ny),
-            {float(nx - 1), float(ny - 1), float(nz - 1)},
-            std::max(nx - 2, 0),
-            std::max(ny - 2, 0),
-            std::max(nz - 2, 0)};
+    return chiaro::view_of<Voxel>(volume.data());
 }
 
 template <class Voxel>

@@ -149,16 +149,7 @@ CellOpacity cell_opacity(const Medium::Data& medium, Progress& progress) {
     const DeviceVolume::Data& volume = medium.volume.data();
     const CellGrid grid = make_cell_grid(volume.dimensions, volume.geometry);
     CellOpacity out{CellValues(grid), BlockMap(grid.count, true)};
-    switch (volume.stored) {
-        case VoxelType::u8:
-            classify_cells<std::uint8_t>(medium, out, progress);
-            break;
-        case VoxelType::u16:
-            classify_cells<std::uint16_t>(medium, out, progress);
-            break;
-        default:
-            classify_cells<float>(medium, out, progress);
-    }
+    with_stored_voxel(volume, [&](auto voxel) { classify_cells<decltype(voxel)>(medium, out, progress); });
     return out;
 }
 

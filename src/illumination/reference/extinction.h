@@ -4,21 +4,9 @@
 
 #include "classify/medium.h"
 #include "illumination/cells/opacity.h"
+#include "volume/device_view.h"
 
 namespace chiaro {
-
-/// Calls f with a value of the type that the voxels are stored as.
-template <class Function>
-decltype(auto) with_stored_voxel(const DeviceVolume::Data& volume, Function&& f) {
-    switch (volume.stored) {
-        case VoxelType::u8:
-            return f(std::uint8_t{});
-        case VoxelType::u16:
-            return f(std::uint16_t{});
-        default:
-            return f(float{});
-    }
-}
 
 /// Extinction per edge of entry j: the stored value (j - index_offset) / index_scale.
 struct ExtinctionTable {
