@@ -124,7 +124,7 @@ CellMask visible_cells(const CellValues& opacity) {
 
 CellMask cells_with_normal(const CellValues& opacity, double least) {
     // share = min(1, F |n|) reaches 1 at |n| = 1 / F.
-    return mask_of(opacity, [&](int x, int y, int z) { return outward_at(opacity, x, y, z, 1 / least).share >= 1; });
+    return mask_of(opacity, [&](int x, int y, int z) { return outward_at(opacity, x, y, z, 0.25 / least).share >= 1; });
 }
 
 AccessError error_of(const CellValues& found, const CellValues& truth, const CellMask& counts) {

@@ -93,6 +93,13 @@ constexpr int paper_levels = 6, paper_rays = 512;
 constexpr const char* two_bytes = "memcpy of 2 bytes a cell";
 std::string paper_says(double ms) { return fmt::format("the paper's GTX TITAN at 512³: {:.1f} ms", ms); }
 
+/// Names of the rows of `measure_levels`.
+std::vector<std::string> level_rows(const std::string& prefix) {
+    std::vector<std::string> names{prefix + "spao combine", prefix + "levels", prefix + "total"};
+    for (int level = 0; level <= paper_levels; ++level) names.push_back(fmt::format("{}spao level {}", prefix, level));
+    return names;
+}
+
 /// Stored levels: the median of every step, against a copy of as many bytes as the level has.
 std::vector<Row> measure_levels(const Setup& setup, const std::string& prefix, Subject& subject, SpaoFilter filter) {
     auto settings = settings_of(filter, SpaoModel::paper, 1);
@@ -225,7 +232,7 @@ std::vector<Case> spao_cases(const Setup& setup) {
     add("spao/corrected-to-paper", measure_models);
     for (const SpaoFilter filter : {SpaoFilter::nbuffer, SpaoFilter::mipmap}) {
         const std::string prefix = fmt::format("spao/{}/", filter == SpaoFilter::nbuffer ? "nbuffer" : "mipmap");
-        cases.push_back({{prefix}, [=, &setup] { return measure_levels(setup, prefix, *volume, filter); }});
+        cases.push_back({level_rows(prefix), [=, &setup] { return measure_levels(setup, prefix, *volume, filter); }});
         const std::string chain = filter == SpaoFilter::nbuffer ? "spao/nbuffer-level" : "spao/mipmap-chain";
         cases.push_back({{chain}, [=, &setup] { return measure_chain(setup, chain, *volume, filter); }});
     }

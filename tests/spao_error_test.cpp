@@ -53,10 +53,18 @@ TEST_P(SpaoError, TheCorrectedModelIsNearerToRaysThanThePapers) {
     EXPECT_LT(found.ratio(), 0.5) << found.corrected << " " << found.paper;
 }
 
+/// Bounds whose geometric mean is one half.
+double most_of_papers(const std::string& subject) {
+    if (subject == "cornell") return 0.33;
+    if (subject == "engine") return 0.50;
+    if (subject == "bonsai") return 0.72;
+    return 0.52;
+}
+
 TEST_P(SpaoError, TheCorrectedModelIsNearerToHemispheresOfRays) {
     if (!has_normals()) GTEST_SKIP() << "no surface";
     const Rivals found = rivals(ReferenceQuantity::ao);
-    EXPECT_LT(found.ratio(), GetParam() == "bonsai" ? 0.9 : 0.6) << found.corrected << " " << found.paper;
+    EXPECT_LT(found.ratio(), most_of_papers(GetParam())) << found.corrected << " " << found.paper;
 }
 
 INSTANTIATE_TEST_SUITE_P(Subjects, SpaoError, ::testing::ValuesIn(lit_subjects()),

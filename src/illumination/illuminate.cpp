@@ -41,13 +41,11 @@ IlluminationField light_of(const Device& device, const Medium::Data& medium, con
                            Progress& progress) {
     Steps steps;
     const CellOpacity opacity = steps("opacity", [&] { return cell_opacity(medium, progress); });
-    const CellGrid& grid = opacity.values.grid;
     // A sample reads the cells around it, each of which was lifted from a cell further out.
-    const CellValues access =
-        accessibility(device, medium, opacity, settings, visible_blocks(medium, grid, 2), steps, progress);
+    const CellValues access = accessibility(device, medium, opacity, settings,
+                                            visible_blocks(medium, opacity.values.grid, 2), steps, progress);
     CellValues lifted = steps("lift", [&] {
-        return lift_off_surfaces(device, access, opacity.values, outward_factor(settings),
-                                 visible_blocks(medium, grid, 1), progress);
+        return lift_off_surfaces(device, access, opacity.values, outward_factor(settings), opacity.visible, progress);
     });
     return field_of(std::move(lifted), steps);
 }
@@ -84,7 +82,7 @@ const std::vector<Stage>& IlluminationField::stages() const { return data().stag
 std::vector<MethodInfo> list_methods() {
     return {
         {"none", "All light arrives everywhere; only the shading model acts."},
-        {"spao", "Ambient occlusion by filtering: means of growing cubes; follows an edit within a frame or two."},
+        {"spao", "Ambient occlusion by filtering: means of growing cubes, found again after every edit."},
         {"reference", "Ambient occlusion by rays from every voxel: slow, and what the others are measured against."}};
 }
 

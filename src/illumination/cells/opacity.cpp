@@ -45,9 +45,7 @@ private:
     float value_at(Point p) const { return view_.value(locate(p)); }
 
     void tabulate() {
-        std::vector<std::uint16_t> entries;
-        for (float kappa : extinction_per_edge(medium_, out_.grid)) entries.push_back(cell_value(-std::expm1(-kappa)));
-        entries_ = std::move(entries);
+        for (float kappa : extinction_per_edge(medium_, out_.grid)) entries_.push_back(cell_value(-std::expm1(-kappa)));
         scale_ = float(medium_.table.index_scale), offset_ = float(medium_.table.index_offset + 0.5);
         if constexpr (sizeof(Voxel) <= 2)
             for (std::size_t v = 0; v < std::size_t(1) << (8 * sizeof(Voxel)); ++v)
@@ -122,16 +120,16 @@ private:
 template <class Voxel>
 void classify_cells(const Medium::Data& medium, CellOpacity& out, Progress& progress) {
     CellClassifier<Voxel> classifier(medium, out.values);
-    const BlockMap near_surface = visible_blocks(medium, out.values.grid, 1);
+    out.visible = visible_blocks(medium, out.values.grid, 1);
     // Nothing is seen inside a surface, but it is matter.
-    if (medium.shape.mode != Mode::iso) out.matter = near_surface;
+    if (medium.shape.mode != Mode::iso) out.matter = out.visible;
     const auto blocks = out.matter.held();
     parallel_for(medium.volume.data().device.threads, std::int64_t(blocks.size()), 1, "opacity", progress,
                  [&](std::int64_t b, std::int64_t) {
                      const auto [x, y, z] = out.matter.cells(blocks[b], out.values.grid.count);
                      for (int k = z.first; k < z.second; ++k)
                          for (int j = y.first; j < y.second; ++j)
-                             classifier.fill(x.first, x.second, j, k, near_surface.holds[blocks[b]]);
+                             classifier.fill(x.first, x.second, j, k, out.visible.holds[blocks[b]]);
                  });
     progress.check();
 }

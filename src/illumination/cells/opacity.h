@@ -8,7 +8,8 @@ namespace chiaro {
 
 struct CellOpacity {
     CellValues values;
-    BlockMap matter;  ///< blocks that may hold something else than 0
+    BlockMap matter;              ///< blocks that may hold something else than 0
+    BlockMap visible{{0, 0, 0}};  ///< within a cell of which a ray may see something
 };
 
 /// α of one cell edge at the cells' centres, α = 1 - exp(-κ e): the volume classified there (interpolated first where

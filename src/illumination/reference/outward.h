@@ -7,7 +7,7 @@ namespace chiaro {
 
 struct Outward {
     Vec3 normal;       ///< n, unit; 0 where there is none
-    double share = 0;  ///< q = min(1, F |n|), of the answer that looks along n
+    double share = 0;  ///< q of `outward_share`, of the answer that looks along n
 };
 
 /// n = -(α(i + 1) - α(i - 1)) per axis, α outside the grid 0.
@@ -20,7 +20,9 @@ inline Outward outward_at(const CellValues& opacity, int x, int y, int z, double
     const Vec3 n{alpha(x - 1, y, z) - alpha(x + 1, y, z), alpha(x, y - 1, z) - alpha(x, y + 1, z),
                  alpha(x, y, z - 1) - alpha(x, y, z + 1)};
     const double size = length(n);
-    return size > 0 ? Outward{(1 / size) * n, std::min(1.0, normal_factor * std::min(size, 1.0))} : Outward{};
+    if (size == 0) return {};
+    const kernel::Vec3<float> steps{float(n.x), float(n.y), float(n.z)};
+    return {(1 / size) * n, double(kernel::outward_share(steps, float(normal_factor)))};
 }
 
 }  // namespace chiaro

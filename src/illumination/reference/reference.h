@@ -5,7 +5,7 @@
 namespace chiaro {
 
 /// F of the ambient occlusion that rays find: any normal that can be told from noise decides.
-inline constexpr double reference_normal_factor = 10;
+inline constexpr double reference_normal_factor = 2.5;
 
 /// Step of the march through the interpolated medium, in cell edges.
 inline constexpr double reference_step = 0.25;

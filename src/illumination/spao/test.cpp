@@ -108,7 +108,9 @@ TEST(Spao, HalfSpace) {
     for (const SpaoFilter filter : all_filters) {
         // Just above the surface everything outwards is open; the normal points out, not in.
         EXPECT_NEAR(occlusion(half, with(filter, SpaoModel::corrected, 4, 1))(20, 20, 24), 1, 1e-3);
-        EXPECT_LT(occlusion(half, with(filter, SpaoModel::corrected, 4, 1))(20, 20, 23), 0.65);
+        // The sweep interpolates what lies further out, across the surface too.
+        const double below = filter == SpaoFilter::automatic ? 0.65 : 0.4;
+        EXPECT_LT(occlusion(half, with(filter, SpaoModel::corrected, 4, 1))(20, 20, 23), below);
         // The paper's cubes leave the matter when they move outwards.
         EXPECT_GT(occlusion(half, with(filter, SpaoModel::paper, 4, 1))(20, 20, 24),
                   occlusion(half, with(filter, SpaoModel::paper, 4, 0))(20, 20, 24) + 0.2);
@@ -216,7 +218,7 @@ TEST(Spao, AxesAreAlike) {
     }
 }
 
-TEST(Spao, MoreMatterNeverOpensAnything) {
+TEST(Spao, MoreMatterDarkens) {
     const CellOpacity less = clutter();
     const CellOpacity more = opacity_from(less.values.grid.count, [&](int x, int y, int z) {
         return std::min(1.0, less.values.data()[less.values.grid.index(x, y, z)] / 65535.0 + (x > 20 ? 0.2 : 0));

@@ -1,0 +1,19 @@
+// One function for each instruction set that kernels are compiled for (cmake/kernels.cmake), and the choice among them.
+#pragma once
+#include <chiaro/device.h>
+
+namespace chiaro::kernel {
+
+/// Writes declare(scalar) declare(x86_64_v2) ...: what launch.cpp defines, one namespace per instruction set.
+#define CHIARO_FOR_EACH_ISA(declare) declare(scalar) declare(x86_64_v2) declare(x86_64_v3) declare(x86_64_v4)
+
+template <class Function>
+Function pick(Isa isa, Function scalar, Function v2, Function v3, Function v4) {
+    const Function functions[] = {scalar, v2, v3, v4};
+    return functions[int(isa)];
+}
+/// The function of that name that goes with `isa`.
+#define CHIARO_PICK(isa, ...) \
+    pick(isa, &scalar::__VA_ARGS__, &x86_64_v2::__VA_ARGS__, &x86_64_v3::__VA_ARGS__, &x86_64_v4::__VA_ARGS__)
+
+}  // namespace chiaro::kernel
