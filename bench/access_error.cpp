@@ -89,7 +89,7 @@ CellValues LitSubject::field(const IlluminationSettings& settings, Progress& pro
 }
 
 CellValues LitSubject::truth(ReferenceQuantity quantity, int rays, Progress& progress) const {
-    IlluminationSettings settings{Method::reference, {}, {}};
+    IlluminationSettings settings{.method = Method::reference};
     settings.reference.rays = rays, settings.reference.quantity = quantity;
     return field(settings, progress);
 }

@@ -46,7 +46,7 @@ Subject shells(const Setup& setup, int size) {
 }
 
 IlluminationSettings settings_of(SpaoFilter filter, SpaoModel model, double normal_factor) {
-    IlluminationSettings settings{Method::spao, {}, {}};
+    IlluminationSettings settings{.method = Method::spao};
     settings.spao.filter = filter, settings.spao.model = model, settings.spao.normal_factor = normal_factor;
     return settings;
 }
@@ -184,7 +184,7 @@ std::vector<Row> measure_rays(const Setup& setup, const std::string& name, Subje
     std::shuffle(order.begin(), order.end(), std::mt19937(1));
     order.resize(std::max<std::size_t>(order.size() / 512, 1));
     for (const std::size_t block : order) some.holds[block] = 1;
-    IlluminationSettings settings{Method::reference, {}, {}};
+    IlluminationSettings settings{.method = Method::reference};
     settings.reference.rays = setup.quick ? 16 : paper_rays;
     Steps steps;
     accessibility(subject.device, subject.medium.data(), opacity, settings, some, steps, setup.progress);

@@ -29,7 +29,7 @@ public:
     explicit operator bool() const { return subject_.has_value(); }
 
     Row row(const std::string& name, ReferenceQuantity quantity, const SpaoSettings& spao) {
-        const CellValues found = subject_->field({Method::spao, spao, {}}, progress_);
+        const CellValues found = subject_->field({.method = Method::spao, .spao = spao}, progress_);
         const CellValues& truth = truth_of(quantity);
         const bool is_obscurance = quantity == ReferenceQuantity::obscurance;
         const CellMask& counts = is_obscurance ? everywhere_ : with_normal_;

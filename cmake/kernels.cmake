@@ -1,4 +1,4 @@
-# Kernels are compiled from one launch.cpp per folder, once for each instruction set, chosen at start (core/device.cpp).
+# Kernels are compiled from the launch*.cpp of a folder, once for each instruction set, chosen at start (core/device.cpp).
 # These units must hold no inline code of the standard library: the linker keeps one copy of each such function, and it
 # might keep the one that an older processor cannot run.
 set(CHIARO_ISAS scalar x86_64_v2 x86_64_v3 x86_64_v4)
@@ -8,7 +8,7 @@ set(CHIARO_FLAGS_x86_64_v3 -march=x86-64-v3)
 set(CHIARO_FLAGS_x86_64_v4 -march=x86-64-v4 -mprefer-vector-width=512)
 
 function(chiaro_add_kernels target)
-  file(GLOB_RECURSE launches CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/*/launch.cpp)
+  file(GLOB_RECURSE launches CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/*/launch*.cpp)
   if(NOT launches)
     return()
   endif()

@@ -47,7 +47,7 @@ TEST(Settings, RoundTripThroughText) {
     EXPECT_EQ(from.transfer, to.transfer);
 }
 
-constexpr Method methods[] = {Method::spao, Method::reference};
+constexpr Method methods[] = {Method::spao, Method::visibility, Method::reference};
 
 TEST(Settings, EveryChangeIsSeen) {
     for (const Method method : methods) {
@@ -93,6 +93,8 @@ TEST(Settings, RefusalsNameTheValueAndTheRange) {
         {"up", "w", "--up w: expected three numbers X,Y,Z or an axis such as -z"},
         {"projection", "perspectiv",
          "--projection perspectiv: must be perspective, orthographic; did you mean 'perspective'?"},
+        {"sh-bands", "3", "--sh-bands 3: must be 2, 4"},
+        {"sh-sampling", "fibonacci:4", "--sh-sampling fibonacci:4: only jittered takes a number of sets"},
         {"light", "left", "--light left: expected headlight or AZ,EL[,COLOR]"},
     };
     for (const auto& [name, text, message] : cases) {

@@ -34,7 +34,7 @@ protected:
         const CellValues truth = subject_->truth(quantity, 256, progress_);
         const auto rmse = [&](SpaoSettings spao) {
             spao.normal_factor = is_obscurance ? 0 : 1;
-            return error_of(subject_->field({Method::spao, spao, {}}, progress_), truth, counts).rmse;
+            return error_of(subject_->field({.method = Method::spao, .spao = spao}, progress_), truth, counts).rmse;
         };
         return {rmse({}), rmse({.filter = SpaoFilter::nbuffer, .model = SpaoModel::paper})};
     }

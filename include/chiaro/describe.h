@@ -153,6 +153,25 @@ void describe(Visit&& visit, S& s) {
           .of("spao"), s.model);
 }
 
+template <class Visit, SettingsOf<VisibilitySettings> S>
+void describe(Visit&& visit, S& s) {
+    visit(Setting{"sh-bands", "lighting.bands", "", "bands of spherical harmonics: 2 for 4 coefficients, 4 for 16"}
+          .written("2|4").of("visibility"), s.bands);
+    visit(Setting{"sh-directions", "lighting.directions", "", "directions in which each node looks for light"}
+          .within(4, 65536).of("visibility"), s.directions);
+    visit(Setting{"sh-subsample", "lighting.subsample", "voxels", "distance of the nodes"}
+          .written("1|2|4|8").of("visibility"), s.subsample);
+    visit(Setting{"sh-traversal", "lighting.traversal", "", "how the light from a direction is followed"}
+          .of("visibility"), s.traversal);
+    visit(Setting{"sh-sampling", "lighting.sampling", "", "one set of directions, or one of M jittered sets for each node"}
+          .written("fibonacci|jittered[:M]").of("visibility"), s.sampling);
+    visit(Setting{"sh-model", "lighting.model", "", "light on surfaces as on surfaces, or the paper's"}
+          .of("visibility"), s.model);
+    visit(Setting{"sh-window", "lighting.window", "", "damps high bands: less ringing, more error"}
+          .of("visibility"), s.window);
+    visit(Setting{"sh-storage", "lighting.storage", "", "of a coefficient"}.of("visibility"), s.storage);
+}
+
 template <class Visit, SettingsOf<ReferenceSettings> S>
 void describe(Visit&& visit, S& s) {
     visit(Setting{"reference-rays", "lighting.rays", "", "rays from every voxel"}
@@ -192,6 +211,7 @@ void for_each_group(Group&& group, S& scene) {
     group("Shading", scene.lighting);
     group("Lighting", scene.illumination);
     group("Lighting by spao", scene.illumination.spao);
+    group("Lighting by visibility", scene.illumination.visibility);
     group("Lighting by reference", scene.illumination.reference);
     group("Output", scene.output);
 }

@@ -25,7 +25,7 @@ struct Lighting {
 };
 
 /// The methods that this build has; a new one is one new value and one new folder.
-enum class Method { none, spao, reference };
+enum class Method { none, spao, visibility, reference };
 
 /// How the means over cubes are found: all at full resolution, by mipmaps, by N-buffers over some mipmaps, exactly from
 /// a table of sums, or (automatic) by a fused sweep over blocks that keeps no level.
@@ -41,6 +41,37 @@ struct SpaoSettings {
     double normal_factor = 1;  ///< 0: obscurance (over all directions), else ambient occlusion (over those outwards)
     SpaoModel model = SpaoModel::corrected;
     bool operator==(const SpaoSettings&) const = default;
+};
+
+/// How the transmittance towards a direction is found: plane by plane for all nodes at once, interpolating what the
+/// plane before holds (sweep) or along straight rays through one lattice (sheared); or node by node, with steps that
+/// grow through a pyramid (hierarchical), or by steps of one cell (full).
+enum class VisibilityTraversal { sweep, sheared, hierarchical, full };
+/// The level that a growing step reads: the paper's log2 of it, or one below. With `corrected` matter that has a
+/// surface is also lit as a surface: looked up one edge outwards, by Lambert's law.
+enum class VisibilityModel { corrected, paper };
+/// Factors per band that trade ringing for sharpness.
+enum class ShWindow { none, hann, lanczos };
+enum class ShStorage { u8, f16, f32 };
+
+/// Directions over the sphere: one Fibonacci set for all nodes, or one of several jittered sets for each.
+struct ShSampling {
+    bool jittered = false;
+    int sets = 16;  ///< of the jittered
+    bool operator==(const ShSampling&) const = default;
+};
+
+/// Visibility in spherical harmonics (Ritschel 2007).
+struct VisibilitySettings {
+    int bands = 4;         ///< 2 or 4: bands² coefficients a node
+    int directions = 400;  ///< N
+    int subsample = 2;     ///< 1, 2, 4 or 8: a node for so many cells per axis
+    VisibilityTraversal traversal = VisibilityTraversal::sweep;
+    ShSampling sampling;
+    VisibilityModel model = VisibilityModel::corrected;
+    ShWindow window = ShWindow::none;
+    ShStorage storage = ShStorage::u8;
+    bool operator==(const VisibilitySettings&) const = default;
 };
 
 /// What rays find out for every voxel: the mean transmittance over all directions, over those outwards, or over those
@@ -62,6 +93,7 @@ struct ReferenceSettings {
 struct IlluminationSettings {
     Method method = Method::none;
     SpaoSettings spao;
+    VisibilitySettings visibility;
     ReferenceSettings reference;
     bool operator==(const IlluminationSettings&) const = default;
 };

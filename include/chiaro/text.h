@@ -29,11 +29,17 @@ constexpr auto names_of(View) {
     return std::to_array<std::string_view>({"anterior", "posterior", "left", "right", "superior", "inferior"});
 }
 constexpr auto names_of(Shading) { return std::to_array<std::string_view>({"none", "lambert", "phong"}); }
-constexpr auto names_of(Method) { return std::to_array<std::string_view>({"none", "spao", "reference"}); }
+constexpr auto names_of(Method) { return std::to_array<std::string_view>({"none", "spao", "visibility", "reference"}); }
 constexpr auto names_of(SpaoFilter) {
     return std::to_array<std::string_view>({"auto", "nbuffer", "mipmap", "hybrid", "exact"});
 }
 constexpr auto names_of(SpaoModel) { return std::to_array<std::string_view>({"paper", "thick", "corrected"}); }
+constexpr auto names_of(VisibilityTraversal) {
+    return std::to_array<std::string_view>({"sweep", "sheared", "hierarchical", "full"});
+}
+constexpr auto names_of(VisibilityModel) { return std::to_array<std::string_view>({"corrected", "paper"}); }
+constexpr auto names_of(ShWindow) { return std::to_array<std::string_view>({"none", "hann", "lanczos"}); }
+constexpr auto names_of(ShStorage) { return std::to_array<std::string_view>({"u8", "f16", "f32"}); }
 constexpr auto names_of(ReferenceQuantity) {
     return std::to_array<std::string_view>({"obscurance", "ao", "ao-cosine"});
 }
@@ -70,6 +76,7 @@ std::string to_text(const std::array<int, 3>& value);
 std::string to_text(const std::array<double, 6>& value);
 std::string to_text(const ClipPlane& value);
 std::string to_text(const IsoSurface& value);
+std::string to_text(const ShSampling& value);
 std::string to_text(int width, int height);
 std::string to_text(const Rgb& color, bool transparent);
 std::string to_text(bool headlight, double azimuth_deg, double elevation_deg, const Rgb& color);
@@ -100,6 +107,7 @@ void from_text(std::string_view text, std::array<int, 3>& value);
 void from_text(std::string_view text, std::array<double, 6>& value);
 void from_text(std::string_view text, ClipPlane& value);
 void from_text(std::string_view text, IsoSurface& value);
+void from_text(std::string_view text, ShSampling& value);
 void from_text(std::string_view text, int& width, int& height);
 void from_text(std::string_view text, Rgb& color, bool& transparent);
 void from_text(std::string_view text, bool& headlight, double& azimuth_deg, double& elevation_deg, Rgb& color);
@@ -148,13 +156,14 @@ std::string range_of(const Setting& setting);
 void check_range(const Setting& setting, std::string_view text);
 
 /// Text of a setting's value. A bool is a switch, turned by a name that begins with "no-", or a choice of two where its
-/// setting has a form "off|on".
+/// setting has a form "off|on". A whole number is one of a few where its setting has a form "2|4".
 std::string value_text(const Setting&, const auto&... fields) { return to_text(fields...); }
 std::string value_text(const Setting& setting, const bool& field);
 
 /// The inverse of value_text. Throws Error{usage}.
 void read_value(const Setting&, std::string_view text, auto&... fields) { from_text(text, fields...); }
 void read_value(const Setting& setting, std::string_view text, bool& field);
+void read_value(const Setting& setting, std::string_view text, int& field);
 
 /// Sets the fields of a setting from text, within its range. Throws Error{code} that begins with `who` ("--step 0").
 template <class... Fields>

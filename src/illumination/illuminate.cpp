@@ -83,6 +83,7 @@ std::vector<MethodInfo> list_methods() {
     return {
         {"none", "All light arrives everywhere; only the shading model acts."},
         {"spao", "Ambient occlusion by filtering: means of growing cubes, found again after every edit."},
+        {"visibility", "Natural light from a probe, with soft coloured shadows: visibility in spherical harmonics."},
         {"reference", "Ambient occlusion by rays from every voxel: slow, and what the others are measured against."}};
 }
 

@@ -77,6 +77,10 @@ std::string to_text(const IsoSurface& value) {
     return text;
 }
 
+std::string to_text(const ShSampling& value) {
+    return value.jittered ? fmt::format("jittered:{}", value.sets) : "fibonacci";
+}
+
 std::string to_text(int width, int height) { return fmt::format("{}x{}", width, height); }
 std::string to_text(const Rgb& color, bool transparent) { return transparent ? "transparent" : to_text(color); }
 std::string to_text(bool headlight, double azimuth_deg, double elevation_deg, const Rgb& color) {
@@ -135,6 +139,16 @@ void from_text(std::string_view text, IsoSurface& value) {
     if (comma != text.npos) from_text(text.substr(comma + 1), value.color.emplace());
 }
 
+void from_text(std::string_view text, ShSampling& value) {
+    value = {};
+    const std::string_view names[] = {"fibonacci", "jittered"};
+    const auto colon = text.find(':');
+    value.jittered = index_among(text.substr(0, colon), names) == 1;
+    if (colon == text.npos) return;
+    if (!value.jittered) refuse("only jittered takes a number of sets");
+    value.sets = integer<int>(numbers(text.substr(colon + 1), 1, "a number of sets after the colon")[0], 1, 4096);
+}
+
 void from_text(std::string_view text, int& width, int& height) {
     const auto v = numbers(text, 2, "WIDTHxHEIGHT");
     width = to_int(v[0]), height = to_int(v[1]);
@@ -159,6 +173,21 @@ std::size_t index_among(std::string_view text, std::span<const std::string_view>
     const std::vector<std::string> candidates(names.begin(), names.end());
     refuse(fmt::format("must be {}{}", fmt::join(names, ", "), did_you_mean(text, candidates)));
 }
+
+namespace {
+
+/// "2", "4" of a form "2|4".
+std::vector<std::string_view> choices_of(std::string_view form) {
+    std::vector<std::string_view> choices;
+    for (std::size_t begin = 0; begin <= form.size();) {
+        const std::size_t end = std::min(form.find('|', begin), form.size());
+        choices.push_back(form.substr(begin, end - begin));
+        begin = end + 1;
+    }
+    return choices;
+}
+
+}  // namespace
 
 std::string range_of(const Setting& setting) {
     const bool low = std::isfinite(setting.lowest), high = std::isfinite(setting.highest);
@@ -192,6 +221,11 @@ void read_value(const Setting& setting, std::string_view text, bool& field) {
         from_text(text, field);
         field = field != setting.name.starts_with("no-");
     }
+}
+
+void read_value(const Setting& setting, std::string_view text, int& field) {
+    if (setting.form.find('|') != setting.form.npos) index_among(text, choices_of(setting.form));
+    from_text(text, field);
 }
 
 }  // namespace chiaro

@@ -296,7 +296,8 @@ TEST(Spao, AnOpenFlatSurfaceKeepsItsBrightness) {
                 shot.shape.mode = mode;
                 if (mode == Mode::iso) shot.shape.iso = {{.value = 100, .color = Rgb{1, 1, 1}}};
                 const SpaoSettings spao = with(filter, SpaoModel::corrected, 5, factor);
-                const Frame bright = lit(volume, shot, {}), shaded = lit(volume, shot, {Method::spao, spao, {}});
+                const Frame bright = lit(volume, shot, {}),
+                            shaded = lit(volume, shot, {.method = Method::spao, .spao = spao});
                 const std::size_t centre = 4 * (std::size_t(shot.height / 2) * shot.width + shot.width / 2);
                 EXPECT_NEAR(shaded.rgba[centre] / bright.rgba[centre], 1, 0.02) << to_text(filter) << factor;
             }
@@ -368,7 +369,7 @@ TEST(Spao, StrengthBlendsTowardsFullLight) {
     const Volume volume = testing::sampled<std::uint8_t>(
         {40, 40, 40}, [](double x, double y, double z) { return testing::shells(x, y, z, 40); });
     testing::Shot shot;
-    const IlluminationSettings spao{Method::spao, {}, {}};
+    const IlluminationSettings spao{.method = Method::spao};
     const Frame none = lit(volume, shot, {}), full = lit(volume, shot, spao);
     shot.lighting.strength = 0.5;
     const Frame half = lit(volume, shot, spao);

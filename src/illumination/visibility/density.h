@@ -1,0 +1,30 @@
+// What light is followed through: the extinction of nodes, each standing for a cube of cells.
+#pragma once
+#include <chiaro/progress.h>
+
+#include "illumination/cells/opacity.h"
+
+namespace chiaro {
+
+/// Optical depth of one node's edge, constant in the node; x fastest. Outside the grid there is nothing.
+struct Density {
+    CellGrid grid;
+    VoxelBuffer buffer;
+
+    explicit Density(const CellGrid& nodes) : grid(nodes), buffer(nodes.size() * sizeof(float)) {}
+    float* data() { return reinterpret_cast<float*>(buffer.data()); }
+    const float* data() const { return reinterpret_cast<const float*>(buffer.data()); }
+};
+
+/// The grid with half as many nodes per axis (rounded up), each at the centre of a block of 2³.
+CellGrid halved(const CellGrid& grid);
+
+/// Of blocks of 2³: T the geometric mean over the axes of the mean transmittance of the block's four columns along
+/// each, κ = -ln T. Matter outside the grid: none.
+Density halved(const Density& finer, int threads, Progress& progress);
+Density density_of(const CellOpacity& opacity, int threads, Progress& progress);
+
+/// The density for nodes that stand for `subsample`³ cells.
+Density density_of(const CellOpacity& opacity, int subsample, int threads, Progress& progress);
+
+}  // namespace chiaro

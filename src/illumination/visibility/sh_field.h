@@ -1,0 +1,23 @@
+// Visibility at every node, as spherical harmonics in the axes of the grid.
+#pragma once
+#include "illumination/cells/grid.h"
+
+namespace chiaro {
+
+/// V_lm of every node: its coefficients one after the other, nodes with x fastest.
+struct ShField {
+    CellGrid grid;
+    int coefficients;  ///< 4 or 16
+    VoxelBuffer buffer;
+
+    ShField(const CellGrid& nodes, int per_node)
+        : grid(nodes), coefficients(per_node), buffer(nodes.size() * std::size_t(per_node) * sizeof(float)) {}
+    float* node(std::size_t index) {
+        return reinterpret_cast<float*>(buffer.data()) + index * std::size_t(coefficients);
+    }
+    const float* node(std::size_t index) const {
+        return reinterpret_cast<const float*>(buffer.data()) + index * std::size_t(coefficients);
+    }
+};
+
+}  // namespace chiaro

@@ -1,0 +1,6 @@
+#include "illumination/cells/field.h"
+#include "raycast/launch_kinds.h"
+
+namespace chiaro::kernel::CHIARO_ISA {
+CHIARO_INSTANTIATE(AccessView)
+}  // namespace chiaro::kernel::CHIARO_ISA

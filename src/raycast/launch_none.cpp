@@ -1,0 +1,6 @@
+#include "illumination/none/field.h"
+#include "raycast/launch_kinds.h"
+
+namespace chiaro::kernel::CHIARO_ISA {
+CHIARO_INSTANTIATE(NoneView)
+}  // namespace chiaro::kernel::CHIARO_ISA
