@@ -40,9 +40,7 @@ void keep(const Tile& tile, int edge, const std::array<int, 3>& block, Density& 
 /// Block by block, halved in the cache as often as asked: blocks of 32³ end in whole nodes.
 Density assemble(const CellGrid& cells, const BlockMap& blocks, int halvings, const FillBlock& fill,
                  const Device& device, Progress& progress) {
-    CellGrid grid = cells;
-    for (int i = 0; i < halvings; ++i) grid = halved(grid);
-    Density out(grid);
+    Density out(coarser(cells, 1 << halvings));
     const auto rows = kernel::density_rows_for(device.isa);
     const auto held = blocks.held();
     parallel_for(device.threads, std::int64_t(held.size()), 1, "density", progress, [&](std::int64_t b, std::int64_t) {
@@ -59,16 +57,7 @@ int log2_of(int subsample) { return subsample == 1 ? 0 : 1 + log2_of(subsample /
 
 }  // namespace
 
-CellGrid halved(const CellGrid& grid) {
-    CellGrid half = grid;
-    half.edge_mm = 2 * grid.edge_mm;
-    half.is_voxel_grid = false;
-    for (int axis = 0; axis < 3; ++axis) {
-        half.count[axis] = (grid.count[axis] + 1) / 2;
-        half.voxels_per_cell[axis] = 2 * grid.voxels_per_cell[axis];
-    }
-    return half;
-}
+CellGrid halved(const CellGrid& grid) { return coarser(grid, 2); }
 
 Density halved(const Density& finer, const Device& device, Progress& progress) {
     const BlockMap all(finer.grid.count, true);
