@@ -224,8 +224,11 @@ void read_value(const Setting& setting, std::string_view text, bool& field) {
 }
 
 void read_value(const Setting& setting, std::string_view text, int& field) {
-    if (setting.form.find('|') != setting.form.npos) index_among(text, choices_of(setting.form));
     from_text(text, field);
+    if (setting.form.find('|') == setting.form.npos) return;
+    const auto choices = choices_of(setting.form);
+    if (std::find(choices.begin(), choices.end(), to_text(field)) == choices.end())
+        refuse(fmt::format("must be {}", fmt::join(choices, ", ")));
 }
 
 }  // namespace chiaro
