@@ -40,9 +40,11 @@ std::vector<ProbeInfo> list_probes();
 /// One of list_probes(): functions of direction, of mean luminance 1. Throws Error{usage} with "did you mean".
 Probe builtin_probe(const std::string& name);
 
-/// A probe by name, or from a Radiance (.hdr) or OpenEXR file of at most 100 megapixels: what holds a '/' or a '.' is a
-/// file. A file that stands upside down is not guessed. Throws Error{usage} for an unknown name, Error{input} for a
-/// file that is missing or broken.
+/// Whether this names a probe of ours, rightly or wrongly, and no file: it holds neither '/' nor '.'.
+bool is_probe_name(const std::string& source);
+
+/// A probe by name, or from a Radiance (.hdr) or OpenEXR file of at most 100 megapixels. A file that stands upside down
+/// is not guessed. Throws Error{usage} for an unknown name, Error{input} for a file that is missing or broken.
 Probe load_probe(const std::string& source);
 
 }  // namespace chiaro

@@ -113,6 +113,8 @@ std::vector<ProbeInfo> list_probes() {
     return infos;
 }
 
+bool is_probe_name(const std::string& source) { return source.find_first_of("/.") == source.npos; }
+
 Probe builtin_probe(const std::string& name) {
     std::vector<std::string> names;
     for (const Row& row : rows) {
