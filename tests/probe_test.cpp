@@ -5,12 +5,14 @@
 #include <cstdlib>
 #include <random>
 
+#include "fixtures.h"
 #include "illumination/probe/data.h"
 #include "image/exr.h"
 #include "image/hdr.h"
 #include "tool_case.h"
 
 using namespace chiaro;
+namespace shots = chiaro::testing;
 
 namespace {
 
@@ -225,4 +227,112 @@ TEST(RealProbes, HaveTheMeansThatTheirMakersState) {
     for (int l = 0; l < most_bands; ++l)
         for (int m = -l; m <= l; ++m)
             EXPECT_NEAR(up[l * (l + 1) + m], ((l + m) % 2 ? -1 : 1) * down[l * (l + 1) + m], 0.01 * up[0]);
+}
+
+namespace {
+
+/// Black, and one bright pixel.
+Probe spot(int width, int height, int x, int y) {
+    std::vector<float> rgb(std::size_t(3) * width * height);
+    for (int c = 0; c < 3; ++c) rgb[3 * (std::size_t(y) * width + x) + c] = float(c + 1);
+    return Probe(width, height, std::move(rgb));
+}
+
+shots::Shot empty_room(Probe probe) {
+    shots::Shot shot;
+    shot.tf = shots::constant(0);
+    shot.lighting.loaded_probe = std::move(probe);
+    shot.lighting.probe.background = true;
+    shot.width = 160, shot.height = 120;
+    shot.camera.fov_deg = 60;
+    return shot;
+}
+
+const Volume& any_volume() {
+    static const Volume volume = make_sample("ball", 16);
+    return volume;
+}
+
+}  // namespace
+
+TEST(Background, ShowsABrightPixelWhereTheRaySays) {
+    const int width = 360, height = 180, x = 100, y = 75;
+    const Probe probe = spot(width, height, x, y);
+    const ProbePicture& picture = probe.data().picture;
+    for (const Vec3 up : {Vec3{0, 0, 1}, {0, -1, 0}, {0.3, 0.5, -0.8}})
+        for (const double rotation : {0.0, 110.0}) {
+            shots::Shot shot = empty_room(probe);
+            shot.lighting.probe.rotation_deg = rotation;
+            shot.camera.up = up;
+            const double azimuth = picture.azimuth(x + 0.5) * 180 / std::numbers::pi + rotation;
+            const double elevation = 90 - picture.polar_angle(y + 0.5) * 180 / std::numbers::pi;
+            // The camera looks the other way from where it stands; a little aside, so that nothing is hidden in
+            // symmetry.
+            shot.camera.azimuth_deg = azimuth + 180 + 12, shot.camera.elevation_deg = -elevation + 7;
+            shot.camera.roll_deg = 20;
+            const Frame frame = shot(any_volume());
+            const Camera camera = make_camera(shot.camera, any_volume().geometry, any_volume().dimensions);
+            const double degree = std::numbers::pi / 180;
+            const Vec3 d = orbit_direction(azimuth * degree, elevation * degree, up);
+            const double scale = frame.height / (2 * camera.half_height * dot(d, camera.forward));
+            const double column = frame.width / 2.0 + scale * dot(d, camera.right);
+            const double row = frame.height / 2.0 - scale * dot(d, camera.up);
+            double sum = 0, mean_column = 0, mean_row = 0;
+            for (int j = 0; j < frame.height; ++j)
+                for (int i = 0; i < frame.width; ++i) {
+                    const float* pixel = frame.rgba.data() + 4 * (std::size_t(j) * frame.width + i);
+                    EXPECT_EQ(pixel[3], 1);
+                    EXPECT_NEAR(pixel[2], 3 * pixel[0], 1e-6);
+                    sum += pixel[0], mean_column += pixel[0] * (i + 0.5), mean_row += pixel[0] * (j + 0.5);
+                }
+            ASSERT_GT(sum, 1);
+            EXPECT_NEAR(mean_column / sum, column, 0.3) << rotation;
+            EXPECT_NEAR(mean_row / sum, row, 0.3) << rotation;
+        }
+}
+
+TEST(Background, LiesBehindTheVolume) {
+    shots::Shot shot = empty_room(builtin_probe("sky"));
+    const Frame sky = shot(any_volume());
+    shot.tf = shots::constant(0.05, {0.5, 0.2, 0.1});
+    const Frame both = shot(any_volume());
+    shot.device = Device::cpu(1);
+    EXPECT_EQ(shot(any_volume()).rgba, both.rgba);  // whatever the number of threads
+    shot.lighting.probe.background = false;
+    const Frame volume = shot(any_volume());
+    for (std::size_t i = 0; i < both.rgba.size(); ++i)
+        ASSERT_NEAR(both.rgba[i], volume.rgba[i] + (1 - volume.rgba[i / 4 * 4 + 3]) * sky.rgba[i], 1e-5);
+}
+
+TEST(Background, IsExposedAndEncodedForTheDisplay) {
+    shots::Shot shot = empty_room(builtin_probe("studio"));
+    const Frame linear = shot(any_volume());
+    shot.shape.color = ColorMode::display;
+    shot.lighting.probe.exposure_stops = -2;
+    const Frame display = shot(any_volume());
+    for (std::size_t i = 0; i < linear.rgba.size(); ++i) {
+        const double light = linear.rgba[i] / 4;
+        const double encoded = light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1 / 2.4) - 0.055;
+        ASSERT_NEAR(display.rgba[i], i % 4 == 3 ? 1 : encoded, 1e-5);
+    }
+}
+
+TEST(Background, OfAnOrthographicCameraIsOneDirection) {
+    shots::Shot shot = empty_room(builtin_probe("windows"));
+    shot.camera.projection = Projection::orthographic;
+    const Frame frame = shot(any_volume());
+    for (std::size_t i = 4; i < frame.rgba.size(); ++i) ASSERT_EQ(frame.rgba[i], frame.rgba[i - 4]);
+}
+
+TEST(Background, WrapsWithoutASeam) {
+    // Looking at azimuth 180°, where the picture's left and right border meet.
+    std::vector<float> rgb;
+    for (int y = 0; y < 32; ++y)
+        for (int x = 0; x < 64; ++x) rgb.insert(rgb.end(), 3, float(1 - std::cos((x + 0.5) / 32 * std::numbers::pi)));
+    shots::Shot shot = empty_room(Probe(64, 32, rgb));
+    shot.camera.azimuth_deg = 0, shot.camera.elevation_deg = 0;
+    const Frame frame = shot(any_volume());
+    const float* row = frame.rgba.data() + 4 * 60 * frame.width;
+    for (int x = 1; x < frame.width; ++x) EXPECT_NEAR(row[4 * x], row[4 * x - 4], 0.01) << x;
+    EXPECT_LT(row[4 * 80], 0.01);
 }

@@ -3,8 +3,12 @@
 #include <chiaro/probe.h>
 
 #include <cmath>
+#include <memory>
+#include <mutex>
 #include <numbers>
 
+#include "illumination/probe/importance.h"
+#include "illumination/probe/lambert.h"
 #include "illumination/sh/rotation.h"
 
 namespace chiaro {
@@ -23,6 +27,19 @@ struct ProbePicture {
         const double phi = azimuth(x), theta = polar_angle(y);
         return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
     }
+
+    struct Place {
+        double x, y;  ///< pixels, [0, width] and [0, height]
+    };
+    /// Where a direction of any length is seen.
+    Place place(Vec3 d) const {
+        const double s = 0.5 - std::atan2(d.y, d.x) / (2 * std::numbers::pi);
+        return {s * width, std::atan2(std::hypot(d.x, d.y), d.z) / std::numbers::pi * height};
+    }
+    /// Of each pixel in a row.
+    double solid_angle(int y) const {
+        return 2 * std::numbers::pi / width * (std::cos(polar_angle(y)) - std::cos(polar_angle(y + 1)));
+    }
 };
 
 /// L_lm of each channel: L constant in each pixel, integrated exactly, weighted by solid angle and nothing else. As
@@ -30,9 +47,36 @@ struct ProbePicture {
 /// same for any number of threads.
 std::array<ShCoefficients, 3> project(const ProbePicture& picture);
 
+/// Made when first asked for, by whichever thread asks.
+template <class T>
+class Lazy {
+public:
+    template <class Make>
+    const T& operator()(const Make& make) const {
+        std::call_once(made_, [&] { value_ = std::make_unique<const T>(make()); });
+        return *value_;
+    }
+
+private:
+    mutable std::once_flag made_;
+    mutable std::unique_ptr<const T> value_;
+};
+
 struct Probe::Data {
-    ProbePicture picture;
-    std::array<ShCoefficients, 3> sh;  ///< per channel
+    explicit Data(ProbePicture of) : picture(std::move(of)), sh(project(picture)) {}
+
+    const ProbePicture picture;
+    const std::array<ShCoefficients, 3> sh;  ///< per channel
+    const LambertTable& lambert() const {
+        return lambert_([&] { return lambert_of_probe(*this); });
+    }
+    const ImportanceTable& importance() const {
+        return importance_([&] { return ImportanceTable(picture); });
+    }
+
+private:
+    Lazy<LambertTable> lambert_;
+    Lazy<ImportanceTable> importance_;
 };
 
 }  // namespace chiaro

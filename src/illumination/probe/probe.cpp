@@ -21,9 +21,7 @@ Probe::Probe(int width, int height, std::vector<float> rgb) {
                     fmt::format("a light probe of {} x {} pixels with {} values: must have three a pixel", width,
                                 height, rgb.size()));
     for (float& radiance : rgb) radiance = sane(radiance);
-    ProbePicture picture{width, height, std::move(rgb)};
-    const auto sh = project(picture);
-    data_ = std::make_shared<const Data>(Data{std::move(picture), sh});
+    data_ = std::make_shared<const Data>(ProbePicture{width, height, std::move(rgb)});
 }
 
 int Probe::width() const { return data_ ? data_->picture.width : 0; }
