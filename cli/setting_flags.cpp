@@ -69,6 +69,7 @@ void SettingFlags::apply(Scene& scene) const {
     if (is_given("transfer")) scene.transfer.points.reset();
     if (is_given("transfer") || is_given("opacity-unit") || is_given("opacity-unit-mm"))
         scene.transfer.opacity_unit.reset(), scene.transfer.opacity_unit_mm.reset();
+    if (is_given("background")) scene.lighting.probe.background = false;
     const bool turns_orbit = is_given("azimuth") || is_given("elevation") || is_given("view");
     if (turns_orbit) scene.camera.eye.reset(), scene.camera.target.reset();
     if (turns_orbit || is_given("eye") || is_given("target")) scene.camera.view.reset();

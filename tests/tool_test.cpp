@@ -190,7 +190,7 @@ TEST_F(Tool, EverySettingHasAFlagThatWorks) {
     const auto add = [&](const Setting& setting, const auto&... fields) {
         const std::string text = value_text(setting, fields...), name(setting.name);
         if (name.empty() || text.empty() || setting.key.starts_with("volume.")) return;
-        flags += " --" + name + (setting.name.starts_with("no-") ? "" : " '" + text + "'");
+        flags += " --" + name + (text == "true" ? "" : " '" + text + "'");
     };
     for_each_setting(add, scene);
     const Said said = tool("render sample:ball:16 -o p.png --stats s.json" + flags);

@@ -34,11 +34,6 @@ struct Camera {
     bool operator==(const Camera&) const = default;
 };
 
-/// Unit vector from the centre to azimuth and elevation (radians) about `up`: for u = up, the azimuth-0 axis e is z→x,
-/// x→y, y→z (the same for -u), for other u x, or y where |u_x| > .9, made orthogonal; cos el (cos az e + sin az u×e) +
-/// sin el u.
-Vec3 orbit_direction(double azimuth, double elevation, Vec3 up);
-
 /// The camera of these settings for a volume. Orbit: c the centre of the span [0, n-1], R half its diagonal,
 /// distance zoom⁻¹ R / sin(fov / 2); see docs/scene.md. Throws Error{input} for a named view of a volume without an
 /// anatomical frame, Error{usage} for settings that contradict each other or leave no direction.

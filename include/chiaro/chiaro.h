@@ -10,6 +10,7 @@
 #include <chiaro/io.h>
 #include <chiaro/lighting.h>
 #include <chiaro/medium.h>
+#include <chiaro/probe.h>
 #include <chiaro/progress.h>
 #include <chiaro/render.h>
 #include <chiaro/samples.h>

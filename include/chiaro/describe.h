@@ -68,6 +68,9 @@ void describe(Visit&& visit, S& s) {
     visit(Setting{"mode", "mode", "", "shows the volume, isosurfaces, or along each ray the largest value"}, s.mode);
     visit(Setting{"iso", "iso", "", "adds an isosurface at a value, in the transfer function's colour or another"}
           .written("VALUE[,COLOR][@OPACITY]").kept(SceneForm::surfaces), s.iso);
+    visit(Setting{"background", "background", "",
+                  "colour behind the volume: a CSS name, #rrggbb or r,g,b; or nothing, or the light probe"}
+          .written("COLOR|transparent|probe"), s.output.background, s.output.transparent, s.lighting.probe.background);
 }
 
 template <class Visit, SettingsOf<Clip> S>
@@ -133,6 +136,18 @@ void describe(Visit&& visit, S& s) {
     visit(Setting{"strength", "lighting.strength", "", "how much of the occlusion is shown"}.within(0, 1), s.strength);
 }
 
+template <class Visit, SettingsOf<ProbeSettings> S>
+void describe(Visit&& visit, S& s) {
+    visit(Setting{"probe", "probe", "",
+                  "light from all around: an equirectangular picture, or one of ours (for visibility and reference white)"}
+          .written("FILE.hdr|.exr|white|sky|studio|windows").kept(SceneForm::custom), s.source);
+    visit(Setting{"probe-rotation", "probe.rotation", "degrees", "turns the probe around the up axis"}
+          .within(-36000, 36000).written("DEG"), s.rotation_deg);
+    visit(Setting{"probe-exposure", "probe.exposure", "stops", "multiplies the probe's light by 2 to this power"}
+          .within(-32, 32).written("STOPS"), s.exposure_stops);
+    visit(Setting{"probe-background", "probe.background", "", "shows the probe behind the volume"}, s.background);
+}
+
 template <class Visit, SettingsOf<IlluminationSettings> S>
 void describe(Visit&& visit, S& s) {
     visit(Setting{"lighting", "lighting.method", "", "method that computes how much light arrives at a sample"},
@@ -188,8 +203,6 @@ void describe(Visit&& visit, S& s) {
 
 template <class Visit, SettingsOf<ToneMap> S>
 void describe(Visit&& visit, S& s) {
-    visit(Setting{"background", "background", "", "colour behind the volume: a CSS name, #rrggbb or r,g,b"}
-          .written("COLOR|transparent"), s.background, s.transparent);
     visit(Setting{"color", "color", "",
                   "composites decoded sRGB colours as linear light, or as they are (as VTK does)"},
           s.color);
@@ -209,6 +222,7 @@ void for_each_group(Group&& group, S& scene) {
     group("Sampling", scene.sampling);
     group("Camera", scene.camera);
     group("Shading", scene.lighting);
+    group("Light probe", scene.lighting.probe);
     group("Lighting", scene.illumination);
     group("Lighting by spao", scene.illumination.spao);
     group("Lighting by visibility", scene.illumination.visibility);

@@ -41,4 +41,9 @@ struct Geometry {
     bool operator==(const Geometry&) const = default;
 };
 
+/// Unit vector from the centre to azimuth and elevation (radians) about `up`: for u = up, the azimuth-0 axis e is z→x,
+/// x→y, y→z (the same for -u), for other u x, or y where |u_x| > .9, made orthogonal; cos el (cos az e + sin az u×e) +
+/// sin el u.
+Vec3 orbit_direction(double azimuth, double elevation, Vec3 up);
+
 }  // namespace chiaro

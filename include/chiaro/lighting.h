@@ -1,6 +1,7 @@
 // Light, shading and the choice of an illumination method.
 #pragma once
 #include <chiaro/medium.h>
+#include <chiaro/probe.h>
 #include <chiaro/settings.h>
 #include <chiaro/transfer_function.h>
 
@@ -13,7 +14,16 @@ namespace chiaro {
 
 enum class Shading { none, lambert, phong };
 
-/// One directional light with Blinn-Phong reflection (Blinn 1977).
+/// Light from all around, and how it stands in the world.
+struct ProbeSettings {
+    std::string source;         ///< a file, or one of list_probes(); empty: the lighting method's own default
+    double rotation_deg = 0;    ///< added to the azimuth of what the probe shows
+    double exposure_stops = 0;  ///< its light is multiplied by 2^stops
+    bool background = false;    ///< the picture shows it behind the volume
+    bool operator==(const ProbeSettings&) const = default;
+};
+
+/// One directional light with Blinn-Phong reflection (Blinn 1977), and what lights from all around.
 struct Lighting {
     Shading shading = Shading::phong;
     double ambient = 0.2, diffuse = 0.7, specular = 0.3, shininess = 20;
@@ -21,6 +31,8 @@ struct Lighting {
     double azimuth_deg = 0, elevation_deg = 0;  ///< towards the light, in the orbit's angles, fixed to the world
     Rgb color{1, 1, 1};                         ///< sRGB, as picked
     double strength = 1;                        ///< of the illumination method: A' = 1 - strength (1 - A)
+    ProbeSettings probe;
+    Probe loaded_probe;  ///< of `probe.source`; none: a white one where light from all around is needed
     bool operator==(const Lighting&) const = default;
 };
 

@@ -42,8 +42,8 @@ struct Outcome {
 /// L = ∫ κ E T dt by compositing associated colours, one for each step, the last step shortened to the exit (Max 1995;
 /// CS 247): of the value at its middle, or pre-integrated between those at its ends (Engel et al. 2001) from a table
 /// made for each call. The picture does not depend on the number of threads, nor (up to rounding) on the order. Fills
-/// `frame`, whose size is the picture's. Cost: proportional to the samples in occupied cells; pre-integrated 4 to 20
-/// core-ms for the table.
+/// `frame`, whose size is the picture's; where `lighting.probe.background` says so, with the probe behind the volume.
+/// Cost: proportional to the samples in occupied cells; pre-integrated 4 to 20 core-ms for the table.
 Outcome raycast(const Device& device, const Medium& medium, const IlluminationField& field, const Lighting& lighting,
                 const Camera& camera, const RaySettings& settings, Frame& frame, Progress& progress);
 

@@ -78,7 +78,7 @@ std::string to_text(const ClipPlane& value);
 std::string to_text(const IsoSurface& value);
 std::string to_text(const ShSampling& value);
 std::string to_text(int width, int height);
-std::string to_text(const Rgb& color, bool transparent);
+std::string to_text(const Rgb& color, bool transparent, bool probe);  ///< of what lies behind the probe
 std::string to_text(bool headlight, double azimuth_deg, double elevation_deg, const Rgb& color);
 std::string to_text(Named auto value) { return std::string(names_of(value)[std::size_t(value)]); }
 template <class T>
@@ -109,7 +109,7 @@ void from_text(std::string_view text, ClipPlane& value);
 void from_text(std::string_view text, IsoSurface& value);
 void from_text(std::string_view text, ShSampling& value);
 void from_text(std::string_view text, int& width, int& height);
-void from_text(std::string_view text, Rgb& color, bool& transparent);
+void from_text(std::string_view text, Rgb& color, bool& transparent, bool& probe);  ///< "probe" leaves the others
 void from_text(std::string_view text, bool& headlight, double& azimuth_deg, double& elevation_deg, Rgb& color);
 
 /// Position of `text` among the names; throws Error{usage} with "did you mean".

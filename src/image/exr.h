@@ -10,6 +10,9 @@ namespace chiaro {
 /// Float RGBA, ZIP compression, each text as an attribute of its name. Throws Error{output} for a frame without pixels.
 std::vector<std::byte> encode_exr(const Frame& frame, const Metadata& metadata);
 
+/// Whether the bytes begin as an OpenEXR file does.
+bool is_exr(std::span<const std::byte> bytes);
+
 struct DecodedExr {
     Frame frame;
     Metadata metadata;

@@ -85,9 +85,7 @@ Metadata read_texts(const Imf::Header& header) {
 /// Hands `use` the opened file, and makes one sentence of whatever OpenEXR throws.
 template <class Use>
 auto with_file(std::span<const std::byte> bytes, const std::string& origin, const Use& use) {
-    constexpr unsigned char magic[] = {0x76, 0x2f, 0x31, 0x01};
-    if (bytes.size() < sizeof magic || std::memcmp(bytes.data(), magic, sizeof magic) != 0)
-        throw Error(ErrorCode::input, origin + ": is not an OpenEXR file");
+    if (!is_exr(bytes)) throw Error(ErrorCode::input, origin + ": is not an OpenEXR file");
     try {
         Memory memory(bytes);
         Imf::MultiPartInputFile file(memory, no_threads, false);  // false: a table of offsets that is cut is an error
@@ -100,6 +98,11 @@ auto with_file(std::span<const std::byte> bytes, const std::string& origin, cons
 }
 
 }  // namespace
+
+bool is_exr(std::span<const std::byte> bytes) {
+    constexpr unsigned char magic[] = {0x76, 0x2f, 0x31, 0x01};
+    return bytes.size() >= sizeof magic && std::memcmp(bytes.data(), magic, sizeof magic) == 0;
+}
 
 DecodedExr decode_exr(std::span<const std::byte> bytes, const std::string& origin) {
     return with_file(bytes, origin, [](Imf::MultiPartInputFile& file) {

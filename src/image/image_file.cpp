@@ -6,6 +6,7 @@
 
 #include "core/atomic_file.h"
 #include "image/exr.h"
+#include "image/file_bytes.h"
 #include "image/png.h"
 
 namespace chiaro {
@@ -13,7 +14,15 @@ namespace {
 
 constexpr std::uintmax_t max_file_bytes = 2048u << 20;
 
-std::vector<std::byte> read(const std::filesystem::path& path) {
+void write(const std::filesystem::path& path, const std::vector<std::byte>& bytes) {
+    AtomicFile file(path);
+    file.write(bytes);
+    file.commit();
+}
+
+}  // namespace
+
+std::vector<std::byte> file_bytes(const std::filesystem::path& path) {
     const auto fail = [&](const std::string& what) {
         return Error(ErrorCode::input, "cannot read '" + path.string() + "': " + what);
     };
@@ -28,28 +37,24 @@ std::vector<std::byte> read(const std::filesystem::path& path) {
     return bytes;
 }
 
-void write(const std::filesystem::path& path, const std::vector<std::byte>& bytes) {
-    AtomicFile file(path);
-    file.write(bytes);
-    file.commit();
-}
-
-}  // namespace
-
 void write_png(const Image& image, const std::filesystem::path& path, const Metadata& metadata) {
     write(path, encode_png(image, metadata));
 }
 
-Image read_png(const std::filesystem::path& path) { return decode_png(read(path), path.string()).image; }
+Image read_png(const std::filesystem::path& path) { return decode_png(file_bytes(path), path.string()).image; }
 
-Metadata read_png_metadata(const std::filesystem::path& path) { return decode_png(read(path), path.string()).metadata; }
+Metadata read_png_metadata(const std::filesystem::path& path) {
+    return decode_png(file_bytes(path), path.string()).metadata;
+}
 
 void write_exr(const Frame& frame, const std::filesystem::path& path, const Metadata& metadata) {
     write(path, encode_exr(frame, metadata));
 }
 
-Frame read_exr(const std::filesystem::path& path) { return decode_exr(read(path), path.string()).frame; }
+Frame read_exr(const std::filesystem::path& path) { return decode_exr(file_bytes(path), path.string()).frame; }
 
-Metadata read_exr_metadata(const std::filesystem::path& path) { return decode_exr_metadata(read(path), path.string()); }
+Metadata read_exr_metadata(const std::filesystem::path& path) {
+    return decode_exr_metadata(file_bytes(path), path.string());
+}
 
 }  // namespace chiaro

@@ -36,6 +36,23 @@ CHIARO_INLINE F exp2(F x) {
     return select(x < F(-126), F(0), power);
 }
 
+/// 2^x for x <= 0, relative error below 4e-6 (the best of degree 4 on [-½, ½]); 0 below -126. A third fewer
+/// instructions than exp2.
+template <class F>
+CHIARO_INLINE F exp2_below_0(F x) {
+    const auto series_of = [](F r) CHIARO_INLINE_LAMBDA {
+        F series = mad(r, F(0.009782912f), F(0.055976883f));
+        series = mad(r, series, F(0.24020711f));
+        series = mad(r, series, F(0.69311360f));
+        return mad(r, series, F(1));
+    };
+    if (!any(x < F(-0.5f))) return series_of(x);
+    const F clamped = max(x, F(-126));
+    const F whole = floor(clamped + F(0.5f)), series = series_of(clamped - whole);
+    const F power = float_of(bits_of(series) + (truncate(whole) << Int<F>(23)));
+    return select(x < F(-126), F(0), power);
+}
+
 /// base^exponent for base >= 0; 0^0 is 1.
 template <class F>
 CHIARO_INLINE F pow(F base, F exponent) {

@@ -54,18 +54,6 @@ void aim(Camera& camera, Vec3 forward, Vec3 up, double roll) {
 
 }  // namespace
 
-Vec3 orbit_direction(double azimuth, double elevation, Vec3 up) {
-    const Vec3 u = normalized(up);
-    const auto is_axis = [](double c) { return std::abs(std::abs(c) - 1) < 1e-12; };
-    Vec3 e = is_axis(u.z)          ? Vec3{1, 0, 0}
-             : is_axis(u.x)        ? Vec3{0, 1, 0}
-             : is_axis(u.y)        ? Vec3{0, 0, 1}
-             : std::abs(u.x) > 0.9 ? Vec3{0, 1, 0}
-                                   : Vec3{1, 0, 0};
-    e = normalized(e - dot(e, u) * u);
-    return std::cos(elevation) * (std::cos(azimuth) * e + std::sin(azimuth) * cross(u, e)) + std::sin(elevation) * u;
-}
-
 Camera make_camera(const CameraSettings& s, const Geometry& geometry, const std::array<int, 3>& dimensions) {
     if (s.eye.has_value() != s.target.has_value())
         throw Error(ErrorCode::usage, "--eye and --target belong together: give both or neither");

@@ -7,6 +7,7 @@
 
 #include "core/threads.h"
 #include "illumination/field.h"
+#include "raycast/background.h"
 #include "raycast/bounds.h"
 #include "raycast/launch.h"
 #include "raycast/views.h"
@@ -48,7 +49,7 @@ Outcome raycast(const Device& device, const Medium& medium, const IlluminationFi
     std::optional<BoundingGeometry> geometry;  // the largest value is looked for everywhere
     if (settings.ray_setup == RaySetup::raster && data.shape.mode != Mode::mip)
         geometry.emplace(data, camera_view(camera, data.volume.geometry(), frame.width, frame.height));
-    return std::visit(
+    Outcome outcome = std::visit(
         [&](auto view) {
             if constexpr (requires { view.strength; }) view.strength = float(lighting.strength);
             return with_stored_voxel(data.volume.data(), [&](auto voxel) {
@@ -57,6 +58,9 @@ Outcome raycast(const Device& device, const Medium& medium, const IlluminationFi
             });
         },
         field.data().view);
+    if (lighting.probe.background && outcome.complete)
+        outcome.complete = put_probe_behind(device, lighting, camera, data.shape.color, frame, progress);
+    return outcome;
 }
 
 }  // namespace chiaro

@@ -40,4 +40,9 @@ Shape shape_for(const Scene& scene) {
     return shape;
 }
 
+Lighting with_probe(Lighting lighting) {
+    if (!lighting.probe.source.empty()) lighting.loaded_probe = load_probe(lighting.probe.source);
+    return lighting;
+}
+
 }  // namespace chiaro

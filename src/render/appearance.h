@@ -21,4 +21,7 @@ TransferFunction transfer_function_for(const TransferSettings& settings, const S
 
 Shape shape_for(const Scene& scene);
 
+/// With the probe that its settings name; as it is where they name none. Throws as load_probe.
+Lighting with_probe(Lighting lighting);
+
 }  // namespace chiaro

@@ -19,16 +19,19 @@ Image render_image(const Device& device, const Scene& scene, Progress& progress)
     const TransferFunction tf = transfer_function_for(scene.transfer, subject);
     const Medium medium = classify(voxels, tf, shape_for(scene));
 
+    // What lights it.
+    const Lighting lighting = with_probe(scene.lighting);
+
     // How much light arrives where: the last field is the finest.
     IlluminationField field;
     const auto keep = [&](IlluminationField finer) { field = std::move(finer); };
-    illuminate(device, medium, prepared, scene.lighting, scene.illumination, keep, progress);
+    illuminate(device, medium, prepared, lighting, scene.illumination, keep, progress);
     progress.check();
 
     // What the camera sees of it.
     const Camera camera = make_camera(scene.camera, geometry, dimensions);
     Frame frame(scene.width, scene.height);
-    raycast(device, medium, field, scene.lighting, camera, scene.sampling, frame, progress);
+    raycast(device, medium, field, lighting, camera, scene.sampling, frame, progress);
     progress.check();
 
     return develop(frame, scene.output);

@@ -160,6 +160,17 @@ void write_transfer_function(const TransferSettings& transfer, Json& root) {
     }
 }
 
+std::string read_probe(const Json& root, const std::filesystem::path& folder,
+                       const std::filesystem::path& data_folder) {
+    const std::string file = text_at(root, "probe.file"), preset = text_at(root, "probe.preset");
+    if (!file.empty() && !preset.empty()) refuse("probe: file and preset exclude each other");
+    return file.empty() ? preset : found_file(file, folder, data_folder);
+}
+
+void write_probe(const std::string& source, Json& root) {
+    if (!source.empty()) root["probe"][is_probe_name(source) ? "preset" : "file"] = source;
+}
+
 void check_fixed(const Json& root) {
     if (!root.is_object()) refuse("must be a JSON object");
     const Json* version = find(root, "chiaro");
@@ -191,6 +202,10 @@ void check(const Scene& scene, ErrorCode code) {
     if (unit && unit_mm) throw Error(code, "opacity unit: give it in voxels or in mm, not both");
     if (scene.camera.eye.has_value() != scene.camera.target.has_value())
         throw Error(code, "camera: eye and target need each other");
+    const Method method = scene.illumination.method;
+    const bool has_probe = !scene.lighting.probe.source.empty() || scene.lighting.loaded_probe;
+    if (scene.lighting.probe.background && !has_probe && (method == Method::none || method == Method::spao))
+        throw Error(code, "background: a probe to show is missing, such as sky or a file (.hdr, .exr)");
     check_direction(scene.camera, code);
 }
 
@@ -205,6 +220,7 @@ Scene parse_scene(const std::string& json, const std::filesystem::path& folder,
     scene.illumination.method = Method::none;  // a scene that says nothing of it was made without
     read_settings(root, scene);
     read_transfer_function(root, folder, data_folder, scene.transfer);
+    scene.lighting.probe.source = read_probe(root, folder, data_folder);
     check(scene, ErrorCode::input);
     unknown_keys = unknown_keys_of(root);
     return scene;
@@ -215,6 +231,7 @@ std::string to_json(const Scene& scene) {
     root["chiaro"] = format_version;
     root["volume"]["file"] = scene.volume;
     write_transfer_function(scene.transfer, root);
+    write_probe(scene.lighting.probe.source, root);
     root["camera"]["model"] = "orbit";
     const auto write = [&](const Setting& setting, const auto&... fields) {
         const std::string text = value_text(setting, fields...);

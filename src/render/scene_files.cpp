@@ -50,6 +50,7 @@ Scene seen_from(Scene scene, const fs::path& folder) {
     };
     if (!names_no_file(scene.volume)) scene.volume = see(scene.volume);
     if (is_file(scene.transfer.source)) scene.transfer.source = see(scene.transfer.source);
+    if (std::string& probe = scene.lighting.probe.source; !is_probe_name(probe)) probe = see(probe);
     return scene;
 }
 

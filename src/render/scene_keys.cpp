@@ -28,7 +28,9 @@ constexpr std::string_view other_keys[] = {"chiaro",
                                            "transfer_function.points.rgb",
                                            "transfer_function.points.opacity",
                                            "transfer_function.rgb_space",
-                                           "transfer_function.name"};
+                                           "transfer_function.name",
+                                           "probe.file",
+                                           "probe.preset"};
 
 std::vector<std::string> known_keys() {
     std::vector<std::string> keys(std::begin(other_keys), std::end(other_keys));

@@ -46,6 +46,7 @@ struct Session::State {
     Kept<DeviceVolume, Version> upload;
     Kept<Prepared, Version, IlluminationSettings> prepare;
     Kept<Classified, Version, TransferSettings, Shape> classify;
+    Kept<Probe, std::string> probe;
     Kept<IlluminationField, Version, Version, IlluminationSettings> illuminate;
     Kept<Cast, Version, Version, Lighting, Camera, RaySettings, std::pair<int, int>> raycast;
     Kept<Image, Version, ToneMap> develop;
@@ -61,6 +62,16 @@ struct Session::State {
         stages.back().seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         kept.inputs = std::move(inputs);
         kept.version = ++last_version;
+    }
+
+    /// The scene's, with its probe loaded.
+    Lighting lighting_of(const Scene& scene) {
+        Lighting lighting = scene.lighting;
+        if (lighting.probe.source.empty()) return lighting;
+        redo("probe", probe, {lighting.probe.source},
+             [&](Probe& loaded) { loaded = load_probe(lighting.probe.source); });
+        lighting.loaded_probe = probe.result;
+        return lighting;
     }
 
     /// The verbs that pictures and fields have in common.
@@ -110,23 +121,24 @@ const Image& Session::render(const Scene& scene, Progress& progress) {
     s.redo_up_to_classify(scene, progress);
     const DeviceVolume& voxels = s.upload.result;
     const Medium& medium = s.classify.result.medium;
+    const Lighting lighting = s.lighting_of(scene);
 
     s.redo("illuminate", s.illuminate, {s.classify.version, s.prepare.version, scene.illumination},
            [&](IlluminationField& field) {
                const auto keep = [&](IlluminationField finer) { field = std::move(finer); };
-               illuminate(s.device, medium, s.prepare.result, scene.lighting, scene.illumination, keep, progress);
+               illuminate(s.device, medium, s.prepare.result, lighting, scene.illumination, keep, progress);
                progress.check();
            });
     s.tell_steps(s.illuminate.result.stages());
 
     const Camera camera = make_camera(scene.camera, voxels.geometry(), voxels.dimensions());
     const std::pair size(scene.width, scene.height);
-    s.redo("raycast", s.raycast,
-           {s.classify.version, s.illuminate.version, scene.lighting, camera, scene.sampling, size}, [&](Cast& cast) {
+    s.redo("raycast", s.raycast, {s.classify.version, s.illuminate.version, lighting, camera, scene.sampling, size},
+           [&](Cast& cast) {
                Frame& frame = cast.frame;
                if (std::pair(frame.width, frame.height) != size) frame = Frame(scene.width, scene.height);
-               cast.outcome = raycast(s.device, medium, s.illuminate.result, scene.lighting, camera, scene.sampling,
-                                      frame, progress);
+               cast.outcome =
+                   raycast(s.device, medium, s.illuminate.result, lighting, camera, scene.sampling, frame, progress);
                progress.check();
            });
 
@@ -138,9 +150,10 @@ const Image& Session::render(const Scene& scene, Progress& progress) {
 ComputedField Session::compute_field(const Scene& scene, Progress& progress) {
     State& s = *state_;
     s.redo_up_to_classify(scene, progress);
+    const Lighting lighting = s.lighting_of(scene);
     Kept<ComputedField, Version> made;
     s.redo("illuminate", made, {s.classify.version}, [&](ComputedField& field) {
-        field = chiaro::compute_field(s.device, s.classify.result.medium, s.prepare.result, scene.lighting,
+        field = chiaro::compute_field(s.device, s.classify.result.medium, s.prepare.result, lighting,
                                       scene.illumination, progress);
     });
     s.tell_steps(made.result.stages);

@@ -82,7 +82,7 @@ std::string to_text(const ShSampling& value) {
 }
 
 std::string to_text(int width, int height) { return fmt::format("{}x{}", width, height); }
-std::string to_text(const Rgb& color, bool transparent) { return transparent ? "transparent" : to_text(color); }
+std::string to_text(const Rgb& color, bool transparent, bool) { return transparent ? "transparent" : to_text(color); }
 std::string to_text(bool headlight, double azimuth_deg, double elevation_deg, const Rgb& color) {
     if (headlight) return "headlight";
     return fmt::format("{},{},{}", azimuth_deg, elevation_deg, to_text(color));
@@ -153,7 +153,11 @@ void from_text(std::string_view text, int& width, int& height) {
     const auto v = numbers(text, 2, "WIDTHxHEIGHT");
     width = to_int(v[0]), height = to_int(v[1]);
 }
-void from_text(std::string_view text, Rgb& color, bool& transparent) {
+void from_text(std::string_view text, Rgb& color, bool& transparent, bool& probe) {
+    if (text == "probe") {
+        probe = true;
+        return;
+    }
     transparent = text == "transparent";
     if (!transparent) color = parse_color(std::string(text));
 }
@@ -224,8 +228,11 @@ void read_value(const Setting& setting, std::string_view text, bool& field) {
 }
 
 void read_value(const Setting& setting, std::string_view text, int& field) {
-    if (setting.form.find('|') != setting.form.npos) index_among(text, choices_of(setting.form));
     from_text(text, field);
+    if (setting.form.find('|') == setting.form.npos) return;
+    const auto choices = choices_of(setting.form);
+    if (std::find(choices.begin(), choices.end(), to_text(field)) == choices.end())
+        refuse(fmt::format("must be {}", fmt::join(choices, ", ")));
 }
 
 }  // namespace chiaro

@@ -13,4 +13,16 @@ Vec3 Geometry::voxel_from_world_vector(Vec3 v) const {
             dot(v, cross(a, b)) / det / spacing_mm.z};
 }
 
+Vec3 orbit_direction(double azimuth, double elevation, Vec3 up) {
+    const Vec3 u = normalized(up);
+    const auto is_axis = [](double c) { return std::abs(std::abs(c) - 1) < 1e-12; };
+    Vec3 e = is_axis(u.z)          ? Vec3{1, 0, 0}
+             : is_axis(u.x)        ? Vec3{0, 1, 0}
+             : is_axis(u.y)        ? Vec3{0, 0, 1}
+             : std::abs(u.x) > 0.9 ? Vec3{0, 1, 0}
+                                   : Vec3{1, 0, 0};
+    e = normalized(e - dot(e, u) * u);
+    return std::cos(elevation) * (std::cos(azimuth) * e + std::sin(azimuth) * cross(u, e)) + std::sin(elevation) * u;
+}
+
 }  // namespace chiaro

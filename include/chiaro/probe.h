@@ -1,0 +1,50 @@
+// Light from all around: an equirectangular picture of radiance.
+#pragma once
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace chiaro {
+
+/// Linear radiance (Rec. 709 primaries) over the sphere. Row 0 is up; what lies at the share s of the width, 0 at the
+/// left, has azimuth 360° (½ - s). Cheap to copy; the picture is shared and never changes. Two are equal where they
+/// share it.
+class Probe {
+public:
+    struct Data;  // src/illumination/probe/data.h
+
+    Probe() = default;  ///< none
+    /// Three floats a pixel, row after row; of any aspect. Negative values and NaN count as 0, infinite ones as 65504
+    /// (the largest half). Projects the picture on spherical harmonics: some 10 ns a pixel, on all cores. Throws
+    /// Error{input} for a picture without pixels, or with too few or too many values.
+    Probe(int width, int height, std::vector<float> rgb);
+
+    explicit operator bool() const { return data_ != nullptr; }
+    int width() const;
+    int height() const;
+    std::span<const float> rgb() const;
+    const Data& data() const { return *data_; }
+    bool operator==(const Probe&) const = default;
+
+private:
+    std::shared_ptr<const Data> data_;
+};
+
+struct ProbeInfo {
+    std::string name, sentence;
+};
+/// The probes that need no file.
+std::vector<ProbeInfo> list_probes();
+
+/// One of list_probes(): functions of direction, of mean luminance 1. Throws Error{usage} with "did you mean".
+Probe builtin_probe(const std::string& name);
+
+/// Whether this names a probe of ours, rightly or wrongly, and no file: it holds neither '/' nor '.'.
+bool is_probe_name(const std::string& source);
+
+/// A probe by name, or from a Radiance (.hdr) or OpenEXR file of at most 100 megapixels. A file that stands upside down
+/// is not guessed. Throws Error{usage} for an unknown name, Error{input} for a file that is missing or broken.
+Probe load_probe(const std::string& source);
+
+}  // namespace chiaro

@@ -1,0 +1,82 @@
+// What stands behind a Probe. Its own frame: z = up, x = azimuth 0, y = azimuth 90°.
+#pragma once
+#include <chiaro/probe.h>
+
+#include <cmath>
+#include <memory>
+#include <mutex>
+#include <numbers>
+
+#include "illumination/probe/importance.h"
+#include "illumination/probe/lambert.h"
+#include "illumination/sh/rotation.h"
+
+namespace chiaro {
+
+/// Red, green and blue weigh so much in luminance (Rec. 709).
+inline constexpr std::array<double, 3> luminance_weights{0.2126, 0.7152, 0.0722};
+
+struct ProbePicture {
+    int width = 0, height = 0;
+    std::vector<float> rgb;  ///< finite, not negative
+
+    /// Azimuth at x pixels from the left, angle from up at y pixels from the top; pixel centres at + ½.
+    double azimuth(double x) const { return 2 * std::numbers::pi * (0.5 - x / width); }
+    double polar_angle(double y) const { return std::numbers::pi * y / height; }
+    Vec3 direction(double x, double y) const {
+        const double phi = azimuth(x), theta = polar_angle(y);
+        return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
+    }
+
+    struct Place {
+        double x, y;  ///< pixels, [0, width] and [0, height]
+    };
+    /// Where a direction of any length is seen.
+    Place place(Vec3 d) const {
+        const double s = 0.5 - std::atan2(d.y, d.x) / (2 * std::numbers::pi);
+        return {s * width, std::atan2(std::hypot(d.x, d.y), d.z) / std::numbers::pi * height};
+    }
+    /// Of each pixel in a row.
+    double solid_angle(int y) const {
+        return 2 * std::numbers::pi / width * (std::cos(polar_angle(y)) - std::cos(polar_angle(y + 1)));
+    }
+};
+
+/// L_lm of each channel: L constant in each pixel, integrated exactly, weighted by solid angle and nothing else. As
+/// Y_lm = P(θ) cos mφ (m >= 0) or P(θ) sin |m|φ, a row needs the sums of its pixels times cos mφ and sin mφ alone. The
+/// same for any number of threads.
+std::array<ShCoefficients, 3> project(const ProbePicture& picture);
+
+/// Made when first asked for, by whichever thread asks.
+template <class T>
+class Lazy {
+public:
+    template <class Make>
+    const T& operator()(const Make& make) const {
+        std::call_once(made_, [&] { value_ = std::make_unique<const T>(make()); });
+        return *value_;
+    }
+
+private:
+    mutable std::once_flag made_;
+    mutable std::unique_ptr<const T> value_;
+};
+
+struct Probe::Data {
+    explicit Data(ProbePicture of) : picture(std::move(of)), sh(project(picture)) {}
+
+    const ProbePicture picture;
+    const std::array<ShCoefficients, 3> sh;  ///< per channel
+    const LambertTable& lambert() const {
+        return lambert_([&] { return lambert_of_probe(*this); });
+    }
+    const ImportanceTable& importance() const {
+        return importance_([&] { return ImportanceTable(picture); });
+    }
+
+private:
+    Lazy<LambertTable> lambert_;
+    Lazy<ImportanceTable> importance_;
+};
+
+}  // namespace chiaro

@@ -1,0 +1,31 @@
+// A probe's light times the cosine of a surface, as spherical harmonics: E = (ρ/π) Σ V_lm [L max(0, n·ω)]_lm.
+#pragma once
+#include <chiaro/lighting.h>
+
+#include "illumination/sh/rotation.h"
+
+namespace chiaro {
+
+/// The bracket for normals n over an unfolded octahedron (octahedron.h): node (i, j) is the normal at u = i / (edge -
+/// 1), v = j / (edge - 1); between them bilinear.
+struct LambertTable {
+    using Entry = std::array<std::array<float, most_coefficients>, 3>;  ///< per channel
+
+    int edge = 0;                ///< nodes a side
+    std::vector<Entry> entries;  ///< u fastest
+
+    /// The look-up that a ray caster does, for one normal of any length.
+    Entry at(Vec3 normal) const;
+};
+
+/// In the probe's own frame, by a sum over the picture's light gathered in 128 × 64 cells. Kept by
+/// Probe::Data::lambert.
+LambertTable lambert_of_probe(const Probe::Data& probe);
+
+/// Normals and coefficients in the axes of the voxel grid; turned, exposed and windowed as in sh_light. A turned light
+/// is the probe's own table looked up at the normal turned back, its coefficients turned. Cost: a millisecond, and the
+/// probe's table when it is asked for first.
+LambertTable lambert_table(const Lighting& lighting, Vec3 orbit_up, const Geometry& geometry, ShWindow window,
+                           int bands = most_bands);
+
+}  // namespace chiaro

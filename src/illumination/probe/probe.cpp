@@ -1,0 +1,33 @@
+#include <chiaro/error.h>
+#include <fmt/format.h>
+
+#include "illumination/probe/data.h"
+
+namespace chiaro {
+namespace {
+
+/// Radiance that light can have; what is no number counts as none.
+float sane(float radiance) {
+    constexpr float largest_half = 65504;
+    if (std::isinf(radiance) && radiance > 0) return largest_half;
+    return radiance > 0 ? radiance : 0;
+}
+
+}  // namespace
+
+Probe::Probe(int width, int height, std::vector<float> rgb) {
+    if (width < 1 || height < 1 || rgb.size() != std::size_t(3) * std::size_t(width) * std::size_t(height))
+        throw Error(ErrorCode::input,
+                    fmt::format("a light probe of {} x {} pixels with {} values: must have three a pixel", width,
+                                height, rgb.size()));
+    for (float& radiance : rgb) radiance = sane(radiance);
+    data_ = std::make_shared<const Data>(ProbePicture{width, height, std::move(rgb)});
+}
+
+int Probe::width() const { return data_ ? data_->picture.width : 0; }
+int Probe::height() const { return data_ ? data_->picture.height : 0; }
+std::span<const float> Probe::rgb() const {
+    return data_ ? std::span<const float>(data_->picture.rgb) : std::span<const float>();
+}
+
+}  // namespace chiaro

@@ -1,0 +1,18 @@
+// Visibility of all nodes by directional sweeps (illumination.md 2.4): beyond the paper, faster and more exact.
+#pragma once
+#include <chiaro/device.h>
+#include <chiaro/lighting.h>
+
+#include "illumination/steps.h"
+#include "illumination/visibility/density.h"
+#include "illumination/visibility/sh_field.h"
+
+namespace chiaro {
+
+/// V_lm of every node over the given directions (grid axes, unit, towards the light), each weighing 4π / N.
+/// V starts `start` node edges from a node (on a cube of that half edge; ½: at the border of its own). Cost: nodes ×
+/// directions × some 3 ns of one core. Throws Error{interrupted} when cancelled.
+ShField sweep_visibility(const Device& device, const Density& density, const std::vector<Vec3>& directions,
+                         int coefficients, double start, Progress& progress);
+
+}  // namespace chiaro

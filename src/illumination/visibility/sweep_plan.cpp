@@ -1,0 +1,104 @@
+#include "illumination/visibility/sweep_plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "illumination/sh/basis.h"
+
+namespace chiaro {
+namespace {
+
+using kernel::SweepPack;
+
+constexpr double log2_e = std::numbers::log2e;
+
+SweepAxes axes_of(Vec3 d) {
+    const double x = std::abs(d.x), y = std::abs(d.y), z = std::abs(d.z);
+    const int major = z >= x && z >= y ? 2 : (y >= x ? 1 : 0);
+    return {major, major == 0 ? 1 : 0, major == 2 ? 1 : 2, d[major] < 0 ? -1 : 1};
+}
+
+/// Share of the node `at` (-1, 0 or 1) in what lies at `shift` in [-1, 1]: linear.
+double share(int at, double shift) {
+    if (at == 0) return 1 - std::abs(shift);
+    return std::max(at * shift, 0.0);
+}
+
+/// Those that lean to the same side lie between the same four nodes: whole packs of them come first, the rest is mixed.
+void order(std::vector<SweepDirection>& directions) {
+    std::vector<SweepDirection> sides[4], ordered;
+    for (const SweepDirection& d : directions) sides[2 * (d.dv < 0) + (d.du < 0)].push_back(d);
+    const auto whole = [](const auto& side) { return std::ptrdiff_t(side.size() - side.size() % SweepPack::width); };
+    for (const auto& side : sides) ordered.insert(ordered.end(), side.begin(), side.begin() + whole(side));
+    for (const auto& side : sides) ordered.insert(ordered.end(), side.begin() + whole(side), side.end());
+    directions = std::move(ordered);
+}
+
+}  // namespace
+
+std::vector<SweepGroup> sweep_groups(const std::vector<Vec3>& directions) {
+    std::vector<SweepGroup> groups;
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+        const Vec3 d = directions[i];
+        const SweepAxes axes = axes_of(d);
+        const auto same = [&](const SweepGroup& g) { return g.axes.major == axes.major && g.axes.sign == axes.sign; };
+        auto group = std::find_if(groups.begin(), groups.end(), same);
+        if (group == groups.end()) group = groups.insert(groups.end(), {axes, {}});
+        const double length = 1 / std::abs(d[axes.major]);
+        group->directions.push_back({int(i), d[axes.u] * length, d[axes.v] * length, length});
+    }
+    for (SweepGroup& group : groups) order(group.directions);
+    return groups;
+}
+
+BatchHarmonics::BatchHarmonics(const std::vector<Vec3>& all, std::span<const SweepDirection> chosen, int coefficients)
+    : sum_(kernel::Harmonics::width), count_(int(chosen.size())), coefficients_(coefficients) {
+    const double weight = 4 * std::numbers::pi / double(all.size());
+    std::array<double, most_coefficients> sum{};
+    for (const SweepDirection& d : chosen) {
+        const auto harmonics = spherical_harmonics(all[std::size_t(d.index)]);
+        for (int c = 0; c < most_coefficients; ++c) {
+            const bool used = c < coefficients;
+            of_direction_.push_back(used ? float(weight * harmonics[c]) : 0.0f);
+            sum[c] += used ? weight * harmonics[c] : 0;
+        }
+    }
+    std::copy(sum.begin(), sum.end(), sum_.begin());
+}
+
+SweepPacks::SweepPacks(std::span<const SweepDirection> directions, int row, double start) {
+    const std::size_t count = (directions.size() + SweepPack::width - 1) / SweepPack::width;
+    numbers_.reserve(count);  // packs point into it
+    for (std::size_t p = 0; p < count; ++p) {
+        const std::size_t first = p * SweepPack::width;
+        add(directions.subspan(first, std::min<std::size_t>(SweepPack::width, directions.size() - first)), row, start);
+    }
+}
+
+void SweepPacks::add(std::span<const SweepDirection> directions, int row, double start) {
+    Numbers& numbers = numbers_.emplace_back();
+    numbers = {};
+    SweepPack pack{};
+    pack.weights = numbers.weights[0];
+    pack.before = numbers.before, pack.outer = numbers.outer, pack.inner = numbers.inner;
+    for (int v = -1; v <= 1; ++v)
+        for (int u = -1; u <= 1; ++u) {
+            float* weights = numbers.weights[pack.taps];
+            float largest = 0;
+            for (std::size_t i = 0; i < directions.size(); ++i) {
+                weights[i] = float(share(u, directions[i].du) * share(v, directions[i].dv));
+                largest = std::max(largest, weights[i]);
+            }
+            if (largest > 0) pack.offset[pack.taps++] = v * row + u;
+        }
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+        const double length = directions[i].length;
+        numbers.before[i] = float(-log2_e * 0.5 * length);
+        numbers.outer[i] = float(-log2_e * std::max(0.5 - start, 0.0) * length);
+        numbers.inner[i] = float(-log2_e * std::min(start, 0.5) * length);
+    }
+    packs_.push_back(pack);
+}
+
+}  // namespace chiaro

@@ -1,0 +1,63 @@
+// Which directions a sweep takes together, and what each needs to know.
+#pragma once
+#include <chiaro/geometry.h>
+
+#include <span>
+#include <vector>
+
+#include "illumination/visibility/sweep_kernel.h"
+
+namespace chiaro {
+
+/// The axes of a sweep: planes are perpendicular to `major`, rows lie along `u`.
+struct SweepAxes {
+    int major, u, v;
+    int sign;  ///< of the directions' major component: the light comes from that end
+};
+
+/// A direction as a sweep sees it, per step from one plane to the next.
+struct SweepDirection {
+    int index;      ///< among all
+    double du, dv;  ///< nodes to the side, in [-1, 1]
+    double length;  ///< node edges, 1 to √3
+};
+
+/// The directions that share a major axis and its sign, in the order of packs.
+struct SweepGroup {
+    SweepAxes axes;
+    std::vector<SweepDirection> directions;
+};
+std::vector<SweepGroup> sweep_groups(const std::vector<Vec3>& directions);
+
+/// w Y_lm of some directions, each weighing 4π / N, for the kernel.
+class BatchHarmonics {
+public:
+    /// `lanes` directions are told; those beyond `chosen` weigh nothing.
+    BatchHarmonics(const std::vector<Vec3>& all, std::span<const SweepDirection> chosen, int coefficients);
+    kernel::Harmonics view() const { return {of_direction_.data(), sum_.data(), count_, coefficients_}; }
+
+private:
+    std::vector<float> of_direction_, sum_;
+    int count_, coefficients_;
+};
+
+/// Packs of sixteen directions for planes whose rows are `row` nodes apart.
+class SweepPacks {
+public:
+    /// V starts `start` node edges from a node (on a cube of that half edge).
+    SweepPacks(std::span<const SweepDirection> directions, int row, double start);
+    const kernel::SweepPack* data() const { return packs_.data(); }
+    int lanes() const { return int(packs_.size()) * kernel::SweepPack::width; }
+
+private:
+    void add(std::span<const SweepDirection> directions, int row, double start);
+
+    struct Numbers {
+        float weights[kernel::SweepPack::most_taps][kernel::SweepPack::width];
+        float before[kernel::SweepPack::width], outer[kernel::SweepPack::width], inner[kernel::SweepPack::width];
+    };
+    std::vector<Numbers> numbers_;
+    std::vector<kernel::SweepPack> packs_;
+};
+
+}  // namespace chiaro

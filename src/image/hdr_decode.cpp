@@ -1,0 +1,140 @@
+#include <chiaro/error.h>
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <string_view>
+
+#include "image/hdr.h"
+
+namespace chiaro {
+namespace {
+
+constexpr std::int64_t max_pixels = 100'000'000;
+using Rgbe = std::array<std::uint8_t, 4>;
+
+/// Takes the file apart from its start; whatever is missing is an error.
+class Input {
+public:
+    Input(std::span<const std::byte> bytes, const std::string& origin) : left_(bytes), origin_(origin) {}
+
+    [[noreturn]] void refuse(const std::string& why) const {
+        throw Error(ErrorCode::input, origin_ + ": is a broken Radiance picture: " + why);
+    }
+    void need(std::size_t count) const {
+        if (left_.size() < count) refuse("the file ends too early");
+    }
+    std::uint8_t byte() {
+        need(1);
+        const auto value = std::uint8_t(left_[0]);
+        left_ = left_.subspan(1);
+        return value;
+    }
+    Rgbe peek() const {
+        need(4);
+        return {std::uint8_t(left_[0]), std::uint8_t(left_[1]), std::uint8_t(left_[2]), std::uint8_t(left_[3])};
+    }
+    Rgbe pixel() {
+        const Rgbe value = peek();
+        left_ = left_.subspan(4);
+        return value;
+    }
+    std::string_view line() {
+        const std::string_view text(reinterpret_cast<const char*>(left_.data()), left_.size());
+        const std::size_t end = text.find('\n');
+        if (end == text.npos) refuse("the header does not end");
+        left_ = left_.subspan(end + 1);
+        return text.substr(0, end);
+    }
+
+private:
+    std::span<const std::byte> left_;
+    const std::string& origin_;
+};
+
+struct Size {
+    int width = 0, height = 0;
+};
+
+/// "-Y 512 +X 1024"
+Size read_size(Input& in) {
+    const std::string_view line = in.line();
+    const auto number_after = [&](std::string_view name, std::size_t from) {
+        int value = 0;
+        const std::size_t at = line.find(name, from) + name.size();
+        const auto [end, error] = std::from_chars(line.data() + at, line.data() + line.size(), value);
+        if (error != std::errc() || value < 1) in.refuse("its size cannot be read");
+        return value;
+    };
+    const std::size_t x = line.find(" +X ");
+    if (!line.starts_with("-Y ") || x == line.npos)
+        in.refuse("it does not begin at the top left, with -Y HEIGHT +X WIDTH");
+    const Size size{number_after(" +X ", x), number_after("-Y ", 0)};
+    if (std::int64_t(size.width) * size.height > max_pixels) in.refuse("more than 100 megapixels");
+    return size;
+}
+
+Size read_header(Input& in) {
+    in.line();  // #?RADIANCE
+    for (std::string_view line = in.line(); !line.empty() && line != "\r"; line = in.line())
+        if (line.starts_with("FORMAT=") && !line.starts_with("FORMAT=32-bit_rle_rgbe"))
+            in.refuse("its format is not 32-bit_rle_rgbe");
+    return read_size(in);
+}
+
+bool is_run_length_coded(const Rgbe& start, int width) {
+    return width >= 8 && width < 32768 && start[0] == 2 && start[1] == 2 && start[2] * 256 + start[3] == width;
+}
+
+/// Each component by itself: a count above 128 is a run of one value, any other so many values.
+void read_coded_row(Input& in, std::vector<Rgbe>& row) {
+    in.pixel();
+    for (std::size_t component = 0; component < 4; ++component)
+        for (std::size_t x = 0; x < row.size();) {
+            const int code = in.byte(), count = code > 128 ? code - 128 : code;
+            if (count == 0 || std::size_t(count) > row.size() - x) in.refuse("a run does not fit its row");
+            const std::uint8_t repeated = code > 128 ? in.byte() : std::uint8_t(0);
+            for (int k = 0; k < count; ++k) row[x++][component] = code > 128 ? repeated : in.byte();
+        }
+}
+
+/// Pixels as they are; 1, 1, 1, n repeats the one before n times, and right after another repeat 256 times as often.
+void read_plain_row(Input& in, std::vector<Rgbe>& row) {
+    int shift = 0;
+    for (std::size_t x = 0; x < row.size();) {
+        const Rgbe pixel = in.pixel();
+        if (pixel[0] != 1 || pixel[1] != 1 || pixel[2] != 1) {
+            row[x++] = pixel;
+            shift = 0;
+            continue;
+        }
+        const std::size_t count = shift < 24 ? std::size_t(pixel[3]) << shift : row.size();
+        if (x == 0 || count > row.size() - x) in.refuse("a run does not fit its row");
+        for (std::size_t k = 0; k < count; ++k, ++x) row[x] = row[x - 1];
+        shift += 8;
+    }
+}
+
+}  // namespace
+
+bool is_hdr(std::span<const std::byte> bytes) {
+    return bytes.size() > 2 && bytes[0] == std::byte{'#'} && bytes[1] == std::byte{'?'};
+}
+
+Probe decode_hdr(std::span<const std::byte> bytes, const std::string& origin) {
+    Input in(bytes, origin);
+    const auto [width, height] = read_header(in);
+    std::array<float, 256> scale{};
+    for (int exponent = 1; exponent < 256; ++exponent) scale[exponent] = std::ldexp(1.0f, exponent - 136);
+    std::vector<Rgbe> row(width);
+    std::vector<float> rgb;  // grows with what the file really holds
+    for (int y = 0; y < height; ++y) {
+        is_run_length_coded(in.peek(), width) ? read_coded_row(in, row) : read_plain_row(in, row);
+        for (const Rgbe& pixel : row)
+            for (int c = 0; c < 3; ++c) rgb.push_back(float(pixel[c]) * scale[pixel[3]]);
+    }
+    return Probe(width, height, std::move(rgb));
+}
+
+}  // namespace chiaro
