@@ -6,6 +6,7 @@
 
 #include "classify/medium.h"
 #include "illumination/sh/directions.h"
+#include "illumination/visibility/sweep.h"
 #include "illumination/visibility/walk.h"
 
 namespace chiaro::bench {
@@ -22,7 +23,24 @@ std::vector<std::array<int, 3>> chosen_runs(const CellGrid& grid, int count) {
     return runs;
 }
 
+ShLight light_of(const std::string& probe) {
+    Lighting lighting;
+    lighting.loaded_probe = load_probe(probe);
+    return sh_light(lighting, {0, 0, 1}, Geometry{}, ShWindow::none);
+}
+
 }  // namespace
+
+std::vector<NamedLight> judging_lights(const std::filesystem::path& volumes) {
+    std::vector<NamedLight> lights;
+    for (const auto& [file, ours] : {std::pair{"studio.hdr", "studio"}, {"sunrise.hdr", "sky"}}) {
+        const std::filesystem::path path = volumes.parent_path() / "probes" / file;
+        std::error_code unreadable;
+        const bool is_there = !volumes.empty() && std::filesystem::exists(path, unreadable);
+        lights.push_back({is_there ? file : ours, light_of(is_there ? path.string() : ours)});
+    }
+    return lights;
+}
 
 VisibilityJudge::VisibilityJudge(const LitSubject& subject, int subsample, int runs, int rays, Progress& progress)
     : device_(subject.device),
@@ -38,8 +56,23 @@ VisibilityJudge::VisibilityJudge(const LitSubject& subject, int subsample, int r
                                progress);
 }
 
+template <class Visit>
+void VisibilityJudge::for_each_node(const Visit& visit) const {
+    for (std::size_t r = 0; r < runs_.size(); ++r)
+        for (int i = 0; i < std::min(width, density_.grid.count[0] - runs_[r][0]); ++i) visit(r, i);
+}
+
 Harmonics VisibilityJudge::found_by(const VisibilitySettings& settings) const {
     Harmonics found(runs_.size());
+    if (settings.traversal == VisibilityTraversal::sweep) {
+        const ShField field = sweep_visibility(device_, density_, fibonacci_directions(settings.directions),
+                                               settings.bands * settings.bands, start(), progress_);
+        for_each_node([&](std::size_t r, int i) {
+            const float* node = field.node(field.grid.index(runs_[r][0] + i, runs_[r][1], runs_[r][2]));
+            for (int c = 0; c < field.coefficients; ++c) found[r][c][i] = node[c];
+        });
+        return found;
+    }
     const VisibilityWalk walk(device_, density_, settings, start(), progress_);
     for (std::size_t r = 0; r < runs_.size(); ++r) {
         VisibilityWalk::Run run;
@@ -47,12 +80,6 @@ Harmonics VisibilityJudge::found_by(const VisibilitySettings& settings) const {
         for (int c = 0; c < settings.bands * settings.bands; ++c) std::copy_n(run[c], width, found[r][c].begin());
     }
     return found;
-}
-
-template <class Visit>
-void VisibilityJudge::for_each_node(const Visit& visit) const {
-    for (std::size_t r = 0; r < runs_.size(); ++r)
-        for (int i = 0; i < std::min(width, density_.grid.count[0] - runs_[r][0]); ++i) visit(r, i);
 }
 
 double VisibilityJudge::relative_error(const Harmonics& found, const Harmonics& truth) const {
@@ -66,16 +93,16 @@ double VisibilityJudge::relative_error(const Harmonics& found, const Harmonics& 
     return std::sqrt(errors / squares);
 }
 
-double VisibilityJudge::light_error(const Harmonics& found, const Harmonics& truth,
-                                    std::span<const double> light) const {
-    double errors = 0, nodes = 0;
+double VisibilityJudge::light_error(const Harmonics& found, const Harmonics& truth, const ShLight& light) const {
+    double squares = 0, count = 0;
     for_each_node([&](std::size_t r, int i) {
-        double difference = 0;
-        for (std::size_t c = 0; c < light.size(); ++c)
-            difference += (found[r][c][i] - truth[r][c][i]) * light[c] / (4 * std::numbers::pi);
-        errors += difference * difference, nodes += 1;
+        for (const ShCoefficients& channel : light.coefficients) {
+            double difference = 0;
+            for (int c = 0; c < most_coefficients; ++c) difference += (found[r][c][i] - truth[r][c][i]) * channel[c];
+            squares += std::pow(difference / (4 * std::numbers::pi), 2), count += 1;
+        }
     });
-    return std::sqrt(errors / nodes);
+    return std::sqrt(squares / count) / ((light.mean[0] + light.mean[1] + light.mean[2]) / 3);
 }
 
 }  // namespace chiaro::bench

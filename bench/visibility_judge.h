@@ -1,9 +1,8 @@
 // How far visibility in spherical harmonics is from rays: at nodes chosen at random, through the density that a method
 // follows light through, and through the whole volume.
 #pragma once
-#include <span>
-
 #include "access_error.h"
+#include "illumination/probe/light.h"
 #include "illumination/reference/visibility.h"
 #include "illumination/visibility/density.h"
 
@@ -11,6 +10,13 @@ namespace chiaro::bench {
 
 /// Runs of sixteen nodes along x, by coefficient.
 using Harmonics = std::vector<RunHarmonics>;
+
+/// Two probes, one with a tiny sun: files of the folder beside that of the volumes, or our own.
+struct NamedLight {
+    std::string name;
+    ShLight light;
+};
+std::vector<NamedLight> judging_lights(const std::filesystem::path& volumes);
 
 class VisibilityJudge {
 public:
@@ -25,8 +31,8 @@ public:
 
     /// √(Σ (found - truth)² / Σ truth²) over nodes and coefficients.
     double relative_error(const Harmonics& found, const Harmonics& truth) const;
-    /// RMSE over the nodes of E = Σ V_lm L_lm / 4π, of which `light` is L.
-    double light_error(const Harmonics& found, const Harmonics& truth, std::span<const double> light) const;
+    /// RMSE over nodes and channels of E = Σ V_lm L_lm / 4π, as a share of what arrives in the open.
+    double light_error(const Harmonics& found, const Harmonics& truth, const ShLight& light) const;
 
 private:
     template <class Visit>

@@ -6,7 +6,7 @@
 #include <ctime>
 #include <numbers>
 
-#include "illumination/reference/directions.h"
+#include "illumination/sh/directions.h"
 #include "illumination/sh/basis.h"
 #include "illumination/visibility/sweep.h"
 
