@@ -67,7 +67,8 @@ Command illuminate_command(CLI::App& tool) {
     const auto o = std::make_shared<IlluminateOptions>();
     CLI::App* app = tool.add_subcommand("illuminate", "Writes what a lighting method computes for every voxel");
     add_scene_source(*app, o->source);
-    app->add_option("-o,--output", o->output, "field to write, .nrrd: one float a voxel, 1 = all light arrives")
+    app->add_option("-o,--output", o->output,
+                    "field to write, .nrrd: one float a voxel, 1 = all light arrives, or coefficients")
         ->type_name("FIELD");
     app->add_option("--encoding", o->encoding, "of the NRRD [raw]")->type_name("raw|gzip");
     add_common_options(*app, o->common);

@@ -191,7 +191,7 @@ template <class Visit, SettingsOf<ReferenceSettings> S>
 void describe(Visit&& visit, S& s) {
     visit(Setting{"reference-rays", "lighting.rays", "", "rays from every voxel"}
           .within(1, 65536).of("reference"), s.rays);
-    visit(Setting{"reference-quantity", "lighting.quantity", "", "share of open directions: all, outwards, by cosine"}
+    visit(Setting{"reference-quantity", "lighting.quantity", "", "share of open directions: all, outwards, by cosine; or in spherical harmonics"}
           .of("reference"), s.quantity);
     visit(Setting{"reference-medium", "lighting.medium", "", "extinction constant in each voxel, or interpolated"}
           .of("reference"), s.medium);

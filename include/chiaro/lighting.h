@@ -86,9 +86,9 @@ struct VisibilitySettings {
     bool operator==(const VisibilitySettings&) const = default;
 };
 
-/// What rays find out for every voxel: the mean transmittance over all directions, over those outwards, or over those
-/// weighted by their cosine.
-enum class ReferenceQuantity { obscurance, ao, ao_cosine };
+/// What rays find out for every voxel: the mean transmittance over all directions, over those outwards, over those
+/// weighted by their cosine, or its 16 coefficients in spherical harmonics (a field only, no picture).
+enum class ReferenceQuantity { obscurance, ao, ao_cosine, visibility };
 /// Whether the extinction is constant in each voxel or interpolated between them.
 enum class ReferenceMedium { voxels, trilinear };
 
@@ -98,7 +98,7 @@ struct ReferenceSettings {
     ReferenceQuantity quantity = ReferenceQuantity::obscurance;
     ReferenceMedium medium = ReferenceMedium::voxels;
     double start_half_edges = 1;  ///< rays begin this far from the centre, in half cell edges
-    int subsample = 1;            ///< only every so many voxels per axis; between them trilinear
+    int subsample = 1;            ///< only every so many voxels per axis; between them trilinear (harmonics: one node)
     bool operator==(const ReferenceSettings&) const = default;
 };
 
@@ -135,7 +135,7 @@ private:
 
 /// What a method computed, to be kept or measured.
 struct ComputedField {
-    Volume volume;              ///< float32 on the grid and geometry of the voxels; key_values tell how it was made
+    Volume volume;              ///< float32 on the grid of the voxels or of nodes; key_values tell how it was made
     std::vector<Stage> stages;  ///< how long each step took
 };
 
@@ -149,8 +149,9 @@ bool illuminate(const Device& device, const Medium& medium, const Prepared& prep
                 const IlluminationSettings& settings, const Sink& sink, Progress& progress);
 
 /// The method's own answer for every voxel, neither moved off surfaces nor scaled as a picture needs it: accessibility,
-/// 1 = all light arrives. Throws Error{usage} for a method that computes no field and for maxima along rays (which have
-/// no place that could be lit), Error{interrupted} when cancelled.
+/// 1 = all light arrives; of the reference's quantity visibility, 16 components in spherical harmonics, a node for
+/// every `subsample`³ cells. Throws Error{usage} for a method that computes no field and for maxima along rays (which
+/// have no place that could be lit), Error{interrupted} when cancelled.
 ComputedField compute_field(const Device& device, const Medium& medium, const Prepared& prepared,
                             const Lighting& lighting, const IlluminationSettings& settings, Progress& progress);
 

@@ -41,7 +41,7 @@ constexpr auto names_of(VisibilityModel) { return std::to_array<std::string_view
 constexpr auto names_of(ShWindow) { return std::to_array<std::string_view>({"none", "hann", "lanczos"}); }
 constexpr auto names_of(ShStorage) { return std::to_array<std::string_view>({"u8", "f16", "f32"}); }
 constexpr auto names_of(ReferenceQuantity) {
-    return std::to_array<std::string_view>({"obscurance", "ao", "ao-cosine"});
+    return std::to_array<std::string_view>({"obscurance", "ao", "ao-cosine", "visibility"});
 }
 constexpr auto names_of(ReferenceMedium) { return std::to_array<std::string_view>({"voxels", "trilinear"}); }
 constexpr auto names_of(Mode) { return std::to_array<std::string_view>({"dvr", "iso", "mip"}); }

@@ -37,6 +37,13 @@ IlluminationField field_of(CellValues values, Steps& steps) {
     return IlluminationField(std::move(data));
 }
 
+void check_picture(const IlluminationSettings& settings) {
+    if (settings.method == Method::reference && settings.reference.quantity == ReferenceQuantity::visibility)
+        throw Error(ErrorCode::usage,
+                    "the reference's quantity visibility is a field, no picture: write it with chiaro illuminate, or "
+                    "choose obscurance, ao or ao-cosine");
+}
+
 IlluminationField light_of(const Device& device, const Medium::Data& medium, const IlluminationSettings& settings,
                            Progress& progress) {
     Steps steps;
@@ -92,6 +99,7 @@ Prepared prepare(const DeviceVolume&, const IlluminationSettings&, Progress&) { 
 bool illuminate(const Device& device, const Medium& medium, const Prepared&, const Lighting&,
                 const IlluminationSettings& settings, const Sink& sink, Progress& progress) try {
     progress.check();
+    check_picture(settings);
     // A maximum along a ray has no place in which it could be lit.
     if (settings.method == Method::none || medium.data().shape.mode == Mode::mip)
         sink(IlluminationField());

@@ -7,6 +7,8 @@
 
 #include "classify/medium.h"
 #include "illumination/access.h"
+#include "illumination/reference/visibility.h"
+#include "illumination/sh/volume.h"
 
 namespace chiaro {
 namespace {
@@ -26,16 +28,30 @@ std::string key_of(const Setting& setting) {
     return key;
 }
 
+/// Whether the answer is V in spherical harmonics rather than a share of light.
+bool is_in_harmonics(const IlluminationSettings& settings) {
+    return settings.method == Method::reference && settings.reference.quantity == ReferenceQuantity::visibility;
+}
+
+Volume harmonics_of(const Device& device, const Medium& medium, const IlluminationSettings& settings, Steps& steps,
+                    Progress& progress) {
+    const CellOpacity opacity = steps("opacity", [&] { return cell_opacity(medium.data(), progress); });
+    const ShField field = reference_visibility(device, medium.data(), opacity, settings.reference, steps, progress);
+    return steps("voxels", [&] { return volume_of(device, field, medium.data().volume, progress); });
+}
+
 std::map<std::string, std::string> how_made(const IlluminationSettings& settings, double seconds) {
-    std::map<std::string, std::string> told{{"chiaro", CHIARO_VERSION},
-                                            {"chiaro_field", "accessibility"},
-                                            {"chiaro_lighting", to_text(settings.method)},
-                                            {"chiaro_seconds", fmt::format("{:.6f}", seconds)}};
+    std::map<std::string, std::string> told{
+        {"chiaro", CHIARO_VERSION},
+        {"chiaro_field", is_in_harmonics(settings) ? "visibility" : "accessibility"},
+        {"chiaro_lighting", to_text(settings.method)},
+        {"chiaro_seconds", fmt::format("{:.6f}", seconds)}};
     const auto tell = [&](const Setting& setting, const auto&... fields) {
         if (setting.method == to_text(settings.method)) told[key_of(setting)] = value_text(setting, fields...);
     };
     describe(tell, settings.spao);
     describe(tell, settings.reference);
+    if (is_in_harmonics(settings)) told["chiaro_sh_axes"] = "grid";
     return told;
 }
 
@@ -46,7 +62,10 @@ ComputedField compute_field(const Device& device, const Medium& medium, const Pr
     check_computable(medium.data().shape, settings);
     const auto start = std::chrono::steady_clock::now();
     Steps steps;
-    ComputedField field{accessibility_of_voxels(device, medium.data(), settings, steps, progress), {}};
+    ComputedField field{is_in_harmonics(settings)
+                            ? harmonics_of(device, medium, settings, steps, progress)
+                            : accessibility_of_voxels(device, medium.data(), settings, steps, progress),
+                        {}};
     field.volume.key_values =
         how_made(settings, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     field.stages = steps.take();

@@ -67,6 +67,18 @@ CellGrid make_cell_grid(const std::array<int, 3>& dimensions, const Geometry& ge
     }
 }
 
+CellGrid coarser(const CellGrid& grid, int factor) {
+    CellGrid coarse = grid;
+    if (factor == 1) return coarse;
+    coarse.edge_mm = factor * grid.edge_mm;
+    coarse.is_voxel_grid = false;
+    for (int axis = 0; axis < 3; ++axis) {
+        coarse.count[axis] = (grid.count[axis] + factor - 1) / factor;
+        coarse.voxels_per_cell[axis] = factor * grid.voxels_per_cell[axis];
+    }
+    return coarse;
+}
+
 std::array<std::pair<int, int>, 3> BlockMap::cells(std::size_t block, const std::array<int, 3>& grid) const {
     const auto b = at(block);
     std::array<std::pair<int, int>, 3> ranges;

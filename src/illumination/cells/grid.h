@@ -24,6 +24,9 @@ struct CellGrid {
     }
 };
 
+/// One cell for `factor`³ of them, at the centre of each such block; those of the last may lie outside.
+CellGrid coarser(const CellGrid& grid, int factor);
+
 /// Of the smallest spacing, or wider where that would make more than 64 cells a voxel, or 2^28 and more cells
 /// than voxels.
 CellGrid make_cell_grid(const std::array<int, 3>& dimensions, const Geometry& geometry);

@@ -8,16 +8,18 @@ Crossings::Crossings(const ExtinctionCells& cells) : cells_(cells) {
     for (int axis = 0; axis < 3; ++axis) beyond_[axis].resize(std::size_t(cells.count()[axis]) + 1);
 }
 
-kernel::CellRays Crossings::along(Vec3 direction, int x, double start_half_edges) {
+kernel::CellRays Crossings::along(Vec3 direction, int x, double start_half_edges, Vec3 offset) {
     constexpr double never = std::numeric_limits<double>::infinity();
     const auto& count = cells_.count();
     double steepest = 0;
-    std::array<double, 3> per_cell, next;  // way from one wall to the next along each axis, and to the next one
+    std::array<double, 3> per_cell, to_wall,
+        next;  // way from one wall to the next along each axis, and to the next one
     for (int axis = 0; axis < 3; ++axis) {
         const double slope = std::abs(direction[axis]);
         steepest = std::max(steepest, slope);
         per_cell[axis] = slope > 0 ? 1 / slope : never;
-        next[axis] = slope > 0 ? 0.5 / slope : never;
+        to_wall[axis] = direction[axis] < 0 ? 0.5 + offset[axis] : 0.5 - offset[axis];
+        next[axis] = slope > 0 ? to_wall[axis] / slope : never;
     }
     // The ray starts on the cube of that many half edges; with 1 where it leaves its own cell.
     const double start = 0.5 * start_half_edges / steepest;
@@ -35,7 +37,7 @@ kernel::CellRays Crossings::along(Vec3 direction, int x, double start_half_edges
         }
         beyond_[axis][std::size_t(++moved[axis])] = int(list_.size());
         if (moved[axis] >= count[axis]) break;
-        next[axis] = (moved[axis] + 0.5) * per_cell[axis];
+        next[axis] = (moved[axis] + to_wall[axis]) * per_cell[axis];
     }
     for (int axis = 0; axis < 3; ++axis)
         std::fill(beyond_[axis].begin() + moved[axis] + 1, beyond_[axis].end(), int(list_.size()));

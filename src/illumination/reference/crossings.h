@@ -1,4 +1,4 @@
-// What a ray in one direction crosses, from the centre of any cell: cells and lengths (Amanatides and Woo 1987).
+// What a ray in one direction crosses, from the same place in any cell: cells and lengths (Amanatides and Woo 1987).
 #pragma once
 #include <chiaro/geometry.h>
 
@@ -12,8 +12,9 @@ public:
     explicit Crossings(const ExtinctionCells& cells);
 
     /// Lists the crossings of a ray from a cell at `x` (its place among the interleaved ones matters) until it has left
-    /// the grid, wherever it started. Returns what the kernel reads; it is valid until the next call.
-    kernel::CellRays along(Vec3 direction, int x, double start_half_edges);
+    /// the grid, wherever it started. Rays leave a point that lies `offset` (at most ½ per axis, in edges) off the
+    /// cell's centre. Returns what the kernel reads; it is valid until the next call.
+    kernel::CellRays along(Vec3 direction, int x, double start_half_edges, Vec3 offset = {});
 
 private:
     const ExtinctionCells& cells_;

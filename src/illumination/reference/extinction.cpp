@@ -64,8 +64,9 @@ ExtinctionTable extinction_table(const Medium::Data& medium, const CellGrid& gri
     return {extinction_per_edge(medium, grid), float(medium.table.index_scale), float(medium.table.index_offset)};
 }
 
-ExtinctionCells::ExtinctionCells(const Medium::Data& medium, const CellOpacity& opacity, int stride, Progress& progress)
-    : count_(opacity.values.grid.count), stride_(stride), phase_((count_[0] + stride - 1) / stride + gap) {
+ExtinctionCells::ExtinctionCells(const CellGrid& grid, int stride) : stride_(stride) {
+    for (int axis = 0; axis < 3; ++axis) count_[axis] = (grid.count[axis] + stride - 1) / stride * stride;
+    phase_ = count_[0] / stride + gap;
     const double row = double(phase_) * stride, all = row * count_[1] * count_[2] + 2 * gap;
     if (all > 2147483647.0)
         throw Error(ErrorCode::output,
@@ -73,19 +74,32 @@ ExtinctionCells::ExtinctionCells(const Medium::Data& medium, const CellOpacity& 
                     "another lighting method");
     row_ = int(row), slice_ = row_ * count_[1];
     buffer_ = VoxelBuffer(std::size_t(all) * sizeof(float));
-    with_stored_voxel(medium.volume.data(), [&](auto voxel) { fill<decltype(voxel)>(medium, opacity, progress); });
 }
 
-template <class Voxel>
-void ExtinctionCells::fill(const Medium::Data& medium, const CellOpacity& opacity, Progress& progress) {
-    const CellExtinction<Voxel> extinction(medium, opacity);
+ExtinctionCells::ExtinctionCells(const Medium::Data& medium, const CellOpacity& opacity, int stride, Progress& progress)
+    : ExtinctionCells(opacity.values.grid, stride) {
+    with_stored_voxel(medium.volume.data(), [&](auto voxel) {
+        fill(opacity.values.grid, opacity.matter, medium.volume.data().device.threads,
+             CellExtinction<decltype(voxel)>(medium, opacity), progress);
+    });
+}
+
+ExtinctionCells::ExtinctionCells(const Density& density, int stride, const Device& device, Progress& progress)
+    : ExtinctionCells(density.grid, stride) {
+    const auto extinction = [&](int x, int y, int z) { return density.data()[density.grid.index(x, y, z)]; };
+    fill(density.grid, BlockMap(density.grid.count, true), device.threads, extinction, progress);
+}
+
+template <class Extinction>
+void ExtinctionCells::fill(const CellGrid& grid, const BlockMap& matter, int threads, const Extinction& extinction,
+                           Progress& progress) {
     float* cells = reinterpret_cast<float*>(buffer_.data()) + gap;
     std::array<int, 3> low = count_, high{-1, -1, -1};
     std::mutex merging;
-    const auto blocks = opacity.matter.held();
+    const auto blocks = matter.held();
     const auto work = [&](std::int64_t b, std::int64_t) {
         std::array<int, 3> least = count_, most{-1, -1, -1};
-        const auto [x, y, z] = opacity.matter.cells(blocks[b], count_);
+        const auto [x, y, z] = matter.cells(blocks[b], grid.count);
         for (int k = z.first; k < z.second; ++k)
             for (int j = y.first; j < y.second; ++j)
                 for (int i = x.first; i < x.second; ++i) {
@@ -104,7 +118,7 @@ void ExtinctionCells::fill(const Medium::Data& medium, const CellOpacity& opacit
             high[axis] = std::max(high[axis], most[axis]);
         }
     };
-    parallel_for(medium.volume.data().device.threads, std::int64_t(blocks.size()), 1, "extinction", progress, work);
+    parallel_for(threads, std::int64_t(blocks.size()), 1, "extinction", progress, work);
     progress.check();
     if (high[0] >= 0) low_ = low, high_ = high;
 }

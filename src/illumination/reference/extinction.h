@@ -4,6 +4,7 @@
 
 #include "classify/medium.h"
 #include "illumination/cells/opacity.h"
+#include "illumination/visibility/density.h"
 #include "volume/device_view.h"
 
 namespace chiaro {
@@ -28,10 +29,13 @@ class ExtinctionCells {
 public:
     /// Cost: one look-up a cell near matter. Throws Error{output} for too many cells, Error{interrupted}.
     ExtinctionCells(const Medium::Data& medium, const CellOpacity& opacity, int stride, Progress& progress);
+    /// Of nodes: the edge is the node's.
+    ExtinctionCells(const Density& density, int stride, const Device& device, Progress& progress);
 
     const float* data() const { return reinterpret_cast<const float*>(buffer_.data()) + gap; }
     int row() const { return row_; }
     int slice() const { return slice_; }
+    /// Rounded up to whole strides.
     const std::array<int, 3>& count() const { return count_; }
     /// Where a cell lies in its row; x may be outside.
     int place(int x) const {
@@ -44,8 +48,11 @@ public:
 
 private:
     static constexpr int gap = 16;
-    template <class Voxel>
-    void fill(const Medium::Data& medium, const CellOpacity& opacity, Progress& progress);
+    ExtinctionCells(const CellGrid& grid, int stride);
+    /// extinction(x, y, z) of the cells of the blocks that are held.
+    template <class Extinction>
+    void fill(const CellGrid& grid, const BlockMap& blocks, int threads, const Extinction& extinction,
+              Progress& progress);
 
     std::array<int, 3> count_, low_{0, 0, 0}, high_{-1, -1, -1};
     int stride_, phase_, row_ = 0, slice_ = 0;

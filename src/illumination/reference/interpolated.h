@@ -25,9 +25,10 @@ public:
         }
     }
 
-    /// What the kernel reads for one direction; it keeps its planes in `planes`.
+    /// What the kernel reads for one direction; it keeps its planes in `planes`. Rays leave a point `offset` edges off
+    /// their cell's centre.
     kernel::InterpolatedRays<Voxel> along(Vec3 direction, double start_half_edges,
-                                          std::vector<kernel::HalfSpaceView>& planes) const {
+                                          std::vector<kernel::HalfSpaceView>& planes, Vec3 offset = {}) const {
         const Vec3& k = grid_.voxels_per_cell;
         const Vec3 voxels{direction.x * k.x, direction.y * k.y, direction.z * k.z};
         planes.clear();
@@ -43,6 +44,7 @@ public:
                 .last_index = float(table_.per_edge.size() - 1),
                 .voxels_per_cell = {float(k.x), float(k.y), float(k.z)},
                 .direction = {float(voxels.x), float(voxels.y), float(voxels.z)},
+                .origin = {float(0.5 + offset.x), float(0.5 + offset.y), float(0.5 + offset.z)},
                 .planes = planes.data(),
                 .plane_count = int(planes.size()),
                 .start = float(0.5 * start_half_edges / steepest),

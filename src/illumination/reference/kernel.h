@@ -116,14 +116,16 @@ struct InterpolatedRays {
     const float* extinction;  ///< per edge, over the stored values
     float index_scale, index_offset, last_index;
     Float3 voxels_per_cell, direction;  ///< voxels per edge of way
+    Float3 origin;                      ///< of the rays in their cells, in edges from the lowest corner
     const HalfSpaceView* planes;
     std::int32_t plane_count;
     float start, step;  ///< edges
 
     template <class F>
     CHIARO_INLINE F depth(const NodeColumn& nodes, std::int32_t lane, std::int32_t y, std::int32_t z, F depth) const {
-        const Vec3<F> p{to_voxel(load_row<F>(nodes.cell_x + lane), voxels_per_cell.x),
-                        to_voxel(F(float(y)), voxels_per_cell.y), to_voxel(F(float(z)), voxels_per_cell.z)};
+        const Vec3<F> p{to_voxel(load_row<F>(nodes.cell_x + lane), origin.x, voxels_per_cell.x),
+                        to_voxel(F(float(y)), origin.y, voxels_per_cell.y),
+                        to_voxel(F(float(z)), origin.z, voxels_per_cell.z)};
         F in(start), out(1e30f);
         for (std::int32_t i = 0; i < plane_count; ++i) {
             const F room = F(planes[i].d) - dot(Vec3<F>(planes[i].normal), p);
@@ -144,8 +146,8 @@ struct InterpolatedRays {
 
 private:
     template <class F>
-    static CHIARO_INLINE F to_voxel(F cell, float voxels_per_cell) {
-        return mad(cell + F(0.5f), F(voxels_per_cell), F(-0.5f));
+    static CHIARO_INLINE F to_voxel(F cell, float origin, float voxels_per_cell) {
+        return mad(cell + F(origin), F(voxels_per_cell), F(-0.5f));
     }
     template <class F>
     CHIARO_INLINE F extinction_at(Vec3<F> p) const {

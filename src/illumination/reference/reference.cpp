@@ -2,11 +2,11 @@
 
 #include "core/threads.h"
 #include "illumination/reference/crossings.h"
-#include "illumination/reference/directions.h"
 #include "illumination/reference/interpolated.h"
 #include "illumination/reference/launch.h"
 #include "illumination/reference/nodes.h"
 #include "illumination/reference/outward.h"
+#include "illumination/sh/directions.h"
 
 namespace chiaro {
 namespace {

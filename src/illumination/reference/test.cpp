@@ -8,9 +8,9 @@
 #include <thread>
 
 #include "fixtures.h"
-#include "illumination/reference/directions.h"
 #include "illumination/reference/outward.h"
 #include "illumination/reference/reference.h"
+#include "illumination/sh/directions.h"
 
 using namespace chiaro;
 using namespace chiaro::testing;

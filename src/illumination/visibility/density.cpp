@@ -1,85 +1,86 @@
 #include "illumination/visibility/density.h"
 
+#include "classify/medium.h"
 #include "core/threads.h"
+#include "illumination/visibility/launch_density.h"
+#include "illumination/visibility/sub_voxel.h"
 
 namespace chiaro {
 namespace {
 
-/// Transmittance of the finer cells of one block, 1 outside the grid, [z][y][x].
-using Block = std::array<float, 8>;
+using Tile = std::vector<float>;
 
-/// Mean over the four columns of 2 cells along an axis: `next` is the distance of the two, the others those of columns.
-float column_mean(const Block& t, int next, int a, int b) {
-    return 0.25f * (t[0] * t[next] + t[a] * t[a + next] + t[b] * t[b + next] + t[a + b] * t[a + b + next]);
-}
-
-constexpr float least_transmittance = 1e-30f;  ///< so that κ stays finite
-
-float depth_of(const Block& t) {
-    const float product = column_mean(t, 1, 2, 4) * column_mean(t, 2, 1, 4) * column_mean(t, 4, 1, 2);
-    return std::max(-std::log(std::max(product, least_transmittance)) / 3, 0.0f);
-}
-
-template <class Transmittance>
-Density halve(const CellGrid& finer, int threads, Progress& progress, const Transmittance& transmittance) {
-    Density out(halved(finer));
-    const auto [nx, ny, nz] = out.grid.count;
-    const auto row = [&, nx = nx, ny = ny](std::int64_t r, std::int64_t) {
-        const int y = int(r % ny), z = int(r / ny);
-        float* to = out.data() + out.grid.index(0, y, z);
-        for (int x = 0; x < nx; ++x) {
-            Block block;
-            for (int i = 0; i < 8; ++i) {
-                const int cx = 2 * x + (i & 1), cy = 2 * y + (i >> 1 & 1), cz = 2 * z + (i >> 2);
-                const bool inside = cx < finer.count[0] && cy < finer.count[1] && cz < finer.count[2];
-                block[i] = inside ? transmittance(finer.index(cx, cy, cz)) : 1.0f;
-            }
-            to[x] = depth_of(block);
+/// A tile of edge³ cells to one of (edge / 2)³ nodes.
+Tile halved(const Tile& cells, int edge, const kernel::DensityRows& rows) {
+    Tile open(cells.size()), nodes(cells.size() / 8);
+    rows.transmittance(cells.data(), int(cells.size()), open.data());
+    const int half = edge / 2;
+    for (int z = 0; z < half; ++z)
+        for (int y = 0; y < half; ++y) {
+            const float* first = open.data() + (2 * z * edge + 2 * y) * edge;
+            rows.halve({{first, first + edge, first + edge * edge, first + edge * edge + edge}}, half,
+                       nodes.data() + (z * half + y) * half);
         }
+    return nodes;
+}
+
+/// The nodes of a tile that lie within the grid.
+void keep(const Tile& tile, int edge, const std::array<int, 3>& block, Density& out) {
+    const auto along = [&](int axis) {
+        const int first = block[axis] * edge;
+        return std::pair{first, std::min(first + edge, out.grid.count[axis])};
     };
-    parallel_for(threads, std::int64_t(ny) * nz, 16, "density", progress, [&](std::int64_t first, std::int64_t end) {
-        for (auto r = first; r < end; ++r) row(r, r + 1);
+    const auto x = along(0), y = along(1), z = along(2);
+    for (int k = z.first; k < z.second; ++k)
+        for (int j = y.first; j < y.second; ++j)
+            std::copy_n(tile.data() + ((k - z.first) * edge + j - y.first) * edge, x.second - x.first,
+                        out.data() + out.grid.index(x.first, j, k));
+}
+
+/// Block by block, halved in the cache as often as asked: blocks of 32³ end in whole nodes.
+Density assemble(const CellGrid& cells, const BlockMap& blocks, int halvings, const FillBlock& fill,
+                 const Device& device, Progress& progress) {
+    Density out(coarser(cells, 1 << halvings));
+    const auto rows = kernel::density_rows_for(device.isa);
+    const auto held = blocks.held();
+    parallel_for(device.threads, std::int64_t(held.size()), 1, "density", progress, [&](std::int64_t b, std::int64_t) {
+        Tile tile(tile_size);
+        fill(held[b], tile.data());
+        for (int i = 0; i < halvings; ++i) tile = halved(tile, block_edge >> i, rows);
+        keep(tile, block_edge >> halvings, blocks.at(held[b]), out);
     });
     progress.check();
     return out;
 }
 
+int log2_of(int subsample) { return subsample == 1 ? 0 : 1 + log2_of(subsample / 2); }
+
 }  // namespace
 
-CellGrid halved(const CellGrid& grid) {
-    CellGrid half = grid;
-    half.edge_mm = 2 * grid.edge_mm;
-    half.is_voxel_grid = false;
-    for (int axis = 0; axis < 3; ++axis) {
-        half.count[axis] = (grid.count[axis] + 1) / 2;
-        half.voxels_per_cell[axis] = 2 * grid.voxels_per_cell[axis];
-    }
-    return half;
-}
+CellGrid halved(const CellGrid& grid) { return coarser(grid, 2); }
 
-Density halved(const Density& finer, int threads, Progress& progress) {
-    return halve(finer.grid, threads, progress, [&](std::size_t i) { return std::exp(-finer.data()[i]); });
-}
-
-Density density_of(const CellOpacity& opacity, int threads, Progress& progress) {
-    Density out(opacity.values.grid);
-    const auto fill = [&](std::int64_t first, std::int64_t end) {
-        for (std::int64_t i = first; i < end; ++i) {
-            const float alpha = float(opacity.values.data()[i]) / cell_one;
-            out.data()[i] = alpha > 0 ? -std::log1p(-std::min(alpha, 1 - 1e-7f)) : 0;
-        }
+Density halved(const Density& finer, const Device& device, Progress& progress) {
+    const BlockMap all(finer.grid.count, true);
+    const auto fill = [&](std::size_t block, float* tile) {
+        const auto [x, y, z] = all.cells(block, finer.grid.count);
+        for (int k = z.first; k < z.second; ++k)
+            for (int j = y.first; j < y.second; ++j)
+                std::copy_n(finer.data() + finer.grid.index(x.first, j, k), x.second - x.first,
+                            tile + ((k - z.first) * block_edge + j - y.first) * block_edge);
     };
-    parallel_for(threads, std::int64_t(out.grid.size()), 1 << 16, "density", progress, fill);
-    progress.check();
-    return out;
+    return assemble(finer.grid, all, 1, fill, device, progress);
 }
 
-Density density_of(const CellOpacity& opacity, int subsample, int threads, Progress& progress) {
-    if (subsample == 1) return density_of(opacity, threads, progress);
-    Density density = halve(opacity.values.grid, threads, progress,
-                            [&](std::size_t i) { return 1 - float(opacity.values.data()[i]) / cell_one; });
-    for (int f = 2; f < subsample; f *= 2) density = halved(density, threads, progress);
-    return density;
+Density density_for(const Medium::Data& medium, int subsample, const Device& device, Progress& progress) {
+    if (medium.shape.mode == Mode::iso) return density_of(cell_opacity(medium, progress), subsample, device, progress);
+    const DeviceVolume::Data& volume = medium.volume.data();
+    const CellGrid grid = make_cell_grid(volume.dimensions, volume.geometry);
+    const BlockMap matter = visible_blocks(medium, grid, 1);
+    return assemble(grid, matter, log2_of(subsample), block_depths(medium, grid, matter), device, progress);
+}
+
+Density density_of(const CellOpacity& opacity, int subsample, const Device& device, Progress& progress) {
+    return assemble(opacity.values.grid, opacity.matter, log2_of(subsample), block_depths(opacity), device, progress);
 }
 
 }  // namespace chiaro

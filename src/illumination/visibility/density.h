@@ -1,5 +1,6 @@
 // What light is followed through: the extinction of nodes, each standing for a cube of cells.
 #pragma once
+#include <chiaro/device.h>
 #include <chiaro/progress.h>
 
 #include "illumination/cells/opacity.h"
@@ -20,11 +21,14 @@ struct Density {
 CellGrid halved(const CellGrid& grid);
 
 /// Of blocks of 2³: T the geometric mean over the axes of the mean transmittance of the block's four columns along
-/// each, κ = -ln T. Matter outside the grid: none.
-Density halved(const Density& finer, int threads, Progress& progress);
-Density density_of(const CellOpacity& opacity, int threads, Progress& progress);
+/// each, κ = -ln T. Matter outside the grid: none. Throws Error{interrupted}, as all of these do.
+Density halved(const Density& finer, const Device& device, Progress& progress);
 
-/// The density for nodes that stand for `subsample`³ cells.
-Density density_of(const CellOpacity& opacity, int subsample, int threads, Progress& progress);
+/// The density for nodes that stand for `subsample`³ cells (1, 2, 4 or 8), of cells whose optical depth is integrated
+/// across them (sub_voxel.h). Cost: twice that of `cell_opacity`, which it needs of isosurfaces only, at any subsample;
+/// 4 bytes a node.
+Density density_for(const Medium::Data& medium, int subsample, const Device& device, Progress& progress);
+/// The same of cells classified as points.
+Density density_of(const CellOpacity& opacity, int subsample, const Device& device, Progress& progress);
 
 }  // namespace chiaro

@@ -1,7 +1,8 @@
-// Directions spread evenly over the sphere: the same for all cells.
+// Directions spread evenly over the sphere.
 #pragma once
 #include <chiaro/geometry.h>
 
+#include <cstdint>
 #include <numbers>
 #include <vector>
 
@@ -16,6 +17,17 @@ inline std::vector<Vec3> fibonacci_directions(int count) {
         directions.push_back({r * std::cos(phi), r * std::sin(phi), z});
     }
     return directions;
+}
+
+/// One of many sets of N directions, each at random within its own N-th of the sphere. The same wherever it is asked
+/// for.
+std::vector<Vec3> jittered_directions(int count, int set);
+
+/// Well mixed bits of a counter.
+inline std::uint64_t scrambled(std::uint64_t counter) {
+    std::uint64_t bits = (counter + 1) * 0x9e3779b97f4a7c15u;
+    for (int shift : {30, 27}) bits = (bits ^ bits >> shift) * 0xbf58476d1ce4e5b9u;
+    return bits ^ bits >> 31;
 }
 
 }  // namespace chiaro

@@ -1,0 +1,26 @@
+// The paper's pyramid of expected transparency (Ritschel 2007, section 3).
+#pragma once
+#include <vector>
+
+#include "illumination/visibility/density.h"
+#include "illumination/visibility/walk_kernel.h"
+
+namespace chiaro {
+
+/// Level 0 is exp(-κ) of the nodes. T_{l+1} = (mean of the 8 T_l)²: two voxels one behind the other, each as open as
+/// the eight are on average; missing ones are open. 65535ths.
+class TransparencyPyramid {
+public:
+    /// Up to the level of a single node. Cost: 2.3 bytes a node. Throws Error{interrupted}.
+    TransparencyPyramid(const Density& density, int threads, Progress& progress);
+
+    const std::vector<CellValues>& levels() const { return levels_; }
+    /// What the walk reads; valid while this stays where it is.
+    const std::vector<kernel::PyramidLevel>& views() const { return views_; }
+
+private:
+    std::vector<CellValues> levels_;
+    std::vector<kernel::PyramidLevel> views_;
+};
+
+}  // namespace chiaro

@@ -1,0 +1,126 @@
+// Towards the light, node by node, with steps that grow through the pyramid (Ritschel 2007, section 3): one node, or
+// sixteen along x. How far the steps are apart does not depend on where they lead, so all lanes take the same.
+#pragma once
+#include "illumination/sh/kernel.h"
+#include "kernel/gather.h"
+#include "kernel/math.h"
+#include "kernel/row.h"
+
+namespace chiaro::kernel {
+
+struct PyramidLevel {
+    const std::uint16_t* values;          ///< expected transparency, 65535ths; x fastest
+    std::int32_t row, slice;              ///< distances along y and z; 0 along an axis of one node
+    Float3 last;                          ///< count - 1 per axis
+    std::int32_t last_x, last_y, last_z;  ///< last interval's node, max(count - 2, 0)
+    float scale;                          ///< 2^-level
+
+    /// Trilinear; beyond the outermost centres as there.
+    template <class F>
+    CHIARO_INLINE F at(Vec3<F> p_node) const {
+        const Vec3<F> p{to_level(p_node.x, last.x), to_level(p_node.y, last.y), to_level(p_node.z, last.z)};
+        using I = Int<F>;
+        const I x = min(truncate(p.x), I(last_x)), y = min(truncate(p.y), I(last_y)), z = min(truncate(p.z), I(last_z));
+        const Vec3<F> t{p.x - to_float(x), p.y - to_float(y), p.z - to_float(z)};
+        const auto v = gather_two(values, typename GatherIndex<F>::type(z * I(slice) + y * I(row) + x),
+                                  {0, row, slice, slice + row});
+        const F near = lerp(lerp(v.a.a, v.a.b, t.x), lerp(v.b.a, v.b.b, t.x), t.y);
+        const F far = lerp(lerp(v.c.a, v.c.b, t.x), lerp(v.d.a, v.d.b, t.x), t.y);
+        return lerp(near, far, t.z) * F(1.0f / 65535);
+    }
+
+private:
+    /// From nodes to nodes of this level: both cover [-½, n - ½] of their index.
+    template <class F>
+    CHIARO_INLINE F to_level(F node, float highest) const {
+        return min(max(mad(node + F(0.5f), F(scale), F(-0.5f)), F(0)), F(highest));
+    }
+};
+
+/// One step of the walk; lengths in node edges.
+struct WalkStep {
+    float begin, size;   ///< distance from where the walk starts, and length
+    std::int32_t level;  ///< the finer of the two that are read
+    float coarser;       ///< share of the level above
+};
+
+/// Where sixteen lanes look.
+struct LaneDirections {
+    static constexpr std::int32_t width = 16;
+    float x[width], y[width], z[width];
+};
+
+struct WalkKernel {
+    const PyramidLevel* levels;
+    const WalkStep* steps;
+    std::int32_t step_count;
+    Float3 count;  ///< nodes per axis
+    float start;   ///< the walk begins on a cube of this half edge about the node
+
+    static constexpr float dark = 1e-3f;  ///< less is not followed
+
+    /// V(p, d) = Π T_l(midpoint)^(size / 2^l)
+    template <class F>
+    CHIARO_INLINE F transmittance(Vec3<F> p, Vec3<F> d) const {
+        const F first = F(start) / max(max(abs(d.x), abs(d.y)), abs(d.z));
+        const F exit = min(min(way_out(p.x, d.x, count.x), way_out(p.y, d.y, count.y)), way_out(p.z, d.z, count.z));
+        F open(1);
+        for (std::int32_t k = 0; k < step_count; ++k) {
+            const WalkStep& step = steps[k];
+            const F begin = first + F(step.begin), size = min(exit - begin, F(step.size));
+            const auto goes_on = (size > F(0)) & (open >= F(dark));
+            if (!any(goes_on)) break;
+            open = select(goes_on, open * across(step, mad(mad(size, F(0.5f), begin), d, p), size), open);
+        }
+        return open;
+    }
+
+private:
+    /// From a node to the border of the grid.
+    template <class F>
+    static CHIARO_INLINE F way_out(F p, F d, float nodes) {
+        return select(d < F(0), p + F(0.5f), F(nodes - 0.5f) - p) / max(abs(d), F(1e-9f));
+    }
+
+    template <class F>
+    CHIARO_INLINE F across(const WalkStep& step, Vec3<F> midpoint, F size) const {
+        const F finer = to_length(levels[step.level].at(midpoint), size * F(levels[step.level].scale));
+        if (step.coarser == 0) return finer;
+        const PyramidLevel& above = levels[step.level + 1];
+        return lerp(finer, to_length(above.at(midpoint), size * F(above.scale)), F(step.coarser));
+    }
+    /// T^length, in edges of its level
+    template <class F>
+    static CHIARO_INLINE F to_length(F transparency, F length) {
+        const auto is_power = (transparency < F(1)) & (length != F(1));
+        if (!any(is_power)) return transparency;
+        return select(is_power, pow(transparency, max(length, F(0))), transparency);
+    }
+};
+
+/// Σ V Y of sixteen nodes from x on, in `directions`: by coefficient, 4 or 16.
+template <class F>
+CHIARO_INLINE void walk_run(const WalkKernel& kernel, Float3 first_node, const LaneDirections* directions,
+                            std::int32_t direction_count, std::int32_t coefficients,
+                            float (*sums)[LaneDirections::width]) {
+    float ahead[LaneDirections::width];
+    for (std::int32_t i = 0; i < LaneDirections::width; ++i) ahead[i] = first_node.x + float(i);
+    for (std::int32_t lane = 0; lane < LaneDirections::width; lane += LaneTraits<F>::count) {
+        const Vec3<F> p{load_row<F>(ahead + lane), F(first_node.y), F(first_node.z)};
+        F sum[16], y[16];
+        for (std::int32_t c = 0; c < coefficients; ++c) sum[c] = F(0);
+        for (std::int32_t i = 0; i < direction_count; ++i) {
+            const Vec3<F> d{load_row<F>(directions[i].x + lane), load_row<F>(directions[i].y + lane),
+                            load_row<F>(directions[i].z + lane)};
+            spherical_harmonics(d, coefficients, y);
+            const F open = kernel.transmittance(p, d);
+            for (std::int32_t c = 0; c < coefficients; ++c) sum[c] = mad(open, y[c], sum[c]);
+        }
+        for (std::int32_t c = 0; c < coefficients; ++c) store_row(sums[c] + lane, sum[c]);
+    }
+}
+
+using WalkFunction = void (*)(const WalkKernel&, Float3, const LaneDirections*, std::int32_t, std::int32_t,
+                              float (*)[LaneDirections::width]);
+
+}  // namespace chiaro::kernel
