@@ -35,10 +35,10 @@ Rgb white(Vec3) { return {1, 1, 1}; }
 Rgb sky(Vec3 d) {
     static const Vec3 sun = towards(-25, 38);
     const double near_sun = dot(d, sun), height = std::max(d.z, 0.0), depth = std::max(-d.z, 0.0);
-    const Rgb air = mix({0.10, 0.24, 0.62}, {0.86, 0.70, 0.52}, std::exp(-5 * height)) +
-                    0.45 * std::pow(std::max(near_sun, 0.0), 12) * Rgb{1, 0.72, 0.42};
-    const Rgb ground = mix({0.10, 0.085, 0.07}, {0.34, 0.28, 0.22}, std::exp(-5 * depth));
-    return mix(ground, air, rise(d.z, -0.02, 0.02)) + 90 * std::exp(400 * (near_sun - 1)) * Rgb{1, 0.86, 0.66};
+    const Rgb air = mix({0.10, 0.27, 0.62}, {0.66, 0.57, 0.42}, std::exp(-8 * height)) +
+                    0.4 * std::pow(std::max(near_sun, 0.0), 16) * Rgb{1, 0.72, 0.42};
+    const Rgb ground = mix({0.10, 0.085, 0.07}, {0.30, 0.25, 0.20}, std::exp(-5 * depth));
+    return mix(ground, air, rise(d.z, -0.02, 0.02)) + 300 * std::exp(400 * (near_sun - 1)) * Rgb{1, 0.86, 0.66};
 }
 
 /// A rectangle of light that faces the centre, seen through the plane at distance 1: soft edges, brighter in the
@@ -62,15 +62,15 @@ Rgb studio(Vec3 d) {
 
 /// Six tall windows with round tops and bars around a dark room.
 Rgb windows(Vec3 d) {
-    static constexpr Rgb glass[6] = {{1.00, 0.16, 0.10}, {1.00, 0.62, 0.12}, {0.20, 0.90, 0.28},
-                                     {0.12, 0.62, 1.00}, {0.30, 0.22, 1.00}, {1.00, 0.20, 0.62}};
+    static constexpr Rgb glass[6] = {{1.00, 0.015, 0.01}, {1.00, 0.38, 0.01}, {0.04, 0.75, 0.06},
+                                     {0.015, 0.50, 1.00}, {0.03, 0.03, 1.00}, {1.00, 0.02, 0.42}};
     const double turn = std::atan2(d.y, d.x) / (60 * degree), place = std::floor(turn + 0.5);
     const double x = std::tan((turn - place) * 60 * degree), y = d.z / std::hypot(d.x, d.y) * std::sqrt(1 + x * x);
-    // On the flat wall: a panel from -.15 to .55 under a half disc, both .24 to each side.
-    const double half = 0.24, top = 0.55, bottom = -0.15, edge = 0.008;
+    // On the flat wall: a panel from -.3 to .65 under a half disc, both .3 to each side.
+    const double half = 0.3, top = 0.65, bottom = -0.3, edge = 0.012;
     const double beyond = y > top ? std::hypot(x, y - top) : std::abs(x);
     const double opening = (1 - rise(beyond, half - edge, half + edge)) * rise(y, bottom - edge, bottom + edge);
-    const auto bar = [&](double distance) { return rise(std::abs(distance), 0.012, 0.012 + 2 * edge); };
+    const auto bar = [&](double distance) { return rise(std::abs(distance), 0.014, 0.014 + 2 * edge); };
     const double panes = opening * bar(x) * bar(y - top) * bar(y - (top + bottom) / 2);
     const Rgb room = (0.03 + 0.01 * d.z) * Rgb{1, 0.95, 0.88};
     return room + 9 * panes * (0.75 + 0.25 * rise(y, bottom, top)) * glass[(int(place) + 6) % 6];

@@ -12,7 +12,7 @@ namespace chiaro {
 namespace {
 
 constexpr int cells_x = 128, cells_y = 64;
-constexpr int own_edge = 65, edge_in_grid = 33;
+constexpr int edge = 65;
 constexpr int values = 3 * most_coefficients;
 
 /// Light that comes from one place: its direction, and ∫ L Y_lm dω per channel.
@@ -22,7 +22,7 @@ struct Cell {
 };
 
 /// The inverse of octahedral(); unit.
-Vec3 normal_at(int i, int j, int edge) {
+Vec3 normal_at(int i, int j) {
     double x = 2.0 * i / (edge - 1) - 1, y = 2.0 * j / (edge - 1) - 1;
     const double z = 1 - std::abs(x) - std::abs(y);
     if (z < 0) {
@@ -96,11 +96,11 @@ LambertTable::Entry lambert_at(const std::vector<Cell>& cells, Vec3 normal) {
 }
 
 template <class AtNormal>
-LambertTable tabulated(int edge, const AtNormal& at_normal) {
+LambertTable tabulated(const AtNormal& at_normal) {
     LambertTable table{edge, std::vector<LambertTable::Entry>(std::size_t(edge) * edge)};
     parallel_for(edge, 1, [&](std::int64_t first, std::int64_t last) {
         for (auto j = first; j < last; ++j)
-            for (int i = 0; i < edge; ++i) table.entries[j * edge + i] = at_normal(normal_at(i, int(j), edge));
+            for (int i = 0; i < edge; ++i) table.entries[j * edge + i] = at_normal(normal_at(i, int(j)));
     });
     return table;
 }
@@ -125,7 +125,7 @@ LambertTable::Entry LambertTable::at(Vec3 normal) const {
 
 LambertTable lambert_of_probe(const Probe::Data& probe) {
     const std::vector<Cell> cells = gather(probe.picture);
-    return tabulated(own_edge, [&](Vec3 normal) { return lambert_at(cells, normal); });
+    return tabulated([&](Vec3 normal) { return lambert_at(cells, normal); });
 }
 
 LambertTable lambert_table(const Lighting& lighting, Vec3 orbit_up, const Geometry& geometry, ShWindow window,
@@ -138,7 +138,7 @@ LambertTable lambert_table(const Lighting& lighting, Vec3 orbit_up, const Geomet
     const double gain = std::exp2(lighting.probe.exposure_stops);
     const Probe probe = lighting_probe(lighting);
     const LambertTable& own = probe.data().lambert();
-    return tabulated(edge_in_grid, [&](Vec3 normal) {
+    return tabulated([&](Vec3 normal) {
         LambertTable::Entry entry = own.at(turned(probe_from_grid, normal));
         for (auto& coefficients : entry) {
             coefficients = rotation(coefficients);
