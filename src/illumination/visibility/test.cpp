@@ -6,8 +6,8 @@
 #include <ctime>
 #include <numbers>
 
-#include "illumination/sh/directions.h"
 #include "illumination/sh/basis.h"
+#include "illumination/sh/directions.h"
 #include "illumination/visibility/sweep.h"
 
 using namespace chiaro;
