@@ -85,7 +85,7 @@ struct Scaled {
 Scaled walk_seconds(const Setup& setup, const Density& density, int subsample) {
     const CellGrid& grid = density.grid;
     const int runs = setup.quick ? 8 : 512;
-    Scaled scaled{0, std::size_t(runs) * 16, grid.size()};
+    Scaled scaled{0, std::size_t(runs) * std::size_t(std::min(16, grid.count[0])), grid.size()};
     std::optional<VisibilityWalk> walk;
     scaled.seconds = cpu_seconds([&] {
         walk.emplace(setup.device, density, settings_of(subsample, VisibilityTraversal::hierarchical), 0.5 / subsample,
