@@ -119,24 +119,20 @@ double middle_value(const TransferFunction& tf) {
     return tf.points.back().value;
 }
 
-std::vector<std::string> names_of_column(const std::string& prefix) {
-    return {prefix + "set-up-sweep", prefix + "set-up-walk", prefix + "memory", prefix + "frame-dvr",
-            prefix + "frame-iso"};
-}
-
-/// Set-up by both ways, once, and the memory of the field.
-void measure_set_up(const Setup& setup, const std::string& prefix, const Medium& medium, const PaperColumn& paper,
-                    std::vector<Row>& rows) {
+/// Set-up by both ways, once.
+std::vector<Row> measure_set_up(const Setup& setup, const std::string& prefix, const Subject& subject,
+                                const PaperColumn& paper) {
+    const Medium medium = medium_of(setup, subject.scene);
     std::optional<Density> density;
     const double of_density = cpu_seconds(
         [&] { density.emplace(density_for(medium.data(), paper.subsample, setup.device, setup.progress)); });
     const double of_sweep = cpu_seconds([&] { swept(setup, *density, paper.subsample); });
-    rows.push_back(row_of(prefix + "set-up-sweep", "CPU s", of_density + of_sweep,
-                          fmt::format("{} nodes; {}", density->grid.size(), paper_says(paper.set_up_s, "s"))));
     const Scaled walk = walk_seconds(setup, *density, paper.subsample);
-    rows.push_back(row_of(
-        prefix + "set-up-walk", "CPU s, scaled", of_density + walk.seconds,
-        fmt::format("from {} of {} nodes at random; {}", walk.timed, walk.nodes, paper_says(paper.set_up_s, "s"))));
+    const std::string says = paper_says(paper.set_up_s, "s");
+    return {row_of(prefix + "set-up-sweep", "CPU s", of_density + of_sweep,
+                   fmt::format("{} nodes; {}", density->grid.size(), says)),
+            row_of(prefix + "set-up-walk", "CPU s, scaled", of_density + walk.seconds,
+                   fmt::format("from {} of {} nodes at random; {}", walk.timed, walk.nodes, says))};
 }
 
 /// Processor time of a frame from all around, its light kept.
@@ -146,20 +142,18 @@ Row frame_row(const Setup& setup, const std::string& name, Turntable& turntable,
     return {name, "CPU ms/frame", spread_of(series[0]), {}, {}, paper_says(paper.frame_ms, "ms")};
 }
 
-std::vector<Row> measure_column(const Setup& setup, const std::string& prefix, const Subject& subject,
+/// The memory of the field, and pictures in its light.
+std::vector<Row> measure_frames(const Setup& setup, const std::string& prefix, const Subject& subject,
                                 const PaperColumn& paper) {
-    std::vector<Row> rows;
-    measure_set_up(setup, prefix, medium_of(setup, subject.scene), paper, rows);
     Scene scene = subject.scene;
     scene.illumination = {.method = Method::visibility,
                           .visibility = settings_of(paper.subsample, VisibilityTraversal::sweep)};
-    {
-        std::size_t bytes = 0;
-        const auto keep = [&](const IlluminationField& field) { bytes = field.bytes(); };
-        illuminate(setup.device, medium_of(setup, scene), Prepared(), scene.lighting, scene.illumination, keep,
-                   setup.progress);
-        rows.push_back(row_of(prefix + "memory", "MB", 1e-6 * double(bytes), "held for the ray caster, 8 bits"));
-    }
+    std::size_t bytes = 0;
+    const auto keep = [&](const IlluminationField& field) { bytes = field.bytes(); };
+    illuminate(setup.device, medium_of(setup, scene), Prepared(), scene.lighting, scene.illumination, keep,
+               setup.progress);
+    std::vector<Row> rows{
+        row_of(prefix + "memory", "MB", 1e-6 * double(bytes), "held for the ray caster, 8 bits a coefficient")};
     Turntable turntable(setup, scene);
     rows.push_back(frame_row(setup, prefix + "frame-dvr", turntable, scene, paper));
     scene.mode = Mode::iso, scene.iso = {{middle_value(*scene.transfer.points)}};
@@ -236,8 +230,10 @@ std::vector<Case> visibility_cases(const Setup& setup) {
     for (const Subject& subject : subjects(setup))
         for (const PaperColumn& paper : paper_table) {
             const std::string prefix = fmt::format("visibility/{}/1:{}/", subject.name, paper.subsample);
-            cases.push_back(
-                {names_of_column(prefix), [=, &setup] { return measure_column(setup, prefix, subject, paper); }});
+            cases.push_back({{prefix + "set-up-sweep", prefix + "set-up-walk"},
+                             [=, &setup] { return measure_set_up(setup, prefix, subject, paper); }});
+            cases.push_back({{prefix + "memory", prefix + "frame-dvr", prefix + "frame-iso"},
+                             [=, &setup] { return measure_frames(setup, prefix, subject, paper); }});
         }
     return cases;
 }
