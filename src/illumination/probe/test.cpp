@@ -7,7 +7,7 @@
 
 #include "illumination/probe/data.h"
 #include "illumination/probe/light.h"
-#include "illumination/reference/directions.h"
+#include "illumination/sh/directions.h"
 
 using namespace chiaro;
 
