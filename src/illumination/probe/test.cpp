@@ -69,6 +69,7 @@ Geometry oblique_grid(bool left_handed) {
 TEST(Probe, RefusesWhatIsNoPicture) {
     EXPECT_THROW(Probe(0, 1, {}), Error);
     EXPECT_THROW(Probe(2, 1, {1, 2, 3}), Error);
+    EXPECT_THROW(Probe(65537, 1, std::vector<float>(3 * 65537)), Error);
     EXPECT_FALSE(Probe());
     EXPECT_EQ(Probe().width(), 0);
 }
