@@ -7,26 +7,7 @@
 namespace chiaro {
 namespace {
 
-kernel::AccessView view_of(const CellValues& values) {
-    const CellGrid& grid = values.grid;
-    const auto [nx, ny, nz] = grid.count;
-    const auto last = [](int n) { return std::max(n - 2, 0); };
-    const auto scale = [&](int axis) { return float(1 / grid.voxels_per_cell[axis]); };
-    // voxel = (cell + ½) k - ½, the other way round
-    const auto shift = [&](int axis) { return float(0.5 / grid.voxels_per_cell[axis] - 0.5); };
-    return {
-        .cells = values.data(),
-        .row = ny > 1 ? nx : 0,
-        .slice = nz > 1 ? nx * ny : 0,
-        .last = {float(nx - 1), float(ny - 1), float(nz - 1)},
-        .last_x = last(nx),
-        .last_y = last(ny),
-        .last_z = last(nz),
-        .cells_per_voxel = {scale(0), scale(1), scale(2)},
-        .shift = {shift(0), shift(1), shift(2)},
-        .strength = 1,
-    };
-}
+kernel::AccessView view_of(const CellValues& values) { return {values.data(), view_of(values.grid), 1}; }
 
 IlluminationField field_of(CellValues values, Steps& steps) {
     auto data = std::make_shared<IlluminationField::Data>();

@@ -57,6 +57,24 @@ CellGrid cells_of_edge(double edge_mm, const std::array<int, 3>& dimensions, con
 
 }  // namespace
 
+kernel::GridView view_of(const CellGrid& grid) {
+    const auto [nx, ny, nz] = grid.count;
+    const auto last = [](int n) { return std::max(n - 2, 0); };
+    const auto scale = [&](int axis) { return float(1 / grid.voxels_per_cell[axis]); };
+    // voxel = (cell + ½) k - ½, the other way round
+    const auto shift = [&](int axis) { return float(0.5 / grid.voxels_per_cell[axis] - 0.5); };
+    return {
+        .row = ny > 1 ? nx : 0,
+        .slice = nz > 1 ? nx * ny : 0,
+        .last = {float(nx - 1), float(ny - 1), float(nz - 1)},
+        .last_x = last(nx),
+        .last_y = last(ny),
+        .last_z = last(nz),
+        .nodes_per_voxel = {scale(0), scale(1), scale(2)},
+        .shift = {shift(0), shift(1), shift(2)},
+    };
+}
+
 CellGrid make_cell_grid(const std::array<int, 3>& dimensions, const Geometry& geometry) {
     const double voxels = double(dimensions[0]) * dimensions[1] * dimensions[2];
     // Very thick slices would make very many cells: then these are wider.

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "illumination/cells/place.h"
+
 namespace chiaro {
 
 struct CellGrid {
@@ -26,6 +28,8 @@ struct CellGrid {
 
 /// One cell for `factor`³ of them, at the centre of each such block; those of the last may lie outside.
 CellGrid coarser(const CellGrid& grid, int factor);
+
+kernel::GridView view_of(const CellGrid& grid);
 
 /// Of the smallest spacing, or wider where that would make more than 64 cells a voxel, or 2^28 and more cells
 /// than voxels.
