@@ -240,7 +240,7 @@ TEST(Lambert, GivesTheIrradianceOfTheWholePicture) {
         const Probe probe = builtin_probe(name);
         const LambertTable table = lambert_table(lit_by(probe), {0, 0, 1}, {}, ShWindow::none);
         double worst = 0, largest = 0;
-        for (const Vec3 normal : fibonacci_directions(25))
+        for (const Vec3 normal : fibonacci_directions(12))
             for (const ShCoefficients& visibility : {all_open, half_open(normal), half_open({0.6, 0, 0.8})}) {
                 const Rgb exact = irradiance(probe, normal, visibility), found = product(table.at(normal), visibility);
                 for (int c = 0; c < 3; ++c) {
