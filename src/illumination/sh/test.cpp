@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "illumination/reference/directions.h"
+#include "illumination/sh/directions.h"
 #include "illumination/sh/rotation.h"
 #include "illumination/sh/window.h"
 
