@@ -109,6 +109,7 @@ TEST(Hdr, RefusesBrokenFilesInOneSentence) {
         return refusal("#?RADIANCE\nFORMAT=" + format + "\n\n" + size + "\n");
     };
     EXPECT_NE(with("-Y 20000 +X 20000").find("more than 100 megapixels"), std::string::npos);
+    EXPECT_NE(with("-Y 1 +X 70000").find("65536 pixels a side"), std::string::npos);
     EXPECT_NE(with("-Y 10 +X 20").find("ends too early"), std::string::npos);
     EXPECT_NE(with("-Y 10 +X 20", "32-bit_rle_xyze").find("format"), std::string::npos);
     for (const char* size :

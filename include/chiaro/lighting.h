@@ -127,6 +127,7 @@ public:
     const Data& data() const { return *data_; }
 
     std::size_t bytes() const;                 ///< held for the ray caster
+    bool is_coarse() const;                    ///< whether a finer one follows
     const std::vector<Stage>& stages() const;  ///< how long each step took
 
 private:

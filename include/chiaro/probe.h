@@ -17,7 +17,7 @@ public:
     Probe() = default;  ///< none
     /// Three floats a pixel, row after row; of any aspect. Negative values and NaN count as 0, infinite ones as 65504
     /// (the largest half). Projects the picture on spherical harmonics: some 10 ns a pixel, on all cores. Throws
-    /// Error{input} for a picture without pixels, or with too few or too many values.
+    /// Error{input} unless there are 1 to 65536 pixels a side and three values for each.
     Probe(int width, int height, std::vector<float> rgb);
 
     explicit operator bool() const { return data_ != nullptr; }

@@ -3,10 +3,14 @@
 #include <chiaro/device.h>
 #include <chiaro/scene.h>
 
+#include <functional>
 #include <string>
 #include <vector>
 
 namespace chiaro {
+
+/// Receives a picture that a better one follows.
+using Preview = std::function<void(const Image&)>;
 
 /// Renders scenes one after the other and redoes only the verbs to the right of what changed: an edit of the transfer
 /// function starts at `classify`, a camera move is `raycast` and `develop`.
@@ -19,7 +23,9 @@ public:
     /// Takes the volume that later scenes show (read_volume or make_sample gave it).
     void show(Volume&& volume, Progress& progress);
 
-    const Image& render(const Scene& scene, Progress& progress);
+    /// `preview` is handed the picture with each coarse light that comes before the finest (visibility), while that is
+    /// still being found.
+    const Image& render(const Scene& scene, Progress& progress, const Preview& preview = {});
     /// What the scene's lighting method computes for the shown volume. Throws as chiaro::compute_field.
     ComputedField compute_field(const Scene& scene, Progress& progress);
 

@@ -8,13 +8,19 @@
 #include "illumination/cells/field.h"
 #include "illumination/cells/grid.h"
 #include "illumination/none/field.h"
+#include "illumination/visibility/field.h"
+#include "illumination/visibility/lit_nodes.h"
 
 namespace chiaro {
 
+/// What the ray caster looks up. A new kind of light: its folder, and its view here.
+using FieldView = std::variant<kernel::NoneView, kernel::AccessView, kernel::VisibilityView>;
+
 struct IlluminationField::Data {
-    /// The view that the ray caster looks up. A new kind of light: its folder, and its view here.
-    std::variant<kernel::NoneView, kernel::AccessView> view;
-    std::shared_ptr<const CellValues> access;  ///< what an AccessView reads
+    FieldView view;
+    std::shared_ptr<const CellValues> access;    ///< what an AccessView reads
+    std::shared_ptr<const LitNodes> visibility;  ///< what a VisibilityView is made from, once the light is known
+    bool is_coarse = false;
     std::vector<Stage> stages;
 };
 

@@ -3,6 +3,7 @@
 #include "illumination/access.h"
 #include "illumination/cells/lift.h"
 #include "illumination/field.h"
+#include "illumination/visibility/visibility.h"
 
 namespace chiaro {
 namespace {
@@ -15,6 +16,14 @@ IlluminationField field_of(CellValues values, Steps& steps) {
     data->view = view_of(*access);
     data->access = std::move(access);
     data->stages = steps.take();
+    return IlluminationField(std::move(data));
+}
+
+IlluminationField field_of(const Device& device, VisibilityNodes nodes, bool is_coarse, Steps& steps) {
+    auto data = std::make_shared<IlluminationField::Data>();
+    data->is_coarse = is_coarse;
+    data->visibility = std::make_shared<const LitNodes>(device, std::move(nodes));
+    data->stages = steps.stages();
     return IlluminationField(std::move(data));
 }
 
@@ -36,6 +45,16 @@ IlluminationField light_of(const Device& device, const Medium::Data& medium, con
         return lift_off_surfaces(device, access, opacity.values, outward_factor(settings), opacity.visible, progress);
     });
     return field_of(std::move(lifted), steps);
+}
+
+void light(const Device& device, const Medium::Data& medium, const IlluminationSettings& settings, const Sink& sink,
+           Progress& progress) {
+    if (settings.method != Method::visibility) return sink(light_of(device, medium, settings, progress));
+    Steps steps;
+    const auto keep = [&](VisibilityNodes nodes, bool is_coarse) {
+        sink(field_of(device, std::move(nodes), is_coarse, steps));
+    };
+    refine_visibility(device, medium, settings.visibility, keep, steps, progress);
 }
 
 /// A cell's number at every voxel's centre; interpolated where voxels are no cubes.
@@ -64,7 +83,10 @@ Volume accessibility_of_voxels(const Device& device, const Medium::Data& medium,
 }
 
 IlluminationField::IlluminationField() : data_(std::make_shared<Data>()) {}
-std::size_t IlluminationField::bytes() const { return data().access ? data().access->buffer.size() : 0; }
+std::size_t IlluminationField::bytes() const {
+    return (data().access ? data().access->buffer.size() : 0) + (data().visibility ? data().visibility->bytes() : 0);
+}
+bool IlluminationField::is_coarse() const { return data().is_coarse; }
 const std::vector<Stage>& IlluminationField::stages() const { return data().stages; }
 
 std::vector<MethodInfo> list_methods() {
@@ -85,7 +107,7 @@ bool illuminate(const Device& device, const Medium& medium, const Prepared&, con
     if (settings.method == Method::none || medium.data().shape.mode == Mode::mip)
         sink(IlluminationField());
     else
-        sink(light_of(device, medium.data(), settings, progress));
+        light(device, medium.data(), settings, sink, progress);
     return true;
 } catch (const Error& error) {
     if (error.code() == ErrorCode::interrupted) return false;

@@ -17,6 +17,7 @@ public:
         const Clock clock(*this, std::move(name));
         return step();
     }
+    const std::vector<Stage>& stages() const { return stages_; }
     std::vector<Stage> take() { return std::move(stages_); }
 
 private:

@@ -14,9 +14,10 @@ namespace chiaro::kernel {
 template <class F>
 struct SamplePoint {
     Vec3<F> p_voxel;
-    F value;      ///< stored units
-    F lambert;    ///< |n · l|, 0 where there is no gradient
-    F highlight;  ///< (n · h)^shininess
+    F value;                            ///< stored units
+    F lambert{0};                       ///< |n · l|, 0 where there is no gradient
+    F highlight{0};                     ///< (n · h)^shininess
+    Vec3<F> outward{F(0), F(0), F(0)};  ///< n, unit, world; 0 where there is no gradient
 };
 
 template <class F>
@@ -28,22 +29,24 @@ struct Incident {
 struct ShadingView {
     bool enabled;
     float ambient, shininess;
+    float out;  ///< -1 where values grow inwards, as isosurfaces see it: the side that a gradient must be turned to
     Float3 diffuse, specular;
     Float3 to_light, half;                      ///< unit, world
     Float3 gradient_x, gradient_y, gradient_z;  ///< rows of the matrix from a gradient per voxel to one per mm of world
 
-    /// Two-sided Lambert and Blinn-Phong factors of a gradient given per voxel (any scale).
+    /// Normal, and two-sided Lambert and Blinn-Phong factors, of a direction out of the surface given as a covector per
+    /// voxel (any scale).
     template <class F>
-    CHIARO_INLINE void reflect(Vec3<F> gradient, F& lambert, F& highlight) const {
+    CHIARO_INLINE void reflect(Vec3<F> gradient, SamplePoint<F>& sample) const {
         const Vec3<F> g{dot(Vec3<F>(gradient_x), gradient), dot(Vec3<F>(gradient_y), gradient),
                         dot(Vec3<F>(gradient_z), gradient)};
         const F squared = dot(g, g);
         const F inverse = select(squared > F(1e-24f), F(1) / sqrt(max(squared, F(1e-24f))), F(0));
         const F nl = dot(g, Vec3<F>(to_light)) * inverse, nh = dot(g, Vec3<F>(half)) * inverse;
-        lambert = abs(nl);
-        highlight = F(0);
+        sample.lambert = abs(nl);
+        sample.outward = inverse * g;
         if (specular.x + specular.y + specular.z > 0)
-            highlight = pow(max(select(nl < F(0), F(0) - nh, nh), F(0)), F(shininess));
+            sample.highlight = pow(max(select(nl < F(0), F(0) - nh, nh), F(0)), F(shininess));
     }
 
     template <class F>

@@ -1,5 +1,6 @@
 #include <chiaro/error.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -12,6 +13,7 @@ namespace chiaro {
 namespace {
 
 constexpr std::int64_t max_pixels = 100'000'000;
+constexpr int longest_side = 65536;
 using Rgbe = std::array<std::uint8_t, 4>;
 
 /// Takes the file apart from its start; whatever is missing is an error.
@@ -72,6 +74,7 @@ Size read_size(Input& in) {
         in.refuse("it does not begin at the top left, with -Y HEIGHT +X WIDTH");
     const Size size{number_after(" +X ", x), number_after("-Y ", 0)};
     if (std::int64_t(size.width) * size.height > max_pixels) in.refuse("more than 100 megapixels");
+    if (std::max(size.width, size.height) > longest_side) in.refuse("more than 65536 pixels a side");
     return size;
 }
 

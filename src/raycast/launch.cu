@@ -1,6 +1,7 @@
 // The ray caster's kernel as CUDA sees it: the same source, one thread a pixel. Compiled wherever nvcc exists.
 #include "illumination/cells/field.h"
 #include "illumination/none/field.h"
+#include "illumination/visibility/field.h"
 #include "raycast/kernel.h"
 
 namespace chiaro::kernel {
@@ -18,5 +19,6 @@ __global__ void raycast_pixels(Kernel kernel, Tile tile, unsigned long long* sam
     template __global__ void raycast_pixels(RaycastKernel<float, Field>, Tile, unsigned long long*);
 CHIARO_INSTANTIATE(NoneView)
 CHIARO_INSTANTIATE(AccessView)
+CHIARO_INSTANTIATE(VisibilityView)
 
 }  // namespace chiaro::kernel

@@ -48,9 +48,10 @@ struct Matter {
         if (!shading.enabled && !modulates) return;
         if (shading.enabled) {
             Vec3<F> g = volume.gradient(at);
-            g = {select(cut.open, cut.normal.x, g.x), select(cut.open, cut.normal.y, g.y),
-                 select(cut.open, cut.normal.z, g.z)};
-            shading.reflect(g, sample.lambert, sample.highlight);
+            const F out(shading.out);
+            g = {select(cut.open, cut.normal.x, out * g.x), select(cut.open, cut.normal.y, out * g.y),
+                 select(cut.open, cut.normal.z, out * g.z)};
+            shading.reflect(g, sample);
         }
         const Incident<F> incident = field.incident(sample, shading);
         colour = light_up(colour, incident.diffuse, incident.specular);

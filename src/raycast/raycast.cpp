@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "core/threads.h"
-#include "illumination/field.h"
+#include "illumination/lit_field.h"
 #include "raycast/background.h"
 #include "raycast/bounds.h"
 #include "raycast/launch.h"
@@ -49,15 +49,16 @@ Outcome raycast(const Device& device, const Medium& medium, const IlluminationFi
     std::optional<BoundingGeometry> geometry;  // the largest value is looked for everywhere
     if (settings.ray_setup == RaySetup::raster && data.shape.mode != Mode::mip)
         geometry.emplace(data, camera_view(camera, data.volume.geometry(), frame.width, frame.height));
+    const LitField lit = lit_field(field, lighting, camera.orbit_up, data);
     Outcome outcome = std::visit(
-        [&](auto view) {
-            if constexpr (requires { view.strength; }) view.strength = float(lighting.strength);
+        [&](const auto& view) {
             return with_stored_voxel(data.volume.data(), [&](auto voxel) {
-                const auto kernel = make_kernel<decltype(voxel)>(data, tables, view, lighting, camera, settings, frame);
+                auto kernel = make_kernel<decltype(voxel)>(data, tables, view, lighting, camera, settings, frame);
+                if (lit.main) shine_from(*lit.main, lighting, camera, kernel.matter.shading);
                 return cast(device, kernel, geometry ? &*geometry : nullptr, frame, progress);
             });
         },
-        field.data().view);
+        lit.view);
     if (lighting.probe.background && outcome.complete)
         outcome.complete = put_probe_behind(device, lighting, camera, data.shape.color, frame, progress);
     return outcome;

@@ -27,7 +27,7 @@ CHIARO_APART void show_surface(const Matter& matter, const SurfacesView& surface
     p = matter.volume.clamp(p);
     const Location<F> at = matter.volume.locate(p, matter.volume.voxel(p));
     RgbaLanes<F> colour = load_rgba(surfaces.colours, Int<F>(i));
-    matter.light(at, cut, {p, F(surfaces.values[i]), F(0), F(0)}, colour);
+    matter.light(at, cut, {p, F(surfaces.values[i])}, colour);
     ray.add(surfaces.backwards, hit, colour, F(surfaces.colours[i].a));
 }
 

@@ -18,6 +18,12 @@ Vec3 direction_to_light(const Lighting& lighting, const Camera& camera) {
     return orbit_direction(radians(lighting.azimuth_deg), radians(lighting.elevation_deg), camera.orbit_up);
 }
 
+/// Blinn's; the viewer is directional too: along the camera's axis.
+Vec3 half_way(Vec3 to_light, const Camera& camera) {
+    const Vec3 sum = to_light - camera.forward;
+    return length(sum) > 1e-9 ? normalized(sum) : to_light;
+}
+
 }  // namespace
 
 kernel::CameraView camera_view(const Camera& camera, const Geometry& geometry, int width, int height) {
@@ -35,12 +41,11 @@ kernel::CameraView camera_view(const Camera& camera, const Geometry& geometry, i
     };
 }
 
-kernel::ShadingView shading_view(const Lighting& lighting, const Camera& camera, const Geometry& geometry,
+kernel::ShadingView shading_view(const Lighting& lighting, const Camera& camera, const DeviceVolume::Data& volume,
                                  ColorMode color) {
+    const Geometry& geometry = volume.geometry;
     const bool on = lighting.shading != Shading::none;
     const Vec3 to_light = direction_to_light(lighting, camera);
-    const Vec3 sum = to_light - camera.forward;  // the viewer is directional too: along the camera's axis
-    const Vec3 half = length(sum) > 1e-9 ? normalized(sum) : to_light;
     const auto channel = [&](int c) {
         return color == ColorMode::linear ? linear_from_srgb(lighting.color[c]) : lighting.color[c];
     };
@@ -59,14 +64,22 @@ kernel::ShadingView shading_view(const Lighting& lighting, const Camera& camera,
         .enabled = on,
         .ambient = on ? float(lighting.ambient) : 1.0f,
         .shininess = float(lighting.shininess),
+        .out = volume.scale < 0 ? 1.0f : -1.0f,
         .diffuse = times_color(kd),
         .specular = times_color(ks),
         .to_light = float3(to_light),
-        .half = float3(half),
+        .half = float3(half_way(to_light, camera)),
         .gradient_x = float3(edge * x),
         .gradient_y = float3(edge * y),
         .gradient_z = float3(edge * z),
     };
+}
+
+void shine_from(const MainLight& light, const Lighting& lighting, const Camera& camera, kernel::ShadingView& shading) {
+    const double ks = lighting.shading == Shading::phong ? lighting.specular * light.share : 0;
+    shading.specular = float3({ks, ks, ks});
+    shading.to_light = float3(light.direction);
+    shading.half = float3(half_way(light.direction, camera));
 }
 
 kernel::ClipView clip_view(const Clip& clip, const Geometry& geometry, const std::array<int, 3>& dimensions) {

@@ -7,14 +7,17 @@
 
 #include "classify/medium.h"
 #include "classify/segments.h"
+#include "illumination/lit_field.h"
 #include "raycast/kernel.h"
 #include "volume/device_view.h"
 
 namespace chiaro {
 
 kernel::CameraView camera_view(const Camera& camera, const Geometry& geometry, int width, int height);
-kernel::ShadingView shading_view(const Lighting& lighting, const Camera& camera, const Geometry& geometry,
+kernel::ShadingView shading_view(const Lighting& lighting, const Camera& camera, const DeviceVolume::Data& volume,
                                  ColorMode color);
+/// Highlights come from a probe's main direction; its colour is told by what arrives.
+void shine_from(const MainLight& light, const Lighting& lighting, const Camera& camera, kernel::ShadingView& shading);
 /// The optical table for steps of `step_mm`: α = 1 - exp(-κ h), colours premultiplied.
 std::vector<kernel::Rgba> step_table(const OpticalTable& table, double step_mm);
 
@@ -46,7 +49,7 @@ kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, cons
                    .occupancy = {medium.cells.data(), cell_count(nx), cell_count(ny)},
                    .table = step_table_view(medium.table, tables),
                    .segments = segment_table_view(tables.segments),
-                   .shading = shading_view(lighting, camera, volume.geometry, medium.shape.color),
+                   .shading = shading_view(lighting, camera, volume, medium.shape.color),
                    .field = field,
                    .cutoff = float(settings.early_termination),
                    .cut_alpha = float(1 - std::exp2(-settings.step_voxels)),  // ½ over one voxel

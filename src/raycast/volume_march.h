@@ -78,7 +78,7 @@ CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& 
     // The first half step behind a cut through solid matter has the plane's normal.
     const Cut<F> solid{cut.normal, Mask<F>(cut.open & (k < F(0.5f)) & (alpha > F(matter.cut_alpha)))};
     shorten_last(lattice, visible & (k >= lattice.full), c.colour, alpha);
-    matter.light(at, solid, {p, c.value, F(0), F(0)}, c.colour);
+    matter.light(at, solid, {p, c.value}, c.colour);
     ray.add(way.backwards, visible, c.colour, alpha);
 }
 

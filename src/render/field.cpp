@@ -9,6 +9,7 @@
 #include "illumination/access.h"
 #include "illumination/reference/visibility.h"
 #include "illumination/sh/volume.h"
+#include "illumination/visibility/visibility.h"
 
 namespace chiaro {
 namespace {
@@ -30,13 +31,23 @@ std::string key_of(const Setting& setting) {
 
 /// Whether the answer is V in spherical harmonics rather than a share of light.
 bool is_in_harmonics(const IlluminationSettings& settings) {
+    if (settings.method == Method::visibility) return true;
     return settings.method == Method::reference && settings.reference.quantity == ReferenceQuantity::visibility;
 }
 
 Volume harmonics_of(const Device& device, const Medium& medium, const IlluminationSettings& settings, Steps& steps,
                     Progress& progress) {
-    const CellOpacity opacity = steps("opacity", [&] { return cell_opacity(medium.data(), progress); });
-    const ShField field = reference_visibility(device, medium.data(), opacity, settings.reference, steps, progress);
+    const auto traced = [&] {
+        const CellOpacity opacity = steps("opacity", [&] { return cell_opacity(medium.data(), progress); });
+        return reference_visibility(device, medium.data(), opacity, settings.reference, steps, progress);
+    };
+    const auto found = [&] {
+        const int subsample = settings.visibility.subsample;
+        const Density density =
+            steps("density", [&] { return density_for(medium.data(), subsample, device, progress); });
+        return find_visibility(device, density, settings.visibility, subsample, steps, progress);
+    };
+    const ShField field = settings.method == Method::visibility ? found() : traced();
     return steps("voxels", [&] { return volume_of(device, field, medium.data().volume, progress); });
 }
 
@@ -50,6 +61,7 @@ std::map<std::string, std::string> how_made(const IlluminationSettings& settings
         if (setting.method == to_text(settings.method)) told[key_of(setting)] = value_text(setting, fields...);
     };
     describe(tell, settings.spao);
+    describe(tell, settings.visibility);
     describe(tell, settings.reference);
     if (is_in_harmonics(settings)) told["chiaro_sh_axes"] = "grid";
     return told;

@@ -116,22 +116,28 @@ void Session::show(Volume&& volume, Progress& progress) {
     s.shown = s.stages;
 }
 
-const Image& Session::render(const Scene& scene, Progress& progress) {
+const Image& Session::render(const Scene& scene, Progress& progress, const Preview& preview) {
     State& s = *state_;
     s.redo_up_to_classify(scene, progress);
     const DeviceVolume& voxels = s.upload.result;
     const Medium& medium = s.classify.result.medium;
     const Lighting lighting = s.lighting_of(scene);
 
+    const Camera camera = make_camera(scene.camera, voxels.geometry(), voxels.dimensions());
     s.redo("illuminate", s.illuminate, {s.classify.version, s.prepare.version, scene.illumination},
            [&](IlluminationField& field) {
-               const auto keep = [&](IlluminationField finer) { field = std::move(finer); };
+               const auto keep = [&](IlluminationField finer) {
+                   field = std::move(finer);
+                   if (!preview || !field.is_coarse()) return;
+                   Frame frame(scene.width, scene.height);
+                   raycast(s.device, medium, field, lighting, camera, scene.sampling, frame, progress);
+                   if (!progress.cancelled()) preview(develop(frame, scene.output));
+               };
                illuminate(s.device, medium, s.prepare.result, lighting, scene.illumination, keep, progress);
                progress.check();
            });
     s.tell_steps(s.illuminate.result.stages());
 
-    const Camera camera = make_camera(scene.camera, voxels.geometry(), voxels.dimensions());
     const std::pair size(scene.width, scene.height);
     s.redo("raycast", s.raycast, {s.classify.version, s.illuminate.version, lighting, camera, scene.sampling, size},
            [&](Cast& cast) {

@@ -6,6 +6,8 @@
 namespace chiaro {
 namespace {
 
+constexpr int longest_side = 65536;
+
 /// Radiance that light can have; what is no number counts as none.
 float sane(float radiance) {
     constexpr float largest_half = 65504;
@@ -16,7 +18,10 @@ float sane(float radiance) {
 }  // namespace
 
 Probe::Probe(int width, int height, std::vector<float> rgb) {
-    if (width < 1 || height < 1 || rgb.size() != std::size_t(3) * std::size_t(width) * std::size_t(height))
+    if (width < 1 || height < 1 || width > longest_side || height > longest_side)
+        throw Error(ErrorCode::input, fmt::format("a light probe of {} x {} pixels: must be 1 to {} a side", width,
+                                                  height, longest_side));
+    if (rgb.size() != std::size_t(3) * width * height)
         throw Error(ErrorCode::input,
                     fmt::format("a light probe of {} x {} pixels with {} values: must have three a pixel", width,
                                 height, rgb.size()));

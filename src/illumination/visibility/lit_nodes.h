@@ -1,0 +1,49 @@
+// Visibility meets a light: what arrives at every node. Found again only where the light has changed.
+#pragma once
+#include <chiaro/device.h>
+#include <chiaro/lighting.h>
+
+#include <mutex>
+
+#include "illumination/visibility/field.h"
+#include "illumination/visibility/nodes.h"
+
+namespace chiaro {
+
+/// A probe's light, turned as it is to be seen.
+struct ProbeLight {
+    const Lighting& lighting;
+    Vec3 orbit_up;
+    const Geometry& geometry;
+    bool by_normal;  ///< isosurfaces that are shaded: Lambert's law with the surface's own normal
+};
+
+/// E of the nodes, and what else the ray caster reads.
+struct LitLight {
+    VoxelBuffer light;
+    std::vector<kernel::HarmonicsLight> surface;  ///< over an unfolded octahedron
+    kernel::VisibilityView view;
+};
+
+class LitNodes {
+public:
+    LitNodes(const Device& device, VisibilityNodes nodes) : device_(device), nodes_(std::move(nodes)) {}
+
+    /// What arrives of a light: the last one is kept, so that a turned camera costs nothing. Cost of another: nodes ×
+    /// 50 instructions, and some 2 ms for surfaces. The view is valid as long as the result is.
+    std::shared_ptr<const LitLight> light(const ProbeLight& probe) const;
+    std::size_t bytes() const { return nodes_.bytes() + nodes_.grid.size() * 4 * sizeof(std::uint16_t); }
+    const VisibilityNodes& nodes() const { return nodes_; }
+
+private:
+    struct Inputs;
+    std::shared_ptr<LitLight> find(const Inputs& inputs) const;
+
+    Device device_;
+    VisibilityNodes nodes_;
+    mutable std::mutex mutex_;  ///< of what is kept
+    mutable std::shared_ptr<const Inputs> of_;
+    mutable std::shared_ptr<const LitLight> kept_;
+};
+
+}  // namespace chiaro

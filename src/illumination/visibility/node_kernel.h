@@ -1,0 +1,139 @@
+// Nodes one by one: from the field to what is kept of it, and from that to the light of a probe.
+#pragma once
+#include "illumination/cells/kernel.h"
+#include "illumination/visibility/stored.h"
+#include "illumination/visibility/surface_light.h"
+#include "kernel/math.h"
+
+namespace chiaro::kernel {
+
+/// Where the surface at a node faces, and how much of the node is one.
+struct NodeSurface {
+    std::int8_t x, y, z;  ///< n, unit, × 127
+    std::uint8_t share;   ///< q × 255
+};
+
+/// A row of nodes.
+struct NodeRow {
+    std::int32_t y, z;
+};
+
+/// Opacity of one node edge.
+struct OpacityKernel {
+    const float* density;
+    float* opacity;
+
+    CHIARO_INLINE void operator()(std::int64_t first, std::int32_t count) const {
+        for (std::int32_t i = 0; i < count; ++i)
+            opacity[first + i] = 1 - exp2_below_0(density[first + i] * -1.442695041f);
+    }
+};
+
+struct KeepKernel {
+    const float* field;    ///< [node][coefficients]
+    const float* opacity;  ///< of a node edge; nullptr: the field is kept where it is
+    void* harmonics;
+    NodeSurface* surfaces;
+    Stored stored;
+    std::int32_t coefficients;
+    std::int32_t count[3];
+    float steps[16];  ///< of the coefficients in 8 bits
+
+    CHIARO_INLINE void operator()(NodeRow row) const {
+        for (std::int32_t x = 0; x < count[0]; ++x) {
+            const std::int64_t node = index(x, row.y, row.z);
+            const float* from = field + node * coefficients;
+            float lifted[16];
+            if (opacity) {
+                const Vec3<float> n = normal(x, row.y, row.z);
+                const float size = sqrt(dot(n, n)), share = outward_share(n, 1.0f);
+                const float inverse = size > 0 ? 127 / size : 0;
+                surfaces[node] = {signed_byte(inverse * n.x), signed_byte(inverse * n.y), signed_byte(inverse * n.z),
+                                  std::uint8_t(share * 255 + 0.5f)};
+                if (share * 255 >= 0.5f) {
+                    lift((1 / max(size, 1.0f)) * n, x, row.y, row.z, lifted);
+                    from = lifted;
+                }
+            }
+            keep(from, node);
+        }
+    }
+
+private:
+    CHIARO_INLINE std::int64_t index(std::int32_t x, std::int32_t y, std::int32_t z) const {
+        return (std::int64_t(z) * count[1] + y) * count[0] + x;
+    }
+    CHIARO_INLINE float alpha(std::int32_t x, std::int32_t y, std::int32_t z) const {
+        const bool inside = x >= 0 && y >= 0 && z >= 0 && x < count[0] && y < count[1] && z < count[2];
+        return inside ? opacity[index(x, y, z)] : 0;
+    }
+    CHIARO_INLINE Vec3<float> normal(std::int32_t x, std::int32_t y, std::int32_t z) const {
+        return {alpha(x - 1, y, z) - alpha(x + 1, y, z), alpha(x, y - 1, z) - alpha(x, y + 1, z),
+                alpha(x, y, z - 1) - alpha(x, y, z + 1)};
+    }
+    static CHIARO_INLINE std::int8_t signed_byte(float v) { return std::int8_t(v < 0 ? v - 0.5f : v + 0.5f); }
+
+    /// The field at the node + n, trilinear; beyond the grid the nearest node's.
+    CHIARO_INLINE void lift(Vec3<float> n, std::int32_t x, std::int32_t y, std::int32_t z, float* to) const {
+        for (int c = 0; c < coefficients; ++c) to[c] = 0;
+        for (int corner = 0; corner < 8; ++corner) {
+            std::int32_t p[3] = {x, y, z};
+            const float along[3] = {n.x, n.y, n.z};
+            float weight = 1;
+            for (int axis = 0; axis < 3; ++axis) {
+                const bool moved = corner >> axis & 1;
+                weight *= moved ? abs(along[axis]) : 1 - abs(along[axis]);
+                if (moved) p[axis] = min(max(p[axis] + (along[axis] > 0 ? 1 : -1), 0), count[axis] - 1);
+            }
+            if (!(weight > 0)) continue;
+            const float* from = field + index(p[0], p[1], p[2]) * coefficients;
+            for (int c = 0; c < coefficients; ++c) to[c] = mad(weight, from[c], to[c]);
+        }
+    }
+
+    CHIARO_INLINE void keep(const float* from, std::int64_t node) const {
+        const std::int64_t first = node * coefficients;
+        if (stored == Stored::u8) {
+            std::int8_t* to = static_cast<std::int8_t*>(harmonics) + first;
+            for (int c = 1; c < coefficients; ++c) to[c] = signed_byte(min(max(from[c] / steps[c], -127.0f), 127.0f));
+            to[0] = std::int8_t(std::uint8_t(min(max(from[0] / steps[0], 0.0f), 255.0f) + 0.5f));
+        } else if (stored == Stored::f16) {
+            std::uint16_t* to = static_cast<std::uint16_t*>(harmonics) + first;
+            for (int c = 0; c < coefficients; ++c) to[c] = to_half(from[c]);
+        } else {
+            float* to = static_cast<float*>(harmonics) + first;
+            for (int c = 0; c < coefficients; ++c) to[c] = from[c];
+        }
+    }
+};
+
+/// E = (1 - q) / (4π) Σ V_lm L_lm + q / π Σ V_lm [L max(0, n·ω)]_lm, as 65535ths of the scale.
+struct LightKernel {
+    StoredHarmonics harmonics;
+    const NodeSurface* surfaces;  ///< nullptr: q = 0 everywhere
+    HarmonicsLight particles;     ///< L_lm / (4π)
+    SurfaceLight surface;
+    float per_unit[4];  ///< 65535 / scale
+    Strength strength;
+    std::uint16_t* light;  ///< [node][4]
+
+    CHIARO_INLINE void operator()(std::int64_t first, std::int32_t count) const {
+        for (std::int64_t node = first; node < first + count; ++node) {
+            float visibility[16], sums[4] = {0, 0, 0, 0};
+            harmonics.load(node, visibility);
+            strength.apply(visibility);
+            particles.add_to(sums, visibility);
+            if (surfaces && surfaces[node].share) {
+                const NodeSurface s = surfaces[node];
+                const float q = float(s.share) * (1.0f / 255);
+                for (float& sum : sums) sum *= 1 - q;
+                surface.add_to(sums, visibility, {float(s.x), float(s.y), float(s.z)}, q);
+            }
+            for (int k = 0; k < 4; ++k)
+                light[4 * node + k] =
+                    std::uint16_t(std::int32_t(min(max(sums[k] * per_unit[k], 0.0f), 65535.0f) + 0.5f));
+        }
+    }
+};
+
+}  // namespace chiaro::kernel

@@ -1,0 +1,50 @@
+#include "illumination/visibility/nodes.h"
+
+#include "core/threads.h"
+#include "illumination/sh/basis.h"
+#include "illumination/visibility/launch.h"
+
+namespace chiaro {
+
+float VisibilityNodes::step(int coefficient) const {
+    if (storage != ShStorage::u8) return 1;
+    return float(coefficient_bounds[std::size_t(coefficient)] / (coefficient == 0 ? 255 : 127));
+}
+
+VisibilityNodes keep_nodes(const Device& device, const ShField& field, const Density& density,
+                           const VisibilitySettings& settings, Progress& progress) {
+    const CellGrid& grid = field.grid;
+    const auto [nx, ny, nz] = grid.count;
+    const auto functions = kernel::visibility_functions_for(device.isa);
+    const bool lifted = settings.model == VisibilityModel::corrected;
+    const std::size_t bytes = settings.storage == ShStorage::u8 ? 1 : settings.storage == ShStorage::f16 ? 2 : 4;
+    VisibilityNodes nodes{grid,
+                          settings.storage,
+                          settings.window,
+                          field.coefficients,
+                          VoxelBuffer(grid.size() * std::size_t(field.coefficients) * bytes),
+                          lifted ? VoxelBuffer(grid.size() * sizeof(kernel::NodeSurface)) : VoxelBuffer()};
+    const VoxelBuffer opacity(lifted ? grid.size() * sizeof(float) : 0);
+    float* alpha = lifted ? reinterpret_cast<float*>(const_cast<std::byte*>(opacity.data())) : nullptr;
+    const auto rows = [&, nx = nx](std::int64_t first, std::int64_t end) {
+        for (auto r = first; r < end; ++r) functions.opacity({density.data(), alpha}, r * nx, nx);
+    };
+    if (lifted) parallel_for(device.threads, std::int64_t(ny) * nz, 16, rows);
+    kernel::KeepKernel keep{field.node(0),
+                            alpha,
+                            nodes.harmonics.data(),
+                            reinterpret_cast<kernel::NodeSurface*>(nodes.surfaces.data()),
+                            kernel::Stored(settings.storage),
+                            field.coefficients,
+                            {nx, ny, nz},
+                            {}};
+    for (int c = 0; c < most_coefficients; ++c) keep.steps[c] = nodes.step(c);
+    parallel_for(device.threads, std::int64_t(ny) * nz, 8, "keep", progress,
+                 [&, ny = ny](std::int64_t first, std::int64_t end) {
+                     for (auto r = first; r < end; ++r) functions.keep_row(keep, {int(r % ny), int(r / ny)});
+                 });
+    progress.check();
+    return nodes;
+}
+
+}  // namespace chiaro

@@ -1,0 +1,47 @@
+#include "illumination/visibility/visibility.h"
+
+#include "illumination/sh/directions.h"
+#include "illumination/visibility/sweep.h"
+#include "illumination/visibility/walk.h"
+
+namespace chiaro {
+namespace {
+
+/// One set: a sweep takes all nodes together.
+std::vector<Vec3> directions_of(const VisibilitySettings& settings) {
+    return settings.sampling.jittered ? jittered_directions(settings.directions, 0)
+                                      : fibonacci_directions(settings.directions);
+}
+
+}  // namespace
+
+ShField find_visibility(const Device& device, const Density& density, const VisibilitySettings& settings, int subsample,
+                        Steps& steps, Progress& progress) {
+    const double start = 0.5 / subsample;
+    if (settings.traversal == VisibilityTraversal::hierarchical || settings.traversal == VisibilityTraversal::full)
+        return walk_visibility(device, density, settings, start, steps, progress);
+    const SweepLattice lattice =
+        settings.traversal == VisibilityTraversal::sheared ? SweepLattice::sheared : SweepLattice::grid;
+    return steps("visibility", [&] {
+        return sweep_visibility(device, density, directions_of(settings), settings.bands * settings.bands, start,
+                                lattice, progress);
+    });
+}
+
+void refine_visibility(const Device& device, const Medium::Data& medium, const VisibilitySettings& settings,
+                       const std::function<void(VisibilityNodes, bool is_coarse)>& keep, Steps& steps,
+                       Progress& progress) {
+    std::vector<Density> densities;  // from fine to coarse
+    densities.push_back(steps("density", [&] { return density_for(medium, settings.subsample, device, progress); }));
+    for (int f = settings.subsample; f < 8; f *= 2) densities.push_back(halved(densities.back(), device, progress));
+    for (int level = int(densities.size()) - 1; level >= 0; --level) {
+        VisibilitySettings coarse = settings;
+        coarse.directions = std::max(settings.directions >> level, std::min(settings.directions, 64));
+        const ShField field = find_visibility(device, densities[std::size_t(level)], coarse,
+                                              settings.subsample << level, steps, progress);
+        const Density& density = densities[std::size_t(level)];
+        keep(steps("keep", [&] { return keep_nodes(device, field, density, settings, progress); }), level > 0);
+    }
+}
+
+}  // namespace chiaro

@@ -1,0 +1,6 @@
+#include "illumination/visibility/field.h"
+#include "raycast/launch_kinds.h"
+
+namespace chiaro::kernel::CHIARO_ISA {
+CHIARO_INSTANTIATE(VisibilityView)
+}  // namespace chiaro::kernel::CHIARO_ISA
