@@ -20,6 +20,8 @@ constexpr auto suite_table = std::to_array<Suite>({
     {"pipeline", "upload and classify", pipeline_cases},
     {"spao", "ambient occlusion by filtering: the paper's table, and an edit's update", spao_cases},
     {"spao-error", "ambient occlusion by filtering against rays: error of every model and filter", spao_error_cases},
+    {"visibility", "visibility in spherical harmonics: the paper's table, and an edit's update", visibility_cases},
+    {"visibility-error", "visibility in spherical harmonics against rays: error of every way", visibility_error_cases},
     {"tool", "first picture and peak memory of the program itself", tool_cases},
 });
 

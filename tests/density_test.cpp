@@ -143,16 +143,37 @@ TEST(Density, OfSurfacesIsTheirCoverage) {
     EXPECT_GT(at(lit.density(), 20, 20, 20), 15);
 }
 
-TEST(Density, OfThickSlicesIsThatOfCubes) {
+TYPED_TEST(DensityOf, ThickSlicesIsThatOfCubes) {
     // Slices twice as thick as wide, of a value that is linear along z: the cells are those of the fine volume.
     const auto f = [](double x, double, double z) { return 60 + 2 * x + 4 * z; };
-    Volume thick = sampled<float>({24, 10, 16}, [&](double x, double y, double z) { return f(x, y, 2 * z + 0.5); });
+    Volume thick = sampled<TypeParam>({24, 10, 16}, [&](double x, double y, double z) { return f(x, y, 2 * z + 0.5); });
     thick.geometry.spacing_mm = {1, 1, 2};
     const Density coarse = Lit(thick, two_materials()).density(),
                   fine = Lit(sampled<float>({24, 10, 32}, f), two_materials()).density();
     ASSERT_EQ(coarse.grid.count, fine.grid.count);
     for (int z = 2; z < 30; ++z)
         for (int x = 0; x < 24; ++x) ASSERT_NEAR(at(coarse, x, 5, z), at(fine, x, 5, z), 1e-3) << x << " " << z;
+}
+
+TEST(Density, OfThickSlicesIsTheSameInPieces) {
+    // Matter in a few pieces of a block only: what lies beside them is left out, and must not be needed.
+    const auto f = [](double x, double y, double z) {
+        return std::hypot(x - 21, y - 9, 2 * (z - 12)) < 5 || (x == 15 && y == 20) ? 90 + x + y : 10;
+    };
+    const auto thick = [&](auto voxel) {
+        Volume volume = sampled<decltype(voxel)>({40, 33, 20}, f);
+        volume.geometry.spacing_mm = {1, 1, 2};
+        return Lit(volume, two_materials()).density();
+    };
+    Volume filled = sampled<float>({40, 33, 20}, f);
+    filled.geometry.spacing_mm = {1, 1, 2};
+    TransferFunction tf = two_materials();
+    tf.points.insert(tf.points.begin(), {{0, {0, 0, 0}, 1e-5}, {59.999, {0, 0, 0}, 1e-5}});
+    const Density all = Lit(filled, tf).density(), some = thick(float{}), levels = thick(std::uint16_t{});
+    for (std::size_t i = 0; i < all.grid.size(); ++i) {
+        ASSERT_NEAR(some.data()[i], all.data()[i], 1.1e-4) << i;
+        ASSERT_NEAR(levels.data()[i], some.data()[i], 1e-3) << i;
+    }
 }
 
 /// -ln of the geometric mean over the axes of the mean transmittance of a block's columns.

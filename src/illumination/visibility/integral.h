@@ -31,11 +31,12 @@ public:
         return {u, before_[std::size_t(j)] + (u - j) * double(extinction_[std::size_t(j)]), j};
     }
 
+    float at(const Place& place) const { return extinction_[std::size_t(place.entry)]; }
     /// The mean of κ over the values between two places.
     float mean(const Place& a, const Place& b) const {
-        if (a.entry == b.entry) return extinction_[std::size_t(a.entry)];
+        if (a.entry == b.entry) return at(a);
         const double way = b.index - a.index;
-        if (std::abs(way) < 1e-6) return 0.5f * (extinction_[std::size_t(a.entry)] + extinction_[std::size_t(b.entry)]);
+        if (std::abs(way) < 1e-6) return 0.5f * (at(a) + at(b));
         return float((b.integral - a.integral) / way);
     }
 

@@ -3,57 +3,15 @@
 #include <memory>
 
 #include "classify/clip.h"
-#include "illumination/visibility/integral.h"
+#include "illumination/visibility/half_way.h"
 #include "volume/device_view.h"
 
 namespace chiaro {
 namespace {
 
-/// A sixth of the mean of κ from a value half way to a neighbour's: six of them are a cell's κ.
-/// Of 8-bit values all pairs are in a table.
-template <class Value>
-class HalfWay {
-public:
-    explicit HalfWay(const ExtinctionIntegral& integral, const DeviceVolume::Data&) : integral_(integral) {}
-
-    struct From {
-        const ExtinctionIntegral& integral;
-        ExtinctionIntegral::Place place;
-        double value;
-        float to(Value neighbour) const {
-            if (double(neighbour) == value) return integral.mean(place, place) * (1.0f / 6);
-            return integral.mean(place, integral.place(0.5 * (value + double(neighbour)))) * (1.0f / 6);
-        }
-    };
-    From from(Value value) const { return {integral_, integral_.place(double(value)), double(value)}; }
-
-private:
-    ExtinctionIntegral integral_;
-};
-
-template <>
-class HalfWay<std::uint8_t> {
-public:
-    HalfWay(const ExtinctionIntegral& integral, const DeviceVolume::Data& volume) : table_(256 * 256) {
-        const HalfWay<float> mean(integral, volume);
-        for (int value = int(volume.stored_min); value <= int(volume.stored_max); ++value)
-            for (int other = int(volume.stored_min); other <= int(volume.stored_max); ++other)
-                table_[std::size_t(256 * value + other)] = mean.from(float(value)).to(float(other));
-    }
-
-    struct From {
-        const float* row;
-        float to(std::uint8_t neighbour) const { return row[neighbour]; }
-    };
-    From from(std::uint8_t value) const { return {table_.data() + 256 * std::size_t(value)}; }
-
-private:
-    std::vector<float> table_;
-};
-
 /// A row of cells among its neighbours, `row` and `slice` apart.
-template <class Value>
-void depth_row(const HalfWay<Value>& half_way, const Value* at, int row, int slice, int count, float* to) {
+template <class HalfWay, class Value>
+void depth_row(const HalfWay& half_way, const Value* at, int row, int slice, int count, float* to) {
     for (int x = 0; x < count; ++x, ++at) {
         const auto here = half_way.from(*at);
         to[x] = (here.to(at[-1]) + here.to(at[1])) + (here.to(at[-row]) + here.to(at[row])) +
@@ -76,33 +34,58 @@ void for_each_piece(const Ranges& cells, const BlockPieces& pieces, const Visit&
                     visit(i, std::min(i + BlockPieces::width, x.second), j, k);
 }
 
+/// Where the cells of a block lie in its tile.
+struct InTile {
+    float* tile;
+    const Ranges& cells;
+    float* at(int x, int y, int z) const {
+        return tile + ((z - cells[2].first) * block_edge + y - cells[1].first) * block_edge + x - cells[0].first;
+    }
+};
+
 template <class Voxel>
-class BlockDepths {
+class Cells {
 public:
-    BlockDepths(const Medium::Data& medium, const CellGrid& grid, const BlockMap& matter)
+    Cells(const Medium::Data& medium, const CellGrid& grid, const BlockMap& matter)
         : grid_(grid),
           matter_(matter),
           view_(view_of<Voxel>(medium.volume.data())),
-          kept_(half_spaces(medium.shape.clip, medium.volume.data().geometry, medium.volume.data().dimensions)),
-          integral_(medium, grid_),
-          of_voxels_(integral_, medium.volume.data()),
-          of_values_(integral_, medium.volume.data()) {}
+          kept_(half_spaces(medium.shape.clip, medium.volume.data().geometry, medium.volume.data().dimensions)) {}
 
-    void operator()(std::size_t block, float* tile) const {
+    /// Where cells are voxels.
+    template <class HalfWay>
+    void fill_from_voxels(const HalfWay& half_way, std::size_t block, float* tile) const {
+        const Ranges cells = matter_.cells(block, grid_.count);
+        const InTile in{tile, cells};
+        for_each_piece(cells, matter_.pieces_of(block), [&](int x, int end, int y, int z) {
+            depth_row(half_way, voxels_at(x, y, z), brick_row, brick_slice, end - x, in.at(x, y, z));
+            clip_row(x, end, y, z, in.at(x, y, z));
+        });
+    }
+
+    /// Else from values at the centres of the block's cells and of one more on each side, where asked for.
+    template <class HalfWay>
+    void fill_between_voxels(const HalfWay& half_way, std::size_t block, float* tile) const {
         const Ranges cells = matter_.cells(block, grid_.count);
         const BlockPieces& pieces = matter_.pieces_of(block);
-        const auto [x, y, z] = cells;
-        const auto at = [&, x = x, y = y, z = z](int i, int j, int k) {
-            return tile + ((k - z.first) * block_edge + j - y.first) * block_edge + i - x.first;
+        const auto [x0, y0, z0] = std::array{cells[0].first, cells[1].first, cells[2].first};
+        constexpr int row = block_edge + 2, slice = row * row;
+        std::vector<typename HalfWay::Level> levels(std::size_t(row) * slice);
+        const auto level = [&, x0 = x0, y0 = y0, z0 = z0](int x, int y, int z) {
+            return levels.data() + (z - z0 + 1) * slice + (y - y0 + 1) * row + x - x0 + 1;
         };
-        if (grid_.is_voxel_grid)
-            for_each_piece(cells, pieces, [&](int i, int end, int j, int k) {
-                depth_row(of_voxels_, voxels_at(i, j, k), brick_row, brick_slice, end - i, at(i, j, k));
-            });
-        else
-            fill_between_voxels(cells, pieces, at);
-        if (!kept_.empty())
-            for_each_piece(cells, pieces, [&](int i, int end, int j, int k) { clip_row(i, end, j, k, at(i, j, k)); });
+        for (int z = z0 - 1; z <= cells[2].second; ++z)
+            for (int y = y0 - 1; y <= cells[1].second; ++y) {
+                const int asked = pieces_beside(pieces, y - y0, z - z0), middle = x0 + BlockPieces::width;
+                const int first = asked & 1 ? x0 - 1 : middle - 1, last = asked & 2 ? cells[0].second : middle;
+                for (int x = first; asked && x <= std::min(last, cells[0].second); ++x)
+                    *level(x, y, z) = half_way.level_of(value_at(x, y, z));
+            }
+        const InTile in{tile, cells};
+        for_each_piece(cells, pieces, [&](int x, int end, int y, int z) {
+            depth_row(half_way, level(x, y, z), row, slice, end - x, in.at(x, y, z));
+            clip_row(x, end, y, z, in.at(x, y, z));
+        });
     }
 
 private:
@@ -114,32 +97,22 @@ private:
         return view_.voxels + std::uint32_t(view_.locate(p, voxel).index) + (x - voxel.x) + (y - voxel.y) * brick_row +
                (z - voxel.z) * brick_slice;
     }
-
-    /// Cells that are no voxels: values at the centres of the block's cells and of one more on each side.
-    template <class At>
-    void fill_between_voxels(const Ranges& cells, const BlockPieces& pieces, const At& at) const {
-        constexpr int row = block_edge + 2, slice = row * row;
-        std::vector<float> values(std::size_t(row) * slice);
-        const auto [x, y, z] = cells;
-        for (int k = z.first - 1; k <= z.second; ++k)
-            for (int j = y.first - 1; j <= y.second; ++j)
-                for (int i = x.first - 1; i <= x.second; ++i)
-                    values[std::size_t((k - z.first + 1) * slice + (j - y.first + 1) * row + i - x.first + 1)] =
-                        value_at(i, j, k);
-        for_each_piece(cells, pieces, [&, x = x, y = y, z = z](int i, int end, int j, int k) {
-            const float* centre = values.data() + (k - z.first + 1) * slice + (j - y.first + 1) * row + i - x.first + 1;
-            depth_row(of_values_, centre, row, slice, end - i, at(i, j, k));
-        });
-    }
     float value_at(int x, int y, int z) const {
         const Vec3 p = grid_.voxel_of(x, y, z);
         const auto at = view_.clamp(kernel::Vec3<float>(float(p.x), float(p.y), float(p.z)));
         return view_.value(view_.locate(at, view_.voxel(at)));
     }
-
+    /// Which of the two pieces along x a row of the block, or one beside it, belongs to or is a neighbour of.
+    static int pieces_beside(const BlockPieces& pieces, int y, int z) {
+        const auto bits = [&](int j, int k) {
+            const bool inside = j >= 0 && j < block_edge && k >= 0 && k < block_edge;
+            return inside ? int(pieces.bits[k / BlockPieces::height][j / BlockPieces::height]) : 0;
+        };
+        return bits(y, z) | bits(y - 1, z) | bits(y + 1, z) | bits(y, z - 1) | bits(y, z + 1);
+    }
     void clip_row(int x0, int x1, int y, int z, float* row) const {
-        for (int x = x0; x < x1; ++x)
-            for (const HalfSpace& half : kept_)
+        for (const HalfSpace& half : kept_)
+            for (int x = x0; x < x1; ++x)
                 if (dot(half.normal, grid_.voxel_of(x, y, z)) > half.d) row[x - x0] = 0;
     }
 
@@ -147,17 +120,40 @@ private:
     const BlockMap& matter_;
     const kernel::VolumeView<Voxel> view_;
     const std::vector<HalfSpace> kept_;
-    const ExtinctionIntegral integral_;
-    const HalfWay<Voxel> of_voxels_;
-    const HalfWay<float> of_values_;
 };
+
+template <class HalfWay, class Voxel, class... Arguments>
+FillBlock from_voxels(const std::shared_ptr<const Cells<Voxel>>& cells, Arguments&&... arguments) {
+    const auto half_way = std::make_shared<const HalfWay>(std::forward<Arguments>(arguments)...);
+    return [=](std::size_t block, float* tile) { cells->fill_from_voxels(*half_way, block, tile); };
+}
+template <class HalfWay, class Voxel, class... Arguments>
+FillBlock between_voxels(const std::shared_ptr<const Cells<Voxel>>& cells, Arguments&&... arguments) {
+    const auto half_way = std::make_shared<const HalfWay>(std::forward<Arguments>(arguments)...);
+    return [=](std::size_t block, float* tile) { cells->fill_between_voxels(*half_way, block, tile); };
+}
+
+/// Levels a unit of stored whole numbers that are interpolated: as fine as single precision is there.
+int levels_per_unit(const DeviceVolume::Data& volume) {
+    const double units = std::max(1.0, double(volume.stored_max) - volume.stored_min);
+    return int(std::clamp(32768 / units, 1.0, 16.0));
+}
 
 }  // namespace
 
 FillBlock block_depths(const Medium::Data& medium, const CellGrid& grid, const BlockMap& matter) {
-    return with_stored_voxel(medium.volume.data(), [&](auto voxel) -> FillBlock {
-        const auto depths = std::make_shared<BlockDepths<decltype(voxel)>>(medium, grid, matter);
-        return [depths](std::size_t block, float* tile) { (*depths)(block, tile); };
+    const DeviceVolume::Data& volume = medium.volume.data();
+    const ExtinctionIntegral integral(medium, grid);
+    return with_stored_voxel(volume, [&](auto voxel) -> FillBlock {
+        using Voxel = decltype(voxel);
+        const auto cells = std::make_shared<const Cells<Voxel>>(medium, grid, matter);
+        if constexpr (sizeof(Voxel) <= 2) {
+            if (grid.is_voxel_grid) return from_voxels<HalfWayOfVoxels<Voxel>>(cells, integral, volume);
+            return between_voxels<HalfWayOfLevels>(cells, integral, volume, levels_per_unit(volume));
+        } else {
+            if (grid.is_voxel_grid) return from_voxels<HalfWayOfAny>(cells, integral);
+            return between_voxels<HalfWayOfAny>(cells, integral);
+        }
     });
 }
 

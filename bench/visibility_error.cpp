@@ -1,0 +1,110 @@
+// Visibility in spherical harmonics against rays: sweeps and the paper's way, on samples and on crops of CT.
+#include <chiaro/text.h>
+#include <fmt/format.h>
+
+#include <map>
+
+#include "rows.h"
+#include "turntable.h"
+#include "visibility_judge.h"
+
+namespace chiaro::bench {
+namespace {
+
+/// A way to find V, as a row names it.
+struct Way {
+    std::string name;
+    VisibilitySettings settings;
+};
+
+std::vector<Way> ways() {
+    std::vector<Way> list;
+    for (const auto traversal :
+         {VisibilityTraversal::sweep, VisibilityTraversal::hierarchical, VisibilityTraversal::full})
+        list.push_back({to_text(traversal), {.traversal = traversal}});
+    list.push_back(
+        {"hierarchical-paper", {.traversal = VisibilityTraversal::hierarchical, .model = VisibilityModel::paper}});
+    list.push_back(
+        {"hierarchical-jittered", {.traversal = VisibilityTraversal::hierarchical, .sampling = {.jittered = true}}});
+    return list;
+}
+
+/// A subject with its truths, by subsample.
+class Judged {
+public:
+    Judged(const Setup& setup, const std::string& name) : setup_(setup) {
+        const int edge = setup.quick ? 32 : 64;
+        lights_ = judging_lights(setup.data);
+        subject_ = find_lit_subject(setup.device, setup.data, name, edge, edge, setup.progress);
+    }
+    explicit operator bool() const { return subject_.has_value(); }
+    const std::vector<NamedLight>& lights() const { return lights_; }
+    const VisibilityJudge& at(int subsample) {
+        const auto known = judges_.find(subsample);
+        if (known != judges_.end()) return known->second;
+        const int runs = setup_.quick ? 32 : 400, rays = setup_.quick ? 512 : 4096;
+        return judges_.emplace(subsample, VisibilityJudge(*subject_, subsample, runs, rays, setup_.progress))
+            .first->second;
+    }
+
+private:
+    const Setup& setup_;
+    std::vector<NamedLight> lights_;
+    std::optional<LitSubject> subject_;
+    std::map<int, VisibilityJudge> judges_;
+};
+
+/// RMSE of E by each light.
+std::string light_errors(const VisibilityJudge& judge, const Harmonics& found, const std::vector<NamedLight>& lights) {
+    std::string text;
+    for (const NamedLight& light : lights)
+        text += fmt::format("{}E by {} {:.2f} %", text.empty() ? "" : ", ", light.name,
+                            100 * judge.light_error(found, judge.by_rays(), light.light));
+    return text;
+}
+
+Row row_of(const std::string& name, double error, const std::string& note) {
+    return {name, "%", {100 * error, 100 * error, 100 * error, 1}, {}, {}, note};
+}
+
+Row measure(const VisibilityJudge& judge, const std::string& name, const Way& way,
+            const std::vector<NamedLight>& lights) {
+    const Harmonics found = judge.found_by(way.settings);
+    return row_of(name, judge.relative_error(found, judge.by_rays()),
+                  fmt::format("to the full resolution {:.2f} %; {}", 100 * judge.relative_error(found, judge.in_full()),
+                              light_errors(judge, found, lights)));
+}
+
+/// What four coefficients leave out of all that sixteen tell.
+Row measure_bands(const VisibilityJudge& judge, const std::string& name, const std::vector<NamedLight>& lights) {
+    Harmonics four = judge.by_rays();
+    for (RunHarmonics& run : four)
+        for (int c = 4; c < most_coefficients; ++c) run[std::size_t(c)] = {};
+    return row_of(name, judge.relative_error(four, judge.by_rays()), light_errors(judge, four, lights));
+}
+
+}  // namespace
+
+std::vector<Case> visibility_error_cases(const Setup& setup) {
+    std::vector<Case> cases;
+    for (const std::string& subject : lit_subjects()) {
+        const Shared<Judged> judged([&setup, subject] { return Judged(setup, subject); });
+        for (const int subsample : {1, 2})
+            for (const Way& way : ways()) {
+                const std::string name = fmt::format("visibility-error/{}/1:{}/{}", subject, subsample, way.name);
+                const auto row = [=]() -> std::vector<Row> {
+                    if (!*judged) return {{name, "%", {}, {}, {}, no_data}};
+                    return {measure((*judged).at(subsample), name, way, (*judged).lights())};
+                };
+                cases.push_back({{name}, row});
+            }
+        const std::string name = fmt::format("visibility-error/{}/two-bands", subject);
+        cases.push_back({{name}, [=]() -> std::vector<Row> {
+                             if (!*judged) return {{name, "%", {}, {}, {}, no_data}};
+                             return {measure_bands((*judged).at(1), name, (*judged).lights())};
+                         }});
+    }
+    return cases;
+}
+
+}  // namespace chiaro::bench
