@@ -8,6 +8,7 @@
 #include "core/did_you_mean.h"
 #include "core/threads.h"
 #include "illumination/probe/data.h"
+#include "illumination/sh/directions.h"
 
 namespace chiaro {
 namespace {
@@ -86,7 +87,23 @@ constexpr Row rows[] = {{"white", "The same light from everywhere, radiance 1.",
                         {"studio", "Two soft boxes in the dark: a large warm one, a narrow cool one.", studio, 512},
                         {"windows", "Six coloured windows around a dark room.", windows, 512}};
 
-/// At the pixels' centres, scaled to a mean luminance of 1.
+/// Luminance of a matte white surface at its brightest, with nothing in the light's way: E = Σ A_l Y_lm(n) L_lm, A_l =
+/// 1, 2/3, 1/4, 0 (Ramamoorthi and Hanrahan 2001), over many normals n.
+double brightest_surface(const std::array<ShCoefficients, 3>& sh) {
+    constexpr double shares[] = {1, 2.0 / 3, 0.25};
+    double brightest = 0;
+    for (const Vec3& n : fibonacci_directions(2000)) {
+        const auto y = spherical_harmonics(n);
+        double luminance = 0;
+        for (int l = 0; l < 3; ++l)
+            for (int i = l * l; i < (l + 1) * (l + 1); ++i)
+                for (int c = 0; c < 3; ++c) luminance += luminance_weights[c] * shares[l] * y[i] * sh[c][i];
+        brightest = std::max(brightest, luminance);
+    }
+    return brightest;
+}
+
+/// At the pixels' centres, scaled so that the brightest surface is as bright as under the white one.
 Probe sampled(const Row& row) {
     ProbePicture picture{2 * row.height, row.height, {}};
     picture.rgb.resize(std::size_t(3) * picture.width * picture.height);
@@ -98,10 +115,8 @@ Probe sampled(const Row& row) {
                 for (int c = 0; c < 3; ++c) to[c] = float(radiance[c]);
             }
     });
-    const auto sh = project(picture);
-    double luminance = 0;
-    for (int c = 0; c < 3; ++c) luminance += luminance_weights[c] * sh[c][0] / std::sqrt(4 * std::numbers::pi);
-    for (float& radiance : picture.rgb) radiance = float(radiance / luminance);
+    const double brightest = row.radiance == white ? 1 : brightest_surface(project(picture));
+    for (float& radiance : picture.rgb) radiance = float(radiance / brightest);
     return Probe(picture.width, picture.height, std::move(picture.rgb));
 }
 

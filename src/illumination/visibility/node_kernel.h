@@ -45,13 +45,13 @@ struct KeepKernel {
             const float* from = field + node * coefficients;
             float lifted[16];
             if (opacity) {
-                const Vec3<float> n = normal(x, row.y, row.z);
-                const float size = sqrt(dot(n, n)), share = outward_share(n, 1.0f);
-                const float inverse = size > 0 ? 127 / size : 0;
-                surfaces[node] = {signed_byte(inverse * n.x), signed_byte(inverse * n.y), signed_byte(inverse * n.z),
-                                  std::uint8_t(share * 255 + 0.5f)};
-                if (share * 255 >= 0.5f) {
-                    lift((1 / max(size, 1.0f)) * n, x, row.y, row.z, lifted);
+                const Outwards out = outwards(x, row.y, row.z);
+                const float size = sqrt(dot(out.n, out.n)), inverse = size > 0 ? 127 / size : 0;
+                const std::uint8_t share = std::uint8_t(outward_share(out.n, 1.0f) * 255 + 0.5f);
+                surfaces[node] = {signed_byte(inverse * out.n.x), signed_byte(inverse * out.n.y),
+                                  signed_byte(inverse * out.n.z), share};
+                if (share) {
+                    lift((out.edges / max(size, 1.0f)) * out.n, x, row.y, row.z, lifted);
                     from = lifted;
                 }
             }
@@ -67,26 +67,46 @@ private:
         const bool inside = x >= 0 && y >= 0 && z >= 0 && x < count[0] && y < count[1] && z < count[2];
         return inside ? opacity[index(x, y, z)] : 0;
     }
-    CHIARO_INLINE Vec3<float> normal(std::int32_t x, std::int32_t y, std::int32_t z) const {
-        return {alpha(x - 1, y, z) - alpha(x + 1, y, z), alpha(x, y - 1, z) - alpha(x, y + 1, z),
-                alpha(x, y, z - 1) - alpha(x, y, z + 1)};
+    struct Outwards {
+        Vec3<float> n;
+        float edges;  ///< to where the surface's light is seen
+    };
+    /// n = -(α(i + 1) - α(i - 1)) per axis. Within matter also over twice the distance: samples on the surface lie
+    /// between its nodes and those, which would darken them in stripes.
+    CHIARO_INLINE Outwards outwards(std::int32_t x, std::int32_t y, std::int32_t z) const {
+        const Vec3<float> n = normal(x, y, z, 1);
+        if (alpha(x, y, z) < 0.5f) return {n, 1};
+        const Vec3<float> wide = normal(x, y, z, 2);
+        return dot(wide, wide) > dot(n, n) ? Outwards{wide, 2} : Outwards{n, 1};
+    }
+    CHIARO_INLINE Vec3<float> normal(std::int32_t x, std::int32_t y, std::int32_t z, std::int32_t d) const {
+        return {alpha(x - d, y, z) - alpha(x + d, y, z), alpha(x, y - d, z) - alpha(x, y + d, z),
+                alpha(x, y, z - d) - alpha(x, y, z + d)};
     }
     static CHIARO_INLINE std::int8_t signed_byte(float v) { return std::int8_t(v < 0 ? v - 0.5f : v + 0.5f); }
 
-    /// The field at the node + n, trilinear; beyond the grid the nearest node's.
-    CHIARO_INLINE void lift(Vec3<float> n, std::int32_t x, std::int32_t y, std::int32_t z, float* to) const {
+    /// The field at the node + way, trilinear; beyond the grid the nearest node's.
+    CHIARO_INLINE void lift(Vec3<float> way, std::int32_t x, std::int32_t y, std::int32_t z, float* to) const {
+        const float p[3] = {float(x) + way.x, float(y) + way.y, float(z) + way.z};
+        std::int32_t low[3], high[3];
+        float share[3];
+        for (int axis = 0; axis < 3; ++axis) {
+            const float whole = floor(p[axis]);
+            share[axis] = p[axis] - whole;
+            low[axis] = min(max(std::int32_t(whole), 0), count[axis] - 1);
+            high[axis] = min(max(std::int32_t(whole) + 1, 0), count[axis] - 1);
+        }
         for (int c = 0; c < coefficients; ++c) to[c] = 0;
         for (int corner = 0; corner < 8; ++corner) {
-            std::int32_t p[3] = {x, y, z};
-            const float along[3] = {n.x, n.y, n.z};
+            std::int32_t at[3];
             float weight = 1;
             for (int axis = 0; axis < 3; ++axis) {
-                const bool moved = corner >> axis & 1;
-                weight *= moved ? abs(along[axis]) : 1 - abs(along[axis]);
-                if (moved) p[axis] = min(max(p[axis] + (along[axis] > 0 ? 1 : -1), 0), count[axis] - 1);
+                const bool further = corner >> axis & 1;
+                at[axis] = further ? high[axis] : low[axis];
+                weight *= further ? share[axis] : 1 - share[axis];
             }
             if (!(weight > 0)) continue;
-            const float* from = field + index(p[0], p[1], p[2]) * coefficients;
+            const float* from = field + index(at[0], at[1], at[2]) * coefficients;
             for (int c = 0; c < coefficients; ++c) to[c] = mad(weight, from[c], to[c]);
         }
     }

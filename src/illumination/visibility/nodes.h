@@ -28,8 +28,8 @@ struct VisibilityNodes {
 };
 
 /// The field to be kept. VisibilityModel::corrected: each node that has a normal n = -(α(i + 1) - α(i - 1)) takes what
-/// arrives one node edge along it (|n| shortened to 1), and keeps n with q = min(1, 4 |n|), the share that is a
-/// surface. Throws Error{interrupted}.
+/// arrives one node edge along it (|n| shortened to 1; two edges where the surface is that far), and keeps n with q =
+/// min(1, 4 |n|), the share that is a surface. Throws Error{interrupted}.
 VisibilityNodes keep_nodes(const Device& device, const ShField& field, const Density& density,
                            const VisibilitySettings& settings, Progress& progress);
 

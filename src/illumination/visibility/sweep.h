@@ -12,6 +12,9 @@ namespace chiaro {
 /// Where the light of a direction is kept on its way: at the nodes, interpolated between them from plane to plane
 /// (which blurs the shadows of thin things far away); or at points that follow its rays, and only then at the nodes.
 enum class SweepLattice { grid, sheared };
+inline SweepLattice lattice_of(VisibilityTraversal traversal) {
+    return traversal == VisibilityTraversal::sheared ? SweepLattice::sheared : SweepLattice::grid;
+}
 
 /// V_lm of every node over the given directions (grid axes, unit, towards the light), each weighing 4π / N.
 /// V starts `start` node edges from a node (on a cube of that half edge; ½: at the border of its own). Cost: nodes ×

@@ -20,11 +20,9 @@ ShField find_visibility(const Device& device, const Density& density, const Visi
     const double start = 0.5 / subsample;
     if (settings.traversal == VisibilityTraversal::hierarchical || settings.traversal == VisibilityTraversal::full)
         return walk_visibility(device, density, settings, start, steps, progress);
-    const SweepLattice lattice =
-        settings.traversal == VisibilityTraversal::sheared ? SweepLattice::sheared : SweepLattice::grid;
     return steps("visibility", [&] {
         return sweep_visibility(device, density, directions_of(settings), settings.bands * settings.bands, start,
-                                lattice, progress);
+                                lattice_of(settings.traversal), progress);
     });
 }
 
