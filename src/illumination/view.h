@@ -17,6 +17,7 @@ struct SamplePoint {
     F value;      ///< stored units
     F lambert;    ///< |n · l|, 0 where there is no gradient
     F highlight;  ///< (n · h)^shininess
+    F rise{0};    ///< ∇f · l of unit vectors: > 0 where values rise towards the light
 };
 
 template <class F>
@@ -34,16 +35,17 @@ struct ShadingView {
 
     /// Two-sided Lambert and Blinn-Phong factors of a gradient given per voxel (any scale).
     template <class F>
-    CHIARO_INLINE void reflect(Vec3<F> gradient, F& lambert, F& highlight) const {
+    CHIARO_INLINE void reflect(Vec3<F> gradient, SamplePoint<F>& s) const {
         const Vec3<F> g{dot(Vec3<F>(gradient_x), gradient), dot(Vec3<F>(gradient_y), gradient),
                         dot(Vec3<F>(gradient_z), gradient)};
         const F squared = dot(g, g);
         const F inverse = select(squared > F(1e-24f), F(1) / sqrt(max(squared, F(1e-24f))), F(0));
         const F nl = dot(g, Vec3<F>(to_light)) * inverse, nh = dot(g, Vec3<F>(half)) * inverse;
-        lambert = abs(nl);
-        highlight = F(0);
+        s.rise = nl;
+        s.lambert = abs(nl);
+        s.highlight = F(0);
         if (specular.x + specular.y + specular.z > 0)
-            highlight = pow(max(select(nl < F(0), F(0) - nh, nh), F(0)), F(shininess));
+            s.highlight = pow(max(select(nl < F(0), F(0) - nh, nh), F(0)), F(shininess));
     }
 
     template <class F>

@@ -1,5 +1,6 @@
 // The ray caster's kernel as CUDA sees it: the same source, one thread a pixel. Compiled wherever nvcc exists.
 #include "illumination/cells/field.h"
+#include "illumination/histogram/field.h"
 #include "illumination/none/field.h"
 #include "raycast/kernel.h"
 
@@ -18,5 +19,6 @@ __global__ void raycast_pixels(Kernel kernel, Tile tile, unsigned long long* sam
     template __global__ void raycast_pixels(RaycastKernel<float, Field>, Tile, unsigned long long*);
 CHIARO_INSTANTIATE(NoneView)
 CHIARO_INSTANTIATE(AccessView)
+CHIARO_INSTANTIATE(HistogramView)
 
 }  // namespace chiaro::kernel

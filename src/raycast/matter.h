@@ -50,7 +50,7 @@ struct Matter {
             Vec3<F> g = volume.gradient(at);
             g = {select(cut.open, cut.normal.x, g.x), select(cut.open, cut.normal.y, g.y),
                  select(cut.open, cut.normal.z, g.z)};
-            shading.reflect(g, sample.lambert, sample.highlight);
+            shading.reflect(g, sample);
         }
         const Incident<F> incident = field.incident(sample, shading);
         colour = light_up(colour, incident.diffuse, incident.specular);

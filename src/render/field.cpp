@@ -26,27 +26,33 @@ std::string key_of(const Setting& setting) {
     return key;
 }
 
+std::string quantity_of(const IlluminationSettings& settings) {
+    if (settings.method != Method::histogram) return "accessibility";
+    return settings.histogram.effects.bleeding ? "environment colour" : "environment occlusion";
+}
+
 std::map<std::string, std::string> how_made(const IlluminationSettings& settings, double seconds) {
     std::map<std::string, std::string> told{{"chiaro", CHIARO_VERSION},
-                                            {"chiaro_field", "accessibility"},
+                                            {"chiaro_field", quantity_of(settings)},
                                             {"chiaro_lighting", to_text(settings.method)},
                                             {"chiaro_seconds", fmt::format("{:.6f}", seconds)}};
     const auto tell = [&](const Setting& setting, const auto&... fields) {
         if (setting.method == to_text(settings.method)) told[key_of(setting)] = value_text(setting, fields...);
     };
     describe(tell, settings.spao);
+    describe(tell, settings.histogram);
     describe(tell, settings.reference);
     return told;
 }
 
 }  // namespace
 
-ComputedField compute_field(const Device& device, const Medium& medium, const Prepared&, const Lighting&,
+ComputedField compute_field(const Device& device, const Medium& medium, const Prepared& prepared, const Lighting&,
                             const IlluminationSettings& settings, Progress& progress) {
     check_computable(medium.data().shape, settings);
     const auto start = std::chrono::steady_clock::now();
     Steps steps;
-    ComputedField field{accessibility_of_voxels(device, medium.data(), settings, steps, progress), {}};
+    ComputedField field{field_of_voxels(device, medium.data(), prepared, settings, steps, progress), {}};
     field.volume.key_values =
         how_made(settings, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     field.stages = steps.take();
