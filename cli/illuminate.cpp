@@ -58,6 +58,8 @@ void run(const IlluminateOptions& o) {
     const Device device = device_of(o.common);
     if (!o.common.stats.empty()) write_stats(o.common.stats, stats, device, scene);
     job.bar.clear();
+    if (!o.common.quiet)
+        for (const auto& note : session.notes()) say(note);
     if (o.common.verbose) tell_stages(stats, device);
 }
 
@@ -67,8 +69,7 @@ Command illuminate_command(CLI::App& tool) {
     const auto o = std::make_shared<IlluminateOptions>();
     CLI::App* app = tool.add_subcommand("illuminate", "Writes what a lighting method computes for every voxel");
     add_scene_source(*app, o->source);
-    app->add_option("-o,--output", o->output,
-                    "field to write, .nrrd: one float a voxel, 1 = all light arrives, or coefficients")
+    app->add_option("-o,--output", o->output, "field to write, .nrrd: what the method computes for each voxel")
         ->type_name("FIELD");
     app->add_option("--encoding", o->encoding, "of the NRRD [raw]")->type_name("raw|gzip");
     add_common_options(*app, o->common);

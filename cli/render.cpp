@@ -57,6 +57,8 @@ public:
         o_.frames ? turntable(job) : picture(job);
         if (!o_.common.stats.empty()) write_stats(o_.common.stats, stats_, device_, scene_);
         job.bar.clear();
+        if (!o_.common.quiet)
+            for (const auto& note : session_.notes()) say(note);
         if (o_.common.verbose) tell_stages(stats_, device_);
     }
 

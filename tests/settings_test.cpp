@@ -49,7 +49,7 @@ TEST(Settings, RoundTripThroughText) {
     EXPECT_EQ(from.transfer, to.transfer);
 }
 
-constexpr Method methods[] = {Method::spao, Method::visibility, Method::reference};
+constexpr Method methods[] = {Method::spao, Method::visibility, Method::histogram, Method::reference};
 
 TEST(Settings, EveryChangeIsSeen) {
     for (const Method method : methods) {

@@ -187,6 +187,33 @@ void describe(Visit&& visit, S& s) {
     visit(Setting{"sh-storage", "lighting.storage", "", "of a coefficient"}.of("visibility"), s.storage);
 }
 
+template <class Visit, SettingsOf<HistogramSettings> S>
+void describe(Visit&& visit, S& s) {
+    visit(Setting{"hist-radius", "lighting.radius", "voxels", "of the ball around a voxel; 0: proposed from the data"}
+          .within(0, 64).of("histogram"), s.radius);
+    visit(Setting{"hist-clusters", "lighting.clusters", "", "histograms that stand for those of all voxels"}
+          .within(1, 4096).of("histogram"), s.clusters);
+    visit(Setting{"hist-packed-bins", "lighting.packed_bins", "", "bins in which histograms are compared"}
+          .within(2, 256).of("histogram"), s.packed_bins);
+    visit(Setting{"hist-packing", "lighting.packing", "", "which bins are joined for that"}
+          .of("histogram"), s.packing);
+    visit(Setting{"hist-metric", "lighting.metric", "", "distance of two histograms"}.of("histogram"), s.metric);
+    visit(Setting{"hist-path", "lighting.path", "", "how histograms are found"}.of("histogram"), s.path);
+    visit(Setting{"hist-subsample", "lighting.subsample", "voxels", "distance of the voxels with a histogram"}
+          .written("1|2|4").of("histogram"), s.subsample);
+    visit(Setting{"hist-model", "lighting.model", "", "light is exp(-r O) of occlusion O, or the paper's 1 - O"}
+          .of("histogram"), s.model);
+    visit(Setting{"hist-effects", "lighting.effects", "", "what is shown of it: some of ao, bleeding, scattering, glow"}
+          .written("ao,bleeding,scattering,glow").of("histogram"), s.effects);
+    visit(Setting{"hist-anisotropy", "lighting.anisotropy", "",
+                  "of scattering (Henyey and Greenstein): below 0 backwards, above 0 forwards"}
+          .within(-0.95, 0.95).of("histogram"), s.anisotropy);
+    visit(Setting{"glow", "lighting.glow", "", "values that glow, and how strongly (1: not at all)"}
+          .written("FILE|LO:HI=STRENGTH").of("histogram"), s.glow);
+    visit(Setting{"cache", "lighting.cache", "", "folder where prepared volumes are kept (the user's cache), or none"}
+          .written("DIR|none").of("histogram"), s.cache);
+}
+
 template <class Visit, SettingsOf<ReferenceSettings> S>
 void describe(Visit&& visit, S& s) {
     visit(Setting{"reference-rays", "lighting.rays", "", "rays from every voxel"}
@@ -226,6 +253,7 @@ void for_each_group(Group&& group, S& scene) {
     group("Lighting", scene.illumination);
     group("Lighting by spao", scene.illumination.spao);
     group("Lighting by visibility", scene.illumination.visibility);
+    group("Lighting by histogram", scene.illumination.histogram);
     group("Lighting by reference", scene.illumination.reference);
     group("Output", scene.output);
 }

@@ -37,7 +37,7 @@ struct Lighting {
 };
 
 /// The methods that this build has; a new one is one new value and one new folder.
-enum class Method { none, spao, visibility, reference };
+enum class Method { none, spao, visibility, histogram, reference };
 
 /// How the means over cubes are found: all at full resolution, by mipmaps, by N-buffers over some mipmaps, exactly from
 /// a table of sums, or (automatic) by a fused sweep over blocks that keeps no level.
@@ -86,6 +86,40 @@ struct VisibilitySettings {
     bool operator==(const VisibilitySettings&) const = default;
 };
 
+/// How the histograms around each cell are found: by box filters fitted to 1/d² and the first moment of direction
+/// (fast); all cells of the ball alike, from the neighbour's (sweep: no weights, no hemispheres); or cell by cell.
+enum class HistogramPath { fast, sweep, exact };
+/// How bins are joined before histograms are compared: the smallest into its neighbours (paper), evenly, or so that the
+/// volume's cumulative histogram changes least.
+enum class HistogramPacking { paper, uniform, cumulative };
+/// The distance of two histograms: of Euclid, the sum or the largest of the differences.
+enum class HistogramMetric { l2, l1, lmax };
+/// Light is exp(-r O), with O the share of matter around; or the paper's 1 - O, mixed as luma and chroma.
+enum class HistogramModel { corrected, paper };
+
+/// What is shown of the light that histograms know; each alone, or together.
+struct HistogramEffects {
+    bool ao = true, bleeding = true, scattering = false, glow = false;
+    bool operator==(const HistogramEffects&) const = default;
+};
+
+/// Local histograms (Ropinski et al. 2008): found once for a volume, whatever its transfer function.
+struct HistogramSettings {
+    int radius = 16;       ///< of the ball around a cell, in smallest voxel edges; 0: proposed from the data
+    int clusters = 2048;   ///< histograms that stand for all
+    int packed_bins = 64;  ///< in which histograms are compared
+    HistogramPacking packing = HistogramPacking::uniform;
+    HistogramMetric metric = HistogramMetric::l2;
+    HistogramPath path = HistogramPath::fast;
+    int subsample = 1;  ///< 1, 2 or 4: identifiers at every so many cells per axis
+    HistogramModel model = HistogramModel::corrected;
+    HistogramEffects effects;
+    double anisotropy = 0;  ///< g of Henyey and Greenstein, > 0: forward
+    std::string glow;       ///< "LO:HI=STRENGTH" in data units, or a file of lines "VALUE STRENGTH"
+    std::string cache;      ///< folder of prepared volumes; "": the user's own; "none"
+    bool operator==(const HistogramSettings&) const = default;
+};
+
 /// What rays find out for every voxel: the mean transmittance over all directions, over those outwards, over those
 /// weighted by their cosine, or its 16 coefficients in spherical harmonics (a field only, no picture).
 enum class ReferenceQuantity { obscurance, ao, ao_cosine, visibility };
@@ -106,6 +140,7 @@ struct IlluminationSettings {
     Method method = Method::none;
     SpaoSettings spao;
     VisibilitySettings visibility;
+    HistogramSettings histogram;
     ReferenceSettings reference;
     bool operator==(const IlluminationSettings&) const = default;
 };
@@ -115,8 +150,22 @@ struct MethodInfo {
 };
 std::vector<MethodInfo> list_methods();
 
-/// What depends on the data alone (local histograms, later); empty for most methods.
-struct Prepared {};
+/// What depends on the data alone: local histograms; empty for other methods. Cheap to copy.
+class Prepared {
+public:
+    struct Data;  // src/illumination/prepared.h
+    Prepared() = default;
+    explicit Prepared(std::shared_ptr<const Data> data) : data_(std::move(data)) {}
+    const Data& data() const { return *data_; }
+    explicit operator bool() const { return data_ != nullptr; }
+
+    std::size_t bytes() const;                      ///< held, beside the volume
+    const std::vector<Stage>& stages() const;       ///< how long each step took
+    const std::vector<std::string>& notes() const;  ///< what a user should know: a damaged cache, a folder not writable
+
+private:
+    std::shared_ptr<const Data> data_;
+};
 
 /// The light that a method computed, looked up by the ray caster at every sample. Cheap to copy.
 class IlluminationField {
@@ -143,7 +192,17 @@ struct ComputedField {
 /// Receives a coarse field, then finer ones.
 using Sink = std::function<void(IlluminationField)>;
 
+/// What the method needs to know of the data, whatever its transfer function. Cost: histograms some seconds for 256³,
+/// or reading some megabytes where they were prepared before (HistogramSettings::cache); nothing for other methods.
+/// Throws Error{interrupted} when cancelled.
 Prepared prepare(const DeviceVolume& volume, const IlluminationSettings& settings, Progress& progress);
+
+/// The settings that `prepare` depends on, all others at their defaults: what was prepared serves while these are
+/// equal.
+IlluminationSettings preparation_of(const IlluminationSettings& settings);
+
+/// A radius for local histograms, in smallest voxel edges: how far cells are from the next strong edge, on average.
+int proposed_radius(const DeviceVolume& volume);
 
 /// Hands at least one field to `sink` unless cancelled. Returns false when cancelled.
 bool illuminate(const Device& device, const Medium& medium, const Prepared& prepared, const Lighting& lighting,

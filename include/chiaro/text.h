@@ -29,7 +29,9 @@ constexpr auto names_of(View) {
     return std::to_array<std::string_view>({"anterior", "posterior", "left", "right", "superior", "inferior"});
 }
 constexpr auto names_of(Shading) { return std::to_array<std::string_view>({"none", "lambert", "phong"}); }
-constexpr auto names_of(Method) { return std::to_array<std::string_view>({"none", "spao", "visibility", "reference"}); }
+constexpr auto names_of(Method) {
+    return std::to_array<std::string_view>({"none", "spao", "visibility", "histogram", "reference"});
+}
 constexpr auto names_of(SpaoFilter) {
     return std::to_array<std::string_view>({"auto", "nbuffer", "mipmap", "hybrid", "exact"});
 }
@@ -40,6 +42,12 @@ constexpr auto names_of(VisibilityTraversal) {
 constexpr auto names_of(VisibilityModel) { return std::to_array<std::string_view>({"corrected", "paper"}); }
 constexpr auto names_of(ShWindow) { return std::to_array<std::string_view>({"none", "hann", "lanczos"}); }
 constexpr auto names_of(ShStorage) { return std::to_array<std::string_view>({"u8", "f16", "f32"}); }
+constexpr auto names_of(HistogramPath) { return std::to_array<std::string_view>({"fast", "sweep", "exact"}); }
+constexpr auto names_of(HistogramPacking) {
+    return std::to_array<std::string_view>({"paper", "uniform", "cumulative"});
+}
+constexpr auto names_of(HistogramMetric) { return std::to_array<std::string_view>({"l2", "l1", "lmax"}); }
+constexpr auto names_of(HistogramModel) { return std::to_array<std::string_view>({"corrected", "paper"}); }
 constexpr auto names_of(ReferenceQuantity) {
     return std::to_array<std::string_view>({"obscurance", "ao", "ao-cosine", "visibility"});
 }
@@ -77,6 +85,7 @@ std::string to_text(const std::array<double, 6>& value);
 std::string to_text(const ClipPlane& value);
 std::string to_text(const IsoSurface& value);
 std::string to_text(const ShSampling& value);
+std::string to_text(const HistogramEffects& value);  ///< "ao,bleeding"; "none"
 std::string to_text(int width, int height);
 std::string to_text(const Rgb& color, bool transparent, bool probe);  ///< of what lies behind the probe
 std::string to_text(bool headlight, double azimuth_deg, double elevation_deg, const Rgb& color);
@@ -108,6 +117,7 @@ void from_text(std::string_view text, std::array<double, 6>& value);
 void from_text(std::string_view text, ClipPlane& value);
 void from_text(std::string_view text, IsoSurface& value);
 void from_text(std::string_view text, ShSampling& value);
+void from_text(std::string_view text, HistogramEffects& value);
 void from_text(std::string_view text, int& width, int& height);
 void from_text(std::string_view text, Rgb& color, bool& transparent, bool& probe);  ///< "probe" leaves the others
 void from_text(std::string_view text, bool& headlight, double& azimuth_deg, double& elevation_deg, Rgb& color);

@@ -18,6 +18,10 @@ CellValues accessibility(const Device& device, const Medium::Data& medium, const
 Volume accessibility_of_voxels(const Device& device, const Medium::Data& medium, const IlluminationSettings& settings,
                                Steps& steps, Progress& progress);
 
+/// What the method computes for every voxel (see compute_field).
+Volume field_of_voxels(const Device& device, const Medium::Data& medium, const Prepared& prepared,
+                       const IlluminationSettings& settings, Steps& steps, Progress& progress);
+
 /// F of `lift_off_surfaces`: how soon a normal makes the answer look outwards only; 0 when it never does.
 double outward_factor(const IlluminationSettings& settings);
 

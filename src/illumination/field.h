@@ -7,6 +7,7 @@
 
 #include "illumination/cells/field.h"
 #include "illumination/cells/grid.h"
+#include "illumination/histogram/light.h"
 #include "illumination/none/field.h"
 #include "illumination/visibility/field.h"
 #include "illumination/visibility/lit_nodes.h"
@@ -14,12 +15,13 @@
 namespace chiaro {
 
 /// What the ray caster looks up. A new kind of light: its folder, and its view here.
-using FieldView = std::variant<kernel::NoneView, kernel::AccessView, kernel::VisibilityView>;
+using FieldView = std::variant<kernel::NoneView, kernel::AccessView, kernel::VisibilityView, kernel::HistogramView>;
 
 struct IlluminationField::Data {
     FieldView view;
-    std::shared_ptr<const CellValues> access;    ///< what an AccessView reads
-    std::shared_ptr<const LitNodes> visibility;  ///< what a VisibilityView is made from, once the light is known
+    std::shared_ptr<const CellValues> access;         ///< what an AccessView reads
+    std::shared_ptr<const LitNodes> visibility;       ///< what a VisibilityView is made from, once the light is known
+    std::shared_ptr<const HistogramLight> histogram;  ///< what a HistogramView reads
     bool is_coarse = false;
     std::vector<Stage> stages;
 };

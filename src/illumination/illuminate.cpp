@@ -3,6 +3,7 @@
 #include "illumination/access.h"
 #include "illumination/cells/lift.h"
 #include "illumination/field.h"
+#include "illumination/prepared.h"
 #include "illumination/visibility/visibility.h"
 
 namespace chiaro {
@@ -72,7 +73,34 @@ Volume sampled_back(const Device& device, const CellValues& values, const Device
     return out;
 }
 
+/// What was prepared, if it is what the method needs.
+const std::shared_ptr<const LocalHistograms>& histograms_of(const Prepared& prepared) {
+    if (!prepared || !prepared.data().histograms)
+        throw Error(ErrorCode::internal, "local histograms must be prepared before they can light");
+    return prepared.data().histograms;
+}
+
+IlluminationField light_of_histograms(const Device& device, const Medium::Data& medium, const Prepared& prepared,
+                                      const HistogramSettings& settings) {
+    Steps steps;
+    auto data = std::make_shared<IlluminationField::Data>();
+    data->histogram = steps("histogram table",
+                            [&] { return make_histogram_light(device, medium, histograms_of(prepared), settings); });
+    data->view = data->histogram->view;
+    data->stages = steps.take();
+    return IlluminationField(std::move(data));
+}
+
 }  // namespace
+
+Volume field_of_voxels(const Device& device, const Medium::Data& medium, const Prepared& prepared,
+                       const IlluminationSettings& settings, Steps& steps, Progress& progress) {
+    if (settings.method == Method::histogram)
+        return steps("voxels", [&] {
+            return histogram_field(device, medium, *histograms_of(prepared), settings.histogram, progress);
+        });
+    return accessibility_of_voxels(device, medium, settings, steps, progress);
+}
 
 Volume accessibility_of_voxels(const Device& device, const Medium::Data& medium, const IlluminationSettings& settings,
                                Steps& steps, Progress& progress) {
@@ -84,7 +112,8 @@ Volume accessibility_of_voxels(const Device& device, const Medium::Data& medium,
 
 IlluminationField::IlluminationField() : data_(std::make_shared<Data>()) {}
 std::size_t IlluminationField::bytes() const {
-    return (data().access ? data().access->buffer.size() : 0) + (data().visibility ? data().visibility->bytes() : 0);
+    return (data().access ? data().access->buffer.size() : 0) + (data().visibility ? data().visibility->bytes() : 0) +
+           (data().histogram ? data().histogram->bytes() : 0);
 }
 bool IlluminationField::is_coarse() const { return data().is_coarse; }
 const std::vector<Stage>& IlluminationField::stages() const { return data().stages; }
@@ -94,18 +123,21 @@ std::vector<MethodInfo> list_methods() {
         {"none", "All light arrives everywhere; only the shading model acts."},
         {"spao", "Ambient occlusion by filtering: means of growing cubes, found again after every edit."},
         {"visibility", "Natural light from a probe, with soft coloured shadows: visibility in spherical harmonics."},
+        {"histogram",
+         "Ambient occlusion and colour bleeding by local histograms: prepared once, an edit only renews a small "
+         "table."},
         {"reference", "Ambient occlusion by rays from every voxel: slow, and what the others are measured against."}};
 }
 
-Prepared prepare(const DeviceVolume&, const IlluminationSettings&, Progress&) { return {}; }
-
-bool illuminate(const Device& device, const Medium& medium, const Prepared&, const Lighting&,
+bool illuminate(const Device& device, const Medium& medium, const Prepared& prepared, const Lighting&,
                 const IlluminationSettings& settings, const Sink& sink, Progress& progress) try {
     progress.check();
     check_picture(settings);
     // A maximum along a ray has no place in which it could be lit.
     if (settings.method == Method::none || medium.data().shape.mode == Mode::mip)
         sink(IlluminationField());
+    else if (settings.method == Method::histogram)
+        sink(light_of_histograms(device, medium.data(), prepared, settings.histogram));
     else
         light(device, medium.data(), settings, sink, progress);
     return true;

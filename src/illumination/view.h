@@ -17,6 +17,7 @@ struct SamplePoint {
     F value;                            ///< stored units
     F lambert{0};                       ///< |n · l|, 0 where there is no gradient
     F highlight{0};                     ///< (n · h)^shininess
+    F rise{0};                          ///< ∇f · l of unit vectors: > 0 where values rise towards the light
     Vec3<F> outward{F(0), F(0), F(0)};  ///< n, unit, world; 0 where there is no gradient
 };
 
@@ -44,6 +45,7 @@ struct ShadingView {
         const F inverse = select(squared > F(1e-24f), F(1) / sqrt(max(squared, F(1e-24f))), F(0));
         const F nl = dot(g, Vec3<F>(to_light)) * inverse, nh = dot(g, Vec3<F>(half)) * inverse;
         sample.lambert = abs(nl);
+        sample.rise = F(out) * nl;
         sample.outward = inverse * g;
         if (specular.x + specular.y + specular.z > 0)
             sample.highlight = pow(max(select(nl < F(0), F(0) - nh, nh), F(0)), F(shininess));

@@ -1,5 +1,6 @@
 // The ray caster's kernel as CUDA sees it: the same source, one thread a pixel. Compiled wherever nvcc exists.
 #include "illumination/cells/field.h"
+#include "illumination/histogram/field.h"
 #include "illumination/none/field.h"
 #include "illumination/visibility/field.h"
 #include "raycast/kernel.h"
@@ -20,5 +21,6 @@ __global__ void raycast_pixels(Kernel kernel, Tile tile, unsigned long long* sam
 CHIARO_INSTANTIATE(NoneView)
 CHIARO_INSTANTIATE(AccessView)
 CHIARO_INSTANTIATE(VisibilityView)
+CHIARO_INSTANTIATE(HistogramView)
 
 }  // namespace chiaro::kernel

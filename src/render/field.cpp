@@ -51,17 +51,24 @@ Volume harmonics_of(const Device& device, const Medium& medium, const Illuminati
     return steps("voxels", [&] { return volume_of(device, field, medium.data().volume, progress); });
 }
 
+/// What a field's numbers are.
+std::string quantity_of(const IlluminationSettings& settings) {
+    if (is_in_harmonics(settings)) return "visibility";
+    if (settings.method != Method::histogram) return "accessibility";
+    return settings.histogram.effects.bleeding ? "environment colour" : "environment occlusion";
+}
+
 std::map<std::string, std::string> how_made(const IlluminationSettings& settings, double seconds) {
-    std::map<std::string, std::string> told{
-        {"chiaro", CHIARO_VERSION},
-        {"chiaro_field", is_in_harmonics(settings) ? "visibility" : "accessibility"},
-        {"chiaro_lighting", to_text(settings.method)},
-        {"chiaro_seconds", fmt::format("{:.6f}", seconds)}};
+    std::map<std::string, std::string> told{{"chiaro", CHIARO_VERSION},
+                                            {"chiaro_field", quantity_of(settings)},
+                                            {"chiaro_lighting", to_text(settings.method)},
+                                            {"chiaro_seconds", fmt::format("{:.6f}", seconds)}};
     const auto tell = [&](const Setting& setting, const auto&... fields) {
         if (setting.method == to_text(settings.method)) told[key_of(setting)] = value_text(setting, fields...);
     };
     describe(tell, settings.spao);
     describe(tell, settings.visibility);
+    describe(tell, settings.histogram);
     describe(tell, settings.reference);
     if (is_in_harmonics(settings)) told["chiaro_sh_axes"] = "grid";
     return told;
@@ -69,14 +76,14 @@ std::map<std::string, std::string> how_made(const IlluminationSettings& settings
 
 }  // namespace
 
-ComputedField compute_field(const Device& device, const Medium& medium, const Prepared&, const Lighting&,
+ComputedField compute_field(const Device& device, const Medium& medium, const Prepared& prepared, const Lighting&,
                             const IlluminationSettings& settings, Progress& progress) {
     check_computable(medium.data().shape, settings);
     const auto start = std::chrono::steady_clock::now();
     Steps steps;
     ComputedField field{is_in_harmonics(settings)
                             ? harmonics_of(device, medium, settings, steps, progress)
-                            : accessibility_of_voxels(device, medium.data(), settings, steps, progress),
+                            : field_of_voxels(device, medium.data(), prepared, settings, steps, progress),
                         {}};
     field.volume.key_values =
         how_made(settings, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());

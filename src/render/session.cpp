@@ -80,8 +80,9 @@ struct Session::State {
         const DeviceVolume& voxels = upload.result;
         stages = shown;
         for (Stage& stage : shown) stage.seconds = 0;
-        redo("prepare", prepare, {upload.version, scene.illumination},
+        redo("prepare", prepare, {upload.version, preparation_of(scene.illumination)},
              [&](Prepared& prepared) { prepared = chiaro::prepare(voxels, scene.illumination, progress); });
+        tell_steps(prepare.result.stages());
         progress.check();
         const Shape shape = shape_for(scene);
         redo("classify", classify, {upload.version, scene.transfer, shape}, [&](Classified& classified) {
@@ -169,6 +170,7 @@ ComputedField Session::compute_field(const Scene& scene, Progress& progress) {
 const Frame& Session::frame() const { return state_->raycast.result.frame; }
 const std::vector<Stage>& Session::stages() const { return state_->stages; }
 Outcome Session::outcome() const { return state_->raycast.result.outcome; }
+const std::vector<std::string>& Session::notes() const { return state_->prepare.result.notes(); }
 const Statistics& Session::statistics() const { return state_->subject.statistics; }
 const TransferFunction& Session::transfer_function() const { return state_->classify.result.tf; }
 const Guess& Session::guess() const { return state_->subject.guess; }

@@ -77,6 +77,14 @@ std::string to_text(const IsoSurface& value) {
     return text;
 }
 
+std::string to_text(const HistogramEffects& value) {
+    std::string text;
+    const auto add = [&](bool on, const char* name) {
+        if (on) text += (text.empty() ? "" : ",") + std::string(name);
+    };
+    add(value.ao, "ao"), add(value.bleeding, "bleeding"), add(value.scattering, "scattering"), add(value.glow, "glow");
+    return text.empty() ? "none" : text;
+}
 std::string to_text(const ShSampling& value) {
     return value.jittered ? fmt::format("jittered:{}", value.sets) : "fibonacci";
 }
@@ -139,6 +147,17 @@ void from_text(std::string_view text, IsoSurface& value) {
     if (comma != text.npos) from_text(text.substr(comma + 1), value.color.emplace());
 }
 
+void from_text(std::string_view text, HistogramEffects& value) {
+    value = {false, false, false, false};
+    if (text == "none") return;
+    const std::string_view names[] = {"ao", "bleeding", "scattering", "glow"};
+    bool* const effects[] = {&value.ao, &value.bleeding, &value.scattering, &value.glow};
+    for (std::size_t begin = 0; begin <= text.size();) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        *effects[index_among(text.substr(begin, end - begin), names)] = true;
+        begin = end + 1;
+    }
+}
 void from_text(std::string_view text, ShSampling& value) {
     value = {};
     const std::string_view names[] = {"fibonacci", "jittered"};

@@ -1,0 +1,170 @@
+#include "illumination/histogram/cache.h"
+
+#include <chiaro/error.h>
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+
+#include "core/atomic_file.h"
+#include "core/text.h"
+#include "illumination/histogram/random.h"
+
+namespace chiaro {
+namespace {
+
+constexpr std::string_view magic = "chiaro local histograms 1\n";
+
+/// Not against forgers: tells data apart, and damage. Four chains side by side, eight bytes a step.
+std::uint64_t hash_of(std::span<const std::byte> bytes, std::uint64_t seed = 0) {
+    std::uint64_t chain[4] = {seed, seed + 1, seed + 2, seed + 3};
+    std::size_t at = 0;
+    for (; at + 32 <= bytes.size(); at += 32)
+        for (std::size_t c = 0; c < 4; ++c) {
+            std::uint64_t word;
+            std::memcpy(&word, bytes.data() + at + 8 * c, 8);
+            chain[c] = (chain[c] ^ word) * 0x9fb21c651e98df25;
+            chain[c] ^= chain[c] >> 29;
+        }
+    std::uint64_t sum = mixed(bytes.size() + seed);
+    for (std::uint64_t c : chain) sum = mixed(sum ^ c);
+    for (; at < bytes.size(); ++at) sum = mixed(sum ^ std::uint64_t(bytes[at]));
+    return sum;
+}
+std::uint64_t hash_of(std::string_view text, std::uint64_t seed = 0) {
+    return hash_of(std::as_bytes(std::span(text.data(), text.size())), seed);
+}
+
+std::filesystem::path folder_of(const std::string& setting) {
+    if (setting == "none") return {};
+    if (!setting.empty()) return setting;
+    if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache == '/')
+        return std::filesystem::path(cache) / "chiaro";
+    const char* home = std::getenv("HOME");
+    return home && *home ? std::filesystem::path(home) / ".cache" / "chiaro" : std::filesystem::path();
+}
+
+/// What the result depends on, in words.
+std::string key_of(const DeviceVolume::Data& v, const HistogramSettings& s) {
+    const std::span<const std::byte> bricks(v.bricks.data(), v.bricks.size());
+    return fmt::format(
+        "data {:016x}{:016x} of {} x {} x {} type {} spacing {} {} {} range {} {}; radius {} clusters {} packed {} {} "
+        "metric {} path {} subsample {}\n",
+        hash_of(bricks), hash_of(bricks, 0x5bd1e995), v.dimensions[0], v.dimensions[1], v.dimensions[2], int(v.stored),
+        to_text(v.geometry.spacing_mm[0]), to_text(v.geometry.spacing_mm[1]), to_text(v.geometry.spacing_mm[2]),
+        v.stored_min, v.stored_max, s.radius, s.clusters, s.packed_bins, int(s.packing), int(s.metric), int(s.path),
+        s.subsample);
+}
+
+/// Everything behind the key that is of fixed size.
+struct Sizes {
+    std::uint64_t identifiers, shares, words;
+    std::int32_t nodes[3], stride;
+};
+
+template <class T>
+std::span<const std::byte> bytes_of(const std::vector<T>& list) {
+    return std::as_bytes(std::span(list));
+}
+
+/// Reads a file piece by piece; whatever does not fit ends it.
+class Reader {
+public:
+    explicit Reader(std::vector<std::byte> bytes) : bytes_(std::move(bytes)) {}
+    bool read(void* to, std::size_t size) {
+        if (size > bytes_.size() - at_) return false;
+        std::memcpy(to, bytes_.data() + at_, size);
+        at_ += size;
+        return true;
+    }
+    bool has(std::string_view text) {
+        const bool same =
+            text.size() <= bytes_.size() - at_ && std::memcmp(bytes_.data() + at_, text.data(), text.size()) == 0;
+        if (same) at_ += text.size();
+        return same;
+    }
+    /// The last eight bytes are the checksum of all others.
+    bool is_whole() const {
+        if (bytes_.size() < 8) return false;
+        std::uint64_t sum;
+        std::memcpy(&sum, bytes_.data() + bytes_.size() - 8, 8);
+        return sum == hash_of(std::span(bytes_).first(bytes_.size() - 8));
+    }
+    std::size_t left() const { return bytes_.size() - at_; }
+
+private:
+    std::vector<std::byte> bytes_;
+    std::size_t at_ = 0;
+};
+
+std::vector<std::byte> contents_of(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary | std::ios::ate);
+    if (!file) return {};
+    std::vector<std::byte> bytes(std::size_t(file.tellg()));
+    file.seekg(0);
+    file.read(reinterpret_cast<char*>(bytes.data()), std::streamsize(bytes.size()));
+    return file ? bytes : std::vector<std::byte>{std::byte{}};
+}
+
+bool fill(Reader& in, LocalHistograms& h) {
+    Sizes sizes;
+    if (!in.read(&sizes, sizeof sizes)) return false;
+    h.words = int(sizes.words), h.stride = sizes.stride;
+    std::copy_n(sizes.nodes, 3, h.nodes.begin());
+    const std::uint64_t nodes = std::uint64_t(h.node_count());
+    if (sizes.identifiers != (nodes + 1) * sizeof(WordPair) || sizes.shares != sizes.words * std::uint64_t(h.stride) ||
+        in.left() != sizes.identifiers + 2 * sizes.shares + 4 * sizes.words + 8)
+        return false;
+    h.identifiers = VoxelBuffer(sizes.identifiers);
+    h.shares.resize(sizes.shares), h.scale.resize(sizes.words), h.histograms = 2 * nodes;
+    if (!in.read(h.identifiers.data(), sizes.identifiers) || !in.read(h.shares.data(), 2 * sizes.shares) ||
+        !in.read(h.scale.data(), 4 * sizes.words))
+        return false;
+    for (const WordPair& pair : h.pairs())
+        if (pair.forward >= h.words || pair.backward >= h.words) return false;
+    return true;
+}
+
+}  // namespace
+
+HistogramCache::HistogramCache(const std::string& folder, const DeviceVolume::Data& volume,
+                               const HistogramSettings& settings) {
+    path_ = folder_of(folder);
+    if (path_.empty()) return;
+    key_ = key_of(volume, settings);
+    path_ /= fmt::format("{:016x}.histograms", hash_of(key_));
+}
+
+std::optional<LocalHistograms> HistogramCache::read(std::vector<std::string>& notes) const {
+    std::error_code ignored;
+    if (path_.empty() || !std::filesystem::is_regular_file(path_, ignored)) return std::nullopt;
+    Reader in(contents_of(path_));
+    LocalHistograms found;
+    if (in.is_whole() && in.has(magic) && in.has(key_) && fill(in, found)) return found;
+    notes.push_back(fmt::format("'{}' is damaged: local histograms are found again", path_.string()));
+    return std::nullopt;
+}
+
+void HistogramCache::write(const LocalHistograms& h, std::vector<std::string>& notes) const {
+    if (path_.empty()) return;
+    const Sizes sizes{
+        h.identifiers.size(), h.shares.size(), std::uint64_t(h.words), {h.nodes[0], h.nodes[1], h.nodes[2]}, h.stride};
+    std::vector<std::byte> bytes;
+    const auto add = [&](std::span<const std::byte> part) { bytes.insert(bytes.end(), part.begin(), part.end()); };
+    add(std::as_bytes(std::span(magic.data(), magic.size()))), add(std::as_bytes(std::span(key_.data(), key_.size())));
+    add(std::as_bytes(std::span(&sizes, 1))), add({h.identifiers.data(), h.identifiers.size()});
+    add(bytes_of(h.shares)), add(bytes_of(h.scale));
+    const std::uint64_t sum = hash_of(bytes);
+    add(std::as_bytes(std::span(&sum, 1)));
+    try {
+        std::filesystem::create_directories(path_.parent_path());
+        AtomicFile file(path_);
+        file.write(bytes);
+        file.commit();
+    } catch (const std::exception& error) {
+        notes.push_back(fmt::format("local histograms are not kept: {}", error.what()));
+    }
+}
+
+}  // namespace chiaro

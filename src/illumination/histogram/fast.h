@@ -1,0 +1,34 @@
+// Histograms of whole blocks of cells at once, in packed bins.
+#pragma once
+#include <chiaro/device.h>
+
+#include "illumination/histogram/filter_fit.h"
+#include "illumination/histogram/launch.h"
+#include "illumination/histogram/source.h"
+
+namespace chiaro {
+
+/// The unit vector of ∇f, or 0 where there is none.
+std::array<float, 3> normal_of(const BinnedCells& cells, int x, int y, int z);
+
+/// LH = M0 ± M1 (3/2 + 2 q²) per packed bin, where M0 = Σ w / W over the ball, M1 = n · Σ w ω / W, n = ∇f / |∇f|, q =
+/// M1 / M0: exact for densities that do not depend on the direction, or are those of two half balls, and within .08 of
+/// those that rise evenly; clamped to 0 and 2 M0. Near cells are counted on their own side.
+class FastHistograms : public HistogramSource {
+public:
+    FastHistograms(const Device& device, const BinnedCells& cells, const Packing& packing, int radius);
+
+    /// Cost: some 600 ns a cell for 64 bins and a radius of 16, as long as most of the block is asked for.
+    void find(std::size_t block, int step, const Wanted& wanted, const UseRow& use_row) const override;
+
+private:
+    kernel::FastBlock load(const std::array<std::pair<int, int>, 3>& block) const;
+    void find_normals(int y, int z, const std::pair<int, int>& x, float* normals) const;
+
+    const kernel::HistogramFunctions kernels_;
+    const FilterFit fit_;
+    std::vector<std::uint32_t> code_;  ///< of each bin, as FastBlock::tile
+    std::vector<kernel::NearCell> near_;
+};
+
+}  // namespace chiaro

@@ -1,0 +1,45 @@
+// A block of cells whose histograms are found by sums over boxes: where its parts lie.
+#pragma once
+#include <cstdint>
+
+namespace chiaro::kernel {
+
+/// Coarse cells, 2 half + 1 along each axis, and their weight in either filter.
+struct FastBox {
+    std::int32_t half_x, half_y, half_z;
+    float mass, blur;
+};
+/// A cell that is counted by itself.
+struct NearCell {
+    float x, y, z, weight;
+    std::int32_t distance;  ///< in the tile
+};
+
+/// Coarse cells are 2³ cells. Nodes are the centres of coarse cells, from two before the block to two behind it.
+struct FastBlock {
+    static constexpr int edge = 32;  ///< cells
+    static constexpr int nodes = edge / 2 + 4;
+    static constexpr int most_near = 32, most_boxes = 15;
+
+    std::int32_t bins;   ///< of a vector, a multiple of 16
+    std::int32_t reach;  ///< coarse cells that the tile has around the nodes
+    /// Cells of the block and around it, x fastest: packed bin, its share and the next one's in 256ths from bits 0, 8
+    /// and 17 on; 0 outside the volume.
+    const std::uint32_t* tile;
+    std::int32_t tile_row, tile_slice;
+    std::int32_t fine_first;  ///< the block's first cell along each axis of the tile
+
+    FastBox box[most_boxes];  ///< with the same half_z one after the other
+    NearCell near[most_near];
+    std::int32_t boxes, near_count;
+
+    // Room, vectors of `bins` numbers:
+    std::int32_t *columns, *rows;  ///< (nodes + 2 reach)² and nodes (nodes + 2 reach)
+    std::int32_t* row_sum;         ///< nodes
+    float *mass, *blur;            ///< nodes³
+    float* plane;                  ///< 3 nodes²
+    float* line;                   ///< 4 nodes
+    float* near_bins;              ///< 2
+};
+
+}  // namespace chiaro::kernel

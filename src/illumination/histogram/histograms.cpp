@@ -1,0 +1,100 @@
+#include "illumination/histogram/histograms.h"
+
+#include <numeric>
+
+#include "core/threads.h"
+#include "illumination/histogram/exact.h"
+#include "illumination/histogram/fast.h"
+#include "illumination/histogram/launch.h"
+#include "illumination/histogram/members.h"
+#include "illumination/histogram/source.h"
+#include "illumination/histogram/training_set.h"
+
+namespace chiaro {
+namespace {
+
+/// Identifiers of every node: histograms come a row at a time, and go.
+void assign(const Device& device, const HistogramSource& source, const Codebook& book, const CellGrid& grid,
+            LocalHistograms& out, Progress& progress) {
+    const auto kernels = kernel::histogram_functions_for(device.isa);
+    const BlockMap blocks(grid.count);
+    parallel_for(device.threads, std::int64_t(blocks.holds.size()), 1, "histograms", progress,
+                 [&](std::int64_t b, std::int64_t) {
+                     const auto [x, y, z] = blocks.cells(std::size_t(b), grid.count);
+                     const int step = out.subsample, count = (x.second - x.first + step - 1) / step;
+                     WordPair guess{0, 0};
+                     const auto row = [&, x = x.first / step](int j, int k, const PackedHistogram* histograms) {
+                         const std::size_t at =
+                             (std::size_t(k / step) * out.nodes[1] + std::size_t(j / step)) * out.nodes[0] + x;
+                         WordPair* to = out.pairs().data() + at;
+                         *to = guess;
+                         kernels.assign_row(book.view(), histograms, count, &to->forward);
+                         guess = *to;
+                     };
+                     source.find(
+                         std::size_t(b), step, [](int, int) { return true; }, row);
+                 });
+    progress.check();
+}
+
+}  // namespace
+
+LocalHistograms find_local_histograms(const DeviceVolume::Data& volume, const HistogramSettings& settings, Steps& steps,
+                                      Progress& progress) {
+    const Device& device = volume.device;
+    HistogramData data{steps("histogram bins", [&] { return bin_cells(volume, progress); }), {}, settings.radius};
+    const CellGrid& grid = data.cells.grid;
+    data.packing = make_packing(settings.packing, settings.packed_bins, data.cells.counts());
+    const auto source = make_source(device, data, settings.path);
+
+    const auto vectors = steps("histogram samples", [&] {
+        return sample_histograms(device, *source, data.cells, 32 * settings.clusters, progress);
+    });
+    Training training{settings.clusters, settings.metric, 1e-3, {}};
+    const Codebook book = steps("histogram training",
+                                [&] { return train_codebook(device, vectors, source->bins(), training, progress); });
+
+    LocalHistograms out;
+    out.grid = grid, out.binning = data.cells.binning, out.radius = settings.radius, out.subsample = settings.subsample;
+    for (int axis = 0; axis < 3; ++axis) out.nodes[axis] = (grid.count[axis] - 1) / out.subsample + 1;
+    out.identifiers = VoxelBuffer((out.node_count() + 1) * sizeof(WordPair));
+    out.words = book.count(), out.histograms = 2 * out.node_count(), out.distortions = training.distortions;
+    steps("histograms", [&] { assign(device, *source, book, grid, out, progress); });
+    steps("histogram words", [&] {
+        const Ball ball(settings.radius, settings.path != HistogramPath::sweep);
+        find_words(device, data.cells, ball, settings.path == HistogramPath::sweep, out, progress);
+    });
+    steps("histogram lift", [&] { lift_identifiers(device, data.cells, out); });
+    return out;
+}
+
+void lift_identifiers(const Device& device, const BinnedCells& cells, LocalHistograms& h) {
+    h.lifted = VoxelBuffer(h.identifiers.size());
+    const auto [nx, ny, nz] = h.nodes;
+    const auto pairs = h.pairs();
+    auto* const lifted = reinterpret_cast<WordPair*>(h.lifted.data());
+    const auto normal = [&](int x, int y, int z) {
+        return normal_of(cells, x * h.subsample, y * h.subsample, z * h.subsample);
+    };
+    const auto lift_row = [&, nx = nx, ny = ny, nz = nz](std::int64_t row, std::int64_t) {
+        const int y = int(row % ny), z = int(row / ny);
+        for (int x = 0; x < nx; ++x) {
+            const std::size_t at = std::size_t(row) * std::size_t(nx) + std::size_t(x);
+            lifted[at] = pairs[at];
+            const auto n = normal(x, y, z);
+            const int dx = int(std::lround(n[0])), dy = int(std::lround(n[1])), dz = int(std::lround(n[2]));
+            if (dx == 0 && dy == 0 && dz == 0) continue;
+            for (const int side : {1, -1}) {
+                const int i = x + side * dx, j = y + side * dy, k = z + side * dz;
+                if (i < 0 || i >= nx || j < 0 || j >= ny || k < 0 || k >= nz) continue;
+                const auto there = normal(i, j, k);
+                if (n[0] * there[0] + n[1] * there[1] + n[2] * there[2] < 0.5f) continue;
+                const WordPair& other = pairs[(std::size_t(k) * ny + std::size_t(j)) * nx + std::size_t(i)];
+                (side > 0 ? lifted[at].forward : lifted[at].backward) = side > 0 ? other.forward : other.backward;
+            }
+        }
+    };
+    parallel_for(device.threads, std::int64_t(ny) * nz, 1, lift_row);
+}
+
+}  // namespace chiaro

@@ -1,0 +1,53 @@
+// Local histograms of a volume: a codebook of full histograms, and two identifiers at every node.
+#pragma once
+#include <chiaro/lighting.h>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "illumination/histogram/cells.h"
+#include "illumination/steps.h"
+
+namespace chiaro {
+
+/// Identifiers of a node: the words for the half ball that ∇f points to, and for the other.
+struct WordPair {
+    std::uint16_t forward, backward;
+};
+
+struct LocalHistograms {
+    CellGrid grid;
+    Binning binning;
+    int radius = 0;     ///< cells
+    int subsample = 1;  ///< node i lies at cell i × subsample
+    std::array<int, 3> nodes{0, 0, 0};
+    VoxelBuffer identifiers;  ///< WordPair a node, x fastest, and a spare one
+    /// The same for pictures: forward from the node one further along ∇f, backward from the one before, where the
+    /// gradient there is much the same; so a surface's own cells are not in its way.
+    VoxelBuffer lifted;
+    int words = 0, stride = 0;             ///< numbers from one word to the next: the bins, and up to 15 more
+    std::vector<std::uint16_t> shares;     ///< LH_j of each word, 65535ths of its scale
+    std::vector<float> scale;              ///< the largest LH_j of each word
+    std::size_t histograms = 0;            ///< how many the words stand for
+    std::vector<double> distortions = {};  ///< of training; empty when read from a cache
+
+    std::size_t node_count() const { return std::size_t(nodes[0]) * std::size_t(nodes[1]) * std::size_t(nodes[2]); }
+    std::span<const WordPair> pairs() const {
+        return {reinterpret_cast<const WordPair*>(identifiers.data()), node_count()};
+    }
+    std::span<WordPair> pairs() { return {reinterpret_cast<WordPair*>(identifiers.data()), node_count()}; }
+    std::size_t bytes() const {
+        return identifiers.size() + lifted.size() + shares.size() * sizeof shares[0] + scale.size() * sizeof scale[0];
+    }
+};
+
+/// All steps: bins, training, assignment fused with the histograms (which are never stored), words from unpacked
+/// members. The same for any number of threads and instruction set. Throws Error{interrupted} when cancelled.
+LocalHistograms find_local_histograms(const DeviceVolume::Data& volume, const HistogramSettings& settings, Steps& steps,
+                                      Progress& progress);
+
+/// Fills `lifted`.
+void lift_identifiers(const Device& device, const BinnedCells& cells, LocalHistograms& histograms);
+
+}  // namespace chiaro

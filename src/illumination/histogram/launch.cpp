@@ -1,0 +1,36 @@
+#include "kernel/launch.h"
+#include "illumination/histogram/exact_kernel.h"
+#include "illumination/histogram/fast_kernel.h"
+#include "illumination/histogram/functions.h"
+#include "illumination/histogram/nearest_kernel.h"
+#include "illumination/histogram/table_kernel.h"
+
+namespace chiaro::kernel::CHIARO_ISA {
+
+HistogramFunctions histogram_functions() {
+    return {
+        [](const BallView& ball, PlaceTile tile, const float* gradient, std::int32_t count, float* all,
+           float* forward) { exact_run<NativeLanes>(ball, tile, gradient, count, all, forward); },
+        [](const BallView& ball, PlaceTile tile, const float* gradient, bool whole, float* histogram) {
+            exact_half(ball, tile, gradient, whole, histogram);
+        },
+        [](const FastBlock& block) { fast_sums<NativeLanes>(block); },
+        [](const FastBlock& block, int fine_z) { fast_plane<NativeLanes>(block, fine_z); },
+        [](const FastBlock& block, int fine_y, int fine_z, int count, int step, const float* normals,
+           std::int16_t* histograms) {
+            fast_cells<NativeLanes>(block, fine_y, fine_z, count, step, normals, histograms);
+        },
+        [](const CodebookView& book, const std::int16_t* histograms, std::int32_t count, std::uint16_t* words) {
+            assign_row(book, histograms, count, words);
+        },
+        [](const CodebookView& book, const std::int16_t* histograms, std::int32_t count, std::uint16_t* words,
+           std::int32_t* differences) { assign_each(book, histograms, count, words, differences); },
+        [](const CodebookView& book, const std::int16_t* histogram, std::int32_t* differences) {
+            differences_to(book, histogram, differences);
+        },
+        [](const std::uint16_t* shares, std::int32_t words, std::int32_t bins, std::int32_t first, std::int32_t end,
+           const float* weights, float* out) { word_sums(shares, words, bins, first, end, weights, out); },
+    };
+}
+
+}  // namespace chiaro::kernel::CHIARO_ISA

@@ -1,0 +1,112 @@
+// The nearest of many packed histograms, in whole numbers: the same whatever the order of sums.
+#pragma once
+#include "illumination/histogram/codebook_view.h"
+#include "kernel/lanes.h"
+
+namespace chiaro::kernel {
+
+/// Squared distance (L2), sum (L1) or largest (Lmax) of the differences of two vectors, 32767ths.
+template <CodebookMetric metric>
+CHIARO_INLINE std::int32_t difference(const std::int16_t* a, const std::int16_t* b, int bins) {
+    std::int32_t sum = 0;
+    if constexpr (metric == CodebookMetric::l2) {
+        for (int k = 0; k < bins; k += 16)
+            for (int l = 0; l < 16; ++l) {
+                const std::int16_t d = std::int16_t(a[k + l] - b[k + l]);
+                sum += std::int32_t(d) * std::int32_t(d);
+            }
+    } else {
+        std::int16_t largest = 0;
+        for (int k = 0; k < bins; ++k) {
+            const std::int16_t d = std::int16_t(a[k] - b[k]), size = std::int16_t(d < 0 ? -d : d);
+            if constexpr (metric == CodebookMetric::l1)
+                sum += size;
+            else
+                largest = size > largest ? size : largest;
+        }
+        if constexpr (metric == CodebookMetric::lmax) sum = largest;
+    }
+    return sum;
+}
+
+/// What obeys the triangle inequality.
+template <CodebookMetric metric>
+CHIARO_INLINE float distance_of(std::int32_t difference) {
+    return metric == CodebookMetric::l2 ? sqrt(float(difference)) : float(difference);
+}
+
+/// The nearest word to x, of equals the first. A word c can be nearer than the best known only where
+/// d(s, c) <= d(x, s) + d(x, best) for a word s (triangle inequality), so the neighbours of a good guess s are tried in
+/// order until they are too far. Where the list of neighbours ends before that all words are tried.
+template <CodebookMetric metric>
+CHIARO_INLINE std::int32_t nearest_word(const CodebookView& book, const std::int16_t* x, std::int32_t guess,
+                                        std::int32_t& found) {
+    std::int32_t best = guess, least = difference<metric>(x, book.words + std::int64_t(guess) * book.bins, book.bins);
+    for (;;) {
+        const std::int32_t start = best;
+        const float from_start = distance_of<metric>(least);
+        float reach = 2 * from_start * 1.00001f + 0.01f;  // rounding never loses a word
+        const std::uint16_t* const near = book.neighbours + std::int64_t(start) * book.listed;
+        const float* const away = book.distances + std::int64_t(start) * book.listed;
+        std::int32_t i = 0;
+        bool is_far_off = false;
+        for (; i < book.listed && away[i] <= reach && !is_far_off; ++i) {
+            const std::int32_t c = near[i];
+            const std::int32_t d = difference<metric>(x, book.words + std::int64_t(c) * book.bins, book.bins);
+            if (d > least || (d == least && c > best)) continue;
+            best = c, least = d;
+            const float to_best = distance_of<metric>(d);
+            reach = (from_start + to_best) * 1.00001f + 0.01f;
+            is_far_off = to_best < 0.7f * from_start;  // its own neighbours are fewer
+        }
+        if (is_far_off) continue;
+        if (i == book.listed && book.listed < book.count - 1)
+            for (std::int32_t c = 0; c < book.count; ++c) {
+                const std::int32_t d = difference<metric>(x, book.words + std::int64_t(c) * book.bins, book.bins);
+                if (d < least || (d == least && c < best)) best = c, least = d;
+            }
+        found = least;
+        return best;
+    }
+}
+
+CHIARO_INLINE std::int32_t nearest_word(const CodebookView& book, const std::int16_t* x, std::int32_t guess,
+                                        std::int32_t& found) {
+    if (book.metric == CodebookMetric::l1) return nearest_word<CodebookMetric::l1>(book, x, guess, found);
+    if (book.metric == CodebookMetric::lmax) return nearest_word<CodebookMetric::lmax>(book, x, guess, found);
+    return nearest_word<CodebookMetric::l2>(book, x, guess, found);
+}
+
+/// Identifiers of a row of cells, two histograms each. A cell's guesses are the words of the one before; the first
+/// one's are in `words`. Histograms that are the same as the one before get its word.
+CHIARO_INLINE void assign_row(const CodebookView& book, const std::int16_t* histograms, std::int32_t count,
+                              std::uint16_t* words) {
+    for (int side = 0; side < 2; ++side) {
+        std::int32_t word = words[side], d = -1;
+        for (int i = 0; i < count; ++i) {
+            const std::int16_t* x = histograms + (2 * i + side) * book.bins;
+            if (d < 0 || difference<CodebookMetric::lmax>(x, x - 2 * book.bins, book.bins) != 0)
+                word = nearest_word(book, x, word, d);
+            words[2 * i + side] = std::uint16_t(word);
+        }
+    }
+}
+
+/// Words of single histograms, and how far they are; `words` holds the guesses.
+CHIARO_INLINE void assign_each(const CodebookView& book, const std::int16_t* histograms, std::int32_t count,
+                               std::uint16_t* words, std::int32_t* differences) {
+    for (int i = 0; i < count; ++i)
+        words[i] = std::uint16_t(nearest_word(book, histograms + i * book.bins, words[i], differences[i]));
+}
+
+/// Differences of one word to all.
+CHIARO_INLINE void differences_to(const CodebookView& book, const std::int16_t* x, std::int32_t* out) {
+    for (std::int32_t c = 0; c < book.count; ++c) {
+        const std::int16_t* word = book.words + std::int64_t(c) * book.bins;
+        out[c] = book.metric == CodebookMetric::l1     ? difference<CodebookMetric::l1>(x, word, book.bins)
+                 : book.metric == CodebookMetric::lmax ? difference<CodebookMetric::lmax>(x, word, book.bins)
+                                                       : difference<CodebookMetric::l2>(x, word, book.bins);
+    }
+}
+
+}  // namespace chiaro::kernel

@@ -1,0 +1,63 @@
+#include "illumination/histogram/prepare.h"
+
+#include "illumination/histogram/cache.h"
+#include "illumination/histogram/fast.h"
+#include "illumination/histogram/random.h"
+
+namespace chiaro {
+namespace {
+
+/// Cells from a cell to the next strong edge along one direction.
+int steps_to_edge(const BinnedCells& cells, std::array<int, 3> at, int axis, int sign, int most, float strong) {
+    for (int step = 0; step < most; ++step, at[axis] += sign) {
+        if (at[axis] < 0 || at[axis] >= cells.grid.count[axis]) return most;
+        const auto g = cells.gradient(at[0], at[1], at[2]);
+        if (g[0] * g[0] + g[1] * g[1] + g[2] * g[2] > strong * strong) return step;
+    }
+    return most;
+}
+
+}  // namespace
+
+int proposed_radius(const DeviceVolume& volume) {
+    constexpr int probes = 4096, least = 4, most = 32;
+    Progress progress;
+    const BinnedCells cells = bin_cells(volume.data(), progress);
+    const auto [nx, ny, nz] = cells.grid.count;
+    const float strong = float(cells.binning.count) / 8;
+    double sum = 0;
+    int count = 0;
+    for (std::uint64_t i = 0; i < probes; ++i) {
+        const std::array at{int(random_share(3 * i) * nx), int(random_share(3 * i + 1) * ny),
+                            int(random_share(3 * i + 2) * nz)};
+        // From where there is something: those in the emptiest bins do not count.
+        if (cells.data()[cells.grid.index(at[0], at[1], at[2])] <= cells.binning.count / 16) continue;
+        for (int axis = 0; axis < 3; ++axis)
+            for (const int sign : {-1, 1}) sum += steps_to_edge(cells, at, axis, sign, most, strong), ++count;
+    }
+    return count == 0 ? HistogramSettings().radius : std::clamp(int(std::lround(sum / count)), least, most);
+}
+
+std::shared_ptr<const LocalHistograms> prepare_histograms(const DeviceVolume& volume, HistogramSettings settings,
+                                                          Steps& steps, std::vector<std::string>& notes,
+                                                          Progress& progress) {
+    const DeviceVolume::Data& data = volume.data();
+    if (settings.radius == 0) settings.radius = proposed_radius(volume);
+    const HistogramCache cache(settings.cache, data, settings);
+    auto found = steps("histogram cache", [&] { return cache.read(notes); });
+    if (found) {
+        // Only what cannot be found again at once is kept.
+        found->radius = settings.radius, found->subsample = settings.subsample;
+        steps("histogram lift", [&] {
+            const BinnedCells cells = bin_cells(data, progress);
+            found->grid = cells.grid, found->binning = cells.binning;
+            lift_identifiers(data.device, cells, *found);
+        });
+        return std::make_shared<const LocalHistograms>(std::move(*found));
+    }
+    auto made = std::make_shared<LocalHistograms>(find_local_histograms(data, settings, steps, progress));
+    steps("histogram keep", [&] { cache.write(*made, notes); });
+    return made;
+}
+
+}  // namespace chiaro

@@ -1,0 +1,25 @@
+// O = Σ α_j LH_j and E = Σ α_j c_j LH_j of every word: four sums over one row of numbers.
+#pragma once
+#include "kernel/row.h"
+
+namespace chiaro::kernel {
+
+/// Sums over the bins [first, end) of `words` rows of 16-bit shares, `bins` long: weights [4][bins] of E's channels and
+/// O; out four numbers a word. Sixteen partial sums each, then those in pairs: the same order everywhere.
+CHIARO_INLINE void word_sums(const std::uint16_t* shares, std::int32_t words, std::int32_t bins, std::int32_t first,
+                             std::int32_t end, const float* weights, float* out) {
+    for (std::int32_t w = 0; w < words; ++w) {
+        const std::uint16_t* row = shares + std::int64_t(w) * bins;
+        float sum[4][16] = {};
+        for (std::int32_t j = first; j < end; j += 16)
+            for (int c = 0; c < 4; ++c)
+                for (int l = 0; l < 16; ++l) sum[c][l] = mad(float(row[j + l]), weights[c * bins + j + l], sum[c][l]);
+        for (int c = 0; c < 4; ++c) {
+            for (int half = 8; half > 0; half /= 2)
+                for (int l = 0; l < half; ++l) sum[c][l] += sum[c][l + half];
+            out[4 * w + c] = sum[c][0];
+        }
+    }
+}
+
+}  // namespace chiaro::kernel

@@ -1,0 +1,13 @@
+// The histograms that a codebook is trained with.
+#pragma once
+#include "illumination/histogram/source.h"
+
+namespace chiaro {
+
+/// Both histograms of about `cells_wanted` cells, one after the other: seven of eight at edges, |∇f| > 1/200 of the
+/// bins a cell (those elsewhere are much alike), the others anywhere; at random, from a quarter of all blocks (at least
+/// 64).
+std::vector<PackedHistogram> sample_histograms(const Device& device, const HistogramSource& source,
+                                               const BinnedCells& cells, int cells_wanted, Progress& progress);
+
+}  // namespace chiaro
