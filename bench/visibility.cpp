@@ -9,7 +9,7 @@
 #include "classify/medium.h"
 #include "illumination/sh/directions.h"
 #include "illumination/visibility/density.h"
-#include "illumination/visibility/sweep.h"
+#include "illumination/visibility/visibility.h"
 #include "illumination/visibility/walk.h"
 #include "rows.h"
 #include "turntable.h"
@@ -73,8 +73,9 @@ VisibilitySettings settings_of(int subsample, VisibilityTraversal traversal) {
 }
 
 ShField swept(const Setup& setup, const Density& density, int subsample) {
-    return sweep_visibility(setup.device, density, fibonacci_directions(directions), 16, 0.5 / subsample,
-                            SweepLattice::grid, setup.progress);
+    Steps steps;
+    return find_visibility(setup.device, density, settings_of(subsample, VisibilityTraversal::sweep), subsample, steps,
+                           setup.progress);
 }
 
 /// Seconds of the walk from all nodes, from some runs of sixteen at random.

@@ -19,8 +19,8 @@ struct Way {
 
 std::vector<Way> ways() {
     std::vector<Way> list;
-    for (const auto traversal :
-         {VisibilityTraversal::sweep, VisibilityTraversal::hierarchical, VisibilityTraversal::full})
+    for (const auto traversal : {VisibilityTraversal::sweep, VisibilityTraversal::sheared,
+                                 VisibilityTraversal::hierarchical, VisibilityTraversal::full})
         list.push_back({to_text(traversal), {.traversal = traversal}});
     list.push_back(
         {"hierarchical-paper", {.traversal = VisibilityTraversal::hierarchical, .model = VisibilityModel::paper}});
@@ -83,6 +83,17 @@ Row measure_bands(const VisibilityJudge& judge, const std::string& name, const s
     return row_of(name, judge.relative_error(four, judge.by_rays()), light_errors(judge, four, lights));
 }
 
+/// What rounding does to the sweep's coefficients.
+Row measure_storage(const VisibilityJudge& judge, const std::string& name, ShStorage storage,
+                    const std::vector<NamedLight>& lights) {
+    const VisibilitySettings settings{.model = VisibilityModel::paper, .storage = storage};
+    const Harmonics exact = judge.found_by(settings), kept = judge.kept_by(settings);
+    std::string note = "from single precision";
+    for (const NamedLight& light : lights)
+        note += fmt::format(", E by {} {:.3f} %", light.name, 100 * judge.light_error(kept, exact, light.light));
+    return row_of(name, judge.relative_error(kept, exact), note);
+}
+
 }  // namespace
 
 std::vector<Case> visibility_error_cases(const Setup& setup) {
@@ -98,11 +109,19 @@ std::vector<Case> visibility_error_cases(const Setup& setup) {
                 };
                 cases.push_back({{name}, row});
             }
-        const std::string name = fmt::format("visibility-error/{}/two-bands", subject);
-        cases.push_back({{name}, [=]() -> std::vector<Row> {
-                             if (!*judged) return {{name, "%", {}, {}, {}, no_data}};
-                             return {measure_bands((*judged).at(1), name, (*judged).lights())};
-                         }});
+        const auto add = [&](const std::string& what, auto measure) {
+            const std::string name = fmt::format("visibility-error/{}/{}", subject, what);
+            cases.push_back({{name}, [=]() -> std::vector<Row> {
+                                 if (!*judged) return {{name, "%", {}, {}, {}, no_data}};
+                                 return {measure((*judged).at(1), name, (*judged).lights())};
+                             }});
+        };
+        add("two-bands", measure_bands);
+        for (const ShStorage storage : {ShStorage::u8, ShStorage::f16})
+            add("kept-" + to_text(storage), [storage](const VisibilityJudge& judge, const std::string& name,
+                                                      const std::vector<NamedLight>& lights) {
+                return measure_storage(judge, name, storage, lights);
+            });
     }
     return cases;
 }

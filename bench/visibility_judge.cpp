@@ -6,7 +6,7 @@
 
 #include "classify/medium.h"
 #include "illumination/sh/directions.h"
-#include "illumination/visibility/sweep.h"
+#include "illumination/visibility/visibility.h"
 #include "illumination/visibility/walk.h"
 
 namespace chiaro::bench {
@@ -63,23 +63,41 @@ void VisibilityJudge::for_each_node(const Visit& visit) const {
 }
 
 Harmonics VisibilityJudge::found_by(const VisibilitySettings& settings) const {
+    const bool walks =
+        settings.traversal == VisibilityTraversal::hierarchical || settings.traversal == VisibilityTraversal::full;
+    if (!walks) return at_runs(field_by(settings));
     Harmonics found(runs_.size());
-    if (settings.traversal == VisibilityTraversal::sweep || settings.traversal == VisibilityTraversal::sheared) {
-        const ShField field =
-            sweep_visibility(device_, density_, fibonacci_directions(settings.directions),
-                             settings.bands * settings.bands, start(), lattice_of(settings.traversal), progress_);
-        for_each_node([&](std::size_t r, int i) {
-            const float* node = field.node(field.grid.index(runs_[r][0] + i, runs_[r][1], runs_[r][2]));
-            for (int c = 0; c < field.coefficients; ++c) found[r][c][i] = node[c];
-        });
-        return found;
-    }
     const VisibilityWalk walk(device_, density_, settings, start(), progress_);
     for (std::size_t r = 0; r < runs_.size(); ++r) {
         VisibilityWalk::Run run;
         walk(runs_[r][0], runs_[r][1], runs_[r][2], run);
         for (int c = 0; c < settings.bands * settings.bands; ++c) std::copy_n(run[c], width, found[r][c].begin());
     }
+    return found;
+}
+
+Harmonics VisibilityJudge::kept_by(const VisibilitySettings& settings) const {
+    ShField field = field_by(settings);
+    const VisibilityNodes kept = keep_nodes(device_, field, density_, settings, progress_);
+    for (std::size_t node = 0; node < field.grid.size(); ++node) {
+        float steps[most_coefficients];
+        kept.view().load(std::int64_t(node), steps);
+        for (int c = 0; c < field.coefficients; ++c) field.node(node)[c] = steps[c] * kept.step(c);
+    }
+    return at_runs(field);
+}
+
+ShField VisibilityJudge::field_by(const VisibilitySettings& settings) const {
+    Steps steps;
+    return find_visibility(device_, density_, settings, subsample_, steps, progress_);
+}
+
+Harmonics VisibilityJudge::at_runs(const ShField& field) const {
+    Harmonics found(runs_.size());
+    for_each_node([&](std::size_t r, int i) {
+        const float* node = field.node(field.grid.index(runs_[r][0] + i, runs_[r][1], runs_[r][2]));
+        for (int c = 0; c < field.coefficients; ++c) found[r][c][i] = node[c];
+    });
     return found;
 }
 

@@ -25,6 +25,8 @@ public:
 
     /// What a method finds at the chosen nodes.
     Harmonics found_by(const VisibilitySettings& settings) const;
+    /// The same as pictures keep it: in the settings' storage.
+    Harmonics kept_by(const VisibilitySettings& settings) const;
     /// What rays find: through the same density, and through the cells of the full resolution (the same at 1:1).
     const Harmonics& by_rays() const { return by_rays_; }
     const Harmonics& in_full() const { return in_full_.empty() ? by_rays_ : in_full_; }
@@ -37,6 +39,8 @@ public:
 private:
     template <class Visit>
     void for_each_node(const Visit& visit) const;
+    ShField field_by(const VisibilitySettings& settings) const;
+    Harmonics at_runs(const ShField& field) const;
     double start() const { return 0.5 / subsample_; }
 
     Device device_;

@@ -14,10 +14,13 @@ namespace {
 /// directions.
 struct Bounds {
     const char* name;
-    double sweep, hierarchical, full;
+    double sweep, sheared, hierarchical, full;
 };
-constexpr Bounds all_bounds[] = {
-    {"cornell", 4, 50, 6}, {"fog", 3, 0.5, 0.5}, {"engine", 3, 2, 1.5}, {"bonsai", 3, 2, 2}, {"cthead", 4, 6, 5}};
+constexpr Bounds all_bounds[] = {{"cornell", 4, 8, 50, 6},
+                                 {"fog", 0.5, 0.3, 0.5, 0.5},
+                                 {"engine", 2, 1.5, 2, 1.5},
+                                 {"bonsai", 2, 2, 2, 2},
+                                 {"cthead", 4.5, 6, 6, 5}};
 
 class VisibilityError : public ::testing::TestWithParam<Bounds> {
 protected:
@@ -43,6 +46,7 @@ TEST_P(VisibilityError, OfCoefficientsIsWhatWasReached) {
     const double sweep = percent(VisibilityTraversal::sweep), steps = percent(VisibilityTraversal::hierarchical),
                  full = percent(VisibilityTraversal::full);
     EXPECT_LT(sweep, GetParam().sweep);
+    EXPECT_LT(percent(VisibilityTraversal::sheared), GetParam().sheared);
     EXPECT_LT(steps, GetParam().hierarchical);
     EXPECT_LT(full, GetParam().full);
     // No worse than the pyramid's, or so small that it does not matter.

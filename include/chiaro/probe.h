@@ -37,7 +37,8 @@ struct ProbeInfo {
 /// The probes that need no file.
 std::vector<ProbeInfo> list_probes();
 
-/// One of list_probes(): functions of direction. White, matte surfaces get a luminance of 1 at most. Throws Error{usage} with "did you mean".
+/// One of list_probes(): functions of direction. White, matte surfaces get a luminance of 1 at most. Throws
+/// Error{usage} with "did you mean".
 Probe builtin_probe(const std::string& name);
 
 /// Whether this names a probe of ours, rightly or wrongly, and no file: it holds neither '/' nor '.'.
