@@ -15,7 +15,11 @@ LitField lit_field(const IlluminationField& field, const Lighting& lighting, Vec
         return {lit->view, MainLight{light.dominant, light.directionality}, lit};
     }
     LitField lit{data.view, {}, {}};
-    if (auto* access = std::get_if<kernel::AccessView>(&lit.view)) access->strength = float(lighting.strength);
+    std::visit(
+        [&](auto& view) {
+            if constexpr (requires { view.strength = 0.5f; }) view.strength = float(lighting.strength);
+        },
+        lit.view);
     return lit;
 }
 

@@ -51,10 +51,16 @@ Outcome raycast(const Device& device, const Medium& medium, const IlluminationFi
         geometry.emplace(data, camera_view(camera, data.volume.geometry(), frame.width, frame.height));
     const LitField lit = lit_field(field, lighting, camera.orbit_up, data);
     Outcome outcome = std::visit(
-        [&](const auto& view) {
+        [&](auto view) {
+            if constexpr (decltype(view)::adds_opacity) {
+                view.step_edges = float(settings.step_voxels);
+                if (view.glows) geometry.reset();  // light shines where nothing is
+            }
             return with_stored_voxel(data.volume.data(), [&](auto voxel) {
                 auto kernel = make_kernel<decltype(voxel)>(data, tables, view, lighting, camera, settings, frame);
                 if (lit.main) shine_from(*lit.main, lighting, camera, kernel.matter.shading);
+                if constexpr (decltype(view)::adds_opacity)
+                    if (view.glows) kernel.matter.occupancy.cells = view.occupancy;
                 return cast(device, kernel, geometry ? &*geometry : nullptr, frame, progress);
             });
         },

@@ -186,9 +186,11 @@ Codebook::Codebook(const Device& device, int bins, HistogramMetric metric, std::
             order.resize(std::size_t(count()));
             std::iota(order.begin(), order.end(), std::uint16_t(0));
             order.erase(order.begin() + w);
-            std::partial_sort(order.begin(), order.begin() + listed_, order.end(), [&](auto a, auto b) {
+            const auto nearer = [&](std::uint16_t a, std::uint16_t b) {
                 return difference[a] != difference[b] ? difference[a] < difference[b] : a < b;
-            });
+            };
+            std::nth_element(order.begin(), order.begin() + listed_, order.end(), nearer);
+            std::sort(order.begin(), order.begin() + listed_, nearer);
             for (int i = 0; i < listed_; ++i) {
                 const std::size_t at = std::size_t(w) * std::size_t(listed_) + std::size_t(i);
                 neighbours_[at] = order[std::size_t(i)];

@@ -9,7 +9,7 @@
 namespace chiaro::kernel {
 
 struct VisibilityView {
-    static constexpr bool modulates = true;
+    static constexpr bool modulates = true, adds_opacity = false;
 
     const std::uint16_t* light;  ///< [node][4]: E of the nodes; x fastest
     GridView grid;
