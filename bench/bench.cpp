@@ -20,6 +20,8 @@ constexpr auto suite_table = std::to_array<Suite>({
     {"pipeline", "upload and classify", pipeline_cases},
     {"spao", "ambient occlusion by filtering: the paper's table, and an edit's update", spao_cases},
     {"spao-error", "ambient occlusion by filtering against rays: error of every model and filter", spao_error_cases},
+    {"histogram", "local histograms: the paper's table of preprocessing, an edit's table, errors of occlusion",
+     histogram_cases},
     {"tool", "first picture and peak memory of the program itself", tool_cases},
 });
 

@@ -53,6 +53,7 @@ std::vector<Case> way_cases(const Setup& setup);
 std::vector<Case> pipeline_cases(const Setup& setup);
 std::vector<Case> spao_cases(const Setup& setup);
 std::vector<Case> spao_error_cases(const Setup& setup);
+std::vector<Case> histogram_cases(const Setup& setup);
 std::vector<Case> tool_cases(const Setup& setup);
 
 /// Something costly that several cases share: made for the first, gone with the last.

@@ -122,6 +122,32 @@ TEST(HistogramLight, EffectsChangeThePictureAloneAndTogether) {
     }
 }
 
+TEST(HistogramLight, GlowsWhereNothingElseIs) {
+    Session session = session_with(soft_shells());
+    Scene scene = scene_of();
+    scene.transfer.points->points.erase(scene.transfer.points->points.begin(),
+                                        scene.transfer.points->points.begin() + 3);
+    const auto opacity_in = [&](bool glows, bool skips) {
+        scene.illumination.histogram.effects.glow = glows;
+        scene.illumination.histogram.glow = "180:220=4";
+        scene.sampling.skip_empty = skips;
+        scene.sampling.early_termination = 0;
+        return picture(session, scene);
+    };
+    const auto dark = opacity_in(false, true), glowing = opacity_in(true, true);
+    EXPECT_EQ(seconds_of(session, "prepare"), 0);
+    int lit = 0;
+    for (std::size_t i = 3; i < dark.size(); i += 4) {
+        ASSERT_GE(glowing[i], dark[i] - 1e-5);
+        lit += dark[i] == 0 && glowing[i] > 0.01;
+    }
+    EXPECT_GT(lit, 50);                           // pixels that see nothing but glow
+    EXPECT_EQ(glowing, opacity_in(true, false));  // occupancy grew as far as the glow reaches
+    scene.illumination.histogram.glow = "nonsense";
+    scene.sampling.skip_empty = true;
+    EXPECT_THROW(picture(session, scene), Error);
+}
+
 TEST(HistogramLight, ShowsInEveryModeAndModel) {
     Session session = session_with(soft_shells());
     for (const Mode mode : {Mode::dvr, Mode::iso})
@@ -325,16 +351,16 @@ TEST(HistogramField, IsOcclusionOrColour) {
 }
 
 TEST(HistogramRadius, IsProposedFromTheData) {
-    const auto walls = [](int distance) {
+    const auto boxes = [](int distance) {
         const Volume volume =
             chiaro::testing::sampled<std::uint8_t>({96, 96, 96}, [distance](double x, double y, double z) {
-                return int(x) % distance < 3 || int(y) % distance < 3 || int(z) % distance < 3 ? 250 : 60;
+                return (int(x) / distance + int(y) / distance + int(z) / distance) % 2 ? 250 : 60;
             });
         return proposed_radius(upload(Device::cpu(1), volume));
     };
-    EXPECT_LT(walls(8), walls(24));
-    EXPECT_GE(walls(8), 4);
-    EXPECT_LE(walls(60), 32);
+    EXPECT_LT(boxes(8), boxes(24));
+    EXPECT_GE(boxes(8), 4);
+    EXPECT_LE(boxes(60), 32);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // at this sample? A method's view is a trivially copyable struct with
 //
 //     static constexpr bool modulates;   // false: the answer is the shading's own; the caster may leave the call out
+//     static constexpr bool adds_opacity;  // true: has glows and glow(), see illumination/histogram/field.h
 //     template <class F> Incident<F> incident(const SamplePoint<F>&, const ShadingView&) const;
 //
 // Colour of a sample = opacity × (albedo × diffuse + specular).

@@ -20,7 +20,7 @@ struct Matter {
     float cut_alpha;  ///< a cut through more opaque matter shows the plane's normal
     bool skip_empty;
 
-    static constexpr bool modulates = Field::modulates;
+    static constexpr bool modulates = Field::modulates, adds_opacity = Field::adds_opacity;
 
     template <class F>
     CHIARO_INLINE F value_at(Vec3<F> p_clamped) const {

@@ -51,8 +51,14 @@ Outcome raycast(const Device& device, const Medium& medium, const IlluminationFi
     return std::visit(
         [&](auto view) {
             if constexpr (requires { view.strength; }) view.strength = float(lighting.strength);
+            if constexpr (decltype(view)::adds_opacity) {
+                view.step_edges = float(settings.step_voxels);
+                if (view.glows) geometry.reset();  // light shines where nothing is
+            }
             return with_stored_voxel(data.volume.data(), [&](auto voxel) {
-                const auto kernel = make_kernel<decltype(voxel)>(data, tables, view, lighting, camera, settings, frame);
+                auto kernel = make_kernel<decltype(voxel)>(data, tables, view, lighting, camera, settings, frame);
+                if constexpr (decltype(view)::adds_opacity)
+                    if (view.glows) kernel.matter.occupancy.cells = view.occupancy;
                 return cast(device, kernel, geometry ? &*geometry : nullptr, frame, progress);
             });
         },

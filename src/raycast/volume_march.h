@@ -73,12 +73,24 @@ CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& 
         c.colour = matter.table.interpolated(matter.volume.corners(at), at.t);
 
     F alpha = select(sampled, alpha_of(c.colour), F(0));
-    const Mask<F> visible = alpha > F(0);
+    Mask<F> visible = alpha > F(0);
+    RgbaLanes<F> glow;
+    bool glows = false;
+    if constexpr (Matter::adds_opacity) {
+        if ((glows = matter.field.glows)) {
+            glow = matter.field.glow(p, alpha);
+            visible = visible | (sampled & (alpha_of(glow) > F(0)));
+        }
+    }
     if (!any(visible)) return;
     // The first half step behind a cut through solid matter has the plane's normal.
     const Cut<F> solid{cut.normal, Mask<F>(cut.open & (k < F(0.5f)) & (alpha > F(matter.cut_alpha)))};
     shorten_last(lattice, visible & (k >= lattice.full), c.colour, alpha);
     matter.light(at, solid, {p, c.value, F(0), F(0)}, c.colour);
+    if (glows) {
+        c.colour = accumulate(c.colour, F(1), glow);
+        alpha = alpha + alpha_of(glow);
+    }
     ray.add(way.backwards, visible, c.colour, alpha);
 }
 

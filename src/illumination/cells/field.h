@@ -6,7 +6,7 @@
 namespace chiaro::kernel {
 
 struct AccessView {
-    static constexpr bool modulates = true;
+    static constexpr bool modulates = true, adds_opacity = false;
 
     const std::uint16_t* cells;           ///< x fastest, 65535: all light arrives
     std::int32_t row, slice;              ///< distances along y and z; 0 along an axis of one cell

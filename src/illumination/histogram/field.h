@@ -1,6 +1,7 @@
 // Light from local histograms, as the ray caster reads it: two words at each node, a colour for each word.
 #pragma once
 #include "illumination/view.h"
+#include "kernel/math.h"
 #include "kernel/rgba.h"
 
 namespace chiaro::kernel {
@@ -13,7 +14,7 @@ struct HalfLight {
 };
 
 struct HistogramView {
-    static constexpr bool modulates = true;
+    static constexpr bool modulates = true, adds_opacity = true;
 
     const float* identifiers;             ///< WordPair's bits: forward in the low half; x fastest
     std::int32_t row, slice;              ///< distances along y and z; 0 along an axis of one node
@@ -29,6 +30,23 @@ struct HistogramView {
     float shows_ao, shows_bleeding;  ///< 0 or 1
     float anisotropy;                ///< g of Henyey and Greenstein
     bool scatters, is_surface, is_paper;
+    bool glows;
+    const Rgba* glow_words;         ///< G and its colour (premultiplied) of one smallest edge, by word
+    float step_edges;               ///< length of a step; set by the ray caster
+    const std::uint8_t* occupancy;  ///< with the reach of what glows, as volume/occupancy.h reads it
+
+    /// What glows around a sample adds to its step's opacity, α' = max(α, G) (P: only where α is 0), with its own
+    /// colour.
+    template <class F>
+    CHIARO_APART RgbaLanes<F> glow(const Vec3<F>& p_voxel, const F& alpha) const {
+        const Corners<F> corners = locate(p_voxel);
+        const Mask<F> all = corners.t.x >= F(0);
+        const RgbaLanes<F> around = mix<F>(blend(glow_words, corners, all), blend(glow_words, corners, !all), F(0.5f));
+        const F g = min(alpha_of(around), F(0.999f));
+        const F of_step = F(1) - exp2(F(step_edges) * log2(F(1) - g));
+        const F more = is_paper ? select(alpha > F(0), F(0), of_step) : max(of_step - alpha, F(0));
+        return kernel::scale(around, more / max(g, F(1e-6f)));
+    }
 
     template <class F>
     CHIARO_INLINE Incident<F> incident(const SamplePoint<F>& sample, const ShadingView& shading) const {
@@ -124,16 +142,20 @@ private:
 
     /// Identifiers are names, not numbers: what they stand for is interpolated.
     template <class F>
-    CHIARO_INLINE HalfLight<F> half(const Corners<F>& c, Mask<F> forward) const {
+    CHIARO_INLINE RgbaLanes<F> blend(const Rgba* by_word, const Corners<F>& c, Mask<F> forward) const {
         const auto word = [&](F pair) CHIARO_INLINE_LAMBDA {
             const Int<F> bits = bits_of(pair);
-            return load_rgba(words, select(forward, bits, bits >> Int<F>(16)) & Int<F>(0xffff));
+            return load_rgba(by_word, select(forward, bits, bits >> Int<F>(16)) & Int<F>(0xffff));
         };
         const auto along_x = [&](const Two<F>& pair)
                                  CHIARO_INLINE_LAMBDA { return mix<F>(word(pair.a), word(pair.b), c.t.x); };
         const RgbaLanes<F> near = mix<F>(along_x(c.pairs.a), along_x(c.pairs.b), c.t.y);
         const RgbaLanes<F> far = mix<F>(along_x(c.pairs.c), along_x(c.pairs.d), c.t.y);
-        return planes(mix<F>(near, far, c.t.z));
+        return mix<F>(near, far, c.t.z);
+    }
+    template <class F>
+    CHIARO_INLINE HalfLight<F> half(const Corners<F>& c, Mask<F> forward) const {
+        return planes(blend(words, c, forward));
     }
 
     static CHIARO_INLINE HalfLight<float> planes(const Rgba& c) { return {{c.r, c.g, c.b}, c.a}; }

@@ -27,8 +27,10 @@ std::vector<std::array<float, 4>> word_sums(const Device& device, const LocalHis
 struct HistogramLight {
     std::shared_ptr<const LocalHistograms> histograms;
     std::vector<kernel::Rgba> words;
-    std::vector<float> side;           ///< by entry of the medium's table
-    std::vector<kernel::Rgba> albedo;  ///< likewise; of the paper's model
+    std::vector<float> side;              ///< by entry of the medium's table
+    std::vector<kernel::Rgba> glow;       ///< of what glows; else empty
+    std::vector<std::uint8_t> occupancy;  ///< likewise
+    std::vector<kernel::Rgba> albedo;     ///< likewise; of the paper's model
     kernel::HistogramView view{};
 
     std::size_t bytes() const { return words.size() * sizeof words[0] + side.size() * sizeof side[0]; }

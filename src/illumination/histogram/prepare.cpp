@@ -7,10 +7,10 @@
 namespace chiaro {
 namespace {
 
-/// Cells from a cell to the next strong edge along one direction.
+/// Cells from a cell to the next strong edge along one direction, or to the border.
 int steps_to_edge(const BinnedCells& cells, std::array<int, 3> at, int axis, int sign, int most, float strong) {
     for (int step = 0; step < most; ++step, at[axis] += sign) {
-        if (at[axis] < 0 || at[axis] >= cells.grid.count[axis]) return most;
+        if (at[axis] < 0 || at[axis] >= cells.grid.count[axis]) return step;
         const auto g = cells.gradient(at[0], at[1], at[2]);
         if (g[0] * g[0] + g[1] * g[1] + g[2] * g[2] > strong * strong) return step;
     }
