@@ -122,6 +122,32 @@ TEST(HistogramLight, EffectsChangeThePictureAloneAndTogether) {
     }
 }
 
+TEST(HistogramLight, GlowsWhereNothingElseIs) {
+    Session session = session_with(soft_shells());
+    Scene scene = scene_of();
+    scene.transfer.points->points.erase(scene.transfer.points->points.begin(),
+                                        scene.transfer.points->points.begin() + 3);
+    const auto opacity_in = [&](bool glows, bool skips) {
+        scene.illumination.histogram.effects.glow = glows;
+        scene.illumination.histogram.glow = "180:220=4";
+        scene.sampling.skip_empty = skips;
+        scene.sampling.early_termination = 0;
+        return picture(session, scene);
+    };
+    const auto dark = opacity_in(false, true), glowing = opacity_in(true, true);
+    EXPECT_EQ(seconds_of(session, "prepare"), 0);
+    int lit = 0;
+    for (std::size_t i = 3; i < dark.size(); i += 4) {
+        ASSERT_GE(glowing[i], dark[i] - 1e-5);
+        lit += dark[i] == 0 && glowing[i] > 0.01;
+    }
+    EXPECT_GT(lit, 50);                           // pixels that see nothing but glow
+    EXPECT_EQ(glowing, opacity_in(true, false));  // occupancy grew as far as the glow reaches
+    scene.illumination.histogram.glow = "nonsense";
+    scene.sampling.skip_empty = true;
+    EXPECT_THROW(picture(session, scene), Error);
+}
+
 TEST(HistogramLight, ShowsInEveryModeAndModel) {
     Session session = session_with(soft_shells());
     for (const Mode mode : {Mode::dvr, Mode::iso})

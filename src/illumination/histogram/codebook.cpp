@@ -80,12 +80,17 @@ private:
         std::vector<PackedHistogram> means(n * bins_);
         parallel_for(device_.threads, std::int64_t(n), 16, [&](std::int64_t first, std::int64_t end) {
             std::vector<std::int64_t> sum(bins_);
+            std::vector<std::int32_t> part(bins_);  // of as many members as fit
             for (auto w = std::size_t(first); w < std::size_t(end); ++w) {
                 const auto members = std::int64_t(begin[w + 1] - begin[w]);
                 if (members == 0) continue;
                 std::fill(sum.begin(), sum.end(), 0);
-                for (std::size_t i = begin[w]; i < begin[w + 1]; ++i)
-                    for (std::size_t k = 0; k < bins_; ++k) sum[k] += vectors_[order[i] * bins_ + k];
+                for (std::size_t i = begin[w]; i < begin[w + 1];) {
+                    std::fill(part.begin(), part.end(), 0);
+                    for (const std::size_t last = std::min(i + 65535, begin[w + 1]); i < last; ++i)
+                        for (std::size_t k = 0; k < bins_; ++k) part[k] += vectors_[order[i] * bins_ + k];
+                    for (std::size_t k = 0; k < bins_; ++k) sum[k] += part[k];
+                }
                 for (std::size_t k = 0; k < bins_; ++k)
                     means[w * bins_ + k] = PackedHistogram((sum[k] + members / 2) / members);
             }

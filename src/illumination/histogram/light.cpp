@@ -73,14 +73,21 @@ kernel::Rgba word_light(const std::array<float, 4>& sums, const LocalHistograms&
     return {share * sums[0], share * sums[1], share * sums[2], v};
 }
 
-/// G = Σ α_j (h_j - 1) / (h_max - 1) LH_j of every word, with its colour.
-std::vector<kernel::Rgba> glow_of_words(const Device& device, const LocalHistograms& h, BinOptics optics) {
+/// G = Σ α_j (h_j - 1) / (h_max - 1) LH_j of every word, with its colour, as opacity of one edge. The paper takes it
+/// for that, which makes solid clouds; here it is the opacity of a length of r.
+std::vector<kernel::Rgba> glow_of_words(const Device& device, const LocalHistograms& h, BinOptics optics,
+                                        HistogramModel model) {
     const float highest = *std::max_element(optics.glow.begin(), optics.glow.end());
     for (std::size_t j = 0; j < optics.alpha.size(); ++j)
         optics.alpha[j] *= (optics.glow[j] - 1) / std::max(highest - 1, 1e-6f);
     optics.glow.clear();
     std::vector<kernel::Rgba> words;
-    for (const auto& sums : word_sums(device, h, optics)) words.push_back({sums[0], sums[1], sums[2], sums[3]});
+    for (const auto& [r, g, b, sum] : word_sums(device, h, optics)) {
+        const float share = std::min(sum, 0.999f);
+        const float edge = model == HistogramModel::paper ? share : -std::expm1(std::log1p(-share) / float(h.radius));
+        const float scale = sum > 0 ? edge / sum : 0;
+        words.push_back({scale * r, scale * g, scale * b, edge});
+    }
     return words;
 }
 
@@ -179,7 +186,8 @@ std::shared_ptr<const HistogramLight> make_histogram_light(const Device& device,
     view.anisotropy = float(settings.anisotropy), view.scatters = effects.scattering;
     view.is_surface = medium.shape.mode == Mode::iso, view.is_paper = is_paper;
     if (!optics.glow.empty() && medium.shape.mode == Mode::dvr) {
-        light->glow = glow_of_words(device, h, optics), light->occupancy = glowing_occupancy(medium, h, optics);
+        light->glow = glow_of_words(device, h, optics, settings.model),
+        light->occupancy = glowing_occupancy(medium, h, optics);
         view.glows = true, view.glow_words = light->glow.data(), view.occupancy = light->occupancy.data();
     }
     light->histograms = std::move(histograms);

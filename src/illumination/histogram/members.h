@@ -6,11 +6,11 @@
 namespace chiaro {
 
 /// How many members make a word, at most; chosen at random. With σ the spread of a word's members their mean errs by
-/// σ / √32.
-inline constexpr int most_members = 32;
+/// σ / 4 (measured: .0005 more RMSE of O than with 64).
+inline constexpr int most_members = 16;
 
 /// Fills `shares` and `scale` from the unpacked histograms of members by brute force; `whole`: of whole balls.
-/// Cost: 32 histograms a word.
+/// Cost: 16 histograms a word.
 void find_words(const Device& device, const BinnedCells& cells, const Ball& ball, bool whole,
                 LocalHistograms& histograms, Progress& progress);
 

@@ -5,16 +5,23 @@
 
 namespace chiaro::kernel {
 
-/// Squared distance (L2), sum (L1) or largest (Lmax) of the differences of two vectors, 32767ths.
+/// Squared distance (L2), sum (L1) or largest (Lmax) of the differences of two vectors, 32767ths; or some number above
+/// `enough` where it is more than that.
 template <CodebookMetric metric>
-CHIARO_INLINE std::int32_t difference(const std::int16_t* a, const std::int16_t* b, int bins) {
+CHIARO_INLINE std::int32_t difference(const std::int16_t* a, const std::int16_t* b, int bins,
+                                      std::int32_t enough = 0x7fffffff) {
     std::int32_t sum = 0;
     if constexpr (metric == CodebookMetric::l2) {
-        for (int k = 0; k < bins; k += 16)
-            for (int l = 0; l < 16; ++l) {
-                const std::int16_t d = std::int16_t(a[k + l] - b[k + l]);
-                sum += std::int32_t(d) * std::int32_t(d);
-            }
+        const int half = bins / 32 * 16;  // adding up costs as much as some bins: once on the way is enough
+        for (int k = 0; k < half; ++k) {
+            const std::int16_t d = std::int16_t(a[k] - b[k]);
+            sum += std::int32_t(d) * std::int32_t(d);
+        }
+        if (sum > enough) return sum;
+        for (int k = half; k < bins; ++k) {
+            const std::int16_t d = std::int16_t(a[k] - b[k]);
+            sum += std::int32_t(d) * std::int32_t(d);
+        }
     } else {
         std::int16_t largest = 0;
         for (int k = 0; k < bins; ++k) {
@@ -52,7 +59,7 @@ CHIARO_INLINE std::int32_t nearest_word(const CodebookView& book, const std::int
         bool is_far_off = false;
         for (; i < book.listed && away[i] <= reach && !is_far_off; ++i) {
             const std::int32_t c = near[i];
-            const std::int32_t d = difference<metric>(x, book.words + std::int64_t(c) * book.bins, book.bins);
+            const std::int32_t d = difference<metric>(x, book.words + std::int64_t(c) * book.bins, book.bins, least);
             if (d > least || (d == least && c > best)) continue;
             best = c, least = d;
             const float to_best = distance_of<metric>(d);
@@ -62,7 +69,7 @@ CHIARO_INLINE std::int32_t nearest_word(const CodebookView& book, const std::int
         if (is_far_off) continue;
         if (i == book.listed && book.listed < book.count - 1)
             for (std::int32_t c = 0; c < book.count; ++c) {
-                const std::int32_t d = difference<metric>(x, book.words + std::int64_t(c) * book.bins, book.bins);
+                const std::int32_t d = difference<metric>(x, book.words + std::int64_t(c) * book.bins, book.bins, least);
                 if (d < least || (d == least && c < best)) best = c, least = d;
             }
         found = least;
