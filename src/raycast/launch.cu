@@ -1,4 +1,6 @@
 // The ray caster's kernel as CUDA sees it: the same source, one thread a pixel. Compiled wherever nvcc exists.
+#pragma nv_diag_suppress 549  // "used before its value is set": only where a field glows, and then it is set
+
 #include "illumination/cells/field.h"
 #include "illumination/histogram/field.h"
 #include "illumination/none/field.h"
