@@ -69,7 +69,8 @@ CHIARO_INLINE std::int32_t nearest_word(const CodebookView& book, const std::int
         if (is_far_off) continue;
         if (i == book.listed && book.listed < book.count - 1)
             for (std::int32_t c = 0; c < book.count; ++c) {
-                const std::int32_t d = difference<metric>(x, book.words + std::int64_t(c) * book.bins, book.bins, least);
+                const std::int32_t d =
+                    difference<metric>(x, book.words + std::int64_t(c) * book.bins, book.bins, least);
                 if (d < least || (d == least && c < best)) best = c, least = d;
             }
         found = least;
