@@ -42,6 +42,26 @@ TEST(Codebook, FindsTheNearestWordOfAll) {
     }
 }
 
+TEST(Codebook, TellsPureVectorsApart) {
+    // The farthest that two can be: nothing in common, all in one bin each.
+    std::vector<PackedHistogram> words(2 * 16, 0), pure(16, 0);
+    words[3] = words[16 + 9] = pure[9] = packed_one;
+    for (const auto metric : {HistogramMetric::l2, HistogramMetric::l1, HistogramMetric::lmax}) {
+        const Codebook book(Device::cpu(1), 16, metric, words);
+        for (const Isa isa : available_isas()) {
+            const auto kernels = kernel::histogram_functions_for(isa);
+            std::int32_t to[2], found;
+            std::uint16_t nearest = 0;
+            kernels.differences_to(book.view(), pure.data(), to);
+            EXPECT_GT(to[0], 0);
+            EXPECT_EQ(to[1], 0);
+            kernels.assign_each(book.view(), pure.data(), 1, &nearest, &found);
+            EXPECT_EQ(nearest, 1);
+            EXPECT_EQ(found, 0);
+        }
+    }
+}
+
 TEST(Codebook, MeasuresByItsMetric) {
     std::vector<PackedHistogram> words(2 * 16, 0);
     words[0] = 300, words[17] = 400;

@@ -45,11 +45,12 @@ std::filesystem::path folder_of(const std::string& setting) {
     return home && *home ? std::filesystem::path(home) / ".cache" / "chiaro" : std::filesystem::path();
 }
 
-/// What the result depends on, in words.
+/// What the result depends on, in words. The method has a number of its own: what an older one found no longer serves.
 std::string key_of(const DeviceVolume::Data& v, const HistogramSettings& s) {
     const std::span<const std::byte> bricks(v.bricks.data(), v.bricks.size());
     return fmt::format(
-        "data {:016x}{:016x} of {} x {} x {} type {} spacing {} {} {} range {} {}; radius {} clusters {} packed {} {} "
+        "method 2, data {:016x}{:016x} of {} x {} x {} type {} spacing {} {} {} range {} {}; radius {} clusters {} "
+        "packed {} {} "
         "metric {} path {} subsample {}\n",
         hash_of(bricks), hash_of(bricks, 0x5bd1e995), v.dimensions[0], v.dimensions[1], v.dimensions[2], int(v.stored),
         to_text(v.geometry.spacing_mm[0]), to_text(v.geometry.spacing_mm[1]), to_text(v.geometry.spacing_mm[2]),

@@ -10,9 +10,9 @@
 
 namespace chiaro {
 
-/// Packed histograms are vectors of 16-bit numbers, 32767ths of 1, as long as a multiple of 16.
+/// Packed histograms are vectors of 16-bit numbers, packed_one for 1, as long as a multiple of 16.
 using PackedHistogram = std::int16_t;
-inline constexpr int packed_one = 32767;
+using kernel::packed_one;
 constexpr int padded_bins(int packed) { return (packed + 15) / 16 * 16; }
 
 /// Words, and for each its nearest others, which is what makes the search for the nearest word short.

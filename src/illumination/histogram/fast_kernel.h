@@ -1,6 +1,7 @@
 // Histograms of a block of cells by sums over boxes, in vectors of packed bins, a bin to a lane. Far cells are summed
 // as coarse ones of 2³, exactly in integers; near ones are counted one by one.
 #pragma once
+#include "illumination/histogram/codebook_view.h"
 #include "illumination/histogram/fast_block.h"
 #include "kernel/row.h"
 
@@ -191,11 +192,12 @@ CHIARO_INLINE void count_near(const FastBlock& b, const std::uint32_t* cell, con
 
 template <class F>
 CHIARO_INLINE void store_histogram(F share, std::int16_t* to) {
-    store_whole(truncate(min(max(share, F(0)), F(1)) * F(32767) + F(0.5f)), reinterpret_cast<std::uint16_t*>(to));
+    store_whole(truncate(min(max(share, F(0)), F(1)) * F(float(packed_one)) + F(0.5f)),
+                reinterpret_cast<std::uint16_t*>(to));
 }
 
 /// Both histograms of one cell of a row that is interpolated: M0 ± M1 (3/2 + 2 q²), q = n · M1 / M0, and what was
-/// counted near it; as 32767ths. `n` is ∇f of length 1, or 0.
+/// counted near it; packed_one for 1. `n` is ∇f of length 1, or 0.
 template <class F>
 CHIARO_INLINE void finish_cell(const FastBlock& b, int fine_x, const float* n, std::int16_t* histograms) {
     const std::int64_t row = std::int64_t(FastBlock::nodes) * b.bins;

@@ -66,7 +66,7 @@ kernel::HistogramView view_over(const LocalHistograms& h, const VoxelBuffer& ide
 }
 
 /// Half of what words get wrong of the share of matter around (its RMSE, for matter of opacity 1).
-constexpr float share_of_noise = 0.015f;
+constexpr float share_of_noise = 0;
 
 /// Bleeding (1 - v) E / O and v; v = exp(-r O), or the paper's 1 - O. `least` is what of O is noise: the exponential
 /// would show .02 of it, on a flat surface of opaque matter, as stains a third darker.

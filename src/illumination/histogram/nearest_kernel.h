@@ -5,7 +5,7 @@
 
 namespace chiaro::kernel {
 
-/// Squared distance (L2), sum (L1) or largest (Lmax) of the differences of two vectors, 32767ths; or some number above
+/// Squared distance (L2), sum (L1) or largest (Lmax) of the differences of two vectors; or some number above
 /// `enough` where it is more than that.
 template <CodebookMetric metric>
 CHIARO_INLINE std::int32_t difference(const std::int16_t* a, const std::int16_t* b, int bins,

@@ -199,9 +199,9 @@ TEST(LocalHistograms, SweptEqualBruteForceInTheirQuantity) {
             data.packing.pack(full, packed);
             for (int half = 0; half < 2; ++half)
                 for (int k = 0; k < 16; ++k)
-                    ASSERT_NEAR(
-                        swept[(data.cells.grid.index(x, y, z) * 2 + std::size_t(half)) * 16 + std::size_t(k)] / 32767.0,
-                        packed[std::size_t(k)], 3e-5)
+                    ASSERT_NEAR(swept[(data.cells.grid.index(x, y, z) * 2 + std::size_t(half)) * 16 + std::size_t(k)] /
+                                    double(packed_one),
+                                packed[std::size_t(k)], 6e-5)
                         << x << " " << k;
         }
     }
@@ -220,8 +220,8 @@ TEST(LocalHistograms, FastOnesAreNearExactOnes) {
                 const std::size_t other = i % 32 ? i - 16 : i + 16;
                 of_ball += fast[i + k] + fast[other + k] - exact[i + k] - exact[other + k];
             }
-            squares += std::pow((o - o_fast) / 32767, 2);
-            worst_sum = std::max(worst_sum, std::abs(of_ball) / 65534);
+            squares += std::pow((o - o_fast) / packed_one, 2);
+            worst_sum = std::max(worst_sum, std::abs(of_ball) / (2.0 * packed_one));
         }
         EXPECT_LT(std::sqrt(squares / double(fast.size() / 16)), most) << radius;
         EXPECT_LT(worst_sum, 0.1) << radius;  // noise, and a border that cuts boxes otherwise than the ball
