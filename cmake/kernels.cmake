@@ -2,6 +2,9 @@
 # These units must hold no inline code of the standard library: the linker keeps one copy of each such function, and it
 # might keep the one that an older processor cannot run.
 set(CHIARO_ISAS scalar x86_64_v2 x86_64_v3 x86_64_v4)
+if(CHIARO_SANITIZE)
+  set(CHIARO_ISAS scalar) # core/isa.h lets it stand for all
+endif()
 set(CHIARO_FLAGS_scalar -march=x86-64)
 set(CHIARO_FLAGS_x86_64_v2 -march=x86-64-v2)
 set(CHIARO_FLAGS_x86_64_v3 -march=x86-64-v3)
@@ -12,6 +15,9 @@ function(chiaro_add_kernels target)
   if(NOT launches)
     return()
   endif()
+  if(CHIARO_SANITIZE)
+    target_compile_definitions(${target} PUBLIC CHIARO_SCALAR_ONLY)
+  endif()
   foreach(isa ${CHIARO_ISAS})
     set(kernels ${target}_kernels_${isa})
     add_library(${kernels} OBJECT ${launches})
@@ -20,10 +26,6 @@ function(chiaro_add_kernels target)
     # One rounding rule for all: products and sums are never fused, so every instruction set gives the same bits.
     target_compile_options(${kernels} PRIVATE ${CHIARO_FLAGS_${isa}} -O3 -ffp-contract=off -fno-math-errno -fno-trapping-math
                            -Wno-maybe-uninitialized -Wno-uninitialized) # false alarms inside GCC 12's own AVX-512 header (PR 105593)
-    if(CHIARO_SANITIZE AND NOT isa STREQUAL "scalar")
-      # Same source, and minutes of compiling each: the scalar build is the one that is watched.
-      target_compile_options(${kernels} PRIVATE -fno-sanitize=all)
-    endif()
     target_link_libraries(${kernels} PRIVATE chiaro_warnings)
     target_sources(${target} PRIVATE $<TARGET_OBJECTS:${kernels}>)
   endforeach()

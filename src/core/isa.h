@@ -4,8 +4,16 @@
 
 namespace chiaro::kernel {
 
+#ifdef CHIARO_SCALAR_ONLY  // under sanitizers: the same source, and minutes of compiling each
+namespace scalar {}
+namespace x86_64_v2 = scalar;
+namespace x86_64_v3 = scalar;
+namespace x86_64_v4 = scalar;
+#define CHIARO_FOR_EACH_ISA(declare) declare(scalar)
+#else
 /// Writes declare(scalar) declare(x86_64_v2) ...: what launch.cpp defines, one namespace per instruction set.
 #define CHIARO_FOR_EACH_ISA(declare) declare(scalar) declare(x86_64_v2) declare(x86_64_v3) declare(x86_64_v4)
+#endif
 
 template <class Function>
 Function pick(Isa isa, Function scalar, Function v2, Function v3, Function v4) {
