@@ -1,0 +1,58 @@
+// Local histograms as CUDA sees them: the same source, one thread a cell, a block, a row, a histogram or a word. Compiled
+// wherever nvcc exists.
+#include "illumination/histogram/exact_kernel.h"
+#include "illumination/histogram/fast_kernel.h"
+#include "illumination/histogram/nearest_kernel.h"
+#include "illumination/histogram/table_kernel.h"
+
+namespace chiaro::kernel {
+namespace {
+
+__device__ std::int32_t item() { return std::int32_t(blockIdx.x * blockDim.x + threadIdx.x); }
+
+}  // namespace
+
+/// The first `count` cells of a run.
+__global__ void exact_cells(BallView ball, PlaceTile tile, const float* gradient, std::int32_t count, float* all,
+                            float* forward) {
+    const std::int32_t i = item();
+    if (i < count)
+        exact_histograms<float>(ball, {tile.first + i, tile.row, tile.slice}, gradient + i, all + i, forward + i);
+}
+
+/// Half balls of single cells, each with its tile and room.
+__global__ void exact_halves(BallView ball, const PlaceTile* tiles, const float* gradients, std::int32_t count,
+                             bool whole, float* histograms, std::int32_t places) {
+    const std::int32_t i = item();
+    if (i < count) exact_half(ball, tiles[i], gradients + 3 * i, whole, histograms + std::int64_t(i) * places);
+}
+
+/// Blocks, each with room of its own; then their planes, and the rows of those.
+__global__ void sum_blocks(const FastBlock* blocks, std::int32_t count) {
+    if (item() < count) fast_sums<float>(blocks[item()]);
+}
+__global__ void plane_of_blocks(const FastBlock* blocks, std::int32_t count, std::int32_t fine_z) {
+    if (item() < count) fast_plane<float>(blocks[item()], fine_z);
+}
+__global__ void row_of_blocks(const FastBlock* blocks, std::int32_t count, std::int32_t fine_y, std::int32_t fine_z,
+                              std::int32_t cells, const float* normals, std::int16_t* histograms) {
+    const std::int32_t i = item();
+    if (i < count)
+        fast_cells<float>(blocks[i], fine_y, fine_z, cells, 1, normals + std::int64_t(i) * 3 * cells,
+                          histograms + std::int64_t(i) * 2 * cells * blocks[i].bins);
+}
+
+/// Words of single histograms; `words` holds the guesses.
+__global__ void assign_histograms(CodebookView book, const std::int16_t* histograms, std::int32_t count,
+                                  std::uint16_t* words, std::int32_t* differences) {
+    const std::int32_t i = item();
+    if (i < count) assign_each(book, histograms + std::int64_t(i) * book.bins, 1, words + i, differences + i);
+}
+
+__global__ void sums_of_words(const std::uint16_t* shares, std::int32_t words, std::int32_t bins, std::int32_t first,
+                              std::int32_t end, const float* weights, float* out) {
+    const std::int32_t w = item();
+    if (w < words) word_sums(shares + std::int64_t(w) * bins, 1, bins, first, end, weights, out + 4 * w);
+}
+
+}  // namespace chiaro::kernel
