@@ -13,7 +13,7 @@
 #include "classify/medium.h"
 #include "illumination/histogram/exact.h"
 #include "illumination/histogram/fast.h"
-#include "illumination/histogram/light.h"
+#include "illumination/histogram/optics.h"
 #include "illumination/histogram/source.h"
 #include "occlusion_error.h"
 #include "rows.h"

@@ -6,7 +6,7 @@
 
 #include "classify/medium.h"
 #include "illumination/histogram/exact.h"
-#include "illumination/histogram/light.h"
+#include "illumination/histogram/optics.h"
 
 namespace chiaro::bench {
 

@@ -49,9 +49,8 @@ std::filesystem::path folder_of(const std::string& setting) {
 std::string key_of(const DeviceVolume::Data& v, const HistogramSettings& s) {
     const std::span<const std::byte> bricks(v.bricks.data(), v.bricks.size());
     return fmt::format(
-        "method 2, data {:016x}{:016x} of {} x {} x {} type {} spacing {} {} {} range {} {}; radius {} clusters {} "
-        "packed {} {} "
-        "metric {} path {} subsample {}\n",
+        "method 3, data {:016x}{:016x} of {} x {} x {} type {} spacing {} {} {} range {} {}; radius {} clusters {} "
+        "packed {} {} metric {} path {} subsample {}\n",
         hash_of(bricks), hash_of(bricks, 0x5bd1e995), v.dimensions[0], v.dimensions[1], v.dimensions[2], int(v.stored),
         to_text(v.geometry.spacing_mm[0]), to_text(v.geometry.spacing_mm[1]), to_text(v.geometry.spacing_mm[2]),
         v.stored_min, v.stored_max, s.radius, s.clusters, s.packed_bins, int(s.packing), int(s.metric), int(s.path),

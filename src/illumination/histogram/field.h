@@ -1,5 +1,6 @@
 // Light from local histograms, as the ray caster reads it: two words at each node, a colour for each word.
 #pragma once
+#include "illumination/cells/place.h"
 #include "illumination/view.h"
 #include "kernel/math.h"
 #include "kernel/rgba.h"
@@ -16,12 +17,9 @@ struct HalfLight {
 struct HistogramView {
     static constexpr bool modulates = true, adds_opacity = true;
 
-    const float* identifiers;             ///< WordPair's bits: forward in the low half; x fastest
-    std::int32_t row, slice;              ///< distances along y and z; 0 along an axis of one node
-    Float3 last;                          ///< count - 1 per axis
-    std::int32_t last_x, last_y, last_z;  ///< last interval's node, max(count - 2, 0)
-    Float3 nodes_per_voxel, shift;        ///< node = voxel × nodes_per_voxel + shift
-    const Rgba* words;                    ///< bleeding, v
+    const float* identifiers;        ///< WordPair's bits: forward in the low half; x fastest
+    GridView grid;                   ///< of the nodes
+    const Rgba* words;               ///< bleeding, v
     const float* side;               ///< by value: the half ball that faces outwards, 1 forward, -1 backward, 0 neither
     const Rgba* albedo;              ///< by value; of the paper's model
     float scale, offset;             ///< index by value = stored × scale + offset
@@ -126,18 +124,8 @@ private:
     };
     template <class F>
     CHIARO_INLINE Corners<F> locate(Vec3<F> p_voxel) const {
-        const Vec3<F> p{to_node(p_voxel.x, nodes_per_voxel.x, shift.x, last.x),
-                        to_node(p_voxel.y, nodes_per_voxel.y, shift.y, last.y),
-                        to_node(p_voxel.z, nodes_per_voxel.z, shift.z, last.z)};
-        using I = Int<F>;
-        const I x = min(truncate(p.x), I(last_x)), y = min(truncate(p.y), I(last_y)), z = min(truncate(p.z), I(last_z));
-        return {gather_two(identifiers, typename GatherIndex<F>::type(z * I(slice) + y * I(row) + x),
-                           {0, row, slice, slice + row}),
-                {p.x - to_float(x), p.y - to_float(y), p.z - to_float(z)}};
-    }
-    template <class F>
-    static CHIARO_INLINE F to_node(F voxel, float scale, float offset, float highest) {
-        return min(max(mad(voxel, F(scale), F(offset)), F(0)), F(highest));
+        const GridLocation<F> at = grid.locate(p_voxel);
+        return {gather_two(identifiers, typename GatherIndex<F>::type(at.node), grid.rows()), at.t};
     }
 
     /// Identifiers are names, not numbers: what they stand for is interpolated.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <optional>
 #include <sstream>
 
@@ -62,6 +63,55 @@ double GlowMapping::at(double value) const {
     const auto before = std::prev(next);
     const double t = (value - before->first) / (next->first - before->first);
     return before->second + t * (next->second - before->second);
+}
+
+std::vector<kernel::Rgba> glow_of_words(const Device& device, const LocalHistograms& h, BinOptics optics,
+                                        HistogramModel model) {
+    const float highest = *std::max_element(optics.glow.begin(), optics.glow.end());
+    for (std::size_t j = 0; j < optics.alpha.size(); ++j)
+        optics.alpha[j] *= (optics.glow[j] - 1) / std::max(highest - 1, 1e-6f);
+    optics.glow.clear();
+    std::vector<kernel::Rgba> words;
+    for (const auto& [r, g, b, sum] : word_sums(device, h, optics)) {
+        const float share = std::min(sum, 0.999f);
+        const float edge = model == HistogramModel::paper ? share : -std::expm1(std::log1p(-share) / float(h.radius));
+        const float scale = sum > 0 ? edge / sum : 0;
+        words.push_back({scale * r, scale * g, scale * b, edge});
+    }
+    return words;
+}
+
+std::vector<std::uint8_t> glowing_occupancy(const Medium::Data& medium, const LocalHistograms& h,
+                                            const BinOptics& optics) {
+    const DeviceVolume::Data& volume = medium.volume.data();
+    CellRanges ranges = volume.cells;
+    const auto [nx, ny, nz] = ranges.count;
+    std::vector<int> before(optics.alpha.size() + 1, 0);  // bins that glow
+    for (std::size_t j = 0; j < optics.alpha.size(); ++j)
+        before[j + 1] = before[j] + (optics.alpha[j] > 0 && optics.glow[j] > 1);
+    const double reach_mm = (h.radius + 2) * h.grid.edge_mm;
+    std::array<int, 3> reach;
+    for (int axis = 0; axis < 3; ++axis)
+        reach[axis] = int(std::ceil(reach_mm / (volume.geometry.spacing_mm[axis] * cell_edge))) + 1;
+    constexpr float lit = std::numeric_limits<float>::quiet_NaN();
+    for (int z = 0; z < nz; ++z)
+        for (int y = 0; y < ny; ++y)
+            for (int x = 0; x < nx; ++x) {
+                const std::size_t cell = (std::size_t(z) * ny + std::size_t(y)) * nx + std::size_t(x);
+                if (before[h.binning.bin_of(volume.cells.high[cell]) + 1u] ==
+                    before[h.binning.bin_of(volume.cells.low[cell])])
+                    continue;
+                for (int k = std::max(z - reach[2], 0); k <= std::min(z + reach[2], nz - 1); ++k)
+                    for (int j = std::max(y - reach[1], 0); j <= std::min(y + reach[1], ny - 1); ++j) {
+                        const auto row = ranges.low.begin() + (std::ptrdiff_t(k) * ny + j) * nx;
+                        std::fill(row + std::max(x - reach[0], 0), row + std::min(x + reach[0], nx - 1) + 1, lit);
+                    }
+            }
+    const RangeTest visible = visible_range(medium.table);
+    double occupied = 0;
+    return make_occupancy(
+        ranges, [&](float low, float high) { return std::isnan(low) || visible(low, high); }, volume.device.threads,
+        occupied);
 }
 
 }  // namespace chiaro

@@ -1,8 +1,11 @@
-// How strongly values glow.
+// Which values glow, how strongly, and how far.
 #pragma once
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "illumination/histogram/optics.h"
+#include "kernel/rgba.h"
 
 namespace chiaro {
 
@@ -21,5 +24,14 @@ private:
     void add(double value, double strength, const std::string& who);
     std::vector<std::pair<double, double>> points_;
 };
+
+/// G = Σ α_j (h_j - 1) / (h_max - 1) LH_j of every word, with its colour, as opacity of one edge. The paper takes it
+/// for that, which makes solid clouds; here it is the opacity of a length of r.
+std::vector<kernel::Rgba> glow_of_words(const Device& device, const LocalHistograms& histograms, BinOptics optics,
+                                        HistogramModel model);
+
+/// The medium's occupancy, and every cell that the light of one that glows may reach.
+std::vector<std::uint8_t> glowing_occupancy(const Medium::Data& medium, const LocalHistograms& histograms,
+                                            const BinOptics& optics);
 
 }  // namespace chiaro

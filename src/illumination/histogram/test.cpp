@@ -10,7 +10,7 @@
 #include "illumination/histogram/exact.h"
 #include "illumination/histogram/glow.h"
 #include "illumination/histogram/launch.h"
-#include "illumination/histogram/light.h"
+#include "illumination/histogram/optics.h"
 #include "illumination/histogram/source.h"
 
 namespace chiaro {

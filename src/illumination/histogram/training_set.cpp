@@ -25,12 +25,13 @@ void for_cells(const Range& range, Visit&& visit) {
             for (int i = x.first; i < x.second; ++i) visit(i, j, k);
 }
 
-/// One byte for each cell of a block: whether it is chosen.
+/// One byte for each cell of a block: whether it is chosen. Half of the choice falls on edges, where histograms differ
+/// most and light shows; half on all cells, which words must serve too.
 std::vector<std::uint8_t> choose(const BinnedCells& cells, const Range& range, double wanted) {
     std::vector<std::uint8_t> edge;
     for_cells(range, [&](int i, int j, int k) { edge.push_back(is_at_edge(cells, i, j, k)); });
     const auto edges = double(std::accumulate(edge.begin(), edge.end(), 0));
-    const double all = wanted / 8 / double(edge.size()), at_edges = edges > 0 ? wanted * 7 / 8 / edges : 0;
+    const double all = wanted / 2 / double(edge.size()), at_edges = edges > 0 ? wanted / 2 / edges : 0;
     std::vector<std::uint8_t> chosen;
     for_cells(range, [&](int i, int j, int k) {
         const double share = random_share(cells.grid.index(i, j, k));

@@ -1,0 +1,76 @@
+#include "illumination/histogram/optics.h"
+
+#include "core/srgb.h"
+#include "core/threads.h"
+#include "illumination/histogram/glow.h"
+#include "illumination/histogram/launch.h"
+
+namespace chiaro {
+namespace {
+
+const OpticalTable::Entry& entry_at(const OpticalTable& table, double stored) {
+    const double last = double(table.entries.size()) - 1;
+    return table.entries[std::size_t(std::clamp(table.index_of(stored) + 0.5, 0.0, last))];
+}
+
+/// The material behind isosurfaces, at one value.
+void add_material(const Medium::Data& medium, double value, const OpticalTable::Entry& entry, BinOptics& optics) {
+    double clear = 1;
+    const IsoSurface* highest = nullptr;
+    for (const IsoSurface& s : medium.shape.iso) {
+        if (value < s.value) continue;
+        clear *= 1 - s.opacity;
+        if (!highest || s.value > highest->value) highest = &s;
+    }
+    std::array<float, 3> rgb{entry.r, entry.g, entry.b};
+    if (highest && highest->color)
+        for (std::size_t c = 0; c < 3; ++c)
+            rgb[c] = float(medium.shape.color == ColorMode::linear ? linear_from_srgb((*highest->color)[c])
+                                                                   : (*highest->color)[c]);
+    optics.alpha.push_back(float(1 - clear)), optics.rgb.push_back(rgb);
+}
+
+}  // namespace
+
+BinOptics optics_of_bins(const Medium::Data& medium, const LocalHistograms& h, const std::string& glow) {
+    const DeviceVolume::Data& volume = medium.volume.data();
+    const double edge_mm = volume.geometry.smallest_spacing_mm();
+    BinOptics optics;
+    const auto glowing = glow.empty() ? GlowMapping() : GlowMapping(glow);
+    for (int j = 0; j < h.binning.count; ++j) {
+        const double stored = h.binning.stored_of(j), value = volume.scale * stored + volume.offset;
+        const OpticalTable::Entry& entry = entry_at(medium.table, stored);
+        if (medium.shape.mode == Mode::iso) {
+            add_material(medium, value, entry, optics);
+        } else {
+            optics.alpha.push_back(float(-std::expm1(-entry.extinction_per_mm * edge_mm)));
+            optics.rgb.push_back({entry.r, entry.g, entry.b});
+        }
+        if (!glow.empty()) optics.glow.push_back(float(glowing.at(value)));
+    }
+    return optics;
+}
+
+std::vector<std::array<float, 4>> word_sums(const Device& device, const LocalHistograms& h, const BinOptics& optics) {
+    const auto stride = std::size_t(h.stride);
+    std::vector<float> weights(4 * stride);
+    std::size_t first = stride, end = 0;
+    for (std::size_t j = 0; j < optics.alpha.size(); ++j) {
+        const float alpha = optics.alpha[j], glow = optics.glow.empty() ? 1 : optics.glow[j];
+        for (std::size_t c = 0; c < 3; ++c) weights[c * stride + j] = alpha * glow * optics.rgb[j][c];
+        weights[3 * stride + j] = alpha;
+        if (alpha > 0) first = std::min(first, j / 16 * 16), end = j + 1;
+    }
+    std::vector<std::array<float, 4>> sums(std::size_t(h.words), {0, 0, 0, 0});
+    if (end == 0) return sums;
+    const auto kernels = kernel::histogram_functions_for(device.isa);
+    parallel_for(device.threads, h.words, 64, [&](std::int64_t from, std::int64_t to) {
+        kernels.word_sums(h.shares.data() + std::size_t(from) * stride, std::int32_t(to - from), h.stride,
+                          std::int32_t(first), std::int32_t(end), weights.data(), sums[std::size_t(from)].data());
+        for (auto w = std::size_t(from); w < std::size_t(to); ++w)
+            for (float& sum : sums[w]) sum *= h.scale[w];
+    });
+    return sums;
+}
+
+}  // namespace chiaro
