@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <numeric>
 #include <random>
 
 #include "classify/medium.h"
@@ -110,14 +109,15 @@ std::vector<Row> measure_exact(const Setup& setup, const std::string& name) {
     const Ball ball(settings.radius, true);
     const auto run = [&](Isa isa) {
         const ExactHistograms exact(Device::cpu(1, isa), data.cells, ball, data.packing.low, data.packing.packed);
-        std::vector<float> histograms(std::size_t(32 * data.packing.packed));
-        const int n = data.cells.grid.count[0];
+        std::vector<float> histograms(std::size_t(2 * data.packing.packed));
+        const auto n = unsigned(data.cells.grid.count[0]);
+        constexpr int cells = 400;
         std::mt19937 random(5);
-        return 1e6 / 16 / 24 * cpu_seconds([&] {
-                   for (int i = 0; i < 24; ++i)
-                       exact.find({int(random() % unsigned(n - 16)), int(random() % unsigned(n)),
-                                   int(random() % unsigned(n)), 16},
-                                  histograms.data());
+        return 1e6 / cells * cpu_seconds([&] {
+                   for (int i = 0; i < cells; ++i) {
+                       const int x = int(random() % n), y = int(random() % n), z = int(random() % n);
+                       exact.find(x, y, z, histograms.data());
+                   }
                });
     };
     const auto series = in_turns(setup.runs, {[&] { return run(Isa::scalar); }, [&] { return run(setup.device.isa); }});

@@ -31,9 +31,7 @@ std::vector<OcclusionError> occlusion_errors(const DeviceVolume& volume, const L
     const BinnedCells cells = bin_cells(volume.data(), progress);
     const Ball ball(h.radius, true);
     const int bins = cells.binning.count;
-    std::vector<std::uint16_t> same(std::size_t(bins), 0);
-    std::iota(same.begin(), same.end(), std::uint16_t(0));
-    const ExactHistograms exact(device, cells, ball, std::move(same), bins);
+    const ExactHistograms exact(device, cells, ball);
     std::vector<std::vector<float>> alphas;
     std::vector<std::vector<std::array<float, 4>>> sums;
     for (const auto& [name, tf] : functions) {

@@ -11,8 +11,9 @@ struct Ball {
     using Row = kernel::BallRow;
     int radius;
     std::vector<Row> rows;
-    std::vector<float> weight;  ///< by d², of W = 1 (their sum over the ball); [0] is 0
-    double inverse_squares;     ///< Σ 1/d²
+    std::vector<float> weight;   ///< by d², of W = 1 (their sum over the ball); [0] is 0
+    std::vector<float> weights;  ///< of every cell, row after row
+    double inverse_squares;      ///< Σ 1/d²
 
     Ball(int radius_cells, bool by_distance) : radius(radius_cells), inverse_squares(0) {
         const int r = radius_cells;
@@ -30,8 +31,11 @@ struct Ball {
         weight.push_back(0);
         for (int square = 1; square <= r * r; ++square)
             weight.push_back(float(by_distance ? 1 / (square * inverse_squares) : 1 / cells));
+        for (const Row& row : rows)
+            for (int dx = -row.reach; dx <= row.reach; ++dx)
+                weights.push_back(weight[std::size_t(row.dy * row.dy + row.dz * row.dz + dx * dx)]);
     }
-    kernel::BallView view() const { return {rows.data(), std::int32_t(rows.size()), weight.data()}; }
+    kernel::BallView view() const { return {rows.data(), std::int32_t(rows.size()), weights.data()}; }
 };
 
 }  // namespace chiaro

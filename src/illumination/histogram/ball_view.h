@@ -1,4 +1,4 @@
-// A ball of cells, and a tile of what lies in them, as kernels read them.
+// A ball of cells, and what lies around a cell, as kernels read them.
 #pragma once
 #include <cstdint>
 
@@ -11,12 +11,14 @@ struct BallView {
     static constexpr int most_reach = 64;
     const BallRow* row;
     std::int32_t rows;
-    const float* weight;  ///< by squared distance
+    const float* weights;  ///< of every cell, row after row
 };
-inline constexpr int run_lanes = 16;  ///< cells of a run, whatever the instruction set
-struct PlaceTile {
-    const std::uint16_t* first;
-    std::int32_t row, slice;
+
+/// A cell's place in a histogram, those of its neighbours, and how far the volume goes before and behind it.
+struct CellPlaces {
+    const std::uint16_t* here;
+    std::int32_t row, slice;  ///< distances along y and z
+    std::int32_t before[3], behind[3];
 };
 
 }  // namespace chiaro::kernel

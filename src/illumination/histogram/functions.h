@@ -7,8 +7,8 @@
 namespace chiaro::kernel {
 
 struct HistogramFunctions {
-    void (*exact)(const BallView&, PlaceTile, const float* gradient, std::int32_t count, float* all, float* forward);
-    void (*exact_half)(const BallView&, PlaceTile, const float* gradient, bool whole, float* histogram);
+    void (*count_ball)(const BallView&, const CellPlaces&, const float* gradient, bool whole, std::int32_t places,
+                       float* counts);
     void (*fast_sums)(const FastBlock&);
     void (*fast_plane)(const FastBlock&, int fine_z);
     void (*fast_cells)(const FastBlock&, int fine_y, int fine_z, int count, int step, const float* normals,

@@ -9,11 +9,8 @@ namespace chiaro::kernel::CHIARO_ISA {
 
 HistogramFunctions histogram_functions() {
     return {
-        [](const BallView& ball, PlaceTile tile, const float* gradient, std::int32_t count, float* all,
-           float* forward) { exact_run<NativeLanes>(ball, tile, gradient, count, all, forward); },
-        [](const BallView& ball, PlaceTile tile, const float* gradient, bool whole, float* histogram) {
-            exact_half(ball, tile, gradient, whole, histogram);
-        },
+        [](const BallView& ball, const CellPlaces& cell, const float* gradient, bool whole, std::int32_t places,
+           float* counts) { count_ball(ball, cell, gradient, whole, places, counts); },
         [](const FastBlock& block) { fast_sums<NativeLanes>(block); },
         [](const FastBlock& block, int fine_z) { fast_plane<NativeLanes>(block, fine_z); },
         [](const FastBlock& block, int fine_y, int fine_z, int count, int step, const float* normals,

@@ -1,5 +1,5 @@
-// Local histograms as CUDA sees them: the same source, one thread a cell, a block, a row, a histogram or a word. Compiled
-// wherever nvcc exists.
+// Local histograms as CUDA sees them: the same source, one thread a cell, a block, a row, a histogram or a word.
+// Compiled wherever nvcc exists.
 #include "illumination/histogram/exact_kernel.h"
 #include "illumination/histogram/fast_kernel.h"
 #include "illumination/histogram/nearest_kernel.h"
@@ -12,19 +12,11 @@ __device__ std::int32_t item() { return std::int32_t(blockIdx.x * blockDim.x + t
 
 }  // namespace
 
-/// The first `count` cells of a run.
-__global__ void exact_cells(BallView ball, PlaceTile tile, const float* gradient, std::int32_t count, float* all,
-                            float* forward) {
+/// Half balls, or whole ones, around single cells; counts [4][places] of each, zero at first.
+__global__ void count_balls(BallView ball, const CellPlaces* cells, const float* gradients, std::int32_t count,
+                            bool whole, std::int32_t places, float* counts) {
     const std::int32_t i = item();
-    if (i < count)
-        exact_histograms<float>(ball, {tile.first + i, tile.row, tile.slice}, gradient + i, all + i, forward + i);
-}
-
-/// Half balls of single cells, each with its tile and room.
-__global__ void exact_halves(BallView ball, const PlaceTile* tiles, const float* gradients, std::int32_t count,
-                             bool whole, float* histograms, std::int32_t places) {
-    const std::int32_t i = item();
-    if (i < count) exact_half(ball, tiles[i], gradients + 3 * i, whole, histograms + std::int64_t(i) * places);
+    if (i < count) count_ball(ball, cells[i], gradients + 3 * i, whole, places, counts + std::int64_t(i) * 4 * places);
 }
 
 /// Blocks, each with room of its own; then their planes, and the rows of those.

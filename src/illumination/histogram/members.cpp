@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <limits>
 #include <mutex>
-#include <numeric>
 
 #include "core/threads.h"
 #include "illumination/histogram/exact.h"
@@ -71,9 +70,7 @@ void find_words(const Device& device, const BinnedCells& cells, const Ball& ball
     h.stride = (bins + 15) / 16 * 16;
     h.shares.assign(std::size_t(h.words) * std::size_t(h.stride), 0);
     h.scale.assign(std::size_t(h.words), 0);
-    std::vector<std::uint16_t> same(std::size_t(bins), 0);
-    std::iota(same.begin(), same.end(), std::uint16_t(0));
-    const ExactHistograms exact(device, cells, ball, std::move(same), bins);
+    const ExactHistograms exact(device, cells, ball);
     const std::vector<Member> members = candidates(device, h);
     parallel_for(device.threads, h.words, 4, "histogram words", progress, [&](std::int64_t first, std::int64_t end) {
         std::vector<float> histogram;

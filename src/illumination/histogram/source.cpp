@@ -1,7 +1,5 @@
 #include "illumination/histogram/source.h"
 
-#include <numeric>
-
 #include "illumination/histogram/exact.h"
 #include "illumination/histogram/fast.h"
 #include "illumination/histogram/sweep.h"
@@ -17,7 +15,8 @@ public:
           packing_(packing),
           packs_at_once_(packing.is_one_to_one()),
           ball_(radius, true),
-          exact_(device, cells, ball_, places(), packs_at_once_ ? packing.packed : cells.binning.count) {}
+          exact_(packs_at_once_ ? ExactHistograms(device, cells, ball_, packing.low, packing.packed)
+                                : ExactHistograms(device, cells, ball_)) {}
 
     void find(std::size_t block, int step, const Wanted& wanted, const UseRow& use_row) const override {
         std::vector<PackedHistogram> histograms(std::size_t(2 * block_edge * bins_));
@@ -28,22 +27,13 @@ public:
     }
 
 private:
-    std::vector<std::uint16_t> places() const {
-        if (packs_at_once_) return packing_.low;
-        std::vector<std::uint16_t> same(packing_.low.size());
-        std::iota(same.begin(), same.end(), std::uint16_t(0));
-        return same;
-    }
-
     void find_row(const std::pair<int, int>& range, int y, int z, int step, PackedHistogram* to) const {
         const auto places = std::size_t(exact_.places());
-        std::vector<float> found(2 * kernel::run_lanes * places), packed(std::size_t(packing_.packed));
-        for (int x = range.first; x < range.second; x += kernel::run_lanes) {
-            const int count = std::min(range.second - x, kernel::run_lanes);
-            exact_.find({x, y, z, count}, found.data());
-            for (int i = 0; i < 2 * count; ++i) {
-                if ((i / 2) % step != 0) continue;
-                const std::span<const float> histogram(found.data() + std::size_t(i) * places, places);
+        std::vector<float> found(2 * places), packed(std::size_t(packing_.packed));
+        for (int x = range.first; x < range.second; x += step) {
+            exact_.find(x, y, z, found.data());
+            for (const std::size_t half : {0, 1}) {
+                const std::span<const float> histogram(found.data() + half * places, places);
                 if (packs_at_once_)
                     std::copy(histogram.begin(), histogram.end(), packed.begin());
                 else

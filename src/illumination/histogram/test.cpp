@@ -33,12 +33,6 @@ BinnedCells binned(const Volume& volume) {
     return bin_cells(upload(Device::cpu(2), volume).data(), progress);
 }
 
-std::vector<std::uint16_t> own_places(const BinnedCells& cells) {
-    std::vector<std::uint16_t> places(std::size_t(cells.binning.count));
-    std::iota(places.begin(), places.end(), std::uint16_t(0));
-    return places;
-}
-
 /// Spec 3.1, word for word, in double.
 Histogram by_definition(const BinnedCells& cells, int x, int y, int z, int r, bool forward) {
     Histogram histogram(std::size_t(cells.binning.count), 0.0);
@@ -62,13 +56,18 @@ Histogram by_definition(const BinnedCells& cells, int x, int y, int z, int r, bo
     return histogram;
 }
 
-/// Both histograms of some cells of a row by ExactHistograms.
+/// Cells of a row that lie next to each other.
+struct CellRun {
+    int x, y, z, count;
+};
+/// Both histograms of each by ExactHistograms.
 std::vector<float> exact(const BinnedCells& cells, const CellRun& run, int radius,
                          const Device& device = Device::cpu(1)) {
     const Ball ball(radius, true);
-    const ExactHistograms histograms(device, cells, ball, own_places(cells), cells.binning.count);
+    const ExactHistograms histograms(device, cells, ball);
     std::vector<float> found(std::size_t(2 * run.count * cells.binning.count));
-    histograms.find(run, found.data());
+    for (int i = 0; i < run.count; ++i)
+        histograms.find(run.x + i, run.y, run.z, found.data() + 2 * i * cells.binning.count);
     return found;
 }
 
@@ -76,7 +75,6 @@ double sum(const float* first, int count) { return std::accumulate(first, first 
 
 std::vector<PackedHistogram> all_histograms(const Device& device, const HistogramData& data, HistogramPath path) {
     const auto source = make_source(device, data, path);
-    const auto [nx, ny, nz] = data.cells.grid.count;
     std::vector<PackedHistogram> all(std::size_t(2 * source->bins()) * data.cells.grid.size());
     const BlockMap blocks(data.cells.grid.count);
     for (std::size_t b = 0; b < blocks.holds.size(); ++b) {
@@ -136,11 +134,11 @@ TEST(LocalHistograms, AreWhatTheDefinitionSays) {
     }
 }
 
-TEST(LocalHistograms, OfOneCellAreThoseOfARun) {
+TEST(LocalHistograms, OfOneHalfAreThoseOfBoth) {
     const BinnedCells cells = binned(clutter());
     const int bins = cells.binning.count;
     const Ball ball(6, true);
-    const ExactHistograms histograms(Device::cpu(1), cells, ball, own_places(cells), bins);
+    const ExactHistograms histograms(Device::cpu(1), cells, ball);
     for (const CellRun& run : {CellRun{9, 20, 22, 5}, {0, 1, 40, 5}}) {
         const auto found = exact(cells, run, 6);
         for (int i = 0; i < run.count; ++i) {
@@ -192,7 +190,7 @@ TEST(LocalHistograms, SweptEqualBruteForceInTheirQuantity) {
         const auto swept = all_histograms(Device::cpu(1), data, HistogramPath::sweep);
         const Ball ball(5, false);
         const int bins = data.cells.binning.count;
-        const ExactHistograms truth(Device::cpu(1), data.cells, ball, own_places(data.cells), bins);
+        const ExactHistograms truth(Device::cpu(1), data.cells, ball);
         for (const auto& [x, y, z] : {std::array{0, 0, 0}, {36, 34, 8}, {20, 17, 4}, {32, 3, 7}}) {
             std::vector<float> full(std::size_t(bins), 0), packed(std::size_t(data.packing.packed));
             truth.add(x, y, z, ExactHistograms::Half::whole, full.data());

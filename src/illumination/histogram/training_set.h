@@ -4,7 +4,7 @@
 
 namespace chiaro {
 
-/// Both histograms of about `cells_wanted` cells, one after the other: seven of eight at edges, |∇f| > 1/200 of the
+/// Both histograms of about `cells_wanted` cells, one after the other: half at edges, |∇f| > 1/200 of the
 /// bins a cell (those elsewhere are much alike), the others anywhere; at random, from a quarter of all blocks (at least
 /// 64).
 std::vector<PackedHistogram> sample_histograms(const Device& device, const HistogramSource& source,
