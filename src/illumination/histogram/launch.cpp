@@ -26,7 +26,7 @@ HistogramFunctions histogram_functions() {
             differences_to(book, histogram, differences);
         },
         [](const std::uint16_t* shares, std::int32_t words, std::int32_t bins, std::int32_t first, std::int32_t end,
-           const float* weights, float* out) { word_sums(shares, words, bins, first, end, weights, out); },
+           const float* weights, float* out) { word_sums<NativeLanes>(shares, words, bins, first, end, weights, out); },
     };
 }
 

@@ -44,7 +44,7 @@ __global__ void assign_histograms(CodebookView book, const std::int16_t* histogr
 __global__ void sums_of_words(const std::uint16_t* shares, std::int32_t words, std::int32_t bins, std::int32_t first,
                               std::int32_t end, const float* weights, float* out) {
     const std::int32_t w = item();
-    if (w < words) word_sums(shares + std::int64_t(w) * bins, 1, bins, first, end, weights, out + 4 * w);
+    if (w < words) word_sums<float>(shares + std::int64_t(w) * bins, 1, bins, first, end, weights, out + 4 * w);
 }
 
 }  // namespace chiaro::kernel
