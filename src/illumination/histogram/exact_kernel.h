@@ -35,11 +35,16 @@ CHIARO_INLINE void count_ball(const BallView& ball, const CellPlaces& cell, cons
         const float ends = abs(gradient[0]) * float(row.reach);
         if (!whole && across + ends < 0) continue;  // all of it lies behind
         const std::int32_t from = max(-row.reach, -cell.before[0]), count = min(row.reach, cell.behind[0]) - from + 1;
-        for (std::int32_t k = 0; k < count; ++k) {
-            const float ahead = mad(float(from + k), gradient[0], across), weight = middle[from + k];
-            weights[k] = whole ? weight : weight * (ahead > 0 ? 1.0f : ahead < 0 ? 0.0f : 0.5f);
+        const std::uint16_t* const places_there = cell.here + row.dz * cell.slice + row.dy * cell.row + from;
+        if (whole) {
+            count_row(places_there, middle + from, count, places, counts);
+            continue;
         }
-        count_row(cell.here + row.dz * cell.slice + row.dy * cell.row + from, weights, count, places, counts);
+        for (std::int32_t k = 0; k < count; ++k) {
+            const float ahead = mad(float(from + k), gradient[0], across);
+            weights[k] = middle[from + k] * (ahead > 0 ? 1.0f : ahead < 0 ? 0.0f : 0.5f);
+        }
+        count_row(places_there, weights, count, places, counts);
     }
 }
 

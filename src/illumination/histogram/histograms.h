@@ -27,8 +27,8 @@ struct LocalHistograms {
     /// gradient there is much the same; so a surface's own cells are not in its way.
     VoxelBuffer lifted;
     int words = 0, stride = 0;             ///< numbers from one word to the next: the bins, and up to 15 more
-    std::vector<std::uint16_t> shares;     ///< LH_j of each word, 65535ths of its scale
-    std::vector<float> scale;              ///< the largest LH_j of each word
+    std::vector<std::uint16_t> shares;     ///< LH_j of each word as parts of its scale; the largest is 65535
+    std::vector<float> scale;              ///< of each word: LH_j = share × scale
     std::size_t histograms = 0;            ///< how many the words stand for
     std::vector<double> distortions = {};  ///< of training; empty when read from a cache
 
