@@ -41,7 +41,7 @@ constexpr auto names_of(VisibilityModel) { return std::to_array<std::string_view
 constexpr auto names_of(ShWindow) { return std::to_array<std::string_view>({"none", "hann", "lanczos"}); }
 constexpr auto names_of(ShStorage) { return std::to_array<std::string_view>({"u8", "f16", "f32"}); }
 constexpr auto names_of(ReferenceQuantity) {
-    return std::to_array<std::string_view>({"obscurance", "ao", "ao-cosine", "visibility"});
+    return std::to_array<std::string_view>({"obscurance", "ao", "ao-cosine", "visibility", "radiance"});
 }
 constexpr auto names_of(ReferenceMedium) { return std::to_array<std::string_view>({"voxels", "trilinear"}); }
 constexpr auto names_of(Mode) { return std::to_array<std::string_view>({"dvr", "iso", "mip"}); }
@@ -77,6 +77,7 @@ std::string to_text(const std::array<double, 6>& value);
 std::string to_text(const ClipPlane& value);
 std::string to_text(const IsoSurface& value);
 std::string to_text(const ShSampling& value);
+std::string to_text(const Bounces& value);
 std::string to_text(int width, int height);
 std::string to_text(const Rgb& color, bool transparent, bool probe);  ///< of what lies behind the probe
 std::string to_text(bool headlight, double azimuth_deg, double elevation_deg, const Rgb& color);
@@ -108,6 +109,7 @@ void from_text(std::string_view text, std::array<double, 6>& value);
 void from_text(std::string_view text, ClipPlane& value);
 void from_text(std::string_view text, IsoSurface& value);
 void from_text(std::string_view text, ShSampling& value);
+void from_text(std::string_view text, Bounces& value);
 void from_text(std::string_view text, int& width, int& height);
 void from_text(std::string_view text, Rgb& color, bool& transparent, bool& probe);  ///< "probe" leaves the others
 void from_text(std::string_view text, bool& headlight, double& azimuth_deg, double& elevation_deg, Rgb& color);

@@ -31,7 +31,7 @@ void check_picture(const IlluminationSettings& settings) {
     if (settings.method == Method::reference && settings.reference.quantity == ReferenceQuantity::visibility)
         throw Error(ErrorCode::usage,
                     "the reference's quantity visibility is a field, no picture: write it with chiaro illuminate, or "
-                    "choose obscurance, ao or ao-cosine");
+                    "choose radiance, obscurance, ao or ao-cosine");
 }
 
 IlluminationField light_of(const Device& device, const Medium::Data& medium, const IlluminationSettings& settings,
@@ -94,7 +94,7 @@ std::vector<MethodInfo> list_methods() {
         {"none", "All light arrives everywhere; only the shading model acts."},
         {"spao", "Ambient occlusion by filtering: means of growing cubes, found again after every edit."},
         {"visibility", "Natural light from a probe, with soft coloured shadows: visibility in spherical harmonics."},
-        {"reference", "Ambient occlusion by rays from every voxel: slow, and what the others are measured against."}};
+        {"reference", "Light's own paths, or rays from every voxel: slow, and what the others are measured against."}};
 }
 
 Prepared prepare(const DeviceVolume&, const IlluminationSettings&, Progress&) { return {}; }
@@ -103,8 +103,8 @@ bool illuminate(const Device& device, const Medium& medium, const Prepared&, con
                 const IlluminationSettings& settings, const Sink& sink, Progress& progress) try {
     progress.check();
     check_picture(settings);
-    // A maximum along a ray has no place in which it could be lit.
-    if (settings.method == Method::none || medium.data().shape.mode == Mode::mip)
+    // A maximum along a ray has no place in which it could be lit; paths find their light themselves.
+    if (settings.method == Method::none || medium.data().shape.mode == Mode::mip || is_path_traced(settings))
         sink(IlluminationField());
     else
         light(device, medium.data(), settings, sink, progress);
