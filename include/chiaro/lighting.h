@@ -100,8 +100,8 @@ struct ReferenceSettings {
     int rays = 256;                             ///< or paths through a pixel
     std::optional<ReferenceQuantity> quantity;  ///< missing: radiance for a picture, obscurance for a field
     ReferenceMedium medium = ReferenceMedium::voxels;
-    double start_half_edges = 1;  ///< rays begin this far from the centre, in half cell edges
-    int subsample = 1;            ///< only every so many voxels per axis; between them trilinear (harmonics: one node)
+    double start_half_edges = 1;   ///< rays begin this far from the centre, in half cell edges
+    int subsample = 1;             ///< only every so many voxels per axis; between them trilinear (harmonics: one node)
     std::optional<double> time_s;  ///< of radiance: no more paths after this time,
     std::optional<double> error;   ///< nor when the frame's RMS standard error over its RMS luminance is so small
     bool operator==(const ReferenceSettings&) const = default;

@@ -61,10 +61,11 @@ using FramePreview = std::function<void(const Frame&)>;
 /// The reference's radiance: the same L as `raycast`, E found by following light's paths (delta tracking), with
 /// `settings.scattering.bounces` further scatterings; in Mode::iso light on matte surfaces. Unbiased: more paths bring
 /// every pixel nearer to the truth, by 1 / √paths. The light is the probe alone; step, classification and compositing
-/// of `rays` do not matter but for the step that finds isosurfaces. Stops at `settings.reference.rays` paths a pixel, or
-/// before at its time or error. The frame does not depend on the number of threads or the instruction set, but for what
-/// the time allows. `preview` sees the frame after each pass of 1, 1, 2, 4, ... 16 paths a pixel. Throws Error{usage}
-/// for Mode::mip. Cost: about 1 µs a path and scattering on one core; memory: 40 bytes a pixel, 4 a 4³ cell.
+/// of `rays` do not matter but for the step that finds isosurfaces. Stops at `settings.reference.rays` paths a pixel,
+/// or before at its time or error. The frame does not depend on the number of threads or the instruction set, but for
+/// what the time allows. `preview` sees the frame after each pass of 1, 1, 2, 4, ... 16 paths a pixel. Throws
+/// Error{usage} for Mode::mip. Cost: about 1 µs a path and scattering on one core; memory: 40 bytes a pixel, 4 a 4³
+/// cell.
 Outcome trace_paths(const Device& device, const Medium& medium, const Lighting& lighting, const Camera& camera,
                     const RaySettings& rays, const IlluminationSettings& settings, Frame& frame, Progress& progress,
                     const FramePreview& preview = {});

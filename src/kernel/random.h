@@ -1,5 +1,6 @@
-// Random numbers by counting: a function of (seed, pixel, sample, dimension) and of nothing else, so that a picture does
-// not depend on who draws when. The hash is pcg3d of Jarzynski and Olano, Hash Functions for GPU Rendering (JCGT 2020).
+// Random numbers by counting: a function of (seed, pixel, sample, dimension) and of nothing else, so that a picture
+// does not depend on who draws when. The hash is pcg3d of Jarzynski and Olano, Hash Functions for GPU Rendering (JCGT
+// 2020).
 #pragma once
 #include "kernel/lanes.h"
 
@@ -68,9 +69,8 @@ CHIARO_INLINE Draw<F> draw(const RandomKey<F>& key, Int<F> dimension) {
     mix();
     x = fold(x), y = fold(y), z = fold(z);
     mix();
-    const auto number = [](Int<F> word) CHIARO_INLINE_LAMBDA {
-        return (to_float(upper_bits(word)) + F(0.5f)) * F(1.0f / 8388608);
-    };
+    const auto number = [](Int<F> word)
+                            CHIARO_INLINE_LAMBDA { return (to_float(upper_bits(word)) + F(0.5f)) * F(1.0f / 8388608); };
     return {number(x), number(y), number(z)};
 }
 

@@ -21,8 +21,7 @@ CHIARO_INLINE SinCos<F> sin_cos(F turns) {
     const F c = mad(q, mad(q, mad(q, mad(q, F(1.0f / 40320), F(-1.0f / 720)), F(1.0f / 24)), F(-0.5f)), F(1));
     const Mask<F> odd = (quarter & Int<F>(1)) == Int<F>(1);
     const F sine = select(odd, c, s), cosine = select(odd, s, c);
-    const Mask<F> below = (quarter & Int<F>(2)) == Int<F>(2),
-                  left = ((quarter + Int<F>(1)) & Int<F>(2)) == Int<F>(2);
+    const Mask<F> below = (quarter & Int<F>(2)) == Int<F>(2), left = ((quarter + Int<F>(1)) & Int<F>(2)) == Int<F>(2);
     return {select(below, F(0) - sine, sine), select(left, F(0) - cosine, cosine)};
 }
 

@@ -47,8 +47,8 @@ struct PathKernel {
     ClipView clip_view;
     ProbeLightView probe;
     std::int32_t most_scatterings;
-    float start_mm;            ///< light paths begin this far from where they scatter
-    float lift_mm;             ///< and so far above a surface
+    float start_mm;  ///< light paths begin this far from where they scatter
+    float lift_mm;   ///< and so far above a surface
     std::int32_t sub_pixels;
     std::int32_t pixel_key, sample_key;  ///< from the seed
     std::int32_t width;                  ///< of the frame
@@ -102,7 +102,8 @@ private:
         const I number = I(next) + set_before(fresh);
         fresh = fresh & (number < I(count));
         if (!any(fresh)) return next;
-        const I row = truncate((to_float(number) + F(0.5f)) * F(1 / float(columns))), column = number - row * I(columns);
+        const I row = truncate((to_float(number) + F(0.5f)) * F(1 / float(columns))),
+                column = number - row * I(columns);
         begin(path, fresh, number, I(task.tile.x0) + column, I(task.tile.y0) + row, task.sample);
         return next + kernel::count(fresh);
     }
@@ -184,8 +185,8 @@ private:
         path.throughput = select(lanes, throughput, path.throughput);
     }
 
-    /// A way towards a bright part of the probe. What arrives counts f L / (p_light + p_f): the balance heuristic's share
-    /// of f L / p_light, f being the density that the path's own direction is drawn with.
+    /// A way towards a bright part of the probe. What arrives counts f L / (p_light + p_f): the balance heuristic's
+    /// share of f L / p_light, f being the density that the path's own direction is drawn with.
     template <class F>
     CHIARO_INLINE void look_for_light(Path<F>& path, Mask<F> lanes) const {
         if (!any(lanes)) return;

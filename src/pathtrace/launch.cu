@@ -14,7 +14,7 @@ __global__ void trace_pixels(PathKernel<Matter> kernel, PathTask task, unsigned 
     atomicAdd(collisions, sum(kernel.template operator()<float>(own)));
 }
 
-#define CHIARO_INSTANTIATE(Matter)                                                                          \
+#define CHIARO_INSTANTIATE(Matter)                                                                           \
     template __global__ void trace_pixels(PathKernel<Matter<std::uint8_t>>, PathTask, unsigned long long*);  \
     template __global__ void trace_pixels(PathKernel<Matter<std::uint16_t>>, PathTask, unsigned long long*); \
     template __global__ void trace_pixels(PathKernel<Matter<float>>, PathTask, unsigned long long*);

@@ -8,10 +8,10 @@ namespace chiaro::kernel {
 template <class Kernel>
 using PathFunction = std::int64_t (*)(const Kernel&, const PathTask&);
 
-#define CHIARO_DECLARE(isa)                                    \
-    namespace isa {                                            \
-    template <class Kernel>                                    \
-    std::int64_t trace_tile(const Kernel&, const PathTask&);   \
+#define CHIARO_DECLARE(isa)                                  \
+    namespace isa {                                          \
+    template <class Kernel>                                  \
+    std::int64_t trace_tile(const Kernel&, const PathTask&); \
     }
 CHIARO_FOR_EACH_ISA(CHIARO_DECLARE)
 #undef CHIARO_DECLARE

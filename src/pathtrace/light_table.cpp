@@ -59,7 +59,8 @@ void LightTable::make_bins() {
         cosines_.push_back(float(std::cos(std::numbers::pi * y / bins_y_)));
         for (int x = 0; x < bins_x_; ++x) {
             const auto span = [](int bin, int count, int n) {
-                return std::pair(int(std::int64_t(bin) * n / count), int((std::int64_t(bin + 1) * n + count - 1) / count));
+                return std::pair(int(std::int64_t(bin) * n / count),
+                                 int((std::int64_t(bin + 1) * n + count - 1) / count));
             };
             const auto [left, right] = span(x, bins_x_, picture.width);
             const auto [top, bottom] = span(y, bins_y_, picture.height);
@@ -81,7 +82,8 @@ void LightTable::make_bins() {
         const double* row = &light[std::size_t(y) * bins_x_];
         for (int x = 0; x < bins_x_; ++x) rows[y] += row[x] * solid_angle(y);
         all += rows[y];
-        make_alias(row, bins_x_, &column_threshold_[std::size_t(y) * bins_x_], &column_alias_[std::size_t(y) * bins_x_]);
+        make_alias(row, bins_x_, &column_threshold_[std::size_t(y) * bins_x_],
+                   &column_alias_[std::size_t(y) * bins_x_]);
     }
     make_alias(rows.data(), bins_y_, row_threshold_.data(), row_alias_.data());
     for (std::size_t b = 0; b < bins; ++b) densities_[b] = float(light[b] / all);

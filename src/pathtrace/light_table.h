@@ -19,7 +19,7 @@ public:
 private:
     void make_bins();
 
-    const Lighting& lighting_;
+    const Lighting lighting_;
     const Vec3 up_;
     Probe probe_;
     int bins_x_ = 1, bins_y_ = 1;

@@ -28,9 +28,9 @@ struct ProbeLightView {
     // The bins that are drawn from: as many as pixels, or fewer.
     std::int32_t bins_x, bins_y;
     AliasView rows, columns;
-    const float* cosines;             ///< of the angles from up, between the rows of bins
-    const float* densities;           ///< per steradian, of each bin
-    Float3 axis_x, axis_y, axis_z;    ///< the probe's own axes in the world
+    const float* cosines;           ///< of the angles from up, between the rows of bins
+    const float* densities;         ///< per steradian, of each bin
+    Float3 axis_x, axis_y, axis_z;  ///< the probe's own axes in the world
 
     template <class F>
     struct Seen {

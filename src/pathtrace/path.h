@@ -43,8 +43,8 @@ struct Path {
     Int<F> surface{0};        ///< of surfaces: which is crossed ahead
 
     // A way to the light, on which nothing is scattered.
-    Int<F> to_light{0};                 ///< 1: it is one
-    F transmittance{1};                 ///< of it so far
+    Int<F> to_light{0};               ///< 1: it is one
+    F transmittance{1};               ///< of it so far
     Vec3<F> offer{F(0), F(0), F(0)};  ///< what arrives if it is clear
 };
 

@@ -15,7 +15,7 @@ inline constexpr std::int32_t reach_mask = 127;
 struct RegionsView {
     const float* cells;  ///< majorant per mm and reach; x fastest
     std::int32_t cells_x, cells_y;
-    float nudge;       ///< voxels: what rounding can move a point by
+    float nudge;  ///< voxels: what rounding can move a point by
     float nudge_mm;
 
     /// For the lanes that have left the region they knew: the next one, and where the way leaves it. A point is looked
@@ -25,8 +25,7 @@ struct RegionsView {
         using I = Int<F>;
         const auto ahead = [&](F d) CHIARO_INLINE_LAMBDA { return select(d < F(0), F(-nudge), F(nudge)); };
         const Vec3<F> d = path.direction, p = mad(path.t, d, path.origin);
-        const VoxelIndex<F> voxel =
-            volume.voxel(volume.clamp(p + Vec3<F>{ahead(d.x), ahead(d.y), ahead(d.z)}));
+        const VoxelIndex<F> voxel = volume.voxel(volume.clamp(p + Vec3<F>{ahead(d.x), ahead(d.y), ahead(d.z)}));
         const I x = voxel.x >> I(cell_bits), y = voxel.y >> I(cell_bits), z = voxel.z >> I(cell_bits);
         const I code = bits_of(gather_float(cells, (z * I(cells_y) + y) * I(cells_x) + x));
         const I reach = code & I(reach_mask);
@@ -43,8 +42,8 @@ private:
     static CHIARO_INLINE F exit(Int<F> cell, Int<F> reach, F origin, F inverse, float last) {
         using I = Int<F>;
         const F low = to_float((cell - reach) << I(cell_bits)), high = to_float((cell + reach + I(1)) << I(cell_bits));
-        const F bound = select(inverse > F(0), select(high >= F(last), F(last + 1), high),
-                               select(low <= F(0), F(-1), low));
+        const F bound =
+            select(inverse > F(0), select(high >= F(last), F(last + 1), high), select(low <= F(0), F(-1), low));
         return (bound - origin) * inverse;
     }
 };

@@ -5,7 +5,8 @@
 
 namespace chiaro::kernel {
 
-/// Surfaces of one value each, in stored units, ascending. One of opacity o < 1 lets a share 1 - o of the paths through.
+/// Surfaces of one value each, in stored units, ascending. One of opacity o < 1 lets a share 1 - o of the paths
+/// through.
 template <class Voxel>
 struct Surfaces {
     static constexpr int most = 8;
@@ -74,7 +75,8 @@ struct Surfaces {
             value_near = select(same, between, value_near), value_far = select(same, value_far, between);
         }
         const F rise = value_far - value_near;
-        const F share = select(abs(rise) > F(0), (surface - value_near) / select(abs(rise) > F(0), rise, F(1)), F(0.5f));
+        const F share =
+            select(abs(rise) > F(0), (surface - value_near) / select(abs(rise) > F(0), rise, F(1)), F(0.5f));
         path.t = select(lanes, lerp(near, far, min(max(share, F(0)), F(1))), path.t);
         // What passes goes on from the other side.
         const F beyond = select(below, surface, surface - abs(surface) * F(1e-6f) - F(1e-6f));
@@ -124,7 +126,7 @@ private:
         SamplePoint<F> sample{path.origin, F(0)};
         gradients.reflect(gradient, sample);
         Vec3<F> n = sample.outward;
-        const Mask<F> flat = dot(n, n) < F(0.5f), away = dot(n, path.heading) > F(0);
+        const Mask<F> flat = dot(n, n)<F(0.5f), away = dot(n, path.heading)> F(0);
         n = select(flat | away, F(-1) * select<F>(flat, path.heading, n), n);
         const Mask<F> shadow = hit & (path.to_light == Int<F>(1)), real = hit & !shadow;
         path.transmittance = select(shadow, F(0), path.transmittance);

@@ -45,8 +45,7 @@ Outcome trace_paths(const Device& device, const Medium& medium, const Lighting& 
     const auto show = [&] {
         tracer.show(frame);
         if (lighting.probe.background)
-            outcome.complete =
-                put_probe_behind(device, lighting, camera, medium.data().shape.color, frame, progress);
+            outcome.complete = put_probe_behind(device, lighting, camera, medium.data().shape.color, frame, progress);
     };
     const int wanted = settings.reference.rays;
     while (const int samples = schedule.next(outcome.paths)) {

@@ -15,7 +15,7 @@
 namespace chiaro {
 namespace {
 
-constexpr int tile_edge = 64;     ///< pixels; large, so that few lanes wait for the last paths
+constexpr int tile_edge = 64;        ///< pixels; large, so that few lanes wait for the last paths
 constexpr double lift_edges = 0.01;  ///< more than what bisection leaves uncertain
 
 kernel::Float3 float3(Vec3 v) { return {float(v.x), float(v.y), float(v.z)}; }
@@ -44,7 +44,8 @@ std::uint64_t scrambled(std::uint64_t seed) {
 
 kernel::RegionsView regions_view(const DeviceVolume::Data& volume, const Majorants& majorants) {
     const auto [nx, ny, nz] = volume.dimensions;
-    const double nudge = 1e-6 * std::max({nx, ny, nz, 64});  // what t d + o may be wrong by, some units in the last place
+    const double nudge =
+        1e-6 * std::max({nx, ny, nz, 64});  // what t d + o may be wrong by, some units in the last place
     return {majorants.data(), cell_count(nx), cell_count(ny), float(nudge),
             float(nudge * volume.geometry.smallest_spacing_mm())};
 }
@@ -60,7 +61,7 @@ Medium checked(const Medium& medium) {
 }  // namespace
 
 PathOptions path_options(const IlluminationSettings& settings) {
-    return {settings.scattering.bounces.most, settings.scattering.albedo_max,      settings.scattering.anisotropy,
+    return {settings.scattering.bounces.most, settings.scattering.albedo_max, settings.scattering.anisotropy,
             settings.reference.start_half_edges, settings.scattering.seed};
 }
 

@@ -34,6 +34,9 @@ public:
     PathTracer(const Device& device, const Medium& medium, const Lighting& lighting, const Camera& camera,
                const RaySettings& settings, const PathOptions& options, int width, int height);
 
+    PathTracer(const PathTracer&) = delete;  // the kernel points into it
+    PathTracer& operator=(const PathTracer&) = delete;
+
     /// Adds so many paths to every pixel; false when cancelled, and then the sums are of no use.
     bool add(int samples, const Progress& progress);
 
