@@ -5,45 +5,40 @@
 #include <cmath>
 
 #include "core/threads.h"
+#include "pathtrace/regions.h"
 
 namespace chiaro {
 namespace {
 
 constexpr double step_cost = 0.4;  ///< of crossing into a region, over that of a tentative collision
-constexpr int reach_mask = 127;
+/// Bounding a voxel interval costs about as much as so many collisions.
+constexpr double voxel_cost = 2;
 
 float packed(float majorant, int reach) {
     const auto bits = std::bit_cast<std::uint32_t>(majorant);
-    return std::bit_cast<float>(((bits + reach_mask) & ~std::uint32_t(reach_mask)) | std::uint32_t(reach));
+    constexpr std::uint32_t mask = kernel::reach_mask;
+    return std::bit_cast<float>(((bits + mask) & ~mask) | std::uint32_t(reach));
 }
 
-/// The largest entry of a table between two: from two runs of a power of two (Bender and Farach-Colton 2000).
-class RangeMaximum {
-public:
-    explicit RangeMaximum(const OpticalTable& table) : levels_(1) {
-        for (const auto& entry : table.entries) levels_[0].push_back(entry.extinction_per_mm);
-        for (std::size_t width = 1; 2 * width <= levels_[0].size(); width *= 2) {
-            const std::vector<float>& below = levels_.back();
-            std::vector<float> level(levels_[0].size() - 2 * width + 1);
-            for (std::size_t i = 0; i < level.size(); ++i) level[i] = std::max(below[i], below[i + width]);
-            levels_.push_back(std::move(level));
-        }
+/// [level][first]: the largest of 2^level entries; where fewer follow, of those.
+std::vector<float> runs_of(const OpticalTable& table) {
+    const std::size_t count = table.entries.size();
+    std::vector<float> runs;
+    for (const auto& entry : table.entries) runs.push_back(entry.extinction_per_mm);
+    for (std::size_t width = 1; 2 * width <= count; width *= 2) {
+        const std::size_t below = runs.size() - count;
+        for (std::size_t i = 0; i < count; ++i)
+            runs.push_back(std::max(runs[below + i], runs[below + std::min(i + width, count - 1)]));
     }
-    float operator()(int first, int last) const {
-        const int level = std::bit_width(unsigned(last - first + 1)) - 1;
-        return std::max(levels_[level][first], levels_[level][last + 1 - (1 << level)]);
-    }
-
-private:
-    std::vector<std::vector<float>> levels_;
-};
+    return runs;
+}
 
 /// The largest extinction that interpolated values in each cell can have; rounding can carry a value a little beyond
 /// those at the corners.
-std::vector<float> extinction_of_cells(const Medium::Data& medium, int threads) {
+std::vector<float> extinction_of_cells(const Medium::Data& medium, const std::vector<float>& runs, int threads) {
     const CellRanges& cells = medium.volume.data().cells;
     const OpticalTable& table = medium.table;
-    const RangeMaximum largest(table);
+    const kernel::RangeMaximumView largest{runs.data(), int(table.entries.size())};
     const double last = double(table.entries.size()) - 1;
     std::vector<float> majorants(cells.low.size());
     parallel_for(threads, std::int64_t(majorants.size()), 1 << 14, [&](std::int64_t begin, std::int64_t end) {
@@ -52,7 +47,8 @@ std::vector<float> extinction_of_cells(const Medium::Data& medium, int threads) 
             const double beyond = std::max(std::abs(low), std::abs(high)) * 4e-7 * table.index_scale + 1.0 / 256;
             const double reach = low == high ? 0 : beyond;
             const auto entry = [&](double index) { return int(std::clamp(index + 0.5, 0.0, last)); };
-            majorants[c] = largest(entry(table.index_of(low) - reach), entry(table.index_of(high) + reach));
+            majorants[c] =
+                largest.between<float>(entry(table.index_of(low) - reach), entry(table.index_of(high) + reach));
         }
     });
     return majorants;
@@ -89,16 +85,18 @@ Majorants make_majorants(const Medium::Data& medium, int threads) {
     const std::array<int, 3> count = medium.volume.data().cells.count;
     const bool surfaces = medium.shape.mode == Mode::iso;
     const auto is_empty = [&](std::size_t c) { return !(medium.cells[c] & 1); };
-    std::vector<float> largest =
-        surfaces ? std::vector<float>(medium.cells.size() - 1, 1) : extinction_of_cells(medium, threads);
+    Majorants majorants{{}, runs_of(medium.table)};
+    std::vector<float> largest = surfaces ? std::vector<float>(medium.cells.size() - 1, 1)
+                                          : extinction_of_cells(medium, majorants.runs, threads);
     const double edge = medium.volume.geometry().smallest_spacing_mm();
     std::vector<float> best(largest.size());
-    Majorants majorants(largest.size());
     for (std::size_t c = 0; c < best.size(); ++c) {
         const int reach = is_empty(c) ? medium.cells[c] >> 1 : 0;
         const float majorant = is_empty(c) ? 0 : largest[c];
         best[c] = float(cost(edge * majorant, reach));
-        majorants[c] = packed(majorant, reach);
+        const bool fine = !surfaces && best[c] > voxel_cost;
+        if (fine) best[c] = float(voxel_cost);
+        majorants.cells.push_back(packed(majorant, fine ? kernel::by_voxel : reach));
     }
     if (surfaces) return majorants;
     for (int reach = 1, shift = 1; reach <= 8; shift = reach, reach *= 2) {
@@ -107,15 +105,17 @@ Majorants make_majorants(const Medium::Data& medium, int threads) {
             const float offer = float(cost(edge * largest[c], reach));
             if (offer >= best[c]) continue;
             best[c] = offer;
-            majorants[c] = packed(largest[c], reach);
+            majorants.cells[c] = packed(largest[c], reach);
         }
     }
     return majorants;
 }
 
 Majorants one_majorant(const Medium::Data& medium) {
-    const std::vector<float> cells = extinction_of_cells(medium, 1);
-    return Majorants(cells.size(), packed(*std::max_element(cells.begin(), cells.end()), reach_mask));
+    Majorants majorants{{}, runs_of(medium.table)};
+    const float largest = *std::max_element(majorants.runs.begin(), majorants.runs.end());
+    majorants.cells.assign(medium.cells.size() - 1, packed(largest, kernel::by_voxel - 1));
+    return majorants;
 }
 
 }  // namespace chiaro

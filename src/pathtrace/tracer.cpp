@@ -42,12 +42,22 @@ std::uint64_t scrambled(std::uint64_t seed) {
     return seed ^ (seed >> 31);
 }
 
-kernel::RegionsView regions_view(const DeviceVolume::Data& volume, const Majorants& majorants) {
+kernel::RegionsView regions_view(const Medium::Data& medium, const Majorants& majorants) {
+    const DeviceVolume::Data& volume = medium.volume.data();
+    const OpticalTable& table = medium.table;
     const auto [nx, ny, nz] = volume.dimensions;
     const double nudge =
         1e-6 * std::max({nx, ny, nz, 64});  // what t d + o may be wrong by, some units in the last place
-    return {majorants.data(), cell_count(nx), cell_count(ny), float(nudge),
-            float(nudge * volume.geometry.smallest_spacing_mm())};
+    return {.cells = majorants.cells.data(),
+            .cells_x = cell_count(nx),
+            .cells_y = cell_count(ny),
+            .nudge = float(nudge),
+            .nudge_mm = float(nudge * volume.geometry.smallest_spacing_mm()),
+            .extinction = {majorants.runs.data(), int(table.entries.size())},
+            .scale = float(table.index_scale),
+            .offset = float(table.index_offset + 0.5),
+            .last = float(table.entries.size() - 1),
+            .beyond = float(4e-7 * table.index_scale)};
 }
 
 Medium checked(const Medium& medium) {
@@ -111,7 +121,7 @@ PathTracer::TraceTile PathTracer::tracer_through(const Camera& camera, const Lig
                                                  const RaySettings& settings, const PathOptions& options) const {
     const Medium::Data& data = medium_.data();
     const DeviceVolume::Data& volume = data.volume.data();
-    const kernel::RegionsView regions = regions_view(volume, majorants_);
+    const kernel::RegionsView regions = regions_view(data, majorants_);
     const kernel::ColoursView colours{red_.data(), green_.data(), blue_.data()};
     if (data.shape.mode != Mode::iso) {
         const kernel::Cloud<Voxel> cloud{.volume = view_of<Voxel>(volume),
