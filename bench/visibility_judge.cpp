@@ -88,8 +88,10 @@ Harmonics VisibilityJudge::kept_by(const VisibilitySettings& settings) const {
 }
 
 ShField VisibilityJudge::field_by(const VisibilitySettings& settings) const {
+    VisibilitySettings here = settings;
+    here.subsample = subsample_;
     Steps steps;
-    return find_visibility(device_, density_, settings, subsample_, steps, progress_);
+    return find_visibility(device_, density_, here, steps, progress_);
 }
 
 Harmonics VisibilityJudge::at_runs(const ShField& field) const {

@@ -8,7 +8,7 @@ if(CMAKE_CUDA_COMPILER)
   enable_language(CUDA)
 endif()
 if(CMAKE_CUDA_COMPILER AND CMAKE_CUDA_COMPILER_VERSION VERSION_GREATER_EQUAL 12)
-  file(GLOB_RECURSE CHIARO_CUDA_SOURCES CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/*/launch.cu)
+  file(GLOB_RECURSE CHIARO_CUDA_SOURCES CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/*/launch*.cu)
   add_library(chiaro_cuda_kernels OBJECT ${CHIARO_CUDA_SOURCES})
   target_include_directories(chiaro_cuda_kernels PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/include)
   # CMake 3.25 does not know C++20 for nvcc 13; -fmad=false keeps products and sums apart as on the processor.

@@ -65,6 +65,19 @@ struct Shot {
         return frame;
     }
     Frame operator()(const Volume& volume) const { return (*this)(upload(device, volume)); }
+
+    /// With the light found first.
+    Frame lit(const Volume& volume, const IlluminationSettings& settings) const {
+        Frame frame(width, height);
+        Progress progress;
+        const Medium medium = classify(upload(device, volume), tf, shape);
+        IlluminationField field;
+        const auto keep = [&](IlluminationField finer) { field = std::move(finer); };
+        illuminate(device, medium, Prepared(), lighting, settings, keep, progress);
+        raycast(device, medium, field, lighting, make_camera(camera, volume.geometry, volume.dimensions), rays, frame,
+                progress);
+        return frame;
+    }
 };
 
 /// Largest absolute difference, and how many pixels differ by more than `tolerance`.

@@ -4,6 +4,8 @@
 #include <chiaro/session.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 using namespace chiaro;
 
 namespace {
@@ -96,6 +98,42 @@ TEST_F(SessionTest, NewVolumesStartOver) {
 }
 
 TEST_F(SessionTest, GivesThePictureOfRenderImage) {
+    EXPECT_EQ(session.render(scene, progress).pixels, render_image(Device::cpu(1), scene, progress).pixels);
+}
+
+TEST_F(SessionTest, ShowsCoarseLightWhileFinerLightIsFound) {
+    scene.illumination.method = Method::visibility;
+    scene.illumination.visibility.directions = 100;
+    const auto at_once = session.render(scene, progress).pixels;
+    std::vector<Image> previews;
+    const auto keep = [&](const Image& image) { previews.push_back(image); };
+    session.render(scene, progress, keep);
+    EXPECT_TRUE(previews.empty()) << "nothing has changed";
+
+    scene.illumination.visibility.directions = 99;
+    session.render(scene, progress);
+    scene.illumination.visibility.directions = 100;
+    EXPECT_EQ(session.render(scene, progress, keep).pixels, at_once);
+    ASSERT_EQ(previews.size(), 2u);  // a node for 8 cells per axis, then for 4; the finest for 2
+    double worst = 1e30;
+    for (const Image& preview : previews) {
+        ASSERT_EQ(preview.pixels.size(), at_once.size());
+        double squares = 0;
+        for (std::size_t i = 0; i < at_once.size(); ++i) squares += std::pow(preview.pixels[i] - at_once[i], 2);
+        EXPECT_GT(squares, 0);
+        EXPECT_LT(squares, worst) << "each is nearer than the one before";
+        worst = squares;
+    }
+}
+
+TEST_F(SessionTest, ACancelledPreviewLeavesNothingHalfDone) {
+    scene.illumination.method = Method::visibility;
+    scene.illumination.visibility.directions = 100;
+    Progress cancelled;
+    int previews = 0;
+    const auto stop = [&](const Image&) { ++previews, cancelled.cancel(); };
+    EXPECT_THROW(session.render(scene, cancelled, stop), Error);
+    EXPECT_EQ(previews, 1);
     EXPECT_EQ(session.render(scene, progress).pixels, render_image(Device::cpu(1), scene, progress).pixels);
 }
 

@@ -9,10 +9,12 @@ namespace scalar {}
 namespace x86_64_v2 = scalar;
 namespace x86_64_v3 = scalar;
 namespace x86_64_v4 = scalar;
-#define CHIARO_FOR_EACH_ISA(declare) declare(scalar)
+#define CHIARO_FOR_EACH_ISA(declare, ...) declare(scalar __VA_OPT__(, ) __VA_ARGS__)
 #else
-/// Writes declare(scalar) declare(x86_64_v2) ...: what launch.cpp defines, one namespace per instruction set.
-#define CHIARO_FOR_EACH_ISA(declare) declare(scalar) declare(x86_64_v2) declare(x86_64_v3) declare(x86_64_v4)
+/// Writes declare(scalar, ...) declare(x86_64_v2, ...) ...: what launch.cpp defines, one namespace per instruction set.
+#define CHIARO_FOR_EACH_ISA(declare, ...)                                                    \
+    declare(scalar __VA_OPT__(, ) __VA_ARGS__) declare(x86_64_v2 __VA_OPT__(, ) __VA_ARGS__) \
+        declare(x86_64_v3 __VA_OPT__(, ) __VA_ARGS__) declare(x86_64_v4 __VA_OPT__(, ) __VA_ARGS__)
 #endif
 
 template <class Function>
@@ -23,5 +25,14 @@ Function pick(Isa isa, Function scalar, Function v2, Function v3, Function v4) {
 /// The function of that name that goes with `isa`.
 #define CHIARO_PICK(isa, ...) \
     pick(isa, &scalar::__VA_ARGS__, &x86_64_v2::__VA_ARGS__, &x86_64_v3::__VA_ARGS__, &x86_64_v4::__VA_ARGS__)
+
+/// Declares `Table name()` of every instruction set, a struct of functions, and `name_for(isa)`.
+#define CHIARO_KERNEL_TABLE(Table, name)                   \
+    CHIARO_FOR_EACH_ISA(CHIARO_DECLARE_TABLE, Table, name) \
+    inline Table name##_for(Isa isa) { return CHIARO_PICK(isa, name)(); }
+#define CHIARO_DECLARE_TABLE(isa, Table, name) \
+    namespace isa {                            \
+    Table name();                              \
+    }
 
 }  // namespace chiaro::kernel

@@ -1,7 +1,5 @@
 #include "illumination/lit_field.h"
 
-#include "illumination/probe/light.h"
-
 namespace chiaro {
 
 LitField lit_field(const IlluminationField& field, const Lighting& lighting, Vec3 orbit_up,
@@ -11,8 +9,7 @@ LitField lit_field(const IlluminationField& field, const Lighting& lighting, Vec
         const Geometry& geometry = medium.volume.geometry();
         const bool by_normal = medium.shape.mode == Mode::iso && lighting.shading != Shading::none;
         const auto lit = data.visibility->light({lighting, orbit_up, geometry, by_normal});
-        const ShLight light = sh_light(lighting, orbit_up, geometry, data.visibility->nodes().window);
-        return {lit->view, MainLight{light.dominant, light.directionality}, lit};
+        return {lit->view, lit->main, lit};
     }
     LitField lit{data.view, {}, {}};
     if (auto* access = std::get_if<kernel::AccessView>(&lit.view)) access->strength = float(lighting.strength);

@@ -5,12 +5,6 @@
 
 namespace chiaro {
 
-/// Where most of a probe's light comes from.
-struct MainLight {
-    Vec3 direction;  ///< unit, world, towards the light
-    double share;    ///< 0: from everywhere alike, 1: from this direction alone
-};
-
 struct LitField {
     FieldView view;
     std::optional<MainLight> main;      ///< missing: the lighting's own light

@@ -46,10 +46,9 @@ Volume harmonics_of(const Device& device, const Medium& medium, const Illuminati
         return reference_visibility(device, medium.data(), opacity, settings.reference, steps, progress);
     };
     const auto found = [&] {
-        const int subsample = settings.visibility.subsample;
-        const Density density =
-            steps("density", [&] { return density_for(medium.data(), subsample, device, progress); });
-        return find_visibility(device, density, settings.visibility, subsample, steps, progress);
+        const Density density = steps(
+            "density", [&] { return density_for(medium.data(), settings.visibility.subsample, device, progress); });
+        return find_visibility(device, density, settings.visibility, steps, progress);
     };
     const ShField field = settings.method == Method::visibility ? found() : traced();
     return steps("voxels", [&] { return volume_of(device, field, medium.data().volume, progress); });

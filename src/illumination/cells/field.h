@@ -20,12 +20,9 @@ struct AccessView {
         return {access * local.diffuse, access * local.specular};
     }
 
-    /// Trilinear.
     template <class F>
     CHIARO_INLINE F at(Vec3<F> p_voxel) const {
-        const GridLocation<F> at = grid.locate(p_voxel);
-        const auto v = gather_two(cells, typename GatherIndex<F>::type(at.node), grid.rows());
-        return trilinear<F>({v.a.a, v.b.a, v.c.a, v.d.a}, {v.a.b, v.b.b, v.c.b, v.d.b}, at.t) * F(1.0f / 65535);
+        return share_at(cells, grid, p_voxel);
     }
 };
 

@@ -8,7 +8,6 @@
 #include "core/did_you_mean.h"
 #include "core/threads.h"
 #include "illumination/probe/data.h"
-#include "illumination/sh/directions.h"
 
 namespace chiaro {
 namespace {
@@ -80,28 +79,14 @@ Rgb windows(Vec3 d) {
 struct Row {
     const char *name, *sentence;
     Rgb (*radiance)(Vec3);
+    double brightest;  ///< luminance of the brightest matte white surface in it
     int height;
 };
-constexpr Row rows[] = {{"white", "The same light from everywhere, radiance 1.", white, 4},
-                        {"sky", "A blue sky with a warm horizon, a soft sun and dull ground.", sky, 512},
-                        {"studio", "Two soft boxes in the dark: a large warm one, a narrow cool one.", studio, 512},
-                        {"windows", "Six coloured windows around a dark room.", windows, 512}};
-
-/// Luminance of a matte white surface at its brightest, with nothing in the light's way: E = Σ A_l Y_lm(n) L_lm, A_l =
-/// 1, 2/3, 1/4, 0 (Ramamoorthi and Hanrahan 2001), over many normals n.
-double brightest_surface(const std::array<ShCoefficients, 3>& sh) {
-    constexpr double shares[] = {1, 2.0 / 3, 0.25};
-    double brightest = 0;
-    for (const Vec3& n : fibonacci_directions(2000)) {
-        const auto y = spherical_harmonics(n);
-        double luminance = 0;
-        for (int l = 0; l < 3; ++l)
-            for (int i = l * l; i < (l + 1) * (l + 1); ++i)
-                for (int c = 0; c < 3; ++c) luminance += luminance_weights[c] * shares[l] * y[i] * sh[c][i];
-        brightest = std::max(brightest, luminance);
-    }
-    return brightest;
-}
+constexpr Row rows[] = {
+    {"white", "The same light from everywhere, radiance 1.", white, 1, 4},
+    {"sky", "A blue sky with a warm horizon, a soft sun and dull ground.", sky, 1.605, 512},
+    {"studio", "Two soft boxes in the dark: a large warm one, a narrow cool one.", studio, 1.916, 512},
+    {"windows", "Six coloured windows around a dark room.", windows, 1.151, 512}};
 
 /// At the pixels' centres, scaled so that the brightest surface is as bright as under the white one.
 Probe sampled(const Row& row) {
@@ -112,11 +97,9 @@ Probe sampled(const Row& row) {
             for (int x = 0; x < picture.width; ++x) {
                 const Rgb radiance = row.radiance(picture.direction(x + 0.5, double(y) + 0.5));
                 float* to = picture.rgb.data() + 3 * (std::size_t(y) * picture.width + x);
-                for (int c = 0; c < 3; ++c) to[c] = float(radiance[c]);
+                for (int c = 0; c < 3; ++c) to[c] = float(radiance[c] / row.brightest);
             }
     });
-    const double brightest = row.radiance == white ? 1 : brightest_surface(project(picture));
-    for (float& radiance : picture.rgb) radiance = float(radiance / brightest);
     return Probe(picture.width, picture.height, std::move(picture.rgb));
 }
 

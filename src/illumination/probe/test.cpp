@@ -122,7 +122,7 @@ TEST(BuiltinProbe, IsFiniteAndPositiveAndLightsAWhiteSurfaceUpToOne) {
             for (int c = 0; c < 3; ++c) luminance += luminance_weights[c] * entry[c][0] * std::sqrt(4 * pi) / pi;
             brightest = std::max(brightest, luminance);
         }
-        EXPECT_NEAR(brightest, 1, 0.06) << info.name;  // the bands from 4 on were left out
+        EXPECT_NEAR(brightest, 1, 0.002) << info.name;
     }
     EXPECT_NEAR(builtin_probe("white").rgb()[0], 1, 1e-5);
 }

@@ -61,7 +61,7 @@ struct CellRays {
 
     template <class F>
     CHIARO_INLINE F depth(const NodeColumn& nodes, std::int32_t lane, std::int32_t y, std::int32_t z, F start) const {
-        const std::int32_t x = nodes.x + lane * nodes.stride;
+        const std::int32_t x = min(nodes.x + lane * nodes.stride, x_axis.last);  // a column may reach beyond the grid
         Span span{0, 0x7fffffff};
         narrow(span, x_axis, x, min(x + (LaneTraits<F>::count - 1) * nodes.stride, x_axis.last));
         narrow(span, y_axis, y, y);

@@ -5,13 +5,6 @@
 
 namespace chiaro::kernel {
 
-#define CHIARO_DECLARE(isa)         \
-    namespace isa {                 \
-    SpaoFunctions spao_functions(); \
-    }
-CHIARO_FOR_EACH_ISA(CHIARO_DECLARE)
-#undef CHIARO_DECLARE
-
-inline SpaoFunctions spao_functions_for(Isa isa) { return CHIARO_PICK(isa, spao_functions)(); }
+CHIARO_KERNEL_TABLE(SpaoFunctions, spao_functions)
 
 }  // namespace chiaro::kernel

@@ -263,20 +263,6 @@ TEST(Spao, CancelsAndNamesItsSteps) {
             Error);
 }
 
-/// The whole verb, seen through the ray caster.
-Frame lit(const Volume& volume, testing::Shot shot, const IlluminationSettings& settings) {
-    Frame frame(shot.width, shot.height);
-    Progress progress;
-    const DeviceVolume voxels = upload(shot.device, volume);
-    const Medium medium = classify(voxels, shot.tf, shot.shape);
-    IlluminationField field;
-    illuminate(
-        shot.device, medium, Prepared(), shot.lighting, settings, [&](IlluminationField f) { field = f; }, progress);
-    raycast(shot.device, medium, field, shot.lighting, make_camera(shot.camera, volume.geometry, volume.dimensions),
-            shot.rays, frame, progress);
-    return frame;
-}
-
 TransferFunction opaque_above(double value) {
     TransferFunction tf;
     tf.points = {{value, {1, 1, 1}, 0}, {value + 1, {1, 1, 1}, 1}};
@@ -296,8 +282,8 @@ TEST(Spao, AnOpenFlatSurfaceKeepsItsBrightness) {
                 shot.shape.mode = mode;
                 if (mode == Mode::iso) shot.shape.iso = {{.value = 100, .color = Rgb{1, 1, 1}}};
                 const SpaoSettings spao = with(filter, SpaoModel::corrected, 5, factor);
-                const Frame bright = lit(volume, shot, {}),
-                            shaded = lit(volume, shot, {.method = Method::spao, .spao = spao});
+                const Frame bright = shot.lit(volume, {}),
+                            shaded = shot.lit(volume, {.method = Method::spao, .spao = spao});
                 const std::size_t centre = 4 * (std::size_t(shot.height / 2) * shot.width + shot.width / 2);
                 EXPECT_NEAR(shaded.rgba[centre] / bright.rgba[centre], 1, 0.02) << to_text(filter) << factor;
             }
@@ -370,11 +356,11 @@ TEST(Spao, StrengthBlendsTowardsFullLight) {
         {40, 40, 40}, [](double x, double y, double z) { return testing::shells(x, y, z, 40); });
     testing::Shot shot;
     const IlluminationSettings spao{.method = Method::spao};
-    const Frame none = lit(volume, shot, {}), full = lit(volume, shot, spao);
+    const Frame none = shot.lit(volume, {}), full = shot.lit(volume, spao);
     shot.lighting.strength = 0.5;
-    const Frame half = lit(volume, shot, spao);
+    const Frame half = shot.lit(volume, spao);
     shot.lighting.strength = 0;
-    EXPECT_LT(testing::difference(none, lit(volume, shot, spao), 1e-6).max, 1e-6);
+    EXPECT_LT(testing::difference(none, shot.lit(volume, spao), 1e-6).max, 1e-6);
     for (std::size_t i = 0; i < none.rgba.size(); ++i)
         ASSERT_NEAR(half.rgba[i], (none.rgba[i] + full.rgba[i]) / 2, 1e-5);
     EXPECT_GT(testing::difference(none, full, 1e-3).max, 0.05);

@@ -5,13 +5,6 @@
 
 namespace chiaro::kernel {
 
-#define CHIARO_DECLARE(isa)                     \
-    namespace isa {                             \
-    VisibilityFunctions visibility_functions(); \
-    }
-CHIARO_FOR_EACH_ISA(CHIARO_DECLARE)
-#undef CHIARO_DECLARE
-
-inline VisibilityFunctions visibility_functions_for(Isa isa) { return CHIARO_PICK(isa, visibility_functions)(); }
+CHIARO_KERNEL_TABLE(VisibilityFunctions, visibility_functions)
 
 }  // namespace chiaro::kernel

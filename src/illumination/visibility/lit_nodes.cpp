@@ -34,48 +34,28 @@ kernel::Float3 float3(Vec3 v) { return {float(v.x), float(v.y), float(v.z)}; }
 
 }  // namespace
 
-/// All that the light at the nodes depends on.
-struct LitNodes::Inputs {
-    Probe probe;
-    double rotation_deg, exposure_stops, strength;
-    Vec3 orbit_up;
-    Axes rows;  ///< from the world's axes to the grid's
-    bool by_normal;
-    ShLight light;
-    LambertTable table;
-
-    bool same(const Inputs& o) const {
-        return std::tie(probe, rotation_deg, exposure_stops, strength, orbit_up, rows, by_normal) ==
-               std::tie(o.probe, o.rotation_deg, o.exposure_stops, o.strength, o.orbit_up, o.rows, o.by_normal);
-    }
-};
-
 std::shared_ptr<const LitLight> LitNodes::light(const ProbeLight& probe) const {
     const Lighting& l = probe.lighting;
-    auto inputs = std::make_shared<Inputs>(Inputs{l.loaded_probe,
-                                                  l.probe.rotation_deg,
-                                                  l.probe.exposure_stops,
-                                                  l.strength,
-                                                  probe.orbit_up,
-                                                  transposed(grid_from_world(probe.geometry)),
-                                                  probe.by_normal,
-                                                  {},
-                                                  {}});
+    const Axes rows = transposed(grid_from_world(probe.geometry));
+    const Inputs inputs{l.loaded_probe, l.probe.rotation_deg, l.probe.exposure_stops, l.strength, probe.orbit_up,
+                        rows,           probe.by_normal};
     const std::lock_guard lock(mutex_);
-    if (of_ && inputs->same(*of_)) return kept_;
-    const int bands = nodes_.coefficients == 4 ? 2 : 4;
-    inputs->light = sh_light(l, probe.orbit_up, probe.geometry, nodes_.window, bands);
-    if (probe.by_normal || nodes_.surface())
-        inputs->table = lambert_table(l, probe.orbit_up, probe.geometry, nodes_.window, bands);
-    kept_ = find(*inputs);
-    of_ = inputs;
+    if (of_ != inputs) {
+        kept_ = find(probe, rows);
+        of_ = inputs;
+    }
     return kept_;
 }
 
-std::shared_ptr<LitLight> LitNodes::find(const Inputs& inputs) const {
+std::shared_ptr<const LitLight> LitNodes::find(const ProbeLight& probe, const Axes& rows) const {
+    const int bands = nodes_.coefficients == 4 ? 2 : 4;
+    const ShLight from = sh_light(probe.lighting, probe.orbit_up, probe.geometry, nodes_.window, bands);
+    LambertTable table;
+    if (probe.by_normal || nodes_.surface())
+        table = lambert_table(probe.lighting, probe.orbit_up, probe.geometry, nodes_.window, bands);
     auto lit = std::make_shared<LitLight>();
-    lit->surface = light_on_surfaces(nodes_, inputs.table);
-    const kernel::SurfaceLight surface{lit->surface.empty() ? nullptr : lit->surface.data(), inputs.table.edge};
+    lit->surface = light_on_surfaces(nodes_, table);
+    const kernel::SurfaceLight surface{lit->surface.empty() ? nullptr : lit->surface.data(), table.edge};
     constexpr std::size_t spare = 8;  // look-ups read two nodes at a time
     lit->light = VoxelBuffer((nodes_.grid.size() * 4 + spare) * sizeof(std::uint16_t));
 
@@ -83,16 +63,17 @@ std::shared_ptr<LitLight> LitNodes::find(const Inputs& inputs) const {
     const double all = std::sqrt(4 * pi);  // V_00 there
     std::array<double, 3> brightest;
     for (int k = 0; k < 3; ++k) {
-        brightest[k] = std::max(inputs.light.mean[k], 1e-30);
-        for (const LambertTable::Entry& entry : inputs.table.entries)
+        brightest[k] = std::max(from.mean[k], 1e-30);
+        for (const LambertTable::Entry& entry : table.entries)
             brightest[k] = std::max(brightest[k], all * entry[k][0] / pi);
     }
+    const double strength = probe.lighting.strength;
     kernel::LightKernel light{nodes_.view(),
                               nodes_.surface(),
-                              light_on_particles(nodes_, inputs.light),
+                              light_on_particles(nodes_, from),
                               surface,
                               {},
-                              {float(inputs.strength), float((1 - inputs.strength) * all / nodes_.step(0))},
+                              {float(strength), float((1 - strength) * all / nodes_.step(0))},
                               reinterpret_cast<std::uint16_t*>(lit->light.data())};
     for (int k = 0; k < 3; ++k) light.per_unit[k] = float(65535 / brightest[k]);
     const auto light_nodes = kernel::visibility_functions_for(device_.isa).light;
@@ -103,11 +84,12 @@ std::shared_ptr<LitLight> LitNodes::find(const Inputs& inputs) const {
                  view_of(nodes_.grid),
                  {float(brightest[0] / 65535), float(brightest[1] / 65535), float(brightest[2] / 65535)},
                  nodes_.view(),
-                 inputs.by_normal ? surface : kernel::SurfaceLight{nullptr, 0},
+                 probe.by_normal ? surface : kernel::SurfaceLight{nullptr, 0},
                  light.strength,
-                 float3(inputs.rows[0]),
-                 float3(inputs.rows[1]),
-                 float3(inputs.rows[2])};
+                 float3(rows[0]),
+                 float3(rows[1]),
+                 float3(rows[2])};
+    lit->main = {from.dominant, from.directionality};
     return lit;
 }
 

@@ -4,7 +4,9 @@
 #include <chiaro/lighting.h>
 
 #include <mutex>
+#include <optional>
 
+#include "illumination/sh/rotation.h"
 #include "illumination/visibility/field.h"
 #include "illumination/visibility/nodes.h"
 
@@ -18,11 +20,18 @@ struct ProbeLight {
     bool by_normal;  ///< isosurfaces that are shaded: Lambert's law with the surface's own normal
 };
 
+/// Where most of a probe's light comes from.
+struct MainLight {
+    Vec3 direction;  ///< unit, world, towards the light
+    double share;    ///< 0: from everywhere alike, 1: from this direction alone
+};
+
 /// E of the nodes, and what else the ray caster reads.
 struct LitLight {
     VoxelBuffer light;
     std::vector<kernel::HarmonicsLight> surface;  ///< over an unfolded octahedron
     kernel::VisibilityView view;
+    MainLight main;
 };
 
 class LitNodes {
@@ -33,16 +42,24 @@ public:
     /// 50 instructions, and some 2 ms for surfaces. The view is valid as long as the result is.
     std::shared_ptr<const LitLight> light(const ProbeLight& probe) const;
     std::size_t bytes() const { return nodes_.bytes() + nodes_.grid.size() * 4 * sizeof(std::uint16_t); }
-    const VisibilityNodes& nodes() const { return nodes_; }
 
 private:
-    struct Inputs;
-    std::shared_ptr<LitLight> find(const Inputs& inputs) const;
+    /// All that the light at the nodes depends on.
+    struct Inputs {
+        Probe probe;
+        double rotation_deg, exposure_stops, strength;
+        Vec3 orbit_up;
+        Axes rows;  ///< from the world's axes to the grid's
+        bool by_normal;
+
+        bool operator==(const Inputs&) const = default;
+    };
+    std::shared_ptr<const LitLight> find(const ProbeLight& probe, const Axes& rows) const;
 
     Device device_;
     VisibilityNodes nodes_;
     mutable std::mutex mutex_;  ///< of what is kept
-    mutable std::shared_ptr<const Inputs> of_;
+    mutable std::optional<Inputs> of_;
     mutable std::shared_ptr<const LitLight> kept_;
 };
 

@@ -17,15 +17,15 @@ VisibilityNodes keep_nodes(const Device& device, const ShField& field, const Den
     const auto [nx, ny, nz] = grid.count;
     const auto functions = kernel::visibility_functions_for(device.isa);
     const bool lifted = settings.model == VisibilityModel::corrected;
-    const std::size_t bytes = settings.storage == ShStorage::u8 ? 1 : settings.storage == ShStorage::f16 ? 2 : 4;
+    const std::size_t bytes_per_node = std::size_t(field.coefficients) << int(settings.storage);
     VisibilityNodes nodes{grid,
                           settings.storage,
                           settings.window,
                           field.coefficients,
-                          VoxelBuffer(grid.size() * std::size_t(field.coefficients) * bytes),
+                          VoxelBuffer(grid.size() * bytes_per_node),
                           lifted ? VoxelBuffer(grid.size() * sizeof(kernel::NodeSurface)) : VoxelBuffer()};
-    const VoxelBuffer opacity(lifted ? grid.size() * sizeof(float) : 0);
-    float* alpha = lifted ? reinterpret_cast<float*>(const_cast<std::byte*>(opacity.data())) : nullptr;
+    VoxelBuffer opacity(lifted ? grid.size() * sizeof(float) : 0);
+    float* alpha = lifted ? reinterpret_cast<float*>(opacity.data()) : nullptr;
     const auto rows = [&, nx = nx](std::int64_t first, std::int64_t end) {
         for (auto r = first; r < end; ++r) functions.opacity({density.data(), alpha}, r * nx, nx);
     };

@@ -46,16 +46,10 @@ CellValues next_level(const CellValues& finer, int threads, Progress& progress) 
 }
 
 kernel::PyramidLevel view_of(const CellValues& level, int number) {
-    const auto [nx, ny, nz] = level.grid.count;
-    const auto last = [](int n) { return std::max(n - 2, 0); };
-    return {.values = level.data(),
-            .row = ny > 1 ? nx : 0,
-            .slice = nz > 1 ? nx * ny : 0,
-            .last = {float(nx - 1), float(ny - 1), float(nz - 1)},
-            .last_x = last(nx),
-            .last_y = last(ny),
-            .last_z = last(nz),
-            .scale = std::exp2(float(-number))};
+    CellGrid in_nodes = level.grid;
+    const double edge = std::exp2(number);
+    in_nodes.voxels_per_cell = {edge, edge, edge};
+    return {level.data(), view_of(in_nodes), float(1 / edge)};
 }
 
 }  // namespace

@@ -37,8 +37,6 @@ struct StoredHarmonics {
     Stored stored;
     std::int32_t coefficients;
 
-    CHIARO_INLINE std::int32_t bytes() const { return coefficients << std::int32_t(stored); }
-
     /// All sixteen; those that there are not: 0.
     CHIARO_INLINE void load(std::int64_t node, float* to) const {
         const std::int64_t first = node * coefficients;

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <random>
 
+#include "fixtures.h"
 #include "illumination/probe/light.h"
 #include "illumination/sh/basis.h"
 #include "illumination/sh/directions.h"
@@ -246,4 +247,29 @@ TEST(Nodes, TheLightIsFoundAgainOnlyWhereItChanged) {
     const auto brighter = nodes.light({lighting, {0, 0, 1}, Geometry{}, false});
     EXPECT_NE(brighter, first);
     EXPECT_NEAR(brighter->view.light[0] * brighter->view.scale.x, 2 * first->view.light[0] * first->view.scale.x, 1e-3);
+}
+
+/// E = ρ under a white probe where nothing but the matter itself is in the way.
+TEST(Visibility, AnOpenFlatSurfaceKeepsItsBrightness) {
+    const Volume volume =
+        chiaro::testing::sampled<std::uint8_t>({40, 40, 40}, [](double, double, double z) { return z < 20 ? 200 : 0; });
+    chiaro::testing::Shot shot;
+    shot.tf.points = {{99, {0.8, 0.5, 0.25}, 0}, {101, {0.8, 0.5, 0.25}, 1}};
+    shot.camera.elevation_deg = 90;
+    shot.camera.zoom = 4;
+    for (const Mode mode : {Mode::dvr, Mode::iso})
+        for (const int subsample : {1, 2})
+            for (const Shading shading : {Shading::none, Shading::lambert}) {
+                shot.shape.mode = mode;
+                if (mode == Mode::iso) shot.shape.iso = {{.value = 100, .color = Rgb{0.8, 0.5, 0.25}}};
+                shot.lighting.shading = Shading::none;
+                const Frame colors = shot.lit(volume, {});
+                shot.lighting.shading = shading;
+                const Frame lit =
+                    shot.lit(volume, {.method = Method::visibility, .visibility = {.subsample = subsample}});
+                const std::size_t centre = 4 * (std::size_t(shot.height / 2) * shot.width + shot.width / 2);
+                for (std::size_t c = centre; c < centre + 3; ++c)
+                    EXPECT_NEAR(lit.rgba[c] / colors.rgba[c], 1, 0.02)
+                        << to_text(mode) << subsample << to_text(shading);
+            }
 }

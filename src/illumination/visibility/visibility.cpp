@@ -15,9 +15,9 @@ std::vector<Vec3> directions_of(const VisibilitySettings& settings) {
 
 }  // namespace
 
-ShField find_visibility(const Device& device, const Density& density, const VisibilitySettings& settings, int subsample,
-                        Steps& steps, Progress& progress) {
-    const double start = 0.5 / subsample;
+ShField find_visibility(const Device& device, const Density& density, const VisibilitySettings& settings, Steps& steps,
+                        Progress& progress) {
+    const double start = 0.5 / settings.subsample;
     if (settings.traversal == VisibilityTraversal::hierarchical || settings.traversal == VisibilityTraversal::full)
         return walk_visibility(device, density, settings, start, steps, progress);
     return steps("visibility", [&] {
@@ -34,10 +34,10 @@ void refine_visibility(const Device& device, const Medium::Data& medium, const V
     for (int f = settings.subsample; f < 8; f *= 2) densities.push_back(halved(densities.back(), device, progress));
     for (int level = int(densities.size()) - 1; level >= 0; --level) {
         VisibilitySettings coarse = settings;
+        coarse.subsample = settings.subsample << level;
         coarse.directions = std::max(settings.directions >> level, std::min(settings.directions, 64));
-        const ShField field = find_visibility(device, densities[std::size_t(level)], coarse,
-                                              settings.subsample << level, steps, progress);
         const Density& density = densities[std::size_t(level)];
+        const ShField field = find_visibility(device, density, coarse, steps, progress);
         keep(steps("keep", [&] { return keep_nodes(device, field, density, settings, progress); }), level > 0);
     }
 }

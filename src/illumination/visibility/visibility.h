@@ -6,9 +6,10 @@
 
 namespace chiaro {
 
-/// V_lm at nodes that stand for `subsample`³ cells, in the axes of the grid; V starts half a cell edge from a node.
-ShField find_visibility(const Device& device, const Density& density, const VisibilitySettings& settings, int subsample,
-                        Steps& steps, Progress& progress);
+/// V_lm at the nodes of a density, which stand for `settings.subsample`³ cells, in the axes of the grid; V starts half
+/// a cell edge from a node.
+ShField find_visibility(const Device& device, const Density& density, const VisibilitySettings& settings, Steps& steps,
+                        Progress& progress);
 
 /// Hands the nodes of a coarse field to `keep` at once, then those of finer ones, the last as the settings ask for:
 /// every 8th cell, 4th ..., the coarse ones with fewer directions (some 5 % of the last one's time in all). Throws

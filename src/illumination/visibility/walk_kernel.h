@@ -1,39 +1,21 @@
 // Towards the light, node by node, with steps that grow through the pyramid (Ritschel 2007, section 3): one node, or
 // sixteen along x. How far the steps are apart does not depend on where they lead, so all lanes take the same.
 #pragma once
+#include "illumination/cells/place.h"
 #include "illumination/sh/kernel.h"
-#include "kernel/gather.h"
 #include "kernel/math.h"
 #include "kernel/row.h"
 
 namespace chiaro::kernel {
 
 struct PyramidLevel {
-    const std::uint16_t* values;          ///< expected transparency, 65535ths; x fastest
-    std::int32_t row, slice;              ///< distances along y and z; 0 along an axis of one node
-    Float3 last;                          ///< count - 1 per axis
-    std::int32_t last_x, last_y, last_z;  ///< last interval's node, max(count - 2, 0)
-    float scale;                          ///< 2^-level
+    const std::uint16_t* values;  ///< expected transparency
+    GridView grid;                ///< its "voxels" are the nodes that are walked from
+    float scale;                  ///< 2^-level
 
-    /// Trilinear; beyond the outermost centres as there.
     template <class F>
     CHIARO_INLINE F at(Vec3<F> p_node) const {
-        const Vec3<F> p{to_level(p_node.x, last.x), to_level(p_node.y, last.y), to_level(p_node.z, last.z)};
-        using I = Int<F>;
-        const I x = min(truncate(p.x), I(last_x)), y = min(truncate(p.y), I(last_y)), z = min(truncate(p.z), I(last_z));
-        const Vec3<F> t{p.x - to_float(x), p.y - to_float(y), p.z - to_float(z)};
-        const auto v = gather_two(values, typename GatherIndex<F>::type(z * I(slice) + y * I(row) + x),
-                                  {0, row, slice, slice + row});
-        const F near = lerp(lerp(v.a.a, v.a.b, t.x), lerp(v.b.a, v.b.b, t.x), t.y);
-        const F far = lerp(lerp(v.c.a, v.c.b, t.x), lerp(v.d.a, v.d.b, t.x), t.y);
-        return lerp(near, far, t.z) * F(1.0f / 65535);
-    }
-
-private:
-    /// From nodes to nodes of this level: both cover [-½, n - ½] of their index.
-    template <class F>
-    CHIARO_INLINE F to_level(F node, float highest) const {
-        return min(max(mad(node + F(0.5f), F(scale), F(-0.5f)), F(0)), F(highest));
+        return share_at(values, grid, p_node);
     }
 };
 
