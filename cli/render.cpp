@@ -57,6 +57,7 @@ public:
         o_.frames ? turntable(job) : picture(job);
         if (!o_.common.stats.empty()) write_stats(o_.common.stats, stats_, device_, scene_);
         job.bar.clear();
+        if (stats_.paths.samples && !o_.common.quiet) tell_noise(stats_.paths);
         if (!o_.common.quiet)
             for (const auto& note : session_.notes()) say(note);
         if (o_.common.verbose) tell_stages(stats_, device_);
@@ -74,6 +75,7 @@ private:
     void count_frame(FrameTime time) {
         stats_.frames.push_back(time);
         stats_.samples += session_.outcome().samples;
+        stats_.paths = session_.outcome().paths;
     }
 
     void write(const Scene& scene, int frame, Job& job) {

@@ -27,6 +27,11 @@ void tell_stages(const Stats& stats, const Device& device) {
     say(line);
 }
 
+void tell_noise(const PathStatistics& paths) {
+    say(fmt::format("{} paths a pixel; noise {:.2g}, {:.2g} % of the light", paths.samples, paths.noise,
+                    100 * paths.relative_noise));
+}
+
 void write_stats(const std::filesystem::path& path, const Stats& stats, const Device& device, const Scene& scene) {
     Json json;
     json["chiaro"] = CHIARO_VERSION;
@@ -42,6 +47,10 @@ void write_stats(const std::filesystem::path& path, const Stats& stats, const De
     for (const auto& [seconds, cpu_seconds] : stats.frames)
         json["frames"].push_back({{"seconds", seconds}, {"cpu_seconds", cpu_seconds}});
     json["samples"] = stats.samples;
+    if (stats.paths.samples)
+        json["paths"] = {{"samples", stats.paths.samples},
+                         {"noise", stats.paths.noise},
+                         {"relative_noise", stats.paths.relative_noise}};
     json["peak_memory_bytes"] = peak_memory_bytes();
     write_text(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }

@@ -23,6 +23,7 @@ struct Stats {
     std::vector<Stage> stages;      ///< in order; the verbs of the first picture
     std::vector<FrameTime> frames;  ///< one for each picture
     std::uint64_t samples = 0;      ///< at which the volume was read, in all these pictures
+    PathStatistics paths;           ///< of the last picture, if it was path-traced
 
     /// Runs the work and returns its seconds.
     template <class Work>
@@ -42,6 +43,9 @@ struct Stats {
 
 /// One line with the time of every stage.
 void tell_stages(const Stats& stats, const Device& device);
+
+/// One line that says how sure a path-traced picture is.
+void tell_noise(const PathStatistics& paths);
 
 /// Throws Error{output}.
 void write_stats(const std::filesystem::path& path, const Stats& stats, const Device& device, const Scene& scene);

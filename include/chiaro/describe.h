@@ -216,9 +216,9 @@ void describe(Visit&& visit, S& s) {
 
 template <class Visit, SettingsOf<ReferenceSettings> S>
 void describe(Visit&& visit, S& s) {
-    visit(Setting{"reference-rays", "lighting.rays", "", "rays from every voxel"}
+    visit(Setting{"reference-rays", "lighting.rays", "", "rays from every voxel; of radiance paths through every pixel"}
           .within(1, 65536).of("reference"), s.rays);
-    visit(Setting{"reference-quantity", "lighting.quantity", "", "share of open directions: all, outwards, by cosine; or in spherical harmonics"}
+    visit(Setting{"reference-quantity", "lighting.quantity", "", "share of open directions: all (fields), outwards, by cosine; in spherical harmonics; or light by paths (pictures)"}
           .of("reference"), s.quantity);
     visit(Setting{"reference-medium", "lighting.medium", "", "extinction constant in each voxel, or interpolated"}
           .of("reference"), s.medium);
@@ -226,6 +226,22 @@ void describe(Visit&& visit, S& s) {
           .within(0, 1000).written("HALF_EDGES").of("reference"), s.start_half_edges);
     visit(Setting{"reference-subsample", "lighting.subsample", "", "rays from every Nth voxel per axis only"}
           .within(1, 64).of("reference"), s.subsample);
+    visit(Setting{"reference-time", "lighting.time", "seconds", "of radiance: no further paths after this time"}
+          .above(0).written("S").of("reference"), s.time_s);
+    visit(Setting{"reference-error", "lighting.error", "",
+                  "of radiance: no further paths at this standard error over the picture's brightness"}
+          .above(0).written("E").of("reference"), s.error);
+}
+
+template <class Visit, SettingsOf<ScatteringSettings> S>
+void describe(Visit&& visit, S& s) {
+    visit(Setting{"bounces", "lighting.bounces", "", "how often light is scattered beyond the first time"}
+          .within(0, 1e6).written("N|unlimited").of("reference"), s.bounces);
+    visit(Setting{"albedo-max", "lighting.albedo_max", "",
+                  "largest share that is scattered on, where light is scattered more than once"}
+          .within(0, 1).of("reference"), s.albedo_max);
+    visit(Setting{"seed", "lighting.seed", "", "of the paths that are drawn"}
+          .within(0, 4294967295.0).of("reference"), s.seed);
 }
 
 template <class Visit, SettingsOf<ToneMap> S>
@@ -255,6 +271,7 @@ void for_each_group(Group&& group, S& scene) {
     group("Lighting by visibility", scene.illumination.visibility);
     group("Lighting by histogram", scene.illumination.histogram);
     group("Lighting by reference", scene.illumination.reference);
+    group("Scattering", scene.illumination.scattering);
     group("Output", scene.output);
 }
 

@@ -5,8 +5,10 @@
 #include <chiaro/settings.h>
 #include <chiaro/transfer_function.h>
 
+#include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -121,19 +123,37 @@ struct HistogramSettings {
 };
 
 /// What rays find out for every voxel: the mean transmittance over all directions, over those outwards, over those
-/// weighted by their cosine, or its 16 coefficients in spherical harmonics (a field only, no picture).
-enum class ReferenceQuantity { obscurance, ao, ao_cosine, visibility };
+/// weighted by their cosine, or its 16 coefficients in spherical harmonics (a field only, no picture); or for every
+/// pixel, along paths that scatter: radiance (a picture only, no field).
+enum class ReferenceQuantity { obscurance, ao, ao_cosine, visibility, radiance };
 /// Whether the extinction is constant in each voxel or interpolated between them.
 enum class ReferenceMedium { voxels, trilinear };
 
-/// Brute force: rays in all directions from every voxel.
+/// Brute force: rays in all directions from every voxel, or paths through every pixel.
 struct ReferenceSettings {
-    int rays = 256;
-    ReferenceQuantity quantity = ReferenceQuantity::obscurance;
+    int rays = 256;                             ///< or paths through a pixel
+    std::optional<ReferenceQuantity> quantity;  ///< missing: radiance for a picture, obscurance for a field
     ReferenceMedium medium = ReferenceMedium::voxels;
-    double start_half_edges = 1;  ///< rays begin this far from the centre, in half cell edges
-    int subsample = 1;            ///< only every so many voxels per axis; between them trilinear (harmonics: one node)
+    double start_half_edges = 1;   ///< rays begin this far from the centre, in half cell edges
+    int subsample = 1;             ///< only every so many voxels per axis; between them trilinear (harmonics: one node)
+    std::optional<double> time_s;  ///< of radiance: no more paths after this time,
+    std::optional<double> error;   ///< nor when the frame's RMS standard error over its RMS luminance is so small
     bool operator==(const ReferenceSettings&) const = default;
+};
+
+/// How often light is scattered beyond the first time.
+struct Bounces {
+    std::optional<int> most;  ///< none: until it has left or is spent
+    bool operator==(const Bounces&) const = default;
+};
+
+/// How light is scattered, for the methods that follow it.
+struct ScatteringSettings {
+    Bounces bounces;          ///< 0: single scattering, which shows colours as they are
+    double albedo_max = 0.9;  ///< else the albedo is the colour, scaled down to this where a channel is above
+    std::uint64_t seed = 0;   ///< of all that is drawn
+    double anisotropy = 0;    ///< g of Henyey and Greenstein in (-1, 1), forwards above 0; for callers of the library
+    bool operator==(const ScatteringSettings&) const = default;
 };
 
 struct IlluminationSettings {
@@ -142,8 +162,15 @@ struct IlluminationSettings {
     VisibilitySettings visibility;
     HistogramSettings histogram;
     ReferenceSettings reference;
+    ScatteringSettings scattering;
     bool operator==(const IlluminationSettings&) const = default;
 };
+
+/// Whether a picture comes from trace_paths, which needs no field, rather than from raycast.
+inline bool is_path_traced(const IlluminationSettings& settings) {
+    return settings.method == Method::reference &&
+           settings.reference.quantity.value_or(ReferenceQuantity::radiance) == ReferenceQuantity::radiance;
+}
 
 struct MethodInfo {
     std::string name, sentence;

@@ -24,7 +24,7 @@ public:
     void show(Volume&& volume, Progress& progress);
 
     /// `preview` is handed the picture with each coarse light that comes before the finest (visibility), while that is
-    /// still being found.
+    /// still being found; and with each pass of paths (reference).
     const Image& render(const Scene& scene, Progress& progress, const Preview& preview = {});
     /// What the scene's lighting method computes for the shown volume. Throws as chiaro::compute_field.
     ComputedField compute_field(const Scene& scene, Progress& progress);

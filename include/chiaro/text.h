@@ -49,7 +49,7 @@ constexpr auto names_of(HistogramPacking) {
 constexpr auto names_of(HistogramMetric) { return std::to_array<std::string_view>({"l2", "l1", "lmax"}); }
 constexpr auto names_of(HistogramModel) { return std::to_array<std::string_view>({"corrected", "paper"}); }
 constexpr auto names_of(ReferenceQuantity) {
-    return std::to_array<std::string_view>({"obscurance", "ao", "ao-cosine", "visibility"});
+    return std::to_array<std::string_view>({"obscurance", "ao", "ao-cosine", "visibility", "radiance"});
 }
 constexpr auto names_of(ReferenceMedium) { return std::to_array<std::string_view>({"voxels", "trilinear"}); }
 constexpr auto names_of(Mode) { return std::to_array<std::string_view>({"dvr", "iso", "mip"}); }
@@ -85,6 +85,7 @@ std::string to_text(const std::array<double, 6>& value);
 std::string to_text(const ClipPlane& value);
 std::string to_text(const IsoSurface& value);
 std::string to_text(const ShSampling& value);
+std::string to_text(const Bounces& value);
 std::string to_text(const HistogramEffects& value);  ///< "ao,bleeding"; "none"
 std::string to_text(int width, int height);
 std::string to_text(const Rgb& color, bool transparent, bool probe);  ///< of what lies behind the probe
@@ -117,6 +118,7 @@ void from_text(std::string_view text, std::array<double, 6>& value);
 void from_text(std::string_view text, ClipPlane& value);
 void from_text(std::string_view text, IsoSurface& value);
 void from_text(std::string_view text, ShSampling& value);
+void from_text(std::string_view text, Bounces& value);
 void from_text(std::string_view text, HistogramEffects& value);
 void from_text(std::string_view text, int& width, int& height);
 void from_text(std::string_view text, Rgb& color, bool& transparent, bool& probe);  ///< "probe" leaves the others

@@ -20,8 +20,9 @@ CellValues accessibility(const Device& device, const Medium::Data& medium, const
 }
 
 double outward_factor(const IlluminationSettings& settings) {
+    constexpr auto obscurance = ReferenceQuantity::obscurance;
     if (settings.method == Method::reference)
-        return settings.reference.quantity == ReferenceQuantity::obscurance ? 0 : reference_normal_factor;
+        return settings.reference.quantity.value_or(obscurance) == obscurance ? 0 : reference_normal_factor;
     if (settings.spao.model == SpaoModel::corrected) return settings.spao.normal_factor;
     return settings.spao.normal_factor == 0 ? 0 : at_once;  // the paper's cubes move outwards as a whole
 }

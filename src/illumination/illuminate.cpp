@@ -32,7 +32,7 @@ void check_picture(const IlluminationSettings& settings) {
     if (settings.method == Method::reference && settings.reference.quantity == ReferenceQuantity::visibility)
         throw Error(ErrorCode::usage,
                     "the reference's quantity visibility is a field, no picture: write it with chiaro illuminate, or "
-                    "choose obscurance, ao or ao-cosine");
+                    "choose radiance, obscurance, ao or ao-cosine");
 }
 
 IlluminationField light_of(const Device& device, const Medium::Data& medium, const IlluminationSettings& settings,
@@ -126,15 +126,15 @@ std::vector<MethodInfo> list_methods() {
         {"histogram",
          "Ambient occlusion and colour bleeding by local histograms: prepared once, an edit only renews a small "
          "table."},
-        {"reference", "Ambient occlusion by rays from every voxel: slow, and what the others are measured against."}};
+        {"reference", "Light's own paths, or rays from every voxel: slow, and what the others are measured against."}};
 }
 
 bool illuminate(const Device& device, const Medium& medium, const Prepared& prepared, const Lighting&,
                 const IlluminationSettings& settings, const Sink& sink, Progress& progress) try {
     progress.check();
     check_picture(settings);
-    // A maximum along a ray has no place in which it could be lit.
-    if (settings.method == Method::none || medium.data().shape.mode == Mode::mip)
+    // A maximum along a ray has no place in which it could be lit; paths find their light themselves.
+    if (settings.method == Method::none || medium.data().shape.mode == Mode::mip || is_path_traced(settings))
         sink(IlluminationField());
     else if (settings.method == Method::histogram)
         sink(light_of_histograms(device, medium.data(), prepared, settings.histogram));

@@ -20,6 +20,10 @@ void check_computable(const Shape& shape, const IlluminationSettings& settings) 
     if (shape.mode == Mode::mip)
         throw Error(ErrorCode::usage,
                     "a maximum along a ray has no place that could be lit: fields go with dvr and iso");
+    if (settings.method == Method::reference && settings.reference.quantity == ReferenceQuantity::radiance)
+        throw Error(ErrorCode::usage,
+                    "the reference's quantity radiance is a picture, no field: write it with chiaro render, or choose "
+                    "obscurance, ao, ao-cosine or visibility");
 }
 
 /// "chiaro_spao_levels" of the flag "spao-levels".
@@ -63,7 +67,8 @@ std::map<std::string, std::string> how_made(const IlluminationSettings& settings
                                             {"chiaro_lighting", to_text(settings.method)},
                                             {"chiaro_seconds", fmt::format("{:.6f}", seconds)}};
     const auto tell = [&](const Setting& setting, const auto&... fields) {
-        if (setting.method == to_text(settings.method)) told[key_of(setting)] = value_text(setting, fields...);
+        const std::string value = value_text(setting, fields...);
+        if (setting.method == to_text(settings.method) && !value.empty()) told[key_of(setting)] = value;
     };
     describe(tell, settings.spao);
     describe(tell, settings.visibility);
@@ -76,8 +81,10 @@ std::map<std::string, std::string> how_made(const IlluminationSettings& settings
 }  // namespace
 
 ComputedField compute_field(const Device& device, const Medium& medium, const Prepared& prepared, const Lighting&,
-                            const IlluminationSettings& settings, Progress& progress) {
-    check_computable(medium.data().shape, settings);
+                            const IlluminationSettings& wanted, Progress& progress) {
+    check_computable(medium.data().shape, wanted);
+    IlluminationSettings settings = wanted;
+    if (!settings.reference.quantity) settings.reference.quantity = ReferenceQuantity::obscurance;
     const auto start = std::chrono::steady_clock::now();
     Steps steps;
     ComputedField field{is_in_harmonics(settings)

@@ -31,7 +31,10 @@ Image render_image(const Device& device, const Scene& scene, Progress& progress)
     // What the camera sees of it.
     const Camera camera = make_camera(scene.camera, geometry, dimensions);
     Frame frame(scene.width, scene.height);
-    raycast(device, medium, field, lighting, camera, scene.sampling, frame, progress);
+    if (is_path_traced(scene.illumination))
+        trace_paths(device, medium, lighting, camera, scene.sampling, scene.illumination, frame, progress);
+    else
+        raycast(device, medium, field, lighting, camera, scene.sampling, frame, progress);
     progress.check();
 
     return develop(frame, scene.output);

@@ -144,8 +144,12 @@ const Image& Session::render(const Scene& scene, Progress& progress, const Previ
            [&](Cast& cast) {
                Frame& frame = cast.frame;
                if (std::pair(frame.width, frame.height) != size) frame = Frame(scene.width, scene.height);
-               cast.outcome =
-                   raycast(s.device, medium, s.illuminate.result, lighting, camera, scene.sampling, frame, progress);
+               const auto keep = [&](const Frame& better) { preview(develop(better, scene.output)); };
+               cast.outcome = is_path_traced(scene.illumination)
+                                  ? trace_paths(s.device, medium, lighting, camera, scene.sampling, scene.illumination,
+                                                frame, progress, preview ? keep : FramePreview())
+                                  : raycast(s.device, medium, s.illuminate.result, lighting, camera, scene.sampling,
+                                            frame, progress);
                progress.check();
            });
 

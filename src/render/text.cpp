@@ -89,6 +89,8 @@ std::string to_text(const ShSampling& value) {
     return value.jittered ? fmt::format("jittered:{}", value.sets) : "fibonacci";
 }
 
+std::string to_text(const Bounces& value) { return value.most ? to_text(*value.most) : "unlimited"; }
+
 std::string to_text(int width, int height) { return fmt::format("{}x{}", width, height); }
 std::string to_text(const Rgb& color, bool transparent, bool) { return transparent ? "transparent" : to_text(color); }
 std::string to_text(bool headlight, double azimuth_deg, double elevation_deg, const Rgb& color) {
@@ -166,6 +168,12 @@ void from_text(std::string_view text, ShSampling& value) {
     if (colon == text.npos) return;
     if (!value.jittered) refuse("only jittered takes a number of sets");
     value.sets = integer<int>(numbers(text.substr(colon + 1), 1, "a number of sets after the colon")[0], 1, 4096);
+}
+
+void from_text(std::string_view text, Bounces& value) {
+    value = {};
+    if (text == "unlimited") return;
+    value.most = integer<int>(numbers(text, 1, "a number of times, or unlimited")[0], 0, 1000000);
 }
 
 void from_text(std::string_view text, int& width, int& height) {

@@ -113,7 +113,7 @@ template <class Rays, class Follower>
 CellValues trace(const Device& device, const NodeGrid& grid, const ReferenceSettings& settings,
                  const CellOpacity& opacity, const BlockMap& blocks, const Follower& follower, Progress& progress) {
     CellValues at_nodes(grid.nodes());
-    const Lobe lobe = lobe_of(settings.quantity);
+    const Lobe lobe = lobe_of(settings.quantity.value_or(ReferenceQuantity::obscurance));
     const auto directions = fibonacci_directions(settings.rays);
     const auto columns = columns_of(grid, grid.blocks_for(blocks));
     const auto trace_column = kernel::trace_column_for<Rays>(device.isa);

@@ -1,0 +1,93 @@
+// The classified volume as paths meet it: a cloud in which they collide by chance.
+#pragma once
+#include "pathtrace/directions.h"
+#include "pathtrace/regions.h"
+
+namespace chiaro::kernel {
+
+/// The colours of what scatters; entry by entry.
+struct ColoursView {
+    const float *red, *green, *blue;
+    template <class F>
+    CHIARO_INLINE Vec3<F> at(Int<F> entry) const {
+        return {gather_float(red, entry), gather_float(green, entry), gather_float(blue, entry)};
+    }
+};
+
+/// Delta tracking (Woodcock et al. 1965) with majorants by region (Szirmay-Kalos et al. 2011): in a medium filled up to
+/// the region's majorant, tentative collisions lie exponentially far apart; one is real with the probability κ / μ.
+/// Towards the light nothing is drawn: every tentative collision leaves 1 - κ / μ of it (ratio tracking, Novák et al.
+/// 2014).
+template <class Voxel>
+struct Cloud {
+    VolumeView<Voxel> volume;
+    RegionsView regions;
+    const float* extinction;  ///< per mm, over the optical table
+    ColoursView colours;
+    float scale, offset, last;  ///< entry = stored * scale + offset
+    PhaseView phase;
+
+    static constexpr bool has_normals = false;
+
+    /// A new way has been taken.
+    template <class F>
+    CHIARO_INLINE void begin(Mask<F> lanes, const Cut<F>&, Path<F>& path) const {
+        const Draw<F> numbers = draw_for(lanes, path);
+        path.depth = select(lanes, free_depth(numbers.a), path.depth);
+        path.leave = select(lanes, F(0), path.leave);
+    }
+
+    /// To the next tentative collision, or through the region.
+    template <class F>
+    CHIARO_INLINE void travel(Path<F>& path) const {
+        const Mask<F> going = at_stage(path, travelling), lost = going & (path.t >= path.leave);
+        if (any(lost)) regions.enter(volume, lost, path);
+        const F through = (path.leave - path.t) * path.majorant;
+        const Mask<F> meets = going & (through > path.depth), passes = going & !meets;
+        const F free_way = path.depth / max(path.majorant, F(1e-30f));
+        path.t = select(meets, path.t + free_way, select(passes, path.leave, path.t));
+        path.depth = select(passes, path.depth - through, path.depth);
+        path.stage = select(meets, Int<F>(met), path.stage);
+        path.stage = select(passes & (path.t >= path.end), Int<F>(escaped), path.stage);
+    }
+
+    /// A real collision, or none; on the way to the light always none, but less light.
+    template <class F>
+    CHIARO_INLINE void meet(Mask<F> lanes, Path<F>& path) const {
+        using I = Int<F>;
+        const Vec3<F> p = volume.clamp(mad(path.t, path.direction, path.origin));
+        const F value = volume.value(volume.locate(p, volume.voxel(p)));
+        const I entry = truncate(min(max(mad(value, F(scale), F(offset)), F(0)), F(last)));
+        const F kappa = gather_float(extinction, entry);
+        const Draw<F> numbers = draw_for(lanes, path);
+        path.depth = select(lanes, free_depth(numbers.b), path.depth);
+        const Mask<F> shadow = lanes & (path.to_light == I(1));
+        const Mask<F> real = lanes & (path.to_light == I(0)) & (numbers.a * path.majorant < kappa);
+        path.material = select(real, entry, path.material);
+        path.stage = select(lanes, select(real, I(collided), I(travelling)), path.stage);
+        if (any(shadow)) dim(shadow, kappa, numbers.c, path);
+    }
+
+    /// What a direction is drawn with, and the share of light that is scattered into it, per steradian.
+    template <class F>
+    CHIARO_INLINE F density(const Path<F>& path, Vec3<F> direction) const {
+        return phase.density(dot(path.heading, direction));
+    }
+    template <class F>
+    CHIARO_INLINE Vec3<F> direction(const Path<F>& path, F u, F v) const {
+        return around(path.heading, phase.cosine(u), v);
+    }
+
+private:
+    /// Below a tenth the way goes on with that probability only (Russian roulette).
+    template <class F>
+    CHIARO_INLINE void dim(Mask<F> shadow, F kappa, F u, Path<F>& path) const {
+        constexpr float faint = 0.1f;
+        F left = path.transmittance * max(F(1) - kappa / max(path.majorant, F(1e-30f)), F(0));
+        left = select(left < F(faint), select(u * F(faint) < left, F(faint), F(0)), left);
+        path.transmittance = select(shadow, left, path.transmittance);
+        path.stage = select(shadow & !(left > F(0)), Int<F>(escaped), path.stage);
+    }
+};
+
+}  // namespace chiaro::kernel

@@ -1,0 +1,234 @@
+// The path tracer: light's ways followed backwards from the eye, one path at a time, or sixteen, each at its own stage.
+#pragma once
+#include "kernel/launch.h"
+#include "kernel/queue.h"
+#include "pathtrace/cloud.h"
+#include "pathtrace/light_view.h"
+#include "pathtrace/surfaces.h"
+#include "raycast/ray_bounds.h"
+
+namespace chiaro::kernel {
+
+/// One path for each pixel of a tile.
+struct PathTask {
+    Tile tile;
+    std::int32_t sample;
+    Rgba* results;  ///< of the tile, row by row: light, and whether anything was met
+};
+
+struct Box {
+    Float3 low, high;  ///< voxels
+};
+
+/// World and grid: columns of the matrices between mm and voxels, without shift.
+struct AxesView {
+    Float3 voxel_x, voxel_y, voxel_z;  ///< voxels per mm along the world's axes
+    Float3 world_x, world_y, world_z;  ///< mm per voxel along the grid's axes
+
+    template <class F>
+    CHIARO_INLINE Vec3<F> to_voxels(Vec3<F> world) const {
+        return mad(world.x, Vec3<F>(voxel_x), mad(world.y, Vec3<F>(voxel_y), world.z * Vec3<F>(voxel_z)));
+    }
+    template <class F>
+    CHIARO_INLINE Vec3<F> to_world(Vec3<F> voxels) const {
+        return mad(voxels.x, Vec3<F>(world_x), mad(voxels.y, Vec3<F>(world_y), voxels.z * Vec3<F>(world_z)));
+    }
+};
+
+/// L = ∫ κ E T dt and what further scattering adds. At each collision light is looked for twice - towards the probe's
+/// brightest parts, and along the way that the path takes on - and both answers are weighed by the balance heuristic
+/// (Veach and Guibas 1995). `Matter` says what is met: a Cloud or Surfaces.
+template <class Matter>
+struct PathKernel {
+    Matter matter;
+    CameraView camera;
+    AxesView axes;
+    Box seen, lit;  ///< what the camera looks into; what light passes through
+    ClipView clip_view;
+    ProbeLightView probe;
+    std::int32_t most_scatterings;
+    float start_mm;  ///< light paths begin this far from where they scatter
+    float lift_mm;   ///< and so far above a surface
+    std::int32_t sub_pixels;
+    std::int32_t pixel_key, sample_key;  ///< from the seed
+    std::int32_t width;                  ///< of the frame
+
+    /// Follows a path for each pixel of the tile; returns the number of collisions, tentative ones too, per lane.
+    template <class F>
+    CHIARO_INLINE Int<F> operator()(const PathTask& task) const {
+        using I = Int<F>;
+        const std::int32_t columns = task.tile.x1 - task.tile.x0, count = columns * (task.tile.y1 - task.tile.y0);
+        constexpr int few = LaneTraits<F>::count / 4;
+        Path<F> path;
+        I collisions(0);
+        std::int32_t next = refill(path, task, columns, 0, count);
+        for (;;) {
+            Mask<F> going = at_stage(path, travelling);
+            while (any(going)) {
+                matter.travel(path);
+                going = at_stage(path, travelling);
+                if (kernel::count(going) <= few) break;
+            }
+            const Mask<F> meeting = at_stage(path, met);
+            if (any(meeting)) {
+                collisions += select(meeting, I(1), I(0));
+                matter.meet(meeting, path);
+            }
+            const Mask<F> waiting = (path.stage >= I(collided)) & (path.stage <= I(ended));
+            const Mask<F> busy = path.stage <= I(met);
+            if (!any(waiting)) {
+                if (!any(busy)) return collisions;
+                continue;
+            }
+            if (any(busy) && kernel::count(waiting) < few) continue;
+            scatter(path);
+            arrive(path);
+            turn(path);
+            const Mask<F> over = at_stage(path, ended);
+            if (!any(over)) continue;
+            hand_over(over, path.number, path.light, select(path.scatterings > I(0), F(1), F(0)), task.results);
+            path.stage = select(over, I(idle), path.stage);
+            next = refill(path, task, columns, next, count);
+        }
+    }
+
+private:
+    /// Idle lanes take the next pixels of the queue.
+    template <class F>
+    CHIARO_INLINE std::int32_t refill(Path<F>& path, const PathTask& task, std::int32_t columns, std::int32_t next,
+                                      std::int32_t count) const {
+        using I = Int<F>;
+        Mask<F> fresh = at_stage(path, idle);
+        const I number = I(next) + set_before(fresh);
+        fresh = fresh & (number < I(count));
+        if (!any(fresh)) return next;
+        const I row = truncate((to_float(number) + F(0.5f)) * F(1 / float(columns))),
+                column = number - row * I(columns);
+        begin(path, fresh, number, I(task.tile.x0) + column, I(task.tile.y0) + row, task.sample);
+        return next + kernel::count(fresh);
+    }
+
+    template <class F>
+    CHIARO_INLINE void begin(Path<F>& path, Mask<F> fresh, Int<F> number, Int<F> x, Int<F> y,
+                             std::int32_t sample) const {
+        using I = Int<F>;
+        const RandomKey<F> key = random_key<F>(y * I(width) + x + I(pixel_key), I(sample_key) + I(sample));
+        path.key = {select(fresh, key.pixel, path.key.pixel), select(fresh, key.sample, path.key.sample)};
+        path.number = select(fresh, number, path.number);
+        path.dimension = select(fresh, I(0), path.dimension);
+        path.scatterings = select(fresh, I(0), path.scatterings);
+        path.to_light = select(fresh, I(0), path.to_light);
+        path.throughput = select<F>(fresh, {F(1), F(1), F(1)}, path.throughput);
+        path.light = select<F>(fresh, {F(0), F(0), F(0)}, path.light);
+        const SubPixel offset = sub_pixel(sample % sub_pixels, sub_pixels);
+        const Ray<F> ray = camera.ray(to_float(x) + F(offset.x), to_float(y) + F(offset.y));
+        path.heading = select(fresh, axes.to_world(ray.direction), path.heading);
+        set_off(path, fresh, ray, F(0), seen);
+    }
+
+    /// Takes a straight way through the box, from `start` mm on.
+    template <class F>
+    CHIARO_INLINE void set_off(Path<F>& path, Mask<F> lanes, const Ray<F>& ray, F start, const Box& box) const {
+        Interval<F> way = intersect(ray, box.low, box.high);
+        way.near = max(way.near, start);
+        const Cut<F> cut = clip(clip_view, ray, way);
+        const Vec3<F> d = ray.direction;
+        path.origin = select(lanes, mad(way.near, d, ray.origin), path.origin);
+        path.direction = select(lanes, d, path.direction);
+        path.inverse = select<F>(
+            lanes, {F(1) / away_from_zero(d.x), F(1) / away_from_zero(d.y), F(1) / away_from_zero(d.z)}, path.inverse);
+        const F length = way.far - way.near;
+        path.t = select(lanes, F(0), path.t);
+        path.end = select(lanes, length, path.end);
+        path.stage = select(lanes, select(length > F(0), Int<F>(travelling), Int<F>(escaped)), path.stage);
+        matter.begin(lanes, cut, path);
+    }
+
+    /// From where the path last collided.
+    template <class F>
+    CHIARO_INLINE void set_off_towards(Path<F>& path, Mask<F> lanes, Vec3<F> direction) const {
+        Vec3<F> from = path.place;
+        if constexpr (Matter::has_normals) from = mad(F(lift_mm), axes.to_voxels(path.normal), from);
+        set_off(path, lanes, Ray<F>{from, axes.to_voxels(direction)}, F(start_mm), lit);
+    }
+
+    /// Collided paths lose what is absorbed and look towards the light; past the last collision they end.
+    template <class F>
+    CHIARO_INLINE void scatter(Path<F>& path) const {
+        using I = Int<F>;
+        Mask<F> lanes = at_stage(path, collided);
+        if (!any(lanes)) return;
+        const Mask<F> spent = lanes & (path.scatterings >= I(most_scatterings));
+        path.stage = select(spent, I(ended), path.stage);
+        lanes = lanes & !spent;
+        path.scatterings += select(lanes, I(1), I(0));
+        path.place = select(lanes, mad(path.t, path.direction, path.origin), path.place);
+        absorb(path, lanes);
+        path.stage = select(lanes, I(turning), path.stage);
+        lanes = lanes & (max(path.throughput.x, max(path.throughput.y, path.throughput.z)) > F(0));
+        path.stage = select(at_stage(path, turning) & !lanes, I(ended), path.stage);
+        if (!probe.even) look_for_light(path, lanes);
+    }
+
+    /// Multiplies by the albedo. Below a quarter a path goes on with four times that probability (Russian roulette).
+    template <class F>
+    CHIARO_INLINE void absorb(Path<F>& path, Mask<F> lanes) const {
+        constexpr float worth = 0.25f;
+        Vec3<F> throughput = scaled(path.throughput, matter.colours.template at<F>(path.material));
+        const F most = max(throughput.x, max(throughput.y, throughput.z));
+        const Mask<F> weak = lanes & (most < F(worth));
+        if (any(weak)) {
+            const Mask<F> goes_on = draw_for(weak, path).a * F(worth) < most;
+            const F factor = select(goes_on, F(worth) / max(most, F(1e-30f)), F(0));
+            throughput = select(weak, factor * throughput, throughput);
+        }
+        path.throughput = select(lanes, throughput, path.throughput);
+    }
+
+    /// A way towards a bright part of the probe. What arrives counts f L / (p_light + p_f): the balance heuristic's
+    /// share of f L / p_light, f being the density that the path's own direction is drawn with.
+    template <class F>
+    CHIARO_INLINE void look_for_light(Path<F>& path, Mask<F> lanes) const {
+        if (!any(lanes)) return;
+        const Draw<F> bin = draw_for(lanes, path), within = draw_for(lanes, path);
+        const Vec3<F> direction = probe.template towards<F>(bin, within);
+        const auto light = probe.template at<F>(direction);
+        const F density = matter.density(path, direction);
+        lanes = lanes & (density > F(0));
+        const F weight = density / max(density + light.density, F(1e-30f));
+        path.offer = select(lanes, weight * scaled(path.throughput, light.radiance), path.offer);
+        path.transmittance = select(lanes, F(1), path.transmittance);
+        path.to_light = select(lanes, Int<F>(1), path.to_light);
+        set_off_towards(path, lanes, direction);
+    }
+
+    /// Paths that nothing stops see the probe; the eye's own way ends there without light.
+    template <class F>
+    CHIARO_INLINE void arrive(Path<F>& path) const {
+        using I = Int<F>;
+        const Mask<F> lanes = at_stage(path, escaped);
+        if (!any(lanes)) return;
+        const Mask<F> asked = lanes & (path.to_light == I(1)), own = lanes & !asked;
+        path.light = select(asked, mad(path.transmittance, path.offer, path.light), path.light);
+        path.to_light = select(asked, I(0), path.to_light);
+        path.stage = select(asked, I(turning), select(own, I(ended), path.stage));
+        const Mask<F> lit_ones = own & (path.scatterings > I(0));
+        if (!any(lit_ones)) return;
+        const auto light = probe.template at<F>(path.heading);
+        const F weight = probe.even ? F(1) : path.density / max(path.density + light.density, F(1e-30f));
+        path.light = select(lit_ones, path.light + weight * scaled(path.throughput, light.radiance), path.light);
+    }
+
+    template <class F>
+    CHIARO_INLINE void turn(Path<F>& path) const {
+        const Mask<F> lanes = at_stage(path, turning);
+        if (!any(lanes)) return;
+        const Draw<F> numbers = draw_for(lanes, path);
+        const Vec3<F> direction = matter.direction(path, numbers.a, numbers.b);
+        path.density = select(lanes, matter.density(path, direction), path.density);
+        path.heading = select(lanes, direction, path.heading);
+        set_off_towards(path, lanes, direction);
+    }
+};
+
+}  // namespace chiaro::kernel

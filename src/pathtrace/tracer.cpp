@@ -1,0 +1,228 @@
+#include "pathtrace/tracer.h"
+
+#include <chiaro/error.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+
+#include "core/threads.h"
+#include "illumination/probe/data.h"
+#include "pathtrace/launch.h"
+#include "raycast/views.h"
+
+namespace chiaro {
+namespace {
+
+constexpr int tile_edge = 64;        ///< pixels; large, so that few lanes wait for the last paths
+constexpr double lift_edges = 0.01;  ///< more than what bisection leaves uncertain
+
+kernel::Float3 float3(Vec3 v) { return {float(v.x), float(v.y), float(v.z)}; }
+
+kernel::AxesView axes_view(const Geometry& g) {
+    const auto voxels = [&](Vec3 mm) { return float3(g.voxel_from_world_vector(mm)); };
+    const auto mm = [&](Vec3 steps) { return float3(g.world_from_voxel_vector(steps)); };
+    return {voxels({1, 0, 0}), voxels({0, 1, 0}), voxels({0, 0, 1}), mm({1, 0, 0}), mm({0, 1, 0}), mm({0, 0, 1})};
+}
+
+/// The camera looks into the box of the voxel centres (an axis of one voxel is one voxel thick), light passes whole
+/// voxels.
+kernel::Box box_of(std::array<int, 3> n, bool whole_voxels) {
+    const auto low = [&](int i) { return n[i] == 1 || whole_voxels ? -0.5f : 0.0f; };
+    const auto high = [&](int i) { return float(n[i] - 1) + (n[i] == 1 || whole_voxels ? 0.5f : 0.0f); };
+    return {{low(0), low(1), low(2)}, {high(0), high(1), high(2)}};
+}
+
+/// Two words from a seed (the finaliser of SplitMix64: Steele, Lea and Flood 2014).
+std::uint64_t scrambled(std::uint64_t seed) {
+    seed += 0x9e3779b97f4a7c15u;
+    seed = (seed ^ (seed >> 30)) * 0xbf58476d1ce4e5b9u;
+    seed = (seed ^ (seed >> 27)) * 0x94d049bb133111ebu;
+    return seed ^ (seed >> 31);
+}
+
+kernel::RegionsView regions_view(const Medium::Data& medium, const Majorants& majorants) {
+    const DeviceVolume::Data& volume = medium.volume.data();
+    const OpticalTable& table = medium.table;
+    const auto [nx, ny, nz] = volume.dimensions;
+    const double nudge =
+        1e-6 * std::max({nx, ny, nz, 64});  // what t d + o may be wrong by, some units in the last place
+    return {.cells = majorants.cells.data(),
+            .cells_x = cell_count(nx),
+            .cells_y = cell_count(ny),
+            .nudge = float(nudge),
+            .nudge_mm = float(nudge * volume.geometry.smallest_spacing_mm()),
+            .extinction = {majorants.runs.data(), int(table.entries.size())},
+            .scale = float(table.index_scale),
+            .offset = float(table.index_offset + 0.5),
+            .last = float(table.entries.size() - 1),
+            .beyond = float(4e-7 * table.index_scale)};
+}
+
+Medium checked(const Medium& medium) {
+    if (medium.data().shape.mode == Mode::mip)
+        throw Error(ErrorCode::usage,
+                    "a maximum along a ray has no place that could be lit: the reference's radiance goes with dvr and "
+                    "iso");
+    return medium;
+}
+
+}  // namespace
+
+PathOptions path_options(const IlluminationSettings& settings) {
+    return {settings.scattering.bounces.most, settings.scattering.albedo_max, settings.scattering.anisotropy,
+            settings.reference.start_half_edges, settings.scattering.seed};
+}
+
+PathTracer::PathTracer(const Device& device, const Medium& medium, const Lighting& lighting, const Camera& camera,
+                       const RaySettings& settings, const PathOptions& options, int width, int height)
+    : device_(device),
+      medium_(checked(medium)),
+      lighting_(lighting),
+      light_(lighting_, camera.orbit_up),
+      majorants_(options.plain ? one_majorant(medium.data()) : make_majorants(medium.data(), device.threads)),
+      width_(width),
+      height_(height),
+      sums_(std::size_t(width) * height) {
+    make_colours(options);
+    trace_tile_ = with_stored_voxel(medium.data().volume.data(), [&](auto voxel) {
+        return tracer_through<decltype(voxel)>(camera, lighting, settings, options);
+    });
+}
+
+/// One scattering shows the colour as it is. With more it is the albedo: light may come by any number of times, so it
+/// stays below albedo-max.
+void PathTracer::make_colours(const PathOptions& options) {
+    const Medium::Data& data = medium_.data();
+    const bool capped = options.bounces != 0;
+    const auto add = [&](float r, float g, float b) {
+        const double most = std::max({r, g, b});
+        const float factor = capped && most > options.albedo_max ? float(options.albedo_max / most) : 1.0f;
+        red_.push_back(factor * r), green_.push_back(factor * g), blue_.push_back(factor * b);
+    };
+    if (data.shape.mode == Mode::iso) {
+        const kernel::SurfacesView surfaces = surfaces_view(data, false);
+        for (int i = 0; i < surfaces.count; ++i) {
+            const kernel::Rgba c = surfaces.colours[i];
+            const float inverse = c.a > 0 ? 1 / c.a : 0;
+            add(inverse * c.r, inverse * c.g, inverse * c.b);
+        }
+        return;
+    }
+    for (const auto& entry : data.table.entries) {
+        extinction_.push_back(entry.extinction_per_mm);
+        add(entry.r, entry.g, entry.b);
+    }
+}
+
+template <class Voxel>
+PathTracer::TraceTile PathTracer::tracer_through(const Camera& camera, const Lighting& lighting,
+                                                 const RaySettings& settings, const PathOptions& options) const {
+    const Medium::Data& data = medium_.data();
+    const DeviceVolume::Data& volume = data.volume.data();
+    const kernel::RegionsView regions = regions_view(data, majorants_);
+    const kernel::ColoursView colours{red_.data(), green_.data(), blue_.data()};
+    if (data.shape.mode != Mode::iso) {
+        const kernel::Cloud<Voxel> cloud{.volume = view_of<Voxel>(volume),
+                                         .regions = regions,
+                                         .extinction = extinction_.data(),
+                                         .colours = colours,
+                                         .scale = float(data.table.index_scale),
+                                         .offset = float(data.table.index_offset + 0.5),
+                                         .last = float(data.table.entries.size() - 1),
+                                         .phase = {float(options.anisotropy)}};
+        return tracer_of(cloud, camera, settings, options);
+    }
+    const kernel::SurfacesView view = surfaces_view(data, false);
+    kernel::Surfaces<Voxel> surfaces{.volume = view_of<Voxel>(volume),
+                                     .regions = regions,
+                                     .values = {},
+                                     .opacities = {},
+                                     .count = view.count,
+                                     .colours = colours,
+                                     .gradients = shading_view(lighting, camera, volume, data.shape.color),
+                                     .step_mm = float(settings.step_voxels * volume.geometry.smallest_spacing_mm())};
+    surfaces.gradients.specular = {0, 0, 0};
+    std::copy_n(view.values, view.count, surfaces.values);
+    for (int i = 0; i < view.count; ++i) surfaces.opacities[i] = view.colours[i].a;
+    return tracer_of(surfaces, camera, settings, options);
+}
+
+template <class Matter>
+PathTracer::TraceTile PathTracer::tracer_of(const Matter& matter, const Camera& camera, const RaySettings& settings,
+                                            const PathOptions& options) const {
+    const DeviceVolume::Data& volume = medium_.data().volume.data();
+    const double edge = volume.geometry.smallest_spacing_mm();
+    const std::uint64_t words = scrambled(options.seed);
+    const kernel::PathKernel<Matter> kernel{
+        .matter = matter,
+        .camera = camera_view(camera, volume.geometry, width_, height_),
+        .axes = axes_view(volume.geometry),
+        .seen = box_of(volume.dimensions, false),
+        .lit = box_of(volume.dimensions, true),
+        .clip_view = clip_view(medium_.data().shape.clip, volume.geometry, volume.dimensions),
+        .probe = light_.view(),
+        .most_scatterings = options.bounces ? *options.bounces + 1 : std::numeric_limits<std::int32_t>::max(),
+        .start_mm = float(0.5 * edge * options.start_half_edges),
+        .lift_mm = float(lift_edges * edge),
+        .sub_pixels = settings.samples_per_pixel,
+        .pixel_key = std::int32_t(words),
+        .sample_key = std::int32_t(words >> 32),
+        .width = width_};
+    return [kernel, trace = kernel::trace_tile_for<kernel::PathKernel<Matter>>(device_.isa)](
+               const kernel::PathTask& task) { return trace(kernel, task); };
+}
+
+std::int64_t PathTracer::trace(const kernel::Tile& tile, int first, int end, const Progress& progress) {
+    std::int64_t collisions = 0;
+    std::vector<kernel::Rgba> results(std::size_t(tile.x1 - tile.x0) * (tile.y1 - tile.y0));
+    for (int sample = first; sample < end && !progress.cancelled(); ++sample) {
+        collisions += trace_tile_({tile, sample, results.data()});
+        const kernel::Rgba* result = results.data();
+        for (int y = tile.y0; y < tile.y1; ++y)
+            for (int x = tile.x0; x < tile.x1; ++x, ++result) {
+                PixelSum& sum = sums_[std::size_t(y) * width_ + x];
+                const double r = result->r, g = result->g, b = result->b;
+                const double luminance = luminance_weights[0] * r + luminance_weights[1] * g + luminance_weights[2] * b;
+                sum.r += r, sum.g += g, sum.b += b, sum.a += result->a;
+                sum.luminance_squares += luminance * luminance;
+            }
+    }
+    return collisions;
+}
+
+bool PathTracer::add(int samples, const Progress& progress) {
+    const int columns = (width_ + tile_edge - 1) / tile_edge, rows = (height_ + tile_edge - 1) / tile_edge;
+    std::atomic<std::int64_t> collisions{0};
+    parallel_for(device_.threads, std::int64_t(columns) * rows, 1, [&](std::int64_t t, std::int64_t) {
+        const int x = int(t % columns) * tile_edge, y = int(t / columns) * tile_edge;
+        collisions += trace({x, y, std::min(x + tile_edge, width_), std::min(y + tile_edge, height_)}, samples_,
+                            samples_ + samples, progress);
+    });
+    samples_ += samples;
+    collisions_ += std::uint64_t(collisions);
+    return !progress.cancelled();
+}
+
+void PathTracer::show(Frame& frame) const {
+    const double share = 1.0 / std::max(samples_, 1);
+    float* pixel = frame.rgba.data();
+    for (const PixelSum& sum : sums_)
+        for (double channel : {sum.r, sum.g, sum.b, sum.a}) *pixel++ = float(share * channel);
+}
+
+PathStatistics PathTracer::statistics() const {
+    const double n = samples_;
+    double errors = 0, light = 0;
+    for (const PixelSum& sum : sums_) {
+        const double mean =
+            (luminance_weights[0] * sum.r + luminance_weights[1] * sum.g + luminance_weights[2] * sum.b) / n;
+        light += mean * mean;
+        if (n > 1) errors += std::max(sum.luminance_squares / n - mean * mean, 0.0) / (n - 1);
+    }
+    const double pixels = double(sums_.size());
+    return {samples_, std::sqrt(errors / pixels), light > 0 ? std::sqrt(errors / light) : 0};
+}
+
+}  // namespace chiaro

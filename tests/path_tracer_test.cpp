@@ -1,0 +1,287 @@
+// The path tracer: noise, surfaces, what it draws, equality over instruction sets and threads, when it stops.
+#include <chiaro/error.h>
+#include <chiaro/text.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "illumination/probe/data.h"
+#include "illumination/probe/light.h"
+#include "path_subject.h"
+
+using namespace chiaro;
+using namespace chiaro::testing;
+
+TEST(PathTracer, NoiseFallsWithTheRootOfThePaths) {
+    const Volume volume = small_shells();
+    Subject subject;
+    subject.lighting.loaded_probe = builtin_probe("studio");
+    subject.width = 40, subject.height = 30;
+    const auto few = subject.traced(volume, 64), many = subject.traced(volume, 256);
+    EXPECT_NEAR(few->statistics().noise / many->statistics().noise, 2, 0.1);
+    EXPECT_EQ(many->statistics().samples, 256);
+    // And it is what two pictures differ by.
+    Subject other = subject;
+    other.options.seed = 7;
+    const auto again = other.traced(volume, 64);
+    double squares = 0;
+    for (std::size_t p = 0; p < few->sums().size(); ++p) {
+        double difference = 0;
+        const PixelSum &a = few->sums()[p], &b = again->sums()[p];
+        difference += luminance_weights[0] * (a.r - b.r) + luminance_weights[1] * (a.g - b.g) +
+                      luminance_weights[2] * (a.b - b.b);
+        squares += std::pow(difference / 64, 2) / double(few->sums().size());
+    }
+    EXPECT_NEAR(std::sqrt(squares / 2) / few->statistics().noise, 1, 0.1);
+}
+
+// Lambert: on a convex surface nothing stands in the way of light, so E = ρ; in half the light by the side it faces.
+TEST(PathTracer, ConvexSurfacesAreAsBrightAsTheirColour) {
+    const Volume ball = sampled<float>({24, 24, 24}, [](double x, double y, double z) {
+        return 100 - 5 * std::sqrt((x - 11.5) * (x - 11.5) + (y - 11.5) * (y - 11.5) + (z - 11.5) * (z - 11.5));
+    });
+    Subject subject;
+    subject.shape.mode = Mode::iso;
+    subject.shape.iso = {{60, Rgb{1, 1, 1}}};
+    subject.options.bounces = 0;
+    subject.width = subject.height = 25;
+    for (const bool drawn : {false, true}) {
+        if (drawn) subject.lighting.loaded_probe = nearly_white();
+        const auto tracer = subject.traced(ball, 64);
+        int seen = 0;
+        for (const PixelSum& pixel : tracer->sums()) {
+            if (pixel.a == 0) continue;
+            ++seen;
+            EXPECT_EQ(pixel.a, 64);
+            EXPECT_NEAR(pixel.g / 64, 1, drawn ? 0.3 : 1e-6);
+        }
+        EXPECT_GT(seen, 50);
+        EXPECT_LT(seen, 400);
+    }
+    subject.lighting.loaded_probe = {};
+    subject.options.bounces.reset();  // then the colour is an albedo, capped
+    EXPECT_NEAR(subject.frame(ball, 4).rgba[4 * (12 * 25 + 12)], 0.9, 1e-6);
+    // Cut open, it has the plane's normal: up.
+    subject.shape.clip.planes = {{{0, 0, 1}, 12}};
+    subject.camera.elevation_deg = 90;
+    subject.lighting.loaded_probe = rows_of({1, 0});
+    const Frame cut = subject.frame(ball, 256);
+    EXPECT_NEAR(cut.rgba[4 * (12 * 25 + 12)], 0.9, 0.02);
+}
+
+TEST(PathTracer, SurfacesLetTheirShareThrough) {
+    Volume ramp = sampled<float>({16, 16, 16}, [](double, double, double z) { return 10 * z; });
+    ramp.geometry.spacing_mm = {200, 200, 1};  // so wide that no light comes from the sides
+    Subject subject;
+    subject.shape.mode = Mode::iso;
+    subject.shape.iso = {{42, Rgb{1, 0, 0}, 0.25}, {81, Rgb{0, 1, 0}, 0.5}};
+    subject.camera.elevation_deg = 90;
+    subject.camera.projection = Projection::orthographic;
+    subject.camera.zoom = 1000;
+    subject.options.bounces = 0;
+    const Frame frame = subject.frame(ramp, 1500);
+    double red = 0, green = 0, alpha = 0;
+    const double pixels = double(frame.rgba.size()) / 4;
+    for (std::size_t p = 0; p < frame.rgba.size(); p += 4)
+        red += frame.rgba[p] / pixels, green += frame.rgba[p + 1] / pixels, alpha += frame.rgba[p + 3] / pixels;
+    EXPECT_NEAR(alpha, 1 - 0.5 * 0.75, 0.005);
+    EXPECT_NEAR(green, 0.5, 0.005);  // nothing stands above it
+    // Seen through the upper one, and lit through it: the side that faces the eye is lit from there alone.
+    EXPECT_NEAR(red, 0.5 * 0.25 * 0.5, 0.005);
+}
+
+TEST(PathTracer, EveryInstructionSetAndThreadCountGivesTheSameBits) {
+    const Volume volume = small_shells();
+    for (const Mode mode : {Mode::dvr, Mode::iso}) {
+        Subject subject;
+        subject.shape.mode = mode;
+        subject.shape.iso = {{70, {}, 0.5}, {150}};
+        subject.lighting.loaded_probe = builtin_probe("studio");
+        subject.lighting.probe = {"studio", 40, 0.5, false};
+        subject.options.anisotropy = 0.4;
+        subject.rays.samples_per_pixel = 3;
+        subject.width = 77, subject.height = 67;  // several tiles, no multiples
+        subject.device = Device::cpu(1, Isa::scalar);
+        const Frame scalar = subject.frame(volume, 3);
+        EXPECT_GT(mean_alpha(scalar), 0.05);
+        for (Isa isa : available_isas())
+            for (int threads : {1, 3}) {
+                subject.device = Device::cpu(threads, isa);
+                const Frame frame = subject.frame(volume, 3);
+                EXPECT_EQ(std::memcmp(frame.rgba.data(), scalar.rgba.data(), 4 * frame.rgba.size()), 0)
+                    << name_of(isa) << ", " << threads << " threads, mode " << int(mode);
+            }
+    }
+}
+
+// What the kernel draws follows its own densities, and these integrate to 1.
+TEST(LightTable, DrawsFollowTheDensities) {
+    std::vector<float> rgb;
+    for (int i = 0; i < 8 * 6; ++i)
+        for (int c = 0; c < 3; ++c) rgb.push_back(float((i * 37 + 11) % 17) / (i % 5 == 0 ? 0.3f : 3.0f));
+    Lighting lighting;
+    lighting.loaded_probe = Probe(8, 6, rgb);
+    lighting.probe.rotation_deg = 33;
+    const LightTable table(lighting, {0, 0, 1});
+    const kernel::ProbeLightView view = table.view();
+    const ProbePicture& picture = lighting.loaded_probe.data().picture;
+    const Axes probe_from_world = transposed(world_from_probe(33, {0, 0, 1}));
+    std::vector<double> counts(48), expected(48);
+    constexpr int draws = 200000;
+    for (int i = 0; i < draws; ++i) {
+        const auto key = kernel::random_key<float>(i, 5);
+        const kernel::Vec3<float> d = view.towards<float>(kernel::draw(key, 0), kernel::draw(key, 1));
+        EXPECT_NEAR(d.x * d.x + d.y * d.y + d.z * d.z, 1, 1e-5);
+        const auto place = picture.place(turned(probe_from_world, {d.x, d.y, d.z}));
+        counts[std::size_t(std::min(int(place.y), 5)) * 8 + std::min(int(place.x), 7)] += 1;
+    }
+    double chi_square = 0, integral = 0;
+    int cells = 0;
+    for (int y = 0; y < 6; ++y)
+        for (int x = 0; x < 8; ++x) {
+            const Vec3 world = turned(transposed(probe_from_world), picture.direction(x + 0.5, y + 0.5));
+            const auto seen = view.at<float>({float(world.x), float(world.y), float(world.z)});
+            const double share = seen.density * picture.solid_angle(y), n = counts[std::size_t(y) * 8 + x];
+            EXPECT_NEAR(seen.radiance.y, rgb[3 * (y * 8 + x) + 1], 1e-6);
+            integral += share;
+            if (share == 0) {
+                EXPECT_EQ(n, 0);
+                continue;
+            }
+            ++cells;
+            chi_square += std::pow(n - draws * share, 2) / (draws * share);
+        }
+    EXPECT_NEAR(integral, 1, 1e-5);
+    EXPECT_LT(chi_square, cells - 1 + 4 * std::sqrt(2.0 * (cells - 1)));
+}
+
+TEST(PhaseFunction, DrawsFollowTheDensity) {
+    for (float g : {0.0f, 0.5f, -0.9f}) {
+        const kernel::PhaseView phase{g};
+        std::vector<double> counts(20);
+        constexpr int draws = 100000;
+        double mean = 0;
+        for (int i = 0; i < draws; ++i) {
+            const float cosine = phase.cosine((float(i) + 0.5f) / draws);
+            mean += cosine / draws;
+            counts[std::min(int((cosine + 1) * 10), 19)] += 1.0 / draws;
+        }
+        EXPECT_NEAR(mean, g, 1e-3);  // g is the mean cosine
+        for (int bin = 0; bin < 20; ++bin) {
+            double share = 0;
+            for (int i = 0; i < 1000; ++i)
+                share += 2 * pi * phase.density(float(-1 + (bin + (i + 0.5) / 1000) / 10)) * 1e-4;
+            EXPECT_NEAR(counts[bin], share, 2e-3) << g << " bin " << bin;
+        }
+    }
+}
+
+namespace {
+
+struct Call {
+    Volume volume = small_shells();
+    Device device = Device::cpu(2);
+    IlluminationSettings settings{.method = Method::reference};
+    Shape shape;
+    Frame frame{20, 15};
+    Progress progress;
+
+    Outcome operator()(const FramePreview& preview = {}) {
+        const DeviceVolume voxels = upload(device, volume);
+        return trace_paths(device, classify(voxels, two_materials(), shape), {},
+                           make_camera({}, voxels.geometry(), voxels.dimensions()), {}, settings, frame, progress,
+                           preview);
+    }
+};
+
+}  // namespace
+
+TEST(TracePaths, StopsAtPathsErrorOrTime) {
+    Call call;
+    call.settings.reference.rays = 21;
+    std::vector<Frame> previews;
+    const Outcome all = call([&](const Frame& frame) { previews.push_back(frame); });
+    EXPECT_TRUE(all.complete);
+    EXPECT_EQ(all.paths.samples, 21);
+    EXPECT_GT(all.paths.noise, 0);
+    EXPECT_GT(all.samples, 21u * 20);
+    ASSERT_EQ(previews.size(), 6u);  // 1 + 1 + 2 + 4 + 8 + 5
+    EXPECT_EQ(previews.back().rgba, call.frame.rgba);
+    EXPECT_NE(previews.front().rgba, call.frame.rgba);
+
+    call.settings.reference.rays = 60000;
+    call.settings.reference.error = 0.05;
+    const Outcome sure = call();
+    EXPECT_LE(sure.paths.relative_noise, 0.05);
+    EXPECT_LT(sure.paths.samples, 2000);
+
+    call.settings.reference.error.reset();
+    call.settings.reference.time_s = 0.05;
+    const Outcome hurried = call();
+    EXPECT_TRUE(hurried.complete);
+    EXPECT_LT(hurried.paths.samples, 60000);
+}
+
+TEST(TracePaths, CancelsWithinAPass) {
+    Call call;
+    call.settings.reference.rays = 60000;
+    int passes = 0;
+    const Outcome outcome = call([&](const Frame&) {
+        if (++passes == 3) call.progress.cancel();
+    });
+    EXPECT_FALSE(outcome.complete);
+    EXPECT_EQ(passes, 3);
+}
+
+TEST(TracePaths, RefusesMaximaAlongRays) {
+    Call call;
+    call.shape.mode = Mode::mip;
+    try {
+        call();
+        FAIL() << "traced";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::usage);
+        EXPECT_NE(std::string(error.what()).find("maximum along a ray"), std::string::npos);
+    }
+}
+
+TEST(TracePaths, TakesTheRayCastersPlaceInASession) {
+    Progress progress;
+    Session session(Device::cpu(2));
+    session.show(make_sample("ball", 16), progress);
+    Scene scene;
+    scene.volume = "sample:ball:16", scene.width = 24, scene.height = 18;
+    scene.illumination.method = Method::reference;
+    scene.illumination.reference.rays = 4;
+    scene.illumination.scattering.bounces.most = 0;
+    std::vector<Image> previews;
+    const Image first = session.render(scene, progress, [&](const Image& image) { previews.push_back(image); });
+    EXPECT_EQ(session.outcome().paths.samples, 4);
+    ASSERT_EQ(previews.size(), 3u);
+    EXPECT_EQ(previews.back().pixels, first.pixels);
+    EXPECT_EQ(render_image(Device::cpu(1), scene, progress).pixels, first.pixels);
+
+    scene.illumination.scattering.seed = 1;
+    EXPECT_NE(session.render(scene, progress).pixels, first.pixels);
+    scene.illumination.reference.quantity = ReferenceQuantity::obscurance;
+    session.render(scene, progress);
+    EXPECT_EQ(session.outcome().paths.samples, 0);
+
+    // A picture is no field; what is not said is obscurance there.
+    scene.illumination.reference.quantity = ReferenceQuantity::radiance;
+    EXPECT_THROW(session.compute_field(scene, progress), Error);
+    scene.illumination.reference.quantity.reset();
+    const auto told = session.compute_field(scene, progress).volume.key_values;
+    EXPECT_EQ(told.at("chiaro_reference_quantity"), "obscurance");
+}
+
+TEST(Bounces, AreANumberOrUnlimited) {
+    Bounces bounces{3};
+    from_text("unlimited", bounces);
+    EXPECT_EQ(bounces, Bounces{});
+    EXPECT_EQ(to_text(bounces), "unlimited");
+    from_text("0", bounces);
+    EXPECT_EQ(bounces.most, 0);
+    EXPECT_EQ(to_text(bounces), "0");
+    for (const char* wrong : {"", "many", "-1", "1.5", "1,2"}) EXPECT_THROW(from_text(wrong, bounces), Error) << wrong;
+}
