@@ -85,7 +85,9 @@ std::vector<Case> path_cases(const Setup& setup) {
     std::vector<Case> cases;
     for (const char* kind : {"sparse", "opaque", "fog"}) {
         const std::string scene_name = fmt::format("shells256-{}", kind), name = "paths/" + scene_name;
-        const auto rows = [&setup, name, scene = find_scene(setup, scene_name)] {
+        const auto rows = [&setup, name, white = name + "/white",
+                           scene = find_scene(setup, scene_name)]() -> std::vector<Row> {
+            if (!scene) return {{white, "ms/frame", {}, {}, {}, no_data}};
             return under_lights(setup, name, *scene);
         };
         cases.push_back({{name + "/white", name + "/studio"}, rows});

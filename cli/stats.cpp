@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include <fstream>
 
 #include "common.h"
@@ -28,8 +30,9 @@ void tell_stages(const Stats& stats, const Device& device) {
 }
 
 void tell_noise(const PathStatistics& paths) {
-    say(fmt::format("{} paths a pixel; noise {:.2g}, {:.2g} % of the light", paths.samples, paths.noise,
-                    100 * paths.relative_noise));
+    const std::string share =
+        std::isfinite(paths.relative_noise) ? fmt::format(", {:.2g} % of the light", 100 * paths.relative_noise) : "";
+    say(fmt::format("{} paths a pixel; noise {:.2g}{}", paths.samples, paths.noise, share));
 }
 
 void write_stats(const std::filesystem::path& path, const Stats& stats, const Device& device, const Scene& scene) {

@@ -26,11 +26,9 @@ TEST(PathTracer, NoiseFallsWithTheRootOfThePaths) {
     const auto again = other.traced(volume, 64);
     double squares = 0;
     for (std::size_t p = 0; p < few->sums().size(); ++p) {
-        double difference = 0;
         const PixelSum &a = few->sums()[p], &b = again->sums()[p];
-        difference += luminance_weights[0] * (a.r - b.r) + luminance_weights[1] * (a.g - b.g) +
-                      luminance_weights[2] * (a.b - b.b);
-        squares += std::pow(difference / 64, 2) / double(few->sums().size());
+        for (const double difference : {a.r - b.r, a.g - b.g, a.b - b.b})
+            squares += std::pow(difference / 64, 2) / double(3 * few->sums().size());
     }
     EXPECT_NEAR(std::sqrt(squares / 2) / few->statistics().noise, 1, 0.1);
 }

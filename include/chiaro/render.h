@@ -37,8 +37,8 @@ struct RaySettings {
 /// How sure a path-traced frame is.
 struct PathStatistics {
     int samples = 0;            ///< paths a pixel
-    double noise = 0;           ///< RMS over the pixels of the standard error of their luminance; 0 after one path
-    double relative_noise = 0;  ///< that over the RMS of the pixels' luminance
+    double noise = 0;           ///< RMS over pixels and channels of the standard error; 0 after one path
+    double relative_noise = 0;  ///< that over the RMS of the frame; infinite for a black one
 };
 
 /// What a ray-casting or path-tracing call did.

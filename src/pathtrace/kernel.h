@@ -112,7 +112,8 @@ private:
     CHIARO_INLINE void begin(Path<F>& path, Mask<F> fresh, Int<F> number, Int<F> x, Int<F> y,
                              std::int32_t sample) const {
         using I = Int<F>;
-        const RandomKey<F> key = random_key<F>(y * I(width) + x + I(pixel_key), I(sample_key) + I(sample));
+        const RandomKey<F> key = random_key<F>(wrapping_mad(y, I(width), wrapping_mad(x, I(1), I(pixel_key))),
+                                               wrapping_mad(I(sample), I(1), I(sample_key)));
         path.key = {select(fresh, key.pixel, path.key.pixel), select(fresh, key.sample, path.key.sample)};
         path.number = select(fresh, number, path.number);
         path.dimension = select(fresh, I(0), path.dimension);

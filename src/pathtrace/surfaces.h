@@ -79,7 +79,7 @@ struct Surfaces {
             select(abs(rise) > F(0), (surface - value_near) / select(abs(rise) > F(0), rise, F(1)), F(0.5f));
         path.t = select(lanes, lerp(near, far, min(max(share, F(0)), F(1))), path.t);
         // What passes goes on from the other side.
-        const F beyond = select(below, surface, surface - abs(surface) * F(1e-6f) - F(1e-6f));
+        const F beyond = select(below, surface, surface - max(abs(surface) * F(2e-7f), F(1e-37f)));
         path.depth = select(lanes, beyond, path.depth);
         path.stage = select(lanes, Int<F>(travelling), path.stage);
         const Mask<F> hit = lanes & (draw_for(lanes, path).a < one_of<F>(opacities, path.surface));

@@ -30,7 +30,7 @@ struct Slab {
     std::pair<double, double> light(int samples) const {
         const auto tracer = subject.traced(volume, samples);
         double sum = 0, squares = 0;
-        for (const PixelSum& pixel : tracer->sums()) sum += pixel.g, squares += pixel.luminance_squares;
+        for (const PixelSum& pixel : tracer->sums()) sum += pixel.g, squares += pixel.squares;
         const double n = double(samples) * subject.width * subject.height;
         return {sum / n, std::sqrt((squares / n - sum / n * sum / n) / n)};
     }
@@ -141,7 +141,7 @@ TEST(PathTracer, FurnaceIsInvisible) {
     const auto tracer = subject.traced(volume, samples);
     for (const PixelSum& pixel : tracer->sums()) {
         const double background = samples - pixel.a, mean = (pixel.g + background) / samples;
-        const double variance = (pixel.luminance_squares - pixel.g * pixel.g / samples) / samples;
+        const double variance = (pixel.squares - pixel.g * pixel.g / samples) / samples;
         if (pixel.a < 0.2 * samples) continue;
         test.add(mean, 1.00005, std::sqrt(variance / samples));
     }
@@ -246,7 +246,7 @@ TEST(PathTracer, LightIsThatOfMarching) {
     for (int y = 0; y < subject.height; ++y)
         for (int x = 0; x < subject.width; ++x) {
             const PixelSum& pixel = tracer->sums()[std::size_t(y) * subject.width + x];
-            const double variance = (pixel.luminance_squares - pixel.g * pixel.g / samples) / samples;
+            const double variance = (pixel.squares - pixel.g * pixel.g / samples) / samples;
             const double expected = expected_at(x, y);
             // What the marching itself may be wrong by: 1.5 %.
             if (expected > 0.02)

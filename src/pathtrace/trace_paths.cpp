@@ -21,12 +21,12 @@ public:
         constexpr int most = 16, fewest_for_an_error = 8;
         const int done = statistics.samples;
         if (settings_.error && done >= fewest_for_an_error && statistics.relative_noise <= *settings_.error) return 0;
-        int samples = std::min(std::clamp(done, 1, most), settings_.rays - done);
+        double samples = std::min(std::clamp(done, 1, most), settings_.rays - done);
         if (settings_.time_s && done > 0) {
-            const double passed = std::chrono::duration<double>(Clock::now() - start_).count();
-            samples = std::min(samples, int((*settings_.time_s - passed) / (passed / done)));
+            const double passed = std::max(std::chrono::duration<double>(Clock::now() - start_).count(), 1e-6);
+            samples = std::min(samples, (*settings_.time_s - passed) / passed * done);
         }
-        return std::max(samples, 0);
+        return int(std::max(samples, 0.0));
     }
 
 private:

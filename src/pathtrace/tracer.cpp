@@ -70,6 +70,9 @@ Medium checked(const Medium& medium) {
 
 }  // namespace
 
+/// What "unlimited" comes to: with albedo 1 a closed cavity would keep a path for ever.
+constexpr int unlimited_bounces = 1'000'000;
+
 PathOptions path_options(const IlluminationSettings& settings) {
     return {settings.scattering.bounces.most, settings.scattering.albedo_max, settings.scattering.anisotropy,
             settings.reference.start_half_edges, settings.scattering.seed};
@@ -163,7 +166,7 @@ PathTracer::TraceTile PathTracer::tracer_of(const Matter& matter, const Camera& 
         .lit = box_of(volume.dimensions, true),
         .clip_view = clip_view(medium_.data().shape.clip, volume.geometry, volume.dimensions),
         .probe = light_.view(),
-        .most_scatterings = options.bounces ? *options.bounces + 1 : std::numeric_limits<std::int32_t>::max(),
+        .most_scatterings = options.bounces.value_or(unlimited_bounces) + 1,
         .start_mm = float(0.5 * edge * options.start_half_edges),
         .lift_mm = float(lift_edges * edge),
         .sub_pixels = settings.samples_per_pixel,
@@ -184,9 +187,8 @@ std::int64_t PathTracer::trace(const kernel::Tile& tile, int first, int end, con
             for (int x = tile.x0; x < tile.x1; ++x, ++result) {
                 PixelSum& sum = sums_[std::size_t(y) * width_ + x];
                 const double r = result->r, g = result->g, b = result->b;
-                const double luminance = luminance_weights[0] * r + luminance_weights[1] * g + luminance_weights[2] * b;
                 sum.r += r, sum.g += g, sum.b += b, sum.a += result->a;
-                sum.luminance_squares += luminance * luminance;
+                sum.squares += (r * r + g * g + b * b) / 3;
             }
     }
     return collisions;
@@ -216,13 +218,13 @@ PathStatistics PathTracer::statistics() const {
     const double n = samples_;
     double errors = 0, light = 0;
     for (const PixelSum& sum : sums_) {
-        const double mean =
-            (luminance_weights[0] * sum.r + luminance_weights[1] * sum.g + luminance_weights[2] * sum.b) / n;
-        light += mean * mean;
-        if (n > 1) errors += std::max(sum.luminance_squares / n - mean * mean, 0.0) / (n - 1);
+        const double square = (sum.r * sum.r + sum.g * sum.g + sum.b * sum.b) / (3 * n * n);
+        light += square;
+        if (n > 1) errors += std::max(sum.squares / n - square, 0.0) / (n - 1);
     }
     const double pixels = double(sums_.size());
-    return {samples_, std::sqrt(errors / pixels), light > 0 ? std::sqrt(errors / light) : 0};
+    return {samples_, std::sqrt(errors / pixels),
+            light > 0 ? std::sqrt(errors / light) : std::numeric_limits<double>::infinity()};
 }
 
 }  // namespace chiaro

@@ -25,7 +25,8 @@ PathOptions path_options(const IlluminationSettings& settings);
 
 /// What a pixel's paths have brought.
 struct PixelSum {
-    double r = 0, g = 0, b = 0, a = 0, luminance_squares = 0;
+    double r = 0, g = 0, b = 0, a = 0;
+    double squares = 0;  ///< (r² + g² + b²) / 3
 };
 
 class PathTracer {
