@@ -51,6 +51,9 @@ Scene seen_from(Scene scene, const fs::path& folder) {
     if (!names_no_file(scene.volume)) scene.volume = see(scene.volume);
     if (is_file(scene.transfer.source)) scene.transfer.source = see(scene.transfer.source);
     if (std::string& probe = scene.lighting.probe.source; !is_probe_name(probe)) probe = see(probe);
+    HistogramSettings& histogram = scene.illumination.histogram;
+    if (is_file(histogram.glow)) histogram.glow = see(histogram.glow);
+    if (histogram.cache != "none") histogram.cache.clear();  // where this machine keeps things is nobody else's
     return scene;
 }
 

@@ -150,14 +150,16 @@ void HistogramCache::write(const LocalHistograms& h, std::vector<std::string>& n
     if (path_.empty()) return;
     const Sizes sizes{
         h.identifiers.size(), h.shares.size(), std::uint64_t(h.words), {h.nodes[0], h.nodes[1], h.nodes[2]}, h.stride};
-    std::vector<std::byte> bytes;
-    const auto add = [&](std::span<const std::byte> part) { bytes.insert(bytes.end(), part.begin(), part.end()); };
-    add(std::as_bytes(std::span(magic.data(), magic.size()))), add(std::as_bytes(std::span(key_.data(), key_.size())));
-    add(std::as_bytes(std::span(&sizes, 1))), add({h.identifiers.data(), h.identifiers.size()});
-    add(bytes_of(h.shares)), add(bytes_of(h.scale));
-    const std::uint64_t sum = hash_of(bytes);
-    add(std::as_bytes(std::span(&sum, 1)));
     try {
+        std::vector<std::byte> bytes;
+        bytes.reserve(h.bytes() + 4096);
+        const auto add = [&](std::span<const std::byte> part) { bytes.insert(bytes.end(), part.begin(), part.end()); };
+        add(std::as_bytes(std::span(magic.data(), magic.size())));
+        add(std::as_bytes(std::span(key_.data(), key_.size())));
+        add(std::as_bytes(std::span(&sizes, 1))), add({h.identifiers.data(), h.identifiers.size()});
+        add(bytes_of(h.shares)), add(bytes_of(h.scale));
+        const std::uint64_t sum = hash_of(bytes);
+        add(std::as_bytes(std::span(&sum, 1)));
         std::filesystem::create_directories(path_.parent_path());
         AtomicFile file(path_);
         file.write(bytes);

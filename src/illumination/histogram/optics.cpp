@@ -34,7 +34,7 @@ void add_material(const Medium::Data& medium, double value, const OpticalTable::
 
 BinOptics optics_of_bins(const Medium::Data& medium, const LocalHistograms& h, const std::string& glow) {
     const DeviceVolume::Data& volume = medium.volume.data();
-    const double edge_mm = volume.geometry.smallest_spacing_mm();
+    const double edge_mm = h.grid.edge_mm;
     BinOptics optics;
     const auto glowing = glow.empty() ? GlowMapping() : GlowMapping(glow);
     for (int j = 0; j < h.binning.count; ++j) {

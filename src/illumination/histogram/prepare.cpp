@@ -1,7 +1,12 @@
 #include "illumination/histogram/prepare.h"
 
+#include <chiaro/error.h>
+#include <fmt/format.h>
+
 #include "illumination/histogram/cache.h"
+#include "illumination/histogram/exact_kernel.h"
 #include "illumination/histogram/fast.h"
+#include "illumination/histogram/glow.h"
 #include "illumination/histogram/random.h"
 
 namespace chiaro {
@@ -15,6 +20,20 @@ int steps_to_edge(const BinnedCells& cells, std::array<int, 3> at, int axis, int
         if (g[0] * g[0] + g[1] * g[1] + g[2] * g[2] > strong * strong) return step;
     }
     return most;
+}
+
+void check_within(const char* name, int value, int least, int most) {
+    if (value < least || value > most)
+        throw Error(ErrorCode::usage, fmt::format("{} {}: must be {} to {}", name, value, least, most));
+}
+
+/// What only flags and scene files are held to so far; and all that can be refused before long work.
+void check_settings(const HistogramSettings& settings) {
+    check_within("hist-radius", settings.radius, 0, kernel::BallView::most_reach);
+    check_within("hist-clusters", settings.clusters, 1, 4096);
+    check_within("hist-packed-bins", settings.packed_bins, 2, 256);
+    check_within("hist-subsample", settings.subsample, 1, 4);
+    if (settings.effects.glow && !settings.glow.empty()) GlowMapping{settings.glow};
 }
 
 }  // namespace
@@ -41,6 +60,7 @@ int proposed_radius(const DeviceVolume& volume) {
 std::shared_ptr<const LocalHistograms> prepare_histograms(const DeviceVolume& volume, HistogramSettings settings,
                                                           Steps& steps, std::vector<std::string>& notes,
                                                           Progress& progress) {
+    check_settings(settings);
     const DeviceVolume::Data& data = volume.data();
     if (settings.radius == 0) settings.radius = proposed_radius(volume);
     const HistogramCache cache(settings.cache, data, settings);
