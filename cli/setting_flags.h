@@ -20,6 +20,7 @@ public:
     void add_to(CLI::App& app, std::string_view only_group = "");
     void add_to(CLI::App& app, const Wanted& wanted);
 
+    bool any() const { return !given_.empty(); }
     /// Sets what was given on the command line, which wins over what the scene says. Throws Error{usage}.
     void apply(Scene& scene) const;
 

@@ -24,7 +24,7 @@ function(chiaro_add_kernels target)
     target_include_directories(${kernels} PRIVATE ${PROJECT_SOURCE_DIR}/src)
     target_compile_definitions(${kernels} PRIVATE CHIARO_ISA=${isa} CHIARO_ISA_${isa}=1)
     # One rounding rule for all: products and sums are never fused, so every instruction set gives the same bits.
-    target_compile_options(${kernels} PRIVATE ${CHIARO_FLAGS_${isa}} -O3 -ffp-contract=off -fno-math-errno -fno-trapping-math
+    target_compile_options(${kernels} PRIVATE ${CHIARO_FLAGS_${isa}} $<$<NOT:$<BOOL:${CHIARO_SANITIZE}>>:-O3> -ffp-contract=off -fno-math-errno -fno-trapping-math
                            -Wno-maybe-uninitialized -Wno-uninitialized) # false alarms inside GCC 12's own AVX-512 header (PR 105593)
     target_link_libraries(${kernels} PRIVATE chiaro_warnings)
     target_sources(${target} PRIVATE $<TARGET_OBJECTS:${kernels}>)

@@ -2,6 +2,7 @@
 #pragma once
 #include <chiaro/camera.h>
 #include <chiaro/compare.h>
+#include <chiaro/comparison.h>
 #include <chiaro/describe.h>
 #include <chiaro/device.h>
 #include <chiaro/error.h>
@@ -17,6 +18,7 @@
 #include <chiaro/scene.h>
 #include <chiaro/session.h>
 #include <chiaro/settings.h>
+#include <chiaro/sheet.h>
 #include <chiaro/text.h>
 #include <chiaro/transfer_function.h>
 #include <chiaro/volume.h>

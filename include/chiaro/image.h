@@ -49,6 +49,9 @@ Frame expose(Frame frame, const ToneMap& tone);
 /// Key and text pairs that go into a PNG (tEXt/iTXt) or an OpenEXR header (string attributes).
 using Metadata = std::vector<std::pair<std::string, std::string>>;
 
+/// A PNG file's bytes: 8 bit RGB or RGBA with an sRGB chunk; each text as tEXt where it is ASCII, else as iTXt. Throws
+/// Error{output} for an image without pixels or a keyword that PNG does not allow (1..79 printable ASCII characters).
+std::vector<std::byte> encode_png(const Image& image, const Metadata& metadata = {});
 /// Written whole or not at all. Throws Error{output}.
 void write_png(const Image& image, const std::filesystem::path& path, const Metadata& metadata = {});
 /// 8 bit RGB or RGBA from any PNG of at most 100 megapixels. Throws Error{input}.

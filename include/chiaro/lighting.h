@@ -163,6 +163,7 @@ struct IlluminationSettings {
     HistogramSettings histogram;
     ReferenceSettings reference;
     ScatteringSettings scattering;
+    bool on_particles = false;  ///< no surfaces: accessibility is neither moved off them nor scaled (compare_methods)
     bool operator==(const IlluminationSettings&) const = default;
 };
 

@@ -33,9 +33,10 @@ public:
     /// Of the last render or field, in order; a verb whose kept result served took 0. What a verb consists of follows
     /// it.
     const std::vector<Stage>& stages() const;
-    const std::vector<std::string>& notes() const;      ///< of what was prepared: what a user should know
-    Outcome outcome() const;                            ///< of the last render
-    const Statistics& statistics() const;               ///< of the shown volume
+    const std::vector<std::string>& notes() const;  ///< of what was prepared: what a user should know
+    Outcome outcome() const;                        ///< of the last render
+    std::size_t light_bytes() const;                ///< held: what the last render's lighting prepared, and its light
+    const Statistics& statistics() const;           ///< of the shown volume
     const TransferFunction& transfer_function() const;  ///< the one the last render used, window and unit applied
     const Guess& guess() const;                         ///< what the shown volume seems to be
 

@@ -11,10 +11,10 @@ namespace {
 
 kernel::AccessView view_of(const CellValues& values) { return {values.data(), view_of(values.grid), 1}; }
 
-IlluminationField field_of(CellValues values, Steps& steps) {
+IlluminationField field_of(CellValues values, const kernel::GridView& nodes, Steps& steps) {
     auto data = std::make_shared<IlluminationField::Data>();
     auto access = std::make_shared<const CellValues>(std::move(values));
-    data->view = view_of(*access);
+    data->view = kernel::AccessView{access->data(), nodes, 1};
     data->access = std::move(access);
     data->stages = steps.take();
     return IlluminationField(std::move(data));
@@ -40,12 +40,14 @@ IlluminationField light_of(const Device& device, const Medium::Data& medium, con
     Steps steps;
     const CellOpacity opacity = steps("opacity", [&] { return cell_opacity(medium, progress); });
     // A sample reads the cells around it, each of which was lifted from a cell further out.
-    const CellValues access = accessibility(device, medium, opacity, settings,
-                                            visible_blocks(medium, opacity.values.grid, 2), steps, progress);
+    CellValues access = accessibility(device, medium, opacity, settings, visible_blocks(medium, opacity.values.grid, 2),
+                                      steps, progress);
+    const kernel::GridView cells = view_of(access.grid);
+    if (settings.on_particles) return field_of(std::move(access), cells, steps);
     CellValues lifted = steps("lift", [&] {
         return lift_off_surfaces(device, access, opacity.values, outward_factor(settings), opacity.visible, progress);
     });
-    return field_of(std::move(lifted), steps);
+    return field_of(std::move(lifted), cells, steps);
 }
 
 void light(const Device& device, const Medium::Data& medium, const IlluminationSettings& settings, const Sink& sink,
@@ -81,11 +83,18 @@ const std::shared_ptr<const LocalHistograms>& histograms_of(const Prepared& prep
 }
 
 IlluminationField light_of_histograms(const Device& device, const Medium::Data& medium, const Prepared& prepared,
-                                      const HistogramSettings& settings) {
+                                      const IlluminationSettings& settings) {
     Steps steps;
+    if (settings.on_particles) {
+        ParticleLight light = steps("histogram table", [&] {
+            return light_on_particles(device, medium, *histograms_of(prepared), settings.histogram);
+        });
+        return field_of(std::move(light.open), light.nodes, steps);
+    }
     auto data = std::make_shared<IlluminationField::Data>();
-    data->histogram = steps("histogram table",
-                            [&] { return make_histogram_light(device, medium, histograms_of(prepared), settings); });
+    data->histogram = steps("histogram table", [&] {
+        return make_histogram_light(device, medium, histograms_of(prepared), settings.histogram);
+    });
     data->view = data->histogram->view;
     data->stages = steps.take();
     return IlluminationField(std::move(data));
@@ -137,7 +146,7 @@ bool illuminate(const Device& device, const Medium& medium, const Prepared& prep
     if (settings.method == Method::none || medium.data().shape.mode == Mode::mip || is_path_traced(settings))
         sink(IlluminationField());
     else if (settings.method == Method::histogram)
-        sink(light_of_histograms(device, medium.data(), prepared, settings.histogram));
+        sink(light_of_histograms(device, medium.data(), prepared, settings));
     else
         light(device, medium.data(), settings, sink, progress);
     return true;

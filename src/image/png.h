@@ -7,10 +7,6 @@
 
 namespace chiaro {
 
-/// 8 bit RGB or RGBA with an sRGB chunk; each text as tEXt where it is ASCII, else as iTXt. Throws Error{output} for an
-/// image without pixels or a keyword that PNG does not allow (1..79 printable ASCII characters).
-std::vector<std::byte> encode_png(const Image& image, const Metadata& metadata);
-
 struct DecodedPng {
     Image image;
     Metadata metadata;

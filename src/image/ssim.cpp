@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/srgb.h"
 #include "image/ordered_sum.h"
 
 namespace chiaro {
@@ -37,9 +38,6 @@ struct Moments {
         return (2 * a * b + c1) * (2 * covariance + c2) / ((a * a + b * b + c1) * (variances + c2));
     }
 };
-
-/// Rec. 709.
-double luminance(const float* rgb) { return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]; }
 
 }  // namespace
 

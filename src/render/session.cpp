@@ -174,6 +174,7 @@ ComputedField Session::compute_field(const Scene& scene, Progress& progress) {
 const Frame& Session::frame() const { return state_->raycast.result.frame; }
 const std::vector<Stage>& Session::stages() const { return state_->stages; }
 Outcome Session::outcome() const { return state_->raycast.result.outcome; }
+std::size_t Session::light_bytes() const { return state_->prepare.result.bytes() + state_->illuminate.result.bytes(); }
 const std::vector<std::string>& Session::notes() const { return state_->prepare.result.notes(); }
 const Statistics& Session::statistics() const { return state_->subject.statistics; }
 const TransferFunction& Session::transfer_function() const { return state_->classify.result.tf; }

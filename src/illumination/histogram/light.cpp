@@ -78,6 +78,20 @@ std::shared_ptr<const HistogramLight> make_histogram_light(const Device& device,
     return light;
 }
 
+ParticleLight light_on_particles(const Device& device, const Medium::Data& medium, const LocalHistograms& h,
+                                 const HistogramSettings& settings) {
+    std::vector<float> open;
+    for (const auto& sums : word_sums(device, h, optics_of_bins(medium, h, "")))
+        open.push_back(word_light(sums, h, settings.model).a);
+    CellGrid nodes = h.grid;
+    nodes.count = h.nodes;
+    ParticleLight light{CellValues(nodes), view_of_nodes(h)};
+    const auto pairs = h.pairs();
+    for (std::size_t node = 0; node < pairs.size(); ++node)
+        light.open.data()[node] = cell_value(0.5 * (open[pairs[node].forward] + open[pairs[node].backward]));
+    return light;
+}
+
 Volume histogram_field(const Device& device, const Medium::Data& medium, const LocalHistograms& h,
                        const HistogramSettings& settings, Progress& progress) {
     const DeviceVolume::Data& volume = medium.volume.data();

@@ -26,6 +26,14 @@ std::shared_ptr<const HistogramLight> make_histogram_light(const Device& device,
                                                            std::shared_ptr<const LocalHistograms> histograms,
                                                            const HistogramSettings& settings);
 
+/// v of every node as light on particles, which face nowhere: the mean of both halves, not lifted.
+struct ParticleLight {
+    CellValues open;
+    kernel::GridView nodes;
+};
+ParticleLight light_on_particles(const Device& device, const Medium::Data& medium, const LocalHistograms& histograms,
+                                 const HistogramSettings& settings);
+
 /// O_env of every voxel (one component), or with colour bleeding E_env (RGB), on the volume's grid: of the half ball
 /// that faces outwards there, unlifted and between nodes interpolated.
 Volume histogram_field(const Device& device, const Medium::Data& medium, const LocalHistograms& histograms,

@@ -7,14 +7,12 @@
 #include <mutex>
 #include <numbers>
 
+#include "core/srgb.h"
 #include "illumination/probe/importance.h"
 #include "illumination/probe/lambert.h"
 #include "illumination/sh/rotation.h"
 
 namespace chiaro {
-
-/// Red, green and blue weigh so much in luminance (Rec. 709).
-inline constexpr std::array<double, 3> luminance_weights{0.2126, 0.7152, 0.0722};
 
 struct ProbePicture {
     int width = 0, height = 0;

@@ -1,0 +1,2 @@
+// Only for what it is compiled with: the headers of all tests.
+int main() {}
