@@ -314,6 +314,13 @@ TEST(HistogramLight, BleedsTheColoursOfTheCornellBox) {
     };
     const auto [red_side, green_side] = left_and_right();
     EXPECT_GT(red_side.red_over_green(), 1.1 * green_side.red_over_green());
+    // It is bleeding that does it, not the walls themselves.
+    scene.illumination.histogram.effects.bleeding = false;
+    const auto [left, right] = left_and_right();
+    EXPECT_NEAR(left.red_over_green(), right.red_over_green(), 0.01);
+    EXPECT_GT(red_side.red_over_green(), 1.05 * left.red_over_green());
+    EXPECT_LT(green_side.red_over_green(), right.red_over_green());
+    scene.illumination.histogram.effects.bleeding = true;
     // The red wall made transparent by the transfer function alone: nothing is prepared again, and its colour goes.
     for (ControlPoint& p : scene.transfer.points->points)
         if (p.value >= 65 && p.value <= 95) p.opacity = 0;

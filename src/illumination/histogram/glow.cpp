@@ -9,6 +9,9 @@
 #include <optional>
 #include <sstream>
 
+#include "core/threads.h"
+#include "volume/occupancy.h"
+
 namespace chiaro {
 namespace {
 
@@ -81,32 +84,66 @@ std::vector<kernel::Rgba> glow_of_words(const Device& device, const LocalHistogr
     return words;
 }
 
-std::vector<std::uint8_t> glowing_occupancy(const Medium::Data& medium, const LocalHistograms& h,
-                                            const BinOptics& optics) {
+namespace {
+
+/// Cubes of nodes, of which one holds a word that glows.
+class GlowingNodes {
+public:
+    GlowingNodes(const Device& device, const LocalHistograms& h, const kernel::HistogramView& view) {
+        for (int axis = 0; axis < 3; ++axis) count_[axis] = (h.nodes[axis] - 1) / edge + 1;
+        std::vector<std::uint8_t> glows;
+        for (int word = 0; word < h.words; ++word) glows.push_back(view.glow_words[word].a > 0);
+        glows_.resize(std::size_t(count_[0]) * count_[1] * count_[2]);
+        const auto* pairs = reinterpret_cast<const WordPair*>(view.identifiers);
+        const auto [nx, ny, nz] = h.nodes;
+        parallel_for(device.threads, count_[2], 1, [&, nx = nx, ny = ny, nz = nz](std::int64_t k, std::int64_t) {
+            for (int z = int(k) * edge; z < std::min((int(k) + 1) * edge, nz); ++z)
+                for (int y = 0; y < ny; ++y) {
+                    const WordPair* row = pairs + (std::size_t(z) * ny + y) * nx;
+                    std::uint8_t* to = glows_.data() + (std::size_t(k) * count_[1] + y / edge) * count_[0];
+                    for (int x = 0; x < nx; ++x) to[x / edge] |= glows[row[x].forward] | glows[row[x].backward];
+                }
+        });
+    }
+
+    /// Whether one may glow among the nodes that samples at voxel coordinates [low, low + cell_edge] read.
+    bool any(const kernel::GridView& grid, const std::array<int, 3>& low) const {
+        std::array<int, 3> first, last;
+        const float scale[] = {grid.nodes_per_voxel.x, grid.nodes_per_voxel.y, grid.nodes_per_voxel.z};
+        const float shift[] = {grid.shift.x, grid.shift.y, grid.shift.z};
+        for (int a = 0; a < 3; ++a) {
+            const double from = double(low[a]) * scale[a] + shift[a], to = from + double(cell_edge) * scale[a];
+            first[a] = std::clamp(int(std::floor(from - 1e-3)) / edge, 0, count_[a] - 1);
+            last[a] = std::clamp((int(std::floor(to + 1e-3)) + 1) / edge, 0, count_[a] - 1);
+        }
+        for (int z = first[2]; z <= last[2]; ++z)
+            for (int y = first[1]; y <= last[1]; ++y)
+                for (int x = first[0]; x <= last[0]; ++x)
+                    if (glows_[(std::size_t(z) * count_[1] + y) * count_[0] + x]) return true;
+        return false;
+    }
+
+private:
+    static constexpr int edge = 4;
+    std::array<int, 3> count_;
+    std::vector<std::uint8_t> glows_;
+};
+
+}  // namespace
+
+std::vector<std::uint8_t> glowing_occupancy(const Device& device, const Medium::Data& medium, const LocalHistograms& h,
+                                            const kernel::HistogramView& view) {
     const DeviceVolume::Data& volume = medium.volume.data();
     CellRanges ranges = volume.cells;
-    const auto [nx, ny, nz] = ranges.count;
-    std::vector<int> before(optics.alpha.size() + 1, 0);  // bins that glow
-    for (std::size_t j = 0; j < optics.alpha.size(); ++j)
-        before[j + 1] = before[j] + (optics.alpha[j] > 0 && optics.glow[j] > 1);
-    const double reach_mm = (h.radius + 2) * h.grid.edge_mm;
-    std::array<int, 3> reach;
-    for (int axis = 0; axis < 3; ++axis)
-        reach[axis] = int(std::ceil(reach_mm / (volume.geometry.spacing_mm[axis] * cell_edge))) + 1;
+    const GlowingNodes nodes(device, h, view);
     constexpr float lit = std::numeric_limits<float>::quiet_NaN();
-    for (int z = 0; z < nz; ++z)
+    const auto [nx, ny, nz] = ranges.count;
+    parallel_for(device.threads, nz, 1, [&, nx = nx, ny = ny](std::int64_t z, std::int64_t) {
+        float* low = ranges.low.data() + std::size_t(z) * ny * nx;
         for (int y = 0; y < ny; ++y)
-            for (int x = 0; x < nx; ++x) {
-                const std::size_t cell = (std::size_t(z) * ny + std::size_t(y)) * nx + std::size_t(x);
-                if (before[h.binning.bin_of(volume.cells.high[cell]) + 1u] ==
-                    before[h.binning.bin_of(volume.cells.low[cell])])
-                    continue;
-                for (int k = std::max(z - reach[2], 0); k <= std::min(z + reach[2], nz - 1); ++k)
-                    for (int j = std::max(y - reach[1], 0); j <= std::min(y + reach[1], ny - 1); ++j) {
-                        const auto row = ranges.low.begin() + (std::ptrdiff_t(k) * ny + j) * nx;
-                        std::fill(row + std::max(x - reach[0], 0), row + std::min(x + reach[0], nx - 1) + 1, lit);
-                    }
-            }
+            for (int x = 0; x < nx; ++x, ++low)
+                if (nodes.any(view.grid, {x * cell_edge, y * cell_edge, int(z) * cell_edge})) *low = lit;
+    });
     const RangeTest visible = visible_range(medium.table);
     double occupied = 0;
     return make_occupancy(

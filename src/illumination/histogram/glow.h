@@ -4,6 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include "illumination/histogram/field.h"
+#include "illumination/histogram/histograms.h"
 #include "illumination/histogram/optics.h"
 #include "kernel/rgba.h"
 
@@ -30,8 +32,9 @@ private:
 std::vector<kernel::Rgba> glow_of_words(const Device& device, const LocalHistograms& histograms, BinOptics optics,
                                         HistogramModel model);
 
-/// The medium's occupancy, and every cell that the light of one that glows may reach.
-std::vector<std::uint8_t> glowing_occupancy(const Medium::Data& medium, const LocalHistograms& histograms,
-                                            const BinOptics& optics);
+/// The medium's occupancy, and every cell in which a sample may read a node whose word glows: `view` with its nodes and
+/// glow_words. Cost: one pass over the nodes.
+std::vector<std::uint8_t> glowing_occupancy(const Device& device, const Medium::Data& medium,
+                                            const LocalHistograms& histograms, const kernel::HistogramView& view);
 
 }  // namespace chiaro

@@ -70,9 +70,10 @@ std::shared_ptr<const HistogramLight> make_histogram_light(const Device& device,
     view.anisotropy = float(settings.anisotropy), view.scatters = effects.scattering;
     view.is_surface = medium.shape.mode == Mode::iso, view.is_paper = is_paper;
     if (!optics.glow.empty() && medium.shape.mode == Mode::dvr) {
-        light->glow = glow_of_words(device, h, optics, settings.model),
-        light->occupancy = glowing_occupancy(medium, h, optics);
-        view.glows = true, view.glow_words = light->glow.data(), view.occupancy = light->occupancy.data();
+        light->glow = glow_of_words(device, h, optics, settings.model);
+        view.glows = true, view.glow_words = light->glow.data();
+        light->occupancy = glowing_occupancy(device, medium, h, view);
+        view.occupancy = light->occupancy.data();
     }
     light->histograms = std::move(histograms);
     return light;

@@ -15,10 +15,13 @@ struct HistogramLight {
     std::vector<float> side;              ///< by entry of the medium's table
     std::vector<kernel::Rgba> glow;       ///< of what glows; else empty
     std::vector<std::uint8_t> occupancy;  ///< likewise
-    std::vector<kernel::Rgba> albedo;     ///< likewise; of the paper's model
+    std::vector<kernel::Rgba> albedo;     ///< by entry of the medium's table
     kernel::HistogramView view{};
 
-    std::size_t bytes() const { return words.size() * sizeof words[0] + side.size() * sizeof side[0]; }
+    std::size_t bytes() const {
+        return (words.size() + glow.size() + albedo.size()) * sizeof words[0] + side.size() * sizeof side[0] +
+               occupancy.size();
+    }
 };
 
 /// Cost: one pass over the words, some milliseconds for 2048 of 4096 bins.

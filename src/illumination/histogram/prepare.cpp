@@ -62,7 +62,10 @@ std::shared_ptr<const LocalHistograms> prepare_histograms(const DeviceVolume& vo
                                                           Progress& progress) {
     check_settings(settings);
     const DeviceVolume::Data& data = volume.data();
-    if (settings.radius == 0) settings.radius = proposed_radius(volume);
+    if (settings.radius == 0) {
+        settings.radius = proposed_radius(volume);
+        notes.push_back(fmt::format("hist-radius {} proposed by the data", settings.radius));
+    }
     const HistogramCache cache(settings.cache, data, settings);
     auto found = steps("histogram cache", [&] { return cache.read(notes); });
     if (found) {
