@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 namespace chiaro::cli {
@@ -26,14 +27,25 @@ void ProgressBar::show(std::string_view stage, double fraction) {
     if (!enabled_) return;
     const std::lock_guard lock(mutex_);
     const auto now = Clock::now();
+    if (stage != stage_ || fraction < fraction_) stage_ = stage, stage_start_ = now;
+    fraction_ = fraction;
     if (now - start_ < 500ms || (visible_ && now - last_ < 50ms)) return;
     last_ = now;
     visible_ = true;
     constexpr int width = 30;
     const double done = std::clamp(fraction, 0.0, 1.0);
     const std::string filled(std::size_t(done * width), '#');
-    fmt::print(stderr, "\r\x1b[K{:<12} [{:<{}}] {:3.0f} %", stage, filled, width, 100 * done);
+    fmt::print(stderr, "\r\x1b[K{:<12} [{:<{}}] {:3.0f} %{}", stage, filled, width, 100 * done, time_left(done, now));
     std::fflush(stderr);
+}
+
+std::string ProgressBar::time_left(double done, Clock::time_point now) const {
+    using namespace std::chrono_literals;
+    const auto passed = now - stage_start_;
+    if (passed < 1s || done < 0.02 || done >= 1) return "";
+    const double seconds = std::chrono::duration<double>(passed).count() * (1 - done) / done;
+    return seconds < 90 ? fmt::format(", {:.0f} s left", std::ceil(seconds))
+                        : fmt::format(", {:.0f} min left", seconds / 60);
 }
 
 void ProgressBar::clear() {

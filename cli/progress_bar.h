@@ -1,4 +1,4 @@
-// A line on the terminal that shows how far long work has come.
+// A line on the terminal that shows how far long work has come, and how long its stage will take.
 #pragma once
 #include <chiaro/progress.h>
 
@@ -26,9 +26,13 @@ private:
     using Clock = std::chrono::steady_clock;
 
     void show(std::string_view stage, double fraction);
+    /// ", 12 s left" of the stage, at the pace so far; nothing while that says little.
+    std::string time_left(double done, Clock::time_point now) const;
 
     bool enabled_ = false, visible_ = false;
-    Clock::time_point start_ = Clock::now(), last_ = start_;
+    Clock::time_point start_ = Clock::now(), last_ = start_, stage_start_ = start_;
+    std::string stage_;
+    double fraction_ = 0;
     std::mutex mutex_;
 };
 
