@@ -103,6 +103,34 @@ TEST(CompareMethods, AllSeeTheSameInAHaze) {
     }
 }
 
+/// Particles of an opaque half space see half of the sky at most: E = ½ ∫ E_2(τ) exp(-τ) dτ = ½ (1 - ln 2). What
+/// pictures do for surfaces would show 1.
+TEST(CompareMethods, LightsParticlesAndNoSurfaces) {
+    Scene scene;
+    scene.volume = "sample:halfspace:32";
+    scene.width = 48, scene.height = 36;
+    scene.camera.elevation_deg = 90;
+    scene.camera.zoom = 3;
+    scene.transfer.points.emplace().points = {{0, {1, 1, 1}, 0}, {1, {1, 1, 1}, 0.9}};
+    scene.illumination.reference.rays = 64;
+    scene.illumination.reference.start_half_edges = 0;
+    scene.illumination.histogram.cache = "none";
+    scene.illumination.histogram.radius = 8;
+    const MethodComparison c = compared(scene, {Method::none, Method::spao, Method::visibility, Method::histogram});
+    const auto centre = [](const Frame& frame) {
+        double sum = 0;
+        for (int y = 14; y < 22; ++y)
+            for (int x = 20; x < 28; ++x) sum += frame.rgba[4 * (std::size_t(y) * frame.width + x)] / 64;
+        return sum;
+    };
+    EXPECT_NEAR(centre(c.pictures[0].frame), 1, 0.01);
+    EXPECT_NEAR(centre(c.reference.frame), 0.5 * (1 - std::log(2.0)), 0.02);
+    for (std::size_t i = 1; i < 4; ++i) {
+        EXPECT_LT(centre(c.pictures[i].frame), 0.6) << to_text(c.pictures[i].method);
+        EXPECT_GT(centre(c.pictures[i].frame), 0.05) << to_text(c.pictures[i].method);
+    }
+}
+
 TEST(CompareMethods, NaturalLightIsNearerTheTruthThanNone) {
     Scene scene;
     scene.volume = "sample:cornell:32";

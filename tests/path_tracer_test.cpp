@@ -47,12 +47,17 @@ TEST(PathTracer, ConvexSurfacesAreAsBrightAsTheirColour) {
         if (drawn) subject.lighting.loaded_probe = nearly_white();
         const auto tracer = subject.traced(ball, 64);
         int seen = 0;
+        double sum = 0, squares = 0;
         for (const PixelSum& pixel : tracer->sums()) {
             if (pixel.a == 0) continue;
             ++seen;
             EXPECT_EQ(pixel.a, 64);
             EXPECT_NEAR(pixel.g / 64, 1, drawn ? 0.3 : 1e-6);
+            sum += pixel.g / 64, squares += std::pow(pixel.g / 64, 2);
         }
+        const double mean = sum / seen, error = std::sqrt((squares / seen - mean * mean) / seen);
+        EXPECT_NEAR(mean, 1, 4 * error + 1e-6) << error;
+        EXPECT_LT(error, 0.02);
         EXPECT_GT(seen, 50);
         EXPECT_LT(seen, 400);
     }
