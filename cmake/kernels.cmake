@@ -2,8 +2,10 @@
 # These units must hold no inline code of the standard library: the linker keeps one copy of each such function, and it
 # might keep the one that an older processor cannot run.
 set(CHIARO_ISAS scalar x86_64_v2 x86_64_v3 x86_64_v4)
+set(CHIARO_KERNEL_OPTIMIZATION -O3)
 if(CHIARO_SANITIZE)
   set(CHIARO_ISAS scalar) # core/isa.h lets it stand for all
+  set(CHIARO_KERNEL_OPTIMIZATION "") # the preset's own: compiles sooner
 endif()
 set(CHIARO_FLAGS_scalar -march=x86-64)
 set(CHIARO_FLAGS_x86_64_v2 -march=x86-64-v2)
@@ -24,7 +26,7 @@ function(chiaro_add_kernels target)
     target_include_directories(${kernels} PRIVATE ${PROJECT_SOURCE_DIR}/src)
     target_compile_definitions(${kernels} PRIVATE CHIARO_ISA=${isa} CHIARO_ISA_${isa}=1)
     # One rounding rule for all: products and sums are never fused, so every instruction set gives the same bits.
-    target_compile_options(${kernels} PRIVATE ${CHIARO_FLAGS_${isa}} $<$<NOT:$<BOOL:${CHIARO_SANITIZE}>>:-O3> -ffp-contract=off -fno-math-errno -fno-trapping-math
+    target_compile_options(${kernels} PRIVATE ${CHIARO_FLAGS_${isa}} ${CHIARO_KERNEL_OPTIMIZATION} -ffp-contract=off -fno-math-errno -fno-trapping-math
                            -Wno-maybe-uninitialized -Wno-uninitialized) # false alarms inside GCC 12's own AVX-512 header (PR 105593)
     target_link_libraries(${kernels} PRIVATE chiaro_warnings)
     target_sources(${target} PRIVATE $<TARGET_OBJECTS:${kernels}>)
