@@ -5,6 +5,7 @@
 
 #include "illumination/probe/data.h"
 #include "illumination/probe/light.h"
+#include "volume/float3.h"
 
 namespace chiaro {
 namespace {
@@ -37,8 +38,6 @@ bool is_even(std::span<const float> rgb) {
         if (rgb[i] != rgb[i - 3]) return false;
     return true;
 }
-
-kernel::Float3 float3(Vec3 v) { return {float(v.x), float(v.y), float(v.z)}; }
 
 }  // namespace
 

@@ -11,14 +11,13 @@
 #include "illumination/probe/data.h"
 #include "pathtrace/launch.h"
 #include "raycast/views.h"
+#include "volume/float3.h"
 
 namespace chiaro {
 namespace {
 
 constexpr int tile_edge = 64;        ///< pixels; large, so that few lanes wait for the last paths
 constexpr double lift_edges = 0.01;  ///< more than what bisection leaves uncertain
-
-kernel::Float3 float3(Vec3 v) { return {float(v.x), float(v.y), float(v.z)}; }
 
 kernel::AxesView axes_view(const Geometry& g) {
     const auto voxels = [&](Vec3 mm) { return float3(g.voxel_from_world_vector(mm)); };

@@ -5,11 +5,11 @@
 
 #include "classify/clip.h"
 #include "core/srgb.h"
+#include "volume/float3.h"
 
 namespace chiaro {
 namespace {
 
-kernel::Float3 float3(Vec3 v) { return {float(v.x), float(v.y), float(v.z)}; }
 constexpr double radians(double degrees) { return degrees * 3.14159265358979323846 / 180; }
 
 /// The light's direction: along the camera's axis, or fixed to the world in the orbit's angles.

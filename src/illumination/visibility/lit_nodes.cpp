@@ -6,6 +6,7 @@
 #include "illumination/probe/lambert.h"
 #include "illumination/probe/light.h"
 #include "illumination/visibility/launch.h"
+#include "volume/float3.h"
 
 namespace chiaro {
 namespace {
@@ -29,8 +30,6 @@ std::vector<kernel::HarmonicsLight> light_on_surfaces(const VisibilityNodes& nod
                 entries[i].coefficients[c][k] = float(table.entries[i][k][c] / pi * nodes.step(c));
     return entries;
 }
-
-kernel::Float3 float3(Vec3 v) { return {float(v.x), float(v.y), float(v.z)}; }
 
 }  // namespace
 
