@@ -48,9 +48,10 @@ std::string escaped(const std::string& text) {
     return html;
 }
 
-std::string figure(const std::string& what, const std::string& caption, const Image& image, bool over_truth = false) {
+std::string figure(const std::string& what, const std::string& caption, const std::string& picture,
+                   bool over_truth = false) {
     return fmt::format("<figure><div><img alt=\"{}\" src=\"{}\">{}</div><figcaption>{}</figcaption></figure>\n", what,
-                       embedded(image), over_truth ? "<div class=\"truth\"></div>" : "", caption);
+                       picture, over_truth ? "<div class=\"truth\"></div>" : "", caption);
 }
 
 std::string table_html(const MethodComparison& comparison) {
@@ -74,24 +75,24 @@ std::string legend(double full) {
 
 std::string page_of(const MethodComparison& comparison, const std::string& title, const std::string& told) {
     const Frame& truth = comparison.reference.frame;
+    const std::string reference = embedded(develop(truth, {}));
     const double full = full_difference(comparison);
     std::string html = fmt::format(
         "<!doctype html>\n<html lang=\"en\">\n<head><meta charset=\"utf-8\"><title>{0}</title>\n<style>{1}:root {{ "
         "--truth: url({2}) }}\n</style></head>\n<body>\n<h1>{0}</h1>\n<p>{3}</p>\n",
-        escaped(title), style, embedded(develop(truth, {})), escaped(told));
+        escaped(title), style, reference, escaped(told));
     html += table_html(comparison);
     html +=
         "<p>" + reference_sentence(comparison) + ". Differences of luminance, in linear light:</p>\n" + legend(full);
     for (const MethodPicture& picture : comparison.pictures) {
         const std::string name(to_text(picture.method));
         html += "<section>\n" +
-                figure(name, name + "; under the pointer the reference", develop(picture.frame, {}), true) +
+                figure(name, name + "; under the pointer the reference", embedded(develop(picture.frame, {})), true) +
                 figure("difference of " + name, "where " + name + " is brighter or darker",
-                       difference_picture(picture.frame, truth, full)) +
+                       embedded(difference_picture(picture.frame, truth, full))) +
                 "</section>\n";
     }
-    return html + "<section>\n" + figure("reference", "reference", develop(truth, {})) +
-           "</section>\n</body>\n</html>\n";
+    return html + "<section>\n" + figure("reference", "reference", reference) + "</section>\n</body>\n</html>\n";
 }
 
 }  // namespace chiaro::cli
