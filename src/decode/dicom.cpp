@@ -128,6 +128,8 @@ std::vector<std::byte> decode_file(const DicomSlice& slice) {
         std::vector<std::byte> pixels(bytes);
         if (!image.GetBuffer(reinterpret_cast<char*>(pixels.data()))) refuse("holds pixels that cannot be decoded");
         return pixels;
+    } catch (const std::bad_alloc&) {
+        throw;
     } catch (const std::exception& error) {
         refuse(fmt::format("'{}' {}", slice.path.filename().string(), error.what()));
     }

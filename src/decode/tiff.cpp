@@ -85,7 +85,7 @@ std::vector<Slice> slices_of(const Path& path, Volume& volume, Output& output) {
         output.at(file.filename().string());
         try {
             slices.push_back(pages_of(file, true, output)[0]);
-        } catch (const std::exception& error) {
+        } catch (const Error& error) {
             refuse(fmt::format("'{}' {}", file.filename().string(), error.what()));
         }
     }
