@@ -11,7 +11,7 @@ export function makeColour(app) {
   const tf = () => store.state.tf;
   const set = (label, change) => store.set(label, (s) => ({ tf: { ...s.tf, ...change(s.tf) } }));
   const button = (name, tip, act) => el("button.tool", { title: tip, "aria-label": tip, onclick: act }, typeof name === "string" && name in words.iconNames ? icon(name) : name);
-  const log = el("button.tool", { title: words.logTip, onclick: () => ((axis.log = !axis.log), store.redraw()) }, words.log);
+  const log = el("button.tool.log", { title: words.logTip, onclick: () => ((axis.log = !axis.log), store.redraw()) }, words.log);
   const shape = button("shape", words.shape, () => app.menu(shape, Object.entries(words.shapes).map(([kind, name]) => [name, () => addShape(kind)])));
   const more = button("more", words.graphMenu, () => app.menu(more, [
     [words.reverse, () => reverse()], [words.linearAxis, () => ((axis.linear = !axis.linear), store.redraw())],
@@ -41,7 +41,6 @@ export function makeColour(app) {
       onpointerdown: () => ((held = false), (hold = setTimeout(() => ((held = true), app.highlight(hill.lo, hill.hi, 0)), 300))), onpointerup: release,
       onclick: () => !held && graph.choose(tf().points.map((_, i) => i).slice(hill.first, hill.last + 1)), ondblclick: () => rename(hill, made) },
       el("i.blob", { style: `--own:${hex(hill.rgb)}`, onclick: (e) => (e.stopPropagation(), paint(hill)) }), hill.name ? el("b", {}, hill.name) : null, `${short(hill.lo, 3)} ${words.to} ${short(hill.hi, 3)}`);
-    made.setAttribute("aria-pressed", String(ui.points.length > 0 && ui.points.every((i) => i >= hill.first && i <= hill.last)));
     return made;
   }
   function rename(hill, chip) {
@@ -101,8 +100,9 @@ export function makeColour(app) {
     if (!app.volume || app.editing) return;
     log.style.color = axis.log ? "var(--accent)" : "";
     log.setAttribute("aria-pressed", String(axis.log));
-    const hills = graph.hills(), key = JSON.stringify([hills, ui.points]);
+    const hills = graph.hills(), key = JSON.stringify(hills);
     if (chips.dataset.key !== key && !chips.matches(":active")) (chips.dataset.key = key), chips.replaceChildren(...hills.map(chip));
+    hills.forEach((hill, i) => chips.children[i]?.setAttribute("aria-pressed", String(ui.points.length > 0 && ui.points.every((k) => k >= hill.first && k <= hill.last))));
     for (const field of [value, opacity]) field.show();
     swatch.value = hex(ui.stop >= 0 ? tf().stops[ui.stop]?.rgb ?? [0, 0, 0] : at(tf().stops, place(), "rgb"));
     opacity.input.disabled = !ui.points.length;

@@ -221,7 +221,7 @@ export function makeGraph(app) {
   function draw(state) {
     if (!root.isConnected || !root.clientWidth) return;
     axis.width = canvas.clientWidth - axis.left - 3;
-    axis.height = canvas.clientHeight - axis.top - 52;
+    axis.height = canvas.clientHeight - axis.top - 48;
     ui.points = ui.points.filter((i) => i < state.tf.points.length);
     fit(points, state.tf.points.length, pointElement);
     fit(stops, state.tf.stops.length, stopElement);

@@ -5,7 +5,7 @@ import { at } from "./scene.js";
 
 /** Where values and opacities lie in the graph. */
 export class Axis {
-  left = 28; top = 8; height = 108; width = 300; linear = false; log = true;
+  left = 30; top = 8; height = 108; width = 300; linear = false; log = true;
   /** @param {number[]} range of the file */
   constructor(range) {
     this.range = range;
@@ -138,7 +138,7 @@ export function drawGraph(canvas, axis, state, histogram, look, marks) {
   for (const v of new Set([...ticks, ...(axis.zoomed ? [] : [axis.view[1]])])) {
     const x = axis.x(v);
     g.textAlign = x < axis.left + 8 ? "left" : x > right - 10 ? "right" : "center";
-    g.fillText(short(v), x, floor + 45);
+    g.fillText(short(v), x, floor + 42);
   }
 }
 

@@ -19,7 +19,7 @@ const rounded = (value, { step = 0.01, log }, fine = 1) => {
 };
 
 /** One step of the arrow keys: a step, or a percent on a logarithmic scale. */
-const stepped = (value, steps, o) => (o.log ? (o.step >= 1 ? Math.round(value * 1.05 ** steps) || 1 : value * 1.02 ** steps) : value + steps * o.step);
+const stepped = (value, steps, o) => (o.log ? (o.step >= 1 ? value + Math.sign(steps) * Math.max(1, Math.round(value * Math.abs(1.05 ** steps - 1))) : value * 1.02 ** steps) : value + steps * o.step);
 
 /** Drags with the pointer: from(event) at the press, move(dx, event) then; one undo step; Esc goes back.
  * @param {any} element @param {any} store @param {string} label @param {(event: PointerEvent) => any} from @param {any} move @param {string} [track] */

@@ -105,7 +105,7 @@ export class Mock {
       probes: ["white", "sky", "studio", "windows"].map((name) => ({ name, sentence: name })), samples: [{ name: "cornell", sentence: "walls and two bodies", size: 128 }], formats: [], volume, scene: kept ?? scene, error: null, ...this.hello }));
   }
 
-  #hear(peer, view, message) {
+  async #hear(peer, view, message) {
     this.heard.push(message);
     const own = this.reply(message);
     if (own !== undefined) return own && peer.send(JSON.stringify({ re: message.id ?? null, ...own }));
@@ -119,6 +119,10 @@ export class Mock {
     switch (message.type) {
       case "state": {
         if (!message.preview) this.#states.set(view, message.scene);
+        // Only the newest counts, as with the real server.
+        peer.newest = message;
+        await new Promise((done) => setImmediate(done));
+        if (peer.newest !== message) return;
         const [w, h] = message.canvas, base = { n: message.n, kind: "state", type: "png", canvas: [w, h], moving: message.moving, preview: message.preview, seconds: 0.9, verbs: [{ name: "raycast", seconds: 0.4 }], notes: [], light: { coarse: false, method: "spao" } };
         const half = [w >> 2, h >> 2];
         frame({ ...base, stage: "draft", size: half }, picture(message.scene, ...half));

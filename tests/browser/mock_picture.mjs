@@ -43,7 +43,7 @@ export function picture(scene, width, height) {
     const u = (x + 0.5 - ball.x) / ball.r, v = (y + 0.5 - ball.y) / ball.r, r = Math.hypot(u, v), at = 4 * (y * width + x);
     rgba[at + 3] = 255;
     if (r >= 1) continue;
-    const f = lut[Math.floor(valueAt(r))], k = Math.sqrt(f.opacity) * lit * (0.75 + 0.25 * Math.cos(Math.atan2(v, u) - turn));
+    const f = lut[Math.floor(valueAt(r))], k = Math.sqrt(1 - (1 - f.opacity) ** (scene.transfer_function.opacity_scale ?? 1)) * lit * (0.75 + 0.25 * Math.cos(Math.atan2(v, u) - turn));
     for (let c = 0; c < 3; ++c) rgba[at + c] = Math.min(255, Math.round(255 * k * f.rgb[c]));
   }
   return png(width, height, rgba);
