@@ -27,6 +27,8 @@ export class Link {
 
   connect(take = false) {
     clearTimeout(this.#timer);
+    // One socket at a time: a try that is still under way must not open later.
+    if (this.#socket) Object.assign(this.#socket, { onopen: null, onmessage: null, onclose: null }).close();
     const address = new URL("socket", location.href);
     address.protocol = address.protocol.replace("http", "ws");
     address.search = new URLSearchParams({ token: this.token, view: this.view, ...(take ? { take: "1" } : {}) }).toString();
