@@ -39,15 +39,9 @@ export function makeColour(app) {
     const release = () => (clearTimeout(hold), clearTimeout(resting), app.highlight(null));
     const made = el("button.chip", { title: words.hillTip, onpointerenter: (e) => e.pointerType === "mouse" && (resting = setTimeout(() => app.highlight(hill.lo, hill.hi, 0.25), 300)), onpointerleave: release,
       onpointerdown: () => ((held = false), (hold = setTimeout(() => ((held = true), app.highlight(hill.lo, hill.hi, 0)), 300))), onpointerup: release,
-      onclick: () => !held && graph.choose(tf().points.map((_, i) => i).slice(hill.first, hill.last + 1)), ondblclick: () => rename(hill, made) },
-      el("i.blob", { style: `--own:${hex(hill.rgb)}`, onclick: (e) => (e.stopPropagation(), paint(hill)) }), hill.name ? el("b", {}, hill.name) : null, `${short(hill.lo, 3)} ${words.to} ${short(hill.hi, 3)}`);
+      onclick: () => !held && graph.choose(tf().points.map((_, i) => i).slice(hill.first, hill.last + 1)) },
+      el("i.blob", { style: `--own:${hex(hill.rgb)}`, onclick: (e) => (e.stopPropagation(), paint(hill)) }), `${short(hill.lo, 3)} ${words.to} ${short(hill.hi, 3)}`);
     return made;
-  }
-  function rename(hill, chip) {
-    const name = el("input.number", { value: hill.name, size: 8, "aria-label": words.hill, onkeydown: (e) => (e.stopPropagation(), e.key === "Enter" && name.blur()), onblur: () => (app.editing = false, graph.setPoints(words.hill, tf().points.map((p, i) => (i === hill.first ? { ...p, name: name.value.trim() || undefined } : p)))) });
-    app.editing = true;
-    chip.replaceChildren(name);
-    name.focus();
   }
   function paint(hill) {
     const input = el("input", { type: "color", value: hex(hill.rgb), oninput: () => graph.setStops("Colour…", [...tf().stops.filter((s) => s.value < hill.lo), ...[hill.lo, hill.hi].map((value) => ({ value, rgb: fromHex(input.value) })), ...tf().stops.filter((s) => s.value > hill.hi)]) });
@@ -97,7 +91,7 @@ export function makeColour(app) {
     surface.replaceChildren(...surfaceRows);
   }
   store.watch((state) => {
-    if (!app.volume || app.editing) return;
+    if (!app.volume ) return;
     log.style.color = axis.log ? "var(--accent)" : "";
     log.setAttribute("aria-pressed", String(axis.log));
     const hills = graph.hills(), key = JSON.stringify(hills);

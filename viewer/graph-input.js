@@ -19,8 +19,11 @@ export function makeGraph(app) {
   const setPoints = (label, points) => store.set(label, (s) => ({ tf: { ...s.tf, points } }));
   const setStops = (label, stops) => store.set(label, (s) => ({ tf: { ...s.tf, stops } }));
   const hills = () => hillsOf(tf().points, tf().stops, axis.range);
-  const nameAt = (i) => hills().find((hill) => i >= hill.first && i <= hill.last)?.name;
-  const stepName = (i, what = words.opacity.toLowerCase()) => `${what}${nameAt(i) ? " of " + nameAt(i) : ""}`;
+  /** What undo calls it: the hill by its values. */
+  const stepName = (i) => {
+    const hill = hills().find((h) => i >= h.first && i <= h.last);
+    return words.opacity.toLowerCase() + (hill ? ` of ${short(hill.lo, 3)} ${words.to} ${short(hill.hi, 3)}` : "");
+  };
   const choose = (points, stop = -1) => ((ui.points = points), (ui.stop = stop), store.redraw());
 
   /** Applies a drag of (dx, dy) pixels to points that were `from` when it began; `grabbed` is the opacity under the pointer. */

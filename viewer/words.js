@@ -23,7 +23,7 @@ export const words = {
   stopText: (colour, value) => `colour ${colour} at ${value}`,
   point: "Point of the opacity", stop: "Colour stop", shutter: ["Lower threshold", "Upper threshold"],
   ofVoxels: (share) => `${share} of the voxels`,
-  hill: "Matter", hillTip: "Rest: only this keeps its colour. Hold: only this is shown. Double click: name it.",
+  hill: "Matter", hillTip: "Rest: only this keeps its colour. Hold: only this is shown.",
   methods: {
     none: ["Off", "Colour and opacity alone.", "No lighting"],
     spao: ["Occlusion", "Hollows are darker. Follows every edit at once.", "SPAO, Kroes et al."],

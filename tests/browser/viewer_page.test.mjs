@@ -70,7 +70,7 @@ visit("a dragged point moves in the next frame, a picture answers, undo restores
   assert.notEqual(line.opacity, before.tf.points[2].opacity);
   await settled(page, () => page.mouse.up());
   assert.notEqual(await pixels(page), was);
-  assert.equal(await page.locator("button[title='Undo: opacity']").count(), 1, "the step is named");
+  assert.equal(await page.locator("button[title='Undo: opacity of 30 to 60']").count(), 1, "the step is named");
   await settled(page, () => page.keyboard.press("Control+z"));
   assert.deepEqual((await state(page)).tf, before.tf);
   assert.equal(await pixels(page), was);
