@@ -82,7 +82,6 @@ export function makeColour(app) {
     Object.assign(ui, { points: [], stop: -1 });
     const [low, high] = axis.range;
     windowRow = sliderRow(app, { label: words.window, tip: "Moves and stretches all points. W: 1st to 99.9th percentile. --window", two: true, low, high, least: -1e30, most: 1e30, step: (high - low) / 255 >= 1 ? 1 : (high - low) / 1000, value: () => spanOf(tf()), change: (w) => w[1] > w[0] && store.set(`${words.window}…`, (s) => ({ tf: stretched(s.tf, w) })) });
-    windowRow.classList.add("window");
     window_.replaceChildren(windowRow);
     const first = () => store.state.iso[0] ?? { value: place() };
     const change = (more) => store.set(`${words.surface}…`, (s) => ({ iso: [{ ...first(), ...more }, ...s.iso.slice(1)] }));

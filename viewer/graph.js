@@ -138,7 +138,7 @@ export function drawGraph(canvas, axis, state, histogram, look, marks) {
   for (const v of new Set([...ticks, ...(axis.zoomed ? [] : [axis.view[1]])])) {
     const x = axis.x(v);
     g.textAlign = x < axis.left + 8 ? "left" : x > right - 10 ? "right" : "center";
-    g.fillText(short(v), x, floor + 42);
+    g.fillText(short(v), x, floor + 44);
   }
 }
 

@@ -202,7 +202,7 @@ app.reopen = async () => {
 link.onmessage = (m) => {
   if (m.type === "hello") hello(m);
   else if (m.type === "progress") m.re === "open" ? reading?.(m) : app.frame.progress(m);
-  else if (m.type === "opened") app.volume ? changed({ moving: false }) : open(m.volume, m.scene);
+  else if (m.type === "opened") !app.volume ? open(m.volume, m.scene) : m.volume.file === app.volume.file ? changed({ moving: false }) : app.reopen();
   else if (m.type === "error") m.re === "open" ? (app.states.clear(), app.states.failed(m.sentence)) : app.states.say(m.sentence, { role: "alert" });
   else if (m.type === "note") app.states.say(m.sentence, { keep: false });
 };

@@ -109,7 +109,7 @@ export function sliderRow(app, o) {
   const number = el("div.field", {}, fields[0].input, ...(o.two ? [el("span.unit", {}, words.to), fields[1].input] : []), o.unit && !o.two ? el("span.unit", {}, o.unit) : null);
   const dot = el("i.dot", { hidden: true, title: "changed" });
   const label = el("div.label", { title: o.tip ?? "" }, o.label, dot);
-  const row = el("div.row", { role: "group", "aria-label": o.label }, label, track, number, ...fields.map((f) => f.wrong));
+  const row = el(`div.row${o.two ? ".two" : ""}`, { role: "group", "aria-label": o.label }, label, track, number, ...fields.map((f) => f.wrong));
   if (!o.two) {
     // The label scrubs: one step per 2 pixels, Shift a tenth; double click: the default.
     draggable(label, app.store, o.step_ ?? o.label, () => o.value(), (start, dx, _, e) => {

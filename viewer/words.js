@@ -37,7 +37,7 @@ export const words = {
     histogram: "Direction of the light, and light past its radius. What is cut away still counts.", reference: "Nothing, but noise.", transport: "Fine detail below its grid.",
   },
   effects: { ao: "Occlusion", bleeding: "Bleeding", scattering: "Scattering", glow: "Glow" },
-  glow: ["Glow from", "to", "Glow strength"],
+  glow: ["Glow from", "to", "Glow"],
   ball: "Turn of the light", ownProbe: "Own light: an .hdr or .exr file", unlit: "Hold to see it without light",
   accuracy: "Accuracy",
   probes: { white: "White", sky: "Sky", studio: "Studio", windows: "Windows" },
