@@ -25,7 +25,8 @@ export class Link {
   #inFlight = 0;
   #scheduled = false;
 
-  connect(take = false) {
+  /** A tab that was here before takes its view back: the server may not know yet that the old socket is gone. A duplicated tab does not. */
+  connect(take = this.#tries > 0 || performance.getEntriesByType("navigation")[0]?.type === "reload") {
     clearTimeout(this.#timer);
     // One socket at a time: a try that is still under way must not open later.
     if (this.#socket) Object.assign(this.#socket, { onopen: null, onmessage: null, onclose: null }).close();
