@@ -138,6 +138,7 @@ public:
         timeout.keep_alive_pings = true;
         stream_.set_option(timeout);
         stream_.read_message_max(largest_message);
+        stream_.auto_fragment(false);
         stream_.async_accept(upgrade,
                              [self = shared_from_this(), request = std::move(request)](beast::error_code error) {
                                  if (error || self->context_.ending) return;

@@ -205,7 +205,7 @@ void Painter::refine_cast(const Wish& wish, Progress& progress) {
     }
     if (wish.preview && (is_dark || is_whole_)) return;
     if (is_dark || !is_whole_) {
-        const auto coarse = [&](const Image& image) { send(wish, image, "light", 1); };
+        const auto coarse = [&](const Image& image) { send(wish, image, "light", 1, true); };
         const Image& image = session_->render(once, progress, coarse);
         if (is_dark) learn_light();
         note_seen(wish, once);
@@ -240,15 +240,15 @@ void Painter::note_seen(const Wish& wish, const Scene& scene) {
     if (!volume_changed_) seen_ = std::move(seen);
 }
 
-void Painter::send(const Wish& wish, const Image& image, const char* stage, int samples) {
-    const bool is_final = std::string_view(stage) == "final", is_light = std::string_view(stage) == "light";
+void Painter::send(const Wish& wish, const Image& image, const char* stage, int samples, bool is_coarse) {
+    const bool is_final = std::string_view(stage) == "final";
     Json header{{"n", wish.n},
                 {"kind", "state"},
                 {"type", is_final ? "png" : "jpeg"},
                 {"size", {image.width, image.height}},
                 {"canvas", {wish.scene.width, wish.scene.height}},
                 {"stage", stage},
-                {"light", {{"coarse", is_light}, {"method", to_text(wish.scene.illumination.method)}}},
+                {"light", {{"coarse", is_coarse}, {"method", to_text(wish.scene.illumination.method)}}},
                 {"samples", samples},
                 {"moving", wish.moving},
                 {"preview", wish.preview},

@@ -70,7 +70,7 @@ private:
     void refine_cast(const Wish& wish, Progress& progress);
     void learn_light();
     void note_seen(const Wish& wish, const Scene& scene);
-    void send(const Wish& wish, const Image& image, const char* stage, int samples);
+    void send(const Wish& wish, const Image& image, const char* stage, int samples, bool is_coarse = false);
     Progress::Report report_for(const Wish& wish);
 
     Outlet outlet_;
