@@ -1,5 +1,6 @@
 // Colour and opacity: graph, chips of the hills, the chosen point's numbers, density, window, and the section's menu.
 import { chooseFile, clamp, download, el, fromHex, hex, icon, short } from "./dom.js";
+import { histogramOf } from "./graph.js";
 import { makeGraph } from "./graph-input.js";
 import { highlighted, moved, spanOf, stretched, withShape } from "./hills.js";
 import { colourRow, numberField, sliderRow } from "./rows.js";
@@ -76,8 +77,9 @@ export function makeColour(app) {
   let windowRow = null, surfaceRows = [];
 
   function open() {
-    const data = app.volume.histogram512 ?? app.volume.histogram;
-    axis.range = data.max > data.min ? [data.min, data.max] : [data.min, data.min + 1];
+    const [least, most] = app.volume.range;
+    app.histogram = histogramOf(app.volume);
+    axis.range = most > least ? [least, most] : [least, least + 1];
     axis.view = [...axis.range];
     Object.assign(ui, { points: [], stop: -1 });
     const [low, high] = axis.range;

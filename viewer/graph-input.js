@@ -256,11 +256,11 @@ export function makeGraph(app) {
     marks.surfaces = read(state, "mode") === "iso" ? state.iso.map((s) => s.value) : [];
     marks.seen = ui.seen;
     marks.glow = app.glowNow?.();
-    drawGraph(canvas, axis, state, app.volume.histogram512 ?? app.volume.histogram, app.theme.colours(), marks);
+    drawGraph(canvas, axis, state, app.histogram, app.theme.colours(), marks);
     const shown = marks.hover ?? marks.selected;
-    const half = (axis.range[1] - axis.range[0]) / 512;
+    const half = (axis.range[1] - axis.range[0]) / app.histogram.counts.length / 2;
     readout.replaceChildren(...(shown === undefined ? [] : [el("b", {}, app.withUnit(shown)), el("span", {}, `${words.opacity.toLowerCase()} ${short(at(state.tf.points, shown, "opacity"), 3)}`),
-      el("span", {}, words.ofVoxels(app.percent(shareOf(app.volume.histogram512 ?? app.volume.histogram, shown - half, shown + half))))]));
+      el("span", {}, words.ofVoxels(app.percent(shareOf(app.histogram, shown - half, shown + half))))]));
   }
   store.watch(draw);
   return { root, axis, draw, add, hills, setPoints, setStops, choose };

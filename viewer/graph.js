@@ -59,6 +59,14 @@ export function heightsOf(counts, log) {
   return counts.map((c) => ({ height: c > 0 ? Math.min(1, Math.max(0.015, (f(c) - low) / Math.max(high - low, 1e-9))) : 0, cut: f(c) > high * 1.0001 }));
 }
 
+/** The volume's histogram; whole numbers of few values get a bin each, as narrower ones would leave gaps. */
+export function histogramOf({ histogram512, histogram, type }) {
+  const { min, max, counts } = histogram512 ?? histogram, width = (max - min) / counts.length;
+  if (!type.includes("int") || width >= 1 || !(width > 0)) return { min, max, counts };
+  const whole = Array.from({ length: max - min + 1 }, (_, i) => counts[Math.min(counts.length - 1, Math.floor(i / width + 1e-9))]);
+  return { min: min - 0.5, max: max + 0.5, counts: whole };
+}
+
 /** Share of the voxels in a range of values. */
 export function shareOf(histogram, lo, hi) {
   const { min, max, counts } = histogram, width = (max - min) / counts.length || 1;
