@@ -31,7 +31,12 @@ app.sceneWith = (more) => sceneOf({ ...store.state, ...more }, (camera) => toSce
 app.scene = () => app.sceneWith({});
 app.copy = (text) => navigator.clipboard.writeText(text).then(() => app.states.say(words.copied), () => app.states.say(text));
 app.fault = (error) => void (error?.sentence && app.states.say(error.sentence, { role: "alert" }));
-app.firstSurface = () => store.state.tf.points.reduce((a, b) => (b.opacity > a.opacity ? b : a)).value;
+/** Half way into the densest hill. */
+app.firstSurface = () => {
+  const { points } = store.state.tf, peak = (hill) => Math.max(...points.slice(hill.first, hill.last + 1).map((p) => p.opacity));
+  const hills = app.graph.hills().sort((a, b) => peak(b) - peak(a)), [hill] = hills, [low, high] = app.volume.range;
+  return hill ? (Math.max(hill.lo, low) + Math.min(hill.hi, high)) / 2 : (low + high) / 2;
+};
 
 // The picture.
 stage.tabIndex = 0;
