@@ -53,7 +53,7 @@ export function makeLooks(app) {
     thumbs.clear();
     drawnAt = "";
     const { modality_guess: kind, preset_guess: guess } = app.volume;
-    const fits = (p) => (p.name === guess ? 3 : p.modality === kind ? 2 : !p.is_map ? 1 : 0);
+    const fits = (p) => (p.name === guess ? 3 : p.modality === kind ? 2 : p.is_map || !p.stretched ? 0 : 1);
     const presets = [...app.hello.presets];
     if (!presets.some((p) => p.name === guess) && guess) presets.unshift({ name: guess, modality: kind, sentence: "", is_map: false });
     app.presets = presets;
