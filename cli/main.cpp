@@ -16,7 +16,7 @@ namespace chiaro::cli {
 namespace {
 
 constexpr Command (*commands[])(CLI::App&) = {info_command,    sample_command,  render_command, illuminate_command,
-                                              convert_command, compare_command, bench_command};
+                                              convert_command, compare_command, view_command,   bench_command};
 
 struct List {
     const char* flag;
