@@ -56,7 +56,11 @@ public:
         for (;;) {
             progress_.check();
             const auto event = helper.next(line, std::chrono::milliseconds(20));
-            if (event == HelperProcess::Event::ended) refuse(request_, text_of_end(helper.ending_signal(), at_));
+            if (event == HelperProcess::Event::ended) {
+                const int signal = helper.ending_signal();
+                progress_.check();  // what interrupted us may have ended the helper too
+                refuse(request_, text_of_end(signal, at_));
+            }
             if (event == HelperProcess::Event::line) {
                 last_sign = Clock::now();
                 if (auto header = take(line); !header.is_null()) return header;
