@@ -6,6 +6,8 @@
 
 #include <cstdio>
 
+#include "core/text.h"
+
 namespace chiaro::cli {
 
 void add_common_options(CLI::App& app, CommonOptions& o) {
@@ -34,6 +36,9 @@ Device device_of(const CommonOptions& o) {
     return Device::cpu(o.threads, isa);
 }
 
-void say(std::string_view line) { fmt::print(stderr, "chiaro: {}\n", line); }
+void say(std::string_view line) {
+    constexpr std::size_t longest = 4000;
+    fmt::print(stderr, "chiaro: {}\n", one_line(std::string(line), longest));
+}
 
 }  // namespace chiaro::cli

@@ -139,7 +139,11 @@ TransferFunction load_transfer_function(const std::string& file_or_preset, const
     if (!json.is_object() || !json.contains("preset")) return function_from(json, file_or_preset);
     const Node node{json, file_or_preset, ""};
     node.require_keys({"preset"});
-    return preset(node.at("preset").text(), data);
+    try {
+        return preset(node.at("preset").text(), data);
+    } catch (const Error& error) {
+        node.fail(error.what());
+    }
 }
 
 std::string to_json(const TransferFunction& tf) {

@@ -37,6 +37,7 @@ public:
         std::string word;
         for (char c; (c = character()) != 0;) {
             const bool separator = c == ' ' || c == '\n' || c == '\r' || c == '\t' || c == ',';
+            ends_behind_digit_ = !separator;
             if (separator && !word.empty()) return word;
             if (!separator) word += c;
             if (word.size() > 64) refuse("holds a number of more than 64 characters");
@@ -44,6 +45,9 @@ public:
         if (word.empty()) refuse("its text data end before the last voxel");
         return word;
     }
+
+    /// Whether the file ends right behind the number read last, which may have had more digits.
+    bool ends_behind_digit() const { return ends_behind_digit_; }
 
 private:
     char character() {
@@ -57,6 +61,7 @@ private:
     ByteSource& source_;
     std::array<std::byte, 65536> buffer_;
     std::size_t at_ = 0, end_ = 0;
+    bool ends_behind_digit_ = false;
 };
 
 template <class T>
@@ -72,7 +77,8 @@ T value_from(const std::string& word) {
     }
 }
 
-void fill_from_text(ByteSource& source, VoxelType type, std::span<std::byte> to, Output& output) {
+/// Returns whether the file ends right behind the last number.
+bool fill_from_text(ByteSource& source, VoxelType type, std::span<std::byte> to, Output& output) {
     TextReader reader(source);
     with_voxel_type(type, [&](auto zero) {
         using T = decltype(zero);
@@ -83,6 +89,7 @@ void fill_from_text(ByteSource& source, VoxelType type, std::span<std::byte> to,
             if (i % 65536 == 0) output.progress(double(i) / double(count));
         }
     });
+    return reader.ends_behind_digit();
 }
 
 void fill(ByteSource& source, const Payload& payload, VoxelType type, std::span<std::byte> to, Output& output) {
@@ -118,6 +125,7 @@ void read_voxels(const Payload& payload, Volume& volume, Output& output) {
     check_capacity(payload, stated, volume.type);
     output.allocate(volume);
     const std::size_t share = bytes / payload.files.size();
+    bool ends_early = false;
     for (std::size_t i = 0; i < payload.files.size(); ++i) {
         const bool deflated = payload.encoding == Encoding::deflated;
         const auto source =
@@ -125,11 +133,12 @@ void read_voxels(const Payload& payload, Volume& volume, Output& output) {
         skip(*source, payload.skip);
         const std::span<std::byte> to(volume.voxels.data() + i * share, share);
         if (payload.encoding == Encoding::text)
-            fill_from_text(*source, volume.type, to, output);
+            ends_early = fill_from_text(*source, volume.type, to, output);
         else
             fill(*source, payload, volume.type, to, output);
         if (payload.encoding != Encoding::text && payload.volumes == 1) check_end(*source, volume);
     }
+    if (ends_early) volume.notes.push_back("no line end follows the last number: it may be cut, and the file with it");
 }
 
 void swap_bytes(std::span<std::byte> bytes, std::size_t value_size) {

@@ -1,4 +1,5 @@
 // Everything that a volume can be read from, in the order in which it is tried.
+#include "core/text.h"
 #include "core/threads.h"
 #include "io/helper.h"
 #include "io/raw.h"
@@ -53,16 +54,17 @@ Candidate examine(const std::string& name, const ReadOptions& options) {
     candidate.is_folder = fs::is_directory(status);
     candidate.is_file = fs::is_regular_file(status);
     if (!fs::exists(status))
-        throw Error(ErrorCode::input, "cannot read '" + name + "': there is no such file or folder");
+        throw Error(ErrorCode::input, "cannot read '" + one_line(name) + "': there is no such file or folder");
     if (!candidate.is_file && !candidate.is_folder)
-        throw Error(ErrorCode::input, "cannot read '" + name + "': it is neither a regular file nor a folder");
+        throw Error(ErrorCode::input,
+                    "cannot read '" + one_line(name) + "': it is neither a regular file nor a folder");
     if (!candidate.is_file) return candidate;
     std::ifstream file(name, std::ios::binary);
-    if (!file) throw Error(ErrorCode::input, "cannot read '" + name + "': it cannot be opened");
+    if (!file) throw Error(ErrorCode::input, "cannot read '" + one_line(name) + "': it cannot be opened");
     candidate.beginning.resize(352);
     file.read(candidate.beginning.data(), 352);
     candidate.beginning.resize(std::size_t(file.gcount()));
-    if (candidate.beginning.empty()) throw Error(ErrorCode::input, "cannot read '" + name + "': it is empty");
+    if (candidate.beginning.empty()) throw Error(ErrorCode::input, "cannot read '" + one_line(name) + "': it is empty");
     return candidate;
 }
 
@@ -154,7 +156,7 @@ Volume read_volume(const std::string& name, const ReadOptions& options, Progress
     if (!reader) {
         std::string known;
         for (const auto& format : list_formats()) known += (known.empty() ? "" : ", ") + format.name;
-        throw Error(ErrorCode::input, "cannot read '" + name + "': it is none of " + known);
+        throw Error(ErrorCode::input, "cannot read '" + one_line(name) + "': it is none of " + known);
     }
     Volume volume = reader->read(candidate, options, progress);
     volume.source = name;

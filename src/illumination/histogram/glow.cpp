@@ -31,7 +31,9 @@ GlowMapping::GlowMapping(const std::string& text) {
                    strength = number(text.substr(equals + 1));
         if (!low || !high || !strength || *low > *high)
             throw Error(ErrorCode::usage, who + ": expected LO:HI=STRENGTH, LO not above HI");
-        add(*low, *strength, who), add(*high, *strength, who);
+        if (const std::string fault = fault_of(*low, *strength); !fault.empty())
+            throw Error(ErrorCode::usage, who + ": " + fault);
+        points_ = {{*low, *strength}, {*high, *strength}};
         return;
     }
     std::ifstream file(text);
@@ -44,18 +46,16 @@ GlowMapping::GlowMapping(const std::string& text) {
         if (!(words >> value)) continue;
         words >> strength >> rest;
         const auto v = number(value), s = number(strength);
-        if (!v || !s || !rest.empty())
-            throw Error(ErrorCode::input, who + ", line " + std::to_string(count) + ": expected VALUE STRENGTH");
-        add(*v, *s, who);
+        const std::string fault = v && s && rest.empty() ? fault_of(*v, *s) : "expected VALUE STRENGTH";
+        if (!fault.empty()) throw Error(ErrorCode::input, who + ", line " + std::to_string(count) + ": " + fault);
+        points_.emplace_back(*v, *s);
     }
     if (points_.empty()) throw Error(ErrorCode::input, who + ": has no line VALUE STRENGTH");
 }
 
-void GlowMapping::add(double value, double strength, const std::string& who) {
-    if (strength < 1 || strength > 1e6)
-        throw Error(ErrorCode::usage, who + ": strength must be 1 (does not glow) to 1000000");
-    if (!points_.empty() && value < points_.back().first) throw Error(ErrorCode::input, who + ": values must not fall");
-    points_.emplace_back(value, strength);
+std::string GlowMapping::fault_of(double value, double strength) const {
+    if (strength < 1 || strength > 1e6) return "strength must be 1 (does not glow) to 1000000";
+    return points_.empty() || value >= points_.back().first ? "" : "values must not fall";
 }
 
 double GlowMapping::at(double value) const {

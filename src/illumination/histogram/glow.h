@@ -23,7 +23,8 @@ public:
     double at(double value) const;
 
 private:
-    void add(double value, double strength, const std::string& who);
+    /// What is wrong with a point behind those that are there, or nothing.
+    std::string fault_of(double value, double strength) const;
     std::vector<std::pair<double, double>> points_;
 };
 
