@@ -23,7 +23,7 @@ struct Node {
     std::string path;
 
     [[noreturn]] void fail(const std::string& what) const {
-        throw Error(ErrorCode::input, origin + ": " + (path.empty() ? "" : path + " ") + what);
+        throw Error(ErrorCode::input, origin + ": " + (path.empty() ? "" : path + " ") + one_line(what));
     }
     [[noreturn]] void fail_type(const std::string& wanted) const {
         fail("is " + std::string(json.type_name()) + ": must be " + wanted);
@@ -97,7 +97,7 @@ Json parse(const std::string& text, const std::string& origin) {
     } catch (const Json::exception& error) {  // "[json.exception.parse_error.101] parse error at line 3, column 7: ..."
         const std::string what = error.what();
         throw Error(ErrorCode::input,
-                    origin + ": is not JSON: " + what.substr(std::min(what.find("] ") + 2, what.size())));
+                    origin + ": is not JSON: " + one_line(what.substr(std::min(what.find("] ") + 2, what.size()))));
     }
 }
 

@@ -8,6 +8,8 @@
 #include <fstream>
 #include <iterator>
 
+#include "core/text.h"
+
 namespace chiaro {
 namespace fs = std::filesystem;
 namespace {
@@ -62,7 +64,7 @@ Scene read_scene(const fs::path& file, const fs::path& data_folder, std::vector<
     try {
         return parse_scene(text, file.parent_path(), data_folder, unknown_keys);
     } catch (const Error& error) {
-        throw Error(error.code(), fmt::format("{}: {}", file.string(), error.what()));
+        throw Error(error.code(), fmt::format("{}: {}", file.string(), one_line(error.what(), 1000)));
     }
 }
 
