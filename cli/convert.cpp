@@ -31,9 +31,7 @@ void convert_volume(const ConvertOptions& o) {
     const Volume volume = read_volume(scene, job.progress);
     if (!o.common.quiet)
         for (const auto& note : volume.notes) say(fmt::format("{}: {}", o.input, note));
-    job.progress.check();
-    job.progress.report("write", 0);
-    write_nrrd(volume, o.output, encoding);
+    write_nrrd(volume, o.output, encoding, job.progress);
 }
 
 void convert_transfer_function(const ConvertOptions& o) {

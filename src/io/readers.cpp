@@ -68,7 +68,7 @@ Candidate examine(const std::string& name, const ReadOptions& options) {
     return candidate;
 }
 
-Volume read_sample(const Candidate& candidate, const ReadOptions&, Progress&) {
+Volume read_sample(const Candidate& candidate, const ReadOptions&, Progress& progress) {
     const std::string name = candidate.name.substr(7), text = name.substr(std::min(name.find(':'), name.size()));
     int size = 0;
     if (!text.empty()) {
@@ -76,7 +76,7 @@ Volume read_sample(const Candidate& candidate, const ReadOptions&, Progress&) {
         if (error != std::errc{} || end != text.data() + text.size() || size <= 0)
             throw Error(ErrorCode::usage, "'" + candidate.name + "' is not sample:NAME or sample:NAME:SIZE");
     }
-    return make_sample(name.substr(0, name.size() - text.size()), size);
+    return make_sample(name.substr(0, name.size() - text.size()), size, progress);
 }
 
 Volume read_standard_input(const Candidate&, const ReadOptions& options, Progress& progress) {

@@ -114,6 +114,12 @@ bool fill(Reader& in, LocalHistograms& h) {
 
 }  // namespace
 
+std::optional<LocalHistograms> parse_local_histograms(std::span<const std::byte> body) {
+    Reader in({body.begin(), body.end()});
+    LocalHistograms found;
+    return fill(in, found) ? std::optional(std::move(found)) : std::nullopt;
+}
+
 HistogramCache::HistogramCache(const std::string& folder, const DeviceVolume::Data& volume,
                                const HistogramSettings& settings) {
     path_ = folder_of(folder);
