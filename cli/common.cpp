@@ -5,7 +5,9 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <vector>
 
+#include "core/did_you_mean.h"
 #include "core/text.h"
 
 namespace chiaro::cli {
@@ -29,7 +31,8 @@ Device device_of(const CommonOptions& o) {
     if (o.device.starts_with("cuda"))
         throw Error(ErrorCode::output, fmt::format("--device {}: this build has the processor only", o.device));
     if (o.device != "auto" && o.device != "cpu")
-        throw Error(ErrorCode::usage, fmt::format("--device {}: must be auto or cpu", o.device));
+        throw Error(ErrorCode::usage, fmt::format("--device {}: must be auto or cpu{}", o.device,
+                                                  did_you_mean(o.device, std::vector<std::string>{"auto", "cpu"})));
     if (o.isa.empty()) return Device::cpu(o.threads);
     Isa isa{};
     set(Setting{"isa", "", "", ""}, o.isa, "--isa " + o.isa, ErrorCode::usage, isa);

@@ -1,4 +1,5 @@
 // Everything that a volume can be read from, in the order in which it is tried.
+#include "core/did_you_mean.h"
 #include "core/text.h"
 #include "core/threads.h"
 #include "io/helper.h"
@@ -54,7 +55,8 @@ Candidate examine(const std::string& name, const ReadOptions& options) {
     candidate.is_folder = fs::is_directory(status);
     candidate.is_file = fs::is_regular_file(status);
     if (!fs::exists(status))
-        throw Error(ErrorCode::input, "cannot read '" + one_line(name) + "': there is no such file or folder");
+        throw Error(ErrorCode::input,
+                    "cannot read '" + one_line(name) + "': there is no such file or folder" + did_you_mean_file(name));
     if (!candidate.is_file && !candidate.is_folder)
         throw Error(ErrorCode::input,
                     "cannot read '" + one_line(name) + "': it is neither a regular file nor a folder");

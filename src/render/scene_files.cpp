@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "core/did_you_mean.h"
 #include "core/text.h"
 
 namespace chiaro {
@@ -29,7 +30,8 @@ std::string text_of(const fs::path& file) {
     std::ifstream stream(file, std::ios::binary);
     std::error_code no_access;
     if (!stream || fs::is_directory(file, no_access))
-        throw Error(ErrorCode::input, fmt::format("{}: cannot be read", file.string()));
+        throw Error(ErrorCode::input,
+                    fmt::format("{}: cannot be read{}", file.string(), is_file(file) ? "" : did_you_mean_file(file)));
     return {std::istreambuf_iterator<char>(stream), {}};
 }
 

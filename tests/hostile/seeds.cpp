@@ -159,6 +159,33 @@ void add_transfer_functions(std::vector<Seed>& all) {
         {.name = "preset.json", .kind = Kind::transfer, .bytes = R"({"preset": "ct-bone"})", .is_text = true});
 }
 
+/// Those of ParaView, 3D Slicer, Inviwo and Voreen.
+void add_foreign_functions(std::vector<Seed>& all) {
+    const auto add = [&](const char* name, const std::string& bytes) {
+        all.push_back({.name = name, .kind = Kind::transfer, .bytes = bytes, .is_text = true});
+    };
+    add("map.paraview.json",
+        R"([{"Name": "a", "ColorSpace": "Lab", "RGBPoints": [0, 0.2, 0.3, 0.7, 9, 0.7, 0, 0.1,],)"
+        R"( "Points": [0, 0, 0.3, 0.4, 9, 1, 0.5, 0]}, {"Name": "b", "ColorSpace": "HSV", "RGBPoints": [0, 1, 0, 0, 1, 0, 0, 1]}])");
+    add("lines.vp", "1\n1\n0.9\n0.1\n0.2\n10\n6 -1000 0 40 0.2 300 0.6\n4 0 1 255 0.5\n8 -1000 0 0 0 300 1 1 0.5\n");
+    add("property.vp.json",
+        R"({"volumeProperties": [{"components": [{"rgbTransferFunction": {"points": [{"x": 1, "color": [0, 1, 0]},)"
+        R"( {"x": 5, "color": [1, 1, 0]}]}, "scalarOpacity": {"points": [{"x": 2, "y": 1}, {"x": 3, "y": 0.5}]}}]}]})");
+    add("workspace.itf",
+        "<?xml version=\"1.0\" ?>\n<InviwoWorkspace version=\"2\">\n<maskMin content=\"0.2\" />\n<Points>\n"
+        "<Point><pos content=\"0.1\" /><rgba x=\"1\" y=\"0.5\" z=\"0\" w=\"0.2\" /></Point>\n"
+        "<Point><pos content=\"0.9\" /><rgba x=\"0\" y=\"0.5\" z=\"1\" w=\"1\" "
+        "/></Point>\n</Points>\n</InviwoWorkspace>\n");
+    add("function.tfi",
+        "<?xml version=\"1.0\" ?>\n<VoreenData version=\"1\">\n<TransFuncIntensity>\n<domain x=\"-100\" y=\"300\" />"
+        "<gammaValue value=\"2\" />\n<Keys>\n"
+        "<key type=\"TransFuncMappingKey\"><intensity value=\"0.25\" /><split value=\"false\" />"
+        "<colorL r=\"255\" g=\"0\" b=\"9\" a=\"51\" /></key>\n"
+        "<key type=\"TransFuncMappingKey\"><intensity value=\"0.75\" /><split value=\"true\" />"
+        "<colorL r=\"0\" g=\"0\" b=\"0\" a=\"255\" /><colorR r=\"1\" g=\"2\" b=\"3\" a=\"4\" /></key>\n"
+        "</Keys></TransFuncIntensity></VoreenData>\n");
+}
+
 void add_glow(std::vector<Seed>& all) {
     all.push_back({.name = "glow.txt",
                    .kind = Kind::glow,
@@ -193,7 +220,7 @@ void add_cache(std::vector<Seed>& all) {
 std::vector<Seed> made() {
     std::vector<Seed> all;
     for (const auto add : {add_nrrd, add_meta, add_nifti, add_dicom, add_raw, add_probes, add_scenes,
-                           add_transfer_functions, add_glow, add_cache})
+                           add_transfer_functions, add_foreign_functions, add_glow, add_cache})
         add(all);
     return all;
 }

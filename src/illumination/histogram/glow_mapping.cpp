@@ -8,6 +8,8 @@
 #include <optional>
 #include <sstream>
 
+#include "core/did_you_mean.h"
+
 namespace chiaro {
 namespace {
 
@@ -33,7 +35,9 @@ GlowMapping::GlowMapping(const std::string& text) {
         return;
     }
     std::ifstream file(text);
-    if (!file) throw Error(ErrorCode::input, who + ": is neither LO:HI=STRENGTH nor a file that can be read");
+    if (!file)
+        throw Error(ErrorCode::input,
+                    who + ": is neither LO:HI=STRENGTH nor a file that can be read" + did_you_mean_file(text));
     int count = 0;
     for (std::string line; std::getline(file, line);) {
         ++count;

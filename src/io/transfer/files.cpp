@@ -225,7 +225,7 @@ TransferFile read_transfer_file(const std::string& name, const Statistics& data)
     const std::string file = split_transfer_name(name).file;
     if (exists(file)) return parse_transfer_file(text_of(file), name, data);
     if (name.find_first_of("/.") != name.npos)
-        throw Error(ErrorCode::input, "cannot read '" + file + "': no such file");
+        throw Error(ErrorCode::input, "cannot read '" + file + "': no such file" + did_you_mean_file(file));
     return {preset(name, data), "preset", {}, false, {}};
 }
 
