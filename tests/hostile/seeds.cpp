@@ -1,9 +1,12 @@
 #include "hostile/seeds.h"
 
+#include "hdf5_files.h"
 #include "illumination/histogram/cache.h"
 #include "illumination/histogram/hash.h"
 #include "image/exr.h"
+#include "tiff_files.h"
 #include "volume_files.h"
+#include "vtk_files.h"
 
 #include <chiaro/chiaro.h>
 
@@ -83,6 +86,49 @@ void add_dicom(std::vector<Seed>& all) {
     second.position[2] = 1.5;
     all.push_back({.name = "slice.dcm", .bytes = first.bytes()});
     all.push_back({.name = "b.dcm", .bytes = second.bytes(), .beside = {{"a.dcm", first.bytes()}}, .opened = "."});
+}
+
+void add_vtk(std::vector<Seed>& all) {
+    Vti packed, numbers;
+    packed.format = "binary", packed.compressor = "vtkZLibDataCompressor";
+    packed.compress = [](const std::string& bytes) { return deflated(bytes, 15); };
+    numbers.format = "ascii",
+    numbers.arrays[0].values = "1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24";
+    all.push_back({.name = "appended.vti", .bytes = Vti().bytes(), .is_text = true});
+    all.push_back({.name = "packed.vti", .bytes = packed.bytes(), .is_text = true});
+    all.push_back({.name = "numbers.vti", .bytes = numbers.bytes(), .is_text = true});
+    all.push_back({.name = "binary.vtk", .bytes = vtk_file(), .is_text = true});
+    all.push_back(
+        {.name = "numbers.vtk",
+         .bytes = vtk_start(false) + "POINT_DATA 24\n" +
+                  vtk_scalars("float", "1 2 3 4 5 6\n7 8 9 10 11 12\n-1 -2 -3 -4 -5 -6\n.5 1e3 17 18 19 250\n"),
+         .is_text = true});
+}
+
+void add_tiff(std::vector<Seed>& all) {
+    TiffImage described;
+    described.description = "ImageJ=1.53\nimages=2\nslices=2\nspacing=2.5\nunit=mm\n";
+    described.x_resolution = described.y_resolution = 4;
+    all.push_back({.name = "pages.tif", .bytes = tiff_file({described, TiffImage()})});
+    all.push_back({.name = "big.tif", .bytes = tiff_file({TiffImage(), TiffImage()}, true)});
+    all.push_back({.name = "s2.tif",
+                   .bytes = tiff_file({TiffImage()}),
+                   .beside = {{"s1.tif", tiff_file({TiffImage()})}},
+                   .opened = "."});
+}
+
+void add_hdf5(std::vector<Seed>& all) {
+    const Folder folder;
+    const hid_t plain = H5Pcreate(H5P_DATASET_CREATE);
+    H5Pset_obj_track_times(plain, false);  // or the bytes would never be the same
+    const hid_t packed = H5Pcopy(plain);
+    const hsize_t chunk[] = {1, 2, 4};
+    H5Pset_chunk(packed, 3, chunk), H5Pset_shuffle(packed), H5Pset_deflate(packed, 6), H5Pset_fletcher32(packed);
+    Hdf5(folder / "plain.h5").dataset("density", {2, 3, 4}, ramp<std::uint16_t>(24), plain);
+    Hdf5(folder / "packed.h5").dataset("density", {2, 3, 4}, ramp<float>(24), packed);
+    H5Pclose(plain), H5Pclose(packed);
+    for (const char* name : {"plain.h5", "packed.h5"})
+        all.push_back({.name = name, .bytes = content_of(folder / name)});
 }
 
 void add_raw(std::vector<Seed>& all) {
@@ -219,8 +265,8 @@ void add_cache(std::vector<Seed>& all) {
 
 std::vector<Seed> made() {
     std::vector<Seed> all;
-    for (const auto add : {add_nrrd, add_meta, add_nifti, add_dicom, add_raw, add_probes, add_scenes,
-                           add_transfer_functions, add_foreign_functions, add_glow, add_cache})
+    for (const auto add : {add_nrrd, add_meta, add_nifti, add_dicom, add_vtk, add_tiff, add_hdf5, add_raw, add_probes,
+                           add_scenes, add_transfer_functions, add_foreign_functions, add_glow, add_cache})
         add(all);
     return all;
 }
