@@ -103,8 +103,8 @@ FoundFunction read_slicer_json(const TransferText& text, const Statistics&) {
     component.require_object();
     const double unit = number_or(component, "scalarOpacityUnitDistance", 1);
     if (!(unit > 0)) component.fail("scalarOpacityUnitDistance is " + to_text(unit) + ": must be greater than 0");
-    FoundFunction found = slicer_function(read_curve<3>(text, component.at("rgbTransferFunction")),
-                                          read_curve<1>(text, component.at("scalarOpacity")), unit);
+    const ColorCurve color = read_curve<3>(text, component.at("rgbTransferFunction"));
+    FoundFunction found = slicer_function(color, read_curve<1>(text, component.at("scalarOpacity")), unit);
     found.functions = std::move(choice.functions);
     found.notes = std::move(choice.notes);
     add_notes(text, component, list.json.size(), found);
