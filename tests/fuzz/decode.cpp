@@ -10,17 +10,8 @@
 #include <nlohmann/json.hpp>
 
 namespace fuzz {
-namespace {
 
 using namespace chiaro;
-
-Volume read(const std::string& format, const std::string& path, decode::Output& output) {
-    if (format == "nrrd") return decode::read_nrrd(path, output);
-    if (format == "meta") return decode::read_meta(path, output);
-    return decode::read_nifti(path, output);
-}
-
-}  // namespace
 
 void decode(const char* format, const std::uint8_t* data, std::size_t size, const char* ending) {
     const std::string path = file_with(data, size, ending);
@@ -29,7 +20,7 @@ void decode(const char* format, const std::uint8_t* data, std::size_t size, cons
     if (memory != wire::voxels_descriptor) close(memory);
     if (nobody != wire::messages_descriptor) close(nobody);
     chiaro::decode::Output output(16 << 20);
-    const Volume volume = read(format, path, output);
+    const Volume volume = chiaro::decode::find_reader(format)(path, "", output);
     const std::string line =
         wire::header_to_json(volume).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
     if (check_header(wire::header_from_json(nlohmann::json::parse(line))) != volume.voxels.size()) std::abort();
