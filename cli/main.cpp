@@ -10,6 +10,7 @@
 #include "command.h"
 #include "common.h"
 #include "core/did_you_mean.h"
+#include "interrupt.h"
 #include "lists.h"
 
 namespace chiaro::cli {
@@ -87,6 +88,7 @@ void run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
     using namespace chiaro;
+    cli::prepare_for_signals();
     try {
         cli::run(argc, argv);
         if (std::fflush(stdout) != 0) throw Error(ErrorCode::output, "standard output cannot be written to");
