@@ -23,8 +23,8 @@ public:
     /// Takes the volume that later scenes show (read_volume or make_sample gave it).
     void show(Volume&& volume, Progress& progress);
 
-    /// `preview` is handed the picture with each coarse light that comes before the finest (visibility), while that is
-    /// still being found; and with each pass of paths (reference).
+    /// `preview` is handed the picture with each coarse light that comes before the finest (visibility, and each
+    /// iteration of transport), while that is still being found; and with each pass of paths (reference).
     const Image& render(const Scene& scene, Progress& progress, const Preview& preview = {});
     /// What the scene's lighting method computes for the shown volume. Throws as chiaro::compute_field.
     ComputedField compute_field(const Scene& scene, Progress& progress);
