@@ -114,7 +114,7 @@ Volume decode_isolated(const DecodeRequest& request, const ReadOptions& options,
     const std::uint64_t max_bytes = options.max_bytes > 0 ? options.max_bytes : available_memory();
     const Descriptor voxels = make_memory_file("chiaro voxels");
     const auto cpu_seconds = std::uint64_t(std::clamp(options.seconds, 1.0, 1e6)) + 1;
-    const std::vector<std::string> arguments{request.format, request.path, options.series, std::to_string(max_bytes),
+    const std::vector<std::string> arguments{request.format, request.path, request.part, std::to_string(max_bytes),
                                              std::to_string(cpu_seconds)};
     nlohmann::json header;
     {
