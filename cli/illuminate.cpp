@@ -23,9 +23,9 @@ struct IlluminateOptions {
 
 /// Whether a setting has a part in what is computed; all else describes pictures.
 bool matters(std::string_view group, const Setting& setting) {
-    for (std::string_view other : {"Sampling", "Camera", "Shading", "Light probe", "Output"})
+    for (std::string_view other : {"Sampling", "Camera", "Shading", "Output"})
         if (group == other) return false;
-    return setting.name != "size" && setting.name != "background";
+    return setting.name != "size" && !setting.name.ends_with("background");
 }
 
 /// Everything that can be refused before the work begins.
