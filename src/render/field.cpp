@@ -23,7 +23,7 @@ void check_computable(const Shape& shape, const IlluminationSettings& settings) 
     if (settings.method == Method::reference && settings.reference.quantity == ReferenceQuantity::radiance)
         throw Error(ErrorCode::usage,
                     "the reference's quantity radiance is a picture, no field: write it with chiaro render, or choose "
-                    "obscurance, ao, ao-cosine or visibility");
+                    "obscurance, ao, ao-cosine, visibility or fluence");
 }
 
 /// "chiaro_spao_levels" of the flag "spao-levels".
@@ -54,9 +54,51 @@ Volume harmonics_of(const Device& device, const Medium& medium, const Illuminati
     return steps("voxels", [&] { return volume_of(device, field, medium.data().volume, progress); });
 }
 
+bool is_fluence(const IlluminationSettings& settings) {
+    return settings.method == Method::reference && settings.reference.quantity == ReferenceQuantity::fluence;
+}
+
+/// Points at the centres of blocks of `edge`³ voxels, as a volume without voxels yet.
+Volume block_centres(const DeviceVolume& voxels, int edge, int components) {
+    std::array<int, 3> counts = voxels.dimensions();
+    for (int& n : counts) n = (n + edge - 1) / edge;
+    Volume volume = make_volume(counts, VoxelType::f32);
+    volume.components = components;
+    volume.voxels = VoxelBuffer(volume.voxel_count() * std::size_t(components) * sizeof(float));
+    const double first = (edge - 1) / 2.0;
+    volume.geometry = voxels.geometry();
+    volume.geometry.origin_mm = voxels.geometry().world_from_voxel({first, first, first});
+    for (double* spacing :
+         {&volume.geometry.spacing_mm.x, &volume.geometry.spacing_mm.y, &volume.geometry.spacing_mm.z})
+        *spacing *= edge;
+    return volume;
+}
+
+/// J at every voxel, or at the centres of blocks of them.
+Volume fluence_of(const Device& device, const Medium& medium, const Lighting& lighting, Vec3 orbit_up,
+                  const IlluminationSettings& settings, Steps& steps, Progress& progress) {
+    const DeviceVolume& voxels = medium.data().volume;
+    const int edge = settings.reference.subsample;
+    Volume field = block_centres(voxels, edge, 3);
+    std::vector<Vec3> points;
+    points.reserve(field.voxel_count());
+    const auto centre = [&](int block) { return edge * (block + 0.5) - 0.5; };
+    for (int k = 0; k < field.dimensions[2]; ++k)
+        for (int j = 0; j < field.dimensions[1]; ++j)
+            for (int i = 0; i < field.dimensions[0]; ++i) points.push_back({centre(i), centre(j), centre(k)});
+    const Fluence fluence =
+        steps("paths", [&] { return trace_fluence(device, medium, lighting, orbit_up, points, settings, progress); });
+    progress.check();
+    float* to = field.as<float>().data();
+    for (const Rgb& j : fluence.mean)
+        for (const double channel : j) *to++ = float(channel);
+    return field;
+}
+
 /// What a field's numbers are.
 std::string quantity_of(const IlluminationSettings& settings) {
     if (is_in_harmonics(settings)) return "visibility";
+    if (is_fluence(settings)) return "fluence";
     if (settings.method != Method::histogram) return "accessibility";
     return settings.histogram.effects.bleeding ? "environment colour" : "environment occlusion";
 }
@@ -74,23 +116,27 @@ std::map<std::string, std::string> how_made(const IlluminationSettings& settings
     describe(tell, settings.visibility);
     describe(tell, settings.histogram);
     describe(tell, settings.reference);
+    if (is_fluence(settings)) describe(tell, settings.scattering);
     if (is_in_harmonics(settings)) told["chiaro_sh_axes"] = "grid";
     return told;
 }
 
 }  // namespace
 
-ComputedField compute_field(const Device& device, const Medium& medium, const Prepared& prepared, const Lighting&,
-                            const IlluminationSettings& wanted, Progress& progress) {
+ComputedField compute_field(const Device& device, const Medium& medium, const Prepared& prepared,
+                            const Lighting& lighting, const IlluminationSettings& wanted, Progress& progress,
+                            Vec3 orbit_up) {
     check_computable(medium.data().shape, wanted);
     IlluminationSettings settings = wanted;
     if (!settings.reference.quantity) settings.reference.quantity = ReferenceQuantity::obscurance;
     const auto start = std::chrono::steady_clock::now();
     Steps steps;
-    ComputedField field{is_in_harmonics(settings)
-                            ? harmonics_of(device, medium, settings, steps, progress)
-                            : field_of_voxels(device, medium.data(), prepared, settings, steps, progress),
-                        {}};
+    const auto found = [&] {
+        if (is_fluence(settings)) return fluence_of(device, medium, lighting, orbit_up, settings, steps, progress);
+        if (is_in_harmonics(settings)) return harmonics_of(device, medium, settings, steps, progress);
+        return field_of_voxels(device, medium.data(), prepared, settings, steps, progress);
+    };
+    ComputedField field{found(), {}};
     field.volume.key_values =
         how_made(settings, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     field.stages = steps.take();

@@ -162,10 +162,12 @@ ComputedField Session::compute_field(const Scene& scene, Progress& progress) {
     State& s = *state_;
     s.redo_up_to_classify(scene, progress);
     const Lighting lighting = s.lighting_of(scene);
+    const DeviceVolume& voxels = s.upload.result;
+    const Vec3 up = make_camera(scene.camera, voxels.geometry(), voxels.dimensions()).orbit_up;
     Kept<ComputedField, Version> made;
     s.redo("illuminate", made, {s.classify.version}, [&](ComputedField& field) {
         field = chiaro::compute_field(s.device, s.classify.result.medium, s.prepare.result, lighting,
-                                      scene.illumination, progress);
+                                      scene.illumination, progress, up);
     });
     s.tell_steps(made.result.stages);
     return std::move(made.result);
