@@ -39,7 +39,7 @@ struct Lighting {
 };
 
 /// The methods that this build has; a new one is one new value and one new folder.
-enum class Method { none, spao, visibility, histogram, reference };
+enum class Method { none, spao, visibility, histogram, transport, reference };
 
 /// How the means over cubes are found: all at full resolution, by mipmaps, by N-buffers over some mipmaps, exactly from
 /// a table of sums, or (automatic) by a fused sweep over blocks that keeps no level.
@@ -142,17 +142,26 @@ struct ReferenceSettings {
     bool operator==(const ReferenceSettings&) const = default;
 };
 
+/// Multiple scattering by iterated sweeps.
+struct TransportSettings {
+    int grid = 64;                ///< cells of the light grid on the long axis
+    int directions = 24;          ///< of scattered light, an iteration
+    int first_directions = 200;   ///< of light not yet scattered
+    std::optional<double> error;  ///< no more iterations once one changes less (relative RMS of J)
+    bool operator==(const TransportSettings&) const = default;
+};
+
 /// How often light is scattered beyond the first time.
 struct Bounces {
     std::optional<int> most;  ///< none: until it has left or is spent
     bool operator==(const Bounces&) const = default;
 };
 
-/// How light is scattered, for the methods that follow it.
+/// How light is scattered, for the methods that follow it: transport and reference.
 struct ScatteringSettings {
     Bounces bounces;          ///< 0: single scattering, which shows colours as they are
     double albedo_max = 0.9;  ///< else the albedo is the colour, scaled down to this where a channel is above
-    std::uint64_t seed = 0;   ///< of all that is drawn
+    std::uint64_t seed = 0;   ///< of all that is drawn at random
     double anisotropy = 0;    ///< g of Henyey and Greenstein in (-1, 1), forwards above 0; for callers of the library
     bool operator==(const ScatteringSettings&) const = default;
 };
@@ -162,6 +171,7 @@ struct IlluminationSettings {
     SpaoSettings spao;
     VisibilitySettings visibility;
     HistogramSettings histogram;
+    TransportSettings transport;
     ReferenceSettings reference;
     ScatteringSettings scattering;
     bool on_particles = false;  ///< no surfaces: accessibility is neither moved off them nor scaled (compare_methods)

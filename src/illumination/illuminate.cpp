@@ -58,6 +58,7 @@ IlluminationField light_of(const Device& device, const Medium::Data& medium, con
 
 void light(const Device& device, const Medium::Data& medium, const IlluminationSettings& settings, const Sink& sink,
            Progress& progress) {
+    if (settings.method == Method::transport) throw Error(ErrorCode::usage, "lighting transport is not built yet");
     if (settings.method != Method::visibility) return sink(light_of(device, medium, settings, progress));
     Steps steps;
     const auto keep = [&](VisibilityNodes nodes, bool is_coarse) {
@@ -141,6 +142,8 @@ std::vector<MethodInfo> list_methods() {
         {"histogram",
          "Ambient occlusion and colour bleeding by local histograms: prepared once, an edit only renews a small "
          "table."},
+        {"transport",
+         "Natural light that scatters again and again, following an edit: each pass over a grid brings it nearer."},
         {"reference", "Light's own paths, or rays from every voxel: slow, and what the others are measured against."}};
 }
 

@@ -110,13 +110,14 @@ std::map<std::string, std::string> how_made(const IlluminationSettings& settings
                                             {"chiaro_seconds", fmt::format("{:.6f}", seconds)}};
     const auto tell = [&](const Setting& setting, const auto&... fields) {
         const std::string value = value_text(setting, fields...);
-        if (setting.method == to_text(settings.method) && !value.empty()) told[key_of(setting)] = value;
+        if (setting.belongs_to(to_text(settings.method)) && !value.empty()) told[key_of(setting)] = value;
     };
     describe(tell, settings.spao);
     describe(tell, settings.visibility);
     describe(tell, settings.histogram);
+    describe(tell, settings.transport);
     describe(tell, settings.reference);
-    if (is_fluence(settings)) describe(tell, settings.scattering);
+    describe(tell, settings.scattering);
     if (is_in_harmonics(settings)) told["chiaro_sh_axes"] = "grid";
     return told;
 }

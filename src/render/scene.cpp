@@ -100,7 +100,7 @@ Json json_of(const Setting& setting, const std::string& text) {
 
 /// Methods share names in a scene file: only those of the scene's own method are meant.
 bool concerns(const Setting& setting, const Scene& scene) {
-    return setting.method.empty() || setting.method == to_text(scene.illumination.method);
+    return setting.concerns(to_text(scene.illumination.method));
 }
 
 void read_settings(const Json& root, Scene& scene) {
