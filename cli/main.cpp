@@ -59,7 +59,7 @@ void run(int argc, char** argv) {
     tool.set_version_flag("--version", std::string("chiaro ") + CHIARO_VERSION);
     tool.get_formatter()->column_width(36);
     List lists[] = {{"--list-methods", "lists the lighting methods", list_methods},
-                    {"--list-formats", "lists the volume formats", list_formats},
+                    {"--list-formats", "lists the formats of volumes and transfer functions", list_formats},
                     {"--list-presets", "lists transfer-function presets and colour maps", list_presets},
                     {"--list-devices", "lists the devices", list_devices},
                     {"--list-options", "", list_options}};
