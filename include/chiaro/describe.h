@@ -228,9 +228,9 @@ void describe(Visit&& visit, S& s) {
 
 template <class Visit, SettingsOf<ReferenceSettings> S>
 void describe(Visit&& visit, S& s) {
-    visit(Setting{"reference-rays", "lighting.rays", "", "rays from every voxel; of radiance paths through every pixel"}
+    visit(Setting{"reference-rays", "lighting.rays", "", "rays or paths from every voxel; of radiance paths through every pixel"}
           .within(1, 65536).of("reference"), s.rays);
-    visit(Setting{"reference-quantity", "lighting.quantity", "", "share of open directions: all (fields), outwards, by cosine; in spherical harmonics; or light by paths (pictures)"}
+    visit(Setting{"reference-quantity", "lighting.quantity", "", "share of open directions: all (fields), outwards, by cosine; in spherical harmonics; or light by paths: fluence (fields), radiance (pictures)"}
           .of("reference"), s.quantity);
     visit(Setting{"reference-medium", "lighting.medium", "", "extinction constant in each voxel, or interpolated"}
           .of("reference"), s.medium);
@@ -238,10 +238,10 @@ void describe(Visit&& visit, S& s) {
           .within(0, 1000).written("HALF_EDGES").of("reference"), s.start_half_edges);
     visit(Setting{"reference-subsample", "lighting.subsample", "", "rays from every Nth voxel per axis only"}
           .within(1, 64).of("reference"), s.subsample);
-    visit(Setting{"reference-time", "lighting.time", "seconds", "of radiance: no further paths after this time"}
+    visit(Setting{"reference-time", "lighting.time", "seconds", "of radiance and fluence: no further paths after this time"}
           .above(0).written("S").of("reference"), s.time_s);
     visit(Setting{"reference-error", "lighting.error", "",
-                  "of radiance: no further paths at this standard error over the picture's brightness"}
+                  "of radiance and fluence: no further paths at this standard error over the picture's brightness"}
           .above(0).written("E").of("reference"), s.error);
 }
 

@@ -124,21 +124,22 @@ struct HistogramSettings {
 };
 
 /// What rays find out for every voxel: the mean transmittance over all directions, over those outwards, over those
-/// weighted by their cosine, or its 16 coefficients in spherical harmonics (a field only, no picture); or for every
-/// pixel, along paths that scatter: radiance (a picture only, no field).
-enum class ReferenceQuantity { obscurance, ao, ao_cosine, visibility, radiance };
+/// weighted by their cosine, or its 16 coefficients in spherical harmonics (a field only, no picture); or along paths
+/// that scatter: for every voxel the mean radiance over all directions (fluence, a field only), for every pixel
+/// radiance (a picture only, no field).
+enum class ReferenceQuantity { obscurance, ao, ao_cosine, visibility, fluence, radiance };
 /// Whether the extinction is constant in each voxel or interpolated between them.
 enum class ReferenceMedium { voxels, trilinear };
 
 /// Brute force: rays in all directions from every voxel, or paths through every pixel.
 struct ReferenceSettings {
-    int rays = 256;                             ///< or paths through a pixel
+    int rays = 256;                             ///< or paths from a voxel, through a pixel
     std::optional<ReferenceQuantity> quantity;  ///< missing: radiance for a picture, obscurance for a field
     ReferenceMedium medium = ReferenceMedium::voxels;
     double start_half_edges = 1;   ///< rays begin this far from the centre, in half cell edges
     int subsample = 1;             ///< only every so many voxels per axis; between them trilinear (harmonics: one node)
-    std::optional<double> time_s;  ///< of radiance: no more paths after this time,
-    std::optional<double> error;   ///< nor when the frame's RMS standard error over its RMS luminance is so small
+    std::optional<double> time_s;  ///< of radiance and fluence: no more paths after this time,
+    std::optional<double> error;   ///< nor when the RMS standard error over the RMS luminance is so small
     bool operator==(const ReferenceSettings&) const = default;
 };
 
@@ -258,9 +259,10 @@ bool illuminate(const Device& device, const Medium& medium, const Prepared& prep
 
 /// The method's own answer for every voxel, neither moved off surfaces nor scaled as a picture needs it: accessibility,
 /// 1 = all light arrives; of transport J, the mean radiance (three components, 1 in an empty white probe), at the cells
-/// of its own grid; of the reference's quantity visibility, 16 components in spherical harmonics, a node for
-/// every `subsample`³ cells. Throws Error{usage} for a method that computes no field and for maxima along rays (which
-/// have no place that could be lit), Error{interrupted} when cancelled.
+/// of its own grid; of the reference's quantity visibility, 16 components in spherical harmonics, a node for every
+/// `subsample`³ cells; of its fluence J too, at the centres of `subsample`³ voxels. Throws Error{usage} for a method
+/// that computes no field and for maxima along rays (which have no place that could be lit), Error{interrupted} when
+/// cancelled.
 ComputedField compute_field(const Device& device, const Medium& medium, const Prepared& prepared,
                             const Lighting& lighting, const IlluminationSettings& settings, Progress& progress);
 

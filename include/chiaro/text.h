@@ -49,7 +49,7 @@ constexpr auto names_of(HistogramPacking) {
 constexpr auto names_of(HistogramMetric) { return std::to_array<std::string_view>({"l2", "l1", "lmax"}); }
 constexpr auto names_of(HistogramModel) { return std::to_array<std::string_view>({"corrected", "paper"}); }
 constexpr auto names_of(ReferenceQuantity) {
-    return std::to_array<std::string_view>({"obscurance", "ao", "ao-cosine", "visibility", "radiance"});
+    return std::to_array<std::string_view>({"obscurance", "ao", "ao-cosine", "visibility", "fluence", "radiance"});
 }
 constexpr auto names_of(ReferenceMedium) { return std::to_array<std::string_view>({"voxels", "trilinear"}); }
 constexpr auto names_of(Mode) { return std::to_array<std::string_view>({"dvr", "iso", "mip"}); }

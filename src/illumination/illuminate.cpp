@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <numbers>
 
 #include "classify/medium.h"
@@ -32,10 +34,14 @@ IlluminationField field_of(const Device& device, VisibilityNodes nodes, bool is_
 }
 
 void check_picture(const IlluminationSettings& settings) {
-    if (settings.method == Method::reference && settings.reference.quantity == ReferenceQuantity::visibility)
-        throw Error(ErrorCode::usage,
-                    "the reference's quantity visibility is a field, no picture: write it with chiaro illuminate, or "
-                    "choose radiance, obscurance, ao or ao-cosine");
+    const auto quantity = settings.reference.quantity;
+    if (settings.method != Method::reference || !quantity) return;
+    if (quantity == ReferenceQuantity::visibility || quantity == ReferenceQuantity::fluence)
+        throw Error(
+            ErrorCode::usage,
+            fmt::format("the reference's quantity {} is a field, no picture: write it with chiaro illuminate, or "
+                        "choose radiance, obscurance, ao or ao-cosine",
+                        quantity == ReferenceQuantity::fluence ? "fluence" : "visibility"));
 }
 
 IlluminationField light_of(const Device& device, const Medium::Data& medium, const IlluminationSettings& settings,

@@ -35,13 +35,25 @@ struct AxesView {
     }
 };
 
+/// Where the paths of a frame begin: at the camera's pixels, or at a point for each of them.
+struct StartView {
+    CameraView camera;
+    const float *x = nullptr, *y = nullptr, *z = nullptr;  ///< voxels, row by row of the frame; none: the camera
+
+    CHIARO_INLINE bool at_points() const { return x != nullptr; }
+    template <class F>
+    CHIARO_INLINE Vec3<F> point(Int<F> pixel) const {
+        return {gather_float(x, pixel), gather_float(y, pixel), gather_float(z, pixel)};
+    }
+};
+
 /// L = ∫ κ E T dt and what further scattering adds. At each collision light is looked for twice - towards the probe's
 /// brightest parts, and along the way that the path takes on - and both answers are weighed by the balance heuristic
 /// (Veach and Guibas 1995). `Matter` says what is met: a Cloud or Surfaces.
 template <class Matter>
 struct PathKernel {
     Matter matter;
-    CameraView camera;
+    StartView start;
     AxesView axes;
     Box seen, lit;  ///< what the camera looks into; what light passes through
     ClipView clip_view;
@@ -121,17 +133,32 @@ private:
         path.to_light = select(fresh, I(0), path.to_light);
         path.throughput = select<F>(fresh, {F(1), F(1), F(1)}, path.throughput);
         path.light = select<F>(fresh, {F(0), F(0), F(0)}, path.light);
+        if (start.at_points()) return begin_at(start.template point<F>(y * I(width) + x), path, fresh);
         const SubPixel offset = sub_pixel(sample % sub_pixels, sub_pixels);
-        const Ray<F> ray = camera.ray(to_float(x) + F(offset.x), to_float(y) + F(offset.y));
+        const Ray<F> ray = start.camera.ray(to_float(x) + F(offset.x), to_float(y) + F(offset.y));
         path.heading = select(fresh, axes.to_world(ray.direction), path.heading);
         set_off(path, fresh, ray, F(0), seen);
     }
 
-    /// Takes a straight way through the box, from `start` mm on.
+    /// J, the mean of the light from all around, is what scatters at a point of albedo 1 about an axis that is drawn
+    /// evenly: whatever the matter's phase function, the next direction is then even over the sphere.
     template <class F>
-    CHIARO_INLINE void set_off(Path<F>& path, Mask<F> lanes, const Ray<F>& ray, F start, const Box& box) const {
+    CHIARO_INLINE void begin_at(Vec3<F> point, Path<F>& path, Mask<F> fresh) const {
+        const Draw<F> numbers = draw_for(fresh, path);
+        const Vec3<F> axis = around<F>({F(0), F(0), F(1)}, mad(F(2), numbers.a, F(-1)), numbers.b);
+        path.scatterings = select(fresh, Int<F>(1), path.scatterings);
+        path.place = select(fresh, point, path.place);
+        path.heading = select(fresh, axis, path.heading);
+        path.normal = select(fresh, axis, path.normal);
+        path.stage = select(fresh, Int<F>(turning), path.stage);
+        if (!probe.even) look_for_light(path, fresh);
+    }
+
+    /// Takes a straight way through the box, from `from_mm` on.
+    template <class F>
+    CHIARO_INLINE void set_off(Path<F>& path, Mask<F> lanes, const Ray<F>& ray, F from_mm, const Box& box) const {
         Interval<F> way = intersect(ray, box.low, box.high);
-        way.near = max(way.near, start);
+        way.near = max(way.near, from_mm);
         const Cut<F> cut = clip(clip_view, ray, way);
         const Vec3<F> d = ray.direction;
         path.origin = select(lanes, mad(way.near, d, ray.origin), path.origin);
@@ -165,10 +192,9 @@ private:
         path.scatterings += select(lanes, I(1), I(0));
         path.place = select(lanes, mad(path.t, path.direction, path.origin), path.place);
         absorb(path, lanes);
-        path.stage = select(lanes, I(turning), path.stage);
-        lanes = lanes & (max(path.throughput.x, max(path.throughput.y, path.throughput.z)) > F(0));
-        path.stage = select(at_stage(path, turning) & !lanes, I(ended), path.stage);
-        if (!probe.even) look_for_light(path, lanes);
+        const Mask<F> goes_on = max(path.throughput.x, max(path.throughput.y, path.throughput.z)) > F(0);
+        path.stage = select(lanes, select(goes_on, I(turning), I(ended)), path.stage);
+        if (!probe.even) look_for_light(path, lanes & goes_on);
     }
 
     /// Multiplies by the albedo. Below a quarter a path goes on with four times that probability (Russian roulette).

@@ -60,6 +60,10 @@ kernel::RegionsView regions_view(const Medium::Data& medium, const Majorants& ma
             .beyond = float(4e-7 * table.index_scale)};
 }
 
+const float* of_points(const std::vector<float>& coordinates) {
+    return coordinates.empty() ? nullptr : coordinates.data();
+}
+
 Medium checked(const Medium& medium) {
     if (medium.data().shape.mode == Mode::mip)
         throw Error(ErrorCode::usage,
@@ -79,7 +83,8 @@ PathOptions path_options(const IlluminationSettings& settings) {
 }
 
 PathTracer::PathTracer(const Device& device, const Medium& medium, const Lighting& lighting, const Camera& camera,
-                       const RaySettings& settings, const PathOptions& options, int width, int height)
+                       const RaySettings& settings, const PathOptions& options, int width, int height,
+                       PathPoints points)
     : device_(device),
       medium_(checked(medium)),
       lighting_(lighting),
@@ -87,6 +92,7 @@ PathTracer::PathTracer(const Device& device, const Medium& medium, const Lightin
       majorants_(options.plain ? one_majorant(medium.data()) : make_majorants(medium.data(), device.threads)),
       width_(width),
       height_(height),
+      points_(std::move(points)),
       sums_(std::size_t(width) * height) {
     make_colours(options);
     trace_tile_ = with_stored_voxel(medium.data().volume.data(), [&](auto voxel) {
@@ -159,7 +165,8 @@ PathTracer::TraceTile PathTracer::tracer_of(const Matter& matter, const Camera& 
     const std::uint64_t words = scrambled(options.seed);
     const kernel::PathKernel<Matter> kernel{
         .matter = matter,
-        .camera = camera_view(camera, volume.geometry, width_, height_),
+        .start = {camera_view(camera, volume.geometry, width_, height_), of_points(points_.x), of_points(points_.y),
+                  of_points(points_.z)},
         .axes = axes_view(volume.geometry),
         .seen = box_of(volume.dimensions, false),
         .lit = box_of(volume.dimensions, true),

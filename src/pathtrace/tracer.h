@@ -23,6 +23,11 @@ struct PathOptions {
 };
 PathOptions path_options(const IlluminationSettings& settings);
 
+/// A point for each pixel of a frame, row by row, where its paths begin in the place of a camera; voxels.
+struct PathPoints {
+    std::vector<float> x, y, z;
+};
+
 /// What a pixel's paths have brought.
 struct PixelSum {
     double r = 0, g = 0, b = 0, a = 0;
@@ -33,7 +38,7 @@ class PathTracer {
 public:
     /// Throws Error{usage} for maxima along rays.
     PathTracer(const Device& device, const Medium& medium, const Lighting& lighting, const Camera& camera,
-               const RaySettings& settings, const PathOptions& options, int width, int height);
+               const RaySettings& settings, const PathOptions& options, int width, int height, PathPoints points = {});
 
     PathTracer(const PathTracer&) = delete;  // the kernel points into it
     PathTracer& operator=(const PathTracer&) = delete;
@@ -64,6 +69,7 @@ private:
     const Majorants majorants_;
     std::vector<float> extinction_, red_, green_, blue_;
     const int width_, height_;
+    const PathPoints points_;
     TraceTile trace_tile_;
     int samples_ = 0;
     std::uint64_t collisions_ = 0;

@@ -24,7 +24,7 @@ void check_computable(const Shape& shape, const IlluminationSettings& settings) 
     if (settings.method == Method::reference && settings.reference.quantity == ReferenceQuantity::radiance)
         throw Error(ErrorCode::usage,
                     "the reference's quantity radiance is a picture, no field: write it with chiaro render, or choose "
-                    "obscurance, ao, ao-cosine or visibility");
+                    "obscurance, ao, ao-cosine, visibility or fluence");
 }
 
 /// "chiaro_spao_levels" of the flag "spao-levels".
@@ -56,8 +56,8 @@ Volume harmonics_of(const Device& device, const Medium& medium, const Illuminati
 }
 
 /// Mean radiance at the nodes of the light grid.
-Volume fluence_of(const Device& device, const Medium& medium, const Lighting& lighting,
-                  const IlluminationSettings& settings, Steps& steps, Progress& progress) {
+Volume swept_light(const Device& device, const Medium& medium, const Lighting& lighting,
+                   const IlluminationSettings& settings, Steps& steps, Progress& progress) {
     std::optional<TransportNodes> found;
     const auto keep = [&](TransportNodes nodes, bool) { found = std::move(nodes); };
     refine_transport(device, medium.data(), lighting, settings.transport, settings.scattering,
@@ -70,10 +70,53 @@ Volume fluence_of(const Device& device, const Medium& medium, const Lighting& li
     return out;
 }
 
+bool is_fluence(const IlluminationSettings& settings) {
+    return settings.method == Method::reference && settings.reference.quantity == ReferenceQuantity::fluence;
+}
+
+/// Points at the centres of blocks of `edge`³ voxels, as a volume without voxels yet.
+Volume block_centres(const DeviceVolume& voxels, int edge, int components) {
+    std::array<int, 3> counts = voxels.dimensions();
+    for (int& n : counts) n = (n + edge - 1) / edge;
+    Volume volume = make_volume(counts, VoxelType::f32);
+    volume.components = components;
+    volume.voxels = VoxelBuffer(volume.voxel_count() * std::size_t(components) * sizeof(float));
+    const double first = (edge - 1) / 2.0;
+    volume.geometry = voxels.geometry();
+    volume.geometry.origin_mm = voxels.geometry().world_from_voxel({first, first, first});
+    for (double* spacing :
+         {&volume.geometry.spacing_mm.x, &volume.geometry.spacing_mm.y, &volume.geometry.spacing_mm.z})
+        *spacing *= edge;
+    return volume;
+}
+
+/// J at every voxel, or at the centres of blocks of them.
+Volume fluence_of(const Device& device, const Medium& medium, const Lighting& lighting,
+                  const IlluminationSettings& settings, Steps& steps, Progress& progress) {
+    const DeviceVolume& voxels = medium.data().volume;
+    const int edge = settings.reference.subsample;
+    Volume field = block_centres(voxels, edge, 3);
+    std::vector<Vec3> points;
+    points.reserve(field.voxel_count());
+    const auto centre = [&](int block) { return edge * (block + 0.5) - 0.5; };
+    for (int k = 0; k < field.dimensions[2]; ++k)
+        for (int j = 0; j < field.dimensions[1]; ++j)
+            for (int i = 0; i < field.dimensions[0]; ++i) points.push_back({centre(i), centre(j), centre(k)});
+    const Fluence fluence = steps("paths", [&] {
+        return trace_fluence(device, medium, lighting, lighting.probe_up.value_or(Vec3{0, 0, 1}), points, settings,
+                             progress);
+    });
+    progress.check();
+    float* to = field.as<float>().data();
+    for (const Rgb& j : fluence.mean)
+        for (const double channel : j) *to++ = float(channel);
+    return field;
+}
+
 /// What a field's numbers are.
 std::string quantity_of(const IlluminationSettings& settings) {
     if (is_in_harmonics(settings)) return "visibility";
-    if (settings.method == Method::transport) return "mean radiance";
+    if (settings.method == Method::transport || is_fluence(settings)) return "fluence";
     if (settings.method != Method::histogram) return "accessibility";
     return settings.histogram.effects.bleeding ? "environment colour" : "environment occlusion";
 }
@@ -108,7 +151,8 @@ ComputedField compute_field(const Device& device, const Medium& medium, const Pr
     Steps steps;
     const auto found = [&] {
         if (settings.method == Method::transport)
-            return fluence_of(device, medium, lighting, settings, steps, progress);
+            return swept_light(device, medium, lighting, settings, steps, progress);
+        if (is_fluence(settings)) return fluence_of(device, medium, lighting, settings, steps, progress);
         if (is_in_harmonics(settings)) return harmonics_of(device, medium, settings, steps, progress);
         return field_of_voxels(device, medium.data(), prepared, settings, steps, progress);
     };

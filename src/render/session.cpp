@@ -89,6 +89,15 @@ struct Session::State {
         return lighting;
     }
 
+    /// What the scene's light would leave in a field; a probe that is not loaded yet is none.
+    HeldLight held(const Scene& scene) const {
+        Lighting lighting = scene.lighting;
+        lighting.probe_up = make_camera(scene.camera, upload.result.geometry(), upload.result.dimensions()).orbit_up;
+        if (!lighting.probe.source.empty())
+            lighting.loaded_probe = probe.inputs == std::tuple(lighting.probe.source) ? probe.result : Probe();
+        return held_light(lighting, scene.illumination);
+    }
+
     void begin() {
         if (!upload.inputs) throw Error(ErrorCode::internal, "a session must show a volume before it renders");
         stages = shown;
@@ -205,8 +214,8 @@ const Image& Session::draft(const Scene& scene, Progress& progress) {
     s.begin();
     s.redo_classify(scene);
     const Medium& medium = s.classify.result.medium;
-    const Lighting lighting = s.lighting_of(scene);
     const Camera camera = make_camera(scene.camera, volume().geometry(), volume().dimensions());
+    const Lighting lighting = s.lighting_of(scene, camera);
     Frame& frame = s.drafted.frame;
     if (std::pair(frame.width, frame.height) != std::pair(scene.width, scene.height))
         frame = Frame(scene.width, scene.height);
@@ -227,7 +236,7 @@ bool Session::needs_light(const Scene& scene) const {
     const State& s = *state_;
     return s.prepare.inputs != std::tuple(s.upload.version, preparation_of(scene.illumination)) ||
            s.classify.inputs != std::tuple(s.upload.version, scene.transfer, shape_for(scene)) ||
-           s.illuminate.inputs != std::tuple(s.classify.version, s.prepare.version, scene.illumination);
+           s.illuminate.inputs != std::tuple(s.classify.version, s.prepare.version, scene.illumination, s.held(scene));
 }
 
 ComputedField Session::compute_field(const Scene& scene, Progress& progress) {
