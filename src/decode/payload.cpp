@@ -33,6 +33,7 @@ public:
         std::string word;
         for (char c; (c = character()) != 0;) {
             const bool separator = c == ' ' || c == '\n' || c == '\r' || c == '\t' || c == ',';
+            ends_behind_digit_ = !separator;
             if (separator && !word.empty()) return word;
             if (!separator) word += c;
             if (word.size() > 64) refuse("holds a number of more than 64 characters");
@@ -40,6 +41,9 @@ public:
         if (word.empty()) refuse("its text data end before the last voxel");
         return word;
     }
+
+    /// Whether the file ends right behind the number read last, which may have had more digits.
+    bool ends_behind_digit() const { return ends_behind_digit_; }
 
 private:
     char character() {
@@ -53,6 +57,7 @@ private:
     ByteSource& source_;
     std::array<std::byte, 65536> buffer_;
     std::size_t at_ = 0, end_ = 0;
+    bool ends_behind_digit_ = false;
 };
 
 template <class T>
@@ -77,7 +82,7 @@ void check_capacity(std::uint64_t bytes, std::uint64_t most) {
             bytes, most));
 }
 
-void fill_from_text(ByteSource& source, VoxelType type, std::span<std::byte> to, Output& output) {
+bool fill_from_text(ByteSource& source, VoxelType type, std::span<std::byte> to, Output& output) {
     TextReader reader(source);
     with_voxel_type(type, [&](auto zero) {
         using T = decltype(zero);
@@ -88,6 +93,7 @@ void fill_from_text(ByteSource& source, VoxelType type, std::span<std::byte> to,
             if (i % 65536 == 0) output.progress(double(i) / double(count));
         }
     });
+    return reader.ends_behind_digit();
 }
 
 void fill_from_bytes(ByteSource& source, bool big_endian, VoxelType type, std::span<std::byte> to, Output& output) {
@@ -125,6 +131,7 @@ void read_voxels(const Payload& payload, Volume& volume, Output& output) {
     check_capacity(stated, capacity_of(payload, volume.type));
     output.allocate(volume);
     const std::size_t share = bytes / payload.files.size();
+    bool ends_early = false;
     for (std::size_t i = 0; i < payload.files.size(); ++i) {
         const bool deflated = payload.encoding == Encoding::deflated;
         const auto source =
@@ -132,12 +139,13 @@ void read_voxels(const Payload& payload, Volume& volume, Output& output) {
         skip(*source, payload.skip);
         const std::span<std::byte> to(volume.voxels.data() + i * share, share);
         if (payload.encoding == Encoding::text)
-            fill_from_text(*source, volume.type, to, output);
+            ends_early = fill_from_text(*source, volume.type, to, output);
         else
             fill_from_bytes(*source, payload.big_endian, volume.type, to, output);
         if (payload.encoding != Encoding::text && payload.volumes == 1 && !payload.more_may_follow)
             check_end(*source, volume);
     }
+    if (ends_early) volume.notes.push_back("no line end follows the last number: it may be cut, and the file with it");
 }
 
 void swap_bytes(std::span<std::byte> bytes, std::size_t value_size) {

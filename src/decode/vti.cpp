@@ -163,7 +163,8 @@ void fill(const pugi::xml_node& node, const VtiText& text, const Path& path, con
     if (attribute(node, "format", "ascii") == "ascii") {
         const std::string_view inline_text = node.text().get();
         check_capacity(bytes, (inline_text.size() + 1) / 2 * size_of(volume.type));
-        return fill_from_text(*open_memory(inline_text), volume.type, voxels(), output);
+        fill_from_text(*open_memory(inline_text), volume.type, voxels(), output);  // its end tag proves it whole
+        return;
     }
     auto [stored, available] = open_stored(node, text, path);
     const auto source = open_vti_array(std::move(stored), coding, bytes, available);

@@ -1,4 +1,6 @@
 // Everything that a volume can be read from, in the order in which it is tried.
+#include "core/did_you_mean.h"
+#include "core/text.h"
 #include "core/threads.h"
 #include "io/helper.h"
 #include "io/raw.h"
@@ -86,20 +88,22 @@ Candidate examine(const std::string& stated_name, const ReadOptions& options) {
     candidate.is_folder = fs::is_directory(status);
     candidate.is_file = fs::is_regular_file(status);
     if (!fs::exists(status))
-        throw Error(ErrorCode::input, "cannot read '" + name + "': there is no such file or folder");
+        throw Error(ErrorCode::input,
+                    "cannot read '" + one_line(name) + "': there is no such file or folder" + did_you_mean_file(name));
     if (!candidate.is_file && !candidate.is_folder)
-        throw Error(ErrorCode::input, "cannot read '" + name + "': it is neither a regular file nor a folder");
+        throw Error(ErrorCode::input,
+                    "cannot read '" + one_line(name) + "': it is neither a regular file nor a folder");
     if (!candidate.is_file) return candidate;
     std::ifstream file(name, std::ios::binary);
-    if (!file) throw Error(ErrorCode::input, "cannot read '" + name + "': it cannot be opened");
+    if (!file) throw Error(ErrorCode::input, "cannot read '" + one_line(name) + "': it cannot be opened");
     candidate.beginning.resize(352);
     file.read(candidate.beginning.data(), 352);
     candidate.beginning.resize(std::size_t(file.gcount()));
-    if (candidate.beginning.empty()) throw Error(ErrorCode::input, "cannot read '" + name + "': it is empty");
+    if (candidate.beginning.empty()) throw Error(ErrorCode::input, "cannot read '" + one_line(name) + "': it is empty");
     return candidate;
 }
 
-Volume read_sample(const Candidate& candidate, const ReadOptions&, Progress&) {
+Volume read_sample(const Candidate& candidate, const ReadOptions&, Progress& progress) {
     const std::string name = candidate.name.substr(7), text = name.substr(std::min(name.find(':'), name.size()));
     int size = 0;
     if (!text.empty()) {
@@ -107,7 +111,7 @@ Volume read_sample(const Candidate& candidate, const ReadOptions&, Progress&) {
         if (error != std::errc{} || end != text.data() + text.size() || size <= 0)
             throw Error(ErrorCode::usage, "'" + candidate.name + "' is not sample:NAME or sample:NAME:SIZE");
     }
-    return make_sample(name.substr(0, name.size() - text.size()), size);
+    return make_sample(name.substr(0, name.size() - text.size()), size, progress);
 }
 
 Volume read_standard_input(const Candidate&, const ReadOptions& options, Progress& progress) {
@@ -207,7 +211,7 @@ Volume read_volume(const std::string& name, const ReadOptions& options, Progress
     if (!reader) {
         std::string known;
         for (const auto& format : list_formats()) known += (known.empty() ? "" : ", ") + format.name;
-        throw Error(ErrorCode::input, "cannot read '" + name + "': it is none of " + known);
+        throw Error(ErrorCode::input, "cannot read '" + one_line(name) + "': it is none of " + known);
     }
     if (!candidate.part.empty() && reader->info.name != "HDF5")
         throw Error(ErrorCode::input, "cannot read '" + name + "': only HDF5 files hold datasets with a path");

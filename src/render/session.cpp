@@ -62,6 +62,8 @@ struct Session::State {
     Kept<IlluminationField, Version, Version, IlluminationSettings, HeldLight> illuminate;
     Kept<Cast, Version, Version, Lighting, Camera, RaySettings, std::pair<int, int>> raycast;
     Kept<Image, Version, ToneMap> develop;
+    Cast drafted;
+    Image drafted_image;
 
     /// Calls verb(result), unless the kept result was made from these very inputs.
     template <class Result, class... Inputs, class Verb>
@@ -87,21 +89,36 @@ struct Session::State {
         return lighting;
     }
 
-    /// The verbs that pictures and fields have in common.
-    void redo_up_to_classify(const Scene& scene, Progress& progress) {
+    void begin() {
         if (!upload.inputs) throw Error(ErrorCode::internal, "a session must show a volume before it renders");
-        const DeviceVolume& voxels = upload.result;
         stages = shown;
         for (Stage& stage : shown) stage.seconds = 0;
+    }
+
+    /// The verbs that pictures and fields have in common.
+    void redo_up_to_classify(const Scene& scene, Progress& progress) {
+        begin();
+        const DeviceVolume& voxels = upload.result;
         redo("prepare", prepare, {upload.version, preparation_of(scene.illumination)},
              [&](Prepared& prepared) { prepared = chiaro::prepare(voxels, scene.illumination, progress); });
         tell_steps(prepare.result.stages());
         progress.check();
+        redo_classify(scene);
+    }
+
+    void redo_classify(const Scene& scene) {
         const Shape shape = shape_for(scene);
         redo("classify", classify, {upload.version, scene.transfer, shape}, [&](Classified& classified) {
             classified.tf = transfer_function_for(scene.transfer, subject);
-            classified.medium = chiaro::classify(voxels, classified.tf, shape);
+            classified.medium = chiaro::classify(upload.result, classified.tf, shape);
         });
+    }
+
+    /// A verb that is done anew each time.
+    template <class Verb>
+    void timed(std::string name, Verb&& verb) {
+        Kept<int> nothing;
+        redo(std::move(name), nothing, {}, [&](int&) { verb(); });
     }
 
     /// What the last verb consisted of.
@@ -128,6 +145,16 @@ void Session::show(Volume&& volume, Progress& progress) {
     s.redo("upload", s.upload, {0}, [&](DeviceVolume& voxels) { voxels = upload(s.device, std::move(volume)); });
     progress.check();
     s.shown = s.stages;
+}
+
+Session Session::beside() const {
+    Session other(state_->device);
+    State& s = *other.state_;
+    s.subject = state_->subject;
+    s.upload.result = state_->upload.result;
+    s.upload.inputs = {0};
+    s.upload.version = ++s.last_version;
+    return other;
 }
 
 const Image& Session::render(const Scene& scene, Progress& progress, const Preview& preview) {
@@ -173,6 +200,36 @@ const Image& Session::render(const Scene& scene, Progress& progress, const Previ
     return s.develop.result;
 }
 
+const Image& Session::draft(const Scene& scene, Progress& progress) {
+    State& s = *state_;
+    s.begin();
+    s.redo_classify(scene);
+    const Medium& medium = s.classify.result.medium;
+    const Lighting lighting = s.lighting_of(scene);
+    const Camera camera = make_camera(scene.camera, volume().geometry(), volume().dimensions());
+    Frame& frame = s.drafted.frame;
+    if (std::pair(frame.width, frame.height) != std::pair(scene.width, scene.height))
+        frame = Frame(scene.width, scene.height);
+    s.timed("raycast", [&] {
+        IlluminationSettings settings = scene.illumination;
+        settings.reference.rays = 1;
+        s.drafted.outcome =
+            is_path_traced(settings)
+                ? trace_paths(s.device, medium, lighting, camera, scene.sampling, settings, frame, progress)
+                : raycast(s.device, medium, s.illuminate.result, lighting, camera, scene.sampling, frame, progress);
+        progress.check();
+    });
+    s.timed("develop", [&] { s.drafted_image = develop(frame, scene.output); });
+    return s.drafted_image;
+}
+
+bool Session::needs_light(const Scene& scene) const {
+    const State& s = *state_;
+    return s.prepare.inputs != std::tuple(s.upload.version, preparation_of(scene.illumination)) ||
+           s.classify.inputs != std::tuple(s.upload.version, scene.transfer, shape_for(scene)) ||
+           s.illuminate.inputs != std::tuple(s.classify.version, s.prepare.version, scene.illumination);
+}
+
 ComputedField Session::compute_field(const Scene& scene, Progress& progress) {
     State& s = *state_;
     s.redo_up_to_classify(scene, progress);
@@ -187,12 +244,17 @@ ComputedField Session::compute_field(const Scene& scene, Progress& progress) {
     return std::move(made.result);
 }
 
+const DeviceVolume& Session::volume() const { return state_->upload.result; }
+const Medium& Session::medium() const { return state_->classify.result.medium; }
 const Frame& Session::frame() const { return state_->raycast.result.frame; }
 const std::vector<Stage>& Session::stages() const { return state_->stages; }
 Outcome Session::outcome() const { return state_->raycast.result.outcome; }
 std::size_t Session::light_bytes() const { return state_->prepare.result.bytes() + state_->illuminate.result.bytes(); }
 const std::vector<std::string>& Session::notes() const { return state_->prepare.result.notes(); }
 const Statistics& Session::statistics() const { return state_->subject.statistics; }
+TransferFunction Session::resolve(const TransferSettings& settings) const {
+    return transfer_function_for(settings, state_->subject);
+}
 const TransferFunction& Session::transfer_function() const { return state_->classify.result.tf; }
 const Guess& Session::guess() const { return state_->subject.guess; }
 
