@@ -153,7 +153,7 @@ struct TransportSession : SessionTest {
     void SetUp() override {
         SessionTest::SetUp();
         scene.illumination.method = Method::transport;
-        scene.illumination.transport = {.grid = 24, .directions = 24, .first_directions = 100, .error = 0.01};
+        scene.illumination.transport = {.grid = 24, .directions = 24, .first_directions = 100, .error = 0.002};
         scene.lighting.probe.source = "sky";
         scene.transfer.opacity_scale = 0.3;
         session.render(scene, progress, keep);

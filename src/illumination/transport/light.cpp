@@ -56,8 +56,12 @@ NodeLook look_of(const SurfaceNodes& surfaces, const Float3& most, Look look, st
     if (roles.particles > 0) seen.add(roles.particles, {1, here.j, {}});
     if (!(roles.air > 0) && !(roles.matter > 0)) return seen;
     const NodeOutwards out = surfaces.outwards(x, y, z);
-    if (roles.air > 0) seen.add(roles.air, on_surface(here, out.normal, most, look));
-    if (roles.matter > 0) seen.add(roles.matter, on_surface(surfaces.off(out, x, y, z), out.normal, most, look));
+    // Air that shares its cell with matter is as dark as that: there too the light is that one cell out.
+    const float clear = (1 - surfaces.weight(node)) * (1 - surfaces.weight(node));
+    LightAround beside;
+    beside.add(clear, here);
+    beside.add(1 - clear, surfaces.off(out, x, y, z));
+    seen.add(roles.air + roles.matter, on_surface(beside, out.normal, most, look));
     return seen;
 }
 

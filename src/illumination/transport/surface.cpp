@@ -45,7 +45,9 @@ NodeRoles SurfaceNodes::roles(int x, int y, int z) const {
             }
     const float weight = nodes_.weight[nodes_.grid.index(x, y, z)];
     const float outside = std::min(4 * (densest - here), 1.0f), inside = std::min(4 * (here - clearest), 1.0f);
-    return {weight * (1 - std::max(outside, inside)), outside * (1 - weight), least * inside};
+    // Behind a surface opaque matter is dark and counts for less still: what is seen of it lies at its skin.
+    const float seen = std::max(1 - 2 * here, 0.0f), buried = least * least;
+    return {weight * (1 - std::max(outside, inside)) * seen + buried, outside * (1 - weight), least * inside};
 }
 
 LightAround SurfaceNodes::at(std::size_t node) const {
