@@ -73,7 +73,12 @@ private:
         request_.body = std::move(parser_->get().body());
         const bool with_body = request_.method != "HEAD";
         if (!with_body) request_.method = "GET";
-        Response response = context_.site.answer(request_);
+        Response response;
+        try {
+            response = context_.site.answer(request_);
+        } catch (const std::exception& error) {  // memory, a full disk
+            return refuse(500, std::string(error.what()) + "\n");
+        }
         response.file.empty() ? write_text(response, with_body) : write_file(response);
     }
 
