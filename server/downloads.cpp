@@ -2,9 +2,9 @@
 
 #include <chiaro/error.h>
 #include <fmt/format.h>
-#include <stdlib.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
 
 #include "token.h"

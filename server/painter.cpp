@@ -69,13 +69,6 @@ void Painter::wish(Wish wish) {
     changed_.notify_all();
 }
 
-void Painter::rest() {
-    const std::lock_guard lock(mutex_);
-    newest_.reset();
-    if (steady_) steady_->cancel();
-    if (refining_) refining_->cancel();
-}
-
 std::optional<Seen> Painter::seen() const {
     const std::lock_guard lock(mutex_);
     return seen_;
@@ -132,7 +125,7 @@ void Painter::paint(const Wish& wish) {
 /// Whether nothing newer comes for a while.
 bool Painter::comes_to_rest(const Wish& wish) {
     std::unique_lock lock(mutex_);
-    const auto until = std::max(wish.arrived, Clock::now() - milliseconds(60)) + chiaro::server::rest;
+    const auto until = std::max(wish.arrived, Clock::now() - milliseconds(60)) + rest;
     return !changed_.wait_until(lock, until, [&] { return ending_ || volume_changed_ || newest_; });
 }
 
@@ -200,8 +193,9 @@ void Painter::refine_cast(const Wish& wish, Progress& progress) {
     const int samples = wish.scene.sampling.samples_per_pixel;
     const bool is_dark = session_->needs_light(once);
     if (is_dark && !is_whole_) {
-        send(wish, session_->draft(once, progress), "full", 1);
+        const Image& image = session_->draft(once, progress);
         note_seen(wish, once);
+        send(wish, image, "full", 1);
     }
     if (wish.preview && (is_dark || is_whole_)) return;
     if (is_dark || !is_whole_) {

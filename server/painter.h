@@ -52,7 +52,6 @@ public:
     void show(std::shared_ptr<const Loaded> loaded);
     /// Takes the place of every earlier wish; work that is only for these is given up.
     void wish(Wish wish);
-    void rest();  ///< gives up all work
     std::optional<Seen> seen() const;
 
 private:

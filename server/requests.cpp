@@ -34,7 +34,7 @@ Json View::cancel(const Json& request) {
     const auto found = request.find("re");
     if (found == request.end()) throw Error(ErrorCode::usage, "re: must name a request");
     const std::lock_guard lock(mutex_);
-    if (const auto running = running_.find(found->dump()); running != running_.end()) running->second->cancel();
+    if (const auto running = running_.find(key_of(*found)); running != running_.end()) running->second->cancel();
     return Json::object();
 }
 

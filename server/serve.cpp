@@ -85,7 +85,12 @@ public:
         const std::string id = member(request.query, "view");
         std::shared_ptr<View>& view = views_[id];
         if (!view) view = std::make_shared<View>(house_, id);
-        view->attach(std::move(socket), member(request.query, "take") == "1");
+        try {
+            view->attach(socket, member(request.query, "take") == "1");
+        } catch (...) {
+            socket->send(text_of(current_error(nullptr)));
+            socket->close(1011, "");
+        }
         return view;
     }
 

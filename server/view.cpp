@@ -100,8 +100,8 @@ void View::greet() {
     hello["restored"] = loaded && !state.is_null();
     if (loaded) {
         hello["volume"] = loaded->told;
-        hello["scene"] =
-            state.is_null() ? scene_json(scene, loaded->session) : scene_json(scene_of(state), loaded->session);
+        if (!state.is_null()) scene = scene_of(state);
+        hello["scene"] = scene_json(scene, loaded->session);
         painter_.show(loaded);
     } else if (house_.initial) {
         hello["reading"] = house_.initial->volume;
@@ -154,16 +154,20 @@ void View::answer(const Json& request, Quick quick) {
     tell(reply);
 }
 
+/// Requests of a connection that is gone may still be ending.
+std::string View::key_of(const Json& id) const { return fmt::format("{} of {}", id.dump(), connection_); }
+
 /// In a lane, under an id by which it can be cancelled.
 void View::run(Lane& lane, const Json& request, Handler handler) {
     const Json id = request["id"];
-    const std::string key = id.dump();
+    std::string key;
     const auto progress = std::make_shared<Progress>(report_for(id));
     {
         const std::lock_guard lock(mutex_);
+        key = key_of(id);
         if (running_.size() >= most_running) throw Error(ErrorCode::usage, "too much is asked for at once");
         if (!running_.emplace(key, progress).second)
-            throw Error(ErrorCode::usage, fmt::format("id {}: is still being answered", key));
+            throw Error(ErrorCode::usage, fmt::format("id {}: is still being answered", id.dump()));
     }
     const auto work = [this, request, id, key, progress, handler] {
         Json reply;

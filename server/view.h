@@ -49,6 +49,7 @@ private:
     void dispatch(const Json& request);
     void answer(const Json& request, Quick quick);
     void run(Lane& lane, const Json& request, Handler handler);
+    std::string key_of(const Json& id) const;  ///< while locked
     void hear_state(const Json& message);
     void greet();
 

@@ -172,7 +172,7 @@ private:
         if (scene["lighting"]["method"] == "reference") scene["lighting"]["rays"] = pick(1, 8);
         if (pick(0, 9) == 0) scene["mode"] = pick(0, 1) ? "mip" : "iso";
         if (pick(0, 9) == 0) scene["clip"]["box"] = {real(0, 1), real(0, 1), 0, 1, 0, 1};
-        if (pick(0, 9) == 0) scene["sampling"]["step"] = real(-1, 3);
+        if (pick(0, 9) == 0) scene["sampling"]["step"] = pick(0, 1) ? real(-1, 0) : real(0.1, 3);
         if (pick(0, 9) == 0)
             scene["transfer_function"]["points"] =
                 Json::array({{{"value", real(-9, 300)}, {"rgb", {1, 1, 1}}, {"opacity", real(-1, 2)}}});

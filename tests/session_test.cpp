@@ -262,3 +262,35 @@ TEST(Session, NeedsAVolume) {
     Session session(Device::cpu(1));
     EXPECT_THROW(session.render(Scene(), progress), Error);
 }
+
+TEST_F(SessionTest, DraftsByTheLightAtHand) {
+    scene.illumination.method = Method::spao;
+    EXPECT_TRUE(session.needs_light(scene));
+    const Image lit = session.render(scene, progress);
+    EXPECT_FALSE(session.needs_light(scene));
+    EXPECT_TRUE(session.draft(scene, progress).pixels == lit.pixels) << "the light at hand is the right one";
+
+    scene.camera.azimuth_deg += 30;
+    EXPECT_FALSE(session.needs_light(scene));
+    scene.transfer.opacity_scale = 0.2;
+    EXPECT_TRUE(session.needs_light(scene));
+    const Image draft = session.draft(scene, progress);
+    EXPECT_TRUE(session.needs_light(scene)) << "a draft finds none";
+    for (const auto& stage : session.stages()) EXPECT_NE(stage.name, "illuminate");
+    const Image right = session.render(scene, progress);
+    EXPECT_FALSE(draft.pixels == right.pixels);
+
+    Scene small = scene;
+    small.width = 20, small.height = 15;
+    EXPECT_EQ(session.draft(small, progress).width, 20);
+    EXPECT_EQ(redone(), "") << "what render keeps stays kept";
+}
+
+TEST_F(SessionTest, SessionsBesideShareTheVoxelsAlone) {
+    Session other = session.beside();
+    EXPECT_EQ(&other.volume().data(), &session.volume().data());
+    scene.transfer.source = "gray";
+    const Image theirs = other.render(scene, progress);
+    EXPECT_TRUE(session.render(scene, progress).pixels == theirs.pixels);
+    EXPECT_EQ(other.guess().preset, session.guess().preset);
+}

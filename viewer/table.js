@@ -52,6 +52,10 @@ export const table = {
   "reference-time": { place: "hidden" }, // the page shows each pass and can be stopped
   "reference-error": { place: "hidden" },
   "albedo-max": { place: "accuracy", label: "Albedo limit", low: 0, high: 1, step: 0.01 },
+  "transport-grid": { place: "accuracy", label: "Cells", low: 16, high: 256, step: 1, log: true },
+  "transport-directions": { place: "accuracy", label: "Directions", low: 6, high: 256, step: 1, log: true },
+  "transport-first-directions": { place: "accuracy", label: "First directions", low: 16, high: 4096, step: 1, log: true },
+  "transport-error": { place: "hidden" }, // it stops by itself
   seed: { place: "accuracy", label: "Seed", low: 0, high: 100, step: 1 },
   // Surface.
   shading: { place: "surface", label: "Shading" },
@@ -89,7 +93,7 @@ export function placed(groups, place, method = "") {
   return Object.entries(table)
     .filter(([flag, entry]) => entry.place === place && entry.label && settings.has(flag))
     .map(([flag, entry]) => ({ ...settings.get(flag), ...entry, flag }))
-    .filter((s) => !s.method || s.method === method);
+    .filter((s) => (s.method ? s.method === method : !/^(bounces|albedo-max|seed)$/.test(s.flag) || /reference|transport/.test(method)));
 }
 
 /** The key of a setting in the page's state. */
