@@ -1,6 +1,7 @@
-// chiaro convert: volumes to NRRD, transfer functions to our JSON.
+// chiaro convert: volumes to NRRD, transfer functions to our JSON or ParaView's.
 #include <chiaro/error.h>
 #include <chiaro/text.h>
+#include <chiaro/transfer_file.h>
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -15,7 +16,7 @@ namespace chiaro::cli {
 namespace {
 
 struct ConvertOptions {
-    std::string input, encoding = "gzip";
+    std::string input, encoding = "gzip", to;  // to: empty, as the ending of OUT says
     std::filesystem::path output;
     SettingFlags flags;
     CommonOptions common;
@@ -31,15 +32,23 @@ void convert_volume(const ConvertOptions& o) {
     const Volume volume = read_volume(scene, job.progress);
     if (!o.common.quiet)
         for (const auto& note : volume.notes) say(fmt::format("{}: {}", o.input, note));
-    job.progress.check();
-    job.progress.report("write", 0);
-    write_nrrd(volume, o.output, encoding);
+    write_nrrd(volume, o.output, encoding, job.progress);
+}
+
+bool for_paraview(const ConvertOptions& o) {
+    if (!o.to.empty() && o.to != "chiaro" && o.to != "paraview")
+        throw Error(ErrorCode::usage, fmt::format("--to {}: must be chiaro or paraview", o.to));
+    return o.to.empty() ? o.output.string().ends_with(".paraview.json") : o.to == "paraview";
 }
 
 void convert_transfer_function(const ConvertOptions& o) {
-    Statistics unit;  // there is no data to stretch a preset to: its values are shares of the range
+    const bool paraview = for_paraview(o);
+    Statistics unit;  // there is no data to stretch a function to: its values are shares of the range
     unit.max = unit.p99 = unit.p999 = 1;
-    write_text(o.output, to_json(load_transfer_function(o.input, unit)) + "\n");
+    const TransferFile file = read_transfer_file(o.input, unit);
+    if (!o.common.quiet)
+        for (const auto& note : file.notes) say(fmt::format("{}: {}", o.input, note));
+    write_text(o.output, (paraview ? to_paraview_json(file.function) : to_json(file.function)) + "\n");
 }
 
 void run(const ConvertOptions& o) {
@@ -52,10 +61,14 @@ void run(const ConvertOptions& o) {
 
 Command convert_command(CLI::App& tool) {
     const auto o = std::make_shared<ConvertOptions>();
-    CLI::App* app = tool.add_subcommand("convert", "Converts a volume to NRRD, or a transfer function to JSON");
-    app->add_option("IN", o->input, "volume, as for render; or transfer function: a file, a preset or a colour map");
-    app->add_option("OUT", o->output, "file to write: .nrrd for a volume, .json for a transfer function");
+    CLI::App* app =
+        tool.add_subcommand("convert", "Converts a volume to NRRD, or a transfer function to JSON, ours or ParaView's");
+    app->add_option("IN", o->input,
+                    "volume, as for render; or transfer function: FILE or FILE#NAME, a preset or a colour map");
+    app->add_option("OUT", o->output,
+                    "file to write: .nrrd for a volume, .json or .paraview.json for a transfer function");
     app->add_option("--encoding", o->encoding, "of the NRRD [gzip]")->type_name("raw|gzip");
+    app->add_option("--to", o->to, "format of a .json [by its ending]")->type_name("chiaro|paraview");
     add_common_options(*app, o->common);
     o->flags.add_to(*app, "Volume");
     return {app, [o] { run(*o); }};

@@ -12,8 +12,13 @@ void list_methods() {
 }
 
 void list_formats() {
-    for (const auto& format : chiaro::list_formats())
-        fmt::print("{:<12} {:<28} {}\n", format.name, format.extensions, format.note);
+    const auto tell = [](const char* title, const std::vector<FormatInfo>& formats) {
+        fmt::print("{}:\n", title);
+        for (const auto& format : formats)
+            fmt::print("  {:<14} {:<26} {}\n", format.name, format.extensions, format.note);
+    };
+    tell("volumes", chiaro::list_formats());
+    tell("transfer functions", list_transfer_formats());
 }
 
 void list_presets() {

@@ -10,6 +10,7 @@
 #include "command.h"
 #include "common.h"
 #include "core/did_you_mean.h"
+#include "interrupt.h"
 #include "lists.h"
 
 namespace chiaro::cli {
@@ -59,7 +60,7 @@ void run(int argc, char** argv) {
     tool.set_version_flag("--version", std::string("chiaro ") + CHIARO_VERSION);
     tool.get_formatter()->column_width(36);
     List lists[] = {{"--list-methods", "lists the lighting methods", list_methods},
-                    {"--list-formats", "lists the volume formats", list_formats},
+                    {"--list-formats", "lists the formats of volumes and transfer functions", list_formats},
                     {"--list-presets", "lists transfer-function presets and colour maps", list_presets},
                     {"--list-devices", "lists the devices", list_devices},
                     {"--list-options", "", list_options}};
@@ -87,6 +88,7 @@ void run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
     using namespace chiaro;
+    cli::prepare_for_signals();
     try {
         cli::run(argc, argv);
         if (std::fflush(stdout) != 0) throw Error(ErrorCode::output, "standard output cannot be written to");

@@ -1,6 +1,7 @@
 #include "scene_source.h"
 
 #include <chiaro/error.h>
+#include <chiaro/transfer_file.h>
 #include <fmt/format.h>
 
 namespace chiaro::cli {
@@ -10,6 +11,14 @@ void tell_guess(const Session& session, const Scene& scene) {
     if (!scene.transfer.source.empty() || scene.transfer.points || scene.volume.starts_with("sample:")) return;
     const Guess& guess = session.guess();
     say(fmt::format("looks like {} ({}): using --transfer {}", guess.modality, guess.reason, guess.preset));
+}
+
+/// What was assumed about a transfer function of another program. Errors come here, before the long work.
+void tell_transfer(const Session& session, const Scene& scene) {
+    const TransferSettings& transfer = scene.transfer;
+    if (transfer.points || transfer.source.empty()) return;
+    for (const auto& note : read_transfer_file(transfer.source, session.statistics()).notes)
+        say(fmt::format("{}: {}", transfer.source, note));
 }
 
 }  // namespace
@@ -49,6 +58,7 @@ void show(const Scene& scene, Session& session, Stats& stats, Job& job, const Co
     if (common.quiet) return;
     for (const auto& note : notes) say(fmt::format("{}: {}", scene.volume, note));
     tell_guess(session, scene);
+    tell_transfer(session, scene);
 }
 
 }  // namespace chiaro::cli

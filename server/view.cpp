@@ -136,7 +136,8 @@ void View::dispatch(const Json& request) {
     static const std::map<std::string, std::pair<Lane View::*, Handler>> slow{
         {"folder", {&View::side_lane_, &View::folder}},   {"open", {&View::opening_, &View::open}},
         {"save", {&View::saving_, &View::save}},          {"look", {&View::side_lane_, &View::look}},
-        {"compare", {&View::comparing_, &View::compare}}, {"measure", {&View::comparing_, &View::measure}}};
+        {"compare", {&View::comparing_, &View::compare}}, {"measure", {&View::comparing_, &View::measure}},
+        {"probe", {&View::side_lane_, &View::probe}}};
     const std::string type = text_in(request, "type");
     id_of(request);
     if (const auto found = quick.find(type); found != quick.end()) return answer(request, found->second);

@@ -68,6 +68,7 @@ private:
     Json save(const Json& request, Progress& progress);
     Json look(const Json& request, Progress& progress);
     Json compare(const Json& request, Progress& progress);
+    Json probe(const Json& request, Progress& progress);
     Json measure(const Json& request, Progress& progress);
 
     Json show(const Scene& scene, Progress& progress);

@@ -1,5 +1,6 @@
 // The answers that take time: each in a lane of its own, reporting and cancellable.
 #include <chiaro/comparison.h>
+#include <chiaro/probe.h>
 #include <chiaro/text.h>
 #include <fmt/format.h>
 
@@ -119,6 +120,32 @@ Json View::look(const Json& request, Progress& progress) {
     }
     const Image& image = side_->render(scene, progress);
     send_frame({{"n", request["id"]}, {"kind", "look"}, {"stage", "final"}}, image);
+    return Json::object();
+}
+
+/// A light probe as it is, without exposure and rotation: the means over the pixels of a small equirectangular picture.
+Json View::probe(const Json& request, Progress&) {
+    const Scene scene = scene_of({{"probe", object_in(request, "probe")}});
+    const Probe probe = load_probe(scene.lighting.probe.source.empty() ? "white" : scene.lighting.probe.source);
+    const auto [width, height] = size_in(request, "size", largest_look);
+    Frame frame(width, height);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const auto span = [](int i, int n, int pixels) {
+                const int from = int(std::int64_t(i) * pixels / n);
+                return std::pair{from, std::max(from + 1, int(std::int64_t(i + 1) * pixels / n))};
+            };
+            const auto [x0, x1] = span(x, width, probe.width());
+            const auto [y0, y1] = span(y, height, probe.height());
+            float* out = &frame.rgba[4 * (std::size_t(y) * width + x)];
+            for (int row = y0; row < y1; ++row)
+                for (int column = x0; column < x1; ++column)
+                    for (int c = 0; c < 3; ++c)
+                        out[c] += probe.rgb()[3 * (std::size_t(row) * probe.width() + column) + c] /
+                                  float((x1 - x0) * (y1 - y0));
+            out[3] = 1;
+        }
+    send_frame({{"n", request["id"]}, {"kind", "probe"}, {"stage", "final"}}, develop(frame, {}));
     return Json::object();
 }
 

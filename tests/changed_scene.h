@@ -41,6 +41,7 @@ inline chiaro::Scene changed_scene(chiaro::Method method = chiaro::Method::spao)
          -0.5,
          "40:80=3",
          "none"},
+        {48, 12, 100, 0.01},
         {64, ReferenceQuantity::ao, ReferenceMedium::trilinear, 0, 2, 30, 0.125},
         {{3}, 0.75, 12}};
     s.sampling = {1, Classification::preintegrated, Compositing::back_to_front, 4, RaySetup::raster, 0, false};
@@ -54,7 +55,7 @@ inline std::vector<std::pair<std::string, std::string>> texts_of(const chiaro::S
     std::vector<std::pair<std::string, std::string>> texts;
     for_each_setting(
         [&](const chiaro::Setting& s, const auto&... fields) {
-            if (s.method.empty() || s.method == chiaro::to_text(scene.illumination.method))
+            if (s.concerns(chiaro::to_text(scene.illumination.method)))
                 texts.emplace_back(s.key, value_text(s, fields...));
         },
         scene);

@@ -21,5 +21,6 @@
 #include <chiaro/settings.h>
 #include <chiaro/sheet.h>
 #include <chiaro/text.h>
+#include <chiaro/transfer_file.h>
 #include <chiaro/transfer_function.h>
 #include <chiaro/volume.h>

@@ -139,7 +139,7 @@ void describe(Visit&& visit, S& s) {
 template <class Visit, SettingsOf<ProbeSettings> S>
 void describe(Visit&& visit, S& s) {
     visit(Setting{"probe", "probe", "",
-                  "light from all around: an equirectangular picture, or one of ours (for visibility and reference white)"}
+                  "light from all around: an equirectangular picture, or one of ours (for visibility, transport and reference white)"}
           .written("FILE.hdr|.exr|white|sky|studio|windows").kept(SceneForm::custom), s.source);
     visit(Setting{"probe-rotation", "probe.rotation", "degrees", "turns the probe around the up axis"}
           .within(-36000, 36000).written("DEG"), s.rotation_deg);
@@ -214,6 +214,18 @@ void describe(Visit&& visit, S& s) {
           .written("DIR|none").of("histogram"), s.cache);
 }
 
+template <class Visit, SettingsOf<TransportSettings> S>
+void describe(Visit&& visit, S& s) {
+    visit(Setting{"transport-grid", "lighting.grid", "cells", "of the grid of light, along the volume's longest axis"}
+          .within(4, 256).of("transport"), s.grid);
+    visit(Setting{"transport-directions", "lighting.directions", "", "directions of scattered light, others each iteration"}
+          .within(6, 65536).of("transport"), s.directions);
+    visit(Setting{"transport-first-directions", "lighting.first_directions", "", "directions of light not yet scattered"}
+          .within(6, 65536).of("transport"), s.first_directions);
+    visit(Setting{"transport-error", "lighting.error", "", "no further iterations once one changes the light by less of it"}
+          .above(0).written("E").of("transport"), s.error);
+}
+
 template <class Visit, SettingsOf<ReferenceSettings> S>
 void describe(Visit&& visit, S& s) {
     visit(Setting{"reference-rays", "lighting.rays", "", "rays from every voxel; of radiance paths through every pixel"}
@@ -236,12 +248,12 @@ void describe(Visit&& visit, S& s) {
 template <class Visit, SettingsOf<ScatteringSettings> S>
 void describe(Visit&& visit, S& s) {
     visit(Setting{"bounces", "lighting.bounces", "", "how often light is scattered beyond the first time"}
-          .within(0, 1e6).written("N|unlimited").of("reference"), s.bounces);
+          .within(0, 1e6).written("N|unlimited").of("transport|reference"), s.bounces);
     visit(Setting{"albedo-max", "lighting.albedo_max", "",
                   "largest share that is scattered on, where light is scattered more than once"}
-          .within(0, 1).of("reference"), s.albedo_max);
-    visit(Setting{"seed", "lighting.seed", "", "of the paths that are drawn"}
-          .within(0, 4294967295.0).of("reference"), s.seed);
+          .within(0, 1).of("transport|reference"), s.albedo_max);
+    visit(Setting{"seed", "lighting.seed", "", "of all that is drawn at random: paths, and how directions are turned"}
+          .within(0, 4294967295.0).of("transport|reference"), s.seed);
 }
 
 template <class Visit, SettingsOf<ToneMap> S>
@@ -270,6 +282,7 @@ void for_each_group(Group&& group, S& scene) {
     group("Lighting by spao", scene.illumination.spao);
     group("Lighting by visibility", scene.illumination.visibility);
     group("Lighting by histogram", scene.illumination.histogram);
+    group("Lighting by transport", scene.illumination.transport);
     group("Lighting by reference", scene.illumination.reference);
     group("Scattering", scene.illumination.scattering);
     group("Output", scene.output);

@@ -34,12 +34,13 @@ struct Lighting {
     Rgb color{1, 1, 1};                         ///< sRGB, as picked
     double strength = 1;                        ///< of the illumination method: A' = 1 - strength (1 - A)
     ProbeSettings probe;
-    Probe loaded_probe;  ///< of `probe.source`; none: a white one where light from all around is needed
+    Probe loaded_probe;            ///< of `probe.source`; none: a white one where light from all around is needed
+    std::optional<Vec3> probe_up;  ///< for `illuminate`: Camera::orbit_up of the picture; none: +z
     bool operator==(const Lighting&) const = default;
 };
 
 /// The methods that this build has; a new one is one new value and one new folder.
-enum class Method { none, spao, visibility, histogram, reference };
+enum class Method { none, spao, visibility, histogram, transport, reference };
 
 /// How the means over cubes are found: all at full resolution, by mipmaps, by N-buffers over some mipmaps, exactly from
 /// a table of sums, or (automatic) by a fused sweep over blocks that keeps no level.
@@ -141,18 +142,29 @@ struct ReferenceSettings {
     bool operator==(const ReferenceSettings&) const = default;
 };
 
+/// Multiple scattering by iterated sweeps.
+struct TransportSettings {
+    int grid = 64;                ///< cells of the light grid on the long axis
+    int directions = 24;          ///< of scattered light, an iteration
+    int first_directions = 200;   ///< of light not yet scattered
+    std::optional<double> error;  ///< no more iterations once one changes less (relative RMS of J)
+    bool operator==(const TransportSettings&) const = default;
+};
+
 /// How often light is scattered beyond the first time.
 struct Bounces {
     std::optional<int> most;  ///< none: until it has left or is spent
     bool operator==(const Bounces&) const = default;
 };
 
-/// How light is scattered, for the methods that follow it.
+/// How light is scattered, for the methods that follow it: transport and reference.
 struct ScatteringSettings {
     Bounces bounces;          ///< 0: single scattering, which shows colours as they are
     double albedo_max = 0.9;  ///< else the albedo is the colour, scaled down to this where a channel is above
-    std::uint64_t seed = 0;   ///< of all that is drawn
+    std::uint64_t seed = 0;   ///< of all that is drawn at random
     double anisotropy = 0;    ///< g of Henyey and Greenstein in (-1, 1), forwards above 0; for callers of the library
+    /// Of the largest channel of an albedo; none where light is scattered once, which shows colours as they are.
+    std::optional<double> albedo_limit() const { return bounces.most == 0 ? std::nullopt : std::optional(albedo_max); }
     bool operator==(const ScatteringSettings&) const = default;
 };
 
@@ -161,11 +173,15 @@ struct IlluminationSettings {
     SpaoSettings spao;
     VisibilitySettings visibility;
     HistogramSettings histogram;
+    TransportSettings transport;
     ReferenceSettings reference;
     ScatteringSettings scattering;
     bool on_particles = false;  ///< no surfaces: accessibility is neither moved off them nor scaled (compare_methods)
     bool operator==(const IlluminationSettings&) const = default;
 };
+
+/// Whether a field holds the light of a probe, so that `illuminate` depends on it; others are lit when they are seen.
+inline bool holds_light(const IlluminationSettings& settings) { return settings.method == Method::transport; }
 
 /// Whether a picture comes from trace_paths, which needs no field, rather than from raycast.
 inline bool is_path_traced(const IlluminationSettings& settings) {
@@ -232,12 +248,17 @@ IlluminationSettings preparation_of(const IlluminationSettings& settings);
 /// A radius for local histograms, in smallest voxel edges: how far cells are from the next strong edge, on average.
 int proposed_radius(const DeviceVolume& volume);
 
-/// Hands at least one field to `sink` unless cancelled. Returns false when cancelled.
+/// Hands at least one field to `sink` unless cancelled, which it is between the iterations of transport too. Of
+/// `lighting` only what a field holds counts: for transport the probe, turned but not exposed, else nothing. `warm`: a
+/// field of the same volume, whose light transport starts from (an edit, a turned probe); whatever it is, the last
+/// field is that of a start from nothing within what an iteration still changes. Returns false when cancelled.
 bool illuminate(const Device& device, const Medium& medium, const Prepared& prepared, const Lighting& lighting,
-                const IlluminationSettings& settings, const Sink& sink, Progress& progress);
+                const IlluminationSettings& settings, const Sink& sink, Progress& progress,
+                const IlluminationField& warm = {});
 
 /// The method's own answer for every voxel, neither moved off surfaces nor scaled as a picture needs it: accessibility,
-/// 1 = all light arrives; of the reference's quantity visibility, 16 components in spherical harmonics, a node for
+/// 1 = all light arrives; of transport J, the mean radiance (three components, 1 in an empty white probe), at the cells
+/// of its own grid; of the reference's quantity visibility, 16 components in spherical harmonics, a node for
 /// every `subsample`³ cells. Throws Error{usage} for a method that computes no field and for maxima along rays (which
 /// have no place that could be lit), Error{interrupted} when cancelled.
 ComputedField compute_field(const Device& device, const Medium& medium, const Prepared& prepared,

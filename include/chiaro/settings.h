@@ -28,7 +28,7 @@ struct Setting {
     bool lowest_excluded = false;  ///< the range is open at `lowest`
     std::string_view form = "";    ///< how the value is written, "CENTER,WIDTH"; "a|b" for a bool: off|on
     SceneForm scene_form = SceneForm::same;
-    std::string_view method = "";  ///< the lighting method that it belongs to; "": to every picture
+    std::string_view methods = "";  ///< the lighting methods that it belongs to, "a|b"; "": to every picture
 
     constexpr bool repeats() const { return scene_form == SceneForm::list || scene_form == SceneForm::surfaces; }
 
@@ -47,10 +47,24 @@ struct Setting {
         s.form = how;
         return s;
     }
-    constexpr Setting of(std::string_view lighting_method) const {
+    constexpr Setting of(std::string_view lighting_methods) const {
         Setting s = *this;
-        s.method = lighting_method;
+        s.methods = lighting_methods;
         return s;
+    }
+    /// Whether it matters to pictures by this lighting method.
+    constexpr bool concerns(std::string_view lighting_method) const {
+        return methods.empty() || belongs_to(lighting_method);
+    }
+    /// Whether it is this lighting method's own.
+    constexpr bool belongs_to(std::string_view lighting_method) const {
+        std::string_view rest = methods;
+        while (!rest.empty()) {
+            const std::size_t end = rest.find('|');
+            if (rest.substr(0, end) == lighting_method) return true;
+            rest = end == rest.npos ? "" : rest.substr(end + 1);
+        }
+        return false;
     }
     constexpr Setting kept(SceneForm how) const {
         Setting s = *this;

@@ -30,7 +30,7 @@ constexpr auto names_of(View) {
 }
 constexpr auto names_of(Shading) { return std::to_array<std::string_view>({"none", "lambert", "phong"}); }
 constexpr auto names_of(Method) {
-    return std::to_array<std::string_view>({"none", "spao", "visibility", "histogram", "reference"});
+    return std::to_array<std::string_view>({"none", "spao", "visibility", "histogram", "transport", "reference"});
 }
 constexpr auto names_of(SpaoFilter) {
     return std::to_array<std::string_view>({"auto", "nbuffer", "mipmap", "hybrid", "exact"});

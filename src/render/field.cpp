@@ -9,6 +9,7 @@
 #include "illumination/access.h"
 #include "illumination/reference/visibility.h"
 #include "illumination/sh/volume.h"
+#include "illumination/transport/transport.h"
 #include "illumination/visibility/visibility.h"
 
 namespace chiaro {
@@ -54,9 +55,25 @@ Volume harmonics_of(const Device& device, const Medium& medium, const Illuminati
     return steps("voxels", [&] { return volume_of(device, field, medium.data().volume, progress); });
 }
 
+/// Mean radiance at the nodes of the light grid.
+Volume fluence_of(const Device& device, const Medium& medium, const Lighting& lighting,
+                  const IlluminationSettings& settings, Steps& steps, Progress& progress) {
+    std::optional<TransportNodes> found;
+    const auto keep = [&](TransportNodes nodes, bool) { found = std::move(nodes); };
+    refine_transport(device, medium.data(), lighting, settings.transport, settings.scattering,
+                     lighting.probe_up.value_or(Vec3{0, 0, 1}), keep, steps, progress);
+    Volume out = make_volume(found->grid.count, VoxelType::f32);
+    out.geometry = geometry_of(found->grid, medium.data().volume.geometry());
+    out.components = 3;
+    out.voxels = VoxelBuffer(found->light.size() * sizeof(float));
+    std::copy(found->light.begin(), found->light.end(), out.as<float>().begin());
+    return out;
+}
+
 /// What a field's numbers are.
 std::string quantity_of(const IlluminationSettings& settings) {
     if (is_in_harmonics(settings)) return "visibility";
+    if (settings.method == Method::transport) return "mean radiance";
     if (settings.method != Method::histogram) return "accessibility";
     return settings.histogram.effects.bleeding ? "environment colour" : "environment occlusion";
 }
@@ -68,29 +85,34 @@ std::map<std::string, std::string> how_made(const IlluminationSettings& settings
                                             {"chiaro_seconds", fmt::format("{:.6f}", seconds)}};
     const auto tell = [&](const Setting& setting, const auto&... fields) {
         const std::string value = value_text(setting, fields...);
-        if (setting.method == to_text(settings.method) && !value.empty()) told[key_of(setting)] = value;
+        if (setting.belongs_to(to_text(settings.method)) && !value.empty()) told[key_of(setting)] = value;
     };
     describe(tell, settings.spao);
     describe(tell, settings.visibility);
     describe(tell, settings.histogram);
+    describe(tell, settings.transport);
     describe(tell, settings.reference);
+    describe(tell, settings.scattering);
     if (is_in_harmonics(settings)) told["chiaro_sh_axes"] = "grid";
     return told;
 }
 
 }  // namespace
 
-ComputedField compute_field(const Device& device, const Medium& medium, const Prepared& prepared, const Lighting&,
-                            const IlluminationSettings& wanted, Progress& progress) {
+ComputedField compute_field(const Device& device, const Medium& medium, const Prepared& prepared,
+                            const Lighting& lighting, const IlluminationSettings& wanted, Progress& progress) {
     check_computable(medium.data().shape, wanted);
     IlluminationSettings settings = wanted;
     if (!settings.reference.quantity) settings.reference.quantity = ReferenceQuantity::obscurance;
     const auto start = std::chrono::steady_clock::now();
     Steps steps;
-    ComputedField field{is_in_harmonics(settings)
-                            ? harmonics_of(device, medium, settings, steps, progress)
-                            : field_of_voxels(device, medium.data(), prepared, settings, steps, progress),
-                        {}};
+    const auto found = [&] {
+        if (settings.method == Method::transport)
+            return fluence_of(device, medium, lighting, settings, steps, progress);
+        if (is_in_harmonics(settings)) return harmonics_of(device, medium, settings, steps, progress);
+        return field_of_voxels(device, medium.data(), prepared, settings, steps, progress);
+    };
+    ComputedField field{found(), {}};
     field.volume.key_values =
         how_made(settings, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     field.stages = steps.take();

@@ -1,6 +1,7 @@
 #include <chiaro/describe.h>
 #include <chiaro/error.h>
 #include <chiaro/scene.h>
+#include <chiaro/transfer_file.h>
 #include <fmt/format.h>
 
 #include <cmath>
@@ -100,7 +101,7 @@ Json json_of(const Setting& setting, const std::string& text) {
 
 /// Methods share names in a scene file: only those of the scene's own method are meant.
 bool concerns(const Setting& setting, const Scene& scene) {
-    return setting.method.empty() || setting.method == to_text(scene.illumination.method);
+    return setting.concerns(to_text(scene.illumination.method));
 }
 
 void read_settings(const Json& root, Scene& scene) {
@@ -137,7 +138,7 @@ void read_transfer_function(const Json& root, const std::filesystem::path& folde
                       preset = text_at(root, "transfer_function.preset");
     if ((points != nullptr) + !file.empty() + !preset.empty() > 1)
         refuse("transfer_function: points, file and preset exclude each other");
-    transfer.source = file.empty() ? preset : found_file(file, folder, data_folder);
+    transfer.source = file.empty() ? preset : found_function(file, folder, data_folder);
     if (!points) return;
     Json own =
         only(root["transfer_function"], {"points", "opacity_unit_distance", "opacity_unit_mm", "rgb_space", "name"});
@@ -156,7 +157,8 @@ void write_transfer_function(const TransferSettings& transfer, Json& root) {
     } else if (!transfer.source.empty()) {
         // As load_transfer_function tells the two apart; the path may be one seen from elsewhere.
         const bool named_as_file = transfer.source.find_first_of("/.") != std::string::npos;
-        root["transfer_function"][named_as_file || is_file(transfer.source) ? "file" : "preset"] = transfer.source;
+        root["transfer_function"]
+            [named_as_file || is_file(split_transfer_name(transfer.source).file) ? "file" : "preset"] = transfer.source;
     }
 }
 

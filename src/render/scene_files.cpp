@@ -3,10 +3,14 @@
 #include <chiaro/error.h>
 #include <chiaro/image.h>
 #include <chiaro/scene.h>
+#include <chiaro/transfer_file.h>
 #include <fmt/format.h>
 
 #include <fstream>
 #include <iterator>
+
+#include "core/did_you_mean.h"
+#include "core/text.h"
 
 namespace chiaro {
 namespace fs = std::filesystem;
@@ -26,7 +30,8 @@ std::string text_of(const fs::path& file) {
     std::ifstream stream(file, std::ios::binary);
     std::error_code no_access;
     if (!stream || fs::is_directory(file, no_access))
-        throw Error(ErrorCode::input, fmt::format("{}: cannot be read", file.string()));
+        throw Error(ErrorCode::input,
+                    fmt::format("{}: cannot be read{}", file.string(), is_file(file) ? "" : did_you_mean_file(file)));
     return {std::istreambuf_iterator<char>(stream), {}};
 }
 
@@ -44,12 +49,18 @@ std::string found_file(const std::string& name, const fs::path& folder, const fs
     return ((only_in_data ? data_folder : folder) / name).lexically_normal().string();
 }
 
+std::string found_function(const std::string& name, const fs::path& folder, const fs::path& data_folder) {
+    const auto [file, function] = split_transfer_name(name);
+    return found_file(file, folder, data_folder) + (function.empty() ? "" : "#" + function);
+}
+
 Scene seen_from(Scene scene, const fs::path& folder) {
     const auto see = [base = fs::absolute(folder / ".").lexically_normal()](const std::string& name) {
         return fs::absolute(name).lexically_normal().lexically_proximate(base).string();
     };
     if (!names_no_file(scene.volume)) scene.volume = see(scene.volume);
-    if (is_file(scene.transfer.source)) scene.transfer.source = see(scene.transfer.source);
+    if (const auto [file, function] = split_transfer_name(scene.transfer.source); is_file(file))
+        scene.transfer.source = see(file) + (function.empty() ? "" : "#" + function);
     if (std::string& probe = scene.lighting.probe.source; !is_probe_name(probe)) probe = see(probe);
     HistogramSettings& histogram = scene.illumination.histogram;
     if (is_file(histogram.glow)) histogram.glow = see(histogram.glow);
@@ -62,7 +73,7 @@ Scene read_scene(const fs::path& file, const fs::path& data_folder, std::vector<
     try {
         return parse_scene(text, file.parent_path(), data_folder, unknown_keys);
     } catch (const Error& error) {
-        throw Error(error.code(), fmt::format("{}: {}", file.string(), error.what()));
+        throw Error(error.code(), fmt::format("{}: {}", file.string(), one_line(error.what(), 1000)));
     }
 }
 

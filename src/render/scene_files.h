@@ -13,4 +13,8 @@ bool is_file(const std::filesystem::path& path);
 std::string found_file(const std::string& name, const std::filesystem::path& folder,
                        const std::filesystem::path& data_folder);
 
+/// The same for a transfer function, FILE or FILE#FUNCTION.
+std::string found_function(const std::string& name, const std::filesystem::path& folder,
+                           const std::filesystem::path& data_folder);
+
 }  // namespace chiaro

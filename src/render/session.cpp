@@ -13,6 +13,18 @@ namespace {
 
 using Version = std::uint64_t;
 
+/// Of the light all around, what a field may hold: how bright it is is a factor.
+struct HeldLight {
+    Probe probe;
+    double rotation_deg = 0;
+    Vec3 up;
+    bool operator==(const HeldLight&) const = default;
+};
+HeldLight held_light(const Lighting& lighting, const IlluminationSettings& settings) {
+    if (!holds_light(settings)) return {};
+    return {lighting.loaded_probe, lighting.probe.rotation_deg, *lighting.probe_up};
+}
+
 /// A verb's result, kept with the inputs that made it.
 template <class Result, class... Inputs>
 struct Kept {
@@ -47,7 +59,7 @@ struct Session::State {
     Kept<Prepared, Version, IlluminationSettings> prepare;
     Kept<Classified, Version, TransferSettings, Shape> classify;
     Kept<Probe, std::string> probe;
-    Kept<IlluminationField, Version, Version, IlluminationSettings> illuminate;
+    Kept<IlluminationField, Version, Version, IlluminationSettings, HeldLight> illuminate;
     Kept<Cast, Version, Version, Lighting, Camera, RaySettings, std::pair<int, int>> raycast;
     Kept<Image, Version, ToneMap> develop;
     Cast drafted;
@@ -66,9 +78,10 @@ struct Session::State {
         kept.version = ++last_version;
     }
 
-    /// The scene's, with its probe loaded.
-    Lighting lighting_of(const Scene& scene) {
+    /// The scene's, with its probe loaded and standing as the camera's orbit has it.
+    Lighting lighting_of(const Scene& scene, const Camera& camera) {
         Lighting lighting = scene.lighting;
+        lighting.probe_up = camera.orbit_up;
         if (lighting.probe.source.empty()) return lighting;
         redo("probe", probe, {lighting.probe.source},
              [&](Probe& loaded) { loaded = load_probe(lighting.probe.source); });
@@ -149,11 +162,13 @@ const Image& Session::render(const Scene& scene, Progress& progress, const Previ
     s.redo_up_to_classify(scene, progress);
     const DeviceVolume& voxels = s.upload.result;
     const Medium& medium = s.classify.result.medium;
-    const Lighting lighting = s.lighting_of(scene);
-
     const Camera camera = make_camera(scene.camera, voxels.geometry(), voxels.dimensions());
-    s.redo("illuminate", s.illuminate, {s.classify.version, s.prepare.version, scene.illumination},
+    const Lighting lighting = s.lighting_of(scene, camera);
+
+    s.redo("illuminate", s.illuminate,
+           {s.classify.version, s.prepare.version, scene.illumination, held_light(lighting, scene.illumination)},
            [&](IlluminationField& field) {
+               const IlluminationField warm = field;
                const auto keep = [&](IlluminationField finer) {
                    field = std::move(finer);
                    if (!preview || !field.is_coarse()) return;
@@ -161,7 +176,7 @@ const Image& Session::render(const Scene& scene, Progress& progress, const Previ
                    raycast(s.device, medium, field, lighting, camera, scene.sampling, frame, progress);
                    if (!progress.cancelled()) preview(develop(frame, scene.output));
                };
-               illuminate(s.device, medium, s.prepare.result, lighting, scene.illumination, keep, progress);
+               illuminate(s.device, medium, s.prepare.result, lighting, scene.illumination, keep, progress, warm);
                progress.check();
            });
     s.tell_steps(s.illuminate.result.stages());
@@ -218,7 +233,8 @@ bool Session::needs_light(const Scene& scene) const {
 ComputedField Session::compute_field(const Scene& scene, Progress& progress) {
     State& s = *state_;
     s.redo_up_to_classify(scene, progress);
-    const Lighting lighting = s.lighting_of(scene);
+    const DeviceVolume& voxels = s.upload.result;
+    const Lighting lighting = s.lighting_of(scene, make_camera(scene.camera, voxels.geometry(), voxels.dimensions()));
     Kept<ComputedField, Version> made;
     s.redo("illuminate", made, {s.classify.version}, [&](ComputedField& field) {
         field = chiaro::compute_field(s.device, s.classify.result.medium, s.prepare.result, lighting,

@@ -1,0 +1,29 @@
+// Light that no one has scattered yet: the probe's, through the matter on its way.
+#pragma once
+#include "illumination/transport/incident.h"
+#include "illumination/transport/sweep.h"
+
+namespace chiaro {
+
+/// The grid as sweeps see it: opaque cells let all pass (their light is looked at and replaced) or, buried, nothing.
+struct SweptMedium {
+    const LightGrid& grid;
+    const OpaqueCells& opaque;
+    Lattices lattices;
+    BothWays extinction;
+
+    SweptMedium(const LightGrid& light_grid, const OpaqueCells& cells);
+};
+
+struct FirstLight {
+    std::array<LatticeField, 3> light;                  ///< J per channel, rows along x
+    std::array<std::array<LatticeField, 3>, 3> moment;  ///< [channel][axis]
+    std::vector<OpaqueCells::Faces> faces;              ///< mean radiance on each face of the opaque cells
+};
+
+/// Each of `first_directions`, a Fibonacci set, brings the mean radiance of its part of the probe; a sun
+/// goes along straight rays of its own. Throws Error{interrupted}.
+FirstLight first_light(const Device& device, const SweptMedium& medium, const Lighting& lighting, Vec3 orbit_up,
+                       const Geometry& geometry, int first_directions, Progress& progress);
+
+}  // namespace chiaro

@@ -1,0 +1,158 @@
+#include "illumination/transport/opaque.h"
+
+#include <cmath>
+#include <limits>
+
+namespace chiaro {
+namespace {
+
+/// Faces by which a ray towards an octant leaves a cell behind: those that look the other way.
+int face_left(int octant, int axis) { return 2 * axis + !(octant >> axis & 1); }
+
+}  // namespace
+
+double half_space_reflectance(double albedo) {
+    const double s = std::sqrt(std::max(1 - albedo, 0.0));
+    return (1 - s) * (1 - 0.139 * s) / (1 + 1.17 * s);
+}
+
+OpaqueCells::OpaqueCells(const LightGrid& grid, float threshold)
+    : count_(grid.extinction.grid.count),
+      bits_(std::size_t(count_[0] + 2) * (count_[1] + 2) * (count_[2] + 2), 0xff),
+      clear_(bits_.size(), 1),
+      starts_x_(std::size_t(count_[1]) * count_[2] + 1),
+      starts_y_(std::size_t(count_[0]) * count_[2] + 1) {
+    if (threshold == std::numeric_limits<float>::infinity()) return;
+    kind_.resize(grid.extinction.grid.size());
+    for (std::size_t node = 0; node < kind_.size(); ++node)
+        kind_[node] = grid.extinction.data()[node] >= threshold ? buried : clear;
+    ids_.assign(kind_.size(), -1);
+    find_shown(grid);
+    find_behind(grid.extinction.grid);
+    list_rows(grid.extinction.grid);
+}
+
+void OpaqueCells::find_shown(const LightGrid& grid) {
+    const auto [nx, ny, nz] = count_;
+    const CellGrid& cells = grid.extinction.grid;
+    const auto is_open = [&, nx = nx, ny = ny, nz = nz](int x, int y, int z) {
+        const bool inside = x >= 0 && y >= 0 && z >= 0 && x < nx && y < ny && z < nz;
+        return !inside || kind_[cells.index(x, y, z)] == clear;
+    };
+    for (int z = 0; z < nz; ++z)
+        for (int y = 0; y < ny; ++y)
+            for (int x = 0; x < nx; ++x) {
+                const std::size_t node = cells.index(x, y, z);
+                if (kind_[node] == clear) continue;
+                const int open = is_open(x + 1, y, z) | is_open(x - 1, y, z) << 1 | is_open(x, y + 1, z) << 2 |
+                                 is_open(x, y - 1, z) << 3 | is_open(x, y, z + 1) << 4 | is_open(x, y, z - 1) << 5;
+                std::uint8_t bits = 0;
+                for (int o = 0; o < octants; ++o)
+                    for (int axis = 0; axis < 3; ++axis) bits |= std::uint8_t((open >> face_left(o, axis) & 1) << o);
+                bits_[std::size_t(bit_index(x, y, z))] = bits;
+                clear_[std::size_t(bit_index(x, y, z))] = 0;
+                if (!open) continue;
+                ids_[node] = std::int32_t(nodes_.size());
+                nodes_.push_back(node), open_.push_back(std::uint8_t(open));
+                std::array<float, 3> reflectance, per_albedo;
+                for (int c = 0; c < 3; ++c) {
+                    const double a = grid.albedo[c][node];
+                    const double r = grid.is_surface ? a : half_space_reflectance(a), least = 1e-4;
+                    reflectance[c] = float(r);
+                    per_albedo[c] =
+                        float(grid.is_surface ? 1 : half_space_reflectance(std::max(a, least)) / std::max(a, least));
+                }
+                reflectance_.push_back(reflectance), per_albedo_.push_back(per_albedo);
+            }
+    for (std::size_t node : nodes_) kind_[node] = shown;
+}
+
+/// A ray between four cells may pass the edge of two opaque ones and find the one behind, which shows no face there: it
+/// looks like those in front of it.
+void OpaqueCells::find_behind(const CellGrid& grid) {
+    const auto [nx, ny, nz] = count_;
+    for (int z = 0; z < nz; ++z)
+        for (int y = 0; y < ny; ++y)
+            for (int x = 0; x < nx; ++x) {
+                const std::size_t node = grid.index(x, y, z);
+                if (kind_[node] == clear) continue;
+                for (int o = 0; o < octants; ++o) {
+                    if (bits_[std::size_t(bit_index(x, y, z))] >> o & 1) continue;
+                    Cover cover{ids_[node], o, {}, 0};
+                    for (int axis = 0; axis < 3; ++axis) {
+                        std::array<int, 3> p{x, y, z};
+                        p[axis] += o >> axis & 1 ? 1 : -1;
+                        const std::int32_t id = id_of(grid, p[0], p[1], p[2]);
+                        const bool answers = id >= 0 && std::size_t(id) < count() &&
+                                             (bits_[std::size_t(bit_index(p[0], p[1], p[2]))] >> o & 1);
+                        if (answers) cover.in_front[cover.count++] = id;
+                    }
+                    if (cover.count == 0) continue;
+                    if (cover.id < 0) {
+                        cover.id = ids_[node] = std::int32_t(listed());
+                        behind_.push_back(node), kind_[node] = behind;
+                    }
+                    covers_.push_back(cover);
+                }
+            }
+}
+
+void OpaqueCells::list_rows(const CellGrid& grid) {
+    const auto [nx, ny, nz] = count_;
+    for (int z = 0; z < nz; ++z)
+        for (int y = 0; y < ny; ++y) {
+            for (int x = 0; x < nx; ++x)
+                if (const std::int32_t id = ids_[grid.index(x, y, z)]; id >= 0) along_x_.push_back({x, id});
+            starts_x_[std::size_t(z) * ny + y + 1] = std::int32_t(along_x_.size());
+        }
+    for (int x = 0; x < nx; ++x)
+        for (int z = 0; z < nz; ++z) {
+            for (int y = 0; y < ny; ++y)
+                if (const std::int32_t id = ids_[grid.index(x, y, z)]; id >= 0) along_y_.push_back({y, id});
+            starts_y_[std::size_t(x) * nz + z + 1] = std::int32_t(along_y_.size());
+        }
+}
+
+std::span<const kernel::OpaqueCell> OpaqueCells::row(const Lattice& lattice, int a, int b) const {
+    const auto& starts = lattice.along_y() ? starts_y_ : starts_x_;
+    const auto& list = lattice.along_y() ? along_y_ : along_x_;
+    const std::size_t row = lattice.along_y() ? std::size_t(a) * count_[2] + b : std::size_t(b) * count_[1] + a;
+    return std::span(list).subspan(std::size_t(starts[row]), std::size_t(starts[row + 1] - starts[row]));
+}
+
+void OpaqueCells::reflect(const std::vector<Faces>& radiance, std::vector<float>& emission) const {
+    emission.assign(listed() * octants * 4, 0);
+    for (std::size_t cell = 0; cell < count(); ++cell)
+        for (int o = 0; o < octants; ++o) {
+            float open = 0, sum[3]{};
+            for (int axis = 0; axis < 3; ++axis) {
+                const int face = face_left(o, axis);
+                if (!is_open(cell, face)) continue;
+                open += 1;
+                for (int c = 0; c < 3; ++c) sum[c] += radiance[cell][face][c];
+            }
+            float* to = emission.data() + (cell * octants + o) * 4;
+            for (int c = 0; c < 3 && open > 0; ++c) to[c] = reflectance_[cell][c] * (sum[c] / open);
+        }
+    for (const Cover& cover : covers_)
+        for (int c = 0; c < 3; ++c) {
+            float sum = 0;
+            for (int i = 0; i < cover.count; ++i)
+                sum += emission[(std::size_t(cover.in_front[i]) * octants + cover.octant) * 4 + c];
+            emission[(std::size_t(cover.id) * octants + cover.octant) * 4 + c] = sum / float(cover.count);
+        }
+}
+
+std::array<float, 3> OpaqueCells::seen(std::size_t cell, const Faces& radiance) const {
+    std::array<float, 3> sum{};
+    float open = 0;
+    for (int face = 0; face < faces; ++face) {
+        if (!is_open(cell, face)) continue;
+        open += 1;
+        for (int c = 0; c < 3; ++c) sum[c] += radiance[face][c];
+    }
+    for (int c = 0; c < 3; ++c) sum[c] *= per_albedo_[cell][c] / open;
+    return sum;
+}
+
+}  // namespace chiaro

@@ -1,0 +1,256 @@
+// Transport by iterated sweeps: closed forms of radiative transfer.
+#include <chiaro/chiaro.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "classify/medium.h"
+#include "fixtures.h"
+#include "illumination/transport/directions.h"
+#include "illumination/transport/opaque.h"
+#include "illumination/transport/transport.h"
+
+using namespace chiaro;
+using namespace chiaro::testing;
+
+namespace {
+
+/// Opacity by value: v / 255 of a transfer function that is linear in extinction, at most `depth` a voxel.
+TransferFunction matter(double depth, Rgb rgb = {1, 1, 1}) {
+    TransferFunction tf;
+    tf.rgb_space = RgbSpace::linear;
+    tf.points = {{0, rgb, 0}, {100, rgb, 0}, {101, rgb, -std::expm1(-depth)}, {255, rgb, -std::expm1(-depth)}};
+    return tf;
+}
+
+struct Scene3 {
+    Device device = Device::cpu(2);
+    TransferFunction tf = matter(1);
+    Shape shape;
+    Lighting lighting;
+    TransportSettings settings{.grid = 128, .error = 1e-7};
+    ScatteringSettings scattering{.albedo_max = 1};
+
+    TransportSolver solver(const Volume& volume) const {
+        Progress progress;
+        return TransportSolver(device, classify(upload(device, volume), tf, shape).data(), lighting, settings,
+                               scattering, {0, 0, 1}, progress);
+    }
+    TransportNodes solved(const Volume& volume, int iterations) const {
+        TransportSolver s = solver(volume);
+        Progress progress;
+        for (int i = 0; i < iterations && s.iterate(progress); ++i) {
+        }
+        return s.nodes();
+    }
+};
+
+Volume filled(std::array<int, 3> n, const Field& f) { return sampled<std::uint8_t>(n, f); }
+double at(const TransportNodes& nodes, int x, int y, int z, int c = 0) {
+    return nodes.light[3 * nodes.grid.index(x, y, z) + c];
+}
+
+}  // namespace
+
+TEST(TransportDirections, TurnedSetsIntegrateSmoothFunctions) {
+    for (int index : {0, 1, 7}) {
+        const auto set = turned_directions(24, index, 3);
+        ASSERT_EQ(set.size(), 24u);
+        double x = 0, xx = 0, x4 = 0, x6 = 0;
+        for (Vec3 d : set)
+            x += d.x / 24, xx += d.x * d.x / 24, x4 += std::pow(d.x, 4) / 24, x6 += std::pow(d.x, 6) / 24;
+        EXPECT_NEAR(x, 0, 1e-12);
+        EXPECT_NEAR(xx, 1.0 / 3, 1e-12);
+        EXPECT_NEAR(x4, 1.0 / 5, 1e-4);
+        EXPECT_NEAR(x6, 1.0 / 7, 1e-3);
+    }
+}
+
+TEST(Transport, AnEmptyVolumeHoldsTheProbesLight) {
+    const TransportNodes nodes = Scene3().solved(filled({20, 17, 9}, [](double, double, double) { return 0; }), 2);
+    for (float j : nodes.light) EXPECT_NEAR(j, 1, 1e-5);
+    for (float m : nodes.moment) EXPECT_NEAR(m, 0, 0.01);
+}
+
+TEST(Transport, AFurnaceIsInvisible) {
+    // Light not yet scattered and scattered light come in different directions, so that what is missing of the one is
+    // found in the other but for the noise of 24 directions.
+    for (double depth : {0.05, 0.5, 2.0, 30.0}) {
+        Scene3 scene{.tf = matter(depth)};
+        const Volume ball = filled({24, 24, 24}, [](double x, double y, double z) {
+            return std::hypot(x - 11.5, y - 11.5, z - 11.5) < (9) ? 200 : 0;
+        });
+        const TransportNodes nodes = scene.solved(ball, 64);
+        double worst = 0, sum = 0, count = 0;
+        for (std::size_t n = 0; n < nodes.grid.size(); ++n) {
+            if (depth > 1 && nodes.weight[n] > 0.5) continue;  // within matter many iterations more are needed
+            worst = std::max(worst, std::abs(nodes.light[3 * n] - 1.0));
+            sum += nodes.light[3 * n], count += 1;
+        }
+        EXPECT_LT(worst, 0.04) << depth << " after " << nodes.iterations;
+        EXPECT_NEAR(sum / count, 1, 0.004) << depth;
+    }
+}
+
+TEST(Transport, AHalfSpaceReflectsItsShare) {
+    // Just above it: ½ (1 + mean radiance of what comes back). Of cells that are followed one by one that is the mean
+    // of 1 - s H(μ) over the hemisphere (Chandrasekhar), (1 - s) / (1 + s), s = √(1 - a); opaque ones send back R alike
+    // in all directions.
+    for (double a : {0.5, 0.9})
+        for (double depth : {0.2, 0.5, 30.0}) {
+            Scene3 scene{.tf = matter(depth, {a, a, a})};
+            const Volume half = filled({72, 72, 40}, [](double, double, double z) { return z < 36 ? 200 : 0; });
+            const TransportNodes nodes = scene.solved(half, 30);
+            const double s = std::sqrt(1 - a), back = depth < 4 ? (1 - s) / (1 + s) : half_space_reflectance(a);
+            EXPECT_NEAR(at(nodes, 36, 36, 36), (1 + back) / 2 + 0.007 * (1 - back), 0.02 * (1 + back) / 2)
+                << a << ", " << depth;  // .007: what is seen past the edges
+        }
+}
+
+TEST(Transport, ThickCellsFollowedOneByOneReflectTheSame) {
+    Scene3 scene{.tf = matter(30, {0.5, 0.5, 0.5}), .scattering = {.bounces = {30}, .albedo_max = 1}};
+    const Volume half = filled({72, 72, 40}, [](double, double, double z) { return z < 36 ? 200 : 0; });
+    const double back = half_space_reflectance(0.5);  // of two streams along the normal alone (1 - s) / (1 + s), .17
+    EXPECT_NEAR(at(scene.solved(half, 30), 36, 36, 36), (1 + back) / 2 + 0.007 * (1 - back), 0.02 * (1 + back) / 2);
+}
+
+TEST(Transport, LightThroughASlabOfAbsorbersFallsAsE2) {
+    // Black matter: half of E_2(κ z) from each side (flux-free mean: ½ E_2 of radiance 1 over a hemisphere).
+    Scene3 scene{.tf = matter(0.1, {0, 0, 0}), .settings = {.grid = 128, .first_directions = 800}};
+    const TransportNodes nodes = scene.solved(filled({120, 120, 20}, [](double, double, double) { return 200; }), 2);
+    const auto e2 = [](double x) {
+        double sum = 0;
+        for (int i = 0; i < 4000; ++i) {
+            const double mu = (i + 0.5) / 4000;
+            sum += std::exp(-x / mu) / 4000;
+        }
+        return sum;
+    };
+    for (int z : {5, 10}) {
+        const double depth = 0.1 * (z + 0.5), other = 0.1 * (19.5 - z);
+        EXPECT_NEAR(at(nodes, 60, 60, z), (e2(depth) + e2(other)) / 2, 0.012) << z;
+    }
+}
+
+TEST(Transport, ClosedWallsOfOneCellLetNothingThrough) {
+    for (int wall : {1, 2, 3}) {
+        Scene3 scene{.tf = matter(40, {0.95, 0.95, 0.95})};
+        const Volume box = filled({32, 32, 32}, [&](double x, double y, double z) {
+            const double r = std::max({std::abs(x - 15.5), std::abs(y - 15.5), std::abs(z - 15.5)});
+            return r > 10 && r < 10 + wall ? 200 : 0;
+        });
+        const TransportNodes nodes = scene.solved(box, 30);
+        for (int z = 7; z < 25; z += 4) EXPECT_LT(at(nodes, 15, 12, z), 3e-4) << wall << ", " << z;
+        EXPECT_GT(at(nodes, 15, 15, 30), 0.7);
+    }
+}
+
+TEST(Transport, OpaqueMatterHoldsWhatItsOpenSideSees) {
+    Scene3 scene{.tf = matter(40, {0.8, 0.8, 0.8})};
+    const TransportNodes nodes =
+        scene.solved(filled({60, 60, 30}, [](double, double, double z) { return z < 20 ? 200 : 0; }), 12);
+    const double seen = half_space_reflectance(0.8) / 0.8;
+    EXPECT_NEAR(at(nodes, 30, 30, 19), seen, 0.02 * seen);
+    EXPECT_NEAR(at(nodes, 30, 30, 18), seen, 0.02 * seen);  // between the two a sample finds the same
+    EXPECT_GT(nodes.moment[9 * nodes.grid.index(30, 30, 19) + 2], 0.1);
+}
+
+TEST(Transport, MoreBouncesAreBrighterUpToTheConvergedLight) {
+    Scene3 scene{.tf = matter(0.3, {0.9, 0.9, 0.9})};
+    const Volume ball = filled({24, 24, 24}, [](double x, double y, double z) {
+        return std::hypot(x - 11.5, y - 11.5, z - 11.5) < 9 ? 200 : 0;
+    });
+    double before = 0;
+    for (int bounces : {0, 1, 2, 5, 40}) {
+        scene.scattering.bounces.most = bounces;
+        const double j = at(scene.solved(ball, 100), 12, 12, 12);
+        EXPECT_GT(j, before) << bounces;
+        before = j;
+    }
+    scene.scattering.bounces.most.reset();
+    EXPECT_NEAR(at(scene.solved(ball, 40), 12, 12, 12), before, 0.02);
+}
+
+TEST(Transport, IsTheSameForAnyNumberOfThreadsAndEveryInstructionSet) {
+    Scene3 scene{.tf = matter(1, {0.9, 0.6, 0.3})};
+    const Volume lumps = filled({37, 22, 29}, [](double x, double y, double z) {
+        return 90 + 60 * std::sin(0.5 * x) * std::cos(0.4 * y + 0.2 * z);
+    });
+    scene.lighting.loaded_probe = builtin_probe("studio");
+    scene.device = Device::cpu(1, Isa::scalar);
+    const TransportNodes expected = scene.solved(lumps, 3);
+    for (Isa isa : available_isas())
+        for (int threads : {1, 3}) {
+            scene.device = Device::cpu(threads, isa);
+            const TransportNodes found = scene.solved(lumps, 3);
+            EXPECT_EQ(found.light, expected.light) << name_of(isa) << ", " << threads;
+            EXPECT_EQ(found.moment, expected.moment);
+            EXPECT_EQ(found.change, expected.change);
+        }
+}
+
+TEST(Transport, ASunCastsASharpShadow) {
+    std::vector<float> rgb(3 * 64 * 128, 0.0f);  // straight above: the first row of pixels
+    for (int x = 0; x < 3 * 128; ++x) rgb[std::size_t(x)] = 1000;
+    Scene3 scene{.tf = matter(40, {0.5, 0.5, 0.5})};
+    scene.lighting.loaded_probe = Probe(128, 64, rgb);
+    const Volume plate = filled({40, 40, 40}, [](double x, double y, double z) {
+        return z >= 30 && z < 32 && std::abs(x - 19.5) < 8 && std::abs(y - 19.5) < 8 ? 200 : 0;
+    });
+    const TransportNodes nodes = scene.solved(plate, 6);
+    const double open = at(nodes, 2, 20, 10);
+    EXPECT_LT(at(nodes, 20, 20, 10), 0.02 * open);
+    EXPECT_LT(at(nodes, 13, 20, 10), 0.05 * open);
+    EXPECT_GT(at(nodes, 10, 20, 10), 0.95 * open);
+    EXPECT_NEAR(nodes.moment[9 * nodes.grid.index(2, 20, 10) + 2], open, 0.05 * open);
+}
+
+TEST(Transport, ClippedMatterCastsNoShadow) {
+    Scene3 scene{.tf = matter(40, {0.5, 0.5, 0.5})};
+    const Volume block = filled({24, 24, 24}, [](double, double, double z) { return z < 12 ? 200 : 0; });
+    scene.shape.clip.planes = {{{1, 0, 0}, 11.5}};
+    const TransportNodes nodes = scene.solved(block, 8);
+    EXPECT_GT(at(nodes, 20, 12, 4), 0.55);
+    EXPECT_LT(at(nodes, 5, 12, 4), 0.01);
+    scene.shape = {.threshold_low = 210};
+    for (float j : scene.solved(block, 2).light) EXPECT_NEAR(j, 1, 1e-4);
+}
+
+TEST(Transport, StopsWhenAsked) {
+    Scene3 scene;
+    const Volume block = filled({64, 64, 64}, [](double, double, double) { return 200; });
+    TransportSolver solver = scene.solver(block);
+    Progress progress;
+    ASSERT_TRUE(solver.iterate(progress));
+    const TransportNodes before = solver.nodes();
+    progress.cancel();
+    EXPECT_THROW(solver.iterate(progress), Error);
+    EXPECT_EQ(solver.nodes().light, before.light);
+}
+
+TEST(Transport, RefinesFromCoarseToFineAndStartsFromTheLast) {
+    Scene3 scene{.tf = matter(0.3, {0.8, 0.8, 0.8})};
+    scene.settings = {.grid = 32, .error = 0.01};
+    const Volume block = filled({48, 48, 48}, [](double x, double, double) { return x > 20 ? 200 : 0; });
+    const Medium medium = classify(upload(scene.device, block), scene.tf, Shape{});
+    TransportMemory memory;
+    int fields[2]{};
+    for (int& count : fields) {
+        Steps steps;
+        Progress progress;
+        bool last_is_coarse = true;
+        refine_transport(
+            scene.device, medium.data(), scene.lighting, scene.settings, scene.scattering, {0, 0, 1},
+            [&](TransportNodes nodes, bool is_coarse) {
+                if (count++ == 0) {
+                    EXPECT_EQ(nodes.grid.count[0], 16);
+                }
+                last_is_coarse = is_coarse;
+            },
+            steps, progress, &memory);
+        EXPECT_FALSE(last_is_coarse);
+        ASSERT_TRUE(memory);
+    }
+    EXPECT_LE(fields[1], fields[0]);
+}

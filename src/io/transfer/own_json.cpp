@@ -1,0 +1,105 @@
+// Transfer functions as JSON: the `transfer_function` object of a scene.
+#include <chiaro/error.h>
+#include <chiaro/transfer_function.h>
+
+#include "core/text.h"
+#include "io/transfer/json_node.h"
+#include "io/transfer/reader.h"
+
+namespace chiaro {
+namespace {
+
+ControlPoint read_point(const JsonNode& node) {
+    node.require_keys({"value", "rgb", "opacity"});
+    ControlPoint point;
+    point.value = node.at("value").number();
+    point.opacity = node.at("opacity").number();
+    const JsonNode rgb = node.at("rgb");
+    if (!rgb.json.is_array()) rgb.fail_type("three numbers in [0, 1]");
+    if (rgb.json.size() != 3) rgb.fail("has " + std::to_string(rgb.json.size()) + " numbers: must have 3");
+    for (std::size_t c = 0; c < 3; ++c) point.rgb[c] = rgb.at(c).number();
+    return point;
+}
+
+void read_unit(const JsonNode& node, TransferFunction& tf) {
+    const bool mm = node.json.contains("opacity_unit_mm"), voxels = node.json.contains("opacity_unit_distance");
+    if (mm && voxels) node.fail("has both 'opacity_unit_distance' and 'opacity_unit_mm': must be one of the two");
+    if (!mm && !voxels) return;
+    const JsonNode unit = node.at(mm ? "opacity_unit_mm" : "opacity_unit_distance");
+    tf.opacity_unit = unit.number();
+    tf.opacity_unit_is_mm = mm;
+    if (!(tf.opacity_unit > 0)) unit.fail("is " + to_text(tf.opacity_unit) + ": must be greater than 0");
+}
+
+TransferFunction read_function(const JsonNode& node) {
+    node.require_keys({"points", "opacity_unit_distance", "opacity_unit_mm", "rgb_space", "name"});
+    TransferFunction tf;
+    const JsonNode points = node.at("points");
+    if (!points.json.is_array()) points.fail_type("an array");
+    if (points.json.empty() || points.json.size() > max_transfer_points)
+        points.fail("has " + std::to_string(points.json.size()) + " entries: must have 1.." +
+                    std::to_string(max_transfer_points));
+    for (std::size_t i = 0; i < points.json.size(); ++i) tf.points.push_back(read_point(points.at(i)));
+    read_unit(node, tf);
+    if (node.json.contains("rgb_space")) {
+        const std::string space = node.at("rgb_space").text();
+        if (space != "srgb" && space != "linear")
+            node.at("rgb_space").fail("is '" + space + "': must be 'srgb' or 'linear'");
+        tf.rgb_space = space == "linear" ? RgbSpace::linear : RgbSpace::srgb;
+    }
+    if (node.json.contains("name")) tf.name = node.at("name").text();
+    return tf;
+}
+
+Json parse(const std::string& text, const std::string& origin) {
+    try {
+        return Json::parse(text);
+    } catch (const Json::exception& error) {
+        throw Error(ErrorCode::input, origin + ": " + json_trouble(error));
+    }
+}
+
+TransferFunction function_from(const Json& json, const std::string& origin) {
+    TransferFunction tf = read_function({json, origin, ""});
+    try {
+        validate(tf);
+    } catch (const Error& error) {
+        throw Error(error.code(), origin + ": " + error.what());
+    }
+    return tf;
+}
+
+}  // namespace
+
+TransferFunction parse_transfer_function(const std::string& json, const std::string& origin) {
+    return function_from(parse(json, origin), origin);
+}
+
+FoundFunction read_own(const TransferText& text, const Statistics& data) {
+    FoundFunction found;
+    if (text.json && text.json->is_object() && text.json->contains("preset")) {
+        const JsonNode node{*text.json, text.name, ""};
+        node.require_keys({"preset"});
+        try {
+            found.function = preset(node.at("preset").text(), data);
+        } catch (const Error& error) {  // here it is the file's fault
+            node.fail(error.what());
+        }
+    } else {
+        found.function = parse_transfer_function(text.text, text.name);  // which forgives nothing
+    }
+    return found;
+}
+
+std::string to_json(const TransferFunction& tf) {
+    nlohmann::ordered_json json;
+    if (!tf.name.empty()) json["name"] = tf.name;
+    json[tf.opacity_unit_is_mm ? "opacity_unit_mm" : "opacity_unit_distance"] = tf.opacity_unit;
+    if (tf.rgb_space == RgbSpace::linear) json["rgb_space"] = "linear";
+    json["points"] = nlohmann::ordered_json::array();
+    for (const ControlPoint& point : tf.points)
+        json["points"].push_back({{"value", point.value}, {"rgb", point.rgb}, {"opacity", point.opacity}});
+    return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+}  // namespace chiaro
