@@ -21,6 +21,7 @@ constexpr auto suite_table = std::to_array<Suite>({
     {"spao", "ambient occlusion by filtering: the paper's table, and an edit's update", spao_cases},
     {"spao-error", "ambient occlusion by filtering against rays: error of every model and filter", spao_error_cases},
     {"visibility", "visibility in spherical harmonics: the paper's table, and an edit's update", visibility_cases},
+    {"transport", "multiple scattering: its sweeps, and an edit's way to light", transport_cases},
     {"visibility-error", "visibility in spherical harmonics against rays: error of every way", visibility_error_cases},
     {"transport-error", "multiple scattering against light's own paths: fluence and pictures", transport_error_cases},
     {"paths", "the path tracer: a frame of one path a pixel, and what majorants by region save", path_cases},

@@ -17,6 +17,7 @@ Command render_command(CLI::App& tool);
 Command illuminate_command(CLI::App& tool);
 Command convert_command(CLI::App& tool);
 Command compare_command(CLI::App& tool);
+Command view_command(CLI::App& tool);
 Command bench_command(CLI::App& tool);
 
 }  // namespace chiaro::cli

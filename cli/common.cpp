@@ -5,6 +5,10 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <vector>
+
+#include "core/did_you_mean.h"
+#include "core/text.h"
 
 namespace chiaro::cli {
 
@@ -27,13 +31,17 @@ Device device_of(const CommonOptions& o) {
     if (o.device.starts_with("cuda"))
         throw Error(ErrorCode::output, fmt::format("--device {}: this build has the processor only", o.device));
     if (o.device != "auto" && o.device != "cpu")
-        throw Error(ErrorCode::usage, fmt::format("--device {}: must be auto or cpu", o.device));
+        throw Error(ErrorCode::usage, fmt::format("--device {}: must be auto or cpu{}", o.device,
+                                                  did_you_mean(o.device, std::vector<std::string>{"auto", "cpu"})));
     if (o.isa.empty()) return Device::cpu(o.threads);
     Isa isa{};
     set(Setting{"isa", "", "", ""}, o.isa, "--isa " + o.isa, ErrorCode::usage, isa);
     return Device::cpu(o.threads, isa);
 }
 
-void say(std::string_view line) { fmt::print(stderr, "chiaro: {}\n", line); }
+void say(std::string_view line) {
+    constexpr std::size_t longest = 4000;
+    fmt::print(stderr, "chiaro: {}\n", one_line(std::string(line), longest));
+}
 
 }  // namespace chiaro::cli

@@ -32,9 +32,7 @@ void convert_volume(const ConvertOptions& o) {
     const Volume volume = read_volume(scene, job.progress);
     if (!o.common.quiet)
         for (const auto& note : volume.notes) say(fmt::format("{}: {}", o.input, note));
-    job.progress.check();
-    job.progress.report("write", 0);
-    write_nrrd(volume, o.output, encoding);
+    write_nrrd(volume, o.output, encoding, job.progress);
 }
 
 bool for_paraview(const ConvertOptions& o) {

@@ -23,9 +23,9 @@ struct IlluminateOptions {
 
 /// Whether a setting has a part in what is computed; all else describes pictures.
 bool matters(std::string_view group, const Setting& setting) {
-    for (std::string_view other : {"Sampling", "Camera", "Shading", "Light probe", "Output"})
+    for (std::string_view other : {"Sampling", "Camera", "Shading", "Output"})
         if (group == other) return false;
-    return setting.name != "size" && setting.name != "background";
+    return setting.name != "size" && !setting.name.ends_with("background");
 }
 
 /// Everything that can be refused before the work begins.
@@ -52,9 +52,7 @@ void run(const IlluminateOptions& o) {
     stats.frames.push_back(Stats::frame_time([&] { field = session.compute_field(scene, job.progress); }));
     stats.stages.insert(stats.stages.end(), session.stages().begin(), session.stages().end());
     field.volume.key_values["chiaro_scene"] = to_json(seen_from(scene, o.output.parent_path()));
-    job.progress.check();
-    job.progress.report("write", 0);
-    stats.stages.push_back({"write", Stats::time([&] { write_nrrd(field.volume, o.output, encoding); })});
+    stats.stages.push_back({"write", Stats::time([&] { write_nrrd(field.volume, o.output, encoding, job.progress); })});
     const Device device = device_of(o.common);
     if (!o.common.stats.empty()) write_stats(o.common.stats, stats, device, scene);
     job.bar.clear();

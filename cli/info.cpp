@@ -9,8 +9,8 @@
 
 #include "command.h"
 #include "job.h"
+#include "json.h"
 #include "setting_flags.h"
-#include "volume_json.h"
 
 namespace chiaro::cli {
 namespace {
@@ -23,15 +23,7 @@ struct InfoOptions {
 };
 
 void print_json(const Volume& volume, const Statistics& s, const Guess& guess) {
-    Json json = json_of(volume);
-    json["range"] = {s.min, s.max};
-    json["percentiles"] = {{"1", s.p1}, {"50", s.p50}, {"99", s.p99}, {"99.9", s.p999}};
-    json["histogram"] = {{"min", s.min}, {"max", s.max}, {"counts", s.histogram}};
-    json["nonfinite"] = s.nonfinite;
-    json["modality_guess"] = guess.modality;
-    json["preset_guess"] = guess.preset;
-    json["notes"] = volume.notes;
-    fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
+    fmt::print("{}\n", info_of(volume, s, guess).dump(2, ' ', false, Json::error_handler_t::replace));
 }
 
 /// Counts as a line of 64 blocks, on a logarithmic scale: one bin of air would flatten all others.

@@ -1,5 +1,8 @@
 #include "interrupt.h"
 
+#include <chiaro/error.h>
+#include <unistd.h>
+
 #include <atomic>
 #include <csignal>
 
@@ -11,6 +14,8 @@ std::atomic<Progress*> to_cancel{nullptr};  // a signal handler can be reached i
 void cancel(int) {
     if (Progress* progress = to_cancel) progress->cancel();
 }
+
+void end_at_once(int) { _exit(int(ErrorCode::interrupted)); }
 
 void handle(void (*handler)(int)) {
     struct sigaction action = {};
@@ -28,8 +33,13 @@ Interrupt::Interrupt(Progress& progress) {
 }
 
 Interrupt::~Interrupt() {
-    handle(SIG_DFL);
+    handle(end_at_once);
     to_cancel = nullptr;
+}
+
+void prepare_for_signals() {
+    handle(end_at_once);
+    signal(SIGXFSZ, SIG_IGN);
 }
 
 }  // namespace chiaro::cli

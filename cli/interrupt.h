@@ -13,4 +13,8 @@ public:
     Interrupt& operator=(const Interrupt&) = delete;
 };
 
+/// To be called first: where there is nothing to cancel, SIGINT and SIGTERM end the program with the code of an
+/// interruption; a file larger than the shell permits is an error of writing, not the end.
+void prepare_for_signals();
+
 }  // namespace chiaro::cli

@@ -10,13 +10,14 @@
 #include "command.h"
 #include "common.h"
 #include "core/did_you_mean.h"
+#include "interrupt.h"
 #include "lists.h"
 
 namespace chiaro::cli {
 namespace {
 
 constexpr Command (*commands[])(CLI::App&) = {info_command,    sample_command,  render_command, illuminate_command,
-                                              convert_command, compare_command, bench_command};
+                                              convert_command, compare_command, view_command,   bench_command};
 
 struct List {
     const char* flag;
@@ -87,6 +88,7 @@ void run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
     using namespace chiaro;
+    cli::prepare_for_signals();
     try {
         cli::run(argc, argv);
         if (std::fflush(stdout) != 0) throw Error(ErrorCode::output, "standard output cannot be written to");

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "volume_json.h"
+#include "json.h"
 
 namespace chiaro::cli {
 

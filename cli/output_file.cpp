@@ -7,8 +7,10 @@
 #include <algorithm>
 #include <cctype>
 #include <span>
+#include <vector>
 
 #include "core/atomic_file.h"
+#include "core/did_you_mean.h"
 
 namespace chiaro::cli {
 namespace fs = std::filesystem;
@@ -18,7 +20,8 @@ void check_output(const fs::path& path, std::initializer_list<std::string_view> 
     const std::string ending = path.extension();
     if (std::find(endings.begin(), endings.end(), ending) == endings.end())
         throw Error(ErrorCode::usage,
-                    fmt::format("{}: the name must end in {}", path.string(), fmt::join(endings, " or ")));
+                    fmt::format("{}: the name must end in {}{}", path.string(), fmt::join(endings, " or "),
+                                did_you_mean(ending, std::vector<std::string>(endings.begin(), endings.end()))));
     const fs::path folder = path.has_parent_path() ? path.parent_path() : ".";
     std::error_code ignored;
     if (!fs::is_directory(folder, ignored))

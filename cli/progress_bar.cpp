@@ -7,12 +7,17 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <vector>
+
+#include "core/did_you_mean.h"
 
 namespace chiaro::cli {
 
 ProgressBar::ProgressBar(const std::string& when, bool quiet) {
     if (when != "auto" && when != "always" && when != "never")
-        throw Error(ErrorCode::usage, fmt::format("--progress {}: must be auto, always or never", when));
+        throw Error(ErrorCode::usage,
+                    fmt::format("--progress {}: must be auto, always or never{}", when,
+                                did_you_mean(when, std::vector<std::string>{"auto", "always", "never"})));
     enabled_ = when == "always" || (when == "auto" && !quiet && isatty(STDERR_FILENO));
 }
 

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "command.h"
+#include "job.h"
 #include "output_file.h"
 
 namespace chiaro::cli {
@@ -28,7 +29,9 @@ void run(const SampleOptions& o) {
     }
     if (o.name.empty()) throw Error(ErrorCode::usage, "NAME is missing; chiaro sample --list shows the names");
     check_output(o.output, {".nrrd"});
-    write_nrrd(make_sample(o.name, o.size), o.output, NrrdEncoding::raw);
+    const CommonOptions plain;
+    Job job(plain);
+    write_nrrd(make_sample(o.name, o.size, job.progress), o.output, NrrdEncoding::raw, job.progress);
 }
 
 }  // namespace

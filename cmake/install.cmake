@@ -3,7 +3,7 @@ include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/chiaro)
 install(TARGETS chiaro EXPORT chiaro-targets)
 install(TARGETS chiaro-cli)
-install(TARGETS chiaro-decode RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/chiaro)
+install(TARGETS ${CHIARO_DECODERS} RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/chiaro)
 install(DIRECTORY include/chiaro DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(EXPORT chiaro-targets NAMESPACE chiaro:: DESTINATION ${package_dir})
 

@@ -79,12 +79,21 @@ TEST(Dicom, TiltedGantryIsShearedExactlyAndReported) {
     expect_near(volume.geometry.direction[1], {0, 1, 0});
 }
 
-TEST(Dicom, GapsAndRepeatedSlicesAreReported) {
-    const Folder gap, twice;
-    write_series(gap, 5, [](Dicom& slice, int i) { slice.position[2] = i < 3 ? i : i + 2; });
-    const auto gapped = read(gap.name());
-    EXPECT_TRUE(has_note(gapped, "unevenly spaced (1 to 3 mm"));
-    EXPECT_NEAR(gapped.geometry.spacing_mm.z, 1.5, 1e-9);
+TEST(Dicom, MissingSlicesAreInterpolatedAndTold) {
+    const Folder folder;
+    write_series(folder, 5, [](Dicom& slice, int i) { slice.position[2] = i < 3 ? i : i + 2; });
+    const auto volume = read(folder.name());
+    EXPECT_TRUE(has_note(volume, "2 of 7 slices are missing (4-5)"));
+    EXPECT_EQ(first_pixels(volume), (std::vector{0, 100, 200, 233, 267, 300, 400}));
+    EXPECT_NEAR(volume.geometry.spacing_mm.z, 1, 1e-9);
+}
+
+TEST(Dicom, UnevenAndRepeatedSlicesAreReported) {
+    const Folder uneven, twice;
+    write_series(uneven, 5, [](Dicom& slice, int i) { slice.position[2] = i < 3 ? i : i + 1.5; });
+    const auto shifted = read(uneven.name());
+    EXPECT_TRUE(has_note(shifted, "unevenly spaced (1 to 2.5 mm"));
+    EXPECT_NEAR(shifted.geometry.spacing_mm.z, 5.5 / 4, 1e-9);
     write_series(twice, 6, [](Dicom& slice, int i) { slice.position[2] = i % 3; });
     const auto repeated = read(twice.name());
     EXPECT_TRUE(has_note(repeated, "3 slices lie at the place of another"));
@@ -144,4 +153,51 @@ TEST(Dicom, FramesOfAnEnhancedImageAreSlices) {
     EXPECT_EQ(first_pixels(volume), (std::vector{24, 12, 0}));
     expect_near(volume.geometry.spacing_mm, {0.8, 0.7, 3});
     expect_near(volume.geometry.origin_mm, {1, 2, 0});
+}
+
+TEST(Dicom, FramesWithOnePlaceFollowTheSpacing) {
+    const Folder folder;
+    const auto last_element = [](const std::string& element) {  // behind group 0028, as the order of tags demands
+        return Dicom{.position = {1, 2, 3},
+                     .intercept = 0,
+                     .pixels = ramp<std::uint16_t>(36),
+                     .frames = 3,
+                     .functional_groups = element};
+    };
+    auto dose = last_element(Dicom::element(0x3004, 0xc, "DS", "0\\2\\4") + Dicom::element(0x3004, 0xe, "DS", "0.5"));
+    auto volume = read(folder.write("dose.dcm", dose.bytes()));
+    EXPECT_EQ(first_pixels(volume), (std::vector{0, 12, 24}));
+    expect_near(volume.geometry.spacing_mm, {0.5, 2, 2});
+    expect_near(volume.geometry.origin_mm, {1, 2, 3});
+    const auto position = Dicom::element(0x20, 0x32, "DS", "5\\6\\7"),
+               turned = Dicom::element(0x20, 0x37, "DS", "0\\1\\0\\0\\0\\1");
+    auto nuclear = last_element(Dicom::sequence(0x54, 0x22, {position + turned}));
+    nuclear.spacing_between_slices = -4;
+    volume = read(folder.write("nuclear.dcm", nuclear.bytes()));
+    EXPECT_EQ(first_pixels(volume), (std::vector{24, 12, 0}));  // along the normal, +x
+    expect_near(volume.geometry.origin_mm, {-3, 6, 7});
+    expect_near(volume.geometry.spacing_mm, {0.5, 2, 4});
+    expect_near(volume.geometry.direction[2], {1, 0, 0});
+    volume = read(folder.write("cine.dcm", Dicom{.pixels = ramp<std::uint16_t>(36), .frames = 3}.bytes()));
+    EXPECT_TRUE(has_note(volume, "state no position"));
+    EXPECT_EQ(first_pixels(volume), (std::vector{0, 12, 24}));
+}
+
+TEST(Dicom, FramesOfTwoStacksAreTwoSeries) {
+    const Folder folder;
+    std::vector<std::string> frames;
+    for (int i = 0; i < 5; ++i) {
+        const bool sagittal = i >= 3;
+        frames.push_back(
+            Dicom::sequence(0x20, 0x9113,
+                            {Dicom::element(0x20, 0x32, "DS",
+                                            sagittal ? std::to_string(i) + "\\0\\0" : "0\\0\\" + std::to_string(i))}) +
+            Dicom::sequence(0x20, 0x9116,
+                            {Dicom::element(0x20, 0x37, "DS", sagittal ? "0\\1\\0\\0\\0\\1" : "1\\0\\0\\0\\1\\0")}));
+    }
+    Dicom image{.pixels = ramp<std::uint16_t>(60), .frames = 5};
+    image.functional_groups = Dicom::sequence(0x5200, 0x9230, frames);
+    const auto name = folder.write("enhanced.dcm", image.bytes());
+    EXPECT_EQ(first_pixels(read(name)), (std::vector{0, 12, 24}));
+    EXPECT_EQ(first_pixels(read(name, {.raw = {}, .series = "2", .rescale = {}})), (std::vector{36, 48}));
 }

@@ -137,6 +137,105 @@ TEST_F(SessionTest, ACancelledPreviewLeavesNothingHalfDone) {
     EXPECT_EQ(session.render(scene, progress).pixels, render_image(Device::cpu(1), scene, progress).pixels);
 }
 
+namespace {
+
+/// Of a picture's values, root of the mean square.
+double distance_of(const std::vector<std::uint8_t>& a, const std::vector<std::uint8_t>& b) {
+    double squares = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) squares += std::pow(double(a[i]) - b[i], 2);
+    return std::sqrt(squares / double(a.size()));
+}
+
+struct TransportSession : SessionTest {
+    std::vector<Image> previews;
+    const Preview keep = [&](const Image& image) { previews.push_back(image); };
+
+    void SetUp() override {
+        SessionTest::SetUp();
+        scene.illumination.method = Method::transport;
+        scene.illumination.transport = {.grid = 24, .directions = 24, .first_directions = 100, .error = 0.002};
+        scene.lighting.probe.source = "sky";
+        scene.transfer.opacity_scale = 0.3;
+        session.render(scene, progress, keep);
+    }
+    bool redid(const std::string& verb) { return (" " + redone() + " ").find(" " + verb + " ") != std::string::npos; }
+};
+
+}  // namespace
+
+TEST_F(TransportSession, ShowsAPictureForEachIteration) {
+    ASSERT_GE(previews.size(), 4u);
+    const auto last = session.render(scene, progress).pixels;
+    EXPECT_GT(distance_of(previews.front().pixels, last), 0);
+    EXPECT_LT(distance_of(previews.front().pixels, last), 8) << "something to see at once";
+    EXPECT_LT(distance_of(previews.back().pixels, last), 0.5) << "no flicker at the end";
+    EXPECT_LT(distance_of(previews.back().pixels, last), distance_of(previews.front().pixels, last));
+    previews.clear();
+    session.render(scene, progress, keep);
+    EXPECT_TRUE(previews.empty()) << "nothing has changed";
+}
+
+TEST_F(TransportSession, FindsLightAgainWhereTheProbeTurnsOrChanges) {
+    EXPECT_EQ(redone(), "");
+    scene.lighting.probe.rotation_deg = 90;
+    EXPECT_TRUE(redid("illuminate"));
+    EXPECT_FALSE(redid("illuminate"));
+    scene.lighting.probe.source = "studio";
+    EXPECT_TRUE(redid("illuminate"));
+    scene.camera.up = Vec3{0, 1, 0};  // the probe stands by it
+    EXPECT_TRUE(redid("illuminate"));
+    scene.transfer.opacity_scale = 0.2;
+    EXPECT_TRUE(redid("illuminate"));
+}
+
+TEST_F(TransportSession, ExposureStrengthAndCameraFindNoLight) {
+    scene.lighting.probe.exposure_stops = 1;
+    EXPECT_EQ(redone(), "raycast develop");
+    scene.lighting.strength = 0.5;
+    EXPECT_EQ(redone(), "raycast develop");
+    scene.lighting.shading = Shading::none;
+    EXPECT_EQ(redone(), "raycast develop");
+    scene.camera.azimuth_deg += 20;
+    EXPECT_EQ(redone(), "raycast develop");
+}
+
+TEST_F(TransportSession, OtherMethodsFindNoLightForAProbe) {
+    scene.illumination.method = Method::visibility;
+    session.render(scene, progress);
+    scene.lighting.probe.rotation_deg = 90;
+    EXPECT_EQ(redone(), "raycast develop");
+    scene.camera.up = Vec3{0, 1, 0};
+    EXPECT_EQ(redone(), "raycast develop");
+}
+
+/// What an iteration still changes, by 8 bits: warm light starts elsewhere and ends there too.
+TEST_F(TransportSession, WarmAndColdLightAgree) {
+    const auto cold = [&] {
+        Session fresh(Device::cpu(2));
+        fresh.show(make_sample("ball", 24), progress);
+        return fresh.render(scene, progress).pixels;
+    };
+    scene.transfer.opacity_scale = 0.6;
+    EXPECT_LT(distance_of(session.render(scene, progress).pixels, cold()), 1);
+    scene.lighting.probe.rotation_deg = 120;
+    EXPECT_LT(distance_of(session.render(scene, progress).pixels, cold()), 1);
+    scene.illumination.transport.grid = 16;
+    EXPECT_LT(distance_of(session.render(scene, progress).pixels, cold()), 1);
+}
+
+TEST_F(TransportSession, ACancelledIterationLeavesNothingHalfDone) {
+    scene.transfer.opacity_scale = 0.6;
+    Progress cancelled;
+    int seen = 0;
+    const auto stop = [&](const Image&) {
+        if (++seen == 2) cancelled.cancel();
+    };
+    EXPECT_THROW(session.render(scene, cancelled, stop), Error);
+    EXPECT_EQ(seen, 2);
+    EXPECT_LT(distance_of(session.render(scene, progress).pixels, render_image(Device::cpu(1), scene, progress).pixels),
+              1);
+}
+
 TEST_F(SessionTest, AnInterruptedRenderIsDoneAgain) {
     const auto before = session.render(scene, progress).pixels;
     scene.camera.azimuth_deg += 90;
@@ -162,4 +261,36 @@ TEST(Session, NeedsAVolume) {
     Progress progress;
     Session session(Device::cpu(1));
     EXPECT_THROW(session.render(Scene(), progress), Error);
+}
+
+TEST_F(SessionTest, DraftsByTheLightAtHand) {
+    scene.illumination.method = Method::spao;
+    EXPECT_TRUE(session.needs_light(scene));
+    const Image lit = session.render(scene, progress);
+    EXPECT_FALSE(session.needs_light(scene));
+    EXPECT_TRUE(session.draft(scene, progress).pixels == lit.pixels) << "the light at hand is the right one";
+
+    scene.camera.azimuth_deg += 30;
+    EXPECT_FALSE(session.needs_light(scene));
+    scene.transfer.opacity_scale = 0.2;
+    EXPECT_TRUE(session.needs_light(scene));
+    const Image draft = session.draft(scene, progress);
+    EXPECT_TRUE(session.needs_light(scene)) << "a draft finds none";
+    for (const auto& stage : session.stages()) EXPECT_NE(stage.name, "illuminate");
+    const Image right = session.render(scene, progress);
+    EXPECT_FALSE(draft.pixels == right.pixels);
+
+    Scene small = scene;
+    small.width = 20, small.height = 15;
+    EXPECT_EQ(session.draft(small, progress).width, 20);
+    EXPECT_EQ(redone(), "") << "what render keeps stays kept";
+}
+
+TEST_F(SessionTest, SessionsBesideShareTheVoxelsAlone) {
+    Session other = session.beside();
+    EXPECT_EQ(&other.volume().data(), &session.volume().data());
+    scene.transfer.source = "gray";
+    const Image theirs = other.render(scene, progress);
+    EXPECT_TRUE(session.render(scene, progress).pixels == theirs.pixels);
+    EXPECT_EQ(other.guess().preset, session.guess().preset);
 }

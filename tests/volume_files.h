@@ -132,7 +132,9 @@ struct Dicom {
     std::vector<std::uint16_t> pixels = ramp<std::uint16_t>(12);
     int stated_rows = 0;  ///< other than there are, for lies
     int frames = 1;
-    std::string functional_groups = {};  ///< elements of group 5200 of an enhanced image
+    std::string functional_groups = {};  ///< elements of groups beyond 0028: of an enhanced image, of a dose
+    double spacing_between_slices = 0;   ///< 0: not stated
+    bool bytes_only = false;             ///< pixels of 8 bits, each the low byte of `pixels`
 
     std::string bytes() const {
         const std::string transfer_syntax = "1.2.840.10008.1.2.1";
@@ -142,13 +144,16 @@ struct Dicom {
         meta = element(2, 2, "UI", ct_image) + element(2, 3, "UI", series + "." + std::to_string(instance)) + meta;
         std::string body =
             element(8, 0x16, "UI", ct_image) + element(8, 0x18, "UI", series + "." + std::to_string(instance)) +
-            element(8, 0x60, "CS", modality) + element(0x20, 0xd, "UI", "1.2") + element(0x20, 0xe, "UI", series) +
+            element(8, 0x60, "CS", modality) +
+            (spacing_between_slices != 0 ? element(0x18, 0x88, "DS", decimals(std::array{spacing_between_slices}))
+                                         : "") +
+            element(0x20, 0xd, "UI", "1.2") + element(0x20, 0xe, "UI", series) +
             element(0x20, 0x13, "IS", std::to_string(instance)) + element(0x20, 0x32, "DS", decimals(position)) +
             element(0x20, 0x37, "DS", decimals(orientation)) + us(0x28, 2, 1) + element(0x28, 4, "CS", "MONOCHROME2") +
             (frames > 1 ? element(0x28, 8, "IS", std::to_string(frames)) : "") +
             us(0x28, 0x10, stated_rows ? stated_rows : rows) + us(0x28, 0x11, columns) +
-            element(0x28, 0x30, "DS", decimals(std::array{row_spacing, column_spacing})) + us(0x28, 0x100, 16) +
-            us(0x28, 0x101, 16) + us(0x28, 0x102, 15) + us(0x28, 0x103, is_signed) +
+            element(0x28, 0x30, "DS", decimals(std::array{row_spacing, column_spacing})) + us(0x28, 0x100, bits()) +
+            us(0x28, 0x101, bits()) + us(0x28, 0x102, bits() - 1) + us(0x28, 0x103, is_signed) +
             element(0x28, 0x1052, "DS", decimals(std::array{intercept})) +
             element(0x28, 0x1053, "DS", decimals(std::array{slope})) + functional_groups + pixel_data();
         return std::string(128, '\0') + "DICM" + element(2, 0, "UL", bytes_of(std::uint32_t(meta.size()))) + meta +
@@ -184,10 +189,12 @@ private:
         }
         return text;
     }
+    int bits() const { return bytes_only ? 8 : 16; }
     std::string pixel_data() const {
-        const std::string value = bytes_of_all(pixels);
-        return bytes_of(std::uint16_t(0x7fe0)) + bytes_of(std::uint16_t(0x10)) + "OW" + std::string(2, '\0') +
-               bytes_of(std::uint32_t(value.size())) + value;
+        std::string value = bytes_of_all(pixels);
+        if (bytes_only) value.assign(pixels.begin(), pixels.end());
+        return bytes_of(std::uint16_t(0x7fe0)) + bytes_of(std::uint16_t(0x10)) + (bytes_only ? "OB" : "OW") +
+               std::string(2, '\0') + bytes_of(std::uint32_t(value.size())) + value;
     }
 };
 

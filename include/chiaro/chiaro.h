@@ -11,6 +11,7 @@
 #include <chiaro/io.h>
 #include <chiaro/lighting.h>
 #include <chiaro/medium.h>
+#include <chiaro/pick.h>
 #include <chiaro/probe.h>
 #include <chiaro/progress.h>
 #include <chiaro/render.h>

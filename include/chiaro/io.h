@@ -41,6 +41,8 @@ enum class NrrdEncoding { raw, gzip };
 /// Writes NRRD with geometry and key/values, whole or not at all. Slope and intercept other than 1 and 0 are applied
 /// (integers that stay integers in 16 bits are kept as such, else float32). Throws Error{output}.
 void write_nrrd(const Volume& volume, const std::filesystem::path& path, NrrdEncoding encoding);
+/// The same, reported as "write". Throws Error{interrupted} when cancelled.
+void write_nrrd(const Volume& volume, const std::filesystem::path& path, NrrdEncoding encoding, Progress& progress);
 
 /// A format for `--list-formats` and for messages.
 struct FormatInfo {

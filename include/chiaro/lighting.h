@@ -34,7 +34,8 @@ struct Lighting {
     Rgb color{1, 1, 1};                         ///< sRGB, as picked
     double strength = 1;                        ///< of the illumination method: A' = 1 - strength (1 - A)
     ProbeSettings probe;
-    Probe loaded_probe;  ///< of `probe.source`; none: a white one where light from all around is needed
+    Probe loaded_probe;            ///< of `probe.source`; none: a white one where light from all around is needed
+    std::optional<Vec3> probe_up;  ///< for `illuminate`: Camera::orbit_up of the picture; none: +z
     bool operator==(const Lighting&) const = default;
 };
 
@@ -163,6 +164,8 @@ struct ScatteringSettings {
     double albedo_max = 0.9;  ///< else the albedo is the colour, scaled down to this where a channel is above
     std::uint64_t seed = 0;   ///< of all that is drawn at random
     double anisotropy = 0;    ///< g of Henyey and Greenstein in (-1, 1), forwards above 0; for callers of the library
+    /// Of the largest channel of an albedo; none where light is scattered once, which shows colours as they are.
+    std::optional<double> albedo_limit() const { return bounces.most == 0 ? std::nullopt : std::optional(albedo_max); }
     bool operator==(const ScatteringSettings&) const = default;
 };
 
@@ -177,6 +180,9 @@ struct IlluminationSettings {
     bool on_particles = false;  ///< no surfaces: accessibility is neither moved off them nor scaled (compare_methods)
     bool operator==(const IlluminationSettings&) const = default;
 };
+
+/// Whether a field holds the light of a probe, so that `illuminate` depends on it; others are lit when they are seen.
+inline bool holds_light(const IlluminationSettings& settings) { return settings.method == Method::transport; }
 
 /// Whether a picture comes from trace_paths, which needs no field, rather than from raycast.
 inline bool is_path_traced(const IlluminationSettings& settings) {
@@ -243,18 +249,21 @@ IlluminationSettings preparation_of(const IlluminationSettings& settings);
 /// A radius for local histograms, in smallest voxel edges: how far cells are from the next strong edge, on average.
 int proposed_radius(const DeviceVolume& volume);
 
-/// Hands at least one field to `sink` unless cancelled. Returns false when cancelled.
+/// Hands at least one field to `sink` unless cancelled, which it is between the iterations of transport too. Of
+/// `lighting` only what a field holds counts: for transport the probe, turned but not exposed, else nothing. `warm`: a
+/// field of the same volume, whose light transport starts from (an edit, a turned probe); whatever it is, the last
+/// field is that of a start from nothing within what an iteration still changes. Returns false when cancelled.
 bool illuminate(const Device& device, const Medium& medium, const Prepared& prepared, const Lighting& lighting,
-                const IlluminationSettings& settings, const Sink& sink, Progress& progress);
+                const IlluminationSettings& settings, const Sink& sink, Progress& progress,
+                const IlluminationField& warm = {});
 
 /// The method's own answer for every voxel, neither moved off surfaces nor scaled as a picture needs it: accessibility,
-/// 1 = all light arrives; of the reference's quantity visibility, 16 components in spherical harmonics, a node for
-/// every `subsample`³ cells; of its fluence J, three components, red, green, blue, 1 in an empty white probe, at the
-/// centres of `subsample`³ voxels. `orbit_up` is what the probe stands on. Throws Error{usage} for a method that
-/// computes no field and for maxima along rays (which have no place that could be lit), Error{interrupted} when
+/// 1 = all light arrives; of transport J, the mean radiance (three components, 1 in an empty white probe), at the cells
+/// of its own grid; of the reference's quantity visibility, 16 components in spherical harmonics, a node for every
+/// `subsample`³ cells; of its fluence J too, at the centres of `subsample`³ voxels. Throws Error{usage} for a method
+/// that computes no field and for maxima along rays (which have no place that could be lit), Error{interrupted} when
 /// cancelled.
 ComputedField compute_field(const Device& device, const Medium& medium, const Prepared& prepared,
-                            const Lighting& lighting, const IlluminationSettings& settings, Progress& progress,
-                            Vec3 orbit_up = {0, 0, 1});
+                            const Lighting& lighting, const IlluminationSettings& settings, Progress& progress);
 
 }  // namespace chiaro

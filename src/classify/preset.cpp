@@ -87,9 +87,9 @@ TransferFunction preset(const std::string& name, const Statistics& data) {
     const std::string_view map = std::string_view(name).substr(0, name.size() - (reversed ? 2 : 0));
     for (const ColorMapRow& row : color_map_rows()) {
         if (row.name == map) return stretched(from_color_map(row, reversed), data.min, data.max);
-        names.emplace_back(row.name);
+        names.push_back(std::string(row.name) + (reversed ? "_r" : ""));
     }
-    const std::string hint = did_you_mean(map, names);
+    const std::string hint = did_you_mean(name, names);
     throw Error(ErrorCode::usage,
                 "unknown transfer function '" + name + "'" +
                     (hint.empty() ? ": must be a file, preset or colour map (--list-presets)" : hint));

@@ -15,11 +15,23 @@ AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
     struct stat existing {};
     if (stat(path_.c_str(), &existing) == 0 && !S_ISREG(existing.st_mode))
         fail(S_ISDIR(existing.st_mode) ? EISDIR : EINVAL);  // renaming over a device would replace it
-    for (int attempt = 0; descriptor_ < 0; ++attempt) {
-        const std::string name = ".chiaro-" + std::to_string(getpid()) + "-" + std::to_string(attempt);
-        temporary_ = path_.parent_path() / name;
-        descriptor_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (descriptor_ < 0 && (errno != EEXIST || attempt == 1000)) fail(errno);
+    const std::filesystem::path folder = path_.has_parent_path() ? path_.parent_path() : ".";
+    if (access("/proc/self/fd", X_OK) == 0)  // through which it gets its name
+        descriptor_ = open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+    if (descriptor_ < 0)
+        take_name([&] {
+            descriptor_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+            return descriptor_ >= 0;
+        });
+}
+
+void AtomicFile::take_name(const std::function<bool()>& take) {
+    for (int attempt = 0;; ++attempt) {
+        temporary_ = path_.parent_path() / (".chiaro-" + std::to_string(getpid()) + "-" + std::to_string(attempt));
+        if (take()) return;
+        if (errno == EEXIST && attempt < 1000) continue;
+        temporary_.clear();
+        fail(errno);
     }
 }
 
@@ -38,6 +50,11 @@ void AtomicFile::write(std::span<const std::byte> bytes) {
 
 void AtomicFile::commit() {
     if (fsync(descriptor_) != 0) fail(errno);
+    if (temporary_.empty())  // nothing can take another file's name but a rename
+        take_name([&] {
+            const std::string nameless = "/proc/self/fd/" + std::to_string(descriptor_);
+            return linkat(AT_FDCWD, nameless.c_str(), AT_FDCWD, temporary_.c_str(), AT_SYMLINK_FOLLOW) == 0;
+        });
     if (close(std::exchange(descriptor_, -1)) != 0) fail(errno);
     if (rename(temporary_.c_str(), path_.c_str()) != 0) fail(errno);
     temporary_.clear();

@@ -2,12 +2,15 @@
 #pragma once
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <span>
 
 namespace chiaro {
 
-/// Collects bytes in a temporary file beside `path` and renames it over `path` on commit, so that neither a full disk
-/// nor an interruption leaves half a file. Every member throws Error{output}, naming the path and the reason.
+/// Collects bytes in a file without a name in the folder of `path` (where the file system has none, in one beside
+/// `path`) and renames it over `path` on commit, so that neither a full disk nor an interruption leaves half a file,
+/// and even being killed leaves nothing, but for the instant between name and rename. Every member throws
+/// Error{output}, naming the path and the reason.
 class AtomicFile {
 public:
     explicit AtomicFile(std::filesystem::path path);
@@ -19,6 +22,8 @@ public:
     void commit();  ///< flushed to the disk before it takes the name
 
 private:
+    /// Looks for a free temporary name; `take` makes the file and leaves errno where it cannot.
+    void take_name(const std::function<bool()>& take);
     [[noreturn]] void fail(int error_number) const;
 
     std::filesystem::path path_, temporary_;

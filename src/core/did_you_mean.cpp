@@ -1,5 +1,7 @@
 #include "core/did_you_mean.h"
 
+#include "core/text.h"
+
 #include <algorithm>
 #include <vector>
 
@@ -45,6 +47,18 @@ std::optional<std::string> nearest_word(std::string_view word, std::span<const s
 std::string did_you_mean(std::string_view word, std::span<const std::string> candidates) {
     const auto nearest = nearest_word(word, candidates);
     return nearest ? "; did you mean '" + *nearest + "'?" : "";
+}
+
+std::string did_you_mean_file(const std::filesystem::path& missing) {
+    constexpr std::size_t most = 10000;
+    std::error_code unreadable;
+    std::vector<std::string> names;
+    const std::filesystem::path folder = missing.has_parent_path() ? missing.parent_path() : ".";
+    for (std::filesystem::directory_iterator i(folder, unreadable), end; !unreadable && i != end && names.size() < most;
+         i.increment(unreadable))
+        if (i->path().filename() != missing.filename()) names.push_back(i->path().filename());
+    std::sort(names.begin(), names.end());
+    return one_line(did_you_mean(missing.filename().string(), names));
 }
 
 }  // namespace chiaro

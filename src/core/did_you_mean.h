@@ -1,5 +1,6 @@
 // "Did you mean": the nearest of the words that would have been right.
 #pragma once
+#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
@@ -16,5 +17,8 @@ std::optional<std::string> nearest_word(std::string_view word, std::span<const s
 
 /// "; did you mean 'X'?" to append to a message, or nothing.
 std::string did_you_mean(std::string_view word, std::span<const std::string> candidates);
+
+/// The same for a file that is not there: the nearest name in its folder (of the first 10000).
+std::string did_you_mean_file(const std::filesystem::path& missing);
 
 }  // namespace chiaro

@@ -106,7 +106,7 @@ private:
 };
 
 /// All pictures of one file, in the stored type.
-std::vector<std::byte> decode_file(const DicomSlice& slice, std::size_t frames) {
+std::vector<std::byte> decode_file(const DicomSlice& slice) {
     try {
         WatchedFile file(slice.path);
         std::istream stream(&file);
@@ -119,7 +119,7 @@ std::vector<std::byte> decode_file(const DicomSlice& slice, std::size_t frames) 
         if (file.is_truncated()) refuse("is truncated");
         if (!read) refuse("cannot be decoded");
         const gdcm::Image& image = reader.GetImage();
-        const std::size_t bytes = slice.bytes() * frames;
+        const std::size_t bytes = slice.bytes() * std::size_t(slice.frames);
         if (image.GetBufferLength() != bytes || image.GetPixelFormat().GetPixelSize() != size_of(slice.type))
             refuse(fmt::format("holds {} bytes of pixels where {} are needed", image.GetBufferLength(), bytes));
         if (const auto* value = image.GetDataElement().GetByteValue(); value && value->GetLength() < bytes)
@@ -128,6 +128,8 @@ std::vector<std::byte> decode_file(const DicomSlice& slice, std::size_t frames) 
         std::vector<std::byte> pixels(bytes);
         if (!image.GetBuffer(reinterpret_cast<char*>(pixels.data()))) refuse("holds pixels that cannot be decoded");
         return pixels;
+    } catch (const std::bad_alloc&) {
+        throw;
     } catch (const std::exception& error) {
         refuse(fmt::format("'{}' {}", slice.path.filename().string(), error.what()));
     }
@@ -146,30 +148,41 @@ void rescale(const DicomSlice& slice, const std::byte* from, std::byte* to) {
     });
 }
 
-std::size_t frames_in(const DicomSeries& series, const Path& path) {
-    std::size_t last = 0;
-    for (const auto& slice : series)
-        if (slice.path == path) last = std::max(last, std::size_t(slice.frame));
-    return last + 1;
+/// Fills the slots between slices that are there with what lies between them.
+template <class T>
+void interpolate_missing(const DicomSeries& series, std::span<T> voxels, std::size_t slice) {
+    for (std::size_t i = 1; i < series.size(); ++i) {
+        const auto below = std::size_t(series[i - 1].slot), above = std::size_t(series[i].slot);
+        for (std::size_t z = below + 1; z < above; ++z)
+            for (std::size_t k = 0; k < slice; ++k) {
+                const double a = double(voxels[below * slice + k]), b = double(voxels[above * slice + k]);
+                const double value = a + (b - a) * double(z - below) / double(above - below);
+                voxels[z * slice + k] = T(std::is_integral_v<T> ? std::round(value) : value);
+            }
+    }
 }
 
-void fill(const DicomSeries& series, std::size_t frames, bool rescaled, Volume& volume, Output& output) {
+void fill(const DicomSeries& series, bool rescaled, Volume& volume, Output& output) {
     std::vector<std::byte> pixels;
     const Path* decoded = nullptr;
-    const std::size_t slice_bytes = volume.voxels.size() / series.size();
+    const std::size_t slice_bytes = volume.voxels.size() / std::size_t(volume.dimensions[2]);
     for (std::size_t z = 0; z < series.size(); ++z) {
         const DicomSlice& slice = series[z];
         output.at(slice.path.filename().string());
-        if (!decoded || *decoded != slice.path) pixels = decode_file(slice, frames);
+        if (!decoded || *decoded != slice.path) pixels = decode_file(slice);
         decoded = &slice.path;
         const std::byte* from = pixels.data() + std::size_t(slice.frame) * slice.bytes();
-        std::byte* to = volume.voxels.data() + z * slice_bytes;
+        std::byte* to = volume.voxels.data() + std::size_t(slice.slot) * slice_bytes;
         if (rescaled)
             rescale(slice, from, to);
         else
             std::copy_n(from, slice_bytes, to);
         output.progress(0.3 + 0.7 * double(z + 1) / double(series.size()));
     }
+    with_voxel_type(volume.type, [&](auto zero) {
+        using T = decltype(zero);
+        interpolate_missing(series, volume.as<T>(), slice_bytes / sizeof(T));
+    });
 }
 
 }  // namespace
@@ -180,13 +193,13 @@ Volume read_dicom(const Path& path, const std::string& wanted, Output& output) {
     Volume volume;
     volume.format = "DICOM";
     DicomSeries series = choose(group_series(scan(path, volume, output)), wanted, volume);
-    const std::size_t frames = series[0].frame == 0 && series.size() > 1 ? frames_in(series, series[0].path) : 1;
     arrange(series, volume);
     const DicomSlice& first = series[0];
     const bool rescaled = !same_rescale(series);
     volume.type = rescaled ? VoxelType::f32 : first.type;
-    checked_bytes({first.columns, first.rows, std::int64_t(series.size())}, 1, volume.type);
-    volume.dimensions = {first.columns, first.rows, int(series.size())};
+    const int slices = series.back().slot + 1;
+    checked_bytes({first.columns, first.rows, slices}, 1, volume.type);
+    volume.dimensions = {first.columns, first.rows, slices};
     if (rescaled)
         volume.notes.push_back("slices differ in rescale slope or intercept; values were computed as 32-bit floats");
     else
@@ -195,8 +208,10 @@ Volume read_dicom(const Path& path, const std::string& wanted, Output& output) {
     if (!first.series.empty()) volume.key_values["SeriesInstanceUID"] = first.series;
     if (!first.description.empty()) volume.key_values["SeriesDescription"] = first.description;
     output.allocate(volume);
-    fill(series, frames, rescaled, volume, output);
+    fill(series, rescaled, volume, output);
     return volume;
 }
+
+Reader find_reader(std::string_view format) { return format == "dicom" ? read_dicom : nullptr; }
 
 }  // namespace chiaro::decode

@@ -81,7 +81,7 @@ void take_place(const DataSet& data, DicomSlice& slice) {
             break;
         }
     slice.thickness = decimal_or(data, Tag(0x0018, 0x0088), decimal_or(data, Tag(0x0018, 0x0050), slice.thickness));
-    slice.slope = decimal_or(data, Tag(0x0028, 0x1053), slice.slope);
+    slice.slope = decimal_or(data, Tag(0x0028, 0x1053), decimal_or(data, Tag(0x3004, 0x000e), slice.slope));  // dose
     slice.intercept = decimal_or(data, Tag(0x0028, 0x1052), slice.intercept);
 }
 
@@ -97,6 +97,34 @@ void take_macros(const DataSet& item, DicomSlice& slice) {
             take_place(macro->GetItem(1).GetNestedDataSet(), slice);
 }
 
+/// Where the frames of a file lie that states one place for all, in mm along the normal from there: dose grids list
+/// the offsets, nuclear medicine a spacing, which may be negative. Empty where there is neither.
+std::vector<double> offsets_of_frames(const DataSet& data, int count) {
+    auto offsets = decimals(data, Tag(0x3004, 0x000c), std::size_t(count));
+    if (!offsets.empty()) {
+        const double first = offsets[0];
+        for (double& offset : offsets) offset -= first;
+    } else if (const double spacing = decimal_or(data, Tag(0x0018, 0x0088), 0); spacing != 0) {
+        for (int i = 0; i < count; ++i) offsets.push_back(i * spacing);
+    }
+    return offsets;
+}
+
+/// Gives frames without a place of their own the one that follows from the file's.
+void place_frames(const DataSet& data, DicomSlice first, std::vector<DicomSlice>& frames) {
+    if (const auto detectors = sequence(data, Tag(0x0054, 0x0022)); detectors && detectors->GetNumberOfItems() > 0)
+        take_place(detectors->GetItem(1).GetNestedDataSet(), first);
+    const auto offsets = offsets_of_frames(data, int(frames.size()));
+    if (!first.has_place || offsets.empty()) return;
+    const Vec3 normal = cross(first.along_row, first.along_column);
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+        frames[i].has_place = true;
+        frames[i].along_row = first.along_row;
+        frames[i].along_column = first.along_column;
+        frames[i].position = first.position + offsets[i] * normal;
+    }
+}
+
 std::vector<DicomSlice> frames_of(const DataSet& data, const DicomSlice& common, int count) {
     const auto shared = sequence(data, Tag(0x5200, 0x9229)), each = sequence(data, Tag(0x5200, 0x9230));
     DicomSlice first = common;
@@ -105,11 +133,14 @@ std::vector<DicomSlice> frames_of(const DataSet& data, const DicomSlice& common,
     for (int i = 0; i < count; ++i) {
         DicomSlice frame = first;
         frame.frame = frame.instance = i;
+        frame.frames = count;
         frame.has_place = false;
         if (each && each->GetNumberOfItems() == std::size_t(count))
             take_macros(each->GetItem(std::size_t(i) + 1).GetNestedDataSet(), frame);
         frames.push_back(frame);
     }
+    if (std::none_of(frames.begin(), frames.end(), [](auto& f) { return f.has_place; }))
+        place_frames(data, first, frames);
     return frames;
 }
 

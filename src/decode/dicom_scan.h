@@ -12,7 +12,8 @@ namespace chiaro::decode {
 /// One picture of a file: a slice. Positions and directions in LPS millimetres.
 struct DicomSlice {
     std::filesystem::path path;
-    int frame = 0;  ///< of a file with several
+    int frame = 0, frames = 1;  ///< which of how many pictures of its file
+    int slot = 0;               ///< which slice of the volume it is; set when a series is arranged
     std::string series, description, modality;
     int columns = 0, rows = 0, instance = 0;
     VoxelType type = VoxelType::u16;

@@ -33,6 +33,41 @@ void leave_out_repeated(DicomSeries& series, Volume& volume) {
     series.erase(end, series.end());
 }
 
+/// Slots that leave room for whole slices that are missing between evenly spaced ones, or none where that is not what
+/// the positions show: each distance a multiple of the usual one, and not more missing than there.
+std::vector<int> slots_with_gaps(const DicomSeries& series) {
+    std::vector<double> distances;
+    for (std::size_t i = 1; i < series.size(); ++i)
+        distances.push_back(length(series[i].position - series[i - 1].position));
+    if (distances.size() < 2) return {};
+    auto sorted = distances;
+    std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(sorted.size() / 2), sorted.end());
+    const double usual = sorted[sorted.size() / 2];
+    std::vector<int> slots{0};
+    for (const double distance : distances) {
+        const double steps = std::round(distance / usual);
+        if (steps < 1 || steps > double(series.size()) || std::abs(distance - steps * usual) > 0.1 * usual) return {};
+        slots.push_back(slots.back() + int(steps));
+    }
+    const std::size_t missing = std::size_t(slots.back()) + 1 - series.size();
+    return missing > 0 && missing <= series.size() ? slots : std::vector<int>{};
+}
+
+void note_missing(const DicomSeries& series, Volume& volume) {
+    std::string where;
+    int missing = 0;
+    for (std::size_t i = 1; i < series.size(); ++i) {
+        const int first = series[i - 1].slot + 2, last = series[i].slot;  // numbered from 1
+        if (last < first) continue;
+        missing += last - first + 1;
+        where += (where.empty() ? "" : ", ") +
+                 (first == last ? fmt::format("{}", first) : fmt::format("{}-{}", first, last));
+    }
+    volume.notes.push_back(
+        fmt::format("{} of {} slices are missing ({}); they are interpolated between their neighbours", missing,
+                    series.back().slot + 1, where));
+}
+
 void note_uneven(const DicomSeries& series, const Vec3& step, Volume& volume) {
     double worst = 0, least = length(step), greatest = least;
     for (std::size_t i = 1; i < series.size(); ++i) {
@@ -80,6 +115,10 @@ void arrange(DicomSeries& series, Volume& volume) {
     const Vec3 normal = normal_of(first);
     std::stable_sort(series.begin(), series.end(), [](auto& a, auto& b) { return a.instance < b.instance; });
     Vec3 step = first.thickness * normal;
+    const auto number_slots = [&] {
+        for (std::size_t i = 0; i < series.size(); ++i) series[i].slot = int(i);
+    };
+    number_slots();
     if (first.has_place) {
         // Keys of 1 µm keep the order of instances at one place, where the last digits differ.
         const auto key = [&](const DicomSlice& slice) { return std::round(1000 * dot(slice.position, normal)); };
@@ -87,11 +126,14 @@ void arrange(DicomSeries& series, Volume& volume) {
             if (!std::isfinite(key(slice))) refuse("has a slice whose position is not finite");
         std::stable_sort(series.begin(), series.end(), [&](auto& a, auto& b) { return key(a) < key(b); });
         leave_out_repeated(series, volume);
+        number_slots();
+        const auto slots = slots_with_gaps(series);
+        for (std::size_t i = 0; i < slots.size(); ++i) series[i].slot = slots[i];
         volume.geometry.world = World::lps;
         volume.geometry.origin_mm = series[0].position;
         if (series.size() > 1) {
-            step = (1.0 / double(series.size() - 1)) * (series.back().position - series[0].position);
-            note_uneven(series, step, volume);
+            step = (1.0 / double(series.back().slot)) * (series.back().position - series[0].position);
+            slots.empty() ? note_uneven(series, step, volume) : note_missing(series, volume);
             note_tilt(normal, step, volume);
         }
     } else {

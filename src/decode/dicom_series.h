@@ -10,8 +10,9 @@ using DicomSeries = std::vector<DicomSlice>;
 /// All series, the largest first.
 std::vector<DicomSeries> group_series(std::vector<DicomSlice> slices);
 
-/// Sorts the slices along their normal, leaves out those that lie where another does, and sets the geometry of
-/// `volume`. What is out of the ordinary (tilted, uneven, repeated slices, no positions) is put into its notes.
+/// Sorts the slices along their normal, leaves out those that lie where another does, gives each its slot, and sets
+/// the geometry of `volume`. What is out of the ordinary (tilted, uneven, repeated or missing slices, no positions) is
+/// put into its notes. Where whole slices are missing in an even series, their slots are left empty.
 void arrange(DicomSeries& series, Volume& volume);
 
 }  // namespace chiaro::decode

@@ -1,14 +1,16 @@
 // chiaro-decode: decodes one volume in a process of its own, so that a damaged or hostile file harms nothing else.
 //
-//   chiaro-decode FORMAT PATH SERIES MAX_BYTES CPU_SECONDS
+//   chiaro-decode FORMAT PATH PART MAX_BYTES CPU_SECONDS
 //
 // Started by the library (io/helper.cpp), which hands over a memory file for the voxels and a pipe for messages
-// (io/wire.h).
+// (io/wire.h). Formats that need a library have a program each, chiaro-decode-dicom and so on, which this one becomes:
+// loading GDCM alone takes longer than reading a small volume.
 #include "decode/limits.h"
 #include "decode/output.h"
 #include "decode/readers.h"
 
 #include <fcntl.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <cstdlib>
@@ -21,12 +23,13 @@ namespace {
 
 using namespace chiaro;
 
-Volume read(const std::string& format, const std::string& path, const std::string& series, decode::Output& output) {
-    if (format == "nrrd") return decode::read_nrrd(path, output);
-    if (format == "meta") return decode::read_meta(path, output);
-    if (format == "nifti") return decode::read_nifti(path, output);
-    if (format == "dicom") return decode::read_dicom(path, series, output);
-    decode::refuse("the decoder knows no format '" + format + "'");
+/// Goes on as the program for one format, with the same arguments and open files. Returns only where there is none.
+void become_program_for(const std::string& format, char** argv) {
+    for (const char* known : {"dicom", "tiff", "hdf5"})
+        if (format == known) {
+            const auto self = std::filesystem::read_symlink("/proc/self/exe");
+            execv((self.string() + "-" + format).c_str(), argv);
+        }
 }
 
 }  // namespace
@@ -36,11 +39,15 @@ int main(int argc, char** argv) {
         std::fputs("chiaro-decode is started by chiaro; it does nothing on its own\n", stderr);
         return 2;
     }
+    const std::string format = argv[1];
+    const decode::Reader reader = decode::find_reader(format);
+    if (!reader) become_program_for(format, argv);
     const std::uint64_t max_bytes = std::strtoull(argv[4], nullptr, 10);
     decode::limit_this_process({max_bytes, unsigned(std::strtoul(argv[5], nullptr, 10))});
     decode::Output output(max_bytes);
     try {
-        output.succeed(read(argv[1], argv[2], argv[3], output));
+        if (!reader) decode::refuse("the program chiaro-decode-" + format + " is missing beside chiaro-decode");
+        output.succeed(reader(argv[2], argv[3], output));
     } catch (const std::bad_alloc&) {
         output.fail("decoding it takes more memory than is permitted");
     } catch (const std::exception& error) {

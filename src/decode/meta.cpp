@@ -204,7 +204,7 @@ void set_words(const Fields& fields, Volume& volume) {
 
 }  // namespace
 
-Volume read_meta(const Path& path, Output& output) {
+Volume read_meta(const Path& path, const std::string&, Output& output) {
     const MetaHeader header = read_header(path);
     if (value_or(header.fields, "ObjectType", "Image") != "Image")
         refuse("holds a MetaIO object of type '" + header.fields.at("ObjectType") + "', not an Image");

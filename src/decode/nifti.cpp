@@ -74,7 +74,9 @@ std::uint64_t set_shape(const NiftiHeader& header, Volume& volume) {
 /// Columns of the rotation that the quaternion (b, c, d) stands for; qfac turns the third around (nifti1.h, method 2).
 std::array<Vec3, 3> axes_of_qform(const NiftiHeader& header) {
     double b = header.quatern[0], c = header.quatern[1], d = header.quatern[2];
-    double a = std::sqrt(std::max(0.0, 1 - (b * b + c * c + d * d)));
+    // Half turns have a = 0, of which 32-bit b, c, d leave a difference whose root would be a turn of its own.
+    const double rest = 1 - (b * b + c * c + d * d);
+    double a = rest < 1e-7 ? 0 : std::sqrt(rest);
     const double norm = std::sqrt(a * a + b * b + c * c + d * d);
     a /= norm, b /= norm, c /= norm, d /= norm;
     const double qfac = header.pixdim[0] < 0 ? -1 : 1;
@@ -152,7 +154,7 @@ Payload payload_from(const NiftiHeader& header, const Path& path, std::uint64_t 
 
 }  // namespace
 
-Volume read_nifti(const Path& path, Output& output) {
+Volume read_nifti(const Path& path, const std::string&, Output& output) {
     const NiftiHeader header = read_nifti_header(path);
     Volume volume;
     volume.format = header.size == 540 ? "NIfTI-2" : "NIfTI";

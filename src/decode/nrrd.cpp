@@ -240,7 +240,7 @@ Payload payload_from(const NrrdHeader& header, const Axes& axes, const Path& pat
 
 }  // namespace
 
-Volume read_nrrd(const Path& path, Output& output) {
+Volume read_nrrd(const Path& path, const std::string&, Output& output) {
     const NrrdHeader header = read_nrrd_header(path);
     const Axes axes = find_axes(header);
     Volume volume;

@@ -13,19 +13,15 @@
 namespace chiaro::decode {
 namespace {
 
-void check_capacity(const Payload& payload, std::uint64_t bytes, VoxelType type) {
+std::uint64_t capacity_of(const Payload& payload, VoxelType type) {
     std::uint64_t available = 0;
     for (const auto& file : payload.files) {
         const std::uint64_t size = regular_file_size(file);
         available += size - std::min(size, payload.offset);
     }
-    std::uint64_t most = available;
-    if (payload.encoding == Encoding::deflated) most = available * largest_deflate_ratio;
-    if (payload.encoding == Encoding::text) most = (available + 1) / 2 * size_of(type);  // a digit and a blank each
-    if (bytes > most)
-        refuse(fmt::format(
-            "its header states {} bytes of voxels, but the file can hold at most {}: truncated, or a wrong header",
-            bytes, most));
+    if (payload.encoding == Encoding::deflated) return available * largest_deflate_ratio;
+    if (payload.encoding == Encoding::text) return (available + 1) / 2 * size_of(type);  // a digit and a blank each
+    return available;
 }
 
 /// Numbers as text, separated by blanks or commas.
@@ -37,6 +33,7 @@ public:
         std::string word;
         for (char c; (c = character()) != 0;) {
             const bool separator = c == ' ' || c == '\n' || c == '\r' || c == '\t' || c == ',';
+            ends_behind_digit_ = !separator;
             if (separator && !word.empty()) return word;
             if (!separator) word += c;
             if (word.size() > 64) refuse("holds a number of more than 64 characters");
@@ -44,6 +41,9 @@ public:
         if (word.empty()) refuse("its text data end before the last voxel");
         return word;
     }
+
+    /// Whether the file ends right behind the number read last, which may have had more digits.
+    bool ends_behind_digit() const { return ends_behind_digit_; }
 
 private:
     char character() {
@@ -57,6 +57,7 @@ private:
     ByteSource& source_;
     std::array<std::byte, 65536> buffer_;
     std::size_t at_ = 0, end_ = 0;
+    bool ends_behind_digit_ = false;
 };
 
 template <class T>
@@ -72,7 +73,16 @@ T value_from(const std::string& word) {
     }
 }
 
-void fill_from_text(ByteSource& source, VoxelType type, std::span<std::byte> to, Output& output) {
+}  // namespace
+
+void check_capacity(std::uint64_t bytes, std::uint64_t most) {
+    if (bytes > most)
+        refuse(fmt::format(
+            "its header states {} bytes of voxels, but the file can hold at most {}: truncated, or a wrong header",
+            bytes, most));
+}
+
+bool fill_from_text(ByteSource& source, VoxelType type, std::span<std::byte> to, Output& output) {
     TextReader reader(source);
     with_voxel_type(type, [&](auto zero) {
         using T = decltype(zero);
@@ -83,9 +93,10 @@ void fill_from_text(ByteSource& source, VoxelType type, std::span<std::byte> to,
             if (i % 65536 == 0) output.progress(double(i) / double(count));
         }
     });
+    return reader.ends_behind_digit();
 }
 
-void fill(ByteSource& source, const Payload& payload, VoxelType type, std::span<std::byte> to, Output& output) {
+void fill_from_bytes(ByteSource& source, bool big_endian, VoxelType type, std::span<std::byte> to, Output& output) {
     constexpr std::size_t piece_size = std::size_t(4) << 20;
     for (std::size_t done = 0; done < to.size();) {
         const auto piece = to.subspan(done, std::min(piece_size, to.size() - done));
@@ -94,10 +105,12 @@ void fill(ByteSource& source, const Payload& payload, VoxelType type, std::span<
         if (got < piece.size())
             refuse(fmt::format("its header states {} bytes of voxels, but only {} are there: the file is truncated",
                                to.size(), done));
-        if (payload.big_endian) swap_bytes(piece, size_of(type));
+        if (big_endian) swap_bytes(piece, size_of(type));
         output.progress(double(done) / double(to.size()));
     }
 }
+
+namespace {
 
 /// Reading on to the end of a compressed stream checks its checksum; anything more than that is worth a note.
 void check_end(ByteSource& source, Volume& volume) {
@@ -115,9 +128,10 @@ void read_voxels(const Payload& payload, Volume& volume, Output& output) {
         refuse("states more voxels than can be counted in 64 bits");
     if (payload.files.empty() || bytes % (payload.files.size() * size_of(volume.type)) != 0)
         refuse(fmt::format("has {} data files, which {} slices cannot be shared among", payload.files.size(), n[2]));
-    check_capacity(payload, stated, volume.type);
+    check_capacity(stated, capacity_of(payload, volume.type));
     output.allocate(volume);
     const std::size_t share = bytes / payload.files.size();
+    bool ends_early = false;
     for (std::size_t i = 0; i < payload.files.size(); ++i) {
         const bool deflated = payload.encoding == Encoding::deflated;
         const auto source =
@@ -125,11 +139,13 @@ void read_voxels(const Payload& payload, Volume& volume, Output& output) {
         skip(*source, payload.skip);
         const std::span<std::byte> to(volume.voxels.data() + i * share, share);
         if (payload.encoding == Encoding::text)
-            fill_from_text(*source, volume.type, to, output);
+            ends_early = fill_from_text(*source, volume.type, to, output);
         else
-            fill(*source, payload, volume.type, to, output);
-        if (payload.encoding != Encoding::text && payload.volumes == 1) check_end(*source, volume);
+            fill_from_bytes(*source, payload.big_endian, volume.type, to, output);
+        if (payload.encoding != Encoding::text && payload.volumes == 1 && !payload.more_may_follow)
+            check_end(*source, volume);
     }
+    if (ends_early) volume.notes.push_back("no line end follows the last number: it may be cut, and the file with it");
 }
 
 void swap_bytes(std::span<std::byte> bytes, std::size_t value_size) {

@@ -16,12 +16,21 @@ struct Payload {
     std::uint64_t skip = 0;    ///< bytes of the inflated data before the first voxel
     Encoding encoding = Encoding::raw;
     bool big_endian = false;
-    std::uint64_t volumes = 1;  ///< in the data, one after the other; the first is read
+    std::uint64_t volumes = 1;     ///< in the data, one after the other; the first is read
+    bool more_may_follow = false;  ///< behind the voxels, and means nothing
 };
 
 /// Allocates and fills the voxels of `volume`, whose shape is set. Throws Error{input} before it allocates anything
 /// when the files cannot hold as much as the header states, and when they turn out to hold less.
 void read_voxels(const Payload& payload, Volume& volume, Output& output);
+
+/// Fill voxels that are allocated, from text or from bytes. Throw Error{input} where the source ends before. The first
+/// returns whether the source ends right behind the last number, which may have had more digits.
+bool fill_from_text(ByteSource& source, VoxelType type, std::span<std::byte> to, Output& output);
+void fill_from_bytes(ByteSource& source, bool big_endian, VoxelType type, std::span<std::byte> to, Output& output);
+
+/// Throws Error{input} where a header states `bytes` of voxels and the file can hold no more than `most`.
+void check_capacity(std::uint64_t bytes, std::uint64_t most);
 
 /// Swaps the bytes of every value in place: voxels are kept in the machine's (little-endian) order.
 void swap_bytes(std::span<std::byte> bytes, std::size_t value_size);

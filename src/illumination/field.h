@@ -9,6 +9,8 @@
 #include "illumination/cells/grid.h"
 #include "illumination/histogram/light.h"
 #include "illumination/none/field.h"
+#include "illumination/transport/light.h"
+#include "illumination/transport/transport.h"
 #include "illumination/visibility/field.h"
 #include "illumination/visibility/lit_nodes.h"
 
@@ -22,6 +24,10 @@ struct IlluminationField::Data {
     std::shared_ptr<const CellValues> access;         ///< what an AccessView reads
     std::shared_ptr<const LitNodes> visibility;       ///< what a VisibilityView is made from, once the light is known
     std::shared_ptr<const HistogramLight> histogram;  ///< what a HistogramView reads
+    std::shared_ptr<const TransportLight> transport;  ///< what a VisibilityView is made from, of scattered light
+    std::shared_ptr<TransportMemory> memory;          ///< what further transport starts from
+    std::optional<double> albedo_limit;               ///< of the colours that light was scattered by
+    bool on_particles = false;                        ///< of transport: matter shows no surfaces
     bool is_coarse = false;
     std::vector<Stage> stages;
 };

@@ -1,11 +1,14 @@
 #include <fmt/format.h>
 
+#include <numbers>
+
 #include "classify/medium.h"
 #include "core/threads.h"
 #include "illumination/access.h"
 #include "illumination/cells/lift.h"
 #include "illumination/field.h"
 #include "illumination/prepared.h"
+#include "illumination/probe/lambert.h"
 #include "illumination/visibility/visibility.h"
 
 namespace chiaro {
@@ -58,13 +61,47 @@ IlluminationField light_of(const Device& device, const Medium::Data& medium, con
 
 void light(const Device& device, const Medium::Data& medium, const IlluminationSettings& settings, const Sink& sink,
            Progress& progress) {
-    if (settings.method == Method::transport) throw Error(ErrorCode::usage, "lighting transport is not built yet");
     if (settings.method != Method::visibility) return sink(light_of(device, medium, settings, progress));
     Steps steps;
     const auto keep = [&](VisibilityNodes nodes, bool is_coarse) {
         sink(field_of(device, std::move(nodes), is_coarse, steps));
     };
     refine_visibility(device, medium, settings.visibility, keep, steps, progress);
+}
+
+/// Of a surface that sees half of all the light there is, whichever way it faces: per channel.
+std::array<float, 3> most_on_a_surface(const Lighting& lighting, Vec3 orbit_up, const Geometry& geometry) {
+    std::array<float, 3> most{};
+    const float all = std::sqrt(4 * std::numbers::pi_v<float>);  // V_00 where nothing stops light
+    for (const LambertTable::Entry& entry : lambert_table(lighting, orbit_up, geometry, ShWindow::none).entries)
+        for (int c = 0; c < 3; ++c) most[c] = std::max(most[c], all * entry[c][0] / std::numbers::pi_v<float>);
+    return most;
+}
+
+void scatter(const Device& device, const Medium::Data& medium, const Lighting& lighting,
+             const IlluminationSettings& settings, const Sink& sink, Progress& progress,
+             const IlluminationField& warm) {
+    Lighting unexposed = lighting;
+    unexposed.probe.exposure_stops = 0;  // a factor, which needs no light to be found again
+    Steps steps;
+    // All fields of this call share it: each leaves the newest solver.
+    const auto memory = std::make_shared<TransportMemory>(warm.data().memory ? *warm.data().memory : nullptr);
+    const Vec3 up = lighting.probe_up.value_or(Vec3{0, 0, 1});
+    const Geometry& geometry = medium.volume.geometry();
+    const std::array<float, 3> most = most_on_a_surface(unexposed, up, geometry);
+    const auto keep = [&](TransportNodes nodes, bool is_coarse) {
+        auto data = std::make_shared<IlluminationField::Data>();
+        const double edges = nodes.grid.edge_mm / geometry.smallest_spacing_mm();
+        data->transport = std::make_shared<const TransportLight>(device, std::move(nodes), edges, most);
+        data->memory = memory;
+        data->albedo_limit = settings.scattering.albedo_limit();
+        data->on_particles = settings.on_particles;
+        data->is_coarse = is_coarse;
+        data->stages = steps.stages();
+        sink(IlluminationField(std::move(data)));
+    };
+    refine_transport(device, medium, unexposed, settings.transport, settings.scattering, up, keep, steps, progress,
+                     memory.get());
 }
 
 /// A cell's number at every voxel's centre; interpolated where voxels are no cubes.
@@ -129,7 +166,7 @@ Volume accessibility_of_voxels(const Device& device, const Medium::Data& medium,
 IlluminationField::IlluminationField() : data_(std::make_shared<Data>()) {}
 std::size_t IlluminationField::bytes() const {
     return (data().access ? data().access->buffer.size() : 0) + (data().visibility ? data().visibility->bytes() : 0) +
-           (data().histogram ? data().histogram->bytes() : 0);
+           (data().histogram ? data().histogram->bytes() : 0) + (data().transport ? data().transport->bytes() : 0);
 }
 bool IlluminationField::is_coarse() const { return data().is_coarse; }
 const std::vector<Stage>& IlluminationField::stages() const { return data().stages; }
@@ -147,13 +184,16 @@ std::vector<MethodInfo> list_methods() {
         {"reference", "Light's own paths, or rays from every voxel: slow, and what the others are measured against."}};
 }
 
-bool illuminate(const Device& device, const Medium& medium, const Prepared& prepared, const Lighting&,
-                const IlluminationSettings& settings, const Sink& sink, Progress& progress) try {
+bool illuminate(const Device& device, const Medium& medium, const Prepared& prepared, const Lighting& lighting,
+                const IlluminationSettings& settings, const Sink& sink, Progress& progress,
+                const IlluminationField& warm) try {
     progress.check();
     check_picture(settings);
     // A maximum along a ray has no place in which it could be lit; paths find their light themselves.
     if (settings.method == Method::none || medium.data().shape.mode == Mode::mip || is_path_traced(settings))
         sink(IlluminationField());
+    else if (settings.method == Method::transport)
+        scatter(device, medium.data(), lighting, settings, sink, progress, warm);
     else if (settings.method == Method::histogram)
         sink(light_of_histograms(device, medium.data(), prepared, settings));
     else

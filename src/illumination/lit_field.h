@@ -7,8 +7,9 @@ namespace chiaro {
 
 struct LitField {
     FieldView view;
-    std::optional<MainLight> main;      ///< missing: the lighting's own light
-    std::shared_ptr<const void> keeps;  ///< what the view reads
+    std::optional<MainLight> main;       ///< missing: the lighting's own light
+    std::shared_ptr<const void> keeps;   ///< what the view reads
+    std::optional<double> albedo_limit;  ///< of the colours that are seen; none: as they are
 };
 
 /// Joins field and lighting; a probe is projected on the field where that holds no light of its own.

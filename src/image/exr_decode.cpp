@@ -11,6 +11,7 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "core/text.h"
 #include "image/exr.h"
 
 namespace chiaro {
@@ -93,7 +94,7 @@ auto with_file(std::span<const std::byte> bytes, const std::string& origin, cons
     } catch (const std::bad_alloc&) {
         throw Error(ErrorCode::input, origin + ": is a broken OpenEXR file: not enough memory");
     } catch (const std::exception& error) {
-        throw Error(ErrorCode::input, origin + ": is a broken OpenEXR file: " + error.what());
+        throw Error(ErrorCode::input, origin + ": is a broken OpenEXR file: " + one_line(error.what()));
     }
 }
 

@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "core/atomic_file.h"
+#include "core/did_you_mean.h"
 #include "image/exr.h"
 #include "image/file_bytes.h"
 #include "image/png.h"
@@ -28,6 +29,7 @@ std::vector<std::byte> file_bytes(const std::filesystem::path& path) {
     };
     std::error_code error;
     const std::uintmax_t size = std::filesystem::file_size(path, error);  // fails for what is no regular file
+    if (error == std::errc::no_such_file_or_directory) throw fail(error.message() + did_you_mean_file(path));
     if (error) throw fail(error.message());
     if (size > max_file_bytes) throw fail("is larger than 2 GiB");
     std::ifstream file(path, std::ios::binary);

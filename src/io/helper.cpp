@@ -1,5 +1,6 @@
 #include "io/helper.h"
 
+#include "core/text.h"
 #include "io/helper_process.h"
 #include "io/memory.h"
 #include "io/wire.h"
@@ -19,14 +20,6 @@ namespace chiaro {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-/// What a damaged file may smuggle into a message: made one line of moderate length.
-std::string one_line(std::string text) {
-    for (char& c : text)
-        if (static_cast<unsigned char>(c) < 32 || c == 127) c = ' ';
-    if (text.size() > 400) text = text.substr(0, 400) + "...";
-    return text;
-}
 
 [[noreturn]] void refuse(const DecodeRequest& request, const std::string& sentence) {
     throw Error(ErrorCode::input, "cannot read '" + one_line(request.name) + "': " + one_line(sentence));
@@ -56,7 +49,11 @@ public:
         for (;;) {
             progress_.check();
             const auto event = helper.next(line, std::chrono::milliseconds(20));
-            if (event == HelperProcess::Event::ended) refuse(request_, text_of_end(helper.ending_signal(), at_));
+            if (event == HelperProcess::Event::ended) {
+                const int signal = helper.ending_signal();
+                progress_.check();  // what interrupted us may have ended the helper too
+                refuse(request_, text_of_end(signal, at_));
+            }
             if (event == HelperProcess::Event::line) {
                 last_sign = Clock::now();
                 if (auto header = take(line); !header.is_null()) return header;
@@ -114,7 +111,7 @@ Volume decode_isolated(const DecodeRequest& request, const ReadOptions& options,
     const std::uint64_t max_bytes = options.max_bytes > 0 ? options.max_bytes : available_memory();
     const Descriptor voxels = make_memory_file("chiaro voxels");
     const auto cpu_seconds = std::uint64_t(std::clamp(options.seconds, 1.0, 1e6)) + 1;
-    const std::vector<std::string> arguments{request.format, request.path, options.series, std::to_string(max_bytes),
+    const std::vector<std::string> arguments{request.format, request.path, request.part, std::to_string(max_bytes),
                                              std::to_string(cpu_seconds)};
     nlohmann::json header;
     {

@@ -10,6 +10,7 @@ struct DecodeRequest {
     std::string format;  ///< as decode/main.cpp names them
     std::string path;
     std::string name;         ///< for messages
+    std::string part;         ///< a DICOM series, an HDF5 dataset; empty: whatever there is
     int standard_input = -1;  ///< a file that the helper finds as its standard input, if any
 };
 

@@ -147,17 +147,29 @@ private:
 }  // namespace
 
 void write_nrrd(const Volume& volume, const std::filesystem::path& path, NrrdEncoding encoding) {
+    Progress progress;
+    write_nrrd(volume, path, encoding, progress);
+}
+
+void write_nrrd(const Volume& volume, const std::filesystem::path& path, NrrdEncoding encoding, Progress& progress) {
+    std::size_t done = 0;
+    const auto advance = [&](Bytes bytes) {
+        progress.check();
+        done += bytes.size();
+        progress.report("write", std::min(1.0, double(done) / double(std::max<std::size_t>(1, volume.voxels.size()))));
+    };
     const VoxelType type = written_type(volume);
     AtomicFile file(path);
     const std::string header = header_of(volume, type, encoding);
     file.write(std::as_bytes(std::span(header)));
     if (encoding == NrrdEncoding::raw) {
-        for_each_piece(volume, type, [&](Bytes bytes) { file.write(bytes); });
+        for_each_piece(volume, type, [&](Bytes bytes) { advance(bytes), file.write(bytes); });
     } else {
         GzipWriter gzip(file);
-        for_each_piece(volume, type, [&](Bytes bytes) { gzip.write(bytes); });
+        for_each_piece(volume, type, [&](Bytes bytes) { advance(bytes), gzip.write(bytes); });
         gzip.finish();
     }
+    progress.check();
     file.commit();
 }
 

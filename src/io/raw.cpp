@@ -1,5 +1,6 @@
 #include "io/raw.h"
 
+#include "core/text.h"
 #include "core/threads.h"
 #include "io/helper_process.h"
 #include "io/memory.h"
@@ -19,7 +20,7 @@ namespace chiaro {
 namespace {
 
 [[noreturn]] void refuse(const std::filesystem::path& path, const std::string& sentence) {
-    throw Error(ErrorCode::input, "cannot read '" + path.string() + "': " + sentence);
+    throw Error(ErrorCode::input, "cannot read '" + one_line(path.string()) + "': " + sentence);
 }
 
 std::optional<VoxelType> type_named(std::string_view word) {

@@ -1,4 +1,6 @@
 // Everything that a volume can be read from, in the order in which it is tried.
+#include "core/did_you_mean.h"
+#include "core/text.h"
 #include "core/threads.h"
 #include "io/helper.h"
 #include "io/raw.h"
@@ -25,6 +27,7 @@ namespace fs = std::filesystem;
 /// What is known of a name before anything is decoded.
 struct Candidate {
     std::string name, lower_name;
+    std::string part;  ///< what follows a file's name as `file.h5:/part`
     bool is_file = false, is_folder = false;
     std::string beginning;  ///< the first bytes of a file
     bool raw_stated = false;
@@ -43,30 +46,64 @@ struct Reader {
     std::function<Volume(const Candidate&, const ReadOptions&, Progress&)> read;
 };
 
-Candidate examine(const std::string& name, const ReadOptions& options) {
-    Candidate candidate{
-        .name = name, .lower_name = name, .beginning = {}, .raw_stated = options.raw.dimensions.has_value()};
-    for (char& c : candidate.lower_name) c = char(std::tolower(static_cast<unsigned char>(c)));
+std::string lower(std::string text) {
+    for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
+    return text;
+}
+
+/// `file:/part` into file and part, where there is such a file and none of the whole name.
+std::pair<std::string, std::string> split_part(const std::string& name) {
+    std::error_code error;
+    const auto colon = name.rfind(":/");
+    const auto first = name.find(":/");
+    if (first == std::string::npos || fs::exists(name, error)) return {name, ""};
+    for (const auto at : {first, colon})
+        if (fs::is_regular_file(name.substr(0, at), error)) return {name.substr(0, at), name.substr(at + 1)};
+    return {name, ""};
+}
+
+/// A folder of pictures rather than of DICOM files: as many TIFF files as others.
+bool is_tiff_folder(const std::string& folder) {
+    std::size_t pictures = 0, others = 0;
+    std::error_code error;
+    for (const auto& entry : fs::directory_iterator(folder, error)) {
+        const std::string ending = lower(entry.path().extension().string());
+        const bool picture = ending == ".tif" || ending == ".tiff";
+        pictures += picture;
+        others += !picture && entry.is_regular_file(error);
+    }
+    return pictures > 0 && pictures >= others;
+}
+
+Candidate examine(const std::string& stated_name, const ReadOptions& options) {
+    const auto [name, part] = split_part(stated_name);
+    Candidate candidate{.name = name,
+                        .lower_name = lower(name),
+                        .part = part,
+                        .beginning = {},
+                        .raw_stated = options.raw.dimensions.has_value()};
     if (name == "-" || name.starts_with("sample:")) return candidate;
     std::error_code error;
     const auto status = fs::status(name, error);
     candidate.is_folder = fs::is_directory(status);
     candidate.is_file = fs::is_regular_file(status);
     if (!fs::exists(status))
-        throw Error(ErrorCode::input, "cannot read '" + name + "': there is no such file or folder");
+        throw Error(ErrorCode::input,
+                    "cannot read '" + one_line(name) + "': there is no such file or folder" + did_you_mean_file(name));
     if (!candidate.is_file && !candidate.is_folder)
-        throw Error(ErrorCode::input, "cannot read '" + name + "': it is neither a regular file nor a folder");
+        throw Error(ErrorCode::input,
+                    "cannot read '" + one_line(name) + "': it is neither a regular file nor a folder");
     if (!candidate.is_file) return candidate;
     std::ifstream file(name, std::ios::binary);
-    if (!file) throw Error(ErrorCode::input, "cannot read '" + name + "': it cannot be opened");
+    if (!file) throw Error(ErrorCode::input, "cannot read '" + one_line(name) + "': it cannot be opened");
     candidate.beginning.resize(352);
     file.read(candidate.beginning.data(), 352);
     candidate.beginning.resize(std::size_t(file.gcount()));
-    if (candidate.beginning.empty()) throw Error(ErrorCode::input, "cannot read '" + name + "': it is empty");
+    if (candidate.beginning.empty()) throw Error(ErrorCode::input, "cannot read '" + one_line(name) + "': it is empty");
     return candidate;
 }
 
-Volume read_sample(const Candidate& candidate, const ReadOptions&, Progress&) {
+Volume read_sample(const Candidate& candidate, const ReadOptions&, Progress& progress) {
     const std::string name = candidate.name.substr(7), text = name.substr(std::min(name.find(':'), name.size()));
     int size = 0;
     if (!text.empty()) {
@@ -74,17 +111,18 @@ Volume read_sample(const Candidate& candidate, const ReadOptions&, Progress&) {
         if (error != std::errc{} || end != text.data() + text.size() || size <= 0)
             throw Error(ErrorCode::usage, "'" + candidate.name + "' is not sample:NAME or sample:NAME:SIZE");
     }
-    return make_sample(name.substr(0, name.size() - text.size()), size);
+    return make_sample(name.substr(0, name.size() - text.size()), size, progress);
 }
 
 Volume read_standard_input(const Candidate&, const ReadOptions& options, Progress& progress) {
     const Descriptor spooled = spool_standard_input(options, progress);
-    return decode_isolated({"nrrd", "/proc/self/fd/0", "standard input", spooled.number()}, options, progress);
+    return decode_isolated({"nrrd", "/proc/self/fd/0", "standard input", "", spooled.number()}, options, progress);
 }
 
 auto decoded_as(const std::string& format) {
     return [format](const Candidate& candidate, const ReadOptions& options, Progress& progress) {
-        return decode_isolated({format, candidate.name, candidate.name}, options, progress);
+        const std::string& part = format == "dicom" ? options.series : candidate.part;
+        return decode_isolated({format, candidate.name, candidate.name, part}, options, progress);
     };
 }
 
@@ -94,6 +132,12 @@ std::vector<Reader> readers() {
         {{"standard input", "-", "NRRD with its data inside"},
          [](auto& c) { return c.name == "-"; },
          read_standard_input},
+        {{"TIFF", "folder, .tif .tiff", "slices in the order of their names, or one file of several pages"},
+         [](auto& c) {
+             return (c.is_folder && is_tiff_folder(c.name)) || c.ends_with({".tif", ".tiff"}) ||
+                    c.has_at(0, std::string_view("II*\0", 4)) || c.has_at(0, std::string_view("MM\0*", 4));
+         },
+         decoded_as("tiff")},
         {{"DICOM", "folder, .dcm", "a folder with one or more series, or one file"},
          [](auto& c) { return c.is_folder || c.has_at(128, "DICM") || c.ends_with({".dcm"}); },
          decoded_as("dicom")},
@@ -116,6 +160,19 @@ std::vector<Reader> readers() {
                     c.has_at(344, "ni1") || c.has_at(4, "n+2");
          },
          decoded_as("nifti")},
+        {{"VTK XML", ".vti", "image data: ascii, base64 or appended; zlib, LZ4, LZMA"},
+         [](auto& c) {
+             return c.ends_with({".vti"}) || (c.has_at(0, "<") && c.beginning.find("<VTKFile") != std::string::npos);
+         },
+         decoded_as("vti")},
+        {{"VTK", ".vtk", "legacy structured points: ascii, binary"},
+         [](auto& c) { return c.ends_with({".vtk"}) || c.has_at(0, "# vtk DataFile"); },
+         decoded_as("vtk")},
+        {{"HDF5", ".h5 .hdf5 .hdf", "file.h5:/path/to/dataset; without a path the only dataset of three dimensions"},
+         [](auto& c) {
+             return c.ends_with({".h5", ".hdf5", ".hdf"}) || c.has_at(0, "\x89HDF\r\n\x1a\n");
+         },
+         decoded_as("hdf5")},
     };
 }
 
@@ -154,8 +211,10 @@ Volume read_volume(const std::string& name, const ReadOptions& options, Progress
     if (!reader) {
         std::string known;
         for (const auto& format : list_formats()) known += (known.empty() ? "" : ", ") + format.name;
-        throw Error(ErrorCode::input, "cannot read '" + name + "': it is none of " + known);
+        throw Error(ErrorCode::input, "cannot read '" + one_line(name) + "': it is none of " + known);
     }
+    if (!candidate.part.empty() && reader->info.name != "HDF5")
+        throw Error(ErrorCode::input, "cannot read '" + name + "': only HDF5 files hold datasets with a path");
     Volume volume = reader->read(candidate, options, progress);
     volume.source = name;
     if (options.rescale && volume.slope == 1 && volume.intercept == 0)

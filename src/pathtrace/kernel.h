@@ -40,7 +40,7 @@ struct StartView {
     CameraView camera;
     const float *x = nullptr, *y = nullptr, *z = nullptr;  ///< voxels, row by row of the frame; none: the camera
 
-    bool at_points() const { return x != nullptr; }
+    CHIARO_INLINE bool at_points() const { return x != nullptr; }
     template <class F>
     CHIARO_INLINE Vec3<F> point(Int<F> pixel) const {
         return {gather_float(x, pixel), gather_float(y, pixel), gather_float(z, pixel)};

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "classify/albedo.h"
 #include "core/threads.h"
 #include "illumination/probe/data.h"
 #include "pathtrace/launch.h"
@@ -103,10 +104,9 @@ PathTracer::PathTracer(const Device& device, const Medium& medium, const Lightin
 /// stays below albedo-max.
 void PathTracer::make_colours(const PathOptions& options) {
     const Medium::Data& data = medium_.data();
-    const bool capped = options.bounces != 0;
+    const auto limit = options.bounces == 0 ? std::nullopt : std::optional(options.albedo_max);
     const auto add = [&](float r, float g, float b) {
-        const double most = std::max({r, g, b});
-        const float factor = capped && most > options.albedo_max ? float(options.albedo_max / most) : 1.0f;
+        const float factor = albedo_factor(r, g, b, limit);
         red_.push_back(factor * r), green_.push_back(factor * g), blue_.push_back(factor * b);
     };
     if (data.shape.mode == Mode::iso) {

@@ -45,11 +45,11 @@ Outcome cast(const Device& device, const Kernel& kernel, const BoundingGeometry*
 Outcome raycast(const Device& device, const Medium& medium, const IlluminationField& field, const Lighting& lighting,
                 const Camera& camera, const RaySettings& settings, Frame& frame, Progress& progress) {
     const Medium::Data& data = medium.data();
-    const RayTables tables = make_tables(data, settings, device.threads);
+    const LitField lit = lit_field(field, lighting, camera.orbit_up, data);
+    const RayTables tables = make_tables(data, settings, device.threads, lit.albedo_limit);
     std::optional<BoundingGeometry> geometry;  // the largest value is looked for everywhere
     if (settings.ray_setup == RaySetup::raster && data.shape.mode != Mode::mip)
         geometry.emplace(data, camera_view(camera, data.volume.geometry(), frame.width, frame.height));
-    const LitField lit = lit_field(field, lighting, camera.orbit_up, data);
     Outcome outcome = std::visit(
         [&](auto view) {
             if constexpr (decltype(view)::adds_opacity) {
@@ -57,7 +57,8 @@ Outcome raycast(const Device& device, const Medium& medium, const IlluminationFi
                 if (view.glows) geometry.reset();  // light shines where nothing is
             }
             return with_stored_voxel(data.volume.data(), [&](auto voxel) {
-                auto kernel = make_kernel<decltype(voxel)>(data, tables, view, lighting, camera, settings, frame);
+                auto kernel = make_kernel<decltype(voxel)>(data, tables, view, lighting, camera, settings, frame,
+                                                           lit.albedo_limit);
                 if (lit.main) shine_from(*lit.main, lighting, camera, kernel.matter.shading);
                 if constexpr (decltype(view)::adds_opacity)
                     if (view.glows) kernel.matter.occupancy.cells = view.occupancy;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "classify/albedo.h"
 #include "classify/clip.h"
 #include "core/srgb.h"
 #include "volume/float3.h"
@@ -89,7 +90,7 @@ kernel::ClipView clip_view(const Clip& clip, const Geometry& geometry, const std
     return view;
 }
 
-kernel::SurfacesView surfaces_view(const Medium::Data& medium, bool backwards) {
+kernel::SurfacesView surfaces_view(const Medium::Data& medium, bool backwards, std::optional<double> albedo_limit) {
     const DeviceVolume::Data& volume = medium.volume.data();
     std::vector<IsoSurface> surfaces = medium.shape.iso;
     const auto stored = [&](const IsoSurface& s) { return (s.value - volume.offset) / volume.scale; };
@@ -105,9 +106,9 @@ kernel::SurfacesView surfaces_view(const Medium::Data& medium, bool backwards) {
             for (int c = 0; c < 3; ++c)
                 rgb[c] =
                     float(medium.shape.color == ColorMode::linear ? linear_from_srgb((*s.color)[c]) : (*s.color)[c]);
-        const float alpha = float(s.opacity);
+        const float alpha = float(s.opacity), factor = alpha * albedo_factor(rgb[0], rgb[1], rgb[2], albedo_limit);
         view.values[view.count] = float(stored(s));
-        view.colours[view.count++] = {alpha * rgb[0], alpha * rgb[1], alpha * rgb[2], alpha};
+        view.colours[view.count++] = {factor * rgb[0], factor * rgb[1], factor * rgb[2], alpha};
     }
     return view;
 }
@@ -122,13 +123,15 @@ std::vector<kernel::Rgba> step_table(const OpticalTable& table, double step_mm) 
     return steps;
 }
 
-RayTables make_tables(const Medium::Data& medium, const RaySettings& settings, int threads) {
+RayTables make_tables(const Medium::Data& medium, const RaySettings& settings, int threads,
+                      std::optional<double> albedo_limit) {
     // Where nothing is integrated a value shows as one reference length of it.
     const double step_mm = settings.step_voxels * medium.volume.geometry().smallest_spacing_mm();
     const bool integrated = medium.shape.mode != Mode::mip;
-    RayTables tables{step_table(medium.table, integrated ? step_mm : medium.table.unit_mm), {}};
+    const OpticalTable table = with_albedos(medium.table, albedo_limit);
+    RayTables tables{step_table(table, integrated ? step_mm : table.unit_mm), {}};
     if (medium.shape.mode == Mode::dvr && settings.classification == Classification::preintegrated)
-        tables.segments = make_segment_table(medium.volume.data(), medium.table, step_mm, threads);
+        tables.segments = make_segment_table(medium.volume.data(), table, step_mm, threads);
     return tables;
 }
 

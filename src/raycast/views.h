@@ -3,6 +3,7 @@
 #include <chiaro/render.h>
 
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "classify/medium.h"
@@ -26,18 +27,21 @@ struct RayTables {
     std::vector<kernel::Rgba> steps;
     SegmentTable segments;  ///< empty unless needed
 };
-RayTables make_tables(const Medium::Data& medium, const RaySettings& settings, int threads);
+/// `albedo_limit`: colours are scaled down to it (LitField).
+RayTables make_tables(const Medium::Data& medium, const RaySettings& settings, int threads,
+                      std::optional<double> albedo_limit = {});
 kernel::StepTableView step_table_view(const OpticalTable& table, const RayTables& tables);
 kernel::SegmentTableView segment_table_view(const SegmentTable& table);
 
 kernel::ClipView clip_view(const Clip& clip, const Geometry& geometry, const std::array<int, 3>& dimensions);
-kernel::SurfacesView surfaces_view(const Medium::Data& medium, bool backwards);
+kernel::SurfacesView surfaces_view(const Medium::Data& medium, bool backwards, std::optional<double> albedo_limit = {});
 
 /// Everything but the voxels' type and the field: the members that all kernels share.
 template <class Voxel, class Field>
 kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, const RayTables& tables, const Field& field,
                                                 const Lighting& lighting, const Camera& camera,
-                                                const RaySettings& settings, Frame& frame) {
+                                                const RaySettings& settings, Frame& frame,
+                                                std::optional<double> albedo_limit = {}) {
     const DeviceVolume::Data& volume = medium.volume.data();
     const auto [nx, ny, nz] = volume.dimensions;
     // An axis of one voxel is one voxel thick.
@@ -59,7 +63,7 @@ kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, cons
         .box_low = {low(nx), low(ny), low(nz)},
         .box_high = {high(nx), high(ny), high(nz)},
         .clip_view = clip_view(medium.shape.clip, volume.geometry, volume.dimensions),
-        .surfaces = surfaces_view(medium, backwards),
+        .surfaces = surfaces_view(medium, backwards, albedo_limit),
         .maximum = {volume.cells.high.data(), volume.stored_max},
         .mode = kernel::March(medium.shape.mode),
         .way = {kernel::Classification(settings.classification), backwards},

@@ -9,6 +9,7 @@
 #include "illumination/access.h"
 #include "illumination/reference/visibility.h"
 #include "illumination/sh/volume.h"
+#include "illumination/transport/transport.h"
 #include "illumination/visibility/visibility.h"
 
 namespace chiaro {
@@ -54,6 +55,21 @@ Volume harmonics_of(const Device& device, const Medium& medium, const Illuminati
     return steps("voxels", [&] { return volume_of(device, field, medium.data().volume, progress); });
 }
 
+/// Mean radiance at the nodes of the light grid.
+Volume swept_light(const Device& device, const Medium& medium, const Lighting& lighting,
+                   const IlluminationSettings& settings, Steps& steps, Progress& progress) {
+    std::optional<TransportNodes> found;
+    const auto keep = [&](TransportNodes nodes, bool) { found = std::move(nodes); };
+    refine_transport(device, medium.data(), lighting, settings.transport, settings.scattering,
+                     lighting.probe_up.value_or(Vec3{0, 0, 1}), keep, steps, progress);
+    Volume out = make_volume(found->grid.count, VoxelType::f32);
+    out.geometry = geometry_of(found->grid, medium.data().volume.geometry());
+    out.components = 3;
+    out.voxels = VoxelBuffer(found->light.size() * sizeof(float));
+    std::copy(found->light.begin(), found->light.end(), out.as<float>().begin());
+    return out;
+}
+
 bool is_fluence(const IlluminationSettings& settings) {
     return settings.method == Method::reference && settings.reference.quantity == ReferenceQuantity::fluence;
 }
@@ -75,7 +91,7 @@ Volume block_centres(const DeviceVolume& voxels, int edge, int components) {
 }
 
 /// J at every voxel, or at the centres of blocks of them.
-Volume fluence_of(const Device& device, const Medium& medium, const Lighting& lighting, Vec3 orbit_up,
+Volume fluence_of(const Device& device, const Medium& medium, const Lighting& lighting,
                   const IlluminationSettings& settings, Steps& steps, Progress& progress) {
     const DeviceVolume& voxels = medium.data().volume;
     const int edge = settings.reference.subsample;
@@ -86,8 +102,10 @@ Volume fluence_of(const Device& device, const Medium& medium, const Lighting& li
     for (int k = 0; k < field.dimensions[2]; ++k)
         for (int j = 0; j < field.dimensions[1]; ++j)
             for (int i = 0; i < field.dimensions[0]; ++i) points.push_back({centre(i), centre(j), centre(k)});
-    const Fluence fluence =
-        steps("paths", [&] { return trace_fluence(device, medium, lighting, orbit_up, points, settings, progress); });
+    const Fluence fluence = steps("paths", [&] {
+        return trace_fluence(device, medium, lighting, lighting.probe_up.value_or(Vec3{0, 0, 1}), points, settings,
+                             progress);
+    });
     progress.check();
     float* to = field.as<float>().data();
     for (const Rgb& j : fluence.mean)
@@ -98,7 +116,7 @@ Volume fluence_of(const Device& device, const Medium& medium, const Lighting& li
 /// What a field's numbers are.
 std::string quantity_of(const IlluminationSettings& settings) {
     if (is_in_harmonics(settings)) return "visibility";
-    if (is_fluence(settings)) return "fluence";
+    if (settings.method == Method::transport || is_fluence(settings)) return "fluence";
     if (settings.method != Method::histogram) return "accessibility";
     return settings.histogram.effects.bleeding ? "environment colour" : "environment occlusion";
 }
@@ -125,15 +143,16 @@ std::map<std::string, std::string> how_made(const IlluminationSettings& settings
 }  // namespace
 
 ComputedField compute_field(const Device& device, const Medium& medium, const Prepared& prepared,
-                            const Lighting& lighting, const IlluminationSettings& wanted, Progress& progress,
-                            Vec3 orbit_up) {
+                            const Lighting& lighting, const IlluminationSettings& wanted, Progress& progress) {
     check_computable(medium.data().shape, wanted);
     IlluminationSettings settings = wanted;
     if (!settings.reference.quantity) settings.reference.quantity = ReferenceQuantity::obscurance;
     const auto start = std::chrono::steady_clock::now();
     Steps steps;
     const auto found = [&] {
-        if (is_fluence(settings)) return fluence_of(device, medium, lighting, orbit_up, settings, steps, progress);
+        if (settings.method == Method::transport)
+            return swept_light(device, medium, lighting, settings, steps, progress);
+        if (is_fluence(settings)) return fluence_of(device, medium, lighting, settings, steps, progress);
         if (is_in_harmonics(settings)) return harmonics_of(device, medium, settings, steps, progress);
         return field_of_voxels(device, medium.data(), prepared, settings, steps, progress);
     };

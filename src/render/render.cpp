@@ -20,7 +20,9 @@ Image render_image(const Device& device, const Scene& scene, Progress& progress)
     const Medium medium = classify(voxels, tf, shape_for(scene));
 
     // What lights it.
-    const Lighting lighting = with_probe(scene.lighting);
+    const Camera camera = make_camera(scene.camera, geometry, dimensions);
+    Lighting lighting = with_probe(scene.lighting);
+    lighting.probe_up = camera.orbit_up;
 
     // How much light arrives where: the last field is the finest.
     IlluminationField field;
@@ -29,7 +31,6 @@ Image render_image(const Device& device, const Scene& scene, Progress& progress)
     progress.check();
 
     // What the camera sees of it.
-    const Camera camera = make_camera(scene.camera, geometry, dimensions);
     Frame frame(scene.width, scene.height);
     if (is_path_traced(scene.illumination))
         trace_paths(device, medium, lighting, camera, scene.sampling, scene.illumination, frame, progress);

@@ -9,6 +9,9 @@
 #include <fstream>
 #include <iterator>
 
+#include "core/did_you_mean.h"
+#include "core/text.h"
+
 namespace chiaro {
 namespace fs = std::filesystem;
 namespace {
@@ -27,7 +30,8 @@ std::string text_of(const fs::path& file) {
     std::ifstream stream(file, std::ios::binary);
     std::error_code no_access;
     if (!stream || fs::is_directory(file, no_access))
-        throw Error(ErrorCode::input, fmt::format("{}: cannot be read", file.string()));
+        throw Error(ErrorCode::input,
+                    fmt::format("{}: cannot be read{}", file.string(), is_file(file) ? "" : did_you_mean_file(file)));
     return {std::istreambuf_iterator<char>(stream), {}};
 }
 
@@ -69,7 +73,7 @@ Scene read_scene(const fs::path& file, const fs::path& data_folder, std::vector<
     try {
         return parse_scene(text, file.parent_path(), data_folder, unknown_keys);
     } catch (const Error& error) {
-        throw Error(error.code(), fmt::format("{}: {}", file.string(), error.what()));
+        throw Error(error.code(), fmt::format("{}: {}", file.string(), one_line(error.what(), 1000)));
     }
 }
 

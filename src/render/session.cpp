@@ -13,6 +13,18 @@ namespace {
 
 using Version = std::uint64_t;
 
+/// Of the light all around, what a field may hold: how bright it is is a factor.
+struct HeldLight {
+    Probe probe;
+    double rotation_deg = 0;
+    Vec3 up;
+    bool operator==(const HeldLight&) const = default;
+};
+HeldLight held_light(const Lighting& lighting, const IlluminationSettings& settings) {
+    if (!holds_light(settings)) return {};
+    return {lighting.loaded_probe, lighting.probe.rotation_deg, *lighting.probe_up};
+}
+
 /// A verb's result, kept with the inputs that made it.
 template <class Result, class... Inputs>
 struct Kept {
@@ -47,9 +59,11 @@ struct Session::State {
     Kept<Prepared, Version, IlluminationSettings> prepare;
     Kept<Classified, Version, TransferSettings, Shape> classify;
     Kept<Probe, std::string> probe;
-    Kept<IlluminationField, Version, Version, IlluminationSettings> illuminate;
+    Kept<IlluminationField, Version, Version, IlluminationSettings, HeldLight> illuminate;
     Kept<Cast, Version, Version, Lighting, Camera, RaySettings, std::pair<int, int>> raycast;
     Kept<Image, Version, ToneMap> develop;
+    Cast drafted;
+    Image drafted_image;
 
     /// Calls verb(result), unless the kept result was made from these very inputs.
     template <class Result, class... Inputs, class Verb>
@@ -64,9 +78,10 @@ struct Session::State {
         kept.version = ++last_version;
     }
 
-    /// The scene's, with its probe loaded.
-    Lighting lighting_of(const Scene& scene) {
+    /// The scene's, with its probe loaded and standing as the camera's orbit has it.
+    Lighting lighting_of(const Scene& scene, const Camera& camera) {
         Lighting lighting = scene.lighting;
+        lighting.probe_up = camera.orbit_up;
         if (lighting.probe.source.empty()) return lighting;
         redo("probe", probe, {lighting.probe.source},
              [&](Probe& loaded) { loaded = load_probe(lighting.probe.source); });
@@ -74,21 +89,45 @@ struct Session::State {
         return lighting;
     }
 
-    /// The verbs that pictures and fields have in common.
-    void redo_up_to_classify(const Scene& scene, Progress& progress) {
+    /// What the scene's light would leave in a field; a probe that is not loaded yet is none.
+    HeldLight held(const Scene& scene) const {
+        Lighting lighting = scene.lighting;
+        lighting.probe_up = make_camera(scene.camera, upload.result.geometry(), upload.result.dimensions()).orbit_up;
+        if (!lighting.probe.source.empty())
+            lighting.loaded_probe = probe.inputs == std::tuple(lighting.probe.source) ? probe.result : Probe();
+        return held_light(lighting, scene.illumination);
+    }
+
+    void begin() {
         if (!upload.inputs) throw Error(ErrorCode::internal, "a session must show a volume before it renders");
-        const DeviceVolume& voxels = upload.result;
         stages = shown;
         for (Stage& stage : shown) stage.seconds = 0;
+    }
+
+    /// The verbs that pictures and fields have in common.
+    void redo_up_to_classify(const Scene& scene, Progress& progress) {
+        begin();
+        const DeviceVolume& voxels = upload.result;
         redo("prepare", prepare, {upload.version, preparation_of(scene.illumination)},
              [&](Prepared& prepared) { prepared = chiaro::prepare(voxels, scene.illumination, progress); });
         tell_steps(prepare.result.stages());
         progress.check();
+        redo_classify(scene);
+    }
+
+    void redo_classify(const Scene& scene) {
         const Shape shape = shape_for(scene);
         redo("classify", classify, {upload.version, scene.transfer, shape}, [&](Classified& classified) {
             classified.tf = transfer_function_for(scene.transfer, subject);
-            classified.medium = chiaro::classify(voxels, classified.tf, shape);
+            classified.medium = chiaro::classify(upload.result, classified.tf, shape);
         });
+    }
+
+    /// A verb that is done anew each time.
+    template <class Verb>
+    void timed(std::string name, Verb&& verb) {
+        Kept<int> nothing;
+        redo(std::move(name), nothing, {}, [&](int&) { verb(); });
     }
 
     /// What the last verb consisted of.
@@ -117,16 +156,28 @@ void Session::show(Volume&& volume, Progress& progress) {
     s.shown = s.stages;
 }
 
+Session Session::beside() const {
+    Session other(state_->device);
+    State& s = *other.state_;
+    s.subject = state_->subject;
+    s.upload.result = state_->upload.result;
+    s.upload.inputs = {0};
+    s.upload.version = ++s.last_version;
+    return other;
+}
+
 const Image& Session::render(const Scene& scene, Progress& progress, const Preview& preview) {
     State& s = *state_;
     s.redo_up_to_classify(scene, progress);
     const DeviceVolume& voxels = s.upload.result;
     const Medium& medium = s.classify.result.medium;
-    const Lighting lighting = s.lighting_of(scene);
-
     const Camera camera = make_camera(scene.camera, voxels.geometry(), voxels.dimensions());
-    s.redo("illuminate", s.illuminate, {s.classify.version, s.prepare.version, scene.illumination},
+    const Lighting lighting = s.lighting_of(scene, camera);
+
+    s.redo("illuminate", s.illuminate,
+           {s.classify.version, s.prepare.version, scene.illumination, held_light(lighting, scene.illumination)},
            [&](IlluminationField& field) {
+               const IlluminationField warm = field;
                const auto keep = [&](IlluminationField finer) {
                    field = std::move(finer);
                    if (!preview || !field.is_coarse()) return;
@@ -134,7 +185,7 @@ const Image& Session::render(const Scene& scene, Progress& progress, const Previ
                    raycast(s.device, medium, field, lighting, camera, scene.sampling, frame, progress);
                    if (!progress.cancelled()) preview(develop(frame, scene.output));
                };
-               illuminate(s.device, medium, s.prepare.result, lighting, scene.illumination, keep, progress);
+               illuminate(s.device, medium, s.prepare.result, lighting, scene.illumination, keep, progress, warm);
                progress.check();
            });
     s.tell_steps(s.illuminate.result.stages());
@@ -158,27 +209,61 @@ const Image& Session::render(const Scene& scene, Progress& progress, const Previ
     return s.develop.result;
 }
 
+const Image& Session::draft(const Scene& scene, Progress& progress) {
+    State& s = *state_;
+    s.begin();
+    s.redo_classify(scene);
+    const Medium& medium = s.classify.result.medium;
+    const Camera camera = make_camera(scene.camera, volume().geometry(), volume().dimensions());
+    const Lighting lighting = s.lighting_of(scene, camera);
+    Frame& frame = s.drafted.frame;
+    if (std::pair(frame.width, frame.height) != std::pair(scene.width, scene.height))
+        frame = Frame(scene.width, scene.height);
+    s.timed("raycast", [&] {
+        IlluminationSettings settings = scene.illumination;
+        settings.reference.rays = 1;
+        s.drafted.outcome =
+            is_path_traced(settings)
+                ? trace_paths(s.device, medium, lighting, camera, scene.sampling, settings, frame, progress)
+                : raycast(s.device, medium, s.illuminate.result, lighting, camera, scene.sampling, frame, progress);
+        progress.check();
+    });
+    s.timed("develop", [&] { s.drafted_image = develop(frame, scene.output); });
+    return s.drafted_image;
+}
+
+bool Session::needs_light(const Scene& scene) const {
+    const State& s = *state_;
+    return s.prepare.inputs != std::tuple(s.upload.version, preparation_of(scene.illumination)) ||
+           s.classify.inputs != std::tuple(s.upload.version, scene.transfer, shape_for(scene)) ||
+           s.illuminate.inputs != std::tuple(s.classify.version, s.prepare.version, scene.illumination, s.held(scene));
+}
+
 ComputedField Session::compute_field(const Scene& scene, Progress& progress) {
     State& s = *state_;
     s.redo_up_to_classify(scene, progress);
-    const Lighting lighting = s.lighting_of(scene);
     const DeviceVolume& voxels = s.upload.result;
-    const Vec3 up = make_camera(scene.camera, voxels.geometry(), voxels.dimensions()).orbit_up;
+    const Lighting lighting = s.lighting_of(scene, make_camera(scene.camera, voxels.geometry(), voxels.dimensions()));
     Kept<ComputedField, Version> made;
     s.redo("illuminate", made, {s.classify.version}, [&](ComputedField& field) {
         field = chiaro::compute_field(s.device, s.classify.result.medium, s.prepare.result, lighting,
-                                      scene.illumination, progress, up);
+                                      scene.illumination, progress);
     });
     s.tell_steps(made.result.stages);
     return std::move(made.result);
 }
 
+const DeviceVolume& Session::volume() const { return state_->upload.result; }
+const Medium& Session::medium() const { return state_->classify.result.medium; }
 const Frame& Session::frame() const { return state_->raycast.result.frame; }
 const std::vector<Stage>& Session::stages() const { return state_->stages; }
 Outcome Session::outcome() const { return state_->raycast.result.outcome; }
 std::size_t Session::light_bytes() const { return state_->prepare.result.bytes() + state_->illuminate.result.bytes(); }
 const std::vector<std::string>& Session::notes() const { return state_->prepare.result.notes(); }
 const Statistics& Session::statistics() const { return state_->subject.statistics; }
+TransferFunction Session::resolve(const TransferSettings& settings) const {
+    return transfer_function_for(settings, state_->subject);
+}
 const TransferFunction& Session::transfer_function() const { return state_->classify.result.tf; }
 const Guess& Session::guess() const { return state_->subject.guess; }
 

@@ -30,8 +30,9 @@ int material(Vec3 p) {
     return in_sphere(p) ? blue_sphere : air;
 }
 
-Volume make(int size) {
-    return generate<std::uint8_t>(size, [=](int i, int j, int k) { return material(in_unit_cube(i, j, k, size)); });
+Volume make(int size, Progress& progress) {
+    return generate<std::uint8_t>(size, progress,
+                                  [=](int i, int j, int k) { return material(in_unit_cube(i, j, k, size)); });
 }
 
 TransferFunction transfer_function() {

@@ -47,8 +47,8 @@ double density(Vec3 p) {
     return smooth_step(0.25, 0.7, sum) * (1 - smooth_step(0.15, 0.48, from_centre));
 }
 
-Volume make(int size) {
-    return generate<float>(size, [=](int i, int j, int k) { return density(in_unit_cube(i, j, k, size)); });
+Volume make(int size, Progress& progress) {
+    return generate<float>(size, progress, [=](int i, int j, int k) { return density(in_unit_cube(i, j, k, size)); });
 }
 
 TransferFunction transfer_function() {

@@ -14,11 +14,11 @@ bool solid(int x, int y, int z) {
     return true;
 }
 
-Volume make(int size) {
+Volume make(int size, Progress& progress) {
     const auto cell = [=](int i) {
         return int((2 * std::int64_t(i) + 1) * (cells + 2) / (2 * std::int64_t(size))) - 1;
     };
-    return generate<std::uint8_t>(size,
+    return generate<std::uint8_t>(size, progress,
                                   [=](int i, int j, int k) { return solid(cell(i), cell(j), cell(k)) ? 255 : 0; });
 }
 

@@ -11,7 +11,7 @@ namespace chiaro {
 
 struct Sample {
     SampleInfo info;
-    Volume (*make)(int size);
+    Volume (*make)(int size, Progress& progress);
     TransferFunction (*transfer_function)();
 };
 
@@ -26,18 +26,20 @@ Sample halfspace_sample();
 Sample tubes_sample();
 Sample menger_sample();
 
-/// A cube of `size` voxels of type T, voxel (i, j, k) = value_at(i, j, k); slices in parallel.
+/// A cube of `size` voxels of type T, voxel (i, j, k) = value_at(i, j, k); slices in parallel. Throws
+/// Error{interrupted} when cancelled.
 template <class T, class ValueAt>
-Volume generate(int size, const ValueAt& value_at) {
+Volume generate(int size, Progress& progress, const ValueAt& value_at) {
     Volume volume = make_volume({size, size, size}, voxel_type_of<T>());
     const auto voxels = volume.as<T>();
-    parallel_for(size, 1, [&](std::int64_t first, std::int64_t last) {
+    parallel_for(usable_threads(), size, 1, "sample", progress, [&](std::int64_t first, std::int64_t last) {
         for (auto k = int(first); k < int(last); ++k)
             for (int j = 0; j < size; ++j) {
                 T* row = voxels.data() + (std::size_t(k) * size + j) * size;
                 for (int i = 0; i < size; ++i) row[i] = T(value_at(i, j, k));
             }
     });
+    progress.check();
     return volume;
 }
 

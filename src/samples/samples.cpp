@@ -34,11 +34,16 @@ std::vector<SampleInfo> list_samples() {
 }
 
 Volume make_sample(const std::string& name, int size) {
+    Progress progress;
+    return make_sample(name, size, progress);
+}
+
+Volume make_sample(const std::string& name, int size, Progress& progress) {
     const Sample sample = sample_named(name);
     if (size == 0) size = sample.info.default_size;
     if (size < 2 || size > 4096)
         throw Error(ErrorCode::usage, "size " + std::to_string(size) + " of sample '" + name + "': must be in 2..4096");
-    Volume volume = sample.make(size);
+    Volume volume = sample.make(size, progress);
     volume.source = "sample:" + name;
     volume.format = "sample";
     volume.key_values["chiaro_sample"] = name;  // travels in a written file, so that its look is found again

@@ -35,8 +35,8 @@ double value(Vec3 p, int size) {
     return air + opaque + translucent;
 }
 
-Volume make(int size) {
-    return generate<std::uint8_t>(size,
+Volume make(int size, Progress& progress) {
+    return generate<std::uint8_t>(size, progress,
                                   [=](int i, int j, int k) { return value(in_unit_cube(i, j, k, size), size) + 0.5; });
 }
 

@@ -75,6 +75,13 @@ kernel::GridView view_of(const CellGrid& grid) {
     };
 }
 
+Geometry geometry_of(const CellGrid& cells, const Geometry& voxels) {
+    Geometry geometry = voxels;
+    geometry.origin_mm = voxels.world_from_voxel(cells.voxel_of(0, 0, 0));
+    for (int axis = 0; axis < 3; ++axis) geometry.spacing_mm[axis] *= cells.voxels_per_cell[axis];
+    return geometry;
+}
+
 CellGrid make_cell_grid(const std::array<int, 3>& dimensions, const Geometry& geometry) {
     const double voxels = double(dimensions[0]) * dimensions[1] * dimensions[2];
     // Very thick slices would make very many cells: then these are wider.

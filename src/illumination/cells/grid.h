@@ -29,6 +29,9 @@ struct CellGrid {
 /// One cell for `factor`³ of them, at the centre of each such block; those of the last may lie outside.
 CellGrid coarser(const CellGrid& grid, int factor);
 
+/// Where the cells lie in the world.
+Geometry geometry_of(const CellGrid& cells, const Geometry& voxels);
+
 kernel::GridView view_of(const CellGrid& grid);
 
 /// Of the smallest spacing, or wider where that would make more than 64 cells a voxel, or 2^28 and more cells

@@ -3,38 +3,19 @@
 #include <chiaro/error.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
 
 #include "core/atomic_file.h"
 #include "core/text.h"
-#include "illumination/histogram/random.h"
+#include "illumination/histogram/hash.h"
 
 namespace chiaro {
 namespace {
 
 constexpr std::string_view magic = "chiaro local histograms 1\n";
-
-/// Not against forgers: tells data apart, and damage. Four chains side by side, eight bytes a step.
-std::uint64_t hash_of(std::span<const std::byte> bytes, std::uint64_t seed = 0) {
-    std::uint64_t chain[4] = {seed, seed + 1, seed + 2, seed + 3};
-    std::size_t at = 0;
-    for (; at + 32 <= bytes.size(); at += 32)
-        for (std::size_t c = 0; c < 4; ++c) {
-            std::uint64_t word;
-            std::memcpy(&word, bytes.data() + at + 8 * c, 8);
-            chain[c] = (chain[c] ^ word) * 0x9fb21c651e98df25;
-            chain[c] ^= chain[c] >> 29;
-        }
-    std::uint64_t sum = mixed(bytes.size() + seed);
-    for (std::uint64_t c : chain) sum = mixed(sum ^ c);
-    for (; at < bytes.size(); ++at) sum = mixed(sum ^ std::uint64_t(bytes[at]));
-    return sum;
-}
-std::uint64_t hash_of(std::string_view text, std::uint64_t seed = 0) {
-    return hash_of(std::as_bytes(std::span(text.data(), text.size())), seed);
-}
 
 std::filesystem::path folder_of(const std::string& setting) {
     if (setting == "none") return {};
@@ -112,6 +93,11 @@ bool fill(Reader& in, LocalHistograms& h) {
     if (!in.read(&sizes, sizeof sizes)) return false;
     h.words = int(sizes.words), h.stride = sizes.stride;
     std::copy_n(sizes.nodes, 3, h.nodes.begin());
+    // First what keeps the products below from overflowing.
+    const auto is_within = [](auto value, auto most) { return value >= 1 && value <= most; };
+    if (!is_within(sizes.words, std::uint64_t(65536)) || !is_within(sizes.stride, 65536) ||
+        !std::all_of(sizes.nodes, sizes.nodes + 3, [&](std::int32_t n) { return is_within(n, 65536); }))
+        return false;
     const std::uint64_t nodes = std::uint64_t(h.node_count());
     if (sizes.identifiers != (nodes + 1) * sizeof(WordPair) || sizes.shares != sizes.words * std::uint64_t(h.stride) ||
         in.left() != sizes.identifiers + 2 * sizes.shares + 4 * sizes.words + 8)
@@ -127,6 +113,12 @@ bool fill(Reader& in, LocalHistograms& h) {
 }
 
 }  // namespace
+
+std::optional<LocalHistograms> parse_local_histograms(std::span<const std::byte> body) {
+    Reader in({body.begin(), body.end()});
+    LocalHistograms found;
+    return fill(in, found) ? std::optional(std::move(found)) : std::nullopt;
+}
 
 HistogramCache::HistogramCache(const std::string& folder, const DeviceVolume::Data& volume,
                                const HistogramSettings& settings) {

@@ -2,14 +2,20 @@
 #pragma once
 #include <chiaro/lighting.h>
 
+#include <cstddef>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "illumination/histogram/histograms.h"
 
 namespace chiaro {
+
+/// What stands behind the key of a cache file, its checksum included (which is looked at before): nothing unless it is
+/// consistent in itself.
+std::optional<LocalHistograms> parse_local_histograms(std::span<const std::byte> body);
 
 /// Files are named by the hash of their key, which holds the data's hash and every parameter that matters; they are
 /// written whole or not at all, and end with a checksum.

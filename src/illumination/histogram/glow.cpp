@@ -1,73 +1,13 @@
 #include "illumination/histogram/glow.h"
 
-#include <chiaro/error.h>
-
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
-#include <optional>
-#include <sstream>
 
 #include "core/threads.h"
 #include "volume/occupancy.h"
 
 namespace chiaro {
-namespace {
-
-std::optional<double> number(const std::string& text) {
-    std::istringstream in(text);
-    double value = 0;
-    return in >> value && in.eof() && std::isfinite(value) ? std::optional(value) : std::nullopt;
-}
-
-}  // namespace
-
-GlowMapping::GlowMapping(const std::string& text) {
-    const std::string who = "glow '" + text + "'";
-    const auto colon = text.find(':'), equals = text.find('=', colon == text.npos ? 0 : colon);
-    if (colon != text.npos && equals != text.npos) {
-        const auto low = number(text.substr(0, colon)), high = number(text.substr(colon + 1, equals - colon - 1)),
-                   strength = number(text.substr(equals + 1));
-        if (!low || !high || !strength || *low > *high)
-            throw Error(ErrorCode::usage, who + ": expected LO:HI=STRENGTH, LO not above HI");
-        add(*low, *strength, who), add(*high, *strength, who);
-        return;
-    }
-    std::ifstream file(text);
-    if (!file) throw Error(ErrorCode::input, who + ": is neither LO:HI=STRENGTH nor a file that can be read");
-    int count = 0;
-    for (std::string line; std::getline(file, line);) {
-        ++count;
-        std::istringstream words(line.substr(0, line.find('#')));
-        std::string value, strength, rest;
-        if (!(words >> value)) continue;
-        words >> strength >> rest;
-        const auto v = number(value), s = number(strength);
-        if (!v || !s || !rest.empty())
-            throw Error(ErrorCode::input, who + ", line " + std::to_string(count) + ": expected VALUE STRENGTH");
-        add(*v, *s, who);
-    }
-    if (points_.empty()) throw Error(ErrorCode::input, who + ": has no line VALUE STRENGTH");
-}
-
-void GlowMapping::add(double value, double strength, const std::string& who) {
-    if (strength < 1 || strength > 1e6)
-        throw Error(ErrorCode::usage, who + ": strength must be 1 (does not glow) to 1000000");
-    if (!points_.empty() && value < points_.back().first) throw Error(ErrorCode::input, who + ": values must not fall");
-    points_.emplace_back(value, strength);
-}
-
-double GlowMapping::at(double value) const {
-    if (points_.empty() || value < points_.front().first || value > points_.back().first) return 1;
-    const auto next = std::lower_bound(points_.begin(), points_.end(), value,
-                                       [](const auto& point, double v) { return point.first < v; });
-    if (next == points_.begin() || next->first == value) return next->second;
-    const auto before = std::prev(next);
-    const double t = (value - before->first) / (next->first - before->first);
-    return before->second + t * (next->second - before->second);
-}
-
 std::vector<kernel::Rgba> glow_of_words(const Device& device, const LocalHistograms& h, BinOptics optics,
                                         HistogramModel model) {
     const float highest = *std::max_element(optics.glow.begin(), optics.glow.end());

@@ -1,31 +1,14 @@
 // Which values glow, how strongly, and how far.
 #pragma once
-#include <string>
-#include <utility>
 #include <vector>
 
 #include "illumination/histogram/field.h"
+#include "illumination/histogram/glow_mapping.h"
 #include "illumination/histogram/histograms.h"
 #include "illumination/histogram/optics.h"
 #include "kernel/rgba.h"
 
 namespace chiaro {
-
-/// h(value) >= 1, where 1 does not glow: one strength between two values, or straight lines between the points of a
-/// file; 1 outside.
-class GlowMapping {
-public:
-    GlowMapping() = default;
-    /// "LO:HI=STRENGTH", or a file of lines "VALUE STRENGTH", values not falling; '#' begins a comment. Throws
-    /// Error{usage} for a mapping, Error{input} for a file that cannot be read.
-    explicit GlowMapping(const std::string& text);
-
-    double at(double value) const;
-
-private:
-    void add(double value, double strength, const std::string& who);
-    std::vector<std::pair<double, double>> points_;
-};
 
 /// G = Σ α_j (h_j - 1) / (h_max - 1) LH_j of every word, with its colour, as opacity of one edge. The paper takes it
 /// for that, which makes solid clouds; here it is the opacity of a length of r.

@@ -7,14 +7,6 @@
 namespace chiaro {
 namespace {
 
-/// Where the nodes lie in the world.
-Geometry geometry_of(const CellGrid& nodes, const Geometry& voxels) {
-    Geometry geometry = voxels;
-    geometry.origin_mm = voxels.world_from_voxel(nodes.voxel_of(0, 0, 0));
-    for (int axis = 0; axis < 3; ++axis) geometry.spacing_mm[axis] *= nodes.voxels_per_cell[axis];
-    return geometry;
-}
-
 Volume empty(const std::array<int, 3>& dimensions, int components, const Geometry& geometry) {
     Volume volume = make_volume(dimensions, VoxelType::f32);
     volume.components = components;

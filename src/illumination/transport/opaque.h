@@ -9,7 +9,7 @@
 namespace chiaro {
 
 /// Cells whose optical thickness is at least this are opaque.
-inline constexpr float opaque_from = 4;
+inline constexpr float opaque_from = 2;
 
 /// What a half space of albedo a reflects of diffuse light (isotropic scattering; van de Hulst 1980: (1 - s) (1 - .139
 /// s) / (1 + 1.17 s), s = √(1 - a)).

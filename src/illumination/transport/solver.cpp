@@ -256,6 +256,35 @@ void TransportSolver::State::start_from(const TransportNodes& warm) {
     turn_source();
 }
 
+namespace {
+
+/// Samples look between nodes: a cell behind the faces of others holds what those hold, on average.
+void fill_behind(const OpaqueCells& opaque, TransportNodes& nodes) {
+    const auto [nx, ny, nz] = nodes.grid.count;
+    const auto fill = [&, nx = nx, ny = ny, nz = nz](int x, int y, int z) {
+        std::array<float, 12> sum{};
+        float count = 0;
+        for (int k = std::max(z - 1, 0); k <= std::min(z + 1, nz - 1); ++k)
+            for (int j = std::max(y - 1, 0); j <= std::min(y + 1, ny - 1); ++j)
+                for (int i = std::max(x - 1, 0); i <= std::min(x + 1, nx - 1); ++i) {
+                    const std::size_t node = nodes.grid.index(i, j, k);
+                    if (!opaque.is_opaque(node) || opaque.is_buried(node)) continue;
+                    for (int c = 0; c < 3; ++c) sum[c] += nodes.light[3 * node + c];
+                    for (int m = 0; m < 9; ++m) sum[3 + m] += nodes.moment[9 * node + m];
+                    count += 1;
+                }
+        const std::size_t node = nodes.grid.index(x, y, z);
+        for (int c = 0; c < 3; ++c) nodes.light[3 * node + c] = count > 0 ? sum[c] / count : 0;
+        for (int m = 0; m < 9; ++m) nodes.moment[9 * node + m] = count > 0 ? sum[3 + m] / count : 0;
+    };
+    for (int z = 0; z < nz; ++z)
+        for (int y = 0; y < ny; ++y)
+            for (int x = 0; x < nx; ++x)
+                if (opaque.is_buried(nodes.grid.index(x, y, z))) fill(x, y, z);
+}
+
+}  // namespace
+
 TransportSolver::TransportSolver(const Device& device, const Medium::Data& medium, const Lighting& lighting,
                                  const TransportSettings& settings, const ScatteringSettings& scattering, Vec3 orbit_up,
                                  Progress& progress, const TransportSolver* warm)
@@ -304,6 +333,7 @@ TransportNodes TransportSolver::nodes() const {
         const auto seen = s.opaque.seen(cell, s.mean_faces[cell]);
         std::copy(seen.begin(), seen.end(), out.light.begin() + std::ptrdiff_t(3 * s.opaque.nodes()[cell]));
     }
+    fill_behind(s.opaque, out);
     return out;
 }
 

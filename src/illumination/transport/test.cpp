@@ -146,6 +146,16 @@ TEST(Transport, ClosedWallsOfOneCellLetNothingThrough) {
     }
 }
 
+TEST(Transport, OpaqueMatterHoldsWhatItsOpenSideSees) {
+    Scene3 scene{.tf = matter(40, {0.8, 0.8, 0.8})};
+    const TransportNodes nodes =
+        scene.solved(filled({60, 60, 30}, [](double, double, double z) { return z < 20 ? 200 : 0; }), 12);
+    const double seen = half_space_reflectance(0.8) / 0.8;
+    EXPECT_NEAR(at(nodes, 30, 30, 19), seen, 0.02 * seen);
+    EXPECT_NEAR(at(nodes, 30, 30, 18), seen, 0.02 * seen);  // between the two a sample finds the same
+    EXPECT_GT(nodes.moment[9 * nodes.grid.index(30, 30, 19) + 2], 0.1);
+}
+
 TEST(Transport, MoreBouncesAreBrighterUpToTheConvergedLight) {
     Scene3 scene{.tf = matter(0.3, {0.9, 0.9, 0.9})};
     const Volume ball = filled({24, 24, 24}, [](double x, double y, double z) {

@@ -1,29 +1,35 @@
 // Natural light as the ray caster reads it: what of a probe's light arrives, per channel.
 #pragma once
-#include "illumination/cells/place.h"
-#include "illumination/view.h"
+#include "illumination/transport/field.h"
 #include "illumination/visibility/stored.h"
 #include "illumination/visibility/surface_light.h"
 #include "kernel/row.h"
 
 namespace chiaro::kernel {
 
+/// Of visibility, whose light is found at the nodes, and of transport, whose nodes hold scattered light: one kind of
+/// view, so that the ray caster is compiled for both at once.
 struct VisibilityView {
     static constexpr bool modulates = true, adds_opacity = false;
 
-    const std::uint16_t* light;  ///< [node][4]: E of the nodes; x fastest
-    GridView grid;
-    Float3 scale;  ///< of a 65535th, per channel
+    NodeLight light;  ///< E of the nodes
 
     StoredHarmonics harmonics;  ///< V of the nodes, where a surface is lit by its own normal
     SurfaceLight surface;       ///< then
     Strength strength;
     Float3 grid_x, grid_y, grid_z;  ///< axes of the grid in the world
 
+    ScatteredLight scattered;
+
     /// ρ E takes the place of ambient and diffuse light; highlights show it from the light's main direction.
     template <class F>
     CHIARO_INLINE Incident<F> incident(const SamplePoint<F>& sample, const ShadingView& shading) const {
-        Vec3<F> e = at(sample.p_voxel);
+        if (scattered.on) {
+            Incident<F> found;
+            scatter(sample, shading, found);
+            return found;
+        }
+        Vec3<F> e = light.at(sample.p_voxel);
         if (surface.entries) on_surfaces(sample, e);
         const F highlight = sample.highlight;
         return {e, Vec3<F>(highlight * e.x * F(shading.specular.x), highlight * e.y * F(shading.specular.y),
@@ -31,30 +37,16 @@ struct VisibilityView {
     }
 
 private:
-    /// Trilinear.
     template <class F>
-    CHIARO_INLINE Vec3<F> at(Vec3<F> p_voxel) const {
-        const GridLocation<F> at = grid.locate(p_voxel);
-        const typename GatherIndex<F>::type index(at.node * Int<F>(4));
-        const Distances rows = grid.rows(4);
-        const auto near_rg = gather_two(light, index, rows), near_b = gather_two(light + 2, index, rows),
-                   far_rg = gather_two(light + 4, index, rows), far_b = gather_two(light + 6, index, rows);
-        const auto firsts = [](const Four<Two<F>>& v) CHIARO_INLINE_LAMBDA {
-            return Four<F>{v.a.a, v.b.a, v.c.a, v.d.a};
-        };
-        const auto seconds = [](const Four<Two<F>>& v) CHIARO_INLINE_LAMBDA {
-            return Four<F>{v.a.b, v.b.b, v.c.b, v.d.b};
-        };
-        return {trilinear(firsts(near_rg), firsts(far_rg), at.t) * F(scale.x),
-                trilinear(seconds(near_rg), seconds(far_rg), at.t) * F(scale.y),
-                trilinear(firsts(near_b), firsts(far_b), at.t) * F(scale.z)};
+    CHIARO_APART void scatter(const SamplePoint<F>& sample, const ShadingView& shading, Incident<F>& found) const {
+        found = scattered.incident(light, sample, shading);
     }
 
     /// By the sample's own normal, one lane after the other: there are few surfaces along a ray.
     template <class F>
     CHIARO_APART void on_surfaces(const SamplePoint<F>& sample, Vec3<F>& e) const {
         constexpr int lanes = LaneTraits<F>::count;
-        const GridLocation<F> at = grid.locate(sample.p_voxel);
+        const GridLocation<F> at = light.grid.locate(sample.p_voxel);
         std::int32_t node[lanes];
         __builtin_memcpy(node, &at.node, sizeof node);
         float t[3][lanes], n[3][lanes], out[3][lanes];
@@ -77,7 +69,8 @@ private:
                 (corner & 1 ? t.x : 1 - t.x) * (corner & 2 ? t.y : 1 - t.y) * (corner & 4 ? t.z : 1 - t.z);
             if (!(weight > 0)) continue;
             float of_node[16];
-            harmonics.load(node + (corner & 1) + (corner & 2 ? grid.row : 0) + (corner & 4 ? grid.slice : 0), of_node);
+            harmonics.load(
+                node + (corner & 1) + (corner & 2 ? light.grid.row : 0) + (corner & 4 ? light.grid.slice : 0), of_node);
             for (int c = 0; c < 16; ++c) visibility[c] = mad(weight, of_node[c], visibility[c]);
         }
         strength.apply(visibility);

@@ -56,7 +56,7 @@ std::shared_ptr<const LitLight> LitNodes::find(const ProbeLight& probe, const Ax
     lit->surface = light_on_surfaces(nodes_, table);
     const kernel::SurfaceLight surface{lit->surface.empty() ? nullptr : lit->surface.data(), table.edge};
     constexpr std::size_t spare = 8;  // look-ups read two nodes at a time
-    lit->light = VoxelBuffer((nodes_.grid.size() * 4 + spare) * sizeof(std::uint16_t));
+    lit->light = VoxelBuffer((nodes_.grid.size() * 4 + spare) * sizeof(kernel::Light16));
 
     // Nothing is brighter than where nothing stops the light.
     const double all = std::sqrt(4 * pi);  // V_00 there
@@ -73,21 +73,24 @@ std::shared_ptr<const LitLight> LitNodes::find(const ProbeLight& probe, const Ax
                               surface,
                               {},
                               {float(strength), float((1 - strength) * all / nodes_.step(0))},
-                              reinterpret_cast<std::uint16_t*>(lit->light.data())};
-    for (int k = 0; k < 3; ++k) light.per_unit[k] = float(65535 / brightest[k]);
+                              reinterpret_cast<kernel::Light16*>(lit->light.data())};
+    std::array<double, 3> scale;
+    for (int k = 0; k < 3; ++k) {
+        scale[k] = brightest[k] / kernel::Light16::most;
+        light.per_unit[k] = float(1 / scale[k]);
+    }
     const auto light_nodes = kernel::visibility_functions_for(device_.isa).light;
     parallel_for(device_.threads, std::int64_t(nodes_.grid.size()), 4096,
                  [&](std::int64_t first, std::int64_t end) { light_nodes(light, first, std::int32_t(end - first)); });
 
-    lit->view = {light.light,
-                 view_of(nodes_.grid),
-                 {float(brightest[0] / 65535), float(brightest[1] / 65535), float(brightest[2] / 65535)},
-                 nodes_.view(),
-                 probe.by_normal ? surface : kernel::SurfaceLight{nullptr, 0},
-                 light.strength,
-                 float3(rows[0]),
-                 float3(rows[1]),
-                 float3(rows[2])};
+    lit->view = {.light = {light.light, view_of(nodes_.grid), {float(scale[0]), float(scale[1]), float(scale[2])}},
+                 .harmonics = nodes_.view(),
+                 .surface = probe.by_normal ? surface : kernel::SurfaceLight{nullptr, 0},
+                 .strength = light.strength,
+                 .grid_x = float3(rows[0]),
+                 .grid_y = float3(rows[1]),
+                 .grid_z = float3(rows[2]),
+                 .scattered = {}};
     lit->main = {from.dominant, from.directionality};
     return lit;
 }

@@ -127,15 +127,15 @@ private:
     }
 };
 
-/// E = (1 - q) / (4π) Σ V_lm L_lm + q / π Σ V_lm [L max(0, n·ω)]_lm, as 65535ths of the scale.
+/// E = (1 - q) / (4π) Σ V_lm L_lm + q / π Σ V_lm [L max(0, n·ω)]_lm, over the scale.
 struct LightKernel {
     StoredHarmonics harmonics;
     const NodeSurface* surfaces;  ///< nullptr: q = 0 everywhere
     HarmonicsLight particles;     ///< L_lm / (4π)
     SurfaceLight surface;
-    float per_unit[4];  ///< 65535 / scale
+    float per_unit[4];  ///< 1 / scale
     Strength strength;
-    std::uint16_t* light;  ///< [node][4]
+    Light16* light;  ///< [node][4]
 
     CHIARO_INLINE void operator()(std::int64_t first, std::int32_t count) const {
         for (std::int64_t node = first; node < first + count; ++node) {
@@ -149,9 +149,7 @@ struct LightKernel {
                 for (float& sum : sums) sum *= 1 - q;
                 surface.add_to(sums, visibility, {float(s.x), float(s.y), float(s.z)}, q);
             }
-            for (int k = 0; k < 4; ++k)
-                light[4 * node + k] =
-                    std::uint16_t(std::int32_t(min(max(sums[k] * per_unit[k], 0.0f), 65535.0f) + 0.5f));
+            for (int k = 0; k < 4; ++k) light[4 * node + k] = kernel::to_light(sums[k] * per_unit[k]);
         }
     }
 };

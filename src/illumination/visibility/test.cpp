@@ -229,7 +229,7 @@ TEST(Nodes, AllLightOfAWhiteProbeArrivesInEmptySpace) {
             const Lighting lighting{.strength = strength};
             const auto lit = nodes.light({lighting, {0, 0, 1}, Geometry{}, false});
             for (std::size_t i = 0; i < d.grid.size(); ++i)
-                EXPECT_NEAR(lit->view.light[4 * i] * lit->view.scale.x, 1, 0.005);
+                EXPECT_NEAR(to_float(lit->view.light.nodes[4 * i]) * lit->view.light.scale.x, 1, 0.005);
         }
     }
 }
@@ -246,7 +246,8 @@ TEST(Nodes, TheLightIsFoundAgainOnlyWhereItChanged) {
     lighting.probe.exposure_stops = 1;
     const auto brighter = nodes.light({lighting, {0, 0, 1}, Geometry{}, false});
     EXPECT_NE(brighter, first);
-    EXPECT_NEAR(brighter->view.light[0] * brighter->view.scale.x, 2 * first->view.light[0] * first->view.scale.x, 1e-3);
+    EXPECT_NEAR(to_float(brighter->view.light.nodes[0]) * brighter->view.light.scale.x,
+                2 * to_float(first->view.light.nodes[0]) * first->view.light.scale.x, 1e-3);
 }
 
 /// E = ρ under a white probe where nothing but the matter itself is in the way.

@@ -146,7 +146,7 @@ bool exists(const std::string& path) {
 
 }  // namespace
 
-void TransferText::fail(const std::string& what) const { throw Error(ErrorCode::input, name + ": " + what); }
+void TransferText::fail(const std::string& what) const { throw Error(ErrorCode::input, name + ": " + one_line(what)); }
 
 bool TransferText::has_key(std::initializer_list<const char*> keys) const {
     return json && json->is_object() &&
@@ -225,7 +225,7 @@ TransferFile read_transfer_file(const std::string& name, const Statistics& data)
     const std::string file = split_transfer_name(name).file;
     if (exists(file)) return parse_transfer_file(text_of(file), name, data);
     if (name.find_first_of("/.") != name.npos)
-        throw Error(ErrorCode::input, "cannot read '" + file + "': no such file");
+        throw Error(ErrorCode::input, "cannot read '" + file + "': no such file" + did_you_mean_file(file));
     return {preset(name, data), "preset", {}, false, {}};
 }
 

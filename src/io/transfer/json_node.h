@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/did_you_mean.h"
+#include "core/text.h"
 
 namespace chiaro {
 
@@ -19,7 +20,7 @@ struct JsonNode {
     std::string path;
 
     [[noreturn]] void fail(const std::string& what) const {
-        throw Error(ErrorCode::input, origin + ": " + (path.empty() ? "" : path + " ") + what);
+        throw Error(ErrorCode::input, origin + ": " + one_line((path.empty() ? "" : path + " ") + what));
     }
     [[noreturn]] void fail_type(const std::string& wanted) const {
         fail("is " + std::string(json.type_name()) + ": must be " + wanted);
@@ -58,7 +59,7 @@ struct JsonNode {
 /// "[json.exception.parse_error.101] parse error at line 3, column 7: ..." without its number.
 inline std::string json_trouble(const Json::exception& error) {
     const std::string what = error.what();
-    return "is not JSON: " + what.substr(std::min(what.find("] ") + 2, what.size()));
+    return "is not JSON: " + one_line(what.substr(std::min(what.find("] ") + 2, what.size())));
 }
 
 }  // namespace chiaro

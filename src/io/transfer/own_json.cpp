@@ -80,7 +80,11 @@ FoundFunction read_own(const TransferText& text, const Statistics& data) {
     if (text.json && text.json->is_object() && text.json->contains("preset")) {
         const JsonNode node{*text.json, text.name, ""};
         node.require_keys({"preset"});
-        found.function = preset(node.at("preset").text(), data);
+        try {
+            found.function = preset(node.at("preset").text(), data);
+        } catch (const Error& error) {  // here it is the file's fault
+            node.fail(error.what());
+        }
     } else {
         found.function = parse_transfer_function(text.text, text.name);  // which forgives nothing
     }

@@ -1,0 +1,105 @@
+// Multiple scattering by iterated sweeps: what each part costs, and how soon an edit is lit.
+#include <chiaro/samples.h>
+#include <fmt/format.h>
+
+#include <cstring>
+
+#include "classify/medium.h"
+#include "illumination/transport/first_light.h"
+#include "illumination/transport/transport.h"
+#include "rows.h"
+
+namespace chiaro::bench {
+namespace {
+
+constexpr Vec3 up{0, 0, 1};
+
+/// A volume lit through: fog about a ball, or a room.
+Medium medium_of(const Setup& setup, const std::string& sample) {
+    const int size = setup.quick ? 48 : 256;
+    return classify(upload(setup.device, make_sample(sample, size)), sample_transfer_function(sample), Shape{});
+}
+
+TransportSettings settings_of(int grid) { return {.grid = grid, .error = 1e-9}; }
+
+TransportSolver solver_of(const Setup& setup, const Medium& medium, int grid) {
+    return TransportSolver(setup.device, medium.data(), Lighting(), settings_of(grid), ScatteringSettings(), up,
+                           setup.progress);
+}
+
+/// A copy of J of all cells in single precision: what times are told in.
+Measure copy_of_field(std::size_t cells) {
+    auto from = std::make_shared<std::vector<float>>(3 * cells, 1.0f),
+         to = std::make_shared<std::vector<float>>(3 * cells);
+    return [=] { return cpu_seconds([&] { std::memcpy(to->data(), from->data(), 3 * cells * sizeof(float)); }); };
+}
+
+/// Sweeps alone: light not yet scattered in 200 directions, then four iterations of 24; and one iteration.
+std::vector<Row> measure_sweeps(const Setup& setup, const std::string& name, const std::string& sample, int grid) {
+    const Medium medium = medium_of(setup, sample);
+    const LightGrid cells = light_grid(medium.data(), grid, 0.9, setup.device, setup.progress);
+    const OpaqueCells opaque(cells, opaque_from);
+    const SweptMedium swept(cells, opaque);
+    const Geometry& geometry = medium.data().volume.data().geometry;
+    const auto first = [&] { first_light(setup.device, swept, Lighting(), up, geometry, 200, setup.progress); };
+    TransportSolver solver = solver_of(setup, medium, grid);
+    const auto one = [&] { solver.iterate(setup.progress); };
+    const std::size_t count = cells.extinction.grid.size();
+    const auto series = in_turns(
+        setup.runs, {[&] { return cpu_seconds(first); }, [&] { return cpu_seconds(one); }, copy_of_field(count)});
+    Series all;
+    for (std::size_t i = 0; i < series[0].size(); ++i) all.push_back(series[0][i] + 4 * series[1][i]);
+    const auto row = [&](const std::string& what, const Series& seconds, const std::string& note) {
+        Spread ms = spread_of(seconds);
+        ms.median *= 1e3, ms.min *= 1e3, ms.max *= 1e3;
+        return Row{name + what, "CPU ms", ms, median_ratio(seconds, series[2]), "memcpy of the float32 field", note};
+    };
+    return {row("/sweeps", all, fmt::format("{} cells, 200 + 4 × 24 directions", count)),
+            row("/iteration", series[1], "24 directions, three channels")};
+}
+
+/// From an edit of the transfer function to a lit field: classified, light grid, uncollided light, four iterations from
+/// the light before; then what one more costs.
+std::vector<Row> measure_update(const Setup& setup, const std::string& name, const std::string& sample, int grid) {
+    const Medium before = medium_of(setup, sample);
+    TransportSolver warm = solver_of(setup, before, grid);
+    for (int i = 0; i < 4; ++i) warm.iterate(setup.progress);
+    const TransferFunction tf = sample_transfer_function(sample);
+    const auto edit = [&] {
+        const Medium medium = classify(before.data().volume, tf, Shape{});
+        TransportSolver solver(setup.device, medium.data(), Lighting(), settings_of(grid), ScatteringSettings(), up,
+                               setup.progress, &warm);
+        for (int i = 0; i < 4; ++i) solver.iterate(setup.progress);
+        solver.nodes();
+    };
+    const auto refine = [&] {
+        warm.iterate(setup.progress);
+        warm.nodes();
+    };
+    const auto series =
+        in_turns(setup.runs, {[&] { return 1e3 * wall_seconds(edit); }, [&] { return 1e3 * cpu_seconds(edit); },
+                              [&] { return 1e3 * wall_seconds(refine); }, [&] { return 1e3 * cpu_seconds(refine); }});
+    const auto row = [&](const std::string& what, const Series& wall, const Series& cpu) {
+        return Row{name + what, "wall ms", spread_of(wall),
+                   {},          {},        fmt::format("{:.0f} core-ms", spread_of(cpu).median)};
+    };
+    return {row("/edit", series[0], series[1]), row("/refinement", series[2], series[3])};
+}
+
+}  // namespace
+
+std::vector<Case> transport_cases(const Setup& setup) {
+    std::vector<Case> cases;
+    const auto grids = setup.quick ? std::vector{16} : std::vector{64, 128};
+    for (const std::string sample : {"shells", "cornell"})
+        for (int grid : grids) {
+            const std::string name = fmt::format("transport/{}/{}", sample, grid);
+            cases.push_back({{name + "/sweeps", name + "/iteration"},
+                             [=, &setup] { return measure_sweeps(setup, name, sample, grid); }});
+            cases.push_back({{name + "/edit", name + "/refinement"},
+                             [=, &setup] { return measure_update(setup, name, sample, grid); }});
+        }
+    return cases;
+}
+
+}  // namespace chiaro::bench

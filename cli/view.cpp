@@ -1,0 +1,111 @@
+// chiaro view: a page that explores a volume, served to the browser.
+#include <chiaro/error.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <memory>
+
+#include "command.h"
+#include "scene_source.h"
+#include "server/serve.h"
+
+namespace chiaro::cli {
+namespace {
+
+struct ViewOptions {
+    SceneSource source;
+    std::optional<int> port;
+    std::string host = "127.0.0.1";
+    bool no_open = false;
+    SettingFlags flags;
+    CommonOptions common;
+};
+
+bool has_display() { return std::getenv("DISPLAY") || std::getenv("WAYLAND_DISPLAY"); }
+
+/// Nothing is said where that fails: the address is on the terminal.
+void open_browser(std::string url) {
+    std::string program = "xdg-open";
+    char* arguments[] = {program.data(), url.data(), nullptr};
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", 0, 0);
+    posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", 1, 0);
+    posix_spawn_file_actions_addopen(&actions, 2, "/dev/null", 1, 0);
+    pid_t child;
+    posix_spawnp(&child, program.c_str(), &actions, nullptr, arguments, environ);
+    posix_spawn_file_actions_destroy(&actions);
+}
+
+/// The folders that the viewer is started with: where one is, and where volume, scene and data are.
+std::vector<std::filesystem::path> folders_of(const ViewOptions& o, const std::optional<Scene>& scene) {
+    namespace fs = std::filesystem;
+    std::vector<fs::path> folders{fs::current_path()};
+    const auto add = [&](const fs::path& file) {
+        std::error_code ignored;
+        folders.push_back(fs::is_directory(file, ignored) ? file : fs::absolute(file).parent_path());
+    };
+    if (scene && !scene->volume.starts_with("sample:") && scene->volume != "-")
+        add(scene->volume.substr(0, scene->volume.find(":/")));
+    if (!o.source.scene.empty()) add(o.source.scene);
+    if (!o.source.data.empty()) add(o.source.data);
+    return folders;
+}
+
+/// Names that hold wherever a page's scene stands.
+Scene with_whole_names(Scene scene) {
+    const auto whole = [](std::string& name) { name = std::filesystem::absolute(name).lexically_normal().string(); };
+    if (!scene.volume.starts_with("sample:") && scene.volume != "-") whole(scene.volume);
+    if (scene.transfer.source.find_first_of("/.") != std::string::npos) whole(scene.transfer.source);
+    if (!is_probe_name(scene.lighting.probe.source)) whole(scene.lighting.probe.source);
+    return scene;
+}
+
+void tell(const server::Viewer& viewer, const ViewOptions& o) {
+    fmt::print("{}\n", viewer.url());
+    std::fflush(stdout);
+    if (o.common.quiet) return;
+    const std::string whole = viewer.url();
+    say(fmt::format(
+        "from another computer: ssh -L {0}:localhost:{0} THIS_COMPUTER, then the address above; Ctrl-C ends",
+        viewer.port()));
+    if (o.host != "127.0.0.1" && o.host != "localhost" && o.host != "::1")
+        say("warning: anybody on this network who knows the address can use this page, and what is sent is not "
+            "encrypted");
+}
+
+void run(const ViewOptions& o) {
+    server::ViewerOptions options;
+    if (!o.source.volume.empty() || !o.source.scene.empty() || o.flags.any())
+        options.scene = with_whole_names(scene_from(o.source, o.flags, o.common, "view"));
+    if (o.port && (*o.port < 0 || *o.port > 65535))
+        throw Error(ErrorCode::usage, fmt::format("--port {}: must be 0 (any that is free) to 65535", *o.port));
+    options.folders = folders_of(o, options.scene);
+    options.data = o.source.data;
+    options.host = o.host, options.port = o.port;
+    options.device = device_of(o.common);
+    server::Viewer viewer(options);
+    tell(viewer, o);
+    if (!o.no_open && has_display()) open_browser(viewer.url());
+    viewer.run(true);
+}
+
+}  // namespace
+
+Command view_command(CLI::App& tool) {
+    const auto o = std::make_shared<ViewOptions>();
+    CLI::App* app = tool.add_subcommand("view", "Explores a volume in the browser");
+    add_scene_source(*app, o->source);
+    app->add_option("--port", o->port, "port to serve at; 0: any that is free (8480, or another where that is taken)")
+        ->type_name("N");
+    app->add_option("--host", o->host, "address to serve at (127.0.0.1: this computer alone)")->type_name("ADDR");
+    app->add_flag("--no-open", o->no_open, "only prints the address");
+    add_common_options(*app, o->common);
+    o->flags.add_to(*app);
+    return {app, [o] { run(*o); }};
+}
+
+}  // namespace chiaro::cli

@@ -1,0 +1,41 @@
+// Pictures that wait to be fetched, and files that were brought.
+#pragma once
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <string>
+
+#include "net.h"
+
+namespace chiaro::server {
+
+/// A folder of the user's own that goes with the program.
+class Store {
+public:
+    Store();
+    ~Store();
+
+    const std::filesystem::path& uploads() const { return uploads_; }
+    /// Keeps a brought file under a name of its own, with the ending it had. Throws Error{output}.
+    std::filesystem::path keep(const std::string& name, const std::string& bytes);
+    /// A new file's name, with this ending.
+    std::filesystem::path fresh(const std::string& ending) const;
+    /// Offers a file once, for five minutes; its address.
+    std::string offer(const std::filesystem::path& file, const std::string& type, const std::string& save_as);
+    Response fetch(const std::string& key);
+    void tick();
+
+private:
+    struct Offer {
+        std::filesystem::path file;
+        std::string type, save_as;
+        std::chrono::steady_clock::time_point until;
+    };
+
+    std::filesystem::path folder_, uploads_;
+    std::mutex mutex_;
+    std::map<std::string, Offer> offers_;
+};
+
+}  // namespace chiaro::server

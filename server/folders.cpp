@@ -1,0 +1,112 @@
+#include "folders.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace chiaro::server {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::size_t most_entries = 2000;
+
+bool is_below(const fs::path& path, const fs::path& root) {
+    const auto [end, ignored] = std::mismatch(root.begin(), root.end(), path.begin(), path.end());
+    return end == root.end();
+}
+
+/// By its ending; whether it can be read is found out when it is opened.
+const char* kind_of(const fs::path& file) {
+    std::string ending = file.extension().string();
+    std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+    const auto is_among = [&](std::initializer_list<std::string_view> endings) {
+        return std::find(endings.begin(), endings.end(), ending) != endings.end();
+    };
+    if (is_among({".json", ".png"})) return "scene";
+    if (is_among({".vp", ".itf", ".tfi"})) return "transfer";
+    if (is_among({".hdr", ".exr"})) return "probe";
+    if (is_among({".nrrd", ".nhdr", ".mha", ".mhd", ".nii", ".gz", ".dcm", ".tif", ".tiff", ".vtk", ".vti", ".h5",
+                  ".hdf5", ".raw"}))
+        return "volume";
+    return nullptr;
+}
+
+Json entry_of(const fs::directory_entry& entry) {
+    std::error_code error;
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with(".")) return {};
+    if (entry.is_directory(error))
+        return {{"name", name}, {"path", entry.path().string()}, {"kind", "folder"}, {"bytes", 0}};
+    const char* kind = entry.is_regular_file(error) ? kind_of(entry.path()) : nullptr;
+    if (!kind) return {};
+    const auto bytes = entry.file_size(error);
+    return {{"name", name}, {"path", entry.path().string()}, {"kind", kind}, {"bytes", error ? 0 : bytes}};
+}
+
+}  // namespace
+
+Folders::Folders(const std::vector<fs::path>& roots, const fs::path& uploads)
+    : uploads_(fs::weakly_canonical(uploads)) {
+    for (const fs::path& root : roots) {
+        const fs::path whole = fs::weakly_canonical(fs::absolute(root));
+        if (std::find(roots_.begin(), roots_.end(), whole) == roots_.end()) roots_.push_back(whole);
+    }
+}
+
+fs::path Folders::allowed(const std::string& path) const {
+    std::error_code error;
+    const fs::path whole = fs::weakly_canonical(roots_.front() / path, error);
+    const auto holds = [&](const fs::path& root) { return is_below(whole, root); };
+    if (error || path.find('\0') != path.npos || !(std::any_of(roots_.begin(), roots_.end(), holds) || holds(uploads_)))
+        throw Error(ErrorCode::input,
+                    fmt::format("{}: lies outside the folders that the viewer was started with", path));
+    return whole;
+}
+
+std::string Folders::allowed_volume(const std::string& name) const {
+    if (name.starts_with("sample:")) return name;
+    if (name.empty() || name == "-") throw Error(ErrorCode::input, fmt::format("'{}': names no volume", name));
+    const std::size_t inside = std::min(name.find(":/"), name.size());
+    return allowed(name.substr(0, inside)).string() + name.substr(inside);
+}
+
+void Folders::confine(Scene& scene) const {
+    const auto confined = [&](std::string& file) { file = allowed(file).string(); };
+    // A name without '/' and '.' is a preset's or a probe's, as load_probe and load_transfer_function have it; a file
+    // of such a name in the program's own folder is not meant.
+    std::string& transfer = scene.transfer.source;
+    if (transfer.find_first_of("/.") != transfer.npos) confined(transfer);
+    if (!is_probe_name(scene.lighting.probe.source) && !scene.lighting.probe.source.empty())
+        confined(scene.lighting.probe.source);
+    HistogramSettings& histogram = scene.illumination.histogram;
+    if (!histogram.glow.empty() && histogram.glow.find('=') == histogram.glow.npos) confined(histogram.glow);
+    if (histogram.cache != "none") histogram.cache.clear();
+}
+
+Json Folders::list(const std::string& path) const {
+    Json folders = Json::array(), files = Json::array();
+    if (path.empty()) {
+        for (const fs::path& root : roots_)
+            folders.push_back({{"name", root.string()}, {"path", root.string()}, {"kind", "folder"}, {"bytes", 0}});
+        return {{"path", ""}, {"parent", nullptr}, {"entries", std::move(folders)}};
+    }
+    const fs::path folder = allowed(path);
+    std::error_code error;
+    fs::directory_iterator entries(folder, error);
+    if (error) throw Error(ErrorCode::input, fmt::format("{}: cannot be read ({})", path, error.message()));
+    for (; entries != fs::directory_iterator() && !error && folders.size() + files.size() < most_entries;
+         entries.increment(error)) {
+        Json entry = entry_of(*entries);
+        if (!entry.is_null()) (entry["kind"] == "folder" ? folders : files).push_back(std::move(entry));
+    }
+    const auto by_name = [](const Json& a, const Json& b) { return a["name"] < b["name"]; };
+    std::sort(folders.begin(), folders.end(), by_name);
+    std::sort(files.begin(), files.end(), by_name);
+    folders.insert(folders.end(), files.begin(), files.end());
+    const bool is_root = std::find(roots_.begin(), roots_.end(), folder) != roots_.end();
+    return {{"path", folder.string()},
+            {"parent", is_root ? "" : folder.parent_path().string()},
+            {"entries", std::move(folders)}};
+}
+
+}  // namespace chiaro::server

@@ -1,0 +1,12 @@
+// Pictures that are shown for a moment.
+#pragma once
+#include <chiaro/image.h>
+
+#include <string>
+
+namespace chiaro::server {
+
+/// A JPEG file's bytes (4:2:0). Alpha is left out: colours over black. Throws Error{output}.
+std::string encode_jpeg(const Image& image, int quality);
+
+}  // namespace chiaro::server

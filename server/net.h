@@ -1,0 +1,80 @@
+// HTTP and WebSocket, and nothing of what is said over them. Boost.Beast lives behind this in net.cpp alone.
+#pragma once
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace chiaro::server {
+
+struct Request {
+    std::string method, path;
+    std::map<std::string, std::string> query;
+    std::string body;
+};
+
+struct Response {
+    int status = 200;
+    std::string type = "text/plain; charset=utf-8";
+    std::string body;
+    std::filesystem::path file;  ///< sent instead of the body where given, and deleted
+    std::string save_as;         ///< what a browser calls it
+};
+
+/// One page's connection. Every call may come from any thread and returns at once; a connection that is gone swallows
+/// what it is sent.
+class Socket {
+public:
+    virtual ~Socket() = default;
+    virtual void send(std::string text) = 0;
+    virtual void send_binary(std::string bytes) = 0;
+    /// A binary message that replaces one sent so that still waits: a slow reader gets fewer, never old ones.
+    virtual void send_newest(std::string bytes) = 0;
+    virtual void close(int code, std::string reason) = 0;
+};
+
+/// What a page says. Called by the network's thread, one call at a time.
+class Listener {
+public:
+    virtual ~Listener() = default;
+    virtual void hear(const Socket& from, std::string_view text) = 0;
+    virtual void gone(const Socket& from) = 0;
+};
+
+/// What is served. Called by the network's thread.
+class Site {
+public:
+    virtual ~Site() = default;
+    virtual Response answer(const Request& request) = 0;
+    /// Whether a WebSocket may be opened: status 200 if so.
+    virtual Response admit(const Request& request) = 0;
+    virtual std::shared_ptr<Listener> welcome(const Request& request, std::shared_ptr<Socket> socket) = 0;
+    virtual void tick() = 0;  ///< every few seconds
+    virtual void end() = 0;   ///< once, before the sockets are closed
+};
+
+struct Address {
+    std::string host = "127.0.0.1";
+    int port = 0;             ///< 0: any that is free
+    bool or_another = false;  ///< takes a free port where this one is taken
+};
+
+/// Listens from its construction on; throws Error{usage} for an address that is none, Error{output} where it cannot be
+/// had.
+class Net {
+public:
+    Net(const Address& address, Site& site);
+    ~Net();
+    int port() const;
+    /// Serves until `stop`, or SIGINT or SIGTERM where `signals`; then tells the site and closes every socket.
+    void run(bool signals);
+    void stop();  ///< from any thread
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace chiaro::server

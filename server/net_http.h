@@ -1,0 +1,147 @@
+// Part of net.cpp: a connection as long as it speaks HTTP.
+#pragma once
+#include <utility>  // which Boost 1.74 forgets
+
+#include <fmt/format.h>
+
+#include "net_socket.h"
+
+namespace chiaro::server {
+
+inline constexpr std::size_t largest_upload = 64 << 20, most_sockets = 128;
+
+/// What every answer says: nothing is loaded from elsewhere, framed by others, guessed or kept.
+template <class Message>
+void add_headers(Message& message) {
+    message.set(http::field::server, "chiaro");
+    message.set(http::field::cache_control, "no-store");
+    message.set("Content-Security-Policy",
+                "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' blob: data:; "
+                "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'");
+    message.set("X-Content-Type-Options", "nosniff");
+    message.set("Referrer-Policy", "no-referrer");
+    message.set("Cross-Origin-Opener-Policy", "same-origin");
+    message.set("Cross-Origin-Resource-Policy", "same-origin");
+}
+
+class Connection : public std::enable_shared_from_this<Connection> {
+public:
+    Connection(tcp::socket socket, Context& context) : stream_(std::move(socket)), context_(context) {
+        ++context_.connections;
+    }
+    ~Connection() { --context_.connections; }
+
+    void read() {
+        parser_.emplace();
+        parser_->header_limit(16384);
+        parser_->body_limit(largest_upload);
+        stream_.expires_after(std::chrono::seconds(30));
+        http::async_read_header(stream_, buffer_, *parser_,
+                                [self = shared_from_this()](beast::error_code error, std::size_t) {
+                                    if (!error) return self->header_read();
+                                    if (error != http::error::end_of_stream && error != beast::error::timeout)
+                                        self->refuse(400, "This is not HTTP as it is understood here.\n");
+                                });
+    }
+
+private:
+    std::string field(http::field name) const { return std::string(parser_->get()[name]); }
+
+    void header_read() {
+        const auto& header = parser_->get();
+        if (!context_.doorman.lets_in(field(http::field::host), field(http::field::origin)))
+            return refuse(403, "This server answers to its own address and its own page only.\n");
+        request_ = request_of(std::string(header.method_string()), std::string(header.target()));
+        if (request_.method != "GET" && request_.method != "HEAD" && request_.method != "POST")
+            return refuse(405, "Only GET, HEAD and POST are understood.\n");
+        const auto told = parser_->content_length();
+        if (told && *told > (request_.method == "POST" ? largest_upload : 0))
+            return refuse(413, fmt::format("A file may have at most {} MiB.\n", largest_upload >> 20));
+        if (request_.method == "POST") {
+            const Response admitted = context_.site.admit(request_);
+            if (admitted.status != 200) return refuse(admitted.status, admitted.body);
+            stream_.expires_after(std::chrono::seconds(300));
+        }
+        http::async_read(stream_, buffer_, *parser_, [self = shared_from_this()](beast::error_code error, std::size_t) {
+            if (!error) return self->request_read();
+            if (error == http::error::body_limit) self->refuse(413, "The file is too large.\n");
+        });
+    }
+
+    void request_read() {
+        if (websocket::is_upgrade(parser_->get())) return upgrade();
+        request_.body = std::move(parser_->get().body());
+        const bool with_body = request_.method != "HEAD";
+        if (!with_body) request_.method = "GET";
+        Response response;
+        try {
+            response = context_.site.answer(request_);
+        } catch (const std::exception& error) {  // memory, a full disk
+            return refuse(500, std::string(error.what()) + "\n");
+        }
+        response.file.empty() ? write_text(response, with_body) : write_file(response);
+    }
+
+    void upgrade() {
+        const Response admitted = context_.site.admit(request_);
+        if (admitted.status != 200) return refuse(admitted.status, admitted.body);
+        if (context_.sockets.size() >= most_sockets) return refuse(503, "Too many pages are open.\n");
+        stream_.expires_never();
+        std::make_shared<WebSocket>(stream_.release_socket(), context_)->open(parser_->release(), request_);
+    }
+
+    void refuse(int status, const std::string& sentence) {
+        keep_alive_ = false;
+        Response response;
+        response.status = status;
+        response.body = sentence;
+        write_text(response, true);
+    }
+
+    void write_text(const Response& response, bool with_body) {
+        auto message = std::make_shared<http::response<http::string_body>>(http::status(response.status), 11);
+        message->set(http::field::content_type, response.type);
+        message->body() = response.body;
+        message->prepare_payload();
+        if (!with_body) message->body().clear();
+        write(message);
+    }
+
+    void write_file(const Response& response) {
+        beast::error_code error;
+        http::file_body::value_type file;
+        file.open(response.file.c_str(), beast::file_mode::scan, error);
+        std::error_code ignored;
+        std::filesystem::remove(response.file, ignored);  // it lives as long as it is open
+        if (error) return refuse(404, "The picture is gone.\n");
+        auto message = std::make_shared<http::response<http::file_body>>(http::status::ok, 11);
+        message->body() = std::move(file);
+        message->set(http::field::content_type, response.type);
+        message->set(http::field::content_disposition, fmt::format("attachment; filename=\"{}\"", response.save_as));
+        message->prepare_payload();
+        stream_.expires_after(std::chrono::minutes(30));
+        write(message);
+    }
+
+    template <class Message>
+    void write(std::shared_ptr<Message> message) {
+        add_headers(*message);
+        message->keep_alive(keep_alive_ && parser_->get().keep_alive());
+        http::async_write(stream_, *message,
+                          [self = shared_from_this(), message](beast::error_code error, std::size_t) {
+                              if (error) return;
+                              if (message->keep_alive() && !self->context_.ending) return self->read();
+                              beast::error_code ignored;
+                              self->stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+                          });
+    }
+
+    beast::tcp_stream stream_;
+    Context& context_;
+    beast::flat_buffer buffer_;
+    std::optional<http::request_parser<http::string_body>> parser_;
+    Request request_;
+    bool keep_alive_ = true;
+};
+
+}  // namespace chiaro::server

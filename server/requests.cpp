@@ -1,0 +1,136 @@
+// The answers that take no time.
+#include <chiaro/pick.h>
+#include <fmt/format.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "command_line.h"
+#include "view.h"
+
+namespace chiaro::server {
+namespace fs = std::filesystem;
+namespace {
+
+Json json_of(const Vec3& v) { return {v.x, v.y, v.z}; }
+
+std::string text_of_file(const fs::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// The scene that a picture carries; nothing where it carries none.
+std::string carried_scene(const Metadata& metadata) {
+    for (const auto& [key, text] : metadata)
+        if (key == "chiaro") return text;
+    return {};
+}
+
+}  // namespace
+
+Json View::ping(const Json&) { return Json::object(); }
+
+Json View::cancel(const Json& request) {
+    const auto found = request.find("re");
+    if (found == request.end()) throw Error(ErrorCode::usage, "re: must name a request");
+    const std::lock_guard lock(mutex_);
+    if (const auto running = running_.find(key_of(*found)); running != running_.end()) running->second->cancel();
+    return Json::object();
+}
+
+Json View::pick(const Json& request) {
+    const double x = number_in(request, "x", -1e5, 1e5), y = number_in(request, "y", -1e5, 1e5);
+    const auto seen = painter_.seen();
+    if (!seen) return {{"hit", false}};
+    const auto found = chiaro::pick(seen->medium, seen->camera, seen->rays, seen->width, seen->height, x, y);
+    if (!found) return {{"hit", false}, {"n", seen->n}};
+    return {{"hit", true},
+            {"n", seen->n},
+            {"value", found->value},
+            {"voxel", json_of(found->p_voxel)},
+            {"world_mm", json_of(found->world_mm)},
+            {"opacity", found->opacity},
+            {"rgb", found->rgb},
+            {"share", found->weight / found->covered},
+            {"depth_mm", found->depth_mm}};
+}
+
+Json View::command(const Json& request) {
+    const Scene scene = scene_of(object_in(request, "scene"));
+    // Points that are a preset's own are told by its name.
+    std::string named;
+    if (scene.transfer.points && !scene.transfer.points->name.empty()) {
+        TransferSettings settings;
+        settings.source = scene.transfer.points->name;
+        try {
+            if (shown()->session.resolve(settings) == *scene.transfer.points) named = settings.source;
+        } catch (const Error&) {  // no preset's name
+        }
+    }
+    return {{"text", command_line(scene, named, text_in(request, "output", "picture.png"))}};
+}
+
+Json View::resolve(const Json& request) {
+    const Scene scene = scene_of({{"transfer_function", object_in(request, "transfer_function")}});
+    return {{"transfer_function", Json::parse(to_json(shown()->session.resolve(scene.transfer)))}};
+}
+
+Json View::export_text(const Json& request) {
+    const std::string what = text_in(request, "what");
+    const Scene scene = scene_of(object_in(request, "scene"));
+    if (what == "transfer")
+        return {{"text", to_json(shown()->session.resolve(scene.transfer))}, {"name", "transfer.json"}};
+    if (what == "scene") return {{"text", scene_json(scene, shown()->session).dump(2) + "\n"}, {"name", "scene.json"}};
+    throw Error(ErrorCode::usage, "what: must be transfer or scene");
+}
+
+Json View::import_text(const Json& request) { return take_file(text_in(request, "name"), text_in(request, "text")); }
+
+Json View::take_file(const std::string& name, const std::string& bytes) {
+    const fs::path file = house_.store.keep(name, bytes);
+    const std::string ending = fs::path(name).extension().string();
+    std::string scene;
+    if (ending == ".png" || ending == ".exr") {
+        scene = carried_scene(ending == ".png" ? read_png_metadata(file) : read_exr_metadata(file));
+        if (scene.empty() && ending == ".png")
+            throw Error(ErrorCode::input, fmt::format("{}: this picture carries no scene", name));
+    }
+    if (scene.empty() && (ending == ".hdr" || ending == ".exr")) {
+        load_probe(file.string());  // throws what is wrong with it
+        return {{"kind", "probe"}, {"source", file.string()}};
+    }
+    if (ending == ".json") {
+        const std::string text = text_of_file(file);
+        const Json json = parse_message(text);
+        if (json.contains("volume") || json.contains("camera") || json.contains("lighting")) scene = text;
+    }
+    return scene.empty() ? file_as_transfer(file) : file_as_scene(scene, name);
+}
+
+Json View::file_as_scene(const std::string& text, const std::string& name) {
+    const Json json = parse_message(text);
+    std::vector<std::string> unknown;
+    Json wanted;
+    if (json.contains("volume") && json["volume"].is_object()) wanted = text_in(json["volume"], "file", "");
+    try {
+        const Scene scene = scene_of(json, &unknown);
+        const bool is_other =
+            wanted.is_string() && fs::path(wanted.get<std::string>()).filename() != fs::path(scene.volume).filename();
+        return {{"kind", "scene"},
+                {"scene", scene_json(scene, shown()->session)},
+                {"unknown", unknown},
+                {"needs_volume", is_other ? wanted : Json()}};
+    } catch (const Error& error) {
+        throw Error(error.code(), fmt::format("{}: {}", name, error.what()));
+    }
+}
+
+Json View::file_as_transfer(const fs::path& file) {
+    const auto loaded = shown();
+    if (!loaded) throw Error(ErrorCode::usage, "no volume is open");
+    TransferSettings settings;
+    settings.source = file.string();
+    return {{"kind", "transfer"}, {"transfer_function", Json::parse(to_json(loaded->session.resolve(settings)))}};
+}
+
+}  // namespace chiaro::server

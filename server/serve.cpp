@@ -1,0 +1,186 @@
+#include "serve.h"
+
+#include <chiaro/error.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "lists.h"
+#include "pages.h"
+#include "token.h"
+#include "view.h"
+
+namespace chiaro::server {
+namespace {
+
+constexpr std::size_t most_views = 128, most_alone = 16;
+constexpr auto kept_alone = std::chrono::minutes(10);
+
+bool is_view_id(const std::string& id) {
+    return id.size() >= 8 && id.size() <= 64 &&
+           id.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-") == id.npos;
+}
+
+std::string member(const std::map<std::string, std::string>& query, const std::string& name) {
+    const auto found = query.find(name);
+    return found == query.end() ? "" : found->second;
+}
+
+Response refusal(int status, const std::string& sentence) {
+    Response response;
+    response.status = status;
+    response.body = sentence + "\n";
+    return response;
+}
+
+Response json_response(const Json& json, int status = 200) {
+    Response response;
+    response.status = status;
+    response.type = "application/json";
+    response.body = text_of(json);
+    return response;
+}
+
+class ViewerSite : public Site {
+public:
+    ViewerSite(const ViewerOptions& options)
+        : house_{Volumes(options.device),
+                 Folders(options.folders, store_.uploads()),
+                 store_,
+                 lists(options.device),
+                 options.scene,
+                 options.data} {
+        if (house_.initial) reading_.post([this] { read_first(); });
+    }
+    ~ViewerSite() override { progress_.cancel(); }
+
+    void expect(const std::string& token) { token_ = token; }
+    const std::string& token() const { return token_; }
+
+    Response answer(const Request& request) override {
+        if (request.method == "POST") return upload(request);
+        if (request.path.starts_with("/download/")) return store_.fetch(request.path.substr(10));
+        const bool is_page = request.path == "/" || request.path == "/index.html";
+        if (is_page && !has_token(request))
+            return refusal(403, "This page opens with the whole address that chiaro view printed, token and all.");
+        const auto file = page_file(is_page ? "index.html" : std::string_view(request.path).substr(1));
+        if (!file) return refusal(404, "There is nothing at this address.");
+        Response response;
+        response.type = file->type, response.body = file->bytes;
+        return response;
+    }
+
+    Response admit(const Request& request) override {
+        const bool is_known = request.path == (request.method == "POST" ? "/upload" : "/socket");
+        if (!is_known) return refusal(404, "There is nothing at this address.");
+        if (!has_token(request)) return refusal(403, "The token is not this server's.");
+        if (!is_view_id(member(request.query, "view")))
+            return refusal(400, "view: must be 8 to 64 of A-Z, a-z, 0-9, _ and -.");
+        if (!make_room(member(request.query, "view"))) return refusal(503, "Too many views are open.");
+        return {};
+    }
+
+    std::shared_ptr<Listener> welcome(const Request& request, std::shared_ptr<Socket> socket) override {
+        const std::string id = member(request.query, "view");
+        std::shared_ptr<View>& view = views_[id];
+        if (!view) view = std::make_shared<View>(house_, id);
+        try {
+            view->attach(socket, member(request.query, "take") == "1");
+        } catch (...) {
+            socket->send(text_of(current_error(nullptr)));
+            socket->close(1011, "");
+        }
+        return view;
+    }
+
+    void tick() override {
+        store_.tick();
+        std::erase_if(views_, [](const auto& entry) {
+            const auto alone = entry.second->alone();
+            return alone && *alone > kept_alone;
+        });
+    }
+
+    void end() override {
+        progress_.cancel();
+        for (const auto& [id, view] : views_) view->say_goodbye();
+    }
+
+private:
+    bool has_token(const Request& request) const { return is_same_key(member(request.query, "token"), token_); }
+
+    /// Begins before the first page asks, and keeps the volume while nobody looks.
+    void read_first() {
+        try {
+            first_ = house_.volumes.load(*house_.initial, progress_);
+        } catch (const std::exception&) {  // told to each page that asks for it
+        }
+    }
+
+    /// Those that have been alone for the longest go first.
+    bool make_room(const std::string& id) {
+        if (views_.contains(id)) return true;
+        using Row = std::pair<std::chrono::steady_clock::duration, std::string>;
+        std::vector<Row> alone;
+        for (const auto& [name, view] : views_)
+            if (const auto since = view->alone()) alone.emplace_back(*since, name);
+        std::sort(alone.begin(), alone.end());
+        while (!alone.empty() && (alone.size() >= most_alone || views_.size() >= most_views)) {
+            views_.erase(alone.back().second);
+            alone.pop_back();
+        }
+        return views_.size() < most_views;
+    }
+
+    Response upload(const Request& request) {
+        const auto found = views_.find(member(request.query, "view"));
+        if (found == views_.end()) return refusal(404, "This view is not open.");
+        try {
+            return json_response(found->second->take_file(member(request.query, "name"), request.body));
+        } catch (...) {
+            return json_response(current_error(nullptr), 422);
+        }
+    }
+
+    Store store_;
+    House house_;
+    std::string token_;
+    std::map<std::string, std::shared_ptr<View>> views_;  // of the network's thread alone
+    std::shared_ptr<const Loaded> first_;
+    Progress progress_;
+    Lane reading_;  // the last member: its work uses the others
+};
+
+Address address_of(const ViewerOptions& options) {
+    return {options.host, options.port.value_or(Viewer::usual_port), !options.port};
+}
+
+}  // namespace
+
+struct Viewer::State {
+    explicit State(const ViewerOptions& options) : host(options.host), site(options), net(address_of(options), site) {
+        site.expect(token_for(net.port()));
+    }
+
+    std::string host;
+    ViewerSite site;
+    Net net;
+};
+
+Viewer::Viewer(const ViewerOptions& options) : state_(std::make_unique<State>(options)) {}
+Viewer::~Viewer() = default;
+int Viewer::port() const { return state_->net.port(); }
+const std::string& Viewer::token() const { return state_->site.token(); }
+std::string Viewer::url() const {
+    const bool is_anywhere = state_->host == "0.0.0.0" || state_->host == "::";
+    const bool is_v6 = state_->host.find(':') != std::string::npos;
+    const std::string host = is_anywhere || state_->host == "127.0.0.1" ? "localhost"
+                             : is_v6                                    ? "[" + state_->host + "]"
+                                                                        : state_->host;
+    return fmt::format("http://{}:{}/?token={}", host, port(), token());
+}
+void Viewer::run(bool signals) { state_->net.run(signals); }
+void Viewer::stop() { state_->net.stop(); }
+
+}  // namespace chiaro::server

@@ -1,0 +1,267 @@
+#include "view.h"
+
+#include <fmt/format.h>
+
+namespace chiaro::server {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr int largest_canvas = 8192;
+constexpr double most_canvas_pixels = 36e6;
+constexpr std::size_t most_running = 64;
+
+Json id_of(const Json& request) {
+    const auto found = request.find("id");
+    if (found == request.end() || !found->is_number_integer())
+        throw Error(ErrorCode::usage, "id: must be a whole number");
+    return *found;
+}
+
+}  // namespace
+
+View::View(House& house, std::string id)
+    : house_(house),
+      id_(std::move(id)),
+      painter_({[this](int connection, std::string frame) {
+                    const std::lock_guard lock(mutex_);
+                    if (socket_ && connection == connection_) socket_->send_newest(std::move(frame));
+                },
+                [this](int connection, const Json& message) { tell(connection, message); }}) {}
+
+View::~View() { cancel_all(); }
+
+void View::cancel_all() {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [id, progress] : running_) progress->cancel();
+}
+
+bool View::attach(std::shared_ptr<Socket> socket, bool take) {
+    const std::string taken = text_of({{"type", "taken"}});
+    {
+        const std::lock_guard lock(mutex_);
+        if (socket_ && !take) {
+            socket->send(taken);
+            socket->close(4001, "open elsewhere");
+            return false;
+        }
+        if (socket_) {
+            socket_->send(taken);
+            socket_->close(4001, "taken over");
+        }
+        socket_ = std::move(socket);
+        ++connection_;
+        newest_ = -1;
+        left_.reset();
+    }
+    greet();
+    return true;
+}
+
+void View::gone(const Socket& from) {
+    {
+        const std::lock_guard lock(mutex_);
+        if (socket_.get() != &from) return;
+        socket_.reset();
+        left_ = Clock::now();
+    }
+    cancel_all();
+    painter_.show(nullptr);  // light is found again when somebody looks
+}
+
+std::optional<Clock::duration> View::alone() const {
+    const std::lock_guard lock(mutex_);
+    if (!left_) return {};
+    return Clock::now() - *left_;
+}
+
+void View::say_goodbye() {
+    tell({{"type", "bye"}});
+    cancel_all();
+}
+
+/// Says hello, and sees that there is something to show.
+void View::greet() {
+    Json hello = house_.lists;
+    hello["type"] = "hello";
+    hello["version"] = CHIARO_VERSION;
+    hello["protocol"] = 1;
+    hello["view"] = id_;
+    hello["volume"] = nullptr, hello["scene"] = nullptr, hello["error"] = nullptr;
+    auto loaded = shown();
+    Scene scene = loaded ? loaded->source : Scene();
+    if (!loaded && house_.initial && (loaded = house_.volumes.find(*house_.initial))) scene = *house_.initial;
+    Json state;
+    {
+        const std::lock_guard lock(mutex_);
+        shown_ = loaded;
+        state = state_;
+    }
+    hello["restored"] = loaded && !state.is_null();
+    if (loaded) {
+        hello["volume"] = loaded->told;
+        if (!state.is_null()) scene = scene_of(state);
+        hello["scene"] = scene_json(scene, loaded->session);
+        painter_.show(loaded);
+    } else if (house_.initial) {
+        hello["reading"] = house_.initial->volume;
+    }
+    tell(hello);
+    if (!loaded && house_.initial) run(opening_, {{"id", "open"}}, &View::open_initial);
+}
+
+void View::hear(const Socket& from, std::string_view text) {
+    {
+        const std::lock_guard lock(mutex_);
+        if (socket_.get() != &from) return;  // taken over
+    }
+    Json request;
+    try {
+        request = parse_message(text);
+        const std::string type = text_in(request, "type");
+        type == "state" ? hear_state(request) : dispatch(request);
+    } catch (...) {
+        const bool has_id = request.is_object() && request.contains("id") && request["id"].is_number_integer();
+        Json error = current_error(has_id ? request["id"] : Json());
+        if (!has_id && error["code"] == "usage") error["code"] = "protocol";
+        tell(error);
+    }
+}
+
+void View::dispatch(const Json& request) {
+    static const std::map<std::string, Quick> quick{{"pick", &View::pick},          {"command", &View::command},
+                                                    {"resolve", &View::resolve},    {"export", &View::export_text},
+                                                    {"import", &View::import_text}, {"cancel", &View::cancel},
+                                                    {"ping", &View::ping}};
+    static const std::map<std::string, std::pair<Lane View::*, Handler>> slow{
+        {"folder", {&View::side_lane_, &View::folder}},   {"open", {&View::opening_, &View::open}},
+        {"save", {&View::saving_, &View::save}},          {"look", {&View::side_lane_, &View::look}},
+        {"compare", {&View::comparing_, &View::compare}}, {"measure", {&View::comparing_, &View::measure}},
+        {"probe", {&View::side_lane_, &View::probe}}};
+    const std::string type = text_in(request, "type");
+    id_of(request);
+    if (const auto found = quick.find(type); found != quick.end()) return answer(request, found->second);
+    if (const auto found = slow.find(type); found != slow.end())
+        return run(this->*found->second.first, request, found->second.second);
+    Json error =
+        error_message(request["id"], "protocol", fmt::format("'{}': no such type of message", type.substr(0, 40)));
+    tell(error);
+}
+
+void View::answer(const Json& request, Quick quick) {
+    Json reply = (this->*quick)(request);
+    reply["type"] = "answer", reply["re"] = request["id"];
+    tell(reply);
+}
+
+/// Requests of a connection that is gone may still be ending.
+std::string View::key_of(const Json& id) const { return fmt::format("{} of {}", id.dump(), connection_); }
+
+/// In a lane, under an id by which it can be cancelled.
+void View::run(Lane& lane, const Json& request, Handler handler) {
+    const Json id = request["id"];
+    std::string key;
+    const auto progress = std::make_shared<Progress>(report_for(id));
+    {
+        const std::lock_guard lock(mutex_);
+        key = key_of(id);
+        if (running_.size() >= most_running) throw Error(ErrorCode::usage, "too much is asked for at once");
+        if (!running_.emplace(key, progress).second)
+            throw Error(ErrorCode::usage, fmt::format("id {}: is still being answered", id.dump()));
+    }
+    const auto work = [this, request, id, key, progress, handler] {
+        Json reply;
+        try {
+            progress->check();
+            reply = (this->*handler)(request, *progress);
+            if (!reply.contains("type")) reply["type"] = "answer";
+            if (reply["type"] == "answer") reply["re"] = id;
+        } catch (...) {
+            reply = current_error(id);
+        }
+        {
+            const std::lock_guard lock(mutex_);
+            running_.erase(key);
+        }
+        tell(reply);
+    };
+    if (lane.post(work)) return;
+    const std::lock_guard lock(mutex_);
+    running_.erase(key);
+    throw Error(ErrorCode::usage, "too much is asked for at once");
+}
+
+void View::hear_state(const Json& message) {
+    if (!message.contains("n") || !message["n"].is_number_integer())
+        throw Error(ErrorCode::usage, "n: must be a whole number");
+    Wish wish;
+    wish.n = message["n"].get<std::int64_t>();
+    try {
+        const auto [width, height] = size_in(message, "canvas", largest_canvas);
+        if (double(width) * height > most_canvas_pixels) throw Error(ErrorCode::usage, "canvas: has too many pixels");
+        std::vector<std::string> unknown;
+        wish.scene = scene_of(object_in(message, "scene"), &unknown);
+        wish.scene.width = width, wish.scene.height = height;
+        wish.moving = flag_in(message, "moving", false), wish.preview = flag_in(message, "preview", false);
+        for (const std::string& key : unknown) wish.notes.push_back(fmt::format("unknown key {}", key));
+    } catch (...) {
+        Json error = current_error(nullptr);
+        error["n"] = wish.n;
+        return tell(error);
+    }
+    {
+        const std::lock_guard lock(mutex_);
+        if (wish.n <= newest_) return;  // came late
+        newest_ = wish.n;
+        wish.connection = connection_;
+        if (!wish.preview) state_ = message["scene"];
+    }
+    painter_.wish(std::move(wish));
+}
+
+std::shared_ptr<const Loaded> View::shown() const {
+    const std::lock_guard lock(mutex_);
+    return shown_;
+}
+
+/// A page's scene: always of the volume that is shown, and of no file that it may not see.
+Scene View::scene_of(const Json& json, std::vector<std::string>* unknown) const {
+    const auto loaded = shown();
+    if (!loaded) throw Error(ErrorCode::usage, "no volume is open");
+    Json own = json;
+    own["volume"] = Json::parse(to_json(loaded->source))["volume"];
+    std::vector<std::string> ignored;
+    Scene scene = parse_scene(text_of(own), house_.folders.first(), {}, unknown ? *unknown : ignored);
+    house_.folders.confine(scene);
+    return scene;
+}
+
+void View::tell(const Json& message) const {
+    const std::lock_guard lock(mutex_);
+    if (socket_) socket_->send(text_of(message));
+}
+
+void View::tell(int connection, const Json& message) const {
+    const std::lock_guard lock(mutex_);
+    if (socket_ && connection == connection_) socket_->send(text_of(message));
+}
+
+/// At most ten times a second.
+Progress::Report View::report_for(const Json& id) const {
+    const auto start = Clock::now();
+    return [this, id, start, last = start](std::string_view stage, double fraction) mutable {
+        const auto now = Clock::now();
+        if (now - last < std::chrono::milliseconds(100)) return;
+        last = now;
+        const double seconds = std::chrono::duration<double>(now - start).count();
+        const Json remaining = fraction > 0.02 ? Json(seconds * (1 - fraction) / fraction) : Json();
+        tell({{"type", "progress"},
+              {"re", id},
+              {"stage", stage},
+              {"fraction", fraction},
+              {"seconds", seconds},
+              {"remaining_s", remaining}});
+    };
+}
+
+}  // namespace chiaro::server

@@ -1,0 +1,102 @@
+// One page's state on this side, and the answers to what it asks.
+#pragma once
+#include <chrono>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "downloads.h"
+#include "folders.h"
+#include "json.h"
+#include "lane.h"
+#include "net.h"
+#include "painter.h"
+#include "volumes.h"
+
+namespace chiaro::server {
+
+/// What all views share.
+struct House {
+    Volumes volumes;
+    Folders folders;
+    Store& store;
+    Json lists;                    ///< of hello
+    std::optional<Scene> initial;  ///< what the program was started with
+    std::filesystem::path data;    ///< where volumes of scenes are looked up too
+};
+
+class View : public Listener {
+public:
+    View(House& house, std::string id);
+    ~View() override;
+
+    /// Speaks to this page from now on; false (and the page is told) where another has the view and `take` is not said.
+    bool attach(std::shared_ptr<Socket> socket, bool take);
+    void hear(const Socket& from, std::string_view text) override;
+    void gone(const Socket& from) override;
+    /// What a file that the page brought is.
+    Json take_file(const std::string& name, const std::string& bytes);
+    void say_goodbye();
+    /// How long no page has been there.
+    std::optional<std::chrono::steady_clock::duration> alone() const;
+
+private:
+    using Handler = Json (View::*)(const Json& request, Progress& progress);
+    using Quick = Json (View::*)(const Json& request);
+
+    void dispatch(const Json& request);
+    void answer(const Json& request, Quick quick);
+    void run(Lane& lane, const Json& request, Handler handler);
+    std::string key_of(const Json& id) const;  ///< while locked
+    void hear_state(const Json& message);
+    void greet();
+
+    // Answered at once.
+    Json pick(const Json& request);
+    Json command(const Json& request);
+    Json resolve(const Json& request);
+    Json export_text(const Json& request);
+    Json import_text(const Json& request);
+    Json cancel(const Json& request);
+    Json ping(const Json& request);
+    // What takes time.
+    Json folder(const Json& request, Progress& progress);
+    Json open(const Json& request, Progress& progress);
+    Json open_initial(const Json& request, Progress& progress);
+    Json save(const Json& request, Progress& progress);
+    Json look(const Json& request, Progress& progress);
+    Json compare(const Json& request, Progress& progress);
+    Json probe(const Json& request, Progress& progress);
+    Json measure(const Json& request, Progress& progress);
+
+    Json show(const Scene& scene, Progress& progress);
+    Json file_as_scene(const std::string& text, const std::string& name);
+    Json file_as_transfer(const std::filesystem::path& file);
+    std::shared_ptr<const Loaded> shown() const;
+    Scene scene_of(const Json& json, std::vector<std::string>* unknown = nullptr) const;
+    void tell(const Json& message) const;
+    void tell(int connection, const Json& message) const;
+    void send_frame(const Json& header, const Image& image);
+    Progress::Report report_for(const Json& id) const;
+    void cancel_all();
+
+    House& house_;
+    const std::string id_;
+    mutable std::mutex mutex_;
+    std::shared_ptr<Socket> socket_;
+    int connection_ = 0;        ///< counts the sockets
+    std::int64_t newest_ = -1;  ///< state of this connection
+    std::optional<std::chrono::steady_clock::time_point> left_;
+    std::shared_ptr<const Loaded> shown_;
+    Json state_;  ///< the scene of the last state that was no preview
+    std::map<std::string, std::shared_ptr<Progress>> running_;
+
+    std::optional<Session> side_;  ///< of looks; the side lane's own
+    std::shared_ptr<const Loaded> side_shown_;
+    Painter painter_;
+    Lane opening_, side_lane_, saving_, comparing_;  // the last members: their work uses the others
+};
+
+}  // namespace chiaro::server

@@ -1,0 +1,115 @@
+#include "volumes.h"
+
+#include <chiaro/chiaro.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "io/memory.h"
+#include "io/volume_json.h"
+
+namespace chiaro::server {
+namespace {
+
+constexpr std::size_t bin_count = 512;
+
+/// Equal bins over [least, greatest], of values after slope and intercept.
+Json finer_histogram(const Volume& volume, double least, double greatest) {
+    std::vector<std::uint64_t> counts(bin_count);
+    const double per_value = greatest > least ? double(bin_count) / (greatest - least) : 0;
+    with_voxel_type(volume.type, [&](auto zero) {
+        for (const auto stored : volume.as<decltype(zero)>()) {
+            const double value = volume.slope * double(stored) + volume.intercept;
+            if (std::isfinite(value))
+                ++counts[std::size_t(std::clamp((value - least) * per_value, 0.0, double(bin_count - 1)))];
+        }
+    });
+    return {{"min", least}, {"max", greatest}, {"counts", counts}};
+}
+
+Json told(const Volume& volume) {
+    const Statistics statistics = measure(volume);
+    const Guess guessed = guess(volume, statistics);
+    Json json = Json::parse(info_of(volume, statistics, guessed).dump(-1, ' ', false, Json::error_handler_t::replace));
+    json["histogram512"] = finer_histogram(volume, statistics.min, statistics.max);
+    json["unit"] = guessed.modality == "CT" ? "HU" : "";
+    json["spacing_stated"] = !(volume.geometry.spacing_mm == Vec3{1, 1, 1});
+    json["bytes"] = volume.voxels.size();
+    const std::string name = std::filesystem::path(volume.source).filename().string();
+    json["name"] = name.empty() ? volume.source : name;
+    return json;
+}
+
+/// What makes two volumes the same: name, options and stated geometry.
+std::string key_of(const Scene& scene) {
+    Scene only;
+    only.volume = scene.volume, only.read = scene.read, only.stated = scene.stated;
+    return to_json(only);
+}
+
+/// A sample is made at any size that is asked for: no more than there is memory.
+void check_sample(const std::string& name) {
+    const std::size_t colon = name.rfind(':');
+    if (!name.starts_with("sample:") || colon == 6) return;
+    const double size = std::atof(name.c_str() + colon + 1), bytes = 10 * size * size * size;
+    const double free = double(available_memory());
+    if (bytes > free)
+        throw Error(ErrorCode::output,
+                    fmt::format("{}: needs {:.1f} GB, {:.1f} GB are free", name, bytes / 1e9, free / 1e9));
+}
+
+std::shared_ptr<const Loaded> read(const Scene& scene, Device device, Progress& progress) {
+    check_sample(scene.volume);
+    Volume volume = read_volume(scene, progress);
+    Json json = told(volume);
+    auto loaded = std::make_shared<Loaded>(Loaded{scene, Session(device), std::move(json)});
+    loaded->session.show(std::move(volume), progress);
+    return loaded;
+}
+
+}  // namespace
+
+std::shared_ptr<const Loaded> Volumes::find(const Scene& scene) const {
+    const std::lock_guard lock(mutex_);
+    const auto found = entries_.find(key_of(scene));
+    return found == entries_.end() ? nullptr : found->second.loaded.lock();
+}
+
+std::shared_ptr<const Loaded> Volumes::load(const Scene& scene, Progress& progress) {
+    const std::string key = key_of(scene);
+    std::unique_lock lock(mutex_);
+    while (entries_[key].is_reading) {
+        changed_.wait_for(lock, std::chrono::milliseconds(50));
+        progress.check();
+    }
+    if (auto loaded = entries_[key].loaded.lock()) return loaded;
+    std::erase_if(entries_,
+                  [](const auto& entry) { return !entry.second.is_reading && entry.second.loaded.expired(); });
+    entries_[key].is_reading = true;
+    lock.unlock();
+    std::shared_ptr<const Loaded> loaded;
+    const auto done = [&] {
+        lock.lock();
+        entries_[key] = {loaded, false};
+        changed_.notify_all();
+    };
+    try {
+        loaded = read(scene, device_, progress);
+    } catch (...) {
+        done();
+        throw;
+    }
+    done();
+    return loaded;
+}
+
+Json scene_json(const Scene& scene, const Session& session) {
+    Scene complete = scene;
+    complete.transfer.points = session.resolve(scene.transfer);
+    complete.transfer.source.clear();
+    complete.transfer.opacity_unit.reset(), complete.transfer.opacity_unit_mm.reset();
+    return Json::parse(to_json(complete));
+}
+
+}  // namespace chiaro::server

@@ -1,0 +1,48 @@
+// Volumes in memory, each once, however many views show it.
+#pragma once
+#include <chiaro/session.h>
+
+#include <condition_variable>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "json.h"
+
+namespace chiaro::server {
+
+/// A volume that was read, and what a page is told of it.
+struct Loaded {
+    Scene source;     ///< its volume and how it was read; the rest as initially
+    Session session;  ///< shows it; others are made beside it
+    Json told;        ///< VOLUME of the protocol
+};
+
+class Volumes {
+public:
+    explicit Volumes(Device device) : device_(device) {}
+
+    /// The scene's volume: the one in memory, or read now; where another thread is reading it that is waited for.
+    /// Throws as read_volume.
+    std::shared_ptr<const Loaded> load(const Scene& scene, Progress& progress);
+    /// If it is in memory.
+    std::shared_ptr<const Loaded> find(const Scene& scene) const;
+    const Device& device() const { return device_; }
+
+private:
+    struct Entry {
+        std::weak_ptr<const Loaded> loaded;
+        bool is_reading = false;
+    };
+
+    Device device_;
+    mutable std::mutex mutex_;
+    std::condition_variable changed_;
+    std::map<std::string, Entry> entries_;
+};
+
+/// The scene complete with the points of its transfer function, as SCENE of the protocol.
+Json scene_json(const Scene& scene, const Session& session);
+
+}  // namespace chiaro::server

@@ -1,0 +1,187 @@
+// The answers that take time: each in a lane of its own, reporting and cancellable.
+#include <chiaro/comparison.h>
+#include <chiaro/probe.h>
+#include <chiaro/text.h>
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "io/memory.h"
+#include "jpeg.h"
+#include "view.h"
+
+namespace chiaro::server {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr int largest_picture = 16384, largest_look = 512, largest_comparison = 4096;
+
+/// Frame, picture and what encoding needs.
+void check_memory(int width, int height) {
+    const double needed = 28.0 * width * height, free = double(available_memory());
+    if (needed > free)
+        throw Error(ErrorCode::output, fmt::format("A picture of {} x {} needs {:.1f} GB, {:.1f} GB are free.", width,
+                                                   height, needed / 1e9, free / 1e9));
+}
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+
+std::string stem_of(const std::string& volume) {
+    const std::string name = volume.starts_with("sample:") ? volume.substr(7) : fs::path(volume).stem().string();
+    std::string plain;
+    for (const char c : name) plain += std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_' ? c : '-';
+    return plain.empty() ? "picture" : plain.substr(0, 60);
+}
+
+}  // namespace
+
+Json View::folder(const Json& request, Progress&) { return house_.folders.list(text_in(request, "path", "")); }
+
+/// Reads the scene's volume and shows it.
+Json View::show(const Scene& scene, Progress& progress) {
+    const auto loaded = house_.volumes.load(scene, progress);
+    Json reply{{"volume", loaded->told}, {"scene", scene_json(scene, loaded->session)}};
+    {
+        const std::lock_guard lock(mutex_);
+        shown_ = loaded;
+        state_ = nullptr;
+    }
+    painter_.show(loaded);
+    return reply;
+}
+
+Json View::open(const Json& request, Progress& progress) {
+    if (!request.contains("scene")) {
+        Scene scene;
+        scene.volume = house_.folders.allowed_volume(text_in(request, "volume"));
+        return show(scene, progress);
+    }
+    std::vector<std::string> unknown;
+    Scene scene = read_scene(house_.folders.allowed(text_in(request, "scene")), house_.data, unknown);
+    scene.volume = house_.folders.allowed_volume(scene.volume);
+    house_.folders.confine(scene);
+    Json reply = show(scene, progress);
+    reply["unknown"] = unknown;
+    return reply;
+}
+
+Json View::open_initial(const Json&, Progress& progress) {
+    Json reply = show(*house_.initial, progress);
+    reply["type"] = "opened";
+    return reply;
+}
+
+Json View::save(const Json& request, Progress& progress) {
+    Scene scene = scene_of(object_in(request, "scene"));
+    std::tie(scene.width, scene.height) = size_in(request, "size", largest_picture);
+    const std::string format = text_in(request, "format", "png");
+    if (format != "png" && format != "exr")
+        throw Error(ErrorCode::usage, fmt::format("format {}: must be png or exr", format));
+    if (format == "exr" && scene.output.color == ColorMode::display)
+        throw Error(ErrorCode::usage,
+                    "format exr: colours mixed as display values give no linear light, which EXR holds");
+    check_memory(scene.width, scene.height);
+    // A session of its own: the page goes on with its.
+    Session session = shown()->session.beside();
+    const Image& image = session.render(scene, progress);
+    progress.report("write", 0);
+    Metadata metadata;
+    if (flag_in(request, "metadata", true)) metadata = {{"chiaro", to_json(scene)}};
+    const fs::path file = house_.store.fresh("." + format);
+    if (format == "png")
+        write_png(image, file, metadata);
+    else
+        write_exr(expose(session.frame(), scene.output), file, metadata);
+    const std::string name = fmt::format("{}.{}", stem_of(scene.volume), format);
+    const auto bytes = fs::file_size(file);
+    const std::string url = house_.store.offer(file, format == "png" ? "image/png" : "image/x-exr", name);
+    return {{"url", url}, {"name", name}, {"bytes", bytes}};
+}
+
+void View::send_frame(const Json& header, const Image& image) {
+    Json whole = header;
+    whole["type"] = "jpeg";
+    whole["size"] = {image.width, image.height}, whole["canvas"] = whole["size"];
+    std::string frame = frame_message(whole, encode_jpeg(image, 88));
+    const std::lock_guard lock(mutex_);
+    if (socket_) socket_->send_binary(std::move(frame));
+}
+
+/// A look on trial, by the ray caster alone.
+Json View::look(const Json& request, Progress& progress) {
+    Scene scene = scene_of(object_in(request, "scene"));
+    std::tie(scene.width, scene.height) = size_in(request, "size", largest_look);
+    scene.illumination.method = Method::none;
+    scene.lighting.probe.background = false;
+    scene.sampling.samples_per_pixel = 1;
+    if (const auto loaded = shown(); loaded != side_shown_) {
+        side_.emplace(loaded->session.beside());
+        side_shown_ = loaded;
+    }
+    const Image& image = side_->render(scene, progress);
+    send_frame({{"n", request["id"]}, {"kind", "look"}, {"stage", "final"}}, image);
+    return Json::object();
+}
+
+/// A light probe as it is, without exposure and rotation: the means over the pixels of a small equirectangular picture.
+Json View::probe(const Json& request, Progress&) {
+    const Scene scene = scene_of({{"probe", object_in(request, "probe")}});
+    const Probe probe = load_probe(scene.lighting.probe.source.empty() ? "white" : scene.lighting.probe.source);
+    const auto [width, height] = size_in(request, "size", largest_look);
+    Frame frame(width, height);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const auto span = [](int i, int n, int pixels) {
+                const int from = int(std::int64_t(i) * pixels / n);
+                return std::pair{from, std::max(from + 1, int(std::int64_t(i + 1) * pixels / n))};
+            };
+            const auto [x0, x1] = span(x, width, probe.width());
+            const auto [y0, y1] = span(y, height, probe.height());
+            float* out = &frame.rgba[4 * (std::size_t(y) * width + x)];
+            for (int row = y0; row < y1; ++row)
+                for (int column = x0; column < x1; ++column)
+                    for (int c = 0; c < 3; ++c)
+                        out[c] += probe.rgb()[3 * (std::size_t(row) * probe.width() + column) + c] /
+                                  float((x1 - x0) * (y1 - y0));
+            out[3] = 1;
+        }
+    send_frame({{"n", request["id"]}, {"kind", "probe"}, {"stage", "final"}}, develop(frame, {}));
+    return Json::object();
+}
+
+/// The reference beside a method, by four times the paths in each round.
+Json View::compare(const Json& request, Progress& progress) {
+    Scene scene = scene_of(object_in(request, "scene"));
+    std::tie(scene.width, scene.height) = size_in(request, "size", largest_comparison);
+    Method method = scene.illumination.method;
+    if (const std::string name = text_in(request, "method", ""); !name.empty()) from_text(name, method);
+    const int wanted = scene.illumination.reference.rays;
+    Session session = shown()->session.beside();
+    Json figures;
+    for (int rays = std::min(4, wanted);; rays = std::min(4 * rays, wanted)) {
+        scene.illumination.reference.rays = rays;
+        const MethodComparison result = compare_methods(session, scene, {method}, progress);
+        progress.check();
+        const ImageDifference& distance = result.pictures.front().distance;
+        figures = {{"rmse", number(distance.rmse)}, {"psnr", number(distance.psnr)}, {"ssim", number(distance.ssim)},
+                   {"max", number(distance.max)},   {"noise", number(result.noise)}, {"paths", result.paths}};
+        const Json header{{"n", request["id"]},
+                          {"stage", rays < wanted ? "accumulate" : "final"},
+                          {"samples", result.paths},
+                          {"figures", figures}};
+        const auto send = [&](const char* kind, const Frame& frame) {
+            Json own = header;
+            own["kind"] = kind;
+            send_frame(own, develop(frame, scene.output));
+        };
+        send("method", result.pictures.front().frame);
+        send("reference", result.reference.frame);
+        if (rays >= wanted) return {{"figures", figures}};
+    }
+}
+
+Json View::measure(const Json&, Progress&) {
+    return {{"percent", nullptr}, {"sentence", "not measured: this version has no measure of single points"}};
+}
+
+}  // namespace chiaro::server

@@ -1,0 +1,250 @@
+// TIFF: libtiff decodes the pages; which of them make a volume, and their place, is decided here.
+#include "decode/byte_source.h"
+#include "decode/payload.h"
+#include "decode/readers.h"
+#include "decode/text.h"
+#include "decode/tiff_layout.h"
+#include "decode/tiff_page.h"
+#include "volume/validate.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+
+namespace chiaro::decode {
+namespace {
+
+using Path = std::filesystem::path;
+
+struct Slice {
+    Path path;
+    std::uint64_t directory = 0;  ///< where the page's directory lies in the file
+    TiffPage page;
+};
+
+/// Runs of digits compare as numbers: slice2 comes before slice10.
+bool before_naturally(const std::string& a, const std::string& b) {
+    const auto digit = [](char c) { return c >= '0' && c <= '9'; };
+    std::size_t i = 0, j = 0;
+    while (i < a.size() && j < b.size()) {
+        if (!digit(a[i]) || !digit(b[j])) {
+            if (a[i] != b[j]) return a[i] < b[j];
+            ++i, ++j;
+            continue;
+        }
+        const auto number_at = [&](const std::string& text, std::size_t& at) {
+            while (at < text.size() && text[at] == '0') ++at;
+            const std::size_t first = at;
+            while (at < text.size() && digit(text[at])) ++at;
+            return text.substr(first, at - first);
+        };
+        const std::string m = number_at(a, i), n = number_at(b, j);
+        if (m.size() != n.size()) return m.size() < n.size();
+        if (m != n) return m < n;
+    }
+    return a.size() - i < b.size() - j || (a.size() - i == b.size() - j && a < b);
+}
+
+std::vector<Path> slices_in(const Path& folder) {
+    std::vector<Path> files;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+        const std::string ending = lower(entry.path().extension().string());
+        if (entry.is_regular_file() && (ending == ".tif" || ending == ".tiff")) files.push_back(entry.path());
+    }
+    std::sort(files.begin(), files.end(),
+              [](auto& a, auto& b) { return before_naturally(a.filename().string(), b.filename().string()); });
+    return files;
+}
+
+/// The full pages of a file; thumbnails and masks are no slices.
+std::vector<Slice> pages_of(const Path& path, bool first_only, Output& output) {
+    const auto size = regular_file_size(path);
+    const TiffFile file = open_tiff(path);
+    std::vector<Slice> pages;
+    for (bool more = true; more;) {
+        std::uint32_t kind = 0;
+        TIFFGetFieldDefaulted(file.get(), TIFFTAG_SUBFILETYPE, &kind);
+        if ((kind & (FILETYPE_REDUCEDIMAGE | FILETYPE_MASK)) == 0)
+            pages.push_back({path, TIFFCurrentDirOffset(file.get()), scan_page(file.get(), size)});
+        if (pages.size() > 4 * 65535) refuse("has more than 262140 pages");
+        output.progress(0.1);
+        more = !(first_only && !pages.empty()) && !TIFFLastDirectory(file.get());
+        if (more) next_page(file.get());
+    }
+    if (pages.empty()) refuse("has no page that is a whole picture");
+    return pages;
+}
+
+std::vector<Slice> slices_of(const Path& path, Volume& volume, Output& output) {
+    if (!std::filesystem::is_directory(path)) return pages_of(path, false, output);
+    const auto files = slices_in(path);
+    if (files.size() == 1) return pages_of(files[0], false, output);
+    std::vector<Slice> slices;
+    for (const auto& file : files) {
+        output.at(file.filename().string());
+        try {
+            slices.push_back(pages_of(file, true, output)[0]);
+        } catch (const Error& error) {
+            refuse(fmt::format("'{}' {}", file.filename().string(), error.what()));
+        }
+    }
+    if (slices.empty()) refuse("the folder holds no TIFF file");
+    volume.key_values["first file"] = files.front().filename().string();
+    volume.key_values["last file"] = files.back().filename().string();
+    return slices;
+}
+
+/// Keeps the kind of which there are most, and names what is left out.
+void keep_one_kind(std::vector<Slice>& slices, Volume& volume) {
+    const auto count = [&](const Slice& like) {
+        return std::count_if(slices.begin(), slices.end(), [&](auto& s) { return s.page.same_kind(like.page); });
+    };
+    std::vector<Slice> kinds;  // one of each
+    for (const auto& slice : slices)
+        if (std::none_of(kinds.begin(), kinds.end(), [&](auto& k) { return k.page.same_kind(slice.page); }))
+            kinds.push_back(slice);
+    if (kinds.size() == 1) return;
+    const TiffPage kept =
+        std::max_element(kinds.begin(), kinds.end(), [&](auto& a, auto& b) { return count(a) < count(b); })->page;
+    std::string names;
+    std::size_t left_out = 0;
+    for (std::size_t i = 0; i < slices.size(); ++i) {
+        if (slices[i].page.same_kind(kept)) continue;
+        const bool in_folder = slices.front().path != slices.back().path;
+        if (++left_out <= 5)
+            names += (names.empty() ? "" : ", ") +
+                     (in_folder ? slices[i].path.filename().string() : fmt::format("page {}", i + 1));
+    }
+    std::erase_if(slices, [&](auto& s) { return !s.page.same_kind(kept); });
+    volume.notes.push_back(fmt::format("{} pictures of another size or type than {} x {} {} are left out: {}{}",
+                                       left_out, kept.columns, kept.rows, name_of(kept.type), names,
+                                       left_out > 5 ? ", ..." : ""));
+}
+
+/// Spacing from the description, else from the resolution tags; slices as far apart as columns where nothing else is
+/// stated. Files of slices carry no anatomy.
+void set_spacing(const TiffPage& page, const TiffLayout& layout, Volume& volume) {
+    const double unit = layout.unit_mm.value_or(page.unit_mm);
+    Vec3& spacing = volume.geometry.spacing_mm;
+    bool stated = true;
+    if (layout.x_spacing_mm && layout.y_spacing_mm) {
+        spacing.x = *layout.x_spacing_mm;
+        spacing.y = *layout.y_spacing_mm;
+    } else if (unit > 0 && page.x_resolution > 0) {
+        spacing.x = unit / page.x_resolution;
+        spacing.y = unit / page.y_resolution;
+    } else {
+        stated = false;
+        if (page.x_resolution > 0) spacing.y = page.x_resolution / page.y_resolution;  // the aspect of a pixel
+        volume.notes.push_back("the size of a pixel is not stated; 1 mm is taken");
+    }
+    spacing.z = layout.z_spacing_mm.value_or(spacing.x);
+    if (!layout.z_spacing_mm && stated && volume.dimensions[2] > 1)
+        volume.notes.push_back("the distance between slices is not stated; that between columns is taken");
+}
+
+void note_colors(const TiffPage& page, Volume& volume) {
+    if (page.color == TiffColor::rgb)
+        volume.notes.push_back(
+            "colour pictures, shown by their luminance: 0.2126 R + 0.7152 G + 0.0722 B of the stored values");
+    if (page.color == TiffColor::palette)
+        volume.notes.push_back("pictures with a palette; the indices into it are the values");
+    if (page.color == TiffColor::grey_from_white)
+        volume.notes.push_back("values that grow from white to black; integers without sign were turned around");
+    if (page.samples > (page.color == TiffColor::rgb ? 3 : 1))
+        volume.notes.push_back(
+            fmt::format("{} values a pixel, of which those beyond the colour are left out", page.samples));
+}
+
+/// Large stacks of ImageJ have one directory, and all slices behind each other from its first strip on.
+struct Run {
+    std::uint64_t offset = 0;
+    bool big_endian = false;
+};
+std::optional<Run> run_of(const Slice& first, const TiffLayout& layout, std::size_t pages) {
+    const auto images = layout.channels * layout.slices * layout.times;
+    if (pages != 1 || images == 1 || !first.page.description.starts_with("ImageJ=")) return {};
+    const TiffFile file = open_tiff(first.path);
+    std::uint16_t compression = COMPRESSION_NONE;
+    TIFFGetFieldDefaulted(file.get(), TIFFTAG_COMPRESSION, &compression);
+    if (compression != COMPRESSION_NONE || TIFFIsTiled(file.get()) || first.page.color != TiffColor::grey) return {};
+    const std::uint64_t offset = TIFFGetStrileOffset(file.get(), 0), size = regular_file_size(first.path);
+    std::uint64_t needed = 0;
+    if (__builtin_mul_overflow(first.page.bytes(), std::uint64_t(images), &needed)) refuse("states too many images");
+    check_capacity(needed, size - std::min(size, offset));
+    return Run{offset, TIFFIsBigEndian(file.get()) != 0};
+}
+
+/// Chooses the slices of the first channel and time. Returns their indices among the pages.
+std::vector<std::size_t> choose_pages(const TiffLayout& layout, std::size_t pages, bool is_run, Volume& volume) {
+    const auto images = std::size_t(layout.channels * layout.slices * layout.times);
+    std::vector<std::size_t> chosen;
+    if (layout.stated && (is_run || images == pages)) {
+        for (std::int64_t z = 0; z < layout.slices; ++z) chosen.push_back(std::size_t(z * layout.slice_step));
+        if (layout.channels > 1)
+            volume.notes.push_back(fmt::format("holds {} channels; the first is taken", layout.channels));
+        if (layout.times > 1)
+            volume.notes.push_back(fmt::format("holds {} points in time; the first is taken", layout.times));
+        return chosen;
+    }
+    if (layout.stated && images != pages)
+        volume.notes.push_back(fmt::format(
+            "its description states {} images, but there are {} pages, all taken as slices", images, pages));
+    for (std::size_t i = 0; i < pages; ++i) chosen.push_back(i);
+    return chosen;
+}
+
+void fill(const std::vector<Slice>& slices, const std::vector<std::size_t>& chosen, const std::optional<Run>& run,
+          Volume& volume, Output& output) {
+    TiffFile file;
+    const Path* opened = nullptr;
+    const std::size_t size = slices[0].page.bytes();
+    for (std::size_t z = 0; z < chosen.size(); ++z) {
+        const std::span<std::byte> to(volume.voxels.data() + z * size, size);
+        output.progress(0.2 + 0.8 * double(z) / double(chosen.size()));
+        if (run) {
+            fill_from_bytes(*open_plain(slices[0].path, run->offset + chosen[z] * size), run->big_endian, volume.type,
+                            to, output);
+            continue;
+        }
+        const Slice& slice = slices[chosen[z]];
+        output.at(slice.path.filename().string());
+        if (!opened || *opened != slice.path) file = open_tiff(slice.path);
+        opened = &slice.path;
+        try {
+            if (!TIFFSetSubDirectory(file.get(), slice.directory)) refuse("has a page that cannot be found again");
+            read_page(file.get(), scan_page(file.get(), regular_file_size(slice.path)), to);
+        } catch (const Error& error) {
+            refuse(fmt::format("'{}' {}", slice.path.filename().string(), error.what()));
+        }
+    }
+}
+
+}  // namespace
+
+Volume read_tiff(const Path& path, const std::string&, Output& output) {
+    Volume volume;
+    volume.format = "TIFF";
+    auto slices = slices_of(path, volume, output);
+    keep_one_kind(slices, volume);
+    const TiffPage& page = slices[0].page;
+    const bool is_stack = slices.front().path != slices.back().path;
+    const TiffLayout layout = is_stack ? TiffLayout{} : layout_from(page.description, std::int64_t(slices.size()));
+    const auto run = run_of(slices[0], layout, slices.size());
+    const auto chosen = choose_pages(layout, slices.size(), run.has_value(), volume);
+    volume.type = page.type;
+    checked_bytes({page.columns, page.rows, std::int64_t(chosen.size())}, 1, volume.type);
+    volume.dimensions = {page.columns, page.rows, int(chosen.size())};
+    volume.slope = layout.slope;
+    volume.intercept = layout.intercept;
+    set_spacing(page, layout, volume);
+    note_colors(page, volume);
+    output.allocate(volume);
+    fill(slices, chosen, run, volume, output);
+    return volume;
+}
+
+Reader find_reader(std::string_view format) { return format == "tiff" ? read_tiff : nullptr; }
+
+}  // namespace chiaro::decode

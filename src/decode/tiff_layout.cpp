@@ -1,0 +1,101 @@
+#include "decode/tiff_layout.h"
+
+#include "decode/output.h"
+#include "decode/text.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <pugixml.hpp>
+#include <sstream>
+
+namespace chiaro::decode {
+namespace {
+
+std::optional<double> millimetres(std::string unit) {
+    if (unit == "\\u00B5m" || unit == "\xc2\xb5m" || unit == "\xce\xbcm" || unit == "\xb5m") unit = "um";
+    static const std::map<std::string, double> units = {
+        {"m", 1000},          {"cm", 10},        {"mm", 1},           {"um", 1e-3},
+        {"micron", 1e-3},     {"microns", 1e-3}, {"nm", 1e-6},        {"inch", 25.4},
+        {"micrometer", 1e-3}, {"in", 25.4},      {"pm", 1e-9},        {"\xc3\x85", 1e-7},
+        {"meter", 1000},      {"millimeter", 1}, {"nanometer", 1e-6}, {"centimeter", 10}};
+    const auto found = units.find(unit);
+    return found == units.end() ? std::nullopt : std::optional(found->second);
+}
+
+std::optional<double> positive(const Fields& fields, const char* name) {
+    if (!fields.contains(name)) return {};
+    const double value = number(fields.at(name), name);
+    return std::isfinite(value) && value != 0 ? std::optional(std::abs(value)) : std::nullopt;
+}
+
+std::int64_t count(const std::string& text, const char* name) {
+    const auto value = integer(text, name);
+    if (value < 1 || value > 1'000'000) refuse(fmt::format("its description states {} {}", value, name));
+    return value;
+}
+
+/// Lines `name=value`. Pages run through channels, then slices, then times.
+TiffLayout from_imagej(const std::string& text, std::int64_t pages) {
+    Fields fields;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);)
+        if (const auto equals = line.find('='); equals != std::string::npos)
+            fields[line.substr(0, equals)] = trimmed(line.substr(equals + 1));
+    TiffLayout layout{.stated = true};
+    const auto images = count(value_or(fields, "images", std::to_string(pages)), "images");
+    layout.channels = count(value_or(fields, "channels", "1"), "channels");
+    layout.times = count(value_or(fields, "frames", "1"), "frames");
+    layout.slices = fields.contains("slices") ? count(fields.at("slices"), "slices")
+                                              : std::max<std::int64_t>(1, images / (layout.channels * layout.times));
+    if (!fields.contains("slices") && layout.channels == 1 && layout.slices == 1) {  // a stack told as frames
+        layout.slices = images;
+        layout.times = 1;
+    }
+    layout.slice_step = layout.channels;
+    layout.unit_mm = millimetres(value_or(fields, "unit"));
+    if (const auto z = positive(fields, "spacing"); z && layout.unit_mm) layout.z_spacing_mm = *z * *layout.unit_mm;
+    if (const auto z = positive(fields, "spacing"); z && !layout.unit_mm) layout.z_spacing_mm = z;
+    constexpr const char* straight_line = "0";
+    if (value_or(fields, "cf") == straight_line && fields.contains("c0") && fields.contains("c1")) {
+        layout.intercept = number(fields.at("c0"), "c0");
+        layout.slope = number(fields.at("c1"), "c1");
+    }
+    return layout;
+}
+
+std::optional<double> physical_size(const pugi::xml_node& pixels, const std::string& axis) {
+    const double size = pixels.attribute(("PhysicalSize" + axis).c_str()).as_double();
+    const auto unit = millimetres(pixels.attribute(("PhysicalSize" + axis + "Unit").c_str()).as_string("um"));
+    return size > 0 && std::isfinite(size) && unit ? std::optional(size * *unit) : std::nullopt;
+}
+
+/// https://docs.openmicroscopy.org/ome-model/: Pixels with SizeZ, SizeC, SizeT, and the order of the pages.
+TiffLayout from_ome(const std::string& text) {
+    pugi::xml_document document;
+    if (!document.load_buffer(text.data(), text.size(), pugi::parse_escapes)) return {};
+    const auto pixels = document.child("OME").child("Image").child("Pixels");
+    if (!pixels) return {};
+    const auto size = [&](const char* name) { return count(pixels.attribute(name).as_string("1"), name); };
+    TiffLayout layout{.stated = true, .channels = size("SizeC"), .slices = size("SizeZ"), .times = size("SizeT")};
+    std::int64_t step = 1;
+    for (const char axis : std::string(pixels.attribute("DimensionOrder").as_string("XYZCT"))) {
+        if (axis == 'Z') layout.slice_step = step, step *= layout.slices;
+        if (axis == 'C') layout.channel_step = step, step *= layout.channels;
+        if (axis == 'T') step *= layout.times;
+    }
+    layout.x_spacing_mm = physical_size(pixels, "X");
+    layout.y_spacing_mm = physical_size(pixels, "Y");
+    layout.z_spacing_mm = physical_size(pixels, "Z");
+    return layout;
+}
+
+}  // namespace
+
+TiffLayout layout_from(const std::string& description, std::int64_t pages) {
+    if (description.starts_with("ImageJ=")) return from_imagej(description, pages);
+    if (description.find("<OME") != std::string::npos) return from_ome(description);
+    return {};
+}
+
+}  // namespace chiaro::decode

@@ -1,0 +1,24 @@
+// What the description of a TIFF file says beyond its pages: ImageJ's lines, or OME's XML.
+#pragma once
+#include <chiaro/geometry.h>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace chiaro::decode {
+
+/// The order of the pages, and their place. Page of channel c, slice z, time t: c * channel_step + z * slice_step.
+struct TiffLayout {
+    bool stated = false;
+    std::int64_t channels = 1, slices = 1, times = 1;  ///< as many pages as their product
+    std::int64_t channel_step = 1, slice_step = 1;
+    std::optional<double> unit_mm;  ///< ImageJ: of the resolution tags and of z_spacing
+    std::optional<double> x_spacing_mm, y_spacing_mm, z_spacing_mm;
+    double slope = 1, intercept = 0;  ///< of a linear calibration
+};
+
+/// Nothing stated for any other text. Throws Error{input} for numbers that make no sense.
+TiffLayout layout_from(const std::string& description, std::int64_t pages);
+
+}  // namespace chiaro::decode

@@ -1,0 +1,257 @@
+#include "decode/tiff_page.h"
+
+#include "decode/output.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdarg>
+#include <cstring>
+#include <limits>
+#include <vector>
+
+namespace chiaro::decode {
+namespace {
+
+std::string last_complaint;
+
+void complain(const char*, const char* format, std::va_list arguments) {
+    char text[300];
+    std::vsnprintf(text, sizeof text, format, arguments);
+    if (last_complaint.empty()) last_complaint = text;
+}
+
+/// A JPEG stream that ends early is filled with grey by its library, which only warns; so does libtiff of tags that lie
+/// behind the file's end.
+void hear_warning(const char* module, const char* format, std::va_list arguments) {
+    char text[300];
+    std::vsnprintf(text, sizeof text, format, arguments);
+    if (std::strstr(text, "remature end") || std::strstr(text, "IO error") ||
+        std::strstr(module ? module : "", "JPEGLib"))
+        last_complaint = text;
+}
+
+std::string because() { return last_complaint.empty() ? "" : " (" + last_complaint + ")"; }
+
+template <class T>
+T tag(TIFF* file, std::uint32_t name, T fallback) {
+    T value = fallback;
+    return TIFFGetFieldDefaulted(file, name, &value) ? value : fallback;
+}
+
+VoxelType type_from(int bits, int format) {
+    const bool is_signed = format == SAMPLEFORMAT_INT, is_float = format == SAMPLEFORMAT_IEEEFP;
+    if (format == SAMPLEFORMAT_UINT || format == SAMPLEFORMAT_VOID || is_signed) {
+        if (bits == 8) return is_signed ? VoxelType::i8 : VoxelType::u8;
+        if (bits == 16) return is_signed ? VoxelType::i16 : VoxelType::u16;
+        if (bits == 32) return is_signed ? VoxelType::i32 : VoxelType::u32;
+        if (bits == 64) return is_signed ? VoxelType::i64 : VoxelType::u64;
+    }
+    if (is_float && bits == 32) return VoxelType::f32;
+    if (is_float && bits == 64) return VoxelType::f64;
+    refuse(fmt::format("has pixels of {} bits{}; integers of 8 to 64 bits and floats of 32 and 64 are read", bits,
+                       is_float ? " as floats" : ""));
+}
+
+TiffColor color_from(TIFF* file, int samples) {
+    const int photometric = tag<std::uint16_t>(file, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+    const int compression = tag<std::uint16_t>(file, TIFFTAG_COMPRESSION, COMPRESSION_NONE);
+    switch (photometric) {
+        case PHOTOMETRIC_MINISBLACK:
+            return TiffColor::grey;
+        case PHOTOMETRIC_MINISWHITE:
+            return TiffColor::grey_from_white;
+        case PHOTOMETRIC_PALETTE:
+            return TiffColor::palette;
+        case PHOTOMETRIC_YCBCR:
+            if (compression != COMPRESSION_JPEG) break;
+            TIFFSetField(file, TIFFTAG_JPEGCOLORMODE, JPEGCOLORMODE_RGB);  // libjpeg turns it into RGB
+            [[fallthrough]];
+        case PHOTOMETRIC_RGB:
+            if (samples < 3) refuse(fmt::format("states RGB with {} values a pixel", samples));
+            return TiffColor::rgb;
+        default:
+            break;
+    }
+    refuse(
+        fmt::format("has the colours of photometric interpretation {}; grey, palette and RGB are read", photometric));
+}
+
+/// How many times larger than its stored bytes a strip can be.
+std::uint64_t largest_ratio(TIFF* file) {
+    switch (tag<std::uint16_t>(file, TIFFTAG_COMPRESSION, COMPRESSION_NONE)) {
+        case COMPRESSION_NONE:
+            return 1;
+        case COMPRESSION_PACKBITS:
+            return 64;
+        case COMPRESSION_LZW:
+            return 4096;
+        case COMPRESSION_DEFLATE:
+        case COMPRESSION_ADOBE_DEFLATE:
+            return 1033;
+        default:
+            return 1 << 17;
+    }
+}
+
+std::uint32_t chunks_of(TIFF* file) { return TIFFIsTiled(file) ? TIFFNumberOfTiles(file) : TIFFNumberOfStrips(file); }
+
+void check_capacity(TIFF* file, const TiffPage& page, std::uint64_t file_size) {
+    std::uint64_t stored = 0;
+    for (std::uint32_t i = 0; i < chunks_of(file); ++i) {
+        const std::uint64_t at = TIFFGetStrileOffset(file, i), bytes = TIFFGetStrileByteCount(file, i);
+        if (at > file_size || bytes > file_size - at)
+            refuse(fmt::format("is truncated: its data reach to byte {} of {}", at + bytes, file_size));
+        stored += bytes;
+    }
+    const std::uint64_t needed = page.bytes() * (page.color == TiffColor::rgb ? 3 : 1);
+    const auto most = std::min(stored, file_size) * largest_ratio(file);
+    if (needed > most)
+        refuse(fmt::format("states {} bytes of pixels, but can hold at most {}: truncated, or a wrong header", needed,
+                           most));
+}
+
+void take_resolution(TIFF* file, TiffPage& page) {
+    const double x = double(tag<float>(file, TIFFTAG_XRESOLUTION, 0)),
+                 y = double(tag<float>(file, TIFFTAG_YRESOLUTION, 0));
+    if (!(x > 0 && y > 0 && std::isfinite(x) && std::isfinite(y))) return;
+    page.x_resolution = x;
+    page.y_resolution = y;
+    const int unit = tag<std::uint16_t>(file, TIFFTAG_RESOLUTIONUNIT, RESUNIT_INCH);
+    page.unit_mm = unit == RESUNIT_INCH ? 25.4 : unit == RESUNIT_CENTIMETER ? 10 : 0;
+}
+
+/// Where the pixels of a strip or tile go.
+struct Chunk {
+    std::uint32_t index = 0, column = 0, row = 0, columns = 0, rows = 0;  ///< size as stored, beyond the page too
+    int plane = 0;                                                        ///< where samples lie in planes
+};
+
+/// All pixels of the page as stored: (row, column, sample).
+class Pixels {
+public:
+    Pixels(TIFF* file, const TiffPage& page)
+        : file_(file),
+          page_(page),
+          planes_(tag<std::uint16_t>(file, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG) == PLANARCONFIG_SEPARATE),
+          bytes_(page.bytes() * std::size_t(page.samples)),
+          packed_(std::size_t(TIFFIsTiled(file) ? TIFFTileSize(file) : TIFFStripSize(file))) {
+        const auto width = std::uint32_t(page.columns), height = std::uint32_t(page.rows);
+        Chunk chunk{.columns = width, .rows = tag<std::uint32_t>(file, TIFFTAG_ROWSPERSTRIP, height)};
+        if (TIFFIsTiled(file)) {
+            chunk.columns = tag<std::uint32_t>(file, TIFFTAG_TILEWIDTH, 0);
+            chunk.rows = tag<std::uint32_t>(file, TIFFTAG_TILELENGTH, 0);
+        }
+        chunk.rows = TIFFIsTiled(file) ? chunk.rows : std::min(chunk.rows, height);
+        if (chunk.rows == 0 || chunk.columns == 0) refuse("has strips or tiles of no size");
+        for (; chunk.plane < (planes_ ? page.samples : 1); ++chunk.plane)
+            for (chunk.row = 0; chunk.row < height; chunk.row += chunk.rows)
+                for (chunk.column = 0; chunk.column < width; chunk.column += chunk.columns, ++chunk.index) take(chunk);
+    }
+    const std::byte* data() const { return bytes_.data(); }
+
+private:
+    void take(const Chunk& chunk) {
+        const std::size_t value = size_of(page_.type), pixel = planes_ ? value : value * std::size_t(page_.samples);
+        const auto rows = std::min(chunk.rows, std::uint32_t(page_.rows) - chunk.row),
+                   columns = std::min(chunk.columns, std::uint32_t(page_.columns) - chunk.column);
+        const std::size_t needed = pixel * chunk.columns * (TIFFIsTiled(file_) ? chunk.rows : rows);
+        if (chunk.index >= chunks_of(file_) || needed > packed_.size())
+            refuse("has fewer strips or tiles than its size needs");
+        last_complaint.clear();
+        const tmsize_t got = TIFFIsTiled(file_)
+                                 ? TIFFReadEncodedTile(file_, chunk.index, packed_.data(), tmsize_t(needed))
+                                 : TIFFReadEncodedStrip(file_, chunk.index, packed_.data(), tmsize_t(needed));
+        if (got < 0 || std::size_t(got) < needed || !last_complaint.empty())
+            refuse("holds pixels that are damaged or missing" + because());
+        for (std::uint32_t row = 0; row < rows; ++row) {
+            const std::byte* from = packed_.data() + pixel * chunk.columns * row;
+            const std::size_t at = std::size_t(chunk.row + row) * std::size_t(page_.columns) + chunk.column;
+            std::byte* to = bytes_.data() + at * value * std::size_t(page_.samples);
+            if (pixel == value * std::size_t(page_.samples)) {
+                std::memcpy(to, from, pixel * columns);
+                continue;
+            }
+            to += value * std::size_t(chunk.plane);
+            for (std::uint32_t i = 0; i < columns; ++i)
+                std::memcpy(to + i * value * std::size_t(page_.samples), from + i * value, value);
+        }
+    }
+
+    TIFF* file_;
+    const TiffPage& page_;
+    bool planes_;
+    std::vector<std::byte> bytes_, packed_;
+};
+
+/// ITU-R BT.709's weights, on the values as they are stored; grey stays exactly what it is.
+template <class T>
+T luminance(const T* rgb) {
+    const double y = 0.2126 * double(rgb[0]) + 0.7152 * double(rgb[1]) + 0.0722 * double(rgb[2]);
+    if constexpr (std::is_floating_point_v<T>)
+        return T(y);
+    else
+        return rgb[0] == rgb[1] && rgb[1] == rgb[2] ? rgb[0] : T(std::llround(y));
+}
+
+template <class T>
+T grey_of(const T* pixel, TiffColor color) {
+    if (color == TiffColor::rgb) return luminance(pixel);
+    if constexpr (std::is_unsigned_v<T>)
+        if (color == TiffColor::grey_from_white) return T(std::numeric_limits<T>::max() - *pixel);
+    return *pixel;
+}
+
+}  // namespace
+
+TiffFile open_tiff(const std::filesystem::path& path) {
+    TIFFSetErrorHandler(complain);
+    TIFFSetWarningHandler(hear_warning);
+    last_complaint.clear();
+    TiffFile file(TIFFOpen(path.c_str(), "rm"));  // not mapped: a file that shrinks would be a signal
+    if (!file || !last_complaint.empty())
+        refuse(fmt::format("'{}' is no TIFF file, or a truncated one{}", path.filename().string(), because()));
+    return file;
+}
+
+void next_page(TIFF* file) {
+    last_complaint.clear();
+    if (!TIFFReadDirectory(file) || !last_complaint.empty())
+        refuse("has a page that is damaged or missing, as in a truncated file" + because());
+}
+
+TiffPage scan_page(TIFF* file, std::uint64_t file_size) {
+    TiffPage page;
+    const auto columns = tag<std::uint32_t>(file, TIFFTAG_IMAGEWIDTH, 0),
+               rows = tag<std::uint32_t>(file, TIFFTAG_IMAGELENGTH, 0);
+    if (columns < 1 || columns > 65535 || rows < 1 || rows > 65535)
+        refuse(fmt::format("states pages of {} x {} pixels, not 1..65535", columns, rows));
+    page.columns = int(columns);
+    page.rows = int(rows);
+    page.samples = tag<std::uint16_t>(file, TIFFTAG_SAMPLESPERPIXEL, 1);
+    if (page.samples < 1 || page.samples > 16) refuse(fmt::format("has {} values a pixel", page.samples));
+    page.type = type_from(tag<std::uint16_t>(file, TIFFTAG_BITSPERSAMPLE, 1),
+                          tag<std::uint16_t>(file, TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_UINT));
+    page.color = color_from(file, page.samples);
+    if (char* text = nullptr; TIFFGetField(file, TIFFTAG_IMAGEDESCRIPTION, &text) && text) page.description = text;
+    take_resolution(file, page);
+    if (!TIFFIsCODECConfigured(tag<std::uint16_t>(file, TIFFTAG_COMPRESSION, COMPRESSION_NONE)))
+        refuse(fmt::format("is compressed in a way ({}) that is not read",
+                           tag<std::uint16_t>(file, TIFFTAG_COMPRESSION, 1)));
+    check_capacity(file, page, file_size);
+    return page;
+}
+
+void read_page(TIFF* file, const TiffPage& page, std::span<std::byte> to) {
+    const Pixels pixels(file, page);
+    with_voxel_type(page.type, [&](auto zero) {
+        using T = decltype(zero);
+        const auto* from = reinterpret_cast<const T*>(pixels.data());
+        auto* values = reinterpret_cast<T*>(to.data());
+        for (std::size_t i = 0; i < to.size() / sizeof(T); ++i)
+            values[i] = grey_of(from + i * std::size_t(page.samples), page.color);
+    });
+}
+
+}  // namespace chiaro::decode

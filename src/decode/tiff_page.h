@@ -1,0 +1,50 @@
+// One page of a TIFF file: what it is, and its grey values.
+#pragma once
+#include <chiaro/volume.h>
+#include <tiffio.h>
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+
+namespace chiaro::decode {
+
+struct TiffCloser {
+    void operator()(TIFF* file) const { TIFFClose(file); }
+};
+using TiffFile = std::unique_ptr<TIFF, TiffCloser>;
+
+/// Throws Error{input} naming the file.
+TiffFile open_tiff(const std::filesystem::path& path);
+
+/// Goes on to the next page. Throws Error{input} where it is damaged or missing.
+void next_page(TIFF* file);
+
+enum class TiffColor { grey, grey_from_white, palette, rgb };
+
+struct TiffPage {
+    int columns = 0, rows = 0;
+    VoxelType type = VoxelType::u8;
+    TiffColor color = TiffColor::grey;
+    int samples = 1;                            ///< stored for each pixel, alpha included
+    double x_resolution = 0, y_resolution = 0;  ///< pixels in a unit; 0: not stated
+    double unit_mm = 0;                         ///< 0: not stated
+    std::string description;
+
+    std::size_t bytes() const { return std::size_t(columns) * std::size_t(rows) * size_of(type); }
+    bool same_kind(const TiffPage& other) const {
+        return columns == other.columns && rows == other.rows && type == other.type && color == other.color;
+    }
+};
+
+/// The current page of the file. Throws Error{input} for pixels that are not read: bits that are no whole bytes,
+/// colours other than grey, palette and RGB; and where the file is too short for its strips or tiles.
+TiffPage scan_page(TIFF* file, std::uint64_t file_size);
+
+/// Decodes the current page into `page.bytes()` bytes: colours as luminance, values that grow from white turned around.
+/// Throws Error{input} for damaged or missing data.
+void read_page(TIFF* file, const TiffPage& page, std::span<std::byte> to);
+
+}  // namespace chiaro::decode

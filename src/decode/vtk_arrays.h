@@ -1,0 +1,27 @@
+// What VTK's two kinds of files share: which of several arrays is the volume, and its place.
+#pragma once
+#include <chiaro/volume.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace chiaro::decode {
+
+struct VtkArray {
+    std::string name;
+    bool of_cells = false;  ///< else of points
+    bool active = false;    ///< named as the scalars to show
+    VoxelType type = VoxelType::u8;
+    std::int64_t components = 1;
+};
+
+/// The index of the array to read: the active scalars of the points, else the first of the points, else the same of
+/// the cells. The others are named in a note. Throws Error{input} where there is none.
+std::size_t choose_array(const std::vector<VtkArray>& arrays, Volume& volume);
+
+/// Sets the shape from the number of points along each axis: values of cells are voxels between the points.
+/// Returns the bytes of all voxels; throws Error{input} as checked_bytes does.
+std::uint64_t set_shape(const VtkArray& array, const std::array<std::int64_t, 3>& points, Volume& volume);
+
+}  // namespace chiaro::decode

@@ -1,0 +1,53 @@
+// Scattered light as it is kept for pictures: on particles, or on surfaces where matter has them.
+#pragma once
+#include <chiaro/device.h>
+#include <chiaro/geometry.h>
+
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "illumination/sh/rotation.h"
+#include "illumination/transport/field.h"
+#include "illumination/transport/nodes.h"
+
+namespace chiaro {
+
+/// What matter looks like.
+enum class Look {
+    particles,  ///< c J everywhere, as the reference has it in volumes
+    flat,       ///< surfaces by the normals of the nodes
+    turned      ///< surfaces by the normals of the samples
+};
+
+/// What the ray caster reads of it.
+struct ShownLight {
+    VoxelBuffer light, turned;
+    kernel::NodeLight view;
+    const kernel::Light16* turned_view = nullptr;
+};
+
+class TransportLight {
+public:
+    /// `edges`: of the smallest voxel edge, in the edge of a cell. `most`: what falls on a surface that nothing hides
+    /// from the light; none is brighter. (At grazing directions sweeps let some per cent too much through.)
+    TransportLight(const Device& device, TransportNodes nodes, double edges, const std::array<float, 3>& most);
+
+    /// The last look is kept. The views are valid as long as the result is. Cost: some 20 core-ms for 64³ nodes.
+    std::shared_ptr<const ShownLight> shown(Look look, const Axes& world_from_grid) const;
+    std::size_t bytes() const;
+    const TransportNodes& nodes() const { return nodes_; }
+
+private:
+    std::shared_ptr<const ShownLight> find(Look look, const Axes& world_from_grid) const;
+
+    Device device_;
+    TransportNodes nodes_;
+    std::array<float, 3> most_;
+    std::vector<float> opacity_;  ///< [node]: of one smallest voxel edge
+    mutable std::mutex mutex_;    ///< of what is kept
+    mutable std::optional<std::pair<Look, Axes>> of_;
+    mutable std::shared_ptr<const ShownLight> kept_;
+};
+
+}  // namespace chiaro

@@ -1,0 +1,93 @@
+#include "illumination/transport/surface.h"
+
+namespace chiaro {
+namespace {
+
+float square(const Float3& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
+
+}  // namespace
+
+float SurfaceNodes::alpha(int x, int y, int z) const {
+    const auto [nx, ny, nz] = nodes_.grid.count;
+    const bool inside = x >= 0 && y >= 0 && z >= 0 && x < nx && y < ny && z < nz;
+    return inside ? opacity_[nodes_.grid.index(x, y, z)] : 0;
+}
+
+Float3 SurfaceNodes::step_down(int x, int y, int z, int d) const {
+    return {alpha(x - d, y, z) - alpha(x + d, y, z), alpha(x, y - d, z) - alpha(x, y + d, z),
+            alpha(x, y, z - d) - alpha(x, y, z + d)};
+}
+
+NodeOutwards SurfaceNodes::outwards(int x, int y, int z) const {
+    Float3 n = step_down(x, y, z, 1);
+    float edges = 1;
+    if (alpha(x, y, z) >= 0.5f) {
+        const Float3 wide = step_down(x, y, z, 2);
+        if (square(wide) > square(n)) n = wide, edges = 2;
+    }
+    const float size = std::sqrt(square(n));
+    if (!(size > 0)) return {};
+    for (float& component : n) component /= size;
+    return {n, edges * std::min(size, 1.0f)};
+}
+
+/// The densest and the clearest of the 26 neighbours tell. Light on a surface is that of the air beside it: nodes of
+/// the air weigh as what they let through, those of the matter nearly nothing (in a corner they face another room).
+NodeRoles SurfaceNodes::roles(int x, int y, int z) const {
+    constexpr float least = 1e-3f;
+    const float here = alpha(x, y, z);
+    float densest = here, clearest = here;
+    for (int k = -1; k <= 1; ++k)
+        for (int j = -1; j <= 1; ++j)
+            for (int i = -1; i <= 1; ++i) {
+                const float there = alpha(x + i, y + j, z + k);
+                densest = std::max(densest, there), clearest = std::min(clearest, there);
+            }
+    const float weight = nodes_.weight[nodes_.grid.index(x, y, z)];
+    const float outside = std::min(4 * (densest - here), 1.0f), inside = std::min(4 * (here - clearest), 1.0f);
+    // Behind a surface opaque matter is dark and counts for less still: what is seen of it lies at its skin.
+    const float seen = std::max(1 - 2 * here, 0.0f), buried = least * least;
+    return {weight * (1 - std::max(outside, inside)) * seen + buried, outside * (1 - weight), least * inside};
+}
+
+LightAround SurfaceNodes::at(std::size_t node) const {
+    LightAround light;
+    for (int c = 0; c < 3; ++c) {
+        light.j[c] = nodes_.light[3 * node + c];
+        for (int axis = 0; axis < 3; ++axis) light.moment[c][axis] = nodes_.moment[9 * node + 3 * c + axis];
+    }
+    return light;
+}
+
+LightAround SurfaceNodes::off(const NodeOutwards& outwards, int x, int y, int z) const {
+    const std::array<int, 3> here{x, y, z};
+    std::array<int, 3> low, high;
+    Float3 t;
+    for (int axis = 0; axis < 3; ++axis) {
+        const float p = float(here[axis]) + outwards.edges * outwards.normal[axis], whole = std::floor(p);
+        t[axis] = p - whole;
+        low[axis] = std::clamp(int(whole), 0, nodes_.grid.count[axis] - 1);
+        high[axis] = std::clamp(int(whole) + 1, 0, nodes_.grid.count[axis] - 1);
+    }
+    LightAround sum;
+    float weights = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+        std::array<int, 3> place;
+        float weight = 1;
+        for (int axis = 0; axis < 3; ++axis) {
+            const bool further = corner >> axis & 1;
+            place[axis] = further ? high[axis] : low[axis];
+            weight *= further ? t[axis] : 1 - t[axis];
+        }
+        if (!(weight > 0)) continue;
+        const std::size_t node = nodes_.grid.index(place[0], place[1], place[2]);
+        weight *= 1.001f - nodes_.weight[node];
+        sum.add(weight, at(node));
+        weights += weight;
+    }
+    LightAround mean;
+    mean.add(1 / weights, sum);
+    return mean;
+}
+
+}  // namespace chiaro

@@ -1,0 +1,390 @@
+// The viewer's page against a mock of its server: what it shows, how it moves, what it sends.
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { after, before, test } from "node:test";
+import { Mock, scene, settings, volume } from "./mock.mjs";
+import { launch, openPage } from "./page.mjs";
+import { drag, faint, final, pixels, settled, state } from "./visit.mjs";
+
+let browser, mock;
+before(async () => {
+  browser = await launch();
+});
+after(() => browser.close());
+
+const desktop = { viewport: { width: 1440, height: 900 }, colorScheme: "dark" };
+
+/** A page on a mock of its own; faults fail the test. */
+function visit(name, act, { options = desktop, prepare = () => {}, allowed = /$^/, ready = true } = {}) {
+  test(name, async () => {
+    mock = await new Mock().start();
+    prepare(mock);
+    const { page, faults } = await openPage(browser, mock.address, options);
+    try {
+      if (ready) await final(page);
+      await act(page);
+      assert.deepEqual(faults.filter((fault) => !allowed.test(fault)), []);
+    } finally {
+      await page.close();
+      await mock.stop();
+    }
+  });
+}
+
+const point = (page, i) => page.locator(".point").nth(i);
+const field = (page, label) => page.locator(`.row[aria-label="${label}"] input`).first();
+
+visit("1440 × 900 shows all seven sections without a scroll bar, 1080 × 852 of it picture", async (page) => {
+  await page.click("[data-method=visibility]"); // the tallest of the first sights
+  await page.waitForSelector(".ball");
+  assert.deepEqual(await page.locator("#stage").evaluate((s) => [s.clientWidth, s.clientHeight]), [1080, 852]);
+  assert.deepEqual(await page.locator("#sections > .section").evaluateAll((all) => all.map((s) => s.getBoundingClientRect().bottom <= innerHeight + 1)), Array(7).fill(true));
+  assert.ok(await page.evaluate(() => document.documentElement.scrollHeight <= innerHeight && document.querySelector("#panel").scrollHeight <= document.querySelector("#panel").clientHeight + 1));
+});
+
+visit("1280 × 720 keeps 952 × 672 for the picture and shows the probes", async (page) => {
+  await page.click("[data-method=visibility]");
+  await page.waitForSelector(".probes");
+  assert.deepEqual(await page.locator("#stage").evaluate((s) => [s.clientWidth, s.clientHeight]), [952, 672]);
+  assert.ok(await page.locator(".probes").evaluate((p) => p.getBoundingClientRect().bottom <= innerHeight));
+}, { options: { viewport: { width: 1280, height: 720 } } });
+
+visit("a phone has a sheet with five tabs and no sideways scrolling", async (page) => {
+  for (const tab of ["Look", "Colour", "Light", "Cut", "More"]) {
+    await page.click(`[role=tab]:has-text("${tab}")`);
+    assert.ok(await page.locator(".section:visible").count() > 0, tab);
+    assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth && [...document.querySelectorAll("#panel, #sections, #bar")].every((e) => e.scrollWidth <= e.clientWidth)), tab);
+    const small = await page.locator("button:visible").evaluateAll((all) => all.filter((b) => b.getBoundingClientRect().height < 32 && !b.closest(".float")).map((b) => b.textContent));
+    assert.deepEqual(small, [], tab);
+  }
+}, { options: { viewport: { width: 390, height: 844 }, hasTouch: true } });
+
+visit("a dragged point moves in the next frame, a picture answers, undo restores both bit for bit", async (page) => {
+  const [was, before] = [await pixels(page), await state(page)];
+  await drag(page, point(page, 2), 14, 20, { release: false });
+  const line = await page.evaluate(() => new Promise((done) => {
+    const points = chiaro.store.state.tf.points.length && chiaro.store.state.tf.points[2];
+    requestAnimationFrame(() => done({ shown: Number(document.querySelectorAll(".point")[2].getAttribute("aria-valuenow")), opacity: points.opacity }));
+  }));
+  assert.equal(line.shown, line.opacity);
+  assert.notEqual(line.opacity, before.tf.points[2].opacity);
+  await settled(page, () => page.mouse.up());
+  assert.notEqual(await pixels(page), was);
+  assert.equal(await page.locator("button[title='Undo: opacity of 30 to 60']").count(), 1, "the step is named");
+  await settled(page, () => page.keyboard.press("Control+z"));
+  assert.deepEqual((await state(page)).tf, before.tf);
+  assert.equal(await pixels(page), was);
+  await settled(page, () => page.keyboard.press("Control+Shift+z"));
+  assert.notEqual(await pixels(page), was);
+});
+
+visit("while dragging the page waits for nothing and sends one state at a time", async (page) => {
+  mock.delay = () => 400;
+  mock.heard.length = 0;
+  const began = Date.now(), box = await point(page, 2).boundingBox();
+  await page.mouse.move(box.x + 12, box.y + 12);
+  await page.mouse.down();
+  for (let i = 1; i <= 10; ++i) {
+    await page.mouse.move(box.x + 12 + i, box.y + 12 + i);
+    const [shown, is] = await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done([document.querySelectorAll(".point")[2].getAttribute("aria-valuenow"), String(chiaro.store.state.tf.points[2].opacity)])))));
+    assert.equal(shown, is);
+  }
+  const moving = mock.heard.filter((m) => m.type === "state" && m.moving).length;
+  assert.ok(moving >= 1 && moving <= 2 + (Date.now() - began) / 400, `${moving} states while each took 400 ms`);
+  mock.delay = () => 0;
+  await settled(page, () => page.mouse.up());
+  assert.equal(mock.last("state").moving, false);
+});
+
+visit("no older frame is shown after a newer one", async (page) => {
+  // Each answer is held back less than the one before: they arrive in the wrong order.
+  mock.delay = (header) => (header.kind === "state" ? Math.max(0, 500 - 40 * (header.n % 12)) : 0);
+  await page.evaluate(() => {
+    window.seen = [];
+    new MutationObserver(() => seen.push(Number(document.querySelector("#stage canvas").dataset.n))).observe(document.querySelector("#stage canvas"), { attributes: true, attributeFilter: ["data-n"] });
+  });
+  for (let i = 0; i < 12; ++i) {
+    await page.keyboard.press("]");
+    await page.waitForTimeout(25);
+  }
+  await final(page);
+  const seen = await page.evaluate(() => window.seen);
+  assert.deepEqual(seen, [...seen].sort((a, b) => a - b));
+  assert.equal(seen.at(-1), mock.last("state").n);
+});
+
+visit("points: new by a click, several by a rectangle, gone by Delete, snapped with Ctrl", async (page) => {
+  const plot = await page.locator(".plot").boundingBox(), count = () => page.locator(".point").count();
+  const before = await count();
+  await page.mouse.click(plot.x + 130, plot.y + 30);
+  await page.waitForTimeout(50);
+  assert.equal(await count(), before + 1);
+  await page.keyboard.press("Control+z");
+  await page.mouse.move(plot.x + 40, plot.y + 14);
+  await page.mouse.down();
+  await page.mouse.move(plot.x + 125, plot.y + 110, { steps: 4 });
+  await page.mouse.up();
+  await page.waitForTimeout(50);
+  assert.ok((await page.locator(".point.chosen").count()) >= 3);
+  await page.locator(".point").nth(2).focus();
+  await page.keyboard.press("Delete");
+  await page.waitForTimeout(50);
+  assert.ok((await count()) < before);
+  await page.keyboard.press("Control+z");
+  await page.waitForTimeout(50);
+  assert.equal(await count(), before);
+});
+
+visit("a threshold of shutters, a shape, a look and a chip reach the scene", async (page) => {
+  await page.locator(".shutter").first().focus();
+  await page.keyboard.press("ArrowRight");
+  assert.ok((await state(page)).threshold[0] > 0);
+  await page.click("button[aria-label='Add a shape']");
+  await page.click(".item:has-text('Box')");
+  const tf = (await state(page)).tf;
+  assert.ok(tf.points.some((p, i) => i && p.value === tf.points[i - 1].value && p.opacity !== tf.points[i - 1].opacity), "a box has steps");
+  await settled(page, () => page.click("[data-look=simulation]"));
+  assert.equal((await state(page)).look, "simulation");
+  assert.equal(mock.last("state").preview, false);
+  const chip = page.locator(".chip").first();
+  await chip.hover();
+  await page.waitForFunction(() => chiaro.store.preview !== null);
+  await page.waitForTimeout(100);
+  assert.equal(mock.last("state").preview, true);
+  await page.mouse.move(700, 400);
+  await page.waitForFunction(() => chiaro.store.preview === null);
+});
+
+visit("Adjust picks the value that is seen and drags its opacity", async (page) => {
+  await page.keyboard.press("a");
+  await page.keyboard.up("a");
+  const box = await page.locator("#stage").boundingBox(), r = 0.4 * Math.min(box.width, box.height);
+  await page.mouse.move(box.x + box.width / 2 + 0.2 * r, box.y + box.height / 2);
+  await page.mouse.down();
+  await page.waitForFunction(() => chiaro.ui.points.length === 1);
+  const chosen = await page.evaluate(() => chiaro.store.state.tf.points[chiaro.ui.points[0]].value);
+  assert.ok(Math.abs(chosen - 51) < 1, `0.2 of the radius is 51, not ${chosen}`);
+  await page.waitForTimeout(50);
+  const before = await page.evaluate(() => chiaro.store.state.tf.points[chiaro.ui.points[0]].opacity);
+  await page.mouse.move(box.x + box.width / 2 + 0.2 * r, box.y + box.height / 2 + 100, { steps: 4 });
+  await page.mouse.up();
+  const now = await page.evaluate(() => chiaro.store.state.tf.points[chiaro.ui.points[0]].opacity);
+  assert.ok(Math.abs(now / before - 10 ** -0.5) < 0.01, "100 pixels are half a factor of ten");
+});
+
+visit("right drag: window; wheel: zoom to the pointer; the camera has undo steps of its own", async (page) => {
+  const before = await state(page);
+  await drag(page, page.locator("#stage"), 100, -40, { button: "right" });
+  const values = (await state(page)).tf.points.map((p) => p.value);
+  assert.ok(Math.abs((values.at(-1) - values[0]) / 255 - 1.25) < 1e-6, "100 pixels to the right: a quarter wider");
+  assert.ok(Math.abs((values.at(-1) + values[0]) / 2 - 127.5 - 25.5) < 1e-6, "40 up: the centre a tenth higher");
+  await page.mouse.move(700, 300);
+  await page.mouse.wheel(0, -400);
+  await page.waitForTimeout(250);
+  assert.ok((await state(page)).camera["camera.fit_scale"] < 0.7);
+  await page.keyboard.press("Alt+z");
+  assert.deepEqual((await state(page)).camera, before.camera);
+  assert.notDeepEqual((await state(page)).tf, before.tf);
+});
+
+visit("each method is sent, keeps its settings, and brings its own rows", async (page) => {
+  for (const method of ["none", "visibility", "histogram", "reference", "spao"]) {
+    await settled(page, () => page.click(`[data-method=${method}]`));
+    assert.equal(mock.last("state").scene.lighting.method, method);
+  }
+  const reach = page.locator(".row[aria-label=Reach] .thumb");
+  await reach.focus();
+  await settled(page, () => page.keyboard.press("ArrowRight"));
+  assert.equal(mock.last("state").scene.lighting.levels, 8);
+  await settled(page, () => page.click("[data-method=none]"));
+  assert.equal(mock.last("state").scene.lighting.levels, undefined);
+  await settled(page, () => page.click("[data-method=spao]"));
+  assert.equal(mock.last("state").scene.lighting.levels, 8);
+});
+
+visit("the ball turns the probe; glow appears with its switch", async (page) => {
+  await settled(page, () => page.click("[data-method=visibility]"));
+  await settled(page, () => drag(page, page.locator(".ball"), 30, 0));
+  assert.equal(mock.last("state").scene.probe.rotation, 60);
+  await settled(page, () => page.click("[role=radio][aria-label=Studio]"));
+  assert.equal(mock.last("state").scene.probe.preset, "studio");
+  await settled(page, () => page.click("[data-method=histogram]"));
+  await settled(page, () => page.click("[data-effect=glow]"));
+  assert.equal(mock.last("state").scene.lighting.effects, "ao,bleeding,glow");
+  assert.match(mock.last("state").scene.lighting.glow, /^220:255=2$/);
+});
+
+visit("an error in a setting: the text stays, the range is told, the last good value holds", async (page) => {
+  await page.click(".s-surface .head");
+  const shine = field(page, "Shine");
+  await shine.fill("99");
+  await shine.press("Enter");
+  assert.equal(await shine.inputValue(), "99");
+  assert.equal(await page.locator(".row[aria-label=Shine] .wrong").textContent(), "Takes 0 to 10.");
+  assert.equal((await state(page)).values["shading.specular"], undefined);
+  await shine.fill("0,5");
+  await settled(page, () => shine.press("Enter"));
+  assert.equal(mock.last("state").scene.shading.specular, 0.5);
+});
+
+visit("save, load, save: the same bytes", async (page) => {
+  await drag(page, point(page, 2), 14, 20);
+  await settled(page, () => page.click("[data-method=histogram]"));
+  await page.click(".s-cut .head");
+  await page.locator(".row[aria-label=x] .thumb").first().focus();
+  await page.keyboard.press("ArrowRight");
+  const saved = async () => {
+    const download = page.waitForEvent("download");
+    await page.keyboard.press("Control+Shift+s");
+    return readFileSync(await (await download).path(), "utf8");
+  };
+  const first = await saved();
+  assert.ok(JSON.parse(first).clip.box[0] > 0);
+  await settled(page, () => page.click("[data-look=simulation]"));
+  await settled(page, () => page.evaluate((text) => chiaro.take(new File([text], "scene.json")), first));
+  assert.equal(await saved(), first);
+});
+
+visit("the picture is saved in the wanted size, without highlights", async (page) => {
+  await page.click("button.primary");
+  await page.locator(".popover select").nth(1).selectOption({ index: 2 });
+  const download = page.waitForEvent("download");
+  await page.click(".popover button.primary");
+  await download;
+  const { size, format, metadata } = mock.last("save");
+  assert.deepEqual([size, format, metadata], [[3840, 2160], "png", true]);
+});
+
+visit("a malformed file: the library's sentence, and the picture stays", async (page) => {
+  const was = await pixels(page);
+  await page.evaluate(() => chiaro.take(new File(["{ no"], "scan.json")));
+  assert.match(await page.locator("[role=alert]:visible").first().textContent(), /"scan.json" is no JSON: it ends after 3 of 9 bytes\./);
+  assert.equal(await pixels(page), was);
+});
+
+visit("a killed server: banner, settings kept; restarted: the same picture", async (page) => {
+  await settled(page, () => page.click("[data-method=visibility]"));
+  const was = await pixels(page), { port } = mock;
+  await mock.stop();
+  await page.waitForSelector(".banner:has-text('Connection lost. Your settings are kept.')");
+  await page.keyboard.press("]");
+  await mock.start(port);
+  await page.evaluate(() => chiaro.link.open || document.querySelector(".banner button")?.click());
+  await page.waitForSelector(".banner:has-text('Chiaro was restarted; everything is as you left it.')");
+  await final(page);
+  assert.notEqual(await pixels(page), was, "what was changed meanwhile was sent");
+  await settled(page, () => page.keyboard.press("Control+z"));
+  assert.equal(await pixels(page), was);
+}, { allowed: /WebSocket connection/ });
+
+visit("the same view elsewhere offers to take over", async (page) => {
+  for (const peer of mock.sockets) peer.close(4001);
+  await page.click(".banner button:has-text('Take over')");
+  await page.waitForFunction(() => chiaro.link.open);
+});
+
+visit("no volume: what can be opened; the panel appears with the picture", async (page) => {
+  await page.waitForSelector("h1:has-text('Open a volume')");
+  assert.equal(await page.locator("#panel").isVisible(), false);
+  await page.click("button:has-text('Choose a file')");
+  await page.click("dialog .item:has-text('ball.nrrd')");
+  await final(page);
+  assert.equal(await page.locator("#panel").isVisible(), true);
+  assert.equal(mock.last("open").volume, "/data/ball.nrrd");
+}, { prepare: (m) => (m.hello = { volume: null, scene: null }), ready: false });
+
+visit("a file that cannot be read: one heading and the sentence", async (page) => {
+  await page.waitForSelector("h1:has-text('This file could not be read')");
+  assert.equal(await page.locator(".state p").textContent(), '"scan.nrrd" ends after 41 of 63 MB.');
+}, { prepare: (m) => (m.hello = { volume: null, scene: null, error: '"scan.nrrd" ends after 41 of 63 MB.' }), ready: false });
+
+visit("Compare shows the reference at the right of a line that keys move", async (page) => {
+  await page.keyboard.press("r");
+  await page.waitForSelector(".figures:has-text('SSIM 0.972')");
+  const line = page.locator(".wipe");
+  assert.equal(await line.getAttribute("aria-valuenow"), "50");
+  await page.keyboard.press("Shift+ArrowLeft");
+  assert.equal(await line.getAttribute("aria-valuenow"), "40");
+  await page.keyboard.press("Escape");
+  assert.equal(await line.count(), 0);
+  assert.ok(mock.heard.some((m) => m.type === "cancel"));
+});
+
+for (const colorScheme of ["dark", "light"]) {
+  visit(`every text has a contrast of 4.5 in the ${colorScheme} theme`, async (page) => {
+    for (const head of await page.locator("button.head:visible").all()) await head.click();
+    await page.click("[data-method=histogram]");
+    assert.deepEqual(await faint(page), []);
+    await page.click("button.primary");
+    assert.deepEqual(await faint(page), []);
+  }, { options: { viewport: { width: 1440, height: 900 }, colorScheme } });
+}
+
+visit("every control is reached by Tab and every slider changed by arrows", async (page) => {
+  for (const head of await page.locator("button.head:visible").all()) await head.click();
+  const wanted = await page.evaluate(() => {
+    let number = 0;
+    const able = [...document.querySelectorAll("button, input, select, [role=slider]")].filter((e) => e.checkVisibility({ checkVisibilityCSS: true }) && !e.disabled && e.tabIndex >= 0);
+    for (const e of able) e.dataset.tabbed = String(number++);
+    return number;
+  });
+  const reached = new Set();
+  await page.evaluate(() => document.activeElement.blur());
+  for (let i = 0; i < wanted + 8; ++i) {
+    await page.keyboard.press("Tab");
+    reached.add(await page.evaluate(() => document.activeElement?.dataset?.tabbed));
+  }
+  reached.delete(undefined);
+  assert.equal(reached.size, wanted);
+  const sliders = page.locator("[role=slider]:visible");
+  const deaf = [];
+  for (let i = 0; i < (await sliders.count()); ++i) {
+    const slider = sliders.nth(i), value = () => slider.evaluate((e) => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(e.getAttribute("aria-valuenow") + e.getAttribute("aria-valuetext"))))));
+    await slider.evaluate((e) => e.focus());
+    const before = await value();
+    for (const key of ["ArrowLeft", "ArrowRight", "ArrowRight", "ArrowUp"]) {
+      await page.keyboard.press(key);
+      if ((await value()) !== before) break;
+    }
+    if ((await value()) === before) deaf.push(await slider.getAttribute("aria-label"));
+    assert.ok(await slider.getAttribute("aria-valuetext"));
+  }
+  assert.deepEqual(deaf, []);
+});
+
+visit("with reduced motion nothing is animated", async (page) => {
+  await page.click("button[aria-label=More]");
+  assert.deepEqual(await page.evaluate(() => document.getAnimations().length), 0);
+  await page.keyboard.press("Escape");
+  await page.click(".cross button[aria-label='+x']");
+  assert.equal((await state(page)).camera["camera.azimuth_deg"], 0, "there at once");
+}, { options: { ...desktop, reducedMotion: "reduce" } });
+
+test("the page has a place for every setting of the library, and the library for every entry", async () => {
+  const { table } = await import("../../viewer/table.js");
+  const known = settings().flatMap((group) => group.settings.map((s) => s.flag ?? s.key));
+  assert.deepEqual(known.filter((flag) => !(flag in table)), []);
+  assert.deepEqual(Object.keys(table).filter((flag) => !known.includes(flag)), []);
+});
+
+test("points and stops of a file join again to the same function", async () => {
+  const { at, joined, split } = await import("../../viewer/scene.js");
+  const { transfer_function } = scene, tf = split(transfer_function);
+  assert.ok(tf.points.length <= transfer_function.points.length);
+  for (const { value, rgb, opacity } of transfer_function.points) {
+    assert.ok(Math.abs(at(tf.points, value, "opacity") - opacity) < 1e-5);
+    at(tf.stops, value, "rgb").forEach((c, i) => assert.ok(Math.abs(c - rgb[i]) < 1e-5));
+  }
+  assert.deepEqual(split({ ...transfer_function, points: joined(tf) }).points, tf.points);
+  const step = { points: [{ value: 0, rgb: [1, 0, 0], opacity: 0 }, { value: 5, rgb: [1, 0, 0], opacity: 0 }, { value: 5, rgb: [0, 0, 1], opacity: 1 }, { value: 9, rgb: [0, 0, 1], opacity: 1 }] };
+  assert.deepEqual(joined(split(step)), step.points);
+});
+
+test("the page's camera is the scene's: an orbit, and eye and target where it was panned", async () => {
+  const { boxOf, fromScene, project, toScene, viewOf } = await import("../../viewer/camera.js");
+  const box = boxOf(volume), orbit = { "camera.azimuth_deg": 20, "camera.elevation_deg": -30, "camera.fit_scale": 0.7 };
+  assert.deepEqual(toScene(orbit, box), orbit);
+  const panned = { ...orbit, "camera.target": [10, 20, 30] }, written = toScene(panned, box), again = fromScene(written, box, "unknown");
+  for (const key of Object.keys(orbit)) assert.ok(Math.abs(again[key] - orbit[key]) < 1e-9, key);
+  assert.deepEqual(project(viewOf(panned, box), [10, 20, 30], 400, 300).map(Math.round), [200, 150]);
+});

@@ -1,0 +1,196 @@
+// The page and the program: `chiaro view` with a small sample, from loading to a saved picture.
+import assert from "node:assert/strict";
+import { execFileSync, spawn } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { launch, openPage } from "./page.mjs";
+import { drag, final, pixels, settled, state } from "./visit.mjs";
+
+const chiaro = join(process.env.CHIARO_BIN ?? "", "chiaro");
+const folder = mkdtempSync(join(tmpdir(), "chiaro-view-")), token = "0123456789abcdef0123456789abcdef";
+const there = (() => {
+  try {
+    return execFileSync(chiaro, ["view", "--help"], { encoding: "utf8" }).includes("--no-open");
+  } catch {
+    return false;
+  }
+})();
+const skip = there ? false : "no chiaro view";
+
+/** Starts the program and answers its address and how to end it. */
+async function serve(volume = "sample:cornell:48", port = 0) {
+  const child = spawn(chiaro, ["view", ...(volume ? [volume] : []), "--port", String(port), "--no-open", "--quiet"], { cwd: folder, env: { ...process.env, CHIARO_VIEW_TOKEN: token, XDG_CACHE_HOME: folder } });
+  const url = await new Promise((done, fail) => {
+    child.stdout.once("data", (text) => done(String(text).split("\n")[0]));
+    child.once("exit", (code) => fail(new Error(`chiaro view ended with ${code}`)));
+  });
+  const end = (signal = "SIGKILL") => new Promise((done) => (child.once("exit", done), child.kill(signal)));
+  return { url, port: Number(new URL(url).port), end };
+}
+
+let browser, server;
+before(async () => {
+  if (skip) return;
+  browser = await launch();
+  server = await serve();
+});
+after(async () => {
+  if (skip) return;
+  await browser.close();
+  await server.end("SIGINT");
+  rmSync(folder, { recursive: true, force: true });
+});
+
+const options = { viewport: { width: 900, height: 560 }, colorScheme: "dark", acceptDownloads: true };
+async function visit(act, { url = server.url, allowed = /$^/ } = {}) {
+  const { page, faults } = await openPage(browser, url, options);
+  try {
+    await final(page, 60000);
+    await act(page);
+    assert.deepEqual(faults.filter((fault) => !allowed.test(fault)), []);
+  } finally {
+    await page.close();
+  }
+}
+
+test("a dragged point changes the pixels and undo brings them back", { skip }, () => visit(async (page) => {
+  const was = await pixels(page), points = page.locator(".point");
+  const index = await page.evaluate(() => chiaro.store.state.tf.points.findIndex((p) => p.opacity > 0));
+  await settled(page, () => drag(page, points.nth(index), 0, 60));
+  assert.notEqual(await pixels(page), was);
+  await settled(page, () => page.keyboard.press("Control+z"));
+  assert.equal(await pixels(page), was);
+}));
+
+test("the final picture has the pixels that the tool computes", { skip }, () => visit(async (page) => {
+  const scene = join(folder, "scene.json"), picture = join(folder, "tool.png");
+  writeFileSync(scene, JSON.stringify(await page.evaluate(() => ({ ...chiaro.scene(), image: { size: chiaro.frame.size() } }))));
+  execFileSync(chiaro, ["render", "--scene", scene, "-o", picture, "--quiet"]);
+  const same = await page.evaluate(async (bytes) => {
+    const bitmap = await createImageBitmap(new Blob([Uint8Array.from(atob(bytes), (c) => c.charCodeAt(0))]), { colorSpaceConversion: "none" });
+    const shown = document.querySelector("#stage canvas"), other = new OffscreenCanvas(bitmap.width, bitmap.height).getContext("2d");
+    other.drawImage(bitmap, 0, 0);
+    const a = shown.getContext("2d").getImageData(0, 0, shown.width, shown.height).data, b = other.getImageData(0, 0, bitmap.width, bitmap.height).data;
+    return a.length === b.length && a.every((byte, i) => byte === b[i]);
+  }, readFileSync(picture, "base64"));
+  assert.equal(same, true);
+}));
+
+test("each method gives another picture, and so does a turned probe", { skip }, () => visit(async (page) => {
+  const seen = new Map();
+  for (const method of ["none", "spao", "visibility", "histogram"]) {
+    if ((await page.locator(`[data-method=${method}]`).getAttribute("aria-checked")) === "false") await settled(page, () => page.click(`[data-method=${method}]`), 120000);
+    seen.set(await pixels(page), method);
+  }
+  assert.equal(seen.size, 4, [...seen.values()].join(", "));
+  await settled(page, () => page.click("[data-method=visibility]"), 120000);
+  await settled(page, () => page.click("[role=radio][aria-label=Windows]"), 60000);
+  const was = await pixels(page);
+  await settled(page, () => drag(page, page.locator(".ball"), 30, 0), 60000);
+  assert.notEqual(await pixels(page), was);
+}));
+
+test("a saved scene gives the same pixels again, and so does the saved picture", { skip }, () => visit(async (page) => {
+  await settled(page, () => page.keyboard.press("]"));
+  await settled(page, () => drag(page, page.locator("#stage"), 60, 20));
+  const was = await pixels(page);
+  let download = page.waitForEvent("download");
+  await page.keyboard.press("Control+Shift+s");
+  const scene = readFileSync(await (await download).path(), "utf8");
+  download = page.waitForEvent("download");
+  await page.click("button.primary");
+  await page.click(".popover button.primary");
+  const picture = readFileSync(await (await download).path());
+  await page.keyboard.press("Escape");
+  for (const [name, data] of [["scene.json", Buffer.from(scene)], ["saved.png", picture]]) {
+    await settled(page, () => page.keyboard.press("]"));
+    assert.notEqual(await pixels(page), was);
+    await settled(page, () => page.evaluate(([bytes, file]) => chiaro.take(new File([Uint8Array.from(atob(bytes), (c) => c.charCodeAt(0))], file)), [data.toString("base64"), name]));
+    assert.equal(await pixels(page), was, name);
+  }
+}));
+
+test("a second viewer has a state of its own", { skip }, () => visit(async (first) => {
+  const was = await pixels(first);
+  await visit(async (second) => {
+    await settled(second, () => second.keyboard.press("3"));
+    assert.notEqual(await pixels(second), was);
+  });
+  assert.equal(await pixels(first), was);
+  assert.equal((await state(first)).values.mode, undefined);
+}));
+
+test("killed and started again, it shows the same picture", { skip }, async () => {
+  let own = await serve();
+  try {
+    await visit(async (page) => {
+      await settled(page, () => page.keyboard.press("]"));
+      const was = await pixels(page);
+      await own.end();
+      await page.waitForSelector(".banner:has-text('Connection lost')");
+      own = await serve("sample:cornell:48", own.port);
+      await page.waitForFunction(() => chiaro.link.open || (document.querySelector(".banner button")?.click(), false), null, { timeout: 30000, polling: 300 });
+      await page.waitForTimeout(300);
+      await final(page, 60000);
+      assert.equal(await pixels(page), was);
+    }, { url: own.url, allowed: /WebSocket|ERR_CONNECTION/ });
+  } finally {
+    await own.end();
+  }
+});
+
+test("a wrong token and a foreign page are refused", { skip }, async () => {
+  const wrong = server.url.replace(token, "0".repeat(32));
+  assert.equal((await fetch(wrong)).status, 403);
+  assert.equal((await fetch(server.url)).status, 200);
+  const page = await browser.newPage();
+  const refused = await page.evaluate((url) => new Promise((done) => {
+    const socket = new WebSocket(url);
+    socket.onopen = () => done("open");
+    socket.onerror = () => done("refused");
+  }), server.url.replace("http", "ws").replace("/?", "/socket?view=abcdefgh12&"));
+  assert.equal(refused, "refused", "a page of another origin");
+  await page.close();
+});
+
+test("a walk: start empty, open, edit, light, clip, save", { skip }, async () => {
+  const own = await serve("");
+  const { page, faults } = await openPage(browser, own.url, options);
+  try {
+    await page.click("button:has-text('Try a sample')");
+    await page.click(".item:has-text('shells')");
+    await final(page, 120000);
+    const seen = [await pixels(page)];
+    const step = async (act, timeout = 60000) => {
+      await settled(page, act, timeout);
+      seen.push(await pixels(page));
+    };
+    await step(() => drag(page, page.locator("#stage"), 80, 30)); // orbit
+    await step(() => drag(page, page.locator("#stage"), 40, 0, { button: "right" })); // window
+    await step(async () => {
+      await page.click("button[aria-label='Add a shape']");
+      await page.click(".item:has-text('Peak')");
+    });
+    await step(() => page.click("[data-method=none]"));
+    await step(() => page.click("[data-method=spao]"));
+    await page.click(".s-cut .head");
+    await page.locator(".row[aria-label=x] .thumb").first().focus();
+    await step(() => page.keyboard.press("PageUp"));
+    await step(() => page.keyboard.press("3"));
+    await step(() => page.keyboard.press("1"));
+    assert.equal(new Set(seen).size, seen.length - 1, "each step is another picture, the last is the one before the Maximum");
+    const download = page.waitForEvent("download");
+    await page.click("button.primary");
+    await page.click(".popover button.primary");
+    const saved = join(folder, "walk.png"), again = join(folder, "again.png");
+    await (await download).saveAs(saved);
+    execFileSync(chiaro, ["render", "--scene", saved, "-o", again, "--quiet"]);
+    execFileSync(chiaro, ["compare", saved, again, "--fail-above", "max=0"]);
+    assert.deepEqual(faults, []);
+  } finally {
+    await page.close();
+    await own.end("SIGINT");
+  }
+});

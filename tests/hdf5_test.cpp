@@ -1,0 +1,168 @@
+// HDF5: datasets by path or alone, of every type and storage; nothing leads out of the file.
+#include "hdf5_files.h"
+
+#include <chiaro/error.h>
+
+using namespace chiaro;
+using namespace volume_files;
+
+namespace {
+
+std::string refusal(const std::string& name) {
+    try {
+        read(name);
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::input);
+        return error.what();
+    }
+    ADD_FAILURE() << name << " was accepted";
+    return {};
+}
+
+void expect_refused(const std::string& name, const std::string& part) {
+    const std::string sentence = refusal(name);
+    EXPECT_NE(sentence.find(part), std::string::npos) << sentence;
+    EXPECT_EQ(sentence.find("crashed"), std::string::npos) << sentence;
+}
+
+template <class T>
+class Hdf5Of : public ::testing::Test {};
+using Types = ::testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t,
+                               std::uint64_t, std::int64_t, float, double>;
+
+hid_t big_endian(hid_t native) {
+    const hid_t type = H5Tcopy(native);
+    H5Tset_order(type, H5T_ORDER_BE);
+    return type;
+}
+
+}  // namespace
+
+TYPED_TEST_SUITE(Hdf5Of, Types);
+
+TYPED_TEST(Hdf5Of, ContiguousChunkedAndBigEndian) {
+    const Folder folder;
+    const std::string name = (folder / "a.h5").string();
+    const auto values = ramp<TypeParam>(2 * 3 * 4);
+    const hid_t chunked = H5Pcreate(H5P_DATASET_CREATE);
+    const hsize_t chunk[] = {2, 2, 3};  // none of which divides its axis but one
+    H5Pset_chunk(chunked, 3, chunk);
+    H5Pset_shuffle(chunked);
+    H5Pset_deflate(chunked, 4);
+    H5Pset_fletcher32(chunked);
+    for (const hid_t made : {hid_t(H5P_DEFAULT), chunked})
+        for (const hid_t type : {hdf5_type<TypeParam>(), big_endian(hdf5_type<TypeParam>())}) {
+            Hdf5(name).template dataset<TypeParam>("group/density", {2, 3, 4}, values, made, type);
+            for (const std::string& path : {name + ":/group/density", name}) {
+                const auto volume = read(path);
+                EXPECT_EQ(volume.dimensions, (std::array{4, 3, 2}));
+                EXPECT_EQ(voxels_of<TypeParam>(volume), values);
+                EXPECT_EQ(volume.format, "HDF5");
+                EXPECT_EQ(volume.source, path);
+                EXPECT_EQ(volume.key_values.at("dataset"), "/group/density");
+            }
+        }
+}
+
+TEST(Hdf5Volume, AxesOfOneElementAreDropped) {
+    const Folder folder;
+    const auto values = ramp<std::uint8_t>(24);
+    const std::string name = (folder / "a.h5").string();
+    for (const std::vector<hsize_t>& sizes : {std::vector<hsize_t>{1, 2, 3, 4}, {2, 3, 4, 1}, {1, 1, 2, 3, 4, 1}}) {
+        Hdf5(name).dataset("exported_data", sizes, values);
+        const auto volume = read(name);
+        EXPECT_EQ(volume.dimensions, (std::array{4, 3, 2}));
+        EXPECT_EQ(voxels_of<std::uint8_t>(volume), values);
+    }
+    Hdf5(name).dataset("picture", {6, 4}, values);
+    EXPECT_EQ(read(name + ":/picture").dimensions, (std::array{4, 6, 1}));
+    Hdf5(name).dataset("one", {1, 3, 8}, values);
+    EXPECT_EQ(read(name).dimensions, (std::array{8, 3, 1}));
+    Hdf5(name).dataset("many", {2, 2, 3, 2}, values);
+    expect_refused(name + ":/many", "2 x 2 x 3 x 2");
+}
+
+TEST(Hdf5Volume, SpacingFromAttributes) {
+    const Folder folder;
+    const auto values = ramp<std::uint8_t>(24);
+    const std::string name = (folder / "a.h5").string();
+    const auto spacing = [&] { return read(name).geometry.spacing_mm; };
+    Hdf5(name).dataset("d", {2, 3, 4}, values).attribute("element_size_um", {4, 2, 1});  // z, y, x
+    expect_near(spacing(), {0.001, 0.002, 0.004});
+    Hdf5(name).dataset("d", {1, 2, 3, 4}, values).attribute("element_size_um", {4, 2, 1});
+    expect_near(spacing(), {0.001, 0.002, 0.004});
+    Hdf5(name).dataset("d", {1, 2, 3, 4}, values).attribute("spacing", {9, 3, 2, 0.5});
+    expect_near(spacing(), {0.5, 2, 3});
+    Hdf5(name).dataset("d", {2, 3, 4}, values);
+    EXPECT_TRUE(has_note(read(name), "neither element_size_um nor spacing"));
+    Hdf5(name).dataset("d", {2, 3, 4}, values).attribute("spacing", {1, 0, 1});
+    expect_refused(name, "spacing");
+}
+
+TEST(Hdf5Volume, NamesWhatThereIsToChoose) {
+    const Folder folder;
+    const auto values = ramp<std::uint8_t>(24);
+    const std::string name = (folder / "a.h5").string();
+    Hdf5(name).dataset("a/raw", {2, 3, 4}, values).dataset("b/labels", {2, 3, 4}, values).dataset("list", {24}, values);
+    expect_refused(name, "holds 2 datasets that can be volumes; name one as FILE:/PATH: /a/raw, /b/labels");
+    EXPECT_EQ(read(name + ":/b/labels").dimensions[0], 4);
+    expect_refused(name + ":/c", "holds no '/c'");
+    expect_refused(name + ":/a", "no dataset");
+    expect_refused(name + ":/list", "24 elements");
+    Hdf5(name).dataset("list", {24}, values);
+    expect_refused(name, "none with three axes");
+    { const Hdf5 empty(name); }
+    expect_refused(name, "holds no dataset");
+}
+
+TEST(Hdf5Volume, NothingLeadsOutOfTheFile) {
+    const Folder folder;
+    const auto values = ramp<std::uint8_t>(24);
+    const std::string secret = (folder / "secret.h5").string(), name = (folder / "a.h5").string();
+    Hdf5(secret).dataset("d", {2, 3, 4}, values);
+    {
+        const Hdf5 file(name);
+        H5Lcreate_external(secret.c_str(), "/", file.file(), "away", H5P_DEFAULT, H5P_DEFAULT);
+        H5Lcreate_soft("/away/d", file.file(), "soft", H5P_DEFAULT, H5P_DEFAULT);
+    }
+    expect_refused(name + ":/away/d", "link into another file");
+    expect_refused(name + ":/soft", "cannot be opened");
+    expect_refused(name, "holds no dataset");
+    folder.write("values.raw", std::string(24, 's'));
+    const hid_t outside = H5Pcreate(H5P_DATASET_CREATE), composed = H5Pcreate(H5P_DATASET_CREATE);
+    H5Pset_external(outside, (folder / "values.raw").c_str(), 0, 24);
+    Hdf5(name).dataset<std::uint8_t>("d", {2, 3, 4}, {}, outside);
+    expect_refused(name + ":/d", "in other files");
+    expect_refused(name, "in other files");
+    const hsize_t sizes[] = {2, 3, 4};
+    const hid_t space = H5Screate_simple(3, sizes, nullptr);
+    H5Pset_virtual(composed, space, secret.c_str(), "/d", space);
+    Hdf5(name).dataset<std::uint8_t>("d", {2, 3, 4}, {}, composed);
+    expect_refused(name + ":/d", "virtual");
+    expect_refused((folder / "a.nrrd").string() + ":/d", "no such file");
+    folder.write("a.nrrd", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 1 1 1\nencoding: raw\n\nv");
+    expect_refused((folder / "a.nrrd").string() + ":/d", "only HDF5");
+}
+
+TEST(Hdf5Volume, RefusesWhatLiesOrLacks) {
+    const Folder folder;
+    const std::string name = (folder / "a.h5").string();
+    for (const bool chunked : {false, true}) {
+        const std::string whole = hdf5_file(folder, chunked);
+        EXPECT_EQ(voxels_of<std::uint16_t>(read(folder.write("a.h5", whole))), ramp<std::uint16_t>(24));
+        for (const std::size_t size : {std::size_t(9), whole.size() / 3, whole.size() - 1})
+            expect_refused(folder.write("cut.h5", whole.substr(0, size)), "HDF5");
+    }
+    Hdf5(name).dataset<std::uint8_t>("d", {2, 3, 4}, {});
+    expect_refused(name, "never written");
+    const hid_t made = H5Pcreate(H5P_DATASET_CREATE);
+    const hsize_t chunk[] = {64, 64, 64};
+    H5Pset_chunk(made, 3, chunk);
+    Hdf5(name).dataset<std::uint8_t>("d", {60000, 60000, 60000}, {}, made);
+    expect_refused(name, "never written");
+    Hdf5(name).dataset<std::uint8_t>("d", {70000, 2, 2}, {});
+    expect_refused(name, "1..65535");
+    const hid_t text = H5Tcopy(H5T_C_S1);
+    Hdf5(name).dataset<std::uint8_t>("d", {2, 3, 4}, {}, H5P_DEFAULT, text);
+    expect_refused(name + ":/d", "no numbers");
+}

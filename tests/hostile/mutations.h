@@ -1,0 +1,23 @@
+// Ways to damage a file, told by name so that a case can be found again.
+#pragma once
+#include "hostile/seeds.h"
+
+#include <cstdint>
+#include <random>
+
+namespace hostile {
+
+struct Mutant {
+    std::string name, bytes;
+    bool is_cut = false;  ///< nothing but the end is missing
+};
+
+/// The corpus of one seed: always the same.
+std::vector<Mutant> named_mutants(const Seed& seed);
+
+/// One to four random changes: bits, bytes, numbers of 1, 2, 4 and 8 bytes or of text set to the awkward, pieces left
+/// out, doubled, moved or taken from `other`, the end cut; every second one repaired where the seed can be. The same
+/// for the same state of `random`.
+Mutant random_mutant(const Seed& seed, const Seed& other, std::mt19937_64& random);
+
+}  // namespace hostile

@@ -1,0 +1,212 @@
+// Which pictures the server gives, and that they are the tool's.
+#include <gtest/gtest.h>
+
+#include "server_case.h"
+
+using namespace chiaro;
+using namespace chiaro::testing;
+
+TEST(ServerPictures, RestEndsInTheVeryPixelsThatTheToolRenders) {
+    const Server server;
+    Json scene;
+    Page page = server.ready(scene);
+    scene["sampling"]["samples_per_pixel"] = 4;
+    page.send(state(1, scene));
+    const auto last = page.of_stage(1, "final");
+    ASSERT_TRUE(last);
+    EXPECT_EQ(last->json["type"], "png");
+    EXPECT_EQ(last->json["size"], Json({64, 48}));
+    write_file(server.folder / "final.png", last->picture);
+    const Image shown = read_png(server.folder / "final.png");
+    std::vector<std::string> unknown;
+    Scene same = parse_scene(scene.dump(), {}, {}, unknown);
+    same.width = 64, same.height = 48;
+    Progress progress;
+    const Image image = render_image(Device::cpu(2), same, progress);
+    EXPECT_TRUE(shown.pixels == image.pixels);
+}
+
+TEST(ServerPictures, DraftsComeAtOnceAndRestFollowsByItself) {
+    const Server server;
+    Json scene;
+    Page page = server.ready(scene);
+    page.send(state(1, scene, 400, 300, true));
+    const auto first = page.find([](const Message& m) { return m.is_frame; });
+    ASSERT_TRUE(first);
+    EXPECT_EQ(first->json["n"], 1);
+    EXPECT_EQ(first->json["type"], "jpeg");
+    EXPECT_EQ(first->json["canvas"], Json({400, 300}));
+    EXPECT_EQ(first->picture.substr(0, 2), "\xff\xd8");
+    EXPECT_FALSE(first->json["verbs"].empty());
+    EXPECT_TRUE(page.of_stage(1, "final"));
+}
+
+TEST(ServerPictures, OnlyTheNewestStateCounts) {
+    const Server server("sample:shells:96");
+    Json scene;
+    Page page = server.ready(scene);
+    scene["lighting"] = {{"method", "visibility"}};
+    constexpr int count = 60;
+    for (int n = 1; n <= count; ++n) {
+        scene["camera"]["azimuth_deg"] = n;
+        scene["transfer_function"]["opacity_scale"] = 1 + 0.01 * n;
+        page.send(state(n, scene, 200, 150));
+    }
+    std::int64_t newest = 0;
+    int frames = 0, finals = 0;
+    const auto last = page.find([&](const Message& m) {
+        if (!m.is_frame) return false;
+        EXPECT_GE(m.json["n"].get<std::int64_t>(), newest) << "an older picture after a newer one";
+        newest = m.json["n"];
+        ++frames;
+        finals += m.json["stage"] == "final";
+        return m.json["stage"] == "final" && newest == count;
+    });
+    EXPECT_TRUE(last);
+    EXPECT_LT(finals, count / 4) << "of " << frames << " frames: stale work is not given up";
+}
+
+TEST(ServerPictures, SavedPictureRemakesItself) {
+    const Server server;
+    Json scene;
+    Page page = server.ready(scene);
+    scene["output"] = {{"exposure", 0.5}};
+    const Json saved = page.ask({{"type", "save"}, {"scene", scene}, {"size", {120, 90}}, {"format", "png"}});
+    ASSERT_EQ(saved["type"], "answer") << saved;
+    const auto picture = http(server.port, "GET", saved["url"]);
+    ASSERT_EQ(picture.status, 200);
+    EXPECT_EQ(picture.body.size(), saved["bytes"]);
+    EXPECT_NE(picture.head.find("attachment; filename=\"ball-32.png\""), std::string::npos) << picture.head;
+    EXPECT_EQ(http(server.port, "GET", saved["url"]).status, 404) << "offered once";
+    write_file(server.folder / "saved.png", picture.body);
+    const std::string command = std::string(CHIARO_BIN) + "/chiaro render --quiet --scene " +
+                                (server.folder / "saved.png").string() + " -o " +
+                                (server.folder / "again.png").string();
+    ASSERT_EQ(std::system(command.c_str()), 0);
+    EXPECT_TRUE(file_bytes(server.folder / "again.png") == picture.body);
+}
+
+TEST(ServerPictures, SavingIsCancelledAndThePageGoesOnMeanwhile) {
+    const Server server("sample:shells:64");
+    Json scene;
+    Page page = server.ready(scene);
+    Json large = scene;
+    large["sampling"]["samples_per_pixel"] = 256;
+    page.send({{"type", "save"}, {"id", 5}, {"scene", large}, {"size", {4000, 3000}}});
+    EXPECT_TRUE(page.of_type("progress"));
+    page.send(state(1, scene));
+    EXPECT_TRUE(page.of_stage(1, "final"));
+    page.send({{"type", "cancel"}, {"id", 6}, {"re", 5}});  // which of the two is answered first is open
+    const auto ended =
+        page.find([](const Message& m) { return !m.is_frame && m.json["re"] == 5 && m.json["type"] != "progress"; });
+    ASSERT_TRUE(ended);
+    EXPECT_EQ(ended->json["code"], "interrupted");
+}
+
+TEST(ServerPictures, PicksWhatIsSeen) {
+    const Server server;
+    Json scene;
+    Page page = server.ready(scene);
+    EXPECT_EQ(page.ask({{"type", "pick"}, {"x", 32}, {"y", 24}})["hit"], false) << "nothing is shown yet";
+    page.send(state(1, scene));
+    ASSERT_TRUE(page.of_stage(1, "final"));
+    const Json middle = page.ask({{"type", "pick"}, {"x", 32}, {"y", 24}});
+    EXPECT_EQ(middle["hit"], true) << middle;
+    EXPECT_GT(middle["opacity"], 0);
+    EXPECT_EQ(middle["world_mm"].size(), 3u);
+    EXPECT_EQ(page.ask({{"type", "pick"}, {"x", 0.5}, {"y", 0.5}})["hit"], false);
+}
+
+TEST(ServerPictures, TransferFunctionsAndScenesGoOutAndComeBack) {
+    const Server server;
+    Json scene;
+    Page page = server.ready(scene);
+    const Json viridis = page.ask({{"type", "resolve"}, {"transfer_function", {{"preset", "viridis"}}}});
+    EXPECT_TRUE(viridis["transfer_function"]["points"].is_array());
+    scene["transfer_function"] = viridis["transfer_function"];
+    scene["camera"]["azimuth_deg"] = 12.5;
+    const Json out = page.ask({{"type", "export"}, {"what", "scene"}, {"scene", scene}});
+    const Json in = page.ask({{"type", "import"}, {"name", "scene.json"}, {"text", out["text"]}});
+    EXPECT_EQ(in["kind"], "scene") << in;
+    EXPECT_EQ(in["scene"]["camera"]["azimuth_deg"], 12.5);
+    EXPECT_EQ(in["scene"]["transfer_function"]["points"], viridis["transfer_function"]["points"]);
+    const Json tf = page.ask({{"type", "export"}, {"what", "transfer"}, {"scene", scene}});
+    const Json back = page.ask({{"type", "import"}, {"name", "tf.json"}, {"text", tf["text"]}});
+    EXPECT_EQ(back["kind"], "transfer");
+    EXPECT_EQ(back["transfer_function"], viridis["transfer_function"]);
+    const Json nonsense = page.ask({{"type", "import"}, {"name", "tf.json"}, {"text", "nonsense"}});
+    EXPECT_EQ(nonsense["type"], "error");
+    const auto upload = http(server.port, "POST", std::string("/upload?view=view-one&name=a.json&token=") + test_token,
+                             "", tf["text"].get<std::string>());
+    EXPECT_EQ(upload.status, 200);
+    EXPECT_EQ(Json::parse(upload.body)["kind"], "transfer");
+    EXPECT_EQ(http(server.port, "POST", "/upload?view=view-one&name=a.json&token=no", "", "x").status, 403);
+}
+
+TEST(ServerPictures, CommandLineMakesTheSamePicture) {
+    const Server server;
+    Json scene;
+    Page page = server.ready(scene);
+    scene["camera"]["azimuth_deg"] = -30;
+    scene["background"] = "transparent";
+    scene["lighting"] = {{"method", "spao"}, {"levels", 4}};
+    scene["iso"] = Json::array({{{"value", 50}, {"color", {1, 0, 0}}}, {{"value", 90}, {"opacity", 0.5}}});
+    scene["sampling"]["no_skip_empty"] = true;
+    scene["image"] = {{"size", {50, 40}}};
+    const Json named = page.ask({{"type", "command"}, {"scene", scene}});
+    EXPECT_NE(named["text"].get<std::string>().find("--transfer sample:ball"), std::string::npos) << named;
+    scene["transfer_function"]["points"].back()["opacity"] = 0.123;
+    const Json command = page.ask({{"type", "command"}, {"scene", scene}, {"output", "out.png"}});
+    ASSERT_EQ(command["type"], "answer") << command;
+    const std::string text = command["text"];
+    EXPECT_EQ(text.rfind("cat > transfer.json", 0), 0u) << text;
+    const std::string line = "cd " + server.folder.string() + " && PATH=" CHIARO_BIN ":$PATH && " + text + " --quiet";
+    ASSERT_EQ(std::system(line.c_str()), 0) << text;
+    std::vector<std::string> unknown;
+    Progress progress;
+    const Image image = render_image(Device::cpu(2), parse_scene(scene.dump(), {}, {}, unknown), progress);
+    EXPECT_TRUE(read_png(server.folder / "out.png").pixels == image.pixels) << text;
+}
+
+TEST(ServerPictures, LooksComeAsSmallPictures) {
+    const Server server;
+    Json scene;
+    Page page = server.ready(scene);
+    page.send({{"type", "look"}, {"id", 8}, {"scene", scene}, {"size", {128, 96}}});
+    const auto look = page.find([](const Message& m) { return m.is_frame && m.json["kind"] == "look"; });
+    ASSERT_TRUE(look);
+    EXPECT_EQ(look->json["n"], 8);
+    EXPECT_EQ(look->json["size"], Json({128, 96}));
+    EXPECT_TRUE(page.of_type("answer"));
+}
+
+TEST(ServerPictures, ComparesWithTheReference) {
+    const Server server("sample:ball:16");
+    Json scene;
+    Page page = server.ready(scene);
+    scene["lighting"] = {{"method", "reference"}, {"rays", 16}};
+    const Json done = page.ask({{"type", "compare"}, {"scene", scene}, {"size", {32, 24}}, {"method", "spao"}});
+    ASSERT_EQ(done["type"], "answer") << done;
+    EXPECT_EQ(done["figures"]["paths"], 16);
+    EXPECT_GT(done["figures"]["rmse"], 0);
+    EXPECT_LT(done["figures"]["rmse"], 0.5);
+}
+
+TEST(ServerPictures, MemoryDoesNotGrow) {
+    const Server server("sample:shells:48");
+    Json scene;
+    Page page = server.ready(scene);
+    int n = 0;
+    const auto drag = [&](int count) {
+        for (int i = 0; i < count; ++i) {
+            scene["camera"]["azimuth_deg"] = ++n % 360;
+            scene["transfer_function"]["opacity_scale"] = 1 + 0.001 * (n % 100);
+            page.send(state(n, scene, 160, 120, true));
+            page.find([&](const Message& m) { return m.is_frame && m.json["n"] == n; });
+        }
+    };
+    drag(150);
+    const std::size_t before = resident_bytes();
+    drag(300);
+    EXPECT_LT(double(resident_bytes()) - double(before), 8e6);
+}

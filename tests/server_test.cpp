@@ -1,0 +1,262 @@
+// The server as pages and others meet it: who gets in, what is answered, what each view keeps.
+#include <gtest/gtest.h>
+
+#include "server_case.h"
+
+using namespace chiaro;
+using namespace chiaro::testing;
+
+TEST(Server, LetsInWhoHasTokenHostAndOrigin) {
+    const Server server;
+    const int port = server.port;
+    const std::string right = test_token, wrong = "ffeeddccbbaa99887766554433221100",
+                      local = "http://localhost:" + std::to_string(port);
+    EXPECT_EQ(http(port, "GET", "/?token=" + right).status, 200);
+    EXPECT_EQ(http(port, "GET", "/").status, 403);
+    EXPECT_EQ(http(port, "GET", "/?token=" + wrong).status, 403);
+    EXPECT_EQ(http(port, "GET", "/?token=" + right, "", "", "evil.example").status, 403);
+    EXPECT_EQ(http(port, "GET", "/?token=" + right, "", "", "127.0.0.1:1").status, 200);  // the end of a tunnel
+    EXPECT_EQ(http(port, "GET", "/?token=" + right, "Origin: http://evil.example\r\n").status, 403);
+    EXPECT_EQ(http(port, "GET", "/?token=" + right, "Origin: " + local + "\r\n").status, 200);
+    EXPECT_EQ(http(port, "GET", "/nothing").status, 404);
+    EXPECT_EQ(http(port, "GET", "/../../etc/passwd").status, 404);
+    EXPECT_EQ(http(port, "DELETE", "/?token=" + right).status, 405);
+    EXPECT_EQ(status_of_socket(port, wrong, "view-one", ""), 403);
+    EXPECT_EQ(status_of_socket(port, right, "short", ""), 400);
+    EXPECT_EQ(status_of_socket(port, right, "view-one", "Origin: http://evil.example\r\n"), 403);
+    EXPECT_NO_THROW(Page(port, right, "view-one", "", "Origin: " + local + "\r\n"));
+}
+
+TEST(Server, PageMayLoadNothingFromElsewhere) {
+    const Server server;
+    const auto page = http(server.port, "GET", std::string("/?token=") + test_token);
+    EXPECT_NE(page.head.find("Content-Security-Policy: default-src 'none'"), std::string::npos);
+    EXPECT_NE(page.head.find("X-Content-Type-Options: nosniff"), std::string::npos);
+    EXPECT_NE(page.head.find("Cache-Control: no-store"), std::string::npos);
+    EXPECT_NE(page.head.find("Referrer-Policy: no-referrer"), std::string::npos);
+    EXPECT_NE(page.body.find("<html"), std::string::npos);
+}
+
+TEST(Server, SaysHelloWithEverySetting) {
+    const Server server;
+    Page page = server.page();
+    const Json hello = page.of_type("hello")->json;
+    EXPECT_EQ(hello["protocol"], 1);
+    EXPECT_EQ(hello["view"], "view-one");
+    std::size_t told = 0, known = 0;
+    for (const Json& group : hello["settings"]) told += group["settings"].size();
+    const Scene scene;
+    for_each_setting([&](const Setting&, const auto&...) { ++known; }, scene);
+    EXPECT_EQ(told, known);
+    const auto setting = [&](const std::string& flag) {
+        for (const Json& group : hello["settings"])
+            for (const Json& s : group["settings"])
+                if (s["flag"] == flag) return s;
+        return Json();
+    };
+    EXPECT_EQ(setting("step")["default"], 0.5);
+    EXPECT_EQ(setting("step")["lowest"], 0.001);
+    EXPECT_EQ(setting("step")["kind"], "number");
+    EXPECT_EQ(setting("spao-levels")["default"], 7);
+    EXPECT_EQ(setting("spao-levels")["method"], "spao");
+    EXPECT_EQ(setting("sh-bands")["choices"], Json({"2", "4"}));
+    EXPECT_EQ(setting("mode")["choices"], Json({"dvr", "iso", "mip"}));
+    EXPECT_EQ(setting("no-skip-empty")["kind"], "switch");
+    EXPECT_TRUE(setting("window")["default"].is_null());
+    EXPECT_FALSE(hello["presets"].empty());
+    EXPECT_FALSE(hello["samples"].empty());
+}
+
+TEST(Server, TellsOfTheVolume) {
+    const Server server;
+    Page page = server.page();
+    const auto told = page.find(
+        [](const Message& m) { return !m.is_frame && m.json.contains("volume") && m.json["volume"].is_object(); });
+    ASSERT_TRUE(told);
+    const Json& volume = told->json["volume"];
+    EXPECT_EQ(volume["dimensions"], Json({32, 32, 32}));
+    std::uint64_t voxels = 0;
+    for (const std::uint64_t count : volume["histogram512"]["counts"]) voxels += count;
+    EXPECT_EQ(volume["histogram512"]["counts"].size(), 512u);
+    EXPECT_EQ(voxels, 32u * 32 * 32);
+    EXPECT_TRUE(told->json["scene"]["transfer_function"]["points"].is_array());
+}
+
+TEST(Server, ViewsHaveStatesOfTheirOwn) {
+    const Server server;
+    Json one, two;
+    Page first = server.ready(one, "view-one"), second = server.ready(two, "view-two");
+    two["camera"]["azimuth_deg"] = 120;
+    first.send(state(1, one));
+    second.send(state(1, two));
+    const auto a = first.of_stage(1, "final"), b = second.of_stage(1, "final");
+    ASSERT_TRUE(a && b);
+    one["camera"]["azimuth_deg"] = 120;
+    first.send(state(2, one));
+    const auto c = first.of_stage(2, "final");
+    ASSERT_TRUE(c);
+    EXPECT_EQ(b->picture, c->picture);
+}
+
+TEST(Server, ReconnectedViewGetsItsStateBack) {
+    const Server server;
+    {
+        Json scene;
+        Page page = server.ready(scene, "view-back");
+        scene["camera"]["azimuth_deg"] = 77;
+        page.send(state(1, scene));
+        ASSERT_TRUE(page.of_stage(1, "final"));
+        scene["camera"]["azimuth_deg"] = 99;
+        Json trial = state(2, scene);
+        trial["preview"] = true;
+        page.send(trial);
+        EXPECT_EQ(page.ask({{"type", "ping"}})["type"], "answer");
+    }
+    std::optional<Page> again;
+    again.emplace(server.port, test_token, "view-back", "&take=1");
+    const Json hello = again->of_type("hello")->json;
+    EXPECT_EQ(hello["restored"], true);
+    EXPECT_EQ(hello["scene"]["camera"]["azimuth_deg"], 77);
+    again->send(state(1, hello["scene"]));
+    EXPECT_TRUE(again->of_stage(1, "final"));
+}
+
+TEST(Server, SecondPageOfAViewIsToldAndMayTakeOver) {
+    const Server server;
+    Json scene;
+    Page first = server.ready(scene, "view-same");
+    Page second = server.page("view-same");
+    EXPECT_TRUE(second.of_type("taken"));
+    EXPECT_EQ(second.closed(), 4001);
+    Page third = server.page("view-same", "&take=1");
+    EXPECT_TRUE(third.of_type("hello"));
+    EXPECT_TRUE(first.of_type("taken"));
+    EXPECT_EQ(first.closed(), 4001);
+    EXPECT_EQ(third.ask({{"type", "ping"}})["type"], "answer");
+}
+
+TEST(Server, WhatIsNotUnderstoodIsAnswered) {
+    const Server server;
+    Json scene;
+    Page page = server.ready(scene);
+    const auto error = [&](const std::string& text) {
+        page.send_raw(1, text);
+        const auto answer = page.of_type("error");
+        return answer ? answer->json : Json();
+    };
+    EXPECT_EQ(error("{")["code"], "protocol");
+    EXPECT_EQ(error("[]")["code"], "protocol");
+    EXPECT_EQ(error("{\"type\": 7}")["code"], "protocol");
+    EXPECT_EQ(error("{\"type\": \"save\"}")["code"], "protocol");
+    EXPECT_EQ(error(std::string(100000, '['))["code"], "protocol");
+    const Json unknown = error(R"({"type": "dance", "id": 3})");
+    EXPECT_EQ(unknown["re"], 3);
+    EXPECT_EQ(unknown["code"], "protocol");
+    EXPECT_EQ(error(R"({"type": "pick", "id": 4, "x": "left", "y": 1})")["re"], 4);
+    EXPECT_EQ(page.ask({{"type", "save"}, {"scene", scene}, {"size", {0, 5}}})["code"], "usage");
+    EXPECT_EQ(page.ask({{"type", "save"}, {"scene", scene}, {"size", {20000, 5}}})["code"], "usage");
+
+    Json bad = scene;
+    bad["sampling"]["step"] = 0;
+    page.send(state(5, bad));
+    const auto refused = page.of_type("error");
+    ASSERT_TRUE(refused);
+    EXPECT_EQ(refused->json["n"], 5);
+    EXPECT_EQ(refused->json["field"], "sampling.step");
+    page.send(state(6, scene));  // the session lives on
+    EXPECT_TRUE(page.of_stage(6, "final"));
+}
+
+TEST(Server, ClosesWhatBreaksTheRulesAndHarmsNobodyElse) {
+    const Server server;
+    Json scene;
+    Page good = server.ready(scene, "view-good");
+    {
+        Page page = server.page("oversized");
+        page.of_type("hello");
+        page.send_raw(1, std::string(2 << 20, ' '));
+        EXPECT_EQ(page.closed(), 1009);
+    }
+    {
+        Page page = server.page("binary--");
+        page.of_type("hello");
+        page.send_raw(2, "bytes");
+        EXPECT_EQ(page.closed(), 1003);
+    }
+    {
+        Page page = server.page("unmasked");
+        page.of_type("hello");
+        page.send_raw(1, "{}", false);
+        EXPECT_EQ(page.closed(), 1002);
+    }
+    {
+        Page page = server.page("no-utf-8");
+        page.of_type("hello");
+        page.send_raw(1, "{\"\xff\"}");
+        EXPECT_EQ(page.closed(), 1007);
+    }
+    {
+        Page page = server.page("too-many");
+        page.of_type("hello");
+        try {
+            for (int i = 0; i < 3000; ++i) page.send({{"type", "ping"}, {"id", i}});
+        } catch (const std::exception&) {  // closed while writing
+        }
+        const int code = page.closed();
+        EXPECT_TRUE(code == 1008 || page.is_over()) << code;
+    }
+    {
+        chiaro::testing::Wire wire(server.port);
+        wire.write("\x16\x03\x01 nonsense\r\n\r\n");
+        wire.read_all(2);
+    }
+    good.send(state(1, scene));
+    EXPECT_TRUE(good.of_stage(1, "final"));
+}
+
+TEST(Server, FortyIdleSocketsHinderNobody) {
+    const Server server;
+    std::vector<Page> idle;
+    for (int i = 0; i < 40; ++i) idle.push_back(server.page("idle-view-" + std::to_string(i)));
+    Json scene;
+    Page page = server.ready(scene);
+    page.send(state(1, scene));
+    EXPECT_TRUE(page.of_stage(1, "final"));
+    for (Page& other : idle) EXPECT_EQ(other.ask({{"type", "ping"}})["type"], "answer");
+}
+
+TEST(Server, OpensOnlyWhatLiesInItsFolders) {
+    const Server server("");
+    Progress progress;
+    fs::create_directory(server.folder / "inside");
+    write_nrrd(make_sample("slab", 16), server.folder / "inside" / "slab.nrrd", NrrdEncoding::raw);
+    fs::create_symlink("/etc", server.folder / "away");
+    Page page = server.page();
+    EXPECT_TRUE(page.of_type("hello")->json["volume"].is_null());
+    page.send(state(1, Json::object()));
+    EXPECT_EQ(page.of_type("error")->json["sentence"], "no volume is open");
+    const Json roots = page.ask({{"type", "folder"}, {"path", ""}});
+    ASSERT_EQ(roots["entries"].size(), 1u);
+    const Json listed = page.ask({{"type", "folder"}, {"path", roots["entries"][0]["path"]}});
+    EXPECT_EQ(listed["entries"][0]["name"], "away");
+    const Json inside = page.ask({{"type", "folder"}, {"path", (server.folder / "inside").string()}});
+    EXPECT_EQ(inside["entries"][0]["kind"], "volume");
+    for (const char* elsewhere : {"/etc", "../", "inside/../../", "away", "/", "away/ssl"})
+        EXPECT_EQ(page.ask({{"type", "folder"}, {"path", elsewhere}})["code"], "input") << elsewhere;
+    EXPECT_EQ(page.ask({{"type", "open"}, {"volume", "/etc/passwd"}})["code"], "input");
+    EXPECT_EQ(page.ask({{"type", "open"}, {"volume", "-"}})["code"], "input");
+    EXPECT_EQ(page.ask({{"type", "open"}, {"volume", "sample:ball:4096"}})["type"], "error");
+    const Json opened = page.ask({{"type", "open"}, {"volume", inside["entries"][0]["path"]}});
+    ASSERT_EQ(opened["type"], "answer") << opened;
+    EXPECT_EQ(opened["volume"]["name"], "slab.nrrd");
+    Json scene = opened["scene"];
+    page.send(state(2, scene));
+    EXPECT_TRUE(page.of_stage(2, "final"));
+    scene["probe"] = {{"file", "/etc/passwd.hdr"}};
+    page.send(state(3, scene));
+    EXPECT_EQ(page.of_type("error")->json["n"], 3);
+    scene.erase("probe");
+    scene["transfer_function"] = {{"file", "/etc/passwd"}};
+    page.send(state(4, scene));
+    EXPECT_EQ(page.of_type("error")->json["n"], 4);
+}

@@ -1,0 +1,277 @@
+// TIFF: folders of slices and files of pages, whatever libtiff can write.
+#include "tiff_files.h"
+
+#include <chiaro/error.h>
+#include <tiffio.h>
+
+using namespace chiaro;
+using namespace volume_files;
+
+namespace {
+
+std::string refusal(const std::string& name) {
+    try {
+        read(name);
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::input);
+        EXPECT_EQ(std::string(error.what()).find("crashed"), std::string::npos) << error.what();
+        return error.what();
+    }
+    ADD_FAILURE() << name << " was accepted";
+    return {};
+}
+
+/// How a page of 40 x 33 pixels is stored.
+struct Storage {
+    int compression = COMPRESSION_NONE;
+    bool tiled = false, planes = false;
+    int samples = 1, predictor = 1;
+    const char* mode = "w";  ///< w8: BigTIFF; wb: big endian
+};
+
+constexpr int width = 40, height = 33;
+
+template <class T>
+T value_at(int x, int y, int z, int sample) {
+    return T(x + 3 * y + 50 * z + 7 * sample);
+}
+
+/// Written by libtiff: pages of value_at.
+template <class T>
+void write_pages(const std::string& name, const Storage& storage, int pages) {
+    TIFF* file = TIFFOpen(name.c_str(), storage.mode);
+    for (int z = 0; z < pages; ++z) {
+        TIFFSetField(file, TIFFTAG_IMAGEWIDTH, width);
+        TIFFSetField(file, TIFFTAG_IMAGELENGTH, height);
+        TIFFSetField(file, TIFFTAG_BITSPERSAMPLE, 8 * sizeof(T));
+        TIFFSetField(file, TIFFTAG_SAMPLESPERPIXEL, storage.samples);
+        TIFFSetField(file, TIFFTAG_SAMPLEFORMAT,
+                     std::is_floating_point_v<T> ? SAMPLEFORMAT_IEEEFP
+                     : std::is_signed_v<T>       ? SAMPLEFORMAT_INT
+                                                 : SAMPLEFORMAT_UINT);
+        TIFFSetField(file, TIFFTAG_PHOTOMETRIC, storage.samples > 2 ? PHOTOMETRIC_RGB : PHOTOMETRIC_MINISBLACK);
+        TIFFSetField(file, TIFFTAG_PLANARCONFIG, storage.planes ? PLANARCONFIG_SEPARATE : PLANARCONFIG_CONTIG);
+        TIFFSetField(file, TIFFTAG_COMPRESSION, storage.compression);
+        if (storage.predictor > 1) TIFFSetField(file, TIFFTAG_PREDICTOR, storage.predictor);
+        const int chunk_width = storage.tiled ? 16 : width, chunk_height = storage.tiled ? 32 : 8;
+        if (storage.tiled) {
+            TIFFSetField(file, TIFFTAG_TILEWIDTH, chunk_width);
+            TIFFSetField(file, TIFFTAG_TILELENGTH, chunk_height);
+        } else {
+            TIFFSetField(file, TIFFTAG_ROWSPERSTRIP, chunk_height);
+        }
+        std::uint32_t index = 0;
+        for (int plane = 0; plane < (storage.planes ? storage.samples : 1); ++plane)
+            for (int top = 0; top < height; top += chunk_height)
+                for (int left = 0; left < width; left += chunk_width) {
+                    std::vector<T> chunk;
+                    const int rows = storage.tiled ? chunk_height : std::min(chunk_height, height - top);
+                    for (int y = top; y < top + rows; ++y)
+                        for (int x = left; x < left + chunk_width; ++x)
+                            for (int s = 0; s < (storage.planes ? 1 : storage.samples); ++s)
+                                chunk.push_back(value_at<T>(x, y, z, storage.planes ? plane : s));
+                    const auto size = tmsize_t(chunk.size() * sizeof(T));
+                    storage.tiled ? TIFFWriteEncodedTile(file, index, chunk.data(), size)
+                                  : TIFFWriteEncodedStrip(file, index, chunk.data(), size);
+                    ++index;
+                }
+        TIFFWriteDirectory(file);
+    }
+    TIFFClose(file);
+}
+
+template <class T>
+void expect_pages(const Volume& volume, int pages) {
+    ASSERT_EQ(volume.dimensions, (std::array{width, height, pages}));
+    ASSERT_EQ(volume.type, voxel_type_of<T>());
+    std::size_t i = 0;
+    for (int z = 0; z < pages; ++z)
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x) ASSERT_EQ(volume.as<T>()[i++], value_at<T>(x, y, z, 0)) << x << " " << y;
+}
+
+template <class T>
+class TiffOf : public ::testing::Test {};
+using Types = ::testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t,
+                               float, double>;
+
+}  // namespace
+
+TYPED_TEST_SUITE(TiffOf, Types);
+
+TYPED_TEST(TiffOf, StripsTilesByteOrderAndBigTiff) {
+    const Folder folder;
+    const std::string name = (folder / "a.tif").string();
+    for (const bool tiled : {false, true})
+        for (const char* mode : {"w", "wb", "w8", "w8b"})
+            for (const int compression : {COMPRESSION_NONE, COMPRESSION_LZW, COMPRESSION_ADOBE_DEFLATE}) {
+                write_pages<TypeParam>(name, {.compression = compression, .tiled = tiled, .mode = mode}, 3);
+                expect_pages<TypeParam>(read(name), 3);
+            }
+}
+
+TEST(Tiff, EveryCompressionOfLibtiff) {
+    const Folder folder;
+    const std::string name = (folder / "a.tif").string();
+    for (const int compression : {COMPRESSION_NONE, COMPRESSION_LZW, COMPRESSION_PACKBITS, COMPRESSION_DEFLATE,
+                                  COMPRESSION_ADOBE_DEFLATE, COMPRESSION_LZMA, COMPRESSION_ZSTD, COMPRESSION_LERC})
+        for (const bool tiled : {false, true})
+            for (const int predictor : {1, 2}) {
+                if (!TIFFIsCODECConfigured(std::uint16_t(compression))) continue;
+                write_pages<std::uint16_t>(name, {.compression = compression, .tiled = tiled, .predictor = predictor},
+                                           2);
+                SCOPED_TRACE(compression);
+                expect_pages<std::uint16_t>(read(name), 2);
+                const std::string whole = content_of(name);
+                refusal(folder.write("cut.tif", whole.substr(0, whole.size() / 2)));
+                refusal(folder.write("cut.tif", whole.substr(0, whole.size() - 1)));
+            }
+    write_pages<std::uint8_t>(name, {.compression = COMPRESSION_JPEG}, 1);  // not exact, but close
+    const auto jpeg = read(name);
+    for (std::size_t i = 0; i < jpeg.voxel_count(); ++i)
+        EXPECT_NEAR(jpeg.as<std::uint8_t>()[i], value_at<std::uint8_t>(int(i) % width, int(i) / width, 0, 0), 12);
+}
+
+TEST(Tiff, ColoursBecomeLuminanceAndAreTold) {
+    const Folder folder;
+    const std::string name = (folder / "a.tif").string();
+    for (const bool planes : {false, true})
+        for (const bool tiled : {false, true})
+            for (const int samples : {3, 4}) {
+                write_pages<std::uint8_t>(name, {.tiled = tiled, .planes = planes, .samples = samples}, 2);
+                const auto volume = read(name);
+                EXPECT_EQ(volume.components, 1);
+                EXPECT_TRUE(has_note(volume, "luminance"));
+                EXPECT_EQ(has_note(volume, "4 values a pixel"), samples == 4);
+                // R + 7 * 0.7152 + 14 * 0.0722 = R + 6.0172
+                EXPECT_EQ(volume.as<std::uint8_t>()[5], 5 + 6);
+                EXPECT_EQ(volume.as<std::uint8_t>()[width * height + width], 53 + 6);
+            }
+    const auto white = read(folder.write("w.tif", tiff_file({{.photometric = 0}})));
+    EXPECT_EQ(white.as<std::uint16_t>()[3], 65535 - 3);
+    EXPECT_TRUE(has_note(white, "turned around"));
+    write_pages<std::uint16_t>(name, {.samples = 2}, 1);
+    EXPECT_EQ(read(name).as<std::uint16_t>()[2], 2);
+}
+
+TEST(Tiff, FoldersFollowTheNaturalOrderOfNames) {
+    const Folder folder;
+    for (const int i : {10, 9, 2, 1, 100}) {
+        TiffImage page{.pixels = bytes_of_all(std::vector<std::uint16_t>(12, std::uint16_t(i)))};
+        folder.write("slice" + std::to_string(i) + ".tif", tiff_file({page}));
+    }
+    folder.write("notes.txt", "by hand");
+    auto volume = read(folder.name());
+    EXPECT_EQ(volume.format, "TIFF");
+    ASSERT_EQ(volume.dimensions, (std::array{4, 3, 5}));
+    for (const auto& [z, value] : {std::pair{0, 1}, {1, 2}, {2, 9}, {3, 10}, {4, 100}})
+        EXPECT_EQ(volume.as<std::uint16_t>()[std::size_t(z) * 12], value);
+    folder.write("slice011.TIFF", tiff_file({{.pixels = std::string(4, 'x'), .columns = 2, .rows = 2, .bits = 8}}));
+    volume = read(folder.name());
+    EXPECT_EQ(volume.dimensions[2], 5);
+    EXPECT_TRUE(has_note(volume, "1 pictures of another size or type than 4 x 3 uint16 are left out: slice011.TIFF"));
+    folder.write("slice012.tif", "no picture");
+    EXPECT_NE(refusal(folder.name()).find("'slice012.tif'"), std::string::npos);
+}
+
+TEST(Tiff, ThumbnailsAreNoSlices) {
+    const Folder folder;
+    const TiffImage small{.pixels = std::string(2, 's'), .columns = 1, .rows = 1, .reduced = true};
+    const auto volume = read(folder.write("a.tif", tiff_file({TiffImage{}, small, TiffImage{}})));
+    EXPECT_EQ(volume.dimensions, (std::array{4, 3, 2}));
+    EXPECT_EQ(volume.as<std::uint16_t>()[13], 1);
+}
+
+TEST(Tiff, SpacingIsWhatIsStated) {
+    const Folder folder;
+    const auto spacing = [&](const TiffImage& page) {
+        return read(folder.write("a.tif", tiff_file({page, page}))).geometry.spacing_mm;
+    };
+    expect_near(spacing({}), {1, 1, 1});
+    expect_near(spacing({.x_resolution = 254, .y_resolution = 508, .unit = 2}), {0.1, 0.05, 0.1});
+    expect_near(spacing({.x_resolution = 100, .y_resolution = 50, .unit = 3}), {0.1, 0.2, 0.1});
+    expect_near(spacing({.x_resolution = 2, .y_resolution = 1, .unit = 1}), {1, 2, 1});
+    expect_near(spacing({.description = "ImageJ=1.53t\nimages=2\nslices=2\nunit=\\u00B5m\nspacing=3.5\n",
+                         .x_resolution = 4,
+                         .y_resolution = 2}),
+                {0.00025, 0.0005, 0.0035});
+    expect_near(spacing({.description = "ImageJ=1.53t\nimages=2\nslices=2\nunit=mm\nspacing=-2\n",
+                         .x_resolution = 4,
+                         .y_resolution = 4}),
+                {0.25, 0.25, 2});
+    const std::string ome =
+        R"(<?xml version="1.0"?><OME xmlns="x"><Image ID="0"><Pixels DimensionOrder="XYZCT" SizeX="4")"
+        R"( SizeY="3" SizeZ="2" SizeC="1" SizeT="1" PhysicalSizeX="0.5" PhysicalSizeY="0.25")"
+        R"( PhysicalSizeZ="2" PhysicalSizeZUnit="mm"/></Image></OME>)";
+    expect_near(spacing({.description = ome}), {0.0005, 0.00025, 2});
+    TiffImage tags{.x_resolution = 254, .y_resolution = 254, .unit = 2};
+    EXPECT_TRUE(
+        has_note(read(folder.write("a.tif", tiff_file({tags, tags}))), "distance between slices is not stated"));
+    EXPECT_TRUE(has_note(read(folder.write("a.tif", tiff_file({TiffImage{}}))), "size of a pixel is not stated"));
+}
+
+TEST(Tiff, HyperstacksGiveTheirFirstChannelAndTime) {
+    const Folder folder;
+    const auto pages = [&](const std::string& description) {
+        std::vector<TiffImage> all;
+        for (int i = 0; i < 12; ++i)
+            all.push_back({.pixels = bytes_of_all(std::vector<std::uint16_t>(12, std::uint16_t(i)))});
+        all[0].description = description;
+        return all;
+    };
+    const auto firsts = [](const Volume& volume) {
+        std::vector<int> values;
+        for (int z = 0; z < volume.dimensions[2]; ++z)
+            values.push_back(volume.as<std::uint16_t>()[std::size_t(z) * 12]);
+        return values;
+    };
+    auto volume = read(folder.write(
+        "a.tif", tiff_file(pages("ImageJ=1.53t\nimages=12\nchannels=2\nslices=3\nframes=2\nhyperstack=true\n"))));
+    EXPECT_EQ(firsts(volume), (std::vector{0, 2, 4}));
+    EXPECT_TRUE(has_note(volume, "2 channels"));
+    EXPECT_TRUE(has_note(volume, "2 points in time"));
+    volume = read(folder.write(
+        "a.tif", tiff_file(pages(
+                     R"(<OME><Image><Pixels DimensionOrder="XYTCZ" SizeZ="3" SizeC="2" SizeT="2"/></Image></OME>)"))));
+    EXPECT_EQ(firsts(volume), (std::vector{0, 4, 8}));
+    volume = read(folder.write("a.tif", tiff_file(pages("ImageJ=1.53t\nimages=7\nslices=7\n"))));
+    EXPECT_EQ(volume.dimensions[2], 12);
+    EXPECT_TRUE(has_note(volume, "states 7 images, but there are 12 pages"));
+    volume = read(folder.write("a.tif", tiff_file({{.description = "ImageJ=1.53t\ncf=0\nc0=-32768.0\nc1=1.0\n"}})));
+    EXPECT_EQ(volume.intercept, -32768);
+}
+
+TEST(Tiff, LargeStacksOfImageJHaveOneDirectory) {
+    const Folder folder;
+    for (const bool big_endian : {false, true}) {
+        const auto values = ramp<std::uint16_t>(36);
+        const std::string all = bytes_of_all(values, big_endian);
+        TiffImage first{.pixels = all.substr(0, 24), .description = "ImageJ=1.53t\nimages=3\nslices=3\n"};
+        const std::string file = tiff_file({first}, big_endian, all.substr(24));
+        EXPECT_EQ(voxels_of<std::uint16_t>(read(folder.write("a.tif", file))), values);
+        EXPECT_NE(refusal(folder.write("a.tif", file.substr(0, file.size() - 1))).find("truncated"), std::string::npos);
+    }
+}
+
+TEST(Tiff, RefusesWhatItCannotShow) {
+    const Folder folder;
+    const auto expect = [&](const TiffImage& page, const std::string& part) {
+        const auto sentence = refusal(folder.write("a.tif", tiff_file({page})));
+        EXPECT_NE(sentence.find(part), std::string::npos) << sentence;
+    };
+    expect({.bits = 1}, "bits");
+    expect({.bits = 12}, "bits");
+    expect({.bits = 16, .format = 3}, "16 bits as floats");
+    expect({.photometric = 5}, "photometric");
+    expect({.photometric = 2}, "RGB with 1");
+    expect({.columns = 60000, .rows = 60000}, "truncated");
+    expect({.columns = 70000}, "70000");
+    expect({.columns = 0}, "");
+    expect({.description = "ImageJ=1\nimages=-4\n"}, "images");
+    expect({.description = "ImageJ=1\nimages=999999\n"}, "truncated");
+    std::string loop = tiff_file({TiffImage{}, TiffImage{}});
+    EXPECT_NO_THROW(read(folder.write("a.tif", loop)));
+    const auto next = 8 + 2 + 12 * 10;  // the first page's link to the second: now to itself
+    loop.replace(next, 4, bytes_of(std::uint32_t(8)));
+    refusal(folder.write("a.tif", loop));
+}

@@ -1,0 +1,234 @@
+// The page put together: one store, one link, one module a part.
+import { boxOf, fromScene, toScene, viewOf } from "./camera.js";
+import { makeColour } from "./colour.js";
+import { makeCompare } from "./compare.js";
+import { makeCross } from "./cross.js";
+import { el, fromHex, icon, percent, short } from "./dom.js";
+import { makeFrame } from "./frame.js";
+import { makeGestures } from "./gestures.js";
+import { makeKeys } from "./keys.js";
+import { makeLight, radios } from "./light.js";
+import { Link } from "./link.js";
+import { makeLooks } from "./looks.js";
+import { makeMenus } from "./menus.js";
+import { describe, read, sceneOf, stateOf } from "./scene.js";
+import { makeSections } from "./sections.js";
+import { makeStates, mark } from "./states.js";
+import { Store } from "./store.js";
+import { makeTheme } from "./theme.js";
+import { words } from "./words.js";
+
+const bar = document.getElementById("bar"), stage = document.getElementById("stage"), panel = document.getElementById("panel"), dock = document.getElementById("dock");
+const store = new Store({ values: {}, camera: {}, tf: { points: [{ value: 0, opacity: 0 }], stops: [{ value: 0, rgb: [0, 0, 0] }], unit: { key: "opacity_unit_distance", value: 1 }, scale: 1, rest: {} }, threshold: null, iso: [], rest: {} });
+const link = new Link();
+/** Everything the parts share. @type {any} */
+const app = { store, link, ui: { points: [], stop: -1, tool: "orbit" }, volume: null, hello: null, box: null, percent, fromHex };
+app.theme = makeTheme(store);
+app.withUnit = (v) => `${short(v)}${app.volume?.unit ? " " + app.volume.unit : ""}`;
+app.view = () => viewOf(store.state.camera, app.box);
+app.keysOn = () => localStorage.getItem("keys") !== "off";
+app.sceneWith = (more) => sceneOf({ ...store.state, ...more }, (camera) => toScene(camera, app.box));
+app.scene = () => app.sceneWith({});
+app.copy = (text) => navigator.clipboard.writeText(text).then(() => app.states.say(words.copied), () => app.states.say(text));
+app.fault = (error) => void (error?.sentence && app.states.say(error.sentence, { role: "alert" }));
+/** Half way into the densest hill. */
+app.firstSurface = () => {
+  const { points } = store.state.tf, peak = (hill) => Math.max(...points.slice(hill.first, hill.last + 1).map((p) => p.opacity));
+  const hills = app.graph.hills().sort((a, b) => peak(b) - peak(a)), [hill] = hills, [low, high] = app.volume.range;
+  return hill ? (Math.max(hill.lo, low) + Math.min(hill.hi, high)) / 2 : (low + high) / 2;
+};
+
+// The picture.
+stage.tabIndex = 0;
+app.frame = makeFrame(app);
+app.states = makeStates(app, stage);
+app.menus = makeMenus(app);
+app.popover = app.menus.popover;
+app.menu = app.menus.menu;
+stage.append(app.frame.canvas, app.frame.pill, app.frame.said);
+app.gestures = makeGestures(app, stage);
+app.cross = makeCross(app, stage);
+app.compare = makeCompare(app, stage);
+
+// The bar.
+const tool = (name, label, act, text) => el(`button.tool${text ? ".wide" : ""}`, { title: label, "aria-label": label, onclick: act }, icon(name), text ? el("span", {}, text) : null);
+const modes = el("div.segmented", { role: "radiogroup", "aria-label": words.picture }, ...Object.entries(words.modes).map(([name, [label, tip]], i) => el("button", { role: "radio", title: `${tip} (${i + 1}). --mode ${name}`, onclick: () => app.mode(name) }, label)));
+radios(modes);
+const undo = tool("undo", words.undo, () => store.step("undo")), redo = tool("redo", words.redo, () => store.step("redo")), compare = tool("compare", `${words.compare} (R)`, () => app.compare.start(), words.compare);
+redo.classList.add("wide");
+const file = el("button.file", { title: `${words.about.title} (I)`, onclick: () => app.menus.about(file) }), save = el("button.primary", { title: `${words.save} (Ctrl S)`, onclick: () => app.menus.save(save) }, el("span.long", {}, words.save), el("span.short", {}, words.saveShort));
+const more = tool("more", words.more, () => app.menus.more(more));
+const ofVolume = [file, modes, undo, redo, compare, save];
+app.bar = { file, save, more, compare };
+bar.append(el("div.brand", {}, mark(), el("span", {}, words.name)), file, el("div.spring"), modes, undo, redo, compare, save, more);
+
+// The panel.
+app.looks = makeLooks(app);
+app.colour = makeColour(app);
+app.light = makeLight(app);
+const folded = makeSections(app), sections = el("div", { id: "sections" });
+const tabs = el("div.tabs", { role: "tablist" }, ...[["look", "looks"], ["colour", "hill"], ["light", "light"], ["cut", "cut"], ["more", "rows"]].map(([name, picture]) => el("button", { role: "tab", onclick: () => tab(name) }, icon(picture), words.tabs[name])));
+const names = ["look", "colour", "light", "cut", "more"];
+function tab(name) {
+  document.body.dataset.tab = name;
+  [...tabs.children].forEach((b, i) => b.setAttribute("aria-selected", String(names[i] === name)));
+  // The section of a tab stands open.
+  if (innerWidth <= 760 && name === "cut") panel.querySelector(".s-cut .head[aria-expanded=false]")?.click();
+  store.redraw();
+}
+const handle = el("div.handle");
+handle.addEventListener("pointerdown", (event) => {
+  handle.setPointerCapture(event.pointerId);
+  const from = panel.offsetHeight, put = (h) => (document.body.style.setProperty("--sheet", `${h}px`), app.resized());
+  let now = from;
+  handle.onpointermove = (e) => put((now = Math.max(84, Math.min(innerHeight * 0.85, from + event.clientY - e.clientY)) - 12));
+  handle.onpointerup = () => ((handle.onpointermove = null), put([84, 436, innerHeight * 0.85].reduce((a, b) => (Math.abs(b - now) < Math.abs(a - now) ? b : a))));
+});
+panel.append(handle, sections, tabs);
+
+app.dock = () => {
+  const to = dock.hidden ? dock : app.colour.section;
+  dock.hidden = !dock.hidden;
+  document.body.classList.toggle("docked", !dock.hidden);
+  to === dock ? dock.append(app.graph.root) : app.colour.section.insertBefore(app.graph.root, app.colour.section.children[1]);
+  app.resized();
+};
+app.togglePanel = () => ((panel.hidden = !panel.hidden), app.resized());
+
+function open(volume, scene, restored) {
+  app.volume = volume;
+  app.box = boxOf(volume);
+  app.frame.reset();
+  stage.classList.remove("empty");
+  document.body.classList.remove("none");
+  app.states.clear();
+  store.replace(stateOf(scene, null, (camera) => fromScene(camera, app.box, volume.world)), { silent: true });
+  file.replaceChildren(el("b", {}, volume.name ?? volume.file), el("span", {}, `${volume.dimensions.join(" × ")}, ${words.types[volume.type] ?? volume.type}`), ...(volume.notes.length ? [el("i.dot", { title: volume.notes[0] })] : []));
+  document.title = `${volume.name ?? volume.file} – Chiaro`;
+  sections.replaceChildren(app.looks.section, app.colour.section, app.light.section);
+  app.colour.open();
+  app.light.open();
+  app.cross.open();
+  sections.append(...folded().map((part) => part));
+  app.looks.open();
+  for (const part of [...ofVolume, panel]) part.hidden = false;
+  changed({ moving: false });
+}
+
+/** Sends the newest state; wheels and keys that follow each other closely count as moving. */
+function changed({ moving }) {
+  if (!app.volume) return;
+  app.frame.forget();
+  app.looks.pause();
+  keep();
+  const shown = store.preview, [w, h] = app.frame.size();
+  link.send(() => {
+    const scene = app.sceneWith(shown?.tf ? { tf: shown.tf } : {});
+    if (shown?.unlit) scene.lighting = { method: "none" };
+    return { scene, canvas: [w, h] };
+  }, { moving, preview: shown !== null });
+}
+store.onchange = changed;
+app.shown = (header) => header.stage === "final" && app.looks.rest();
+let kept = 0;
+const keep = () => {
+  clearTimeout(kept);
+  kept = setTimeout(() => sessionStorage.setItem("state", JSON.stringify({ file: app.volume.file, state: store.state })), 500);
+};
+app.resized = () => {
+  store.redraw();
+  changed({ moving: false });
+};
+new ResizeObserver(() => app.volume && app.resized()).observe(stage);
+
+// Opening: a file below the server's folders, a sample, a scene, or what was dropped on the page.
+app.open = async (what) => {
+  const asked = link.ask("open", what, (m) => told(m)), told = app.states.reading(what.volume ?? what.scene, () => link.cancel(asked.id));
+  try {
+    const { volume, scene } = await asked;
+    open(volume, scene);
+  } catch (error) {
+    app.states.clear();
+    if (error.code === "interrupted") app.volume || app.states.empty();
+    else if (error.sentence) app.states.failed(error.sentence);
+  }
+};
+app.openEntry = (entry) => (entry.kind === "transfer" ? link.ask("resolve", { transfer_function: { file: entry.path } }).then((a) => app.setTransfer(a.transfer_function, words.importTf), app.fault) : app.open(entry.kind === "scene" ? { scene: entry.path } : { volume: entry.path }));
+app.take = async (given) => {
+  const found = await link.upload(given).catch(app.fault);
+  if (!found) return;
+  if (found.kind === "transfer") app.setTransfer(found.transfer_function, words.importTf);
+  else if (found.kind === "probe") (app.ownProbe = found.source), store.set(words.light, (s) => ({ values: { ...s.values, "probe.file": found.source, "probe.preset": undefined } })), app.light.open();
+  else if (found.needs_volume) app.states.say(`${words.about.dimensions}: ${found.needs_volume}`, { role: "alert" });
+  else store.set(words.menu.loadScene, (s) => ({ ...stateOf({ ...found.scene, volume: s.rest.volume, image: s.rest.image }, s, (camera) => fromScene(camera, app.box, app.volume.world)), look: undefined }));
+};
+for (const name of ["dragover", "drop"]) addEventListener(name, (event) => {
+  event.preventDefault();
+  if (name === "drop" && event.dataTransfer.files[0]) app.take(event.dataTransfer.files[0]);
+});
+
+// The server.
+let wasLost = false, counting = 0, reading = null;
+link.onstate = (state, wait = 0) => {
+  clearInterval(counting);
+  stage.classList.toggle("lost", state !== "open");
+  if (state === "open") return app.states.hush();
+  const w = words.states;
+  if (state === "taken") return app.states.say(w.elsewhere, { act: [w.takeOver, () => link.connect(true)], keep: true });
+  wasLost = true;
+  let left = wait;
+  const banner = app.states.say(w.lost(left), { act: [w.tryNow, () => link.connect()], keep: true });
+  counting = setInterval(() => banner.change(w.lost(Math.max(0, --left))), 1000);
+};
+const hello = (m) => {
+  const updated = app.hello && app.hello.version !== m.version;
+  app.hello = m;
+  describe(m.settings);
+  if (updated) return app.states.say(words.states.updated, { act: [words.states.reload, () => location.reload()], keep: true });
+  if (app.volume) {
+    // Page state is the truth: it goes to the new server, which shows the same again.
+    if (wasLost && !m.restored) app.states.say(words.states.restarted);
+    wasLost = false;
+    link.n = Math.max(link.n, 0);
+    return m.volume && m.volume.file === app.volume.file ? changed({ moving: false }) : m.reading ? undefined : app.reopen();
+  }
+  if (m.error) return app.states.failed(m.error);
+  if (m.reading) return (reading = app.states.reading(m.reading));
+  if (!m.volume) return app.states.empty();
+  open(m.volume, m.scene);
+  const last = JSON.parse(sessionStorage.getItem("state") ?? "null");
+  if (!m.restored && last?.file === m.volume.file) store.replace(last.state);
+};
+/** The server came back with another volume, or none: the page asks for its own. */
+app.reopen = async () => {
+  const state = store.state, answer = await link.ask("open", { volume: app.volume.file }).catch(app.fault);
+  if (answer) store.replace(state);
+};
+link.onmessage = (m) => {
+  if (m.type === "hello") hello(m);
+  else if (m.type === "progress") m.re === "open" ? reading?.(m) : app.frame.progress(m);
+  else if (m.type === "opened") !app.volume ? open(m.volume, m.scene) : m.volume.file === app.volume.file ? changed({ moving: false }) : app.reopen();
+  else if (m.type === "error") m.re === "open" ? (app.states.clear(), app.states.failed(m.sentence)) : app.states.say(m.sentence, { role: "alert" });
+  else if (m.type === "note") app.states.say(m.sentence, { keep: false });
+};
+link.onframe = (header, data) => app.frame.show(header, data);
+
+store.watch((state) => {
+  const mode = read(state, "mode") ?? "dvr";
+  [...modes.children].forEach((b, i) => {
+    const on = Object.keys(words.modes)[i] === mode;
+    b.setAttribute("aria-checked", String(on));
+    b.tabIndex = on ? 0 : -1;
+  });
+  for (const [button, which, name, none] of [[undo, "undo", words.undo, words.nothingToUndo], [redo, "redo", words.redo, words.nothingToRedo]]) {
+    const next = store.next(which);
+    button.disabled = !next;
+    button.title = next ? `${name}: ${next}` : none;
+  }
+  stage.classList.toggle("transparent", read(state, "background") === "transparent");
+});
+makeKeys(app);
+for (const part of ofVolume) part.hidden = true;
+tab("colour");
+Object.assign(window, { chiaro: app });
+link.connect();

@@ -1,0 +1,72 @@
+// What stands in the picture's place or over it: no volume, reading, errors, banners; and opening files.
+import { bytes, el, icon, percent } from "./dom.js";
+import { words } from "./words.js";
+
+const w = words.states;
+export const mark = () => {
+  const made = el("span");
+  made.innerHTML = '<svg viewBox="0 0 20 20" fill="none" aria-hidden="true"><circle cx="10" cy="10" r="8.750" stroke="currentColor" stroke-width="1.500"/><path d="M10 4a6 6 0 0 1 0 12z" fill="var(--accent)"/></svg>';
+  return made.firstChild;
+};
+
+export function makeStates(app, stage) {
+  let shown = null, banner = null, timer = 0;
+  const show = (...children) => {
+    shown?.remove();
+    shown = el("div.state", {}, ...children);
+    stage.append(shown);
+  };
+  const clear = () => (shown?.remove(), (shown = null), clearTimeout(timer));
+
+  function empty() {
+    document.body.classList.add("none");
+    stage.classList.add("empty");
+    const sample = el("button.plain", { onclick: () => app.menu(sample, app.hello.samples.map((s) => [s.name, () => app.open({ volume: `sample:${s.name}` }), s.sentence])) }, w.sample);
+    show(mark(), el("h1", {}, w.open), el("p", {}, w.formats), el("div.pair", {}, el("button.primary", { onclick: choose }, w.choose), sample));
+  }
+  /** Shown after 400 ms, so that nothing flashes. */
+  function reading(name, cancel) {
+    clear();
+    const bar = el("i", { style: "width:0" }), text = el("p", { role: "status" });
+    timer = setTimeout(() => show(el("h1", {}, w.reading(name)), el("div.progress", { role: "progressbar", "aria-label": w.reading(name) }, bar), text, cancel ? el("button", { onclick: cancel }, w.cancel) : null), 400);
+    return (m) => {
+      bar.style.width = `${100 * (m.fraction ?? 0)}%`;
+      text.textContent = [percent(Math.round(100 * (m.fraction ?? 0)) / 100), m.bytes ? bytes(m.bytes) : "", m.seconds > 2 && m.remaining_s ? w.left(Math.round(m.remaining_s)) : ""].filter(Boolean).join(", ");
+    };
+  }
+  /** An error of a file: the library's sentence. A volume already open stays open. */
+  function failed(sentence, heading = w.unreadable) {
+    show(el("h1", {}, heading), el("p", { role: "alert" }, sentence), el("div.pair", {}, el("button.plain", { onclick: choose }, w.another), el("button", { onclick: () => app.copy(sentence) }, w.copyMessage), app.volume ? el("button", { onclick: clear }, w.back) : null));
+  }
+
+  /** One at a time, 40 high, over the picture's top. */
+  function say(text, { role = "status", act = null, keep = false } = {}) {
+    hush();
+    banner = el("div.float.banner", { role }, icon("info"), el("span", { title: text }, text), act ? el("button", { onclick: act[1] }, act[0]) : null, keep && !act ? null : keep ? null : el("button", { "aria-label": words.close, onclick: hush }, icon("close")));
+    stage.append(banner);
+    const mine = banner;
+    if (!keep && role === "status") setTimeout(() => mine === banner && hush(), 4000);
+    return { change: (next) => (mine.querySelector("span").textContent = next) };
+  }
+  const hush = () => (banner?.remove(), (banner = null));
+
+  /** The folders of the computer that runs Chiaro. */
+  async function choose() {
+    const list = el("div.list"), head = el("h2", {}, w.open), box = el("dialog", { "aria-label": w.open }, head, list, el("div.buttons", {}, el("button", { onclick: () => box.close() }, w.cancel)));
+    const go = async (path) => {
+      const answer = await app.link.ask("folder", { path }).catch(app.fault);
+      if (!answer) return;
+      head.textContent = answer.path || w.open;
+      const up = answer.path ? [el("button.item", { onclick: () => go(answer.parent ?? "") }, "…")] : [];
+      list.replaceChildren(...up, ...answer.entries.map((e) => el("button.item", { onclick: () => (e.kind === "folder" ? go(e.path) : (box.close(), app.openEntry(e))) }, e.name + (e.kind === "folder" ? " ›" : ""), el("span", {}, e.kind === "folder" ? "" : e.bytes ? bytes(e.bytes) : ""))));
+      list.querySelector("button")?.focus();
+    };
+    box.className = "popover";
+    box.style.cssText = "left:50%;top:96px;transform:translateX(-50%)";
+    box.addEventListener("close", () => box.remove());
+    document.body.append(box);
+    box.showModal();
+    go("");
+  }
+  return { empty, reading, failed, clear, say, hush, choose, get blocking() { return shown !== null; } };
+}

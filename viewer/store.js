@@ -1,0 +1,120 @@
+// The state of the page, which is the truth: one immutable object, changed by steps that can be undone. The camera has
+// steps of its own.
+const most = 200;
+
+/** @typedef {{values: Object<string, any>, camera: Object<string, any>, tf: any, iso: any[], threshold: number[]|null, rest: any}} State */
+
+export class Store {
+  /** @type {State} */
+  state;
+  #undo = { design: [], camera: [] };
+  #redo = { design: [], camera: [] };
+  #drag = null;
+  #listeners = new Set();
+  #drawing = 0;
+  /** Called after each change with {moving}; the link sends from here. */
+  onchange = (_) => {};
+  /** What is shown besides and never saved: a highlighted hill, a look on trial, the unlit picture. */
+  preview = null;
+
+  constructor(state) {
+    this.state = state;
+  }
+
+  /** Calls `draw` in the frame after each change. */
+  watch(draw) {
+    this.#listeners.add(draw);
+  }
+
+  /** Changes the state: `change(state)` returns what is new in it. One undo step, unless within a drag.
+   * @param {string} label what the step is called @param {(state: State) => Partial<State>} change @param {string} [track] */
+  set(label, change, track = "design") {
+    const before = this.state;
+    this.state = { ...before, ...change(before) };
+    if (this.#drag) this.#drag.changed = true;
+    else this.#keep(label, before, track);
+    this.#changed(Boolean(this.#drag));
+  }
+
+  /** All changes until `end` are one step. */
+  begin(label, track = "design") {
+    this.end();
+    this.#drag = { label, before: this.state, track, changed: false };
+  }
+
+  end() {
+    const drag = this.#drag;
+    this.#drag = null;
+    if (!drag?.changed) return;
+    this.#keep(drag.label, drag.before, drag.track);
+    this.#changed(false);
+  }
+
+  /** Esc during a drag: back to where it began. */
+  cancel() {
+    if (!this.#drag) return;
+    this.state = this.#drag.before;
+    this.#drag = null;
+    this.#changed(false);
+  }
+
+  get dragging() {
+    return this.#drag !== null;
+  }
+
+  #keep(label, before, track) {
+    if (this.#drag) return;
+    const last = this.#undo[track].at(-1);
+    const now = performance.now();
+    // Presses of one key that follow each other closely are one step, as a drag is.
+    if (last && last.label === label && label.endsWith("…") && now - last.time < 600) last.time = now;
+    else this.#undo[track].push({ label, before, time: now });
+    if (this.#undo[track].length > most) this.#undo[track].shift();
+    this.#redo[track] = [];
+  }
+
+  /** The name of the step that undo or redo would take, or nothing. */
+  next(which, track = "design") {
+    return (which === "undo" ? this.#undo : this.#redo)[track].at(-1)?.label.replace("…", "");
+  }
+
+  step(which, track = "design") {
+    this.cancel();
+    const [from, to] = which === "undo" ? [this.#undo, this.#redo] : [this.#redo, this.#undo];
+    const entry = from[track].pop();
+    if (!entry) return;
+    to[track].push({ label: entry.label, before: this.state, time: 0 });
+    const { camera, ...design } = entry.before;
+    this.state = track === "camera" ? { ...this.state, camera } : { ...this.state, ...design };
+    this.#changed(false);
+  }
+
+  /** Replaces the whole state, without a step: another volume, or what a server kept. */
+  replace(state, { silent = false } = {}) {
+    this.#drag = null;
+    this.state = state;
+    this.#undo = { design: [], camera: [] };
+    this.#redo = { design: [], camera: [] };
+    silent ? this.redraw() : this.#changed(false);
+  }
+
+  /** Shows something that is not part of the state (null: no more). */
+  show(preview) {
+    if (JSON.stringify(preview) === JSON.stringify(this.preview)) return;
+    this.preview = preview;
+    this.#changed(false);
+  }
+
+  #changed(moving) {
+    this.redraw();
+    this.onchange({ moving });
+  }
+
+  redraw() {
+    if (this.#drawing) return;
+    this.#drawing = requestAnimationFrame(() => {
+      this.#drawing = 0;
+      for (const draw of this.#listeners) draw(this.state);
+    });
+  }
+}
