@@ -23,6 +23,7 @@ constexpr auto suite_table = std::to_array<Suite>({
     {"visibility", "visibility in spherical harmonics: the paper's table, and an edit's update", visibility_cases},
     {"transport", "multiple scattering: its sweeps, and an edit's way to light", transport_cases},
     {"visibility-error", "visibility in spherical harmonics against rays: error of every way", visibility_error_cases},
+    {"transport-error", "multiple scattering against light's own paths: fluence and pictures", transport_error_cases},
     {"paths", "the path tracer: a frame of one path a pixel, and what majorants by region save", path_cases},
     {"histogram", "local histograms: the paper's table of preprocessing, an edit's table, errors of occlusion",
      histogram_cases},

@@ -86,7 +86,9 @@ MethodComparison compare_methods(Session& session, const Scene& scene, const std
     comparison.noise = session.outcome().paths.noise;
     for (const Method method : methods) {
         MethodPicture picture = picture_by(session, plainly_lit(scene, method), progress);
-        if (method != Method::visibility && method != Method::reference) light_by_mean(picture.frame, mean);
+        const bool knows_light =
+            method == Method::visibility || method == Method::transport || method == Method::reference;
+        if (!knows_light) light_by_mean(picture.frame, mean);
         picture.distance = compare(comparison.reference.frame, picture.frame);
         comparison.pictures.push_back(std::move(picture));
     }

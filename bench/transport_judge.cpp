@@ -1,0 +1,173 @@
+#include "transport_judge.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "classify/medium.h"
+#include "core/threads.h"
+#include "illumination/transport/solver.h"
+
+namespace chiaro::bench {
+namespace {
+
+/// Sums of what is compared.
+struct Sums {
+    double errors = 0, squares = 0, noise = 0, found = 0, truth = 0;
+    int count = 0;
+
+    void add(double f, double t, double variance) {
+        errors += (f - t) * (f - t), squares += t * t, noise += variance, found += f, truth += t, ++count;
+    }
+    /// The noise adds its variance to the errors and to the truth's squares.
+    LightError over_squares() const {
+        if (count == 0) return {};
+        const double light = std::max(squares - noise, 1e-30);
+        return {std::sqrt(std::max(errors - noise, 0.0) / light), (found - truth) / truth, std::sqrt(noise / light)};
+    }
+    LightError over_mean() const {
+        const double mean = truth / count;
+        return {std::sqrt(std::max(errors - noise, 0.0) / count) / mean, (found - truth) / truth,
+                std::sqrt(noise / count) / mean};
+    }
+};
+
+Rgb light_at(const TransportNodes& nodes, Vec3 p, bool in_matter) {
+    const CellGrid& grid = nodes.grid;
+    int low[3];
+    double share[3];
+    for (int a = 0; a < 3; ++a) {
+        const double at = std::clamp((p[a] + 0.5) / grid.voxels_per_cell[a] - 0.5, 0.0, grid.count[a] - 1.0);
+        low[a] = std::min(int(at), std::max(grid.count[a] - 2, 0)), share[a] = at - low[a];
+    }
+    Rgb sum{0, 0, 0};
+    double weights = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+        double weight = 1;
+        int cell[3];
+        for (int a = 0; a < 3; ++a) {
+            const bool next = corner >> a & 1;
+            cell[a] = std::min(low[a] + next, grid.count[a] - 1), weight *= next ? share[a] : 1 - share[a];
+        }
+        const std::size_t node = grid.index(cell[0], cell[1], cell[2]);
+        weight *= in_matter ? nodes.weight[node] : 1 - double(nodes.weight[node]) + 1e-6;
+        weights += weight;
+        for (std::size_t c = 0; c < 3; ++c) sum[c] += weight * nodes.light[3 * node + c];
+    }
+    for (double& channel : sum) channel /= std::max(weights, 1e-30);
+    return sum;
+}
+
+}  // namespace
+
+LightError error_of(const std::vector<Rgb>& found, const Fluence& truth) {
+    Sums sums;
+    for (std::size_t i = 0; i < found.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c) sums.add(found[i][c], truth.mean[i][c], truth.error[i] * truth.error[i]);
+    return sums.over_squares();
+}
+
+LightError error_of(const Frame& found, const Frame& truth, const PathStatistics& sureness, int block) {
+    const auto mean_of = [&](const Frame& frame, int x, int y, int c) {
+        double sum = 0;
+        for (int j = 0; j < block; ++j)
+            for (int i = 0; i < block; ++i)
+                sum += frame.rgba[4 * (std::size_t(y * block + j) * frame.width + x * block + i) + c];
+        return sum / (block * block);
+    };
+    Sums sums;
+    double all = 0;
+    for (int y = 0; y < truth.height / block; ++y)
+        for (int x = 0; x < truth.width / block; ++x, ++all) {
+            if (mean_of(truth, x, y, 3) == 0) continue;
+            for (int c = 0; c < 3; ++c) sums.add(mean_of(found, x, y, c), mean_of(truth, x, y, c), 0);
+        }
+    // Noise is told over all pixels; those that see nothing have none.
+    sums.noise = 3 * all * sureness.noise * sureness.noise / (block * block);
+    return sums.over_mean();
+}
+
+std::vector<Rgb> light_between(const TransportNodes& nodes, const std::vector<Vec3>& points, bool in_matter) {
+    std::vector<Rgb> light;
+    for (const Vec3& p : points) light.push_back(light_at(nodes, p, in_matter));
+    return light;
+}
+
+TransportJudge::TransportJudge(const ScatteringSubject& subject, ScatteringCase which, const Effort& effort,
+                               Progress& progress)
+    : subject_(subject),
+      which_(std::move(which)),
+      progress_(progress),
+      points_(judged_points(subject, effort.air, effort.matter)) {
+    const TruthKeeper keeper;
+    air_ = keeper.fluence(subject, which_, "air", points_.air, effort.paths, progress);
+    matter_ = keeper.fluence(subject, which_, "matter", points_.matter, effort.paths, progress);
+    picture_ = keeper.picture(subject, which_, effort.paths_a_pixel, progress);
+}
+
+TransportNodes TransportJudge::nodes(int grid, std::optional<int> iterations) const {
+    IlluminationSettings settings = which_.settings(Method::transport);
+    settings.transport.grid = grid;
+    TransportSolver solver(subject_.device, subject_.medium.data(), which_.lighting(), settings.transport,
+                           settings.scattering, {0, 0, 1}, progress_);
+    while ((!iterations || solver.iterations() < *iterations) && solver.iterate(progress_)) {
+    }
+    return solver.nodes();
+}
+
+LightError TransportJudge::in_air(const TransportNodes& nodes) const {
+    return error_of(light_between(nodes, points_.air, false), air_);
+}
+
+LightError TransportJudge::in_matter(const TransportNodes& nodes) const {
+    return error_of(light_between(nodes, points_.matter, true), matter_);
+}
+
+Rgb TransportJudge::light_along(const TransportNodes& nodes, Vec3 eye, Vec3 direction) const {
+    const Geometry geometry = subject_.voxels().geometry();
+    const auto n = subject_.voxels().dimensions();
+    const Vec3 origin = geometry.voxel_from_world(eye), step = geometry.voxel_from_world_vector(direction);
+    double near = 0, far = 1e30;
+    for (int a = 0; a < 3; ++a) {
+        const double low = (0 - origin[a]) / step[a], high = (n[a] - 1 - origin[a]) / step[a];
+        near = std::max(near, std::min(low, high)), far = std::min(far, std::max(low, high));
+    }
+    Rgb light{0, 0, 0};
+    constexpr double opaque = 1e-4;
+    const double length = geometry.smallest_spacing_mm() / 8;
+    double clear = 1;
+    for (double t = near + length / 2; t < far && clear > opaque; t += length) {
+        const Vec3 p = origin + t * step;
+        const OpticalTable::Entry& entry = entry_at(subject_.medium, p);
+        if (entry.extinction_per_mm == 0) continue;
+        const double passed = std::exp(-length * entry.extinction_per_mm), share = clear * (1 - passed);
+        const double most = std::max({entry.r, entry.g, entry.b});
+        const double cap = most > which_.albedo ? which_.albedo / most : 1;
+        const Rgb j = light_at(nodes, p, true);
+        light[0] += share * cap * entry.r * j[0], light[1] += share * cap * entry.g * j[1];
+        light[2] += share * cap * entry.b * j[2], clear *= passed;
+    }
+    return light;
+}
+
+Frame TransportJudge::picture(const TransportNodes& nodes) const {
+    const Scene& scene = subject_.scene;
+    const Camera camera = make_camera(scene.camera, subject_.voxels().geometry(), subject_.voxels().dimensions());
+    Frame frame(scene.width, scene.height);
+    parallel_for(subject_.device.threads, scene.height, 1, [&](std::int64_t y, std::int64_t) {
+        for (int x = 0; x < scene.width; ++x) {
+            const double across = ((x + 0.5) / scene.width * 2 - 1) * camera.half_height * scene.width / scene.height,
+                         up = (1 - (double(y) + 0.5) / scene.height * 2) * camera.half_height;
+            const Vec3 direction = normalized(camera.forward + across * camera.right + up * camera.up);
+            const Rgb light = light_along(nodes, camera.eye, direction);
+            for (std::size_t c = 0; c < 3; ++c)
+                frame.rgba[4 * (std::size_t(y) * scene.width + x) + c] = float(light[c]);
+        }
+    });
+    return frame;
+}
+
+LightError TransportJudge::of_picture(const Frame& frame, int block) const {
+    return error_of(frame, picture_.first, picture_.second, block);
+}
+
+}  // namespace chiaro::bench

@@ -1,0 +1,56 @@
+// How far transport is from light's own paths: J at points, and pictures.
+#pragma once
+#include "illumination/transport/nodes.h"
+#include "transport_truth.h"
+
+namespace chiaro::bench {
+
+/// Of what was found, from a truth with noise of its own, which is taken out.
+struct LightError {
+    double relative = 0;  ///< √(Σ (found - truth)² / Σ truth²) of J; of pictures RMSE / mean
+    double bias = 0;      ///< Σ (found - truth) / Σ truth
+    double noise = 0;     ///< what the truth is unsure by, in the measure of `relative`
+};
+
+LightError error_of(const std::vector<Rgb>& found, const Fluence& truth);
+
+/// Over means of `block`² pixels, of those blocks where something is seen.
+LightError error_of(const Frame& found, const Frame& truth, const PathStatistics& sureness, int block);
+
+/// J at points between the nodes: trilinear, in matter by the weights that pictures look it up with, in the air by what
+/// these leave, so that neither takes the other's light.
+std::vector<Rgb> light_between(const TransportNodes& nodes, const std::vector<Vec3>& points, bool in_matter);
+
+/// Points, pictures and their truths of a subject under a light.
+class TransportJudge {
+public:
+    struct Effort {
+        int air = 256, matter = 128, paths = 2048, paths_a_pixel = 64;
+    };
+    TransportJudge(const ScatteringSubject& subject, ScatteringCase which, const Effort& effort, Progress& progress);
+
+    /// Light on a grid of so many cells, after at most so many iterations (none: until it changes no more); 0: light
+    /// that is scattered but once.
+    TransportNodes nodes(int grid, std::optional<int> iterations) const;
+    LightError in_air(const TransportNodes& nodes) const;
+    LightError in_matter(const TransportNodes& nodes) const;
+
+    /// L = ∫ κ a J T dt by marching through the medium of the paths, eight steps a smallest voxel edge, J between the
+    /// nodes: what this light makes of a picture, whatever a ray caster adds. Some 10 CPU seconds.
+    Frame picture(const TransportNodes& nodes) const;
+    LightError of_picture(const Frame& frame, int block = 4) const;
+    const Frame& truth() const { return picture_.first; }
+    const JudgedPoints& points() const { return points_; }
+
+private:
+    Rgb light_along(const TransportNodes& nodes, Vec3 eye, Vec3 direction) const;
+
+    const ScatteringSubject& subject_;
+    ScatteringCase which_;
+    Progress& progress_;
+    JudgedPoints points_;
+    Fluence air_, matter_;
+    std::pair<Frame, PathStatistics> picture_;
+};
+
+}  // namespace chiaro::bench
