@@ -27,7 +27,7 @@ std::map<std::string, Flag> flags_of(const Scene& scene) {
     std::map<std::string, Flag> flags;
     for_each_setting(
         [&](const Setting& setting, const auto&... fields) {
-            const bool concerns = setting.method.empty() || setting.method == to_text(scene.illumination.method);
+            const bool concerns = setting.concerns(to_text(scene.illumination.method));
             if (setting.name.empty() || setting.key == "transfer_function" || !concerns) return;
             const std::string form = setting.form.empty() ? form_of(fields...) : std::string(setting.form);
             flags[std::string(setting.name)] = {value_text(setting, fields...), form.empty(), setting.repeats()};

@@ -69,8 +69,17 @@ Json value_at(const Json& scene, std::string_view key) {
     return *value;
 }
 
+/// The lighting methods that a setting belongs to; none: every picture.
+std::vector<std::string> methods_of(const Setting& setting) {
+    std::vector<std::string> methods;
+    for (const MethodInfo& method : list_methods())
+        if (setting.belongs_to(method.name)) methods.push_back(method.name);
+    return methods;
+}
+
 template <class... Fields>
 Json told(const Setting& setting, const Fields&... fields) {
+    const std::vector<std::string> methods = methods_of(setting);
     Json json{{"flag", setting.name.empty() ? Json() : Json(setting.name)},
               {"key", setting.key},
               {"unit", setting.unit},
@@ -78,12 +87,13 @@ Json told(const Setting& setting, const Fields&... fields) {
               {"lowest", limit(setting.lowest)},
               {"highest", limit(setting.highest)},
               {"lowest_excluded", setting.lowest_excluded},
-              {"default", value_at(defaults_of(setting.method), setting.key)},
+              {"default", value_at(defaults_of(methods.empty() ? "" : methods.front()), setting.key)},
               {"default_text", value_text(setting, fields...)},
               {"choices", Json::array()},
               {"form", setting.form.empty() ? form_of(fields...) : std::string(setting.form)},
               {"repeats", setting.repeats()},
-              {"method", setting.method}};
+              {"methods", methods},
+              {"method", methods.size() == 1 ? methods.front() : ""}};
     tell_kind(json, setting, fields...);
     return json;
 }

@@ -93,7 +93,7 @@ export function placed(groups, place, method = "") {
   return Object.entries(table)
     .filter(([flag, entry]) => entry.place === place && entry.label && settings.has(flag))
     .map(([flag, entry]) => ({ ...settings.get(flag), ...entry, flag }))
-    .filter((s) => (s.method ? s.method === method : !/^(bounces|albedo-max|seed)$/.test(s.flag) || /reference|transport/.test(method)));
+    .filter((s) => !s.methods?.length || s.methods.includes(method));
 }
 
 /** The key of a setting in the page's state. */

@@ -21,10 +21,10 @@ export function settings() {
     const [, flag, form = ""] = /^`--(\S+) ?(.*)`$/.exec(cells[1]) ?? [];
     const range = /(above |at most )?(-?[\d.]+)( to (-?[\d.]+))?/.exec(cells[4] ?? "");
     const number = form === "N" || ["STOPS", "DEG"].includes(form), choice = /^[a-z0-9-]+(\|[a-z0-9-]+)+$/.test(form) && !/^\d/.test(form), fallback = cells[5] ?? "";
-    const method = /Lighting by (\w+)/.exec(groups.at(-1).title)?.[1] ?? (groups.at(-1).title === "Scattering" ? "reference" : "");
+    const own = /Lighting by (\w+)/.exec(groups.at(-1).title)?.[1], methods = own ? [own] : groups.at(-1).title === "Scattering" ? ["transport", "reference"] : [];
     const value = fallback === "" ? null : /^-?[\d.]+$/.test(fallback) ? Number(fallback) : fallback;
     groups.at(-1).settings.push({ flag: flag ?? null, key, unit: "", sentence: cells[3], lowest: range ? Number(range[2]) : null, highest: range?.[4] ? Number(range[4]) : null, lowest_excluded: Boolean(range?.[1]),
-      default: key === "shading.enabled" ? true : key === "background" ? [0, 0, 0] : key === "camera.fit_scale" ? 1 : value, default_text: fallback, kind: choice ? "choice" : number ? "number" : form === "" ? "switch" : "form", choices: choice ? form.split("|") : [], form, repeats: false, method });
+      default: key === "shading.enabled" ? true : key === "background" ? [0, 0, 0] : key === "camera.fit_scale" ? 1 : value, default_text: fallback, kind: choice ? "choice" : number ? "number" : form === "" ? "switch" : "form", choices: choice ? form.split("|") : [], form, repeats: false, method: own ?? "", methods });
   }
   return groups;
 }
