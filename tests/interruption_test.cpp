@@ -50,7 +50,7 @@ protected:
         try {
             if (name.ends_with(".png")) return chiaro::read_png(path).width > 0;
             if (name.ends_with(".exr")) return chiaro::read_exr(path).width > 0;
-            if (name.ends_with(".nrrd")) return !chiaro::read_volume(path, {}, progress).voxels.empty();
+            if (name.ends_with(".nrrd")) return chiaro::read_volume(path, {}, progress).voxels.size() > 0;
             if (name.ends_with(".json")) return json(name).is_object();
             return read(name).ends_with("</html>\n");
         } catch (const std::exception&) {
