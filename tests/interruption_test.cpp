@@ -50,7 +50,7 @@ protected:
         try {
             if (name.ends_with(".png")) return chiaro::read_png(path).width > 0;
             if (name.ends_with(".exr")) return chiaro::read_exr(path).width > 0;
-            if (name.ends_with(".nrrd")) return !chiaro::read_volume(path, {}, progress).voxels.empty();
+            if (name.ends_with(".nrrd")) return chiaro::read_volume(path, {}, progress).voxels.size() > 0;
             if (name.ends_with(".json")) return json(name).is_object();
             return read(name).ends_with("</html>\n");
         } catch (const std::exception&) {
@@ -97,8 +97,9 @@ protected:
             ASSERT_EQ(undisturbed.code, 0) << command.arguments << "\n" << undisturbed.err;
             const std::chrono::duration<double> takes = std::chrono::steady_clock::now() - begin;
             for (int i = 0; i < times; ++i) interrupt(command, signal, takes.count());
-            if (command.arguments.find("--cache") != std::string::npos)
+            if (command.arguments.find("--cache") != std::string::npos) {
                 EXPECT_EQ(run(command.arguments).err, "") << "a damaged cache?";
+            }
             for (const auto& target : command.targets) fs::remove(folder / target);
         }
     }
