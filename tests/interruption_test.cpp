@@ -97,8 +97,9 @@ protected:
             ASSERT_EQ(undisturbed.code, 0) << command.arguments << "\n" << undisturbed.err;
             const std::chrono::duration<double> takes = std::chrono::steady_clock::now() - begin;
             for (int i = 0; i < times; ++i) interrupt(command, signal, takes.count());
-            if (command.arguments.find("--cache") != std::string::npos)
+            if (command.arguments.find("--cache") != std::string::npos) {
                 EXPECT_EQ(run(command.arguments).err, "") << "a damaged cache?";
+            }
             for (const auto& target : command.targets) fs::remove(folder / target);
         }
     }
