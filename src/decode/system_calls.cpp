@@ -30,7 +30,8 @@ void forbid_writing_files() {
     close(int(set));
 }
 
-#ifdef __x86_64__
+// The sanitizers' own code pipes and clones.
+#if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 using Program = std::vector<sock_filter>;
 
 constexpr sock_filter load(std::size_t offset) { return BPF_STMT(BPF_LD | BPF_W | BPF_ABS, std::uint32_t(offset)); }
