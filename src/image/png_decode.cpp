@@ -31,6 +31,7 @@ bool chunks_fit(std::span<const std::byte> bytes) {
     for (std::size_t at = signature; at + around <= bytes.size();) {
         const std::size_t length = png_get_uint_32(reinterpret_cast<png_const_bytep>(bytes.data() + at));
         if (length > bytes.size() - at - around) return false;
+        if (std::memcmp(bytes.data() + at + 4, "IEND", 4) == 0) return true;  // what follows is nobody's
         at += length + around;
     }
     return true;
