@@ -43,9 +43,12 @@ std::int64_t pixels_of(const Imath::Box2i& box) {
     return (std::int64_t(box.max.x) - box.min.x + 1) * (std::int64_t(box.max.y) - box.min.y + 1);
 }
 
-/// Before OpenEXR allocates for what the header claims.
-void check_claims(const Imf::Header& header) {
-    if (pixels_of(header.dataWindow()) > max_pixels) throw std::runtime_error("more than 100 megapixels");
+/// Before anything is allocated for what the header claims. No picture, not even a black one, is packed so densely.
+void check_claims(const Imf::Header& header, std::size_t file_bytes) {
+    constexpr std::int64_t densest = 4096;  // pixels to a byte
+    const std::int64_t pixels = pixels_of(header.dataWindow());
+    if (pixels > max_pixels) throw std::runtime_error("more than 100 megapixels");
+    if (pixels / densest > std::int64_t(file_bytes)) throw std::runtime_error("the file is too short for its pixels");
     if (header.hasTileDescription()) {
         const Imf::TileDescription& tile = header.tileDescription();
         if (std::uint64_t(tile.xSize) * tile.ySize > std::uint64_t(max_pixels))
@@ -55,9 +58,9 @@ void check_claims(const Imf::Header& header) {
         if (!header.channels().findChannel(name)) throw std::runtime_error(std::string("no channel ") + name);
 }
 
-Frame read_frame(Imf::MultiPartInputFile& file) {
+Frame read_frame(Imf::MultiPartInputFile& file, std::size_t file_bytes) {
     const Imf::Header& header = file.header(0);
-    check_claims(header);
+    check_claims(header, file_bytes);
     const Imath::Box2i window = header.dataWindow();
     Frame frame(window.max.x - window.min.x + 1, window.max.y - window.min.y + 1);
     const std::size_t pixel = 4 * sizeof(float), row = pixel * frame.width;
@@ -106,8 +109,8 @@ bool is_exr(std::span<const std::byte> bytes) {
 }
 
 DecodedExr decode_exr(std::span<const std::byte> bytes, const std::string& origin) {
-    return with_file(bytes, origin, [](Imf::MultiPartInputFile& file) {
-        return DecodedExr{read_frame(file), read_texts(file.header(0))};
+    return with_file(bytes, origin, [&](Imf::MultiPartInputFile& file) {
+        return DecodedExr{read_frame(file, bytes.size()), read_texts(file.header(0))};
     });
 }
 

@@ -25,6 +25,18 @@ void take(png_structp png, png_bytep data, png_size_t size) {
     left = left.subspan(size);
 }
 
+/// Whether every chunk ends within the file: libpng clears as much memory as a chunk states before it reads it.
+bool chunks_fit(std::span<const std::byte> bytes) {
+    constexpr std::size_t signature = 8, around = 12;  // length, name, checksum
+    for (std::size_t at = signature; at + around <= bytes.size();) {
+        const std::size_t length = png_get_uint_32(reinterpret_cast<png_const_bytep>(bytes.data() + at));
+        if (length > bytes.size() - at - around) return false;
+        if (std::memcmp(bytes.data() + at + 4, "IEND", 4) == 0) return true;  // what follows is nobody's
+        at += length + around;
+    }
+    return true;
+}
+
 void on_error(png_structp png, png_const_charp message) {
     auto* input = static_cast<Input*>(png_get_error_ptr(png));
     std::snprintf(input->message, sizeof input->message, "%s", message);
@@ -34,9 +46,13 @@ void on_error(png_structp png, png_const_charp message) {
 void ignore_warning(png_structp, png_const_charp) {}
 
 /// Everything becomes 8 bit RGB, or RGBA where there is transparency.
-bool read_header(png_structp png, png_infop info) {
+bool read_header(png_structp png, png_infop info, std::size_t file_bytes) {
     if (setjmp(png_jmpbuf(png))) return false;
     png_read_info(png, info);
+    constexpr std::uint64_t largest_deflate_ratio = 1032;  // so that nothing is made room for in vain
+    if (std::uint64_t(png_get_rowbytes(png, info)) * png_get_image_height(png, info) / largest_deflate_ratio >
+        file_bytes)
+        png_error(png, "the file is too short for its pixels");
     if (std::uint64_t(png_get_image_width(png, info)) * png_get_image_height(png, info) > max_pixels)
         png_error(png, "more than 100 megapixels");
     png_set_expand(png);
@@ -66,8 +82,8 @@ Metadata read_texts(png_structp png, png_infop info) {
     return metadata;
 }
 
-bool decode(png_structp png, png_infop info, DecodedPng& result) {
-    if (!read_header(png, info)) return false;
+bool decode(png_structp png, png_infop info, std::size_t file_bytes, DecodedPng& result) {
+    if (!read_header(png, info, file_bytes)) return false;
     Image& image = result.image;
     image.width = int(png_get_image_width(png, info));
     image.height = int(png_get_image_height(png, info));
@@ -87,6 +103,7 @@ DecodedPng decode_png(std::span<const std::byte> bytes, const std::string& origi
     if (png_sig_cmp(reinterpret_cast<png_const_bytep>(bytes.data()), 0, std::min<std::size_t>(8, bytes.size())) != 0 ||
         bytes.size() < 8)
         throw Error(ErrorCode::input, origin + ": is not a PNG file");
+    if (!chunks_fit(bytes)) throw Error(ErrorCode::input, origin + ": is a broken PNG file: the file ends too early");
     Input input{bytes};
     png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &input, on_error, ignore_warning);
     png_infop info = png ? png_create_info_struct(png) : nullptr;
@@ -94,7 +111,7 @@ DecodedPng decode_png(std::span<const std::byte> bytes, const std::string& origi
     DecodedPng result;
     bool done = false;
     try {
-        done = info && decode(png, info, result);
+        done = info && decode(png, info, bytes.size(), result);
     } catch (const std::bad_alloc&) {
     }
     png_destroy_read_struct(&png, &info, nullptr);

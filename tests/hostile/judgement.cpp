@@ -28,9 +28,15 @@ std::uint64_t hash_of_values(std::span<const T> values, std::uint64_t seed = 0) 
     return hash_of(std::as_bytes(values), seed);
 }
 
+bool has_doubt(const std::vector<std::string>& notes) {
+    for (const std::string& note : notes)
+        for (const char* doubt : {"may be cut", "were skipped"})
+            if (note.find(doubt) != note.npos) return true;
+    return false;
+}
+
 std::uint64_t contents_of(const Volume& v, Judgement& outcome) {
-    for (const std::string& note : v.notes)
-        for (const char* doubt : {"may be cut", "were skipped"}) outcome.is_doubted |= note.find(doubt) != note.npos;
+    outcome.is_doubted = has_doubt(v.notes);
     const auto& g = v.geometry;
     std::vector<double> numbers{double(v.type), double(v.components), v.slope, v.intercept, double(g.world)};
     for (int axis = 0; axis < 3; ++axis) {
@@ -63,7 +69,9 @@ std::uint64_t contents_at(const Seed& seed, const fs::path& path, const VolumeRe
         case Kind::transfer: {
             Statistics unit;
             unit.max = unit.p99 = unit.p999 = 1;
-            return hash_of(to_json(load_transfer_function(path, unit)));
+            const TransferFile file = read_transfer_file(path, unit);
+            outcome.is_doubted = has_doubt(file.notes);
+            return hash_of(to_json(file.function));
         }
         case Kind::glow: {
             const GlowMapping glow{path.string()};

@@ -115,6 +115,8 @@ FoundFunction read_slicer_lines(const TransferText& text, const Statistics&) {
     if (shaded) found.notes.push_back(note_on_shading(shading));
     if (interpolation == 0) found.notes.push_back("its volume without interpolation is shown interpolated");
     note_on_gradient_opacity(gradient, found);
+    if (text.text.find_last_of(" \t\r\n") != text.text.size() - 1)
+        found.notes.push_back("no line end follows its last number: it may be cut, and the file with it");
     return found;
 }
 
