@@ -32,6 +32,13 @@ void become_program_for(const std::string& format, char** argv) {
         }
 }
 
+/// Bytes of a file, the most there can be of anything else. Libraries that read by themselves would not see a cut
+/// (decode/byte_source.cpp).
+std::uintmax_t size_of(const char* path) {
+    std::error_code none;
+    return std::filesystem::is_regular_file(path, none) ? std::filesystem::file_size(path, none) : UINTMAX_MAX;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -47,7 +54,10 @@ int main(int argc, char** argv) {
     decode::Output output(max_bytes);
     try {
         if (!reader) decode::refuse("the program chiaro-decode-" + format + " is missing beside chiaro-decode");
-        output.succeed(reader(argv[2], argv[3], output));
+        const std::uintmax_t size = size_of(argv[2]);
+        const Volume volume = reader(argv[2], argv[3], output);
+        if (size_of(argv[2]) < size) decode::refuse("it was cut short while it was read");
+        output.succeed(volume);
     } catch (const std::bad_alloc&) {
         output.fail("decoding it takes more memory than is permitted");
     } catch (const std::exception& error) {
