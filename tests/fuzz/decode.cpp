@@ -13,12 +13,21 @@ namespace fuzz {
 
 using namespace chiaro;
 
+namespace {
+
+/// Makes `place` the only number of an open file.
+void take_place(int descriptor, int place) {
+    if (descriptor == place) return;
+    dup2(descriptor, place);
+    close(descriptor);
+}
+
+}  // namespace
+
 void decode(const char* format, const std::uint8_t* data, std::size_t size, const char* ending) {
     const std::string path = file_with(data, size, ending);
-    const int memory = memfd_create("voxels", 0), nobody = open("/dev/null", O_WRONLY);
-    dup2(memory, wire::voxels_descriptor), dup2(nobody, wire::messages_descriptor);
-    if (memory != wire::voxels_descriptor) close(memory);
-    if (nobody != wire::messages_descriptor) close(nobody);
+    take_place(memfd_create("voxels", 0), wire::voxels_descriptor);
+    take_place(open("/dev/null", O_WRONLY), wire::messages_descriptor);
     chiaro::decode::Output output(16 << 20);
     const Volume volume = chiaro::decode::find_reader(format)(path, "", output);
     const std::string line =
