@@ -16,6 +16,9 @@ using Kernel = kernel::FirstSweepKernel;
 using Sums = std::array<LatticeField, Kernel::sums>;
 using Arriving = std::vector<float>;  ///< [cell][face][4]
 
+/// Deeper cells let no more through than this one does, 2e-9; what the kernels raise two to stays above -126.
+constexpr float most_depth = 20;
+
 constexpr std::size_t floats_per_cell = 4 * OpaqueCells::faces;
 
 struct Basis {
@@ -31,9 +34,33 @@ Basis basis_of(const IncidentRay& ray, Vec3 direction) {
         y += luminance_weights[c] * ray.light[c];
     }
     for (int axis = 0; axis < 3; ++axis) basis.of[3 + axis] = float(0.5 * y * direction[axis]);
-    basis.of[7] = float(0.5 * ray.share);
     return basis;
 }
+
+/// A batch and what its kernel reads beside the rays.
+struct FirstBatch : SweepBatch {
+    std::vector<Basis> basis;
+    std::vector<float> per_share, on_faces;
+
+    FirstBatch(SweepBatch batch, const std::vector<Vec3>& all, const IncidentLight& incident)
+        : SweepBatch(std::move(batch)), per_share(std::size_t(kernel::OctantRays::patterns) * Kernel::most_rays) {
+        std::vector<float> weights;
+        for (std::size_t r = 0; r < rays.size(); ++r) {
+            const auto direction = std::size_t(directions[r]);
+            basis.push_back(basis_of(incident.rays[direction], all[direction]));
+            weights.push_back(float(0.5 * incident.rays[direction].share));
+            for (int axis = 0; axis < 3; ++axis) {
+                for (int c = 0; c < 3; ++c) on_faces.push_back(cosines[r][axis] * basis[r].of[c]);
+                on_faces.push_back(0);
+            }
+            on_faces.resize(on_faces.size() + 4);
+            for (int pattern = 0; pattern < kernel::OctantRays::patterns; ++pattern)
+                if (const float share = open_share(int(r), pattern); share >= kernel::least_open)
+                    per_share[std::size_t(pattern) * Kernel::most_rays + r] = 1 / share;
+        }
+        weigh(weights);
+    }
+};
 
 /// All directions of one group, in batches whose planes stay in the cache.
 class GroupSweep {
@@ -48,31 +75,36 @@ public:
 
     void operator()(const SweepGroup& group, Sums& sums, Arriving& arriving) const {
         const Lattice& lattice = medium_.lattices.of(group.axes);
-        for (auto& field : sums) field = lattice.field();
-        arriving.assign(medium_.opaque.listed() * floats_per_cell, 0);
-        for (std::size_t first = 0; first < group.directions.size(); first += Kernel::most_rays)
-            batch(group.axes, lattice,
-                  std::span(group.directions)
-                      .subspan(first, std::min<std::size_t>(Kernel::most_rays, group.directions.size() - first)),
-                  sums, arriving);
+        for (auto& field : sums) field = lattice.unset_field();
+        arriving.assign(medium_.opaque.count() * floats_per_cell, 0);
+        TravellingPlanes planes(lattice.count()[group.axes.u], lattice.count()[group.axes.v], Kernel::most_rays);
+        bool is_first = true;
+        for (SweepBatch& batch : sweep_batches(directions_, group, Kernel::most_rays, planes.field(), medium_.opaque)) {
+            sweep(group.axes, FirstBatch(std::move(batch), directions_, incident_), is_first, planes, sums, arriving);
+            is_first = false;
+        }
     }
 
 private:
-    void batch(const SweepAxes& axes, const Lattice& lattice, std::span<const SweepDirection> chosen, Sums& sums,
+    void sweep(const SweepAxes& axes, const FirstBatch& batch, bool is_first, TravellingPlanes& planes, Sums& sums,
                Arriving& arriving) const {
-        const int nu = lattice.count()[axes.u], nv = lattice.count()[axes.v], count = int(chosen.size());
-        TravellingPlanes planes(nu, nv, count, 1);
-        const auto rays = sweep_rays(directions_, chosen, axes, planes.row(), medium_.opaque);
-        std::vector<float> edges;
-        std::vector<Basis> basis;
-        for (const SweepDirection& d : chosen) {
-            edges.push_back(float(-std::numbers::log2e * d.length));
-            basis.push_back(basis_of(incident_.rays[std::size_t(d.index)], directions_[std::size_t(d.index)]));
-        }
+        const Lattice& lattice = medium_.lattices.of(axes);
+        const int count = int(batch.rays.size());
+        planes.start(count, 1);
         for_each_row(
-            lattice, axes, medium_.opaque, nullptr, arriving.data(), progress_, [&](int k, const SweptRow& row) {
-                const Kernel kernel{rays.data(), edges.data(), basis[0].of, count, planes.view(k)};
-                kernel::FirstSweepRow to{planes.place(row.v), nu, medium_.extinction.of(axes) + row.at, {}, row.opaque};
+            lattice, axes, medium_.opaque, nullptr, arriving.data(), progress_, planes,
+            [&](const kernel::SweepPlane& plane, const SweptRow& row) {
+                const Kernel kernel{batch.rays.data(),
+                                    batch.basis[0].of,
+                                    batch.octants.data(),
+                                    std::int32_t(batch.octants.size()),
+                                    batch.per_share.data(),
+                                    batch.on_faces.data(),
+                                    count,
+                                    is_first,
+                                    plane};
+                kernel::FirstSweepRow to{
+                    planes.place(row.v), lattice.count()[axes.u], medium_.extinction.of(axes) + row.at, {}, row.opaque};
                 for (int s = 0; s < Kernel::sums; ++s) to.sums[s] = sums[s].data() + row.at;
                 run_(kernel, to);
             });
@@ -139,7 +171,7 @@ void add_sun(const Device& device, const SweptMedium& medium, const Sun& sun, Pr
     const Density& density = medium.grid.extinction;
     const ShField field = sweep_visibility(device, density, {sun.direction}, 4, 0.5, SweepLattice::sheared, progress);
     const SweepGroup group = sweep_groups({sun.direction})[0];
-    const auto ray = sweep_rays({sun.direction}, group.directions, group.axes, 1, medium.opaque)[0];
+    const SweepBatch ray = sweep_batches({sun.direction}, group, 1, 1, medium.opaque)[0];
     const double all = std::sqrt(4 * std::numbers::pi);  // V_00 in the open
     const auto [nx, ny, nz] = density.grid.count;
     const auto arriving = [&](std::size_t node) { return field.node(node)[0] / all; };
@@ -159,7 +191,8 @@ void add_sun(const Device& device, const SweptMedium& medium, const Sun& sun, Pr
     for (std::size_t cell = 0; cell < medium.opaque.count(); ++cell) {
         const std::size_t node = medium.opaque.nodes()[cell];
         const int x = int(node % nx), y = int(node / nx % ny), z = int(node / nx / ny);
-        const float share = kernel::open_share(ray, medium.opaque.clear_cells() + medium.opaque.bit_index(x, y, z));
+        const kernel::OpaqueRow at{.clear = medium.opaque.clear_cells() + medium.opaque.bit_index(x, y, z)};
+        const float share = ray.open_share(0, at.pattern(ray.octants[0], {}));
         if (share < kernel::least_open) continue;
         for (int axis = 0; axis < 3; ++axis)
             for (int c = 0; c < 3; ++c)  // irradiance / π, light being ∫ L dω / 4π
@@ -175,7 +208,10 @@ SweptMedium::SweptMedium(const LightGrid& light_grid, const OpaqueCells& cells)
     const CellGrid& nodes = grid.extinction.grid;
     std::vector<float> swept(grid.extinction.data(), grid.extinction.data() + nodes.size());
     for (std::size_t node = 0; node < swept.size(); ++node)
-        if (opaque.is_opaque(node)) swept[node] = opaque.is_listed(node) ? 0 : 1e4f;
+        if (opaque.is_opaque(node))
+            swept[node] = opaque.is_listed(node) ? 0 : most_depth;
+        else
+            swept[node] = std::min(swept[node], most_depth);
     extinction = {spread(nodes, swept.data(), lattices.along_x), spread(nodes, swept.data(), lattices.along_y)};
 }
 

@@ -29,6 +29,19 @@ double mean_step(const std::vector<Vec3>& directions) {
     return double(directions.size()) / cosines;
 }
 
+/// [ray][pattern][tap]: bilinear between the cells that a pattern calls clear; 0 where a ray does not count.
+std::vector<float> weights_of_patterns(const SweepBatch& batch) {
+    std::vector<float> weights;
+    for (std::size_t r = 0; r < batch.rays.size(); ++r)
+        for (int pattern = 0; pattern < kernel::OctantRays::patterns; ++pattern) {
+            const float share = batch.open_share(int(r), pattern);
+            for (int tap = 0; tap < 4; ++tap)
+                weights.push_back(
+                    share >= kernel::least_open && (pattern >> tap & 1) ? batch.rays[r].weight[tap] / share : 0);
+        }
+    return weights;
+}
+
 Colour colour(const Lattice& lattice) { return {lattice.field(), lattice.field(), lattice.field()}; }
 
 }  // namespace
@@ -142,25 +155,36 @@ void TransportSolver::State::sweep(const std::vector<Vec3>& directions, const Sw
     const Lattice& lattice = medium.lattices.of(axes);
     const Colour& from = lattice.along_y() ? source_across : source;
     Colour& to = sums[side_of(axes)];
-    arriving.assign(opaque.listed() * 4 * OpaqueCells::faces, 0);
-    for (std::size_t first = 0; first < group.directions.size(); first += Kernel::most_rays) {
-        const auto batch =
-            std::span(group.directions)
-                .subspan(first, std::min<std::size_t>(Kernel::most_rays, group.directions.size() - first));
-        const int nu = lattice.count()[axes.u], nv = lattice.count()[axes.v];
-        TravellingPlanes planes(nu, nv, Kernel::channels * int(batch.size()), 0);
-        const auto rays = sweep_rays(directions, batch, axes, planes.row(), opaque);
-        std::vector<float> edges;
-        for (const SweepDirection& d : batch) edges.push_back(float(-std::numbers::log2e * d.length));
-        Kernel kernel{rays.data(),       edges.data(), float(0.5 / double(directions.size())),
-                      int(batch.size()), first == 0,   {}};
-        const auto visit = [&](int k, const SweptRow& row) {
-            kernel.plane = planes.view(k);
+    arriving.assign(opaque.count() * 4 * OpaqueCells::faces, 0);
+    const int nu = lattice.count()[axes.u], nv = lattice.count()[axes.v];
+    TravellingPlanes planes(nu, nv, Kernel::channels * Kernel::most_rays);
+    bool is_first = true;
+    for (SweepBatch& batch :
+         sweep_batches(directions, group, Kernel::most_rays, Kernel::channels * planes.field(), opaque)) {
+        batch.weigh(std::vector<float>(batch.rays.size(), 1));
+        const std::vector<float> open_weights = weights_of_patterns(batch);
+        planes.start(Kernel::channels * int(batch.rays.size()), 0);
+        Kernel kernel{batch.rays.data(),
+                      float(0.5 / double(directions.size())),
+                      batch.octants.data(),
+                      std::int32_t(batch.octants.size()),
+                      open_weights.data(),
+                      batch.cosines[0].data(),
+                      std::int32_t(batch.rays.size()),
+                      is_first,
+                      {}};
+        const auto visit = [&](const kernel::SweepPlane& plane, const SweptRow& row) {
+            kernel.plane = plane;
             kernel::SourceRow at{planes.place(row.v), nu, medium.extinction.of(axes) + row.at, {}, {}, row.opaque};
-            for (int c = 0; c < 3; ++c) at.source[c] = from[c].data() + row.at, at.sums[c] = to[c].data() + row.at;
+            ask_for(medium.extinction.of(axes) + row.next, nu);
+            for (int c = 0; c < 3; ++c) {
+                at.source[c] = from[c].data() + row.at, at.sums[c] = to[c].data() + row.at;
+                ask_for(from[c].data() + row.next, nu), ask_for(to[c].data() + row.next, nu);
+            }
             run(kernel, at);
         };
-        for_each_row(lattice, axes, opaque, emission.data(), arriving.data(), progress, visit);
+        for_each_row(lattice, axes, opaque, emission.data(), arriving.data(), progress, planes, visit);
+        is_first = false;
     }
 }
 

@@ -27,55 +27,90 @@ struct BothWays {
 /// The side of a cube of which a sweep's light comes: 0: +x, 1: -x, 2: +y ...
 inline int side_of(const SweepAxes& axes) { return 2 * axes.major + (axes.sign < 0); }
 
-/// What travels from plane to plane: `fields` planes of cells with a halo that holds what comes from outside.
+/// What travels from plane to plane: for each ray or channel one number a cell, with a halo of one that holds what
+/// comes from outside. Each plane overwrites the one before, two rows aside, from that end on: so both fit into the
+/// cache.
 class TravellingPlanes {
 public:
-    TravellingPlanes(int nu, int nv, int fields, float outside)
-        : row_((nu + 15) / 16 * 16 + 2 * margin), field_(std::int64_t(row_) * (nv + 2)) {
-        for (auto& plane : planes_) plane.assign(std::size_t(field_) * std::size_t(fields), outside);
-    }
-    int row() const { return row_; }
-    std::int32_t place(int v) const { return (v + 1) * row_ + margin; }
-    /// After so many planes.
-    kernel::SweepPlane view(int k) { return {planes_[(k + 1) & 1].data(), planes_[k & 1].data(), field_}; }
+    TravellingPlanes(int nu, int nv, int most_fields);
+
+    /// From one field's row to the next.
+    int field() const { return row_; }
+    /// Of the first cell of a row.
+    std::int32_t place(int v) const { return (v + 1) * row_ * fields_ + margin; }
+    /// Before the first plane.
+    void start(int fields, float outside);
+    /// The next plane; its rows are to be written from the first to the last, or from the last to the first.
+    kernel::SweepPlane next();
+    bool runs_upwards() const { return upwards_; }
 
 private:
-    static constexpr int margin = 8;
-    std::vector<float> planes_[2];
-    int row_;
-    std::int64_t field_;
+    static constexpr int margin = 8, aside = 2;
+    void renew(int row);
+    int nv_, row_, fields_ = 0;
+    float outside_ = 0;
+    bool upwards_ = false;
+    LatticeField numbers_;
 };
 
-/// The rays of a batch as the kernels know them.
-std::vector<kernel::SweepRay> sweep_rays(const std::vector<Vec3>& directions, std::span<const SweepDirection> batch,
-                                         const SweepAxes& axes, int row, const OpaqueCells& opaque);
+/// Rays of a batch as the kernels know them: those of one octant side by side.
+struct SweepBatch {
+    std::vector<int> directions;  ///< of each ray, among all
+    std::vector<kernel::SweepRay> rays;
+    std::vector<kernel::OctantRays> octants;
+    std::vector<std::array<float, 3>> cosines;  ///< |cos| of the angles with the axes
+
+    /// Those of the four cells before a ray that a pattern calls clear: their share.
+    float open_share(int ray, int pattern) const;
+    /// `open` of the octants, where rays weigh so much.
+    void weigh(const std::vector<float>& weights);
+};
+
+/// A group in batches of much the same size, at most `most` each. A row of a plane holds `of_ray` numbers for each ray.
+std::vector<SweepBatch> sweep_batches(const std::vector<Vec3>& directions, const SweepGroup& group, int most,
+                                      int of_ray, const OpaqueCells& opaque);
 
 /// A row of a plane: where it lies in its lattice, and which opaque cells it holds.
 struct SweptRow {
     int v;
-    std::size_t at;  ///< in a field of the lattice
+    std::size_t at, next;  ///< in a field of the lattice; the row that follows
     kernel::OpaqueRow opaque;
 };
 
-/// Calls visit(k, row) for the rows of one plane after the other, k planes from the light's side. Returns early once
+/// Asks for a row long before it is read: what a sweep reads lies in pieces too short for the processor to foresee.
+inline void ask_for(const float* row, int count) {
+    for (int i = 0; i < count; i += 16) __builtin_prefetch(row + i);
+}
+
+/// Calls visit(plane, row) for the rows of one plane after the other, from the light's side. Returns early once
 /// cancelled.
 template <class Visit>
 void for_each_row(const Lattice& lattice, const SweepAxes& axes, const OpaqueCells& cells, const float* emission,
-                  float* arriving, const Progress& progress, const Visit& visit) {
+                  float* arriving, const Progress& progress, TravellingPlanes& planes, const Visit& visit) {
     const auto& n = lattice.count();
-    const int steps = n[axes.major];
+    const int steps = n[axes.major], rows = n[axes.v];
+    const auto cell = [&](int k, int v) {
+        std::array<int, 3> first{0, 0, 0};
+        first[axes.major] = axes.sign > 0 ? steps - 1 - k : k, first[axes.v] = v;
+        return first;
+    };
+    const auto at = [&](int k, int v) {
+        const auto [x, y, z] = cell(std::min(k, steps - 1), v);
+        return lattice.index(x, y, z);
+    };
     for (int k = 0; k < steps && !progress.cancelled(); ++k) {
-        const int plane = axes.sign > 0 ? steps - 1 - k : k;
-        for (int v = 0; v < n[axes.v]; ++v) {
-            std::array<int, 3> first{0, 0, 0};
-            first[axes.major] = plane, first[axes.v] = v;
-            const auto [x, y, z] = first;
+        const kernel::SweepPlane plane = planes.next();
+        const int first = planes.runs_upwards() ? 0 : rows - 1, step = planes.runs_upwards() ? 1 : -1;
+        for (int i = 0; i < rows; ++i) {
+            const int v = first + i * step;
+            const auto [x, y, z] = cell(k, v);
             const auto opaque = lattice.along_y() ? cells.row(lattice, x, z) : cells.row(lattice, y, z);
-            visit(k,
+            visit(plane,
                   SweptRow{v,
-                           lattice.index(x, y, z),
-                           {opaque.data(), std::int32_t(opaque.size()), cells.clear_cells() + cells.bit_index(x, y, z),
-                            cells.stride(axes.u), emission, arriving}});
+                           at(k, v),
+                           i + 1 < rows ? at(k, v + step) : at(k + 1, v),
+                           {opaque.data(), std::int32_t(opaque.size()), std::int32_t(cells.count()),
+                            cells.clear_cells() + cells.bit_index(x, y, z), cells.stride(axes.u), emission, arriving}});
         }
     }
 }

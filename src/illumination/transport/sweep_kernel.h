@@ -1,7 +1,6 @@
 // A row of cells in a directional sweep through matter that scatters (illumination.md 5): planes perpendicular to the
 // directions' major axis, from the light's side. The item is sixteen cells along the row (F = Lanes) or one.
 #pragma once
-#include "kernel/math.h"
 #include "kernel/row.h"
 
 namespace chiaro::kernel {
@@ -10,17 +9,28 @@ namespace chiaro::kernel {
 struct SweepRay {
     std::int32_t offset[4];  ///< of these cells from the own one, in a plane
     float weight[4];         ///< bilinear
-    std::int32_t octant;     ///< signs of the direction, towards the light: 1: -x, 2: -y, 4: -z
-    std::int64_t back[4];    ///< as `offset`, in the bytes that say where cells are clear
-    float cosine[3];         ///< of the direction and the axes
+    float edges;             ///< of a step, × -log2 e
 };
+
+/// Rays of a batch that come from one octant lie side by side, between the same four cells. A pattern says which of the
+/// four are clear (bit i: the i-th); rays that find less of the open than `least_open` do not count.
+struct OctantRays {
+    static constexpr std::int32_t patterns = 16;
+    std::int32_t first, end;  ///< rays
+    std::int32_t octant;      ///< signs of the directions, towards the light: 1: -x, 2: -y, 4: -z
+    std::int64_t back[4];     ///< the four cells, in the bytes that say where cells are clear
+    /// [pattern][axis]: Σ |cos| × what a ray weighs, of those that count.
+    float open[patterns][3];
+};
+
+inline constexpr float least_open = 0.1f;
 
 /// What leaves the cells of the plane before and of this one, per ray and channel, with a halo of one that holds what
 /// comes from outside.
 struct SweepPlane {
     const float* before;
     float* here;
-    std::int64_t field;  ///< from one ray's or channel's plane to the next
+    std::int64_t field;  ///< from one ray's or channel's row to the next
 };
 
 /// A cell that lets nothing through and shows something of itself.
@@ -34,11 +44,38 @@ struct OpaqueCell {
 struct OpaqueRow {
     const OpaqueCell* cells;
     std::int32_t count;
+    std::int32_t shown;         ///< ids from here on show no face: what arrives there does not matter
     const std::uint8_t* clear;  ///< of the row's first cell: 0 where a cell is opaque, else 1
     std::int64_t stride;        ///< from one cell to the next, in `clear`
     const float* emission;
     float* arriving;
+
+    /// Which of the four cells that the rays come from are clear.
+    CHIARO_INLINE std::int32_t pattern(const OctantRays& rays, OpaqueCell cell) const {
+        const std::uint8_t* own = clear + cell.u * stride;
+        return own[rays.back[0]] | own[rays.back[1]] << 1 | own[rays.back[2]] << 2 | own[rays.back[3]] << 3;
+    }
+    /// `light` [axis][channel], on the three faces that look to the octant.
+    CHIARO_INLINE void add(const OctantRays& rays, OpaqueCell cell, const float* light, const float* open) const {
+        for (std::int32_t axis = 0; axis < 3; ++axis) {
+            float* face = arriving + std::int64_t(cell.id) * 24 + 4 * (2 * axis + (rays.octant >> axis & 1));
+            for (std::int32_t c = 0; c < 3; ++c) face[c] = face[c] + light[4 * axis + c];
+            face[3] = face[3] + open[axis];
+        }
+    }
 };
+
+/// 2^x for -125 <= x <= 0, relative error below 4e-6 (the best of degree 4 on [-1/2, 1/2]); 1 at 0. The sum with 1.5 ×
+/// 2^23 is rounded to a whole number, which its last bits hold.
+template <class F>
+CHIARO_INLINE F exp2_of_step(F x) {
+    const F shifted = x + F(12582912), r = x - (shifted - F(12582912));
+    F series = mad(r, F(0.009782912f), F(0.055976883f));
+    series = mad(r, series, F(0.24020711f));
+    series = mad(r, series, F(0.69311360f));
+    series = mad(r, series, F(1));
+    return float_of(bits_of(series) + (bits_of(shifted) << Int<F>(23)));
+}
 
 /// Σ w I' of the four cells one plane back.
 template <class F>
@@ -49,72 +86,64 @@ CHIARO_INLINE F light_before(const SweepRay& ray, const float* before) {
     return light;
 }
 
-/// How much of what a ray finds lies in the open. (An opaque cell beside this one may shine on the other side.)
-CHIARO_INLINE float open_share(const SweepRay& ray, const std::uint8_t* clear) {
-    float share = 0;
-    for (std::int32_t tap = 0; tap < 4; ++tap)
-        if (clear[ray.back[tap]]) share = share + ray.weight[tap];
-    return share;
+/// Whether any of sixteen cells stops light: decided for all of them, so that every instruction set does the same.
+template <class F>
+CHIARO_INLINE bool holds_matter(const float* extinction) {
+    bool found = false;
+    for (std::int32_t lane = 0; lane < 16; lane += LaneTraits<F>::count)
+        found |= any(load_row<F>(extinction + lane) > F(0));
+    return found;
 }
 
-/// Of the light one plane back, what comes from the open.
-CHIARO_INLINE float open_light(const SweepRay& ray, const float* before, const std::uint8_t* clear) {
-    float light = 0;
-    for (std::int32_t tap = 0; tap < 4; ++tap)
-        if (clear[ray.back[tap]]) light = mad(ray.weight[tap], before[ray.offset[tap]], light);
-    return light;
-}
-
-/// Less than this is none: numbers too small to be normal would take a hundred times as long.
-inline constexpr float no_light = 1e-7f;
-
-/// Rays that find less of the open do not count.
-inline constexpr float least_open = 0.1f;
-
-/// What arrives on the three faces that a ray meets, `light` of it from the open.
-CHIARO_INLINE void arrive(const SweepRay& ray, const float* light, float* arriving) {
-    for (std::int32_t axis = 0; axis < 3; ++axis) {
-        const float cosine = abs(ray.cosine[axis]);
-        float* face = arriving + 4 * (2 * axis + (ray.octant >> axis & 1));
-        for (std::int32_t c = 0; c < 4; ++c) face[c] = mad(cosine, light[c], face[c]);
-    }
-}
+/// Added to what goes on: numbers too small to be normal would take a hundred times as long.
+inline constexpr float no_light = 1e-20f;
 
 /// Light that no one has scattered: grey transmittance T of each ray, I = T × the probe's radiance.
 struct FirstSweepRow {
     std::int32_t first, count;  ///< place of the first cell in a plane, cells
-    const float* extinction;    ///< of a cell's edge, the row padded to sixteen
-    float* sums[6];             ///< J of three channels and the first moment of luminance, to be added to
+    const float* extinction;    ///< of a cell's edge, the row padded to sixteen; at most 49
+    float* sums[6];             ///< J of three channels and the first moment of luminance
     OpaqueRow opaque;
 };
 struct FirstSweepKernel {
-    static constexpr std::int32_t width = 16, most_rays = 8, sums = 6;
+    static constexpr std::int32_t width = 16, most_rays = 18, sums = 6;
     const SweepRay* rays;
-    const float* edges;  ///< [ray]: of a step, × -log2 e
     const float* basis;  ///< [ray][8]: what a ray of T = 1 adds to the sums
+    const OctantRays* octants;
+    std::int32_t octant_count;
+    const float* per_share;  ///< [pattern][most_rays]: 1 / the share of the open, 0 where a ray does not count
+    const float* on_faces;   ///< [ray][axis][4], padded to 16: |cos| × the light that a ray of T = 1 brings
     std::int32_t count;
+    bool is_first;  ///< sums are written, not added to
     SweepPlane plane;
 
     template <class F>
     CHIARO_INLINE void operator()(const FirstSweepRow& row) const {
         float mean[most_rays * width];
         for (std::int32_t u = 0; u < row.count; u += width) {
-            for (std::int32_t lane = 0; lane < width; lane += LaneTraits<F>::count) pass<F>(row, u + lane, mean + lane);
+            if (holds_matter<F>(row.extinction + u))
+                for (std::int32_t lane = 0; lane < width; lane += LaneTraits<F>::count)
+                    pass<F, true>(row, u + lane, mean + lane);
+            else
+                for (std::int32_t lane = 0; lane < width; lane += LaneTraits<F>::count)
+                    pass<F, false>(row, u + lane, mean + lane);
             for (std::int32_t lane = 0; lane < width; lane += LaneTraits<F>::count) add<F>(row, u + lane, mean + lane);
         }
-        for (std::int32_t i = 0; i < row.opaque.count; ++i) meet(row, row.opaque.cells[i]);
+        for (std::int32_t i = 0; i < row.opaque.count; ++i)
+            for (std::int32_t o = 0; o < octant_count; ++o) meet<F>(row, row.opaque.cells[i], octants[o]);
         for (std::int32_t r = 0; r < count; ++r) plane.here[r * plane.field + row.first + row.count] = 1;
     }
 
 private:
-    template <class F>
+    template <class F, bool matter>
     CHIARO_INLINE void pass(const FirstSweepRow& row, std::int32_t u, float* mean) const {
         const F extinction = load_row<F>(row.extinction + u);
         for (std::int32_t r = 0; r < count; ++r) {
             const std::int64_t at = r * plane.field + row.first + u;
-            const F clear = exp2_below_0(extinction * F(edges[r]));
-            const F in = light_before<F>(rays[r], plane.before + at), left = in * clear;
-            const F out = select(left < F(no_light), F(0), left);
+            const F in = light_before<F>(rays[r], plane.before + at);
+            F left = in;
+            if constexpr (matter) left = in * exp2_of_step(extinction * F(rays[r].edges));
+            const F out = left + F(no_light);
             store_row(plane.here + at, out);
             store_row(mean + r * width, in + out);
         }
@@ -122,8 +151,10 @@ private:
     template <class F>
     CHIARO_INLINE void add(const FirstSweepRow& row, std::int32_t u, const float* mean) const {
         for (std::int32_t s = 0; s < sums; s += 3) {
-            F a = load_row<F>(row.sums[s] + u), b = load_row<F>(row.sums[s + 1] + u),
-              c = load_row<F>(row.sums[s + 2] + u);
+            F a(0), b(0), c(0);
+            if (!is_first)
+                a = load_row<F>(row.sums[s] + u), b = load_row<F>(row.sums[s + 1] + u),
+                c = load_row<F>(row.sums[s + 2] + u);
             for (std::int32_t r = 0; r < count; ++r) {
                 const F light = load_row<F>(mean + r * width);
                 const float* shares = basis + 8 * r + s;
@@ -132,23 +163,28 @@ private:
             store_row(row.sums[s] + u, a), store_row(row.sums[s + 1] + u, b), store_row(row.sums[s + 2] + u, c);
         }
     }
-    CHIARO_INLINE void meet(const FirstSweepRow& row, OpaqueCell cell) const {
-        for (std::int32_t r = 0; r < count; ++r) {
-            float* here = plane.here + r * plane.field + row.first + cell.u;
-            const float share = open_share(rays[r], row.opaque.clear + cell.u * row.opaque.stride);
-            if (share >= least_open) {
-                const float in = *here / share;
-                const float* colour = basis + 8 * r;  // radiance × weight / 2
-                const float light[4] = {in * colour[0], in * colour[1], in * colour[2], colour[7]};
-                arrive(rays[r], light, row.opaque.arriving + std::int64_t(cell.id) * 24);
+    /// No light comes from opaque cells: what arrived at this one is what the clear ones sent.
+    template <class F>
+    CHIARO_INLINE void meet(const FirstSweepRow& row, OpaqueCell cell, const OctantRays& from) const {
+        float* here = plane.here + row.first + cell.u;
+        const std::int32_t pattern = row.opaque.pattern(from, cell);
+        if (pattern != 0 && cell.id < row.opaque.shown) {
+            float light[width];
+            for (std::int32_t lane = 0; lane < width; lane += LaneTraits<F>::count) {
+                F sum(0);
+                for (std::int32_t r = from.first; r < from.end; ++r) {
+                    const float in = here[r * plane.field] * per_share[pattern * most_rays + r];
+                    sum = mad(F(in), load_row<F>(on_faces + r * width + lane), sum);
+                }
+                store_row(light + lane, sum);
             }
-            *here = 0;
+            row.opaque.add(from, cell, light, from.open[pattern]);
         }
+        for (std::int32_t r = from.first; r < from.end; ++r) here[r * plane.field] = 0;
     }
 };
 
-/// Scattered light: I_out = S + T (I_in - S), S what a cell of infinite depth would send. All rays of a sweep have
-/// steps of the same length.
+/// Scattered light: I_out = S + T (I_in - S), S what a cell of infinite depth would send.
 struct SourceRow {
     std::int32_t first, count;
     const float* extinction;
@@ -159,58 +195,80 @@ struct SourceRow {
 struct SourceSweepKernel {
     static constexpr std::int32_t width = 16, most_rays = 6, channels = 3;
     const SweepRay* rays;
-    const float* edges;  ///< [ray]: of a step, × -log2 e
-    float weight;        ///< of a ray, / 2
+    float weight;  ///< of a ray, / 2
+    const OctantRays* octants;
+    std::int32_t octant_count;
+    const float* open_weight;  ///< [ray][pattern][4]: of the clear cells alone; 0 where a ray does not count
+    const float* cosine;       ///< [ray][3]: |cos| of the angles with the axes
     std::int32_t count;
-    bool first;  ///< sums are written, not added to
+    bool is_first;  ///< sums are written, not added to
     SweepPlane plane;
 
     template <class F>
     CHIARO_INLINE void operator()(const SourceRow& row) const {
-        for (std::int32_t u = 0; u < row.count; u += width)
-            for (std::int32_t lane = 0; lane < width; lane += LaneTraits<F>::count) pass<F>(row, u + lane);
-        for (std::int32_t i = 0; i < row.opaque.count; ++i) meet(row, row.opaque.cells[i]);
+        for (std::int32_t u = 0; u < row.count; u += width) {
+            if (holds_matter<F>(row.extinction + u))
+                for (std::int32_t lane = 0; lane < width; lane += LaneTraits<F>::count) pass<F, true>(row, u + lane);
+            else
+                for (std::int32_t lane = 0; lane < width; lane += LaneTraits<F>::count) pass<F, false>(row, u + lane);
+        }
+        for (std::int32_t i = 0; i < row.opaque.count; ++i)
+            for (std::int32_t o = 0; o < octant_count; ++o) meet(row, row.opaque.cells[i], octants[o]);
         for (std::int32_t p = 0; p < count * channels; ++p) plane.here[p * plane.field + row.first + row.count] = 0;
     }
 
 private:
-    template <class F>
+    template <class F, bool matter>
     CHIARO_INLINE void pass(const SourceRow& row, std::int32_t u) const {
-        const F extinction = load_row<F>(row.extinction + u);
-        F sums[channels];
-        for (std::int32_t c = 0; c < channels; ++c) sums[c] = F(0);
-        for (std::int32_t r = 0; r < count; ++r) {
-            const F clear = exp2_below_0(extinction * F(edges[r]));
-            for (std::int32_t c = 0; c < channels; ++c) {
-                const std::int64_t at = (r * channels + c) * plane.field + row.first + u;
-                const F in = light_before<F>(rays[r], plane.before + at), source = load_row<F>(row.source[c] + u);
-                const F left = mad(clear, in - source, source), out = select(left < F(no_light), F(0), left);
-                store_row(plane.here + at, out);
-                sums[c] = sums[c] + (in + out);
-            }
+        float clear[most_rays * width];
+        if constexpr (matter) {
+            const F extinction = load_row<F>(row.extinction + u);
+            for (std::int32_t r = 0; r < count; ++r)
+                store_row(clear + r * width, exp2_of_step(extinction * F(rays[r].edges)));
         }
         for (std::int32_t c = 0; c < channels; ++c) {
-            const F sum = sums[c] * F(weight);
-            store_row(row.sums[c] + u, first ? sum : sum + load_row<F>(row.sums[c] + u));
+            const F source = load_row<F>(row.source[c] + u) + F(no_light);
+            F sum(0);
+            for (std::int32_t r = 0; r < count; ++r) {
+                const std::int64_t at = (r * channels + c) * plane.field + row.first + u;
+                const F in = light_before<F>(rays[r], plane.before + at);
+                F out;
+                if constexpr (matter)
+                    out = mad(load_row<F>(clear + r * width), in - source, source);
+                else
+                    out = in + F(no_light);
+                store_row(plane.here + at, out);
+                sum = sum + (in + out);
+            }
+            sum = sum * F(weight);
+            store_row(row.sums[c] + u, is_first ? sum : sum + load_row<F>(row.sums[c] + u));
         }
     }
-    CHIARO_INLINE void meet(const SourceRow& row, OpaqueCell cell) const {
-        for (std::int32_t r = 0; r < count; ++r) {
+    /// Only light from clear cells arrives: opaque ones beside this one may shine on the other side of a wall.
+    CHIARO_INLINE void meet(const SourceRow& row, OpaqueCell cell, const OctantRays& from) const {
+        const std::int32_t pattern = row.opaque.pattern(from, cell);
+        const float* emission = row.opaque.emission + (std::int64_t(cell.id) * 8 + from.octant) * 4;
+        float light[12]{};
+        for (std::int32_t r = from.first; r < from.end; ++r) {
             float* here = plane.here + r * channels * plane.field + row.first + cell.u;
-            const float share = open_share(rays[r], row.opaque.clear + cell.u * row.opaque.stride);
-            if (share >= least_open) {
-                const float* before = plane.before + r * channels * plane.field + row.first + cell.u;
-                const std::uint8_t* clear = row.opaque.clear + cell.u * row.opaque.stride;
-                const auto from = [&](std::int32_t c) CHIARO_INLINE_LAMBDA {
-                    const float in =
-                        share > 0.9999f ? here[c * plane.field] : open_light(rays[r], before + c * plane.field, clear);
-                    return in / share;
-                };
-                const float light[4] = {from(0), from(1), from(2), 1};
-                arrive(rays[r], light, row.opaque.arriving + std::int64_t(cell.id) * 24);
-            }
-            const float* emission = row.opaque.emission + (std::int64_t(cell.id) * 8 + rays[r].octant) * 4;
+            if (pattern != 0 && cell.id < row.opaque.shown) arrive(row, cell, r, pattern, here, light);
             for (std::int32_t c = 0; c < channels; ++c) here[c * plane.field] = emission[c];
+        }
+        if (pattern != 0 && cell.id < row.opaque.shown) row.opaque.add(from, cell, light, from.open[pattern]);
+    }
+    CHIARO_INLINE void arrive(const SourceRow& row, OpaqueCell cell, std::int32_t r, std::int32_t pattern,
+                              const float* here, float* light) const {
+        const float* before = plane.before + r * channels * plane.field + row.first + cell.u;
+        const float* weights = open_weight + (r * OctantRays::patterns + pattern) * 4;
+        for (std::int32_t c = 0; c < channels; ++c) {
+            float in = here[c * plane.field];
+            if (pattern != OctantRays::patterns - 1) {
+                in = before[c * plane.field + rays[r].offset[0]] * weights[0];
+                for (std::int32_t tap = 1; tap < 4; ++tap)
+                    in = mad(before[c * plane.field + rays[r].offset[tap]], weights[tap], in);
+            }
+            for (std::int32_t axis = 0; axis < 3; ++axis)
+                light[4 * axis + c] = mad(in, cosine[3 * r + axis], light[4 * axis + c]);
         }
     }
 };
