@@ -14,7 +14,7 @@ namespace {
 
 using Kernel = kernel::FirstSweepKernel;
 using Sums = std::array<LatticeField, Kernel::sums>;
-using Arriving = std::vector<float>;  ///< [cell][face][4]
+using Arriving = LatticeField;  ///< [cell][face][4]
 
 /// Deeper cells let no more through than this one does, 2e-9; what the kernels raise two to stays above -126.
 constexpr float most_depth = 20;
@@ -125,7 +125,7 @@ Sums add_up(const Device& device, const Lattices& lattices, const std::vector<Sw
     for (auto& field : all) field = lattices.along_x.field();
     const std::size_t slice = std::size_t(lattices.along_x.row()) * ny;
     parallel_for(device.threads, nz, 1, [&](std::int64_t z, std::int64_t) {
-        std::vector<float> turned(slice);
+        LatticeField turned(slice);
         for (int s = 0; s < Kernel::sums; ++s) {
             float* to = all[s].data() + std::size_t(z) * slice;
             for (std::size_t g = 0; g < groups.size(); ++g) {

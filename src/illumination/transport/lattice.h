@@ -1,40 +1,17 @@
 // How the light grid lies in memory for sweeps along each axis: rows along a sweep's planes, so that neighbours in a
 // row are neighbours in memory.
 #pragma once
-#include <new>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "illumination/cells/grid.h"
+#include "illumination/transport/field_memory.h"
 #include "illumination/visibility/sweep_plan.h"
 
 namespace chiaro {
 
-/// Memory that starts on a cache line; what is not asked to be zero is left as it is found.
-template <class T>
-struct LineAllocator {
-    using value_type = T;
-    static constexpr std::align_val_t line{64};
-
-    LineAllocator() = default;
-    template <class U>
-    LineAllocator(const LineAllocator<U>&) {}
-    T* allocate(std::size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), line)); }
-    void deallocate(T* p, std::size_t) { ::operator delete(p, line); }
-    template <class U>
-    void construct(U* p) {
-        ::new (static_cast<void*>(p)) U;
-    }
-    template <class U, class... Arguments>
-    void construct(U* p, Arguments&&... arguments) {
-        ::new (static_cast<void*>(p)) U(std::forward<Arguments>(arguments)...);
-    }
-    bool operator==(const LineAllocator&) const = default;
-};
-
 /// One float a cell, rows padded with zeros to sixteen.
-using LatticeField = std::vector<float, LineAllocator<float>>;
+using LatticeField = std::vector<float, FieldAllocator<float>>;
 
 /// Rows along x (for sweeps along y and z), or along y (for those along x).
 class Lattice {

@@ -120,7 +120,7 @@ std::span<const kernel::OpaqueCell> OpaqueCells::row(const Lattice& lattice, int
     return std::span(list).subspan(std::size_t(starts[row]), std::size_t(starts[row + 1] - starts[row]));
 }
 
-void OpaqueCells::reflect(const std::vector<Faces>& radiance, std::vector<float>& emission) const {
+void OpaqueCells::reflect(const std::vector<Faces>& radiance, LatticeField& emission) const {
     emission.assign(listed() * octants * 4, 0);
     for (std::size_t cell = 0; cell < count(); ++cell)
         for (int o = 0; o < octants; ++o) {

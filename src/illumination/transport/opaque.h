@@ -47,7 +47,7 @@ public:
     }
 
     /// What each cell sends back of the light on its faces, as a ray towards an octant finds it: [cell][octant][4].
-    void reflect(const std::vector<Faces>& radiance, std::vector<float>& emission) const;
+    void reflect(const std::vector<Faces>& radiance, LatticeField& emission) const;
     /// The mean light on the open faces × what is reflected / albedo.
     std::array<float, 3> seen(std::size_t cell, const Faces& radiance) const;
 

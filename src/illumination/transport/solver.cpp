@@ -59,7 +59,7 @@ struct TransportSolver::State {
     std::array<Colour, 6> sums;            ///< by the side that light comes from; those of x: rows along y
     std::array<Colour, 3> moment;          ///< [channel][axis], running mean
     std::vector<Faces> faces, mean_faces;  ///< all the light on the opaque cells' faces; its running mean
-    std::vector<float> emission;
+    LatticeField emission;
     int iterations = 0;
     double change = std::numeric_limits<double>::infinity();
 
@@ -69,10 +69,10 @@ struct TransportSolver::State {
     bool is_accelerated() const { return !scattering.bounces.most; }
     bool is_done() const;
     void sweep(const std::vector<Vec3>& directions, const SweepGroup& group, const Progress& progress,
-               std::vector<float>& arriving);
-    void sweep(const std::vector<Vec3>& directions, Progress& progress, std::vector<std::vector<float>>& arriving);
+               LatticeField& arriving);
+    void sweep(const std::vector<Vec3>& directions, Progress& progress, std::vector<LatticeField>& arriving);
     double update(double length);
-    void update_faces(const std::vector<std::vector<float>>& arriving);
+    void update_faces(const std::vector<LatticeField>& arriving);
     void start_from(const TransportNodes& warm);
     void turn_source();
 };
@@ -136,7 +136,7 @@ bool TransportSolver::State::is_done() const {
 
 /// One group of directions after the other plane by plane; groups side by side.
 void TransportSolver::State::sweep(const std::vector<Vec3>& directions, Progress& progress,
-                                   std::vector<std::vector<float>>& arriving) {
+                                   std::vector<LatticeField>& arriving) {
     const std::vector<SweepGroup> groups = sweep_groups(directions);
     arriving.assign(groups.size(), {});
     if (groups.size() < sums.size())  // few directions: no light came from some sides
@@ -148,7 +148,7 @@ void TransportSolver::State::sweep(const std::vector<Vec3>& directions, Progress
 }
 
 void TransportSolver::State::sweep(const std::vector<Vec3>& directions, const SweepGroup& group,
-                                   const Progress& progress, std::vector<float>& arriving) {
+                                   const Progress& progress, LatticeField& arriving) {
     using Kernel = kernel::SourceSweepKernel;
     const auto run = kernel::transport_functions_for(device.isa).source_row;
     const SweepAxes& axes = group.axes;
@@ -199,7 +199,7 @@ double TransportSolver::State::update(double length) {
                                       is_accelerated() ? float(share_of_sweep(iterations + 1)) : 1.0f, float(length)};
     std::vector<std::array<double, 2>> changes(std::size_t(nz), {0, 0});
     parallel_for(device.threads, nz, 1, [&, nx = nx, ny = ny](std::int64_t z, std::int64_t) {
-        std::vector<float> turned(6 * slice);
+        LatticeField turned(6 * slice);
         const std::size_t start = std::size_t(z) * slice;
         for (int i = 0; i < 6; ++i)
             copy_slice(along_y, sums[i / 3][i % 3].data(), along_x, turned.data() + i * slice - start, int(z));
@@ -227,7 +227,7 @@ double TransportSolver::State::update(double length) {
     return size > 0 ? std::sqrt(step / size) : 0;
 }
 
-void TransportSolver::State::update_faces(const std::vector<std::vector<float>>& arriving) {
+void TransportSolver::State::update_faces(const std::vector<LatticeField>& arriving) {
     const float share = float(share_of_sweep(iterations + 1));
     for (std::size_t cell = 0; cell < opaque.count(); ++cell)
         for (int face = 0; face < OpaqueCells::faces; ++face) {
@@ -326,7 +326,7 @@ bool TransportSolver::iterate(Progress& progress) {
     State& s = *state_;
     if (s.is_done()) return false;
     const std::vector<Vec3> directions = turned_directions(s.settings.directions, s.iterations, s.scattering.seed);
-    std::vector<std::vector<float>> arriving;
+    std::vector<LatticeField> arriving;
     s.sweep(directions, progress, arriving);
     const double change = s.update(mean_step(directions));
     s.change = s.iterations == 0 ? std::numeric_limits<double>::infinity() : change;
