@@ -117,28 +117,50 @@ private:
     Progress& progress_;
 };
 
-/// Adds the groups' sums in a fixed order, so that it does not matter who found them.
-Sums add_up(const Device& device, const Lattices& lattices, const std::vector<SweepGroup>& groups,
-            std::vector<Sums>& parts) {
-    Sums all;
-    const auto [nx, ny, nz] = lattices.along_x.count();
-    for (auto& field : all) field = lattices.along_x.field();
-    const std::size_t slice = std::size_t(lattices.along_x.row()) * ny;
-    parallel_for(device.threads, nz, 1, [&](std::int64_t z, std::int64_t) {
-        LatticeField turned(slice);
-        for (int s = 0; s < Kernel::sums; ++s) {
-            float* to = all[s].data() + std::size_t(z) * slice;
-            for (std::size_t g = 0; g < groups.size(); ++g) {
-                const bool across = groups[g].axes.major == 0;
-                if (across)
-                    copy_slice(lattices.along_y, parts[g][s].data(), lattices.along_x, turned.data() - z * slice,
-                               int(z));
-                const float* from = across ? turned.data() : parts[g][s].data() + std::size_t(z) * slice;
-                for (std::size_t i = 0; i < slice; ++i) to[i] += from[i];
-            }
+/// Adds the groups' sums of a slice in a fixed order, so that it does not matter who found them.
+void add_slice(const Lattices& lattices, const std::vector<SweepGroup>& groups, const std::vector<Sums>& parts, int s,
+               int z, LatticeField& turned, float* to) {
+    const std::size_t slice = turned.size();
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        const float* from = parts[g][s].data() + std::size_t(z) * slice;
+        if (groups[g].axes.major == 0) {
+            copy_slice(lattices.along_y, parts[g][s].data(), lattices.along_x, turned.data() - z * slice, z);
+            from = turned.data();
         }
+        for (std::size_t i = 0; i < slice; ++i) to[i] = g == 0 ? from[i] : to[i] + from[i];
+    }
+}
+
+/// All groups together; a moment per channel from that of luminance: colour and direction of what arrives are told
+/// apart.
+void add_up(const Device& device, const Lattices& lattices, const std::vector<SweepGroup>& groups,
+            const std::vector<Sums>& parts, FirstLight& light) {
+    const Lattice& along_x = lattices.along_x;
+    for (auto& field : light.light) field = along_x.unset_field();
+    for (auto& channel : light.moment)
+        for (auto& field : channel) field = along_x.unset_field();
+    const std::size_t slice = std::size_t(along_x.row()) * std::size_t(along_x.count()[1]);
+    parallel_for(device.threads, along_x.count()[2], 1, [&](std::int64_t z, std::int64_t) {
+        LatticeField turned(slice, 0.0f), moment[3];
+        std::array<float*, 3> j;
+        for (int c = 0; c < 3; ++c) {
+            j[c] = light.light[c].data() + std::size_t(z) * slice;
+            add_slice(lattices, groups, parts, c, int(z), turned, j[c]);
+            moment[c].resize(slice);
+            add_slice(lattices, groups, parts, 3 + c, int(z), turned, moment[c].data());
+        }
+        LatticeField per_luminance(slice);
+        for (std::size_t i = 0; i < slice; ++i)
+            per_luminance[i] =
+                1 / std::max(1e-30f, float(luminance_weights[0]) * j[0][i] + float(luminance_weights[1]) * j[1][i] +
+                                         float(luminance_weights[2]) * j[2][i]);
+        for (int c = 0; c < 3; ++c)
+            for (int axis = 0; axis < 3; ++axis) {
+                float* to = light.moment[c][axis].data() + std::size_t(z) * slice;
+                const float *of = moment[axis].data(), *own = j[c];
+                for (std::size_t i = 0; i < slice; ++i) to[i] = of[i] * (own[i] * per_luminance[i]);
+            }
     });
-    return all;
 }
 
 /// Mean radiance of what arrived on the faces.
@@ -152,18 +174,6 @@ std::vector<OpaqueCells::Faces> mean_on_faces(std::size_t cells, const std::vect
             for (int c = 0; c < 3; ++c) faces[cell][face][c] = sum[3] > 0 ? sum[c] / sum[3] : 0;
         }
     return faces;
-}
-
-/// A moment per channel from that of luminance: colour and direction of what arrives are told apart.
-void colour_moments(const Sums& sums, FirstLight& light) {
-    for (int c = 0; c < 3; ++c)
-        for (int axis = 0; axis < 3; ++axis) light.moment[c][axis] = sums[3 + axis];
-    for (std::size_t i = 0; i < sums[0].size(); ++i) {
-        float y = 0;
-        for (int c = 0; c < 3; ++c) y += float(luminance_weights[c]) * sums[c][i];
-        for (int c = 0; c < 3 && y > 0; ++c)
-            for (int axis = 0; axis < 3; ++axis) light.moment[c][axis][i] *= sums[c][i] / y;
-    }
 }
 
 /// Along straight rays: what arrives at a cell's border, and what of it is left behind the cell.
@@ -226,9 +236,8 @@ FirstLight first_light(const Device& device, const SweptMedium& medium, const Li
     parallel_for(device.threads, std::int64_t(groups.size()), 1, "light", progress,
                  [&](std::int64_t g, std::int64_t) { sweep(groups[g], sums[g], arriving[g]); });
     progress.check();
-    const Sums all = add_up(device, medium.lattices, groups, sums);
-    FirstLight light{{all[0], all[1], all[2]}, {}, mean_on_faces(medium.opaque.count(), arriving)};
-    colour_moments(all, light);
+    FirstLight light{{}, {}, mean_on_faces(medium.opaque.count(), arriving)};
+    add_up(device, medium.lattices, groups, sums, light);
     if (incident.sun) add_sun(device, medium, *incident.sun, progress, light);
     return light;
 }

@@ -131,15 +131,15 @@ void OpaqueCells::reflect(const std::vector<Faces>& radiance, LatticeField& emis
                 open += 1;
                 for (int c = 0; c < 3; ++c) sum[c] += radiance[cell][face][c];
             }
-            float* to = emission.data() + (cell * octants + o) * 4;
+            float* to = emission.data() + (o * listed() + cell) * 4;
             for (int c = 0; c < 3 && open > 0; ++c) to[c] = reflectance_[cell][c] * (sum[c] / open);
         }
     for (const Cover& cover : covers_)
         for (int c = 0; c < 3; ++c) {
             float sum = 0;
             for (int i = 0; i < cover.count; ++i)
-                sum += emission[(std::size_t(cover.in_front[i]) * octants + cover.octant) * 4 + c];
-            emission[(std::size_t(cover.id) * octants + cover.octant) * 4 + c] = sum / float(cover.count);
+                sum += emission[(std::size_t(cover.octant) * listed() + std::size_t(cover.in_front[i])) * 4 + c];
+            emission[(std::size_t(cover.octant) * listed() + std::size_t(cover.id)) * 4 + c] = sum / float(cover.count);
         }
 }
 

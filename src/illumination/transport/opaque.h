@@ -46,7 +46,7 @@ public:
         return axis == 0 ? 1 : axis == 1 ? count_[0] + 2 : std::int64_t(count_[0] + 2) * (count_[1] + 2);
     }
 
-    /// What each cell sends back of the light on its faces, as a ray towards an octant finds it: [cell][octant][4].
+    /// What each cell sends back of the light on its faces, as a ray towards an octant finds it: [octant][cell][4].
     void reflect(const std::vector<Faces>& radiance, LatticeField& emission) const;
     /// The mean light on the open faces × what is reflected / albedo.
     std::array<float, 3> seen(std::size_t cell, const Faces& radiance) const;

@@ -105,12 +105,12 @@ void for_each_row(const Lattice& lattice, const SweepAxes& axes, const OpaqueCel
             const int v = first + i * step;
             const auto [x, y, z] = cell(k, v);
             const auto opaque = lattice.along_y() ? cells.row(lattice, x, z) : cells.row(lattice, y, z);
-            visit(plane,
-                  SweptRow{v,
-                           at(k, v),
-                           i + 1 < rows ? at(k, v + step) : at(k + 1, v),
-                           {opaque.data(), std::int32_t(opaque.size()), std::int32_t(cells.count()),
-                            cells.clear_cells() + cells.bit_index(x, y, z), cells.stride(axes.u), emission, arriving}});
+            visit(plane, SweptRow{v,
+                                  at(k, v),
+                                  i + 1 < rows ? at(k, v + step) : at(k + 1, v),
+                                  {opaque.data(), std::int32_t(opaque.size()), std::int32_t(cells.count()),
+                                   std::int32_t(cells.listed()), cells.clear_cells() + cells.bit_index(x, y, z),
+                                   cells.stride(axes.u), emission, arriving}});
         }
     }
 }

@@ -39,12 +39,13 @@ struct OpaqueCell {
 };
 
 /// The opaque cells of a row. Such a cell takes light on each of its open faces and answers on them: `emission`
-/// [id][octant][4] is what a ray from that octant finds there; `arriving` [id][face][4] collects Σ cos I and, last,
+/// [octant][id][4] is what a ray from that octant finds there; `arriving` [id][face][4] collects Σ cos I and, last,
 /// Σ cos of the light on faces +x, -x, +y ...
 struct OpaqueRow {
     const OpaqueCell* cells;
     std::int32_t count;
-    std::int32_t shown;         ///< ids from here on show no face: what arrives there does not matter
+    std::int32_t shown,
+        listed;  ///< how many ids; those from `shown` on have no face in the open, on which light arrives
     const std::uint8_t* clear;  ///< of the row's first cell: 0 where a cell is opaque, else 1
     std::int64_t stride;        ///< from one cell to the next, in `clear`
     const float* emission;
@@ -247,7 +248,7 @@ private:
     /// Only light from clear cells arrives: opaque ones beside this one may shine on the other side of a wall.
     CHIARO_INLINE void meet(const SourceRow& row, OpaqueCell cell, const OctantRays& from) const {
         const std::int32_t pattern = row.opaque.pattern(from, cell);
-        const float* emission = row.opaque.emission + (std::int64_t(cell.id) * 8 + from.octant) * 4;
+        const float* emission = row.opaque.emission + (std::int64_t(from.octant) * row.opaque.listed + cell.id) * 4;
         float light[12]{};
         for (std::int32_t r = from.first; r < from.end; ++r) {
             float* here = plane.here + r * channels * plane.field + row.first + cell.u;
