@@ -22,6 +22,9 @@ double measure(double (*now)(), const std::function<void()>& work) {
 double cpu_seconds(const std::function<void()>& work) { return measure(cpu_now, work); }
 double wall_seconds(const std::function<void()>& work) { return measure(wall_now, work); }
 
+Clock Clock::cpu() { return Clock(cpu_now); }
+Clock Clock::wall() { return Clock(wall_now); }
+
 Spread spread_of(std::vector<double> values) {
     if (values.empty()) return {};
     std::sort(values.begin(), values.end());

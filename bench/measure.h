@@ -17,6 +17,19 @@ Spread spread_of(std::vector<double> values);
 double cpu_seconds(const std::function<void()>& work);
 double wall_seconds(const std::function<void()>& work);
 
+/// What has passed since it was made.
+class Clock {
+public:
+    static Clock cpu();   ///< of all the process's threads
+    static Clock wall();  ///< on the wall
+    double ms() const { return 1e3 * (now_() - start_); }
+
+private:
+    explicit Clock(double (*now)()) : now_(now), start_(now()) {}
+    double (*now_)();
+    double start_;
+};
+
 /// One number per call: a time, a rate.
 using Measure = std::function<double()>;
 using Series = std::vector<double>;

@@ -1,5 +1,6 @@
 // Multiple scattering by iterated sweeps: what each part costs, and how soon an edit is lit.
 #include <chiaro/samples.h>
+#include <chiaro/session.h>
 #include <fmt/format.h>
 
 #include <cstring>
@@ -33,6 +34,41 @@ Measure copy_of_field(std::size_t cells) {
          to = std::make_shared<std::vector<float>>(3 * cells);
     return [=] { return cpu_seconds([&] { std::memcpy(to->data(), from->data(), 3 * cells * sizeof(float)); }); };
 }
+
+/// Moments of an edit: wall and processor time when the first frame is there (of a grid half as fine), the first of the
+/// grid asked for, and the last.
+struct Edited {
+    std::vector<double> wall, cpu;  ///< ms, of each frame
+};
+
+/// A session whose scene is edited back and forth; frames are drawn as they come.
+class EditedSession {
+public:
+    EditedSession(const Setup& setup, const std::string& sample, int grid)
+        : session_(setup.device), progress_(setup.progress) {
+        session_.show(make_sample(sample, setup.quick ? 48 : 256), progress_);
+        scene_.transfer.points = sample_transfer_function(sample);
+        scene_.illumination.method = Method::transport;
+        scene_.illumination.transport.grid = grid;
+        scene_.illumination.transport.error = 0.003;  // some iterations after the first four
+        if (setup.quick) scene_.width = 64, scene_.height = 48;
+        edit();
+    }
+    Edited edit() {
+        scene_.transfer.opacity_scale = scene_.transfer.opacity_scale == 1 ? 0.9 : 1;
+        const Clock wall = Clock::wall(), cpu = Clock::cpu();
+        Edited found;
+        const auto keep = [&] { found.wall.push_back(wall.ms()), found.cpu.push_back(cpu.ms()); };
+        session_.render(scene_, progress_, [&](const Image&) { keep(); });
+        keep();
+        return found;
+    }
+
+private:
+    Session session_;
+    Scene scene_;
+    Progress& progress_;
+};
 
 /// Sweeps alone: light not yet scattered in 200 directions, then four iterations of 24; and one iteration.
 std::vector<Row> measure_sweeps(const Setup& setup, const std::string& name, const std::string& sample, int grid) {
@@ -86,6 +122,31 @@ std::vector<Row> measure_update(const Setup& setup, const std::string& name, con
     return {row("/edit", series[0], series[1]), row("/refinement", series[2], series[3])};
 }
 
+/// The same as one sees it: from an edit to a frame lit by a grid half as fine, to one of the grid asked for, and what
+/// a frame of one more iteration takes.
+std::vector<Row> measure_frames(const Setup& setup, const std::string& name, const std::string& sample, int grid) {
+    EditedSession session(setup, sample, grid);
+    Series wall[3], cpu[3];
+    std::size_t frames = 0;
+    for (int run = -1; run < setup.runs; ++run) {
+        const Edited edited = session.edit();
+        const std::size_t first = grid > 16 ? 1 : 0, last = edited.wall.size() - 1;
+        frames = last - first;
+        if (run < 0) continue;
+        const auto add = [&](Series* to, const std::vector<double>& ms) {
+            to[0].push_back(ms[0]), to[1].push_back(ms[first]);
+            to[2].push_back((ms[last] - ms[first]) / double(std::max<std::size_t>(frames, 1)));
+        };
+        add(wall, edited.wall), add(cpu, edited.cpu);
+    }
+    const auto row = [&](const std::string& what, int i, const std::string& note) {
+        return Row{name + what, "wall ms", spread_of(wall[i]),
+                   {},          {},        fmt::format("{:.0f} core-ms; {}", spread_of(cpu[i]).median, note)};
+    };
+    return {row("/frame-coarse", 0, "from the edit; grid half as fine"), row("/frame", 1, "from the edit"),
+            row("/frame-refinement", 2, fmt::format("each of {} more", frames))};
+}
+
 }  // namespace
 
 std::vector<Case> transport_cases(const Setup& setup) {
@@ -98,6 +159,8 @@ std::vector<Case> transport_cases(const Setup& setup) {
                              [=, &setup] { return measure_sweeps(setup, name, sample, grid); }});
             cases.push_back({{name + "/edit", name + "/refinement"},
                              [=, &setup] { return measure_update(setup, name, sample, grid); }});
+            cases.push_back({{name + "/frame-coarse", name + "/frame", name + "/frame-refinement"},
+                             [=, &setup] { return measure_frames(setup, name, sample, grid); }});
         }
     return cases;
 }
