@@ -56,6 +56,19 @@ struct OpaqueRow {
         const std::uint8_t* own = clear + cell.u * stride;
         return own[rays.back[0]] | own[rays.back[1]] << 1 | own[rays.back[2]] << 2 | own[rays.back[3]] << 3;
     }
+    CHIARO_INLINE const float* seen_from(const OctantRays& rays, OpaqueCell cell) const {
+        return emission + (std::int64_t(rays.octant) * listed + cell.id) * 4;
+    }
+    /// Long before they are read: cells lie in another order than most sweeps meet them in.
+    CHIARO_INLINE void ask_for(const OctantRays* rays, std::int32_t octants) const {
+#ifndef __CUDACC__
+        for (std::int32_t i = 0; i < count; ++i) {
+            const float* faces = arriving + std::int64_t(cells[i].id) * 24;
+            __builtin_prefetch(faces), __builtin_prefetch(faces + 16);
+            for (std::int32_t o = 0; o < octants && emission; ++o) __builtin_prefetch(seen_from(rays[o], cells[i]));
+        }
+#endif
+    }
     /// `light` [axis][channel], on the three faces that look to the octant.
     CHIARO_INLINE void add(const OctantRays& rays, OpaqueCell cell, const float* light, const float* open) const {
         for (std::int32_t axis = 0; axis < 3; ++axis) {
@@ -120,6 +133,7 @@ struct FirstSweepKernel {
 
     template <class F>
     CHIARO_INLINE void operator()(const FirstSweepRow& row) const {
+        row.opaque.ask_for(octants, octant_count);
         float mean[most_rays * width];
         for (std::int32_t u = 0; u < row.count; u += width) {
             if (holds_matter<F>(row.extinction + u))
@@ -207,6 +221,7 @@ struct SourceSweepKernel {
 
     template <class F>
     CHIARO_INLINE void operator()(const SourceRow& row) const {
+        row.opaque.ask_for(octants, octant_count);
         for (std::int32_t u = 0; u < row.count; u += width) {
             if (holds_matter<F>(row.extinction + u))
                 for (std::int32_t lane = 0; lane < width; lane += LaneTraits<F>::count) pass<F, true>(row, u + lane);
@@ -248,7 +263,7 @@ private:
     /// Only light from clear cells arrives: opaque ones beside this one may shine on the other side of a wall.
     CHIARO_INLINE void meet(const SourceRow& row, OpaqueCell cell, const OctantRays& from) const {
         const std::int32_t pattern = row.opaque.pattern(from, cell);
-        const float* emission = row.opaque.emission + (std::int64_t(from.octant) * row.opaque.listed + cell.id) * 4;
+        const float* emission = row.opaque.seen_from(from, cell);
         float light[12]{};
         for (std::int32_t r = from.first; r < from.end; ++r) {
             float* here = plane.here + r * channels * plane.field + row.first + cell.u;
