@@ -176,7 +176,7 @@ void TransportSolver::State::sweep(const std::vector<Vec3>& directions, const Sw
         const auto visit = [&](const kernel::SweepPlane& plane, const SweptRow& row) {
             kernel.plane = plane;
             kernel::SourceRow at{planes.place(row.v), nu, medium.extinction.of(axes) + row.at, {}, {}, row.opaque};
-            ask_for(medium.extinction.of(axes) + row.next, nu);
+            ask_for(row.opaque, batch.octants), ask_for(medium.extinction.of(axes) + row.next, nu);
             for (int c = 0; c < 3; ++c) {
                 at.source[c] = from[c].data() + row.at, at.sums[c] = to[c].data() + row.at;
                 ask_for(from[c].data() + row.next, nu), ask_for(to[c].data() + row.next, nu);

@@ -82,6 +82,15 @@ inline void ask_for(const float* row, int count) {
     for (int i = 0; i < count; i += 16) __builtin_prefetch(row + i);
 }
 
+/// What opaque cells hold lies in another order than most sweeps meet them in.
+inline void ask_for(const kernel::OpaqueRow& row, const std::vector<kernel::OctantRays>& octants) {
+    for (const kernel::OpaqueCell& cell : std::span(row.cells, std::size_t(row.count))) {
+        if (cell.id < row.shown) ask_for(row.arriving + std::ptrdiff_t(cell.id) * 24, 24);
+        for (const kernel::OctantRays& rays : octants)
+            if (row.emission) ask_for(row.seen_from(rays, cell), 4);
+    }
+}
+
 /// Calls visit(plane, row) for the rows of one plane after the other, from the light's side. Returns early once
 /// cancelled.
 template <class Visit>

@@ -59,16 +59,6 @@ struct OpaqueRow {
     CHIARO_INLINE const float* seen_from(const OctantRays& rays, OpaqueCell cell) const {
         return emission + (std::int64_t(rays.octant) * listed + cell.id) * 4;
     }
-    /// Long before they are read: cells lie in another order than most sweeps meet them in.
-    CHIARO_INLINE void ask_for(const OctantRays* rays, std::int32_t octants) const {
-#ifndef __CUDACC__
-        for (std::int32_t i = 0; i < count; ++i) {
-            const float* faces = arriving + std::int64_t(cells[i].id) * 24;
-            __builtin_prefetch(faces), __builtin_prefetch(faces + 16);
-            for (std::int32_t o = 0; o < octants && emission; ++o) __builtin_prefetch(seen_from(rays[o], cells[i]));
-        }
-#endif
-    }
     /// `light` [axis][channel], on the three faces that look to the octant.
     CHIARO_INLINE void add(const OctantRays& rays, OpaqueCell cell, const float* light, const float* open) const {
         for (std::int32_t axis = 0; axis < 3; ++axis) {
@@ -133,7 +123,6 @@ struct FirstSweepKernel {
 
     template <class F>
     CHIARO_INLINE void operator()(const FirstSweepRow& row) const {
-        row.opaque.ask_for(octants, octant_count);
         float mean[most_rays * width];
         for (std::int32_t u = 0; u < row.count; u += width) {
             if (holds_matter<F>(row.extinction + u))
@@ -221,7 +210,6 @@ struct SourceSweepKernel {
 
     template <class F>
     CHIARO_INLINE void operator()(const SourceRow& row) const {
-        row.opaque.ask_for(octants, octant_count);
         for (std::int32_t u = 0; u < row.count; u += width) {
             if (holds_matter<F>(row.extinction + u))
                 for (std::int32_t lane = 0; lane < width; lane += LaneTraits<F>::count) pass<F, true>(row, u + lane);
