@@ -105,7 +105,11 @@ private:
                                     plane};
                 kernel::FirstSweepRow to{
                     planes.place(row.v), lattice.count()[axes.u], medium_.extinction.of(axes) + row.at, {}, row.opaque};
-                for (int s = 0; s < Kernel::sums; ++s) to.sums[s] = sums[s].data() + row.at;
+                ask_for(row.opaque, batch.octants), ask_for(medium_.extinction.of(axes) + row.next, to.count);
+                for (int s = 0; s < Kernel::sums; ++s) {
+                    to.sums[s] = sums[s].data() + row.at;
+                    ask_for(sums[s].data() + row.next, to.count);
+                }
                 run_(kernel, to);
             });
     }
