@@ -23,7 +23,7 @@ export function makeCross(app, stage) {
     let lines = "";
     letters.forEach(([, axis], i) => {
       const x = mid + length * dot(axis, view.right), y = mid - length * dot(axis, view.up), depth = dot(axis, view.forward), colour = colours[axis.findIndex((a) => a)];
-      lines += `<path d="M${mid} ${mid}L${x.toFixed(1)} ${y.toFixed(1)}" stroke="${colour}" stroke-width="1.500" opacity="${depth > 0.1 ? 0.4 : 1}"/>`;
+      lines += `<path d="M${mid} ${mid}L${x.toFixed(1)} ${y.toFixed(1)}" stroke="${colour}" stroke-width="1.5" opacity="${depth > 0.1 ? 0.4 : 1}"/>`;
       const button = cross.children[i + 1];
       button.style.cssText = `left:${x}px;top:${y}px;--own:${colour};z-index:${depth > 0 ? 0 : 1};${depth > 0.1 ? "opacity:.75" : ""}`;
     });

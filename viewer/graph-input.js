@@ -19,10 +19,10 @@ export function makeGraph(app) {
   const setPoints = (label, points) => store.set(label, (s) => ({ tf: { ...s.tf, points } }));
   const setStops = (label, stops) => store.set(label, (s) => ({ tf: { ...s.tf, stops } }));
   const hills = () => hillsOf(tf().points, tf().stops, axis.range);
-  /** What undo calls it: the hill by its values. */
+  /** What undo calls it: the hill by its name or values. */
   const stepName = (i) => {
     const hill = hills().find((h) => i >= h.first && i <= h.last);
-    return words.opacity.toLowerCase() + (hill ? ` of ${short(hill.lo, 3)} ${words.to} ${short(hill.hi, 3)}` : "");
+    return words.opacity.toLowerCase() + (hill ? ` of ${hill.name ?? words.range(hill.lo, hill.hi)}` : "");
   };
   const choose = (points, stop = -1) => ((ui.points = points), (ui.stop = stop), store.redraw());
 

@@ -64,7 +64,7 @@ export function makeLight(app) {
   }
   const summary = (settings) => settings.slice(0, 2).map((s) => {
     const v = read(store.state, keyOf(s));
-    return s.label === "Grid" ? `grid 1:${v}` : s.flag === "sh-bands" ? `${v * v} coefficients` : typeof v === "number" ? `${short(v)} ${s.label.toLowerCase().replace("packed ", "")}` : (words.choices[v] ?? String(v)).toLowerCase();
+    return s.flag === "transport-grid" ? `grid ${v}` : s.label === "Grid" ? `grid 1:${v}` : s.flag === "sh-bands" ? `${v * v} coefficients` : typeof v === "number" ? `${short(v)} ${s.label.toLowerCase().replace("packed ", "")}` : (words.choices[v] ?? String(v)).toLowerCase();
   }).join(", ");
 
   function open() {
@@ -82,7 +82,14 @@ export function makeLight(app) {
     rows.forEach((row) => row.show());
     section.querySelector(".fold")?.show();
   });
-  return { section, open, unlit };
+  /** A step that needs an eighth of the memory for light, where the method has one. */
+  function coarser() {
+    const grid = placed(app.hello.settings, "accuracy", method(store.state)).find((s) => s.label === "Grid");
+    if (!grid) return null;
+    const key = keyOf(grid), now = Number(read(store.state, key)), next = grid.flag === "transport-grid" ? Math.round(now / 2) : now * 2, most = grid.flag === "transport-grid" ? next >= 16 : next <= 8;
+    return most ? () => set(words.states.coarser, key, next) : null;
+  }
+  return { section, open, unlit, coarser };
 }
 
 /** Arrow keys within a group of radio buttons. */

@@ -18,7 +18,7 @@ export function makeMenus(app) {
     const again = open?.anchor === anchor;
     close();
     if (again) return;
-    const box = el("div.popover", { role, style: "visibility:hidden;z-index:9" }, content), at = anchor.getBoundingClientRect();
+    const box = el("div.popover", { role, tabIndex: -1, style: "visibility:hidden;z-index:9" }, content), at = anchor.getBoundingClientRect();
     if (role === "dialog") box.setAttribute("aria-label", anchor.title || anchor.textContent || words.more);
     document.body.append(box);
     const left = Math.max(8, Math.min(at.right - box.offsetWidth, innerWidth - box.offsetWidth - 8)), below = at.bottom + 6 + box.offsetHeight < innerHeight;
@@ -32,7 +32,7 @@ export function makeMenus(app) {
     });
     anchor.setAttribute("aria-expanded", "true");
     open = { box, anchor, away };
-    box.querySelector("button, input, select")?.focus();
+    (box.querySelector("button, input, select") ?? box).focus(); // which hears Esc
     return box;
   }
   /** A menu of [name, act, note?]. */
@@ -82,7 +82,7 @@ export function makeMenus(app) {
     const rows = [[w.dimensions, v.dimensions.join(" × ")], [w.type, v.type], [w.spacing, `${v.spacing_mm.map((s) => short(s)).join(" × ")} ${v.spacing_stated === false ? w.unitless : "mm"}`], [w.range, `${short(v.range[0])} ${words.to} ${short(v.range[1])} ${v.unit ?? ""}`],
       [w.percentiles, ["1", "50", "99", "99.9"].map((p) => short(v.percentiles[p])).join(", ")], [w.frame, v.world === "unknown" ? w.unknown : v.world], [w.guess, v.modality_guess]];
     if (v.nonfinite) rows.push([w.nonfinite, String(v.nonfinite)]);
-    for (const note of v.notes) rows.push([w.notes, note]);
+    for (const note of app.doubts()) rows.push([w.notes, note]);
     popover(anchor, el("div", {}, el("h2", {}, v.name), el("dl", {}, ...rows.flatMap(([k, x]) => [el("dt", {}, k), el("dd", {}, x)])), el("div.buttons", {}, el("button", { onclick: () => app.copy(JSON.stringify(v, null, 1)) }, w.copy))));
   }
   const shortcuts = (anchor) => popover(anchor, el("div", {}, el("h2", {}, words.menu.shortcuts), el("dl", {}, ...words.shortcuts.flatMap(([k, what]) => [el("dt", {}, k), el("dd", {}, what)])),

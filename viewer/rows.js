@@ -108,7 +108,7 @@ export function sliderRow(app, o) {
   }));
   const number = el("div.field", {}, fields[0].input, ...(o.two ? [el("span.unit", {}, words.to), fields[1].input] : []), o.unit && !o.two ? el("span.unit", {}, o.unit) : null);
   const dot = el("i.dot", { hidden: true, title: "changed" });
-  const label = el("div.label", { title: o.tip ?? "" }, o.label, dot);
+  const note = o.note ? el("small", {}) : null, label = el("div.label", { title: o.tip ?? "" }, o.label, note, dot);
   const row = el(`div.row${o.two ? ".two" : ""}`, { role: "group", "aria-label": o.label }, label, track, number, ...fields.map((f) => f.wrong));
   if (!o.two) {
     // The label scrubs: one step per 2 pixels, Shift a tenth; double click: the default.
@@ -130,6 +130,7 @@ export function sliderRow(app, o) {
       thumb.setAttribute("aria-valuetext", `${text(values[i])}${o.unit ? " " + o.unit : ""}`);
     });
     fields.forEach((f) => f.show());
+    if (note) note.textContent = o.note(values[0]);
     dot.hidden = o.two || o.start === undefined || values[0] === o.start;
   } });
 }
@@ -170,5 +171,6 @@ export function settingRow(app, s) {
   const wrap = s.unit === "°" && s.flag !== "fov" && s.flag !== "elevation";
   const shown = (v) => (wrap ? ((((v ?? 0) - s.low) % 360) + 360) % 360 + s.low : v ?? s.default ?? s.low);
   return sliderRow(app, { ...s, tip, least, most, start: s.default ?? undefined, value: () => shown(now()), change, track,
-    origin: s.low < 0 && s.high > 0 ? 0 : undefined, ...(s.flag === "spao-levels" ? { show_: (v) => short(2 ** (v - 1)), parse: (v) => Math.round(Math.log2(v)) + 1, least: 1, most: 8192 } : {}) });
+    origin: s.low < 0 && s.high > 0 ? 0 : undefined, note: s.unit === "vx" && s.place === "light" ? (v) => (app.volume.spacing_stated === false ? "" : `${short((s.flag === "spao-levels" ? 2 ** (v - 1) : v) * app.box.edge, 3)} mm`) : undefined,
+    ...(s.flag === "spao-levels" ? { show_: (v) => short(2 ** (v - 1)), parse: (v) => Math.round(Math.log2(v)) + 1, least: 1, most: 8192 } : {}) });
 }
