@@ -18,7 +18,7 @@ export function makeLooks(app) {
   const row = el("div.looks", { role: "group", "aria-label": words.look });
   const says = el("button.says.tool", { "aria-haspopup": "dialog", title: words.allLooks, onclick: () => all() });
   const section = el("section.section.s-look", {}, el("div.head", {}, el("h2", {}, words.look), says), row);
-  const label = (preset) => (preset.own ? preset.name.slice(5) : undefined) ?? words.looks[preset.name] ?? (preset.name.startsWith("sample:") ? words.ownLook : preset.name[0].toUpperCase() + preset.name.slice(1));
+  const label = (preset) => (preset.own ? preset.name.slice(5) : undefined) ?? words.looks[preset.name] ?? (preset.name.startsWith("sample:") ? words.groups.sample : preset.name[0].toUpperCase() + preset.name.slice(1));
   let first = [], drawnAt = "", queue = [], busy = false, timer = 0;
 
   /** The function of a look for this volume. A colour map keeps the opacity and spans the window. */

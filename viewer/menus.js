@@ -48,7 +48,7 @@ export function makeMenus(app) {
     let asked = null;
     const show = () => {
       own.hidden = sizes[size.selectedIndex][1] !== null;
-      const cast = app.frame.last?.verbs?.find((v) => v.name === "raycast")?.seconds ?? 0, [a, b] = pixels();
+      const cast = app.frame.last?.verbs?.find((v) => v.name === "raycast")?.seconds || app.frame.last?.seconds, [a, b] = pixels();
       takes.textContent = cast ? w.takes(seconds(Math.max(0.1, (cast * a * b) / (cw * ch)))) : "";
     };
     const label = (text, field) => el("label.row.choice", {}, el("span", {}, text), field);

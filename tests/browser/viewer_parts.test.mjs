@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { readdirSync, readFileSync } from "node:fs";
 import { test } from "node:test";
-import { volume } from "./mock.mjs";
+import { scene, volume } from "./mock.mjs";
 import { desktop, phone, savedScene, visits } from "./mocked.mjs";
 import { drag, faint, final, pixels, settled, state } from "./visit.mjs";
 
@@ -107,6 +107,27 @@ visit("a plane is pulled by its handle and tilted by its rim, with the pointer a
   await page.waitForTimeout(60);
   assert.equal(await handle.isVisible(), false, "only while Cut is chosen");
 });
+
+visit("a tool's key switches to it; used while it is held, it is only borrowed", async (page) => {
+  const tool = () => page.evaluate(() => chiaro.ui.tool);
+  await page.keyboard.press("c");
+  assert.equal(await tool(), "cut");
+  await page.keyboard.press("o");
+  await page.keyboard.down("l");
+  await settled(page, () => drag(page, page.locator("#stage"), 40, 0));
+  await page.keyboard.up("l");
+  assert.equal(await tool(), "orbit");
+  assert.equal((await state(page)).values["shading.light"][0], 35 + 20);
+});
+
+visit("the numbers of the window are not cut off", async (page) => {
+  await page.waitForSelector(".row[aria-label=Window]");
+  const cut = await page.locator(".row[aria-label=Window] input").evaluateAll((all) => all.filter((i) => i.scrollWidth > i.clientWidth).map((i) => i.value));
+  assert.deepEqual(cut, []);
+}, { prepare: (m) => {
+  const range = [-1024, 3071], points = [[-1024, 0], [3071, 1]].map(([value, opacity]) => ({ value, opacity, rgb: [1, 1, 1] }));
+  m.hello = { volume: { ...volume, range, type: "int16", histogram512: { ...volume.histogram512, min: -1024, max: 3071 } }, scene: { ...scene, transfer_function: { points, opacity_unit_distance: 1 } } };
+} });
 
 visit("a face of the box is pulled on the picture while Cut is chosen; elsewhere it turns", async (page, mock) => {
   await page.keyboard.press("c");
@@ -218,11 +239,11 @@ visit("Global has its ball, its rows and its folded accuracy, and the buttons wr
   assert.equal(new Set(tops.slice(0, 3)).size, 1);
   assert.ok(tops[3] > tops[0] && tops[3] === tops[5]);
   assert.equal(await page.locator(".ball").count(), 1);
+  assert.ok(await page.locator("#sections > .section").last().evaluate((s) => s.getBoundingClientRect().bottom <= innerHeight + 1), "all seven sections are seen");
   const labels = (where) => page.locator(where).evaluateAll((all) => all.map((row) => row.querySelector(".label").firstChild.textContent));
   assert.deepEqual(await labels(".s-light .row:visible"), ["Turn", "Exposure", "Strength", "Bounces"]);
   await page.click(".accuracy");
   assert.deepEqual((await labels(".s-light .row:visible")).slice(4), ["Albedo limit", "Grid", "Directions", "First directions", "Seed"]);
-  assert.ok(await page.locator("#sections > .section").last().evaluate((s) => s.getBoundingClientRect().bottom) > 0);
 });
 
 for (const width of [1280, 700, 390])
