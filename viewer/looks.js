@@ -87,10 +87,10 @@ export function makeLooks(app) {
     refill();
   }
 
-  /** Renders thumbnails once the picture is at rest, and again when the camera has moved. */
+  /** Renders thumbnails once the picture is at rest, and again when the camera has moved. They need no light, and do not wait for it. */
   function rest() {
-    clearTimeout(timer);
-    timer = setTimeout(() => {
+    timer ||= setTimeout(() => {
+      timer = 0;
       const camera = JSON.stringify([store.state.camera, store.state.values["clip.box"], store.state.values["clip.planes"], app.volume?.name]);
       if (store.dragging) return;
       if (camera !== drawnAt) (drawnAt = camera), (queue = [...thumbs.values()]);
@@ -136,5 +136,5 @@ export function makeLooks(app) {
     says.replaceChildren(edited() ? words.edited(name) : name, icon("right"));
     for (const [key, { made }] of thumbs) made.setAttribute("aria-pressed", String(key === store.state.look));
   });
-  return { section, open, rest, pause: () => clearTimeout(timer), take };
+  return { section, open, rest, pause: () => (clearTimeout(timer), (timer = 0)), take };
 }

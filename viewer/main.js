@@ -134,7 +134,7 @@ function changed({ moving }) {
   }, { moving, preview: shown !== null });
 }
 store.onchange = changed;
-app.shown = (header) => header.stage === "final" && app.looks.rest();
+app.shown = (header) => header.stage !== "draft" && !header.moving && app.looks.rest();
 let kept = 0;
 const keep = () => {
   clearTimeout(kept);

@@ -47,6 +47,7 @@ export class Mock {
   /** What the page sent, newest last. */ heard = [];
   /** Milliseconds that a frame is held back. */ delay = (_header) => 0;
   /** Answers in the place of the mock's own: (message) => answer, error or undefined. */ reply = (_message) => undefined;
+  /** How the picture of a state at rest ends. */ stage = "final";
   hello = {};
   sockets = new Set();
   #states = new Map();
@@ -127,7 +128,7 @@ export class Mock {
         // A quarter of the pixels is enough for a test and takes a quarter of the time.
         const half = [w >> 3, h >> 3], full = [w >> 1, h >> 1];
         frame({ ...base, stage: "draft", size: half }, picture(message.scene, ...half));
-        if (!message.moving) frame({ ...base, stage: message.preview ? "full" : "final", size: full }, picture(message.scene, ...full));
+        if (!message.moving) frame({ ...base, stage: message.preview ? "full" : this.stage, size: full }, picture(message.scene, ...full));
         return;
       }
       case "pick": {

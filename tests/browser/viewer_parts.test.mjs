@@ -78,6 +78,15 @@ visit("thumbnails go on where a drag stopped them", async (page, mock) => {
   assert.equal(asked(), before + 2, "the two that were left");
 });
 
+visit("thumbnails do not wait for slow light", async (page, mock) => {
+  mock.heard.length = 0;
+  mock.stage = "full"; // and no further
+  await page.evaluate(() => chiaro.turnTo("+x"));
+  await page.waitForFunction(() => chiaro.frame.last?.stage === "full" && chiaro.frame.last.n === chiaro.link.n);
+  await page.waitForTimeout(900);
+  assert.equal(mock.heard.filter((m) => m.type === "look" && m.scene.camera.azimuth_deg === 0).length, 3);
+});
+
 visit("a plane is pulled by its handle and tilted by its rim, with the pointer and with keys", async (page, mock) => {
   await page.click(".s-cut .head");
   await settled(page, () => page.click("button:has-text('Add a plane')"));
