@@ -5,7 +5,7 @@ import { words } from "./words.js";
 
 export function makeCompare(app, stage) {
   const canvas = el("canvas"), line = el("div.wipe", { role: "slider", tabIndex: 0, "aria-label": words.wipe.line, "aria-valuemin": "0", "aria-valuemax": "100" }, el("i", {}, icon("wipe")));
-  const left = el("div.float.label-float"), right = el("div.float.label-float"), figures = el("div.float.label-float.figures");
+  const left = el("div.float.label-float.own"), right = el("div.float.label-float"), figures = el("div.float.label-float.figures");
   const difference = el("button.tool", { "aria-pressed": "false", onclick: () => ((differs = !differs), difference.setAttribute("aria-pressed", String(differs)), redraw()) }, words.wipe.difference);
   let asked = null, share = 0.5, differs = false, reference = null, own = null, key = "";
 
@@ -16,7 +16,7 @@ export function makeCompare(app, stage) {
     canvas.style.clipPath = `inset(0 0 0 ${x}px)`;
     // The labels stand beside the line as far as the picture reaches.
     const within = (part, at) => (part.style.left = `${clamp(at, 8, Math.max(8, stage.clientWidth - part.offsetWidth - 8))}px`);
-    within(left, x - left.offsetWidth - 16);
+    within(left, Math.min(x, stage.clientWidth - right.offsetWidth) - left.offsetWidth - 16);
     within(right, Math.max(x + 16, left.offsetLeft + left.offsetWidth + 8));
     within(figures, x + 16);
   }

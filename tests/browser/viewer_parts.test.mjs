@@ -190,6 +190,24 @@ visit("a finger that rests reads the value; dragged on it changes the opacity", 
   assert.notDeepEqual((await state(page)).camera, before.camera, "a quick drag turns");
 }, { options: phone });
 
+visit("a phone's menu has what its bar has no room for; banners show all they say", async (page, mock) => {
+  const menu = (item) => page.click("button[aria-label=More]").then(() => page.click(`.item:has-text("${item}")`));
+  await settled(page, () => menu("Maximum"));
+  assert.equal(mock.last("state").scene.mode, "mip");
+  await settled(page, () => page.click("button[aria-label=Undo]"));
+  await settled(page, () => menu("Redo"));
+  assert.equal(mock.last("state").scene.mode, "mip");
+  await menu("Compare");
+  await page.waitForSelector(".figures:has-text('SSIM')");
+  const boxes = await page.locator(".label-float").evaluateAll((all) => all.map((e) => e.getBoundingClientRect().toJSON()));
+  assert.ok(boxes[0].right <= boxes[1].left && boxes[2].right <= 390, JSON.stringify(boxes));
+  await page.keyboard.press("Escape");
+  await mock.stop();
+  await page.waitForSelector(".banner:has-text('Connection lost')");
+  const banner = await page.locator(".banner").evaluate((b) => ({ cut: b.querySelector("span").scrollWidth > b.querySelector("span").clientWidth, right: b.getBoundingClientRect().right, try: b.querySelector("button").getBoundingClientRect().right }));
+  assert.ok(!banner.cut && banner.try <= banner.right && banner.right <= 390, JSON.stringify(banner));
+}, { options: phone, allowed: /WebSocket|ERR_CONNECTION/ });
+
 visit("out of memory: the sentence and the two things that would help", async (page, mock) => {
   await settled(page, () => page.click("[data-method=visibility]"));
   const refused = { type: "error", code: "memory", field: null, sentence: "Needs 6.2 GB, 3.9 GB are free." };
