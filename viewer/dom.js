@@ -29,17 +29,25 @@ const paths = {
   close: "M4 4l8 8M12 4l-8 8",
 };
 
-/** An icon of 16 pixels, stroke 1.5. @param {keyof paths} name */
-export function icon(name) {
-  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
-  svg.setAttribute("viewBox", "0 0 16 16");
-  svg.setAttribute("class", "icon");
-  svg.setAttribute("aria-hidden", "true");
-  const path = document.createElementNS(svg.namespaceURI, "path");
-  path.setAttribute("d", paths[name]);
-  svg.append(path);
-  return svg;
+/** An element of SVG. @param {string} tag @param {Object<string, any>} [attributes] */
+export function svg(tag, attributes = {}, ...children) {
+  const made = document.createElementNS("http://www.w3.org/2000/svg", tag);
+  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+  made.append(...children);
+  return made;
 }
+
+/** An icon of 16 pixels, stroke 1.5. @param {keyof paths} name */
+export const icon = (name) => svg("svg", { viewBox: "0 0 16 16", class: "icon", "aria-hidden": "true" }, svg("path", { d: paths[name] }));
+
+/** What a slider says of itself. */
+export function tell(slider, now, text) {
+  slider.setAttribute("aria-valuenow", String(now));
+  slider.setAttribute("aria-valuetext", text);
+}
+
+/** The way an arrow key points: 1 for more, -1 for less. */
+export const arrow = ({ key }) => ({ ArrowLeft: -1, ArrowRight: 1, ArrowUp: 1, ArrowDown: -1 })[key];
 
 export const clamp = (value, low, high) => Math.min(high, Math.max(low, value));
 

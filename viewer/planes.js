@@ -1,7 +1,7 @@
 // Cut on the picture: a plane has a handle that pulls it along its normal and a rim that tilts it; faces of the box are pulled.
 import { add, cross, dot, project, ray, unit } from "./camera.js";
 import { draggable } from "./rows.js";
-import { clamp, el } from "./dom.js";
+import { arrow, clamp, el, svg, tell } from "./dom.js";
 import { read, write } from "./scene.js";
 import { words } from "./words.js";
 
@@ -37,7 +37,7 @@ export function pulled(view, direction, at, dx, dy, height) {
 }
 
 export function makePlanes(app, stage) {
-  const { store } = app, svg = document.createElementNS("http://www.w3.org/2000/svg", "svg"), layer = el("div.planes", { hidden: true }, svg);
+  const { store } = app, drawn = svg("svg"), layer = el("div.planes", { hidden: true }, drawn);
   const planes = () => read(store.state, "clip.planes") ?? [];
   const put = (i, plane, more = "") => store.set(words.cut + more, (s) => write(s, "clip.planes", planes().map((p, k) => (k === i ? plane : p))));
   const move = (i, { normal, at }, by, more) => put(i, [...normal, dot(normal, at) + by], more);
@@ -48,7 +48,7 @@ export function makePlanes(app, stage) {
     const made = el("button", { role: "slider", "aria-label": `${words.plane} ${i + 1}`, title: words.planeTip });
     draggable(made, store, words.cut, () => ({ frame: frame(), view: app.view() }), (start, dx, dy) => move(i, start.frame, pulled(start.view, start.frame.normal, start.frame.at, dx, dy, stage.clientHeight)));
     made.addEventListener("keydown", (event) => {
-      const step = { ArrowUp: 1, ArrowRight: 1, ArrowDown: -1, ArrowLeft: -1 }[event.key], now = frame();
+      const step = arrow(event), now = frame();
       if (!step) return;
       event.preventDefault();
       event.stopPropagation();
@@ -96,17 +96,16 @@ export function makePlanes(app, stage) {
     if (layer.hidden) return;
     if (handles.length !== planes().length) {
       handles = planes().map((_, i) => handle(i));
-      rims = planes().map(() => document.createElementNS(svg.namespaceURI, "path"));
-      svg.replaceChildren(...rims);
-      layer.replaceChildren(svg, ...handles);
+      rims = planes().map(() => svg("path"));
+      drawn.replaceChildren(...rims);
+      layer.replaceChildren(drawn, ...handles);
     }
     const view = app.view(), on = (point) => project(view, point, stage.clientWidth, stage.clientHeight).map((x) => x.toFixed(1));
     planes().forEach((plane, i) => {
       const frame = frameOf(plane, app.box), { at, normal } = frame, [x, y] = on(at);
       rims[i].setAttribute("d", `M${steps.map((t) => on(add(at, around(frame, t), radius())).join(" ")).join("L")}`);
       handles[i].style.transform = `translate(${x}px, ${y}px)`;
-      handles[i].setAttribute("aria-valuenow", dot(normal, at).toFixed(2));
-      handles[i].setAttribute("aria-valuetext", `${dot(normal, at).toFixed(2)} mm, ${normal.map((c) => c.toFixed(2)).join(" ")}`);
+      tell(handles[i], dot(normal, at).toFixed(2), `${dot(normal, at).toFixed(2)} mm, ${normal.map((c) => c.toFixed(2)).join(" ")}`);
     });
   });
   stage.append(layer);

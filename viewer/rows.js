@@ -1,5 +1,5 @@
 // Rows of the panel: slider with number, two-handled slider, choice, switch; and a row made from a setting's description.
-import { clamp, el, hex, fromHex, short, typed } from "./dom.js";
+import { arrow, clamp, el, hex, fromHex, short, typed, tell } from "./dom.js";
 import { read, write } from "./scene.js";
 import { keyOf } from "./table.js";
 import { words } from "./words.js";
@@ -54,7 +54,7 @@ function handle(app, o, track, which) {
     put(clamp(rounded(value, o, e.shiftKey ? 0.1 : 1), o.low, o.high));
   }, track_);
   thumb.addEventListener("keydown", (event) => {
-    const steps = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 10, PageDown: -10 }[event.key];
+    const steps = arrow(event) ?? { PageUp: 10, PageDown: -10 }[event.key];
     const ends = { Home: o.low, End: o.high }[event.key];
     if (steps === undefined && ends === undefined) return;
     event.preventDefault();
@@ -126,8 +126,7 @@ export function sliderRow(app, o) {
     fill.style.width = `${100 * Math.abs(end - origin)}%`;
     thumbs.forEach((thumb, i) => {
       thumb.style.left = `${100 * shares[i]}%`;
-      thumb.setAttribute("aria-valuenow", String(values[i]));
-      thumb.setAttribute("aria-valuetext", `${text(values[i])}${o.unit ? " " + o.unit : ""}`);
+      tell(thumb, values[i], `${text(values[i])}${o.unit ? " " + o.unit : ""}`);
     });
     fields.forEach((f) => f.show());
     if (note) note.textContent = o.note(values[0]);
