@@ -74,6 +74,7 @@ export function makeFrame(app) {
     if (last?.fps) rows.push([words.pill.frames, last.fps.toFixed(0)]);
     rows.push([words.pill.device, `${app.hello.device.name}, ${app.hello.device.isa}, ${app.hello.device.threads}`], [words.pill.leaves, words.leftOut[method(app.store.state)]]);
     if (measured) rows.push([words.wipe.reference, measured.sentence ?? words.measured(percent(measured.percent / 100), measured)]);
+    if (measured?.percent > 5) rows.push([words.pill.lower, words.lowers[method(app.store.state)]]);
     app.popover(pill, el("div", {}, el("h2", {}, words.pill.stages), el("dl", {}, ...rows.flatMap(([k, v]) => [el("dt", {}, k), el("dd", {}, v)])), ...(last?.notes ?? []).map((note) => el("p", {}, el("small", {}, note)))));
   }
 

@@ -244,6 +244,12 @@ visit("what could not be measured says why, and what was is told in per cent", a
   await page.click(".pill");
   await page.waitForSelector(".popover dd:has-text('1.8 % at 1024 points, 95 %: 1.6 to 2.0 %; at most 22 %')");
   await page.keyboard.press("Escape");
+  mock.reply = (m) => (m.type === "measure" ? { type: "answer", percent: 7.2, points: 1024, interval: [6, 8], largest: 40 } : undefined);
+  await settled(page, () => page.keyboard.press("["));
+  await page.waitForSelector(".pill:has-text('△ 7.2 % from reference')");
+  await page.click(".pill");
+  await page.waitForSelector(".popover dd:has-text('Natural or Global light.')");
+  await page.keyboard.press("Escape");
   mock.reply = (m) => (m.type === "measure" ? { type: "answer", percent: null, sentence: "not measured: nothing is seen." } : undefined);
   await settled(page, () => page.keyboard.press("]"));
   await page.waitForTimeout(1300);
