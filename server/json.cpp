@@ -5,6 +5,8 @@
 #include <cmath>
 #include <new>
 
+#include "room.h"
+
 namespace chiaro::server {
 namespace {
 
@@ -114,6 +116,8 @@ Json error_message(const Json& re, std::string_view code, const std::string& sen
 Json current_error(const Json& re) {
     try {
         throw;
+    } catch (const OutOfMemory& error) {
+        return error_message(re, "memory", error.what());
     } catch (const Error& error) {
         return error_message(re, word_for(error.code()), error.what());
     } catch (const std::bad_alloc&) {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "jpeg.h"
+#include "room.h"
 
 namespace chiaro::server {
 namespace {
@@ -17,6 +18,8 @@ constexpr auto rest = milliseconds(120);
 constexpr int moving_quality = 70, still_quality = 92;
 // Light that is quicker than this is found while something moves, for an eighth of the time at most.
 constexpr double quick_light = 0.15, light_share = 8, instant_light = 0.04;
+// Light that is this quick needs no picture of the whole size by the last light before it.
+constexpr double soon = 0.4;
 // A picture of the whole size that takes no longer needs no smaller one before it.
 constexpr double at_once = 0.06;
 
@@ -161,10 +164,17 @@ bool Painter::is_light_due(const Scene& scene) const {
 
 /// A draft whose light is its own. It is not given up for a newer wish: else light would never follow a drag.
 void Painter::draft_with_light(const Wish& wish, const Scene& small) {
+    check_light_fits(small);
     const Image& image = session_->render(small, *steady_);
     learn_light();
     note_seen(wish, small);
     send(wish, image, is_whole_ ? "full" : "draft", 1);
+}
+
+/// Told rather than tried. Voxels stand for cells: of voxels that are no cubes there are more.
+void Painter::check_light_fits(const Scene& scene) const {
+    const auto [nx, ny, nz] = session_->volume().dimensions();
+    check_room(light_bytes(scene.illumination, double(nx) * ny * nz) - double(session_->light_bytes()));
 }
 
 void Painter::refine(const Wish& wish, Progress& progress) {
@@ -192,7 +202,8 @@ void Painter::refine_cast(const Wish& wish, Progress& progress) {
     const Scene once = with_samples(wish.scene, 1);
     const int samples = wish.scene.sampling.samples_per_pixel;
     const bool is_dark = session_->needs_light(once);
-    if (is_dark && !is_whole_) {
+    if (is_dark) check_light_fits(once);
+    if (is_dark && !is_whole_ && (wish.preview || light_seconds_ > soon)) {
         const Image& image = session_->draft(once, progress);
         note_seen(wish, once);
         send(wish, image, "full", 1);

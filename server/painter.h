@@ -63,6 +63,7 @@ private:
     void draft(const Wish& wish);
     void draft_with_light(const Wish& wish, const Scene& small);
     bool is_light_due(const Scene& scene) const;
+    void check_light_fits(const Scene& scene) const;
     bool comes_to_rest(const Wish& wish);
     void refine(const Wish& wish, Progress& progress);
     void refine_traced(const Wish& wish, Progress& progress);

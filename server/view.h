@@ -71,7 +71,7 @@ private:
     Json probe(const Json& request, Progress& progress);
     Json measure(const Json& request, Progress& progress);
 
-    Json show(const Scene& scene, Progress& progress);
+    Json show(const Scene& scene, Progress& progress, int halvings = 0);
     Json file_as_scene(const std::string& text, const std::string& name);
     Json file_as_transfer(const std::filesystem::path& file);
     std::shared_ptr<const Loaded> shown() const;

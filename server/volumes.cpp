@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "io/memory.h"
 #include "io/volume_json.h"
+#include "room.h"
 
 namespace chiaro::server {
 namespace {
@@ -41,29 +41,29 @@ Json told(const Volume& volume) {
     return json;
 }
 
-/// What makes two volumes the same: name, options and stated geometry.
-std::string key_of(const Scene& scene) {
+/// What makes two volumes the same: name, options, stated geometry, and how often it is halved.
+std::string key_of(const Scene& scene, int halvings = 0) {
     Scene only;
     only.volume = scene.volume, only.read = scene.read, only.stated = scene.stated;
-    return to_json(only);
+    return fmt::format("{} {}", halvings, to_json(only));
 }
 
 /// A sample is made at any size that is asked for: no more than there is memory.
 void check_sample(const std::string& name) {
     const std::size_t colon = name.rfind(':');
     if (!name.starts_with("sample:") || colon == 6) return;
-    const double size = std::atof(name.c_str() + colon + 1), bytes = 10 * size * size * size;
-    const double free = double(available_memory());
-    if (bytes > free)
-        throw Error(ErrorCode::output,
-                    fmt::format("{}: needs {:.1f} GB, {:.1f} GB are free", name, bytes / 1e9, free / 1e9));
+    const double size = std::atof(name.c_str() + colon + 1);
+    check_room(10 * size * size * size);
 }
 
-std::shared_ptr<const Loaded> read(const Scene& scene, Device device, Progress& progress) {
+std::shared_ptr<const Loaded> read(const Scene& scene, Device device, int halvings, Progress& progress) {
     check_sample(scene.volume);
     Volume volume = read_volume(scene, progress);
+    const Fitted fitted = fit(volume, halvings);
     Json json = told(volume);
-    auto loaded = std::make_shared<Loaded>(Loaded{scene, Session(device), std::move(json)});
+    json["reduced"] = nullptr;
+    if (fitted.is_reduced()) json["reduced"] = {{"from", fitted.from}, {"to", fitted.to}, {"bytes", fitted.free}};
+    auto loaded = std::make_shared<Loaded>(Loaded{scene, Session(device), std::move(json), halvings});
     loaded->session.show(std::move(volume), progress);
     return loaded;
 }
@@ -76,8 +76,8 @@ std::shared_ptr<const Loaded> Volumes::find(const Scene& scene) const {
     return found == entries_.end() ? nullptr : found->second.loaded.lock();
 }
 
-std::shared_ptr<const Loaded> Volumes::load(const Scene& scene, Progress& progress) {
-    const std::string key = key_of(scene);
+std::shared_ptr<const Loaded> Volumes::load(const Scene& scene, Progress& progress, int halvings) {
+    const std::string key = key_of(scene, halvings);
     std::unique_lock lock(mutex_);
     while (entries_[key].is_reading) {
         changed_.wait_for(lock, std::chrono::milliseconds(50));
@@ -95,7 +95,7 @@ std::shared_ptr<const Loaded> Volumes::load(const Scene& scene, Progress& progre
         changed_.notify_all();
     };
     try {
-        loaded = read(scene, device_, progress);
+        loaded = read(scene, device_, halvings, progress);
     } catch (...) {
         done();
         throw;

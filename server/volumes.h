@@ -14,9 +14,10 @@ namespace chiaro::server {
 
 /// A volume that was read, and what a page is told of it.
 struct Loaded {
-    Scene source;     ///< its volume and how it was read; the rest as initially
-    Session session;  ///< shows it; others are made beside it
-    Json told;        ///< VOLUME of the protocol
+    Scene source;      ///< its volume and how it was read; the rest as initially
+    Session session;   ///< shows it; others are made beside it
+    Json told;         ///< VOLUME of the protocol
+    int halvings = 0;  ///< that were asked for
 };
 
 class Volumes {
@@ -24,8 +25,8 @@ public:
     explicit Volumes(Device device) : device_(device) {}
 
     /// The scene's volume: the one in memory, or read now; where another thread is reading it that is waited for.
-    /// Throws as read_volume.
-    std::shared_ptr<const Loaded> load(const Scene& scene, Progress& progress);
+    /// It is halved so often, or oftener where it would not fit (room.h). Throws as read_volume.
+    std::shared_ptr<const Loaded> load(const Scene& scene, Progress& progress, int halvings = 0);
     /// If it is in memory.
     std::shared_ptr<const Loaded> find(const Scene& scene) const;
     const Device& device() const { return device_; }

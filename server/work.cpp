@@ -6,8 +6,8 @@
 
 #include <cmath>
 
-#include "io/memory.h"
 #include "jpeg.h"
+#include "room.h"
 #include "view.h"
 
 namespace chiaro::server {
@@ -16,15 +16,16 @@ namespace {
 
 constexpr int largest_picture = 16384, largest_look = 512, largest_comparison = 4096;
 
-/// Frame, picture and what encoding needs.
-void check_memory(int width, int height) {
-    const double needed = 28.0 * width * height, free = double(available_memory());
-    if (needed > free)
-        throw Error(ErrorCode::output, fmt::format("A picture of {} x {} needs {:.1f} GB, {:.1f} GB are free.", width,
-                                                   height, needed / 1e9, free / 1e9));
-}
+using Clock = std::chrono::steady_clock;
+constexpr auto between_frames = std::chrono::milliseconds(500);  // of a comparison
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+
+Json figures_of(const MethodComparison& comparison) {
+    const ImageDifference& distance = comparison.pictures.front().distance;
+    return {{"rmse", number(distance.rmse)}, {"psnr", number(distance.psnr)},     {"ssim", number(distance.ssim)},
+            {"max", number(distance.max)},   {"noise", number(comparison.noise)}, {"paths", comparison.paths}};
+}
 
 std::string stem_of(const std::string& volume) {
     const std::string name = volume.starts_with("sample:") ? volume.substr(7) : fs::path(volume).stem().string();
@@ -38,8 +39,8 @@ std::string stem_of(const std::string& volume) {
 Json View::folder(const Json& request, Progress&) { return house_.folders.list(text_in(request, "path", "")); }
 
 /// Reads the scene's volume and shows it.
-Json View::show(const Scene& scene, Progress& progress) {
-    const auto loaded = house_.volumes.load(scene, progress);
+Json View::show(const Scene& scene, Progress& progress, int halvings) {
+    const auto loaded = house_.volumes.load(scene, progress, halvings);
     Json reply{{"volume", loaded->told}, {"scene", scene_json(scene, loaded->session)}};
     {
         const std::lock_guard lock(mutex_);
@@ -51,6 +52,11 @@ Json View::show(const Scene& scene, Progress& progress) {
 }
 
 Json View::open(const Json& request, Progress& progress) {
+    if (flag_in(request, "half", false)) {
+        const auto loaded = shown();
+        if (!loaded) throw Error(ErrorCode::usage, "no volume is open");
+        return show(loaded->source, progress, loaded->halvings + 1);
+    }
     if (!request.contains("scene")) {
         Scene scene;
         scene.volume = house_.folders.allowed_volume(text_in(request, "volume"));
@@ -80,7 +86,7 @@ Json View::save(const Json& request, Progress& progress) {
     if (format == "exr" && scene.output.color == ColorMode::display)
         throw Error(ErrorCode::usage,
                     "format exr: colours mixed as display values give no linear light, which EXR holds");
-    check_memory(scene.width, scene.height);
+    check_room(28.0 * scene.width * scene.height);  // frame, picture and what encoding needs
     // A session of its own: the page goes on with its.
     Session session = shown()->session.beside();
     const Image& image = session.render(scene, progress);
@@ -149,39 +155,54 @@ Json View::probe(const Json& request, Progress&) {
     return Json::object();
 }
 
-/// The reference beside a method, by four times the paths in each round.
+/// The reference beside a method: the same picture again and again, as paths are added to it.
 Json View::compare(const Json& request, Progress& progress) {
     Scene scene = scene_of(object_in(request, "scene"));
     std::tie(scene.width, scene.height) = size_in(request, "size", largest_comparison);
     Method method = scene.illumination.method;
     if (const std::string name = text_in(request, "method", ""); !name.empty()) from_text(name, method);
-    const int wanted = scene.illumination.reference.rays;
     Session session = shown()->session.beside();
-    Json figures;
-    for (int rays = std::min(4, wanted);; rays = std::min(4 * rays, wanted)) {
-        scene.illumination.reference.rays = rays;
-        const MethodComparison result = compare_methods(session, scene, {method}, progress);
-        progress.check();
-        const ImageDifference& distance = result.pictures.front().distance;
-        figures = {{"rmse", number(distance.rmse)}, {"psnr", number(distance.psnr)}, {"ssim", number(distance.ssim)},
-                   {"max", number(distance.max)},   {"noise", number(result.noise)}, {"paths", result.paths}};
-        const Json header{{"n", request["id"]},
-                          {"stage", rays < wanted ? "accumulate" : "final"},
-                          {"samples", result.paths},
-                          {"figures", figures}};
-        const auto send = [&](const char* kind, const Frame& frame) {
-            Json own = header;
-            own["kind"] = kind;
-            send_frame(own, develop(frame, scene.output));
+    bool is_first = true;
+    const auto send = [&](const MethodComparison& so_far, const char* stage) {
+        const Json figures = figures_of(so_far);
+        const auto send_picture = [&](const char* kind, const Frame& frame) {
+            send_frame({{"n", request["id"]},
+                        {"kind", kind},
+                        {"stage", stage},
+                        {"samples", so_far.paths},
+                        {"figures", figures}},
+                       develop(frame, scene.output));
         };
-        send("method", result.pictures.front().frame);
-        send("reference", result.reference.frame);
-        if (rays >= wanted) return {{"figures", figures}};
-    }
+        if (std::exchange(is_first, false)) send_picture("method", so_far.pictures.front().frame);
+        send_picture("reference", so_far.reference.frame);
+        return figures;
+    };
+    auto sent = Clock::now() - between_frames;
+    const auto show = [&](const MethodComparison& so_far) {
+        if (progress.cancelled() || Clock::now() - sent < between_frames) return;
+        send(so_far, "accumulate");
+        sent = Clock::now();
+    };
+    const MethodComparison all = compare_methods(session, scene, {method}, progress, show);
+    progress.check();
+    return {{"figures", send(all, "final")}};
 }
 
-Json View::measure(const Json&, Progress&) {
-    return {{"percent", nullptr}, {"sentence", "not measured: this version has no measure of single points"}};
+/// "1.8 % from reference". In a session of its own: light on particles is not that of the picture.
+Json View::measure(const Json& request, Progress& progress) {
+    Scene scene = scene_of(object_in(request, "scene"));
+    if (request.contains("size")) std::tie(scene.width, scene.height) = size_in(request, "size", largest_picture);
+    Session session = shown()->session.beside();
+    try {
+        const LightError error = measure_light(session, scene, progress);
+        return {{"percent", 100 * error.rmse},
+                {"points", error.points},
+                {"interval", {100 * error.interval[0], 100 * error.interval[1]}},
+                {"largest", 100 * error.largest}};
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::usage) throw;
+        return {{"percent", nullptr}, {"sentence", error.what()}};
+    }
 }
 
 }  // namespace chiaro::server

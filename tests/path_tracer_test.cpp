@@ -203,7 +203,7 @@ TEST(TracePaths, StopsAtPathsErrorOrTime) {
     Call call;
     call.settings.reference.rays = 21;
     std::vector<Frame> previews;
-    const Outcome all = call([&](const Frame& frame) { previews.push_back(frame); });
+    const Outcome all = call([&](const Frame& frame, const PathStatistics&) { previews.push_back(frame); });
     EXPECT_TRUE(all.complete);
     EXPECT_EQ(all.paths.samples, 21);
     EXPECT_GT(all.paths.noise, 0);
@@ -229,7 +229,7 @@ TEST(TracePaths, CancelsWithinAPass) {
     Call call;
     call.settings.reference.rays = 60000;
     int passes = 0;
-    const Outcome outcome = call([&](const Frame&) {
+    const Outcome outcome = call([&](const Frame&, const PathStatistics&) {
         if (++passes == 3) call.progress.cancel();
     });
     EXPECT_FALSE(outcome.complete);

@@ -67,8 +67,10 @@ TEST(Scene, ReadsTheKeptNames) {
 
 TEST(Scene, ReadsTransferFunctionsOfThreeKinds) {
     const Scene points = parse(
-        R"("transfer_function": {"opacity_unit_mm": 2, "points": [{"value": 5, "rgb": [0, 0.5, 1], "opacity": 0.25}]})");
+        R"("transfer_function": {"opacity_unit_mm": 2, "points": [{"value": 5, "rgb": [0, 0.5, 1], "opacity": 0.25,
+                                                                   "name": "Leaves"}]})");
     ASSERT_TRUE(points.transfer.points);
+    EXPECT_EQ(points.transfer.points->points[0].name, "Leaves");
     EXPECT_EQ(points.transfer.points->opacity_unit, 2);
     EXPECT_TRUE(points.transfer.points->opacity_unit_is_mm);
     EXPECT_FALSE(points.transfer.opacity_unit_mm);

@@ -1,8 +1,10 @@
-// Loads a running server as scripts/soak and scripts/latency ask: server_load soak|latency PORT TOKEN SECONDS [SEED].
+// Loads a running server as scripts/soak and scripts/latency ask: server_load soak PORT TOKEN SECONDS [SEED], or
+// server_load latency PORT TOKEN SECONDS [PROCESS], which reads the processor time of that process.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <optional>
@@ -23,44 +25,75 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 
 bool tells_scene(const Message& m) { return !m.is_frame && m.json.contains("scene") && m.json["scene"].is_object(); }
 
-/// Median and 95th percentile in milliseconds.
-std::string spread(std::vector<double> seconds) {
-    if (seconds.empty()) return "nothing";
-    std::sort(seconds.begin(), seconds.end());
-    const auto at = [&](double share) {
-        return 1e3 * seconds[std::min(seconds.size() - 1, std::size_t(share * double(seconds.size())))];
-    };
-    return fmt::format("median {:.0f} ms, 95 % {:.0f} ms, largest {:.0f} ms ({} times)", at(0.5), at(0.95),
-                       1e3 * seconds.back(), seconds.size());
+/// That of [0, 1] of all values are at most.
+double quantile(std::vector<double> values, double share) {
+    if (values.empty()) return 0;
+    std::sort(values.begin(), values.end());
+    return values[std::min(values.size() - 1, std::size_t(share * double(values.size())))];
 }
+
+/// A row of a table: what, median, 95th percentile and largest in milliseconds, and what is asked of one of them.
+void print_row(const std::string& what, const std::vector<double>& seconds, const std::string& asked = "") {
+    fmt::print("| {:<44} | {:>6.0f} | {:>6.0f} | {:>7.0f} | {:>5} | {:<14} |\n", what, 1e3 * quantile(seconds, 0.5),
+               1e3 * quantile(seconds, 0.95), 1e3 * quantile(seconds, 1), seconds.size(), asked);
+    std::fflush(stdout);
+}
+
+/// Processor time that a process has taken, all threads: /proc/PID/task/*/schedstat; 0 where that cannot be read.
+double processor_seconds(int process) {
+    double nanoseconds = 0, of_one;
+    std::error_code error;
+    const std::filesystem::path tasks = fmt::format("/proc/{}/task", process);
+    for (const auto& task : std::filesystem::directory_iterator(tasks, error))
+        if (std::ifstream(task.path() / "schedstat") >> of_one) nanoseconds += of_one;
+    return 1e-9 * nanoseconds;
+}
+
+/// What an interactive viewer owes, in milliseconds.
+constexpr const char *camera_target = "median <= 60", *edit_target = "median <= 100", *final_target = "95 % <= 1000",
+                     *age_target = "all <= 300";
 
 class Latency {
 public:
-    Latency(int port, const std::string& token) : page_(port, token, "latency-view") {
+    Latency(int port, const std::string& token, int process) : process_(process), page_(port, token, "latency-view") {
         const auto told = page_.find(tells_scene, 120);
         if (!told) throw std::runtime_error("no scene");
         scene_ = told->json["scene"];
         settle();
+        fmt::print("| {:<44} | {:>6} | {:>6} | {:>7} | {:>5} | {:<14} |\n", "milliseconds at the client", "median",
+                   "95 %", "largest", "times", "asked");
+        fmt::print("|---|---|---|---|---|---|\n");
     }
 
-    /// One edit from rest: to the first frame, and to the last.
-    void edits(const char* name, int count, const std::function<void(Json&, int)>& edit) {
-        std::vector<double> first, last;
+    /// One edit from rest: to the first frame, and to the last; and the processor time that each took the server.
+    void edits(const std::string& name, const char* first_target, int count,
+               const std::function<void(Json&, int)>& edit) {
+        std::vector<double> first, last, first_work, work;
+        std::map<std::string, std::vector<double>> verbs;
         for (int i = 0; i < count; ++i) {
             edit(scene_, i);
+            const double before = processor_seconds(process_);
             const auto start = Clock::now();
             send(true);
-            page_.find([&](const Message& m) { return m.is_frame && m.json["n"] == n_; });
+            const auto shown = page_.find([&](const Message& m) { return m.is_frame && m.json["n"] == n_; });
             first.push_back(seconds_since(start));
+            first_work.push_back(processor_seconds(process_) - before);
+            if (!shown) throw std::runtime_error("no frame");
+            for (const Json& verb : shown->json["verbs"])
+                if (verb["seconds"] > 0) verbs[verb["name"]].push_back(verb["seconds"]);
             page_.of_stage(n_, "final");
             last.push_back(seconds_since(start));
+            work.push_back(processor_seconds(process_) - before);
         }
-        fmt::print("{}: first frame {}; final {}\n", name, spread(first), spread(last));
-        std::fflush(stdout);
+        print_row(name + ": first frame", first, first_target);
+        for (const auto& [verb, seconds] : verbs) print_row("  of it " + verb, seconds);
+        if (process_) print_row("  processor time", first_work);
+        print_row(name + ": final", last, final_target);
+        if (process_) print_row("  processor time", work);
     }
 
     /// States at 60 a second; ages of the frames that answer them.
-    void drag(const char* name, double seconds, const std::function<void(Json&, int)>& edit) {
+    void drag(const std::string& name, double seconds, const std::function<void(Json&, int)>& edit) {
         std::vector<double> ages, sides;
         std::map<std::int64_t, Clock::time_point> sent;
         const auto start = Clock::now();
@@ -73,15 +106,15 @@ public:
             for (double left; (left = -seconds_since(next)) > 0;) {
                 const auto message = page_.next(left);
                 if (!message || !message->is_frame) continue;
-                const std::int64_t n = message->json["n"];
-                ages.push_back(seconds_since(sent[n]));
+                const auto found = sent.find(message->json["n"].get<std::int64_t>());
+                if (found == sent.end()) continue;  // of the picture before
+                ages.push_back(seconds_since(found->second));
                 sides.push_back(message->json["size"][0].get<double>() / message->json["canvas"][0].get<double>());
             }
         }
-        std::sort(sides.begin(), sides.end());
-        fmt::print("{}: {:.1f} frames a second at {:.2f} of the side, age {}\n", name, double(ages.size()) / seconds,
-                   sides.empty() ? 0 : sides[sides.size() / 2], spread(ages));
-        std::fflush(stdout);
+        print_row(fmt::format("{}: age of frames", name), ages, age_target);
+        fmt::print("| {:<44} | {:.1f} frames a second, at {:.2f} of the side |||||\n", "",
+                   double(ages.size()) / seconds, quantile(sides, 0.5));
         settle();
     }
 
@@ -94,19 +127,21 @@ private:
         if (!page_.of_stage(n_, "final", 300)) throw std::runtime_error("no final picture");
     }
 
+    int process_;
     Page page_;
     Json scene_;
     std::int64_t n_ = 0;
 };
 
-int latency(int port, const std::string& token, double seconds) {
-    Latency bench(port, token);
+int latency(int port, const std::string& token, double seconds, int process) {
+    Latency bench(port, token, process);
     const auto turn = [](Json& scene, int i) { scene["camera"]["azimuth_deg"] = 35 + 3 * (i % 100 + 1); };
     const auto edit = [](Json& scene, int i) {
         scene["transfer_function"]["opacity_scale"] = 1 + 0.01 * (i % 100 + 1);
     };
-    bench.edits("camera", 40, turn);
-    bench.edits("transfer function", 40, edit);
+    const int times = std::clamp(int(seconds), 5, 40);
+    bench.edits("camera", camera_target, times, turn);
+    bench.edits("transfer function", edit_target, times, edit);
     bench.drag("camera drag", seconds / 2, turn);
     bench.drag("transfer function drag", seconds / 2, edit);
     return 0;
@@ -322,7 +357,7 @@ int main(int argc, char** argv) {
         const std::string what = argv[1];
         const int port = std::stoi(argv[2]);
         const double seconds = std::stod(argv[4]);
-        if (what == "latency") return latency(port, argv[3], seconds);
+        if (what == "latency") return latency(port, argv[3], seconds, argc > 5 ? std::stoi(argv[5]) : 0);
         return Soak(port, argv[3], argc > 5 ? std::uint32_t(std::stoul(argv[5])) : 1).run(seconds);
     } catch (const std::exception& error) {
         fmt::print("{}\n", error.what());

@@ -180,16 +180,115 @@ TEST(ServerPictures, LooksComeAsSmallPictures) {
     EXPECT_TRUE(page.of_type("answer"));
 }
 
-TEST(ServerPictures, ComparesWithTheReference) {
+/// One frame of the method, then the reference's, whose paths become more and are never begun anew.
+TEST(ServerPictures, ComparesWithAReferenceThatGathersPaths) {
     const Server server("sample:ball:16");
     Json scene;
     Page page = server.ready(scene);
     scene["lighting"] = {{"method", "reference"}, {"rays", 16}};
-    const Json done = page.ask({{"type", "compare"}, {"scene", scene}, {"size", {32, 24}}, {"method", "spao"}});
-    ASSERT_EQ(done["type"], "answer") << done;
-    EXPECT_EQ(done["figures"]["paths"], 16);
-    EXPECT_GT(done["figures"]["rmse"], 0);
-    EXPECT_LT(done["figures"]["rmse"], 0.5);
+    page.send({{"type", "compare"}, {"id", 4}, {"scene", scene}, {"size", {32, 24}}, {"method", "spao"}});
+    std::vector<Message> frames;
+    const auto done = page.find([&](const Message& m) {
+        if (m.is_frame) frames.push_back(m);
+        return !m.is_frame && m.json["re"] == 4 && m.json["type"] != "progress";
+    });
+    ASSERT_TRUE(done && done->json["type"] == "answer") << (done ? done->json : Json());
+    EXPECT_EQ(done->json["figures"]["paths"], 16);
+    EXPECT_GT(done->json["figures"]["rmse"], 0);
+    EXPECT_LT(done->json["figures"]["rmse"], 0.5);
+    ASSERT_GE(frames.size(), 3u);
+    EXPECT_EQ(frames.front().json["kind"], "method");
+    int paths = 0;
+    for (std::size_t i = 1; i < frames.size(); ++i) {
+        EXPECT_EQ(frames[i].json["n"], 4);
+        EXPECT_EQ(frames[i].json["kind"], "reference");
+        EXPECT_GT(frames[i].json["samples"], paths);
+        EXPECT_EQ(frames[i].json["stage"], i + 1 < frames.size() ? "accumulate" : "final");
+        paths = frames[i].json["samples"];
+    }
+    // The same figures as in one go.
+    std::vector<std::string> unknown;
+    Scene same = parse_scene(scene.dump(), {}, {}, unknown);
+    same.volume = "sample:ball:16", same.width = 32, same.height = 24;
+    Progress progress;
+    Session session(Device::cpu(2));
+    session.show(read_volume(same, progress), progress);
+    const MethodComparison once = compare_methods(session, same, {Method::spao}, progress);
+    EXPECT_DOUBLE_EQ(done->json["figures"]["rmse"].get<double>(), once.pictures.front().distance.rmse);
+}
+
+/// "1.8 % from reference": as the library measures it, and a sentence where there is nothing to measure.
+TEST(ServerPictures, MeasuresHowFarTheLightIsFromTheReference) {
+    const Server server;
+    Json scene;
+    Page page = server.ready(scene);
+    for (const char* method : {"spao", "visibility", "histogram", "transport"}) {
+        scene["lighting"] = {{"method", method}};
+        if (method == std::string("histogram"))
+            scene["lighting"].update({{"cache", "none"}, {"clusters", 64}, {"radius", 6}});
+        if (method == std::string("transport")) scene["lighting"]["grid"] = 24;
+        const Json found = page.ask({{"type", "measure"}, {"scene", scene}, {"size", {64, 48}}});
+        ASSERT_EQ(found["type"], "answer") << found;
+        ASSERT_TRUE(found["percent"].is_number()) << method << found;
+        EXPECT_EQ(found["points"], 1024);
+        EXPECT_LE(found["interval"][0], found["percent"]);
+        EXPECT_GE(found["interval"][1], found["percent"]);
+        EXPECT_GT(found["largest"], 0);
+        EXPECT_LT(found["percent"], 60) << method;
+        std::vector<std::string> unknown;
+        Scene same = parse_scene(scene.dump(), {}, {}, unknown);
+        same.volume = "sample:ball:32", same.width = 64, same.height = 48;
+        Progress progress;
+        Session session(Device::cpu(2));
+        session.show(read_volume(same, progress), progress);
+        EXPECT_DOUBLE_EQ(found["percent"].get<double>(), 100 * measure_light(session, same, progress).rmse);
+    }
+    scene["lighting"] = {{"method", "none"}};
+    const Json none = page.ask({{"type", "measure"}, {"scene", scene}});
+    EXPECT_TRUE(none["percent"].is_null());
+    EXPECT_NE(none["sentence"].get<std::string>().find("not measured"), std::string::npos) << none;
+}
+
+/// What would not fit is told before it is tried; a volume is halved until it fits.
+TEST(ServerPictures, WhatDoesNotFitIsHalvedOrRefused) {
+    setenv("CHIARO_VIEW_MEMORY", "4", 1);  // MiB
+    {
+        const Server server("");
+        const fs::path file = server.folder / "shells.nrrd";
+        write_nrrd(make_sample("shells", 96), file, NrrdEncoding::raw);  // .9 MB; with bricks and light 6.4
+        Page page = server.page();
+        const Json told = page.ask({{"type", "open"}, {"volume", file.string()}});
+        ASSERT_EQ(told["type"], "answer") << told;
+        const Json volume = told["volume"];
+        Json scene = told["scene"];
+        EXPECT_EQ(volume["dimensions"], Json({48, 48, 48}));
+        EXPECT_EQ(volume["reduced"]["from"], Json({96, 96, 96}));
+        EXPECT_EQ(volume["reduced"]["to"], Json({48, 48, 48}));
+        page.send(state(1, scene));
+        EXPECT_TRUE(page.of_stage(1, "final"));
+        const Json saved = page.ask({{"type", "save"}, {"scene", scene}, {"size", {3000, 2000}}});
+        EXPECT_EQ(saved["code"], "memory") << saved;
+        EXPECT_EQ(saved["sentence"].get<std::string>().rfind("Needs 0.2 GB, 0.0 GB are free", 0), 0u) << saved;
+        scene["lighting"] = {{"method", "visibility"}, {"subsample", 1}, {"storage", "f32"}};  // 8 MB
+        page.send(state(2, scene));
+        const auto refused = page.of_type("error");
+        ASSERT_TRUE(refused);
+        EXPECT_EQ(refused->json["code"], "memory");
+        EXPECT_EQ(refused->json["n"], 2);
+        scene["lighting"]["subsample"] = 4;  // the session lives on, by coarser light
+        page.send(state(3, scene));
+        EXPECT_TRUE(page.of_stage(3, "final"));
+    }
+    unsetenv("CHIARO_VIEW_MEMORY");
+    const Server server("sample:shells:96");
+    Json scene;
+    Page page = server.ready(scene);
+    const Json half = page.ask({{"type", "open"}, {"half", true}});
+    ASSERT_EQ(half["type"], "answer") << half;
+    EXPECT_EQ(half["volume"]["dimensions"], Json({48, 48, 48}));
+    EXPECT_EQ(half["volume"]["reduced"]["from"], Json({96, 96, 96}));
+    page.send(state(1, half["scene"]));
+    EXPECT_TRUE(page.of_stage(1, "final"));
 }
 
 TEST(ServerPictures, MemoryDoesNotGrow) {

@@ -104,6 +104,7 @@ TEST(TransferFunctionJson, RoundTrips) {
     tf.opacity_unit_is_mm = true;
     tf.points[0].value = -1024.1;
     tf.points[0].rgb = {1.0 / 3, 0.1, 2.0 / 3};
+    tf.points[0].name = "Blätter";
     EXPECT_EQ(parse_transfer_function(to_json(tf), ""), tf);
 }
 

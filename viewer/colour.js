@@ -40,9 +40,25 @@ export function makeColour(app) {
     const release = () => (clearTimeout(hold), clearTimeout(resting), app.highlight(null));
     const made = el("button.chip", { title: words.hillTip, onpointerenter: (e) => e.pointerType === "mouse" && (resting = setTimeout(() => app.highlight(hill.lo, hill.hi, 0.25), 300)), onpointerleave: release,
       onpointerdown: () => ((held = false), (hold = setTimeout(() => ((held = true), app.highlight(hill.lo, hill.hi, 0)), 300))), onpointerup: release,
-      onclick: () => !held && graph.choose(tf().points.map((_, i) => i).slice(hill.first, hill.last + 1)) },
-      el("i.blob", { style: `--own:${hex(hill.rgb)}`, onclick: (e) => (e.stopPropagation(), paint(hill)) }), `${short(hill.lo, 3)} ${words.to} ${short(hill.hi, 3)}`);
+      onclick: () => !held && graph.choose(tf().points.map((_, i) => i).slice(hill.first, hill.last + 1)),
+      ondblclick: () => (release(), rename(hill, made)), onkeydown: (e) => e.key === "F2" && rename(hill, made) },
+      el("i.blob", { style: `--own:${hex(hill.rgb)}`, onclick: (e) => (e.stopPropagation(), paint(hill)) }), hill.name ? el("b", {}, hill.name) : "", words.range(hill.lo, hill.hi));
     return made;
+  }
+  /** The name is kept by the hill's first point, so that it is saved with the function. */
+  function rename(hill, made) {
+    const done = () => {
+      const name = input.value.trim() || undefined;
+      chips.dataset.key = "";
+      if (input.isConnected && name !== hill.name) graph.setPoints(words.hillName, tf().points.map((p, i) => (i === hill.first ? { ...p, name } : p)));
+      store.redraw();
+    };
+    const input = el("input.chip", { value: hill.name ?? "", maxLength: 40, "aria-label": words.hillName, onblur: done, onkeydown: (e) => {
+      if (e.key === "Escape") input.value = hill.name ?? "";
+      if (e.key === "Escape" || e.key === "Enter") input.blur();
+    } });
+    made.replaceWith(input);
+    input.select();
   }
   function paint(hill) {
     const input = el("input", { type: "color", value: hex(hill.rgb), oninput: () => graph.setStops("Colour…", [...tf().stops.filter((s) => s.value < hill.lo), ...[hill.lo, hill.hi].map((value) => ({ value, rgb: fromHex(input.value) })), ...tf().stops.filter((s) => s.value > hill.hi)]) });

@@ -5,7 +5,7 @@ import { words } from "./words.js";
 
 export function makeCompare(app, stage) {
   const canvas = el("canvas"), line = el("div.wipe", { role: "slider", tabIndex: 0, "aria-label": words.wipe.line, "aria-valuemin": "0", "aria-valuemax": "100" }, el("i", {}, icon("wipe")));
-  const left = el("div.float.label-float"), right = el("div.float.label-float"), figures = el("div.float.label-float.figures");
+  const left = el("div.float.label-float.own"), right = el("div.float.label-float"), figures = el("div.float.label-float.figures");
   const difference = el("button.tool", { "aria-pressed": "false", onclick: () => ((differs = !differs), difference.setAttribute("aria-pressed", String(differs)), redraw()) }, words.wipe.difference);
   let asked = null, share = 0.5, differs = false, reference = null, own = null, key = "";
 
@@ -14,8 +14,11 @@ export function makeCompare(app, stage) {
     line.style.left = `${x}px`;
     line.setAttribute("aria-valuenow", String(Math.round(100 * share)));
     canvas.style.clipPath = `inset(0 0 0 ${x}px)`;
-    left.style.cssText = `right:${stage.clientWidth - x + 16}px`;
-    right.style.left = figures.style.left = `${x + 16}px`;
+    // The labels stand beside the line as far as the picture reaches.
+    const within = (part, at) => (part.style.left = `${clamp(at, 8, Math.max(8, stage.clientWidth - part.offsetWidth - 8))}px`);
+    within(left, Math.min(x, stage.clientWidth - right.offsetWidth) - left.offsetWidth - 16);
+    within(right, Math.max(x + 16, left.offsetLeft + left.offsetWidth + 8));
+    within(figures, x + 16);
   }
   /** The reference as it came, or four times the distance to the page's own picture. */
   function redraw() {
@@ -59,6 +62,7 @@ export function makeCompare(app, stage) {
     const part = (name, value) => el("span", {}, `${name} `, el("b", {}, value));
     figures.replaceChildren(part("RMSE", short(f.rmse, 2)), part("PSNR", `${f.psnr === null ? "–" : f.psnr.toFixed(1)} dB`), part("SSIM", short(f.ssim, 3)), part("Max", short(f.max, 2)), ...(f.noise ? [el("span", {}, words.wipe.noise(percent(f.noise)))] : []), difference);
     if (differs) figures.append(el("span", {}, words.wipe.differenceScale));
+    place();
   }
   function stop() {
     if (!asked) return;

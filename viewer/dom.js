@@ -18,28 +18,36 @@ export function el(tag, props = {}, ...children) {
 
 const paths = {
   undo: "M6 3 2.8 6.2 6 9.4M3 6.2h6.2a3.6 3.6 0 0 1 0 7.2H7.5", redo: "M10 3l3.2 3.2L10 9.4M13 6.2H6.8a3.6 3.6 0 0 0 0 7.2h1.7",
-  compare: "M8 1.5v13M5.5 3.5h-3v9h3M10.500 3.500h3v9h-3z", more: "M3.500 8h0M8 8h0M12.500 8h0M3.200 8h.6M7.700 8h.6M12.200 8h.6", right: "M6 3.500 10.500 8 6 12.500",
-  orbit: "M13.500 5.500A6 3.300 0 1 0 14 8.500M14 2.800v3h-3M8 8h.01", adjust: "M8 1.500v13M5.500 4 8 1.500 10.500 4M5.500 12 8 14.500l2.500-2.500M8 8h.01",
-  light: "M8 5.300a2.700 2.700 0 1 0 0 5.400 2.700 2.700 0 0 0 0-5.400M8 1v1.500M8 13.500V15M1 8h1.500M13.500 8H15M3 3l1.100 1.100M11.900 11.900 13 13M13 3l-1.100 1.100M4.100 11.900 3 13",
-  cut: "M8 1.500 14 4.800v6.400L8 14.500 2 11.200V4.800zM2 4.800l6 3.300 6-3.300M8 8.100v6.400", fit: "M2 5.500V2h3.500M10.500 2H14v3.500M14 10.500V14h-3.500M5.500 14H2v-3.500",
-  panel: "M2 3h12v10H2zM10 3v10", shape: "M1.500 12.500c4 0 3.500-9 6.500-9s2.500 9 6.500 9", grow: "M9.500 2H14v4.500M14 2 9 7M6.500 14H2V9.500M2 14l5-5",
-  eye: "M1 8c1.800-3 4.200-4.500 7-4.500S13.200 5 15 8c-1.800 3-4.200 4.500-7 4.500S2.800 11 1 8zM8 6a2 2 0 1 0 0 4 2 2 0 0 0 0-4", plus: "M8 3v10M3 8h10",
-  looks: "M2 2h5v5H2zM9 2h5v5H9zM2 9h5v5H2zM9 9h5v5H9z", hill: "M1 13h2.500c1.500 0 2-9.500 3-9.500h3c1 0 1.500 9.500 3 9.500H15", rows: "M2 4h7M12 4h2M2 8h2M7 8h7M2 12h6M11 12h3M10.500 2.500v3M5.500 6.500v3M9.500 10.500v3",
-  file: "M4 1.500h5l3 3v10H4zM9 1.500v3h3", folder: "M1.500 3.500h4.500l1.500 2h7v8h-13z", wipe: "M6 5 3 8l3 3M10 5l3 3-3 3", info: "M8 1.500a6.500 6.500 0 1 0 0 13 6.500 6.500 0 0 0 0-13M8 7.200v4M8 4.800h.01",
+  compare: "M8 1.5v13M5.5 3.5h-3v9h3M10.5 3.5h3v9h-3z", more: "M3.5 8h0M8 8h0M12.5 8h0M3.2 8h.6M7.7 8h.6M12.2 8h.6", right: "M6 3.5 10.5 8 6 12.5",
+  orbit: "M13.5 5.5A6 3.3 0 1 0 14 8.5M14 2.8v3h-3M8 8h.01", adjust: "M8 1.5v13M5.5 4 8 1.5 10.5 4M5.5 12 8 14.5l2.5-2.5M8 8h.01",
+  light: "M8 5.3a2.7 2.7 0 1 0 0 5.4 2.7 2.7 0 0 0 0-5.4M8 1v1.5M8 13.5V15M1 8h1.5M13.5 8H15M3 3l1.1 1.1M11.9 11.9 13 13M13 3l-1.1 1.1M4.1 11.9 3 13",
+  cut: "M8 1.5 14 4.8v6.4L8 14.5 2 11.2V4.8zM2 4.8l6 3.3 6-3.3M8 8.1v6.4", fit: "M2 5.5V2h3.5M10.5 2H14v3.5M14 10.5V14h-3.5M5.5 14H2v-3.5",
+  panel: "M2 3h12v10H2zM10 3v10", shape: "M1.5 12.5c4 0 3.5-9 6.5-9s2.5 9 6.5 9", grow: "M9.5 2H14v4.5M14 2 9 7M6.5 14H2V9.5M2 14l5-5",
+  eye: "M1 8c1.8-3 4.2-4.5 7-4.5S13.2 5 15 8c-1.8 3-4.2 4.5-7 4.5S2.8 11 1 8zM8 6a2 2 0 1 0 0 4 2 2 0 0 0 0-4", plus: "M8 3v10M3 8h10",
+  looks: "M2 2h5v5H2zM9 2h5v5H9zM2 9h5v5H2zM9 9h5v5H9z", hill: "M1 13h2.5c1.5 0 2-9.5 3-9.5h3c1 0 1.5 9.5 3 9.5H15", rows: "M2 4h7M12 4h2M2 8h2M7 8h7M2 12h6M11 12h3M10.5 2.5v3M5.5 6.5v3M9.5 10.5v3",
+  file: "M4 1.5h5l3 3v10H4zM9 1.5v3h3", folder: "M1.5 3.5h4.5l1.5 2h7v8h-13z", wipe: "M6 5 3 8l3 3M10 5l3 3-3 3", info: "M8 1.5a6.5 6.5 0 1 0 0 13 6.5 6.5 0 0 0 0-13M8 7.2v4M8 4.8h.01",
   close: "M4 4l8 8M12 4l-8 8",
 };
 
-/** An icon of 16 pixels, stroke 1.5. @param {keyof paths} name */
-export function icon(name) {
-  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
-  svg.setAttribute("viewBox", "0 0 16 16");
-  svg.setAttribute("class", "icon");
-  svg.setAttribute("aria-hidden", "true");
-  const path = document.createElementNS(svg.namespaceURI, "path");
-  path.setAttribute("d", paths[name]);
-  svg.append(path);
-  return svg;
+/** An element of SVG. @param {string} tag @param {Object<string, any>} [attributes] */
+export function svg(tag, attributes = {}, ...children) {
+  const made = document.createElementNS("http://www.w3.org/2000/svg", tag);
+  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+  made.append(...children);
+  return made;
 }
+
+/** An icon of 16 pixels, stroke 1.5. @param {keyof paths} name */
+export const icon = (name) => svg("svg", { viewBox: "0 0 16 16", class: "icon", "aria-hidden": "true" }, svg("path", { d: paths[name] }));
+
+/** What a slider says of itself. */
+export function tell(slider, now, text) {
+  slider.setAttribute("aria-valuenow", String(now));
+  slider.setAttribute("aria-valuetext", text);
+}
+
+/** The way an arrow key points: 1 for more, -1 for less. */
+export const arrow = ({ key }) => ({ ArrowLeft: -1, ArrowRight: 1, ArrowUp: 1, ArrowDown: -1 })[key];
 
 export const clamp = (value, low, high) => Math.min(high, Math.max(low, value));
 

@@ -14,6 +14,7 @@ export function makeFrame(app) {
   const said = el("div.hidden-colour", { role: "status" });
   let drawn = 0, received = 0, ringOf = 0, ringPart = 0, last = null, measured = null, measuring = null, timer = 0;
 
+  const size = () => [canvas.parentElement.clientWidth, canvas.parentElement.clientHeight].map((x) => Math.max(16, Math.round(x * devicePixelRatio)));
   const turn = (n, part) => {
     if (n !== ringOf) (ringOf = n), (ringPart = 0);
     ring.style.setProperty("--part", String((ringPart = Math.max(ringPart, part))));
@@ -50,15 +51,15 @@ export function makeFrame(app) {
     clearTimeout(timer);
     if (stage === "final" && !last.preview && light !== "none" && light !== "reference") timer = setTimeout(measure, 1000);
   }
-  const distance = () => (method(app.store.state) === "reference" ? "" : measured ? `${measured.percent > 5 ? "△ " : ""}${words.pill.fromReference(percent(measured.percent / 100))}` : words.pill.notMeasured);
+  const distance = () => (method(app.store.state) === "reference" ? "" : Number.isFinite(measured?.percent) ? `${measured.percent > 5 ? "△ " : ""}${words.pill.fromReference(percent(measured.percent / 100))}` : words.pill.notMeasured);
 
   async function measure() {
     if (measured || measuring || last?.stage !== "final") return;
-    const asked = app.link.ask("measure", { scene: app.scene() });
+    const asked = app.link.ask("measure", { scene: app.scene(), size: size() });
     measuring = asked.id;
     const answer = await asked.catch(() => null);
     if (measuring === asked.id) measuring = null;
-    if (answer?.percent !== null && answer?.percent !== undefined && last?.stage === "final") (measured = answer), (far.textContent = distance());
+    if (answer && last?.stage === "final") (measured = answer), (far.textContent = distance());
   }
 
   /** An edit: what was measured holds no more. */
@@ -72,10 +73,11 @@ export function makeFrame(app) {
     const rows = (last?.verbs ?? []).map((v) => [v.name, seconds(v.seconds)]);
     if (last?.fps) rows.push([words.pill.frames, last.fps.toFixed(0)]);
     rows.push([words.pill.device, `${app.hello.device.name}, ${app.hello.device.isa}, ${app.hello.device.threads}`], [words.pill.leaves, words.leftOut[method(app.store.state)]]);
-    if (measured) rows.push([words.wipe.reference, words.measured(percent(measured.percent / 100), measured)]);
+    if (measured) rows.push([words.wipe.reference, measured.sentence ?? words.measured(percent(measured.percent / 100), measured)]);
+    if (measured?.percent > 5) rows.push([words.pill.lower, words.lowers[method(app.store.state)]]);
     app.popover(pill, el("div", {}, el("h2", {}, words.pill.stages), el("dl", {}, ...rows.flatMap(([k, v]) => [el("dt", {}, k), el("dd", {}, v)])), ...(last?.notes ?? []).map((note) => el("p", {}, el("small", {}, note)))));
   }
 
   return { canvas, pill, said, show, forget, progress: (m) => last && m.n === app.link.n && last.stage !== "final" && tellStage(last.stage === "light" || /light|level|visib|histogram|direction|cluster/i.test(m.stage) ? "light" : "accumulate", m.fraction, m.remaining_s),
-    reset: () => (last = null), get last() { return last; }, size: () => [canvas.parentElement.clientWidth, canvas.parentElement.clientHeight].map((x) => Math.max(16, Math.round(x * devicePixelRatio))) };
+    reset: () => (last = null), get last() { return last; }, size };
 }

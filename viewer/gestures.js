@@ -1,5 +1,5 @@
 // The pointer on the picture: orbit, pan, zoom, adjust, light, cut, window, density, and the read-out.
-import { add, dot, ray, scaleOf, viewOf } from "./camera.js";
+import { add, scaleOf, viewOf } from "./camera.js";
 import { clamp, el, hex, icon, short } from "./dom.js";
 import { inserted, moved, spanOf, stretched } from "./hills.js";
 import { method, read, write } from "./scene.js";
@@ -52,34 +52,21 @@ export function makeGestures(app, stage) {
     let index = points.findIndex((p) => p.opacity > 0 && Math.abs(p.value - seen.value) <= close), from = points;
     if (index < 0) ({ points: from, index } = inserted(points, { value: seen.value, opacity: seen.opacity }));
     start.found = { from, index };
-    app.graph.choose([index]);
-    app.graph.setPoints(start.label, from);
+    if (!start.pressed) take(start);
     showSeen(x, y, seen);
   }
-
-  /** The face of the cut box under the pointer. */
-  function faceAt(x, y) {
-    const r = ray(view(), x, y, stage.clientWidth, stage.clientHeight), box = read(store.state, "clip.box") ?? [0, 1, 0, 1, 0, 1];
-    let best = null, near = -Infinity, far = Infinity;
-    app.box.axes.forEach((axis, k) => {
-      const l2 = dot(axis, axis) || 1, from = dot(add(r.from, app.box.origin, -1), axis) / l2, along = dot(r.along, axis) / l2;
-      if (Math.abs(along) < 1e-12) return void (from < box[2 * k] || from > box[2 * k + 1] ? (far = -Infinity) : 0);
-      const t = [(box[2 * k] - from) / along, (box[2 * k + 1] - from) / along], first = t[0] < t[1] ? 0 : 1;
-      if (t[first] > near) (near = t[first]), (best = 2 * k + first);
-      far = Math.min(far, t[1 - first]);
-    });
-    return best !== null && near <= far ? { face: best, box, at: add(r.from, r.along, near) } : null;
-  }
-  function pull(start, dx, dy) {
-    const { face, box } = start.face, axis = app.box.axes[face >> 1], now = start.view, length2 = dot(axis, axis) || 1;
-    const depth = now.perspective ? dot(add(start.face.at, now.eye, -1), now.forward) : 1, size = (2 * now.half * depth) / stage.clientHeight;
-    const u = dot(axis, now.right) / size, v = -dot(axis, now.up) / size, next = [...box];
-    next[face] = clamp(box[face] + (dx * u + dy * v) / Math.max(u * u + v * v, length2 / size ** 2 / 25), face % 2 ? box[face - 1] + 0.01 : 0, face % 2 ? 1 : box[face + 1] - 0.01);
-    store.set(words.cut, (s) => write(s, "clip.box", next.every((x, i) => x === i % 2) ? null : next));
+  const take = ({ label, found: { from, index } }) => (app.graph.choose([index]), app.graph.setPoints(label, from));
+  /** A finger that rests reads the value there; dragged on from there it adjusts. */
+  function press(x, y) {
+    if (!start || pointers.size !== 1) return;
+    store.cancel();
+    start = { ...start, pressed: true, move: (s, dx, dy) => s.found && Math.hypot(dx, dy) > 8 && (take(s), adjust(s, dx, dy), (s.move = adjust)) };
+    store.begin(start.label);
+    beginAdjust(start, x, y);
   }
 
   const pointers = new Map();
-  let start = null;
+  let start = null, resting = 0;
   function begin(event) {
     const [x, y] = at(event), tool = ui.tool;
     const light = read(store.state, "shading.light");
@@ -89,9 +76,9 @@ export function makeGestures(app, stage) {
     else if (event.button === 1 || event.shiftKey) (start.move = pan), (start.track = "camera");
     else if (tool === "adjust") (start.move = adjust), (start.track = "design"), beginAdjust(start, x, y);
     else if (tool === "light") (start.move = turnLight), (start.track = "design");
-    else if (tool === "cut" && (start.face = faceAt(x, y))) (start.move = pull), (start.track = "design");
+    else if (tool === "cut" && (start.move = app.cutting(x, y, event.pointerType === "touch" ? 22 : 12))) start.track = "design";
     else (start.move = orbit), (start.track = "camera");
-    store.begin({ [density.name]: words.density, [window_.name]: words.window, [adjust.name]: start.label, [turnLight.name]: words.light, [pull.name]: words.cut }[start.move.name] ?? words.camera, start.track);
+    store.begin({ [density.name]: words.density, [window_.name]: words.window, [adjust.name]: start.label, [turnLight.name]: words.light }[start.move.name] ?? (start.track === "camera" ? words.camera : words.cut), start.track);
   }
   stage.addEventListener("pointerdown", (event) => {
     if (event.target !== app.frame.canvas || !app.volume || app.wiping?.(event)) return;
@@ -99,8 +86,11 @@ export function makeGestures(app, stage) {
     hideSeen();
     stage.setPointerCapture(event.pointerId);
     pointers.set(event.pointerId, [event.clientX, event.clientY]);
-    if (pointers.size === 1) begin(event);
-    else if (pointers.size === 2) {
+    clearTimeout(resting);
+    if (pointers.size === 1) {
+      begin(event);
+      if (event.pointerType === "touch") resting = setTimeout(press, 450, ...at(event));
+    } else if (pointers.size === 2) {
       store.cancel();
       const [a, b] = [...pointers.values()];
       start = { pinch: { gap: Math.hypot(a[0] - b[0], a[1] - b[1]), middle: [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2] } };
@@ -115,14 +105,19 @@ export function makeGestures(app, stage) {
       pan({ view: view() }, middle[0] - start.pinch.middle[0], middle[1] - start.pinch.middle[1]);
       zoom(start.pinch.gap / Math.max(gap, 1), middle[0] - box.left, middle[1] - box.top);
       start.pinch = { gap, middle };
-    } else if (start?.move) start.move(start, event.clientX - start.x, event.clientY - start.y);
+    } else if (start?.move) {
+      if (Math.hypot(event.clientX - start.x, event.clientY - start.y) > 8) clearTimeout(resting);
+      start.move(start, event.clientX - start.x, event.clientY - start.y);
+    }
   });
   const up = (event) => {
     if (!pointers.delete(event.pointerId)) return;
+    clearTimeout(resting);
+    const read_ = start?.move !== adjust && start?.pressed; // stays until the next touch
     if (start) start.over = true;
     start = null;
     store.end();
-    hideSeen();
+    if (!read_) hideSeen();
   };
   for (const name of ["pointerup", "pointercancel"]) stage.addEventListener(name, up);
   addEventListener("keydown", (event) => event.key === "Escape" && start && ((start = null), store.cancel()));
@@ -206,6 +201,7 @@ export function makeGestures(app, stage) {
     el("button.tool", { title: words.tools.panel, "aria-label": words.tools.panel, onclick: () => app.togglePanel() }, icon("panel")));
   function choose(name) {
     ui.tool = name;
+    store.redraw();
     buttons.forEach((button, i) => button.setAttribute("aria-pressed", String(kinds[i] === name)));
     stage.style.cursor = { orbit: "grab", adjust: "ns-resize", light: "move", cut: "crosshair" }[name];
   }

@@ -1,5 +1,5 @@
 // The editor on the graph: points, segments, hills, colour stops, shutters and the axis, with pointer and keys.
-import { clamp, el, hex, short } from "./dom.js";
+import { arrow, clamp, el, hex, short, tell } from "./dom.js";
 import { Axis, drawGraph, shareOf } from "./graph.js";
 import { hillsOf, inserted, moved, roundTo, without } from "./hills.js";
 import { draggable } from "./rows.js";
@@ -19,10 +19,10 @@ export function makeGraph(app) {
   const setPoints = (label, points) => store.set(label, (s) => ({ tf: { ...s.tf, points } }));
   const setStops = (label, stops) => store.set(label, (s) => ({ tf: { ...s.tf, stops } }));
   const hills = () => hillsOf(tf().points, tf().stops, axis.range);
-  /** What undo calls it: the hill by its values. */
+  /** What undo calls it: the hill by its name or values. */
   const stepName = (i) => {
     const hill = hills().find((h) => i >= h.first && i <= h.last);
-    return words.opacity.toLowerCase() + (hill ? ` of ${short(hill.lo, 3)} ${words.to} ${short(hill.hi, 3)}` : "");
+    return words.opacity.toLowerCase() + (hill ? ` of ${hill.name ?? words.range(hill.lo, hill.hi)}` : "");
   };
   const choose = (points, stop = -1) => ((ui.points = points), (ui.stop = stop), store.redraw());
 
@@ -95,7 +95,7 @@ export function makeGraph(app) {
     stop.addEventListener("click", (event) => event.target !== colour && travelled <= 3 && pick());
     stop.addEventListener("focus", () => ui.stop !== i && choose([], i));
     stop.addEventListener("keydown", (event) => {
-      const step = { ArrowLeft: -1, ArrowRight: 1, ArrowUp: 1, ArrowDown: -1 }[event.key];
+      const step = arrow(event);
       if (event.key === "Delete" || event.key === "Backspace") tf().stops.length > 1 && (setStops("Remove a colour", tf().stops.filter((_, k) => k !== i)), choose([]));
       else if (event.key === "Enter" || event.key === " ") pick();
       else if (step) setStops("Colour stop…", place(tf().stops, step * axis.pixel * (event.shiftKey ? 10 : 1)));
@@ -118,7 +118,7 @@ export function makeGraph(app) {
     draggable(part, store, "Threshold", () => now()[which], (start, dx) => put(clamp(start + dx * axis.pixel, ...axis.range)));
     part.addEventListener("dblclick", () => store.set("Threshold", () => ({ threshold: null })));
     part.addEventListener("keydown", (event) => {
-      const step = { ArrowLeft: -1, ArrowRight: 1, ArrowDown: -1, ArrowUp: 1 }[event.key];
+      const step = arrow(event);
       if (!step) return;
       event.preventDefault();
       put(clamp(now()[which] + step * axis.pixel * (event.shiftKey ? 10 : 1), ...axis.range));
@@ -234,23 +234,20 @@ export function makeGraph(app) {
       put(element, axis.x(p.value), axis.y(p.opacity));
       element.style.setProperty("--own", colour);
       element.classList.toggle("chosen", ui.points.includes(i));
-      element.setAttribute("aria-valuenow", String(p.opacity));
-      element.setAttribute("aria-valuetext", words.pointText(short(p.opacity, 3), app.withUnit(p.value)));
+      tell(element, p.opacity, words.pointText(short(p.opacity, 3), app.withUnit(p.value)));
     });
     state.tf.stops.forEach((s, i) => {
       put(stops[i], axis.x(s.value), axis.y(0) + 23);
       stops[i].style.setProperty("--own", hex(s.rgb));
       stops[i].classList.toggle("chosen", ui.stop === i);
-      stops[i].setAttribute("aria-valuenow", String(s.value));
-      stops[i].setAttribute("aria-valuetext", words.stopText(hex(s.rgb), app.withUnit(s.value)));
+      tell(stops[i], s.value, words.stopText(hex(s.rgb), app.withUnit(s.value)));
     });
     const limits = state.threshold ?? axis.range;
     shutters.forEach((part, i) => {
       put(part, clamp(axis.x(limits[i]), axis.left, axis.left + axis.width), axis.top);
       part.style.height = `${axis.height}px`;
       part.classList.toggle("drawn", Boolean(state.threshold));
-      part.setAttribute("aria-valuenow", String(limits[i]));
-      part.setAttribute("aria-valuetext", app.withUnit(limits[i]));
+      tell(part, limits[i], app.withUnit(limits[i]));
     });
     marks.selected = ui.points.length === 1 ? state.tf.points[ui.points[0]].value : ui.stop >= 0 ? state.tf.stops[ui.stop]?.value : undefined;
     marks.surfaces = read(state, "mode") === "iso" ? state.iso.map((s) => s.value) : [];

@@ -3,7 +3,7 @@ import { clamp } from "./dom.js";
 import { at } from "./scene.js";
 
 /** Hills: runs of points between two zeros, what people call a material. lo and hi: where it is not 0.
- * @param {any[]} points @param {any[]} stops @param {number[]} range @returns {{first: number, last: number, lo: number, hi: number, rgb: number[]}[]} */
+ * @param {any[]} points @param {any[]} stops @param {number[]} range @returns {{first: number, last: number, lo: number, hi: number, rgb: number[], name?: string}[]} */
 export function hillsOf(points, stops, range) {
   const hills = [];
   for (let i = 0; i < points.length; ++i) {
@@ -13,7 +13,7 @@ export function hillsOf(points, stops, range) {
     const first = i > 0 ? i - 1 : i, end = last + 1 < points.length ? last + 1 : last;
     const peak = points.slice(first, end + 1).reduce((a, b) => (b.opacity > a.opacity ? b : a));
     hills.push({ first, last: end, lo: i > 0 ? points[first].value : Math.min(range[0], points[first].value), hi: last + 1 < points.length ? points[end].value : Math.max(range[1], points[end].value),
-      rgb: at(stops, peak.value, "rgb") });
+      rgb: at(stops, peak.value, "rgb"), name: points[first].name });
     i = last;
   }
   return hills;

@@ -36,10 +36,11 @@ export function makeKeys(app) {
     }
     if (key in single) event.preventDefault(), single[key]();
   });
+  addEventListener("pointerdown", () => held.forEach((spring) => spring && (spring.used = true)), true);
   addEventListener("keyup", (event) => {
     const key = event.key.toLowerCase(), spring = held.get(key);
     if (!held.delete(key)) return;
     if (key === "b") app.light.unlit(false);
-    else if (spring && performance.now() - spring.at > 350) app.gestures.choose(spring.before);
+    else if (spring && (spring.used || performance.now() - spring.at > 350)) app.gestures.choose(spring.before);
   });
 }

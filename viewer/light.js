@@ -1,5 +1,5 @@
 // Light: the method, what one reaches for first, the mirror ball and its probes, and Accuracy.
-import { chooseFile, el, icon, short } from "./dom.js";
+import { arrow, chooseFile, el, icon, short, tell } from "./dom.js";
 import { draggable, settingRow, sliderRow } from "./rows.js";
 import { method, read, write } from "./scene.js";
 import { fold } from "./sections.js";
@@ -64,7 +64,7 @@ export function makeLight(app) {
   }
   const summary = (settings) => settings.slice(0, 2).map((s) => {
     const v = read(store.state, keyOf(s));
-    return s.label === "Grid" ? `grid 1:${v}` : s.flag === "sh-bands" ? `${v * v} coefficients` : typeof v === "number" ? `${short(v)} ${s.label.toLowerCase().replace("packed ", "")}` : (words.choices[v] ?? String(v)).toLowerCase();
+    return s.flag === "transport-grid" ? `grid ${v}` : s.label === "Grid" ? `grid 1:${v}` : s.flag === "sh-bands" ? `${v * v} coefficients` : typeof v === "number" ? `${short(v)} ${s.label.toLowerCase().replace("packed ", "")}` : (words.choices[v] ?? String(v)).toLowerCase();
   }).join(", ");
 
   function open() {
@@ -82,7 +82,14 @@ export function makeLight(app) {
     rows.forEach((row) => row.show());
     section.querySelector(".fold")?.show();
   });
-  return { section, open, unlit };
+  /** A step that needs an eighth of the memory for light, where the method has one. */
+  function coarser() {
+    const grid = placed(app.hello.settings, "accuracy", method(store.state)).find((s) => s.label === "Grid");
+    if (!grid) return null;
+    const key = keyOf(grid), now = Number(read(store.state, key)), next = grid.flag === "transport-grid" ? Math.round(now / 2) : now * 2, most = grid.flag === "transport-grid" ? next >= 16 : next <= 8;
+    return most ? () => set(words.states.coarser, key, next) : null;
+  }
+  return { section, open, unlit, coarser };
 }
 
 /** Arrow keys within a group of radio buttons. */
@@ -133,14 +140,13 @@ function makeBall(app) {
   const ball = el("div.ball", { role: "slider", tabIndex: 0, "aria-label": words.ball, "aria-valuemin": "0", "aria-valuemax": "360", title: `${words.ball}. --probe-rotation` }, canvas, rim);
   draggable(ball, store, words.ball, turn, (start, dx) => put(Math.round(start + dx * 2)));
   ball.addEventListener("keydown", (e) => {
-    const step = { ArrowRight: 5, ArrowUp: 5, ArrowLeft: -5, ArrowDown: -5 }[e.key];
-    if (step) e.preventDefault(), e.stopPropagation(), put(turn() + step * (e.shiftKey ? 3 : 1));
+    const step = arrow(e);
+    if (step) e.preventDefault(), e.stopPropagation(), put(turn() + step * (e.shiftKey ? 15 : 5));
   });
   return Object.assign(ball, { show() {
     const angle = ((turn() - 90) * Math.PI) / 180;
     rim.style.transform = `translate(${41 * Math.cos(angle)}px, ${41 * Math.sin(angle)}px)`;
-    ball.setAttribute("aria-valuenow", String(turn()));
-    ball.setAttribute("aria-valuetext", `${short(turn(), 3)}°`);
+    tell(ball, turn(), `${short(turn(), 3)}°`);
     picture(app, probeOf(store.state), (p) => mirror(canvas, p, (((store.state.camera["camera.azimuth_deg"] ?? 35) - turn()) * Math.PI) / 180));
   } });
 }

@@ -6,16 +6,24 @@ import { words } from "./words.js";
 
 const size = [128, 96];
 
+/** The looks of this browser, as presets that bring their own function. They are in the data's values, as CT looks are. */
+const mine = {
+  all: () => JSON.parse(localStorage.getItem("looks") ?? "[]"),
+  keep: (looks) => localStorage.setItem("looks", JSON.stringify(looks)),
+  presets: () => mine.all().map(({ name, transfer_function }) => ({ name: `mine:${name}`, own: transfer_function, modality: "mine", sentence: "", stretched: false, is_map: false })),
+};
+
 export function makeLooks(app) {
   const { store } = app, resolved = new Map(), thumbs = new Map();
   const row = el("div.looks", { role: "group", "aria-label": words.look });
   const says = el("button.says.tool", { "aria-haspopup": "dialog", title: words.allLooks, onclick: () => all() });
   const section = el("section.section.s-look", {}, el("div.head", {}, el("h2", {}, words.look), says), row);
-  const label = (preset) => words.looks[preset.name] ?? (preset.name.startsWith("sample:") ? words.ownLook : preset.name[0].toUpperCase() + preset.name.slice(1));
+  const label = (preset) => (preset.own ? preset.name.slice(5) : undefined) ?? words.looks[preset.name] ?? (preset.name.startsWith("sample:") ? words.groups.sample : preset.name[0].toUpperCase() + preset.name.slice(1));
   let first = [], drawnAt = "", queue = [], busy = false, timer = 0;
 
   /** The function of a look for this volume. A colour map keeps the opacity and spans the window. */
   async function functionOf(preset) {
+    if (preset.own) return split(preset.own);
     if (!resolved.has(preset.name)) resolved.set(preset.name, split((await app.link.ask("resolve", { transfer_function: { preset: preset.name } })).transfer_function));
     const tf = resolved.get(preset.name);
     if (!preset.is_map) return tf;
@@ -58,19 +66,35 @@ export function makeLooks(app) {
     if (!presets.some((p) => p.name === guess) && guess) presets.unshift({ name: guess, modality: kind, sentence: "", is_map: false });
     app.presets = presets;
     first = presets.map((p, i) => [p, i]).sort(([a, i], [b, k]) => fits(b) - fits(a) || i - k).map(([p]) => p).slice(0, 10);
-    row.replaceChildren(...first.map(button));
+    refill();
     functionOf(first[0]).then((tf) => same(tf, store.state.tf) && ((store.state.look = first[0].name), store.redraw())).catch(() => {});
   }
 
-  /** Renders thumbnails once the picture is at rest, and again when the camera has moved. */
+  /** The row: what fits the data, and one's own. */
+  function refill() {
+    app.presets = [...app.presets.filter((p) => !p.own), ...mine.presets()];
+    const before = new Map(thumbs);
+    thumbs.clear();
+    row.replaceChildren(...[...first, ...mine.presets()].map((p) => before.has(p.name) && !p.own ? (thumbs.set(p.name, before.get(p.name)), before.get(p.name).made) : button(p)));
+    drawnAt = "";
+    rest();
+  }
+  /** "Save as…": kept by this browser, under Mine; a name that is taken is replaced. */
+  function saveAs(name) {
+    const transfer_function = transferOf(store.state.tf);
+    mine.keep([...mine.all().filter((look) => look.name !== name), { name, transfer_function }]);
+    store.set(words.saveLook, () => ({ look: `mine:${name}` }));
+    refill();
+  }
+
+  /** Renders thumbnails once the picture is at rest, and again when the camera has moved. They need no light, and do not wait for it. */
   function rest() {
-    clearTimeout(timer);
-    timer = setTimeout(() => {
-      const camera = JSON.stringify([store.state.camera, store.state.values["clip.box"], app.volume?.name]);
-      if (camera === drawnAt || store.dragging) return;
-      drawnAt = camera;
-      queue = [...thumbs.values()];
-      next();
+    timer ||= setTimeout(() => {
+      timer = 0;
+      const camera = JSON.stringify([store.state.camera, store.state.values["clip.box"], store.state.values["clip.planes"], app.volume?.name]);
+      if (store.dragging) return;
+      if (camera !== drawnAt) (drawnAt = camera), (queue = [...thumbs.values()]);
+      next(); // or goes on where a change stopped it
     }, 400);
   }
   async function next() {
@@ -92,15 +116,18 @@ export function makeLooks(app) {
         const group = p.is_map ? words.groups.map : words.groups[p.modality.toLowerCase()] ?? p.modality;
         groups.set(group, [...(groups.get(group) ?? []), p]);
       }
-      list.replaceChildren(...[...groups].flatMap(([group, presets]) => [el("h2", {}, group), ...presets.map((p) => el("button.item", { onclick: () => take(p), title: p.sentence }, label(p)))]));
+      list.replaceChildren(...[...groups].flatMap(([group, presets]) => [el("h2", {}, group), ...presets.map((p) => el("div.line-of", {}, el("button.item", { onclick: () => take(p), title: p.sentence }, label(p)),
+        p.own ? el("button", { title: words.remove, "aria-label": `${words.remove}: ${label(p)}`, onclick: () => (mine.keep(mine.all().filter((look) => `mine:${look.name}` !== p.name)), refill(), fill()) }, icon("close")) : null))]));
     };
     fill();
     const reset = store.state.look && edited() ? el("button.plain", { onclick: () => take(app.presets.find((p) => p.name === store.state.look)) }, words.resetLook) : null;
-    app.popover(says, el("div.stack", {}, find, list, reset));
+    const name = el("input", { type: "text", placeholder: words.lookName, "aria-label": words.lookName, maxLength: 40, required: true });
+    const save = el("form.line-of", { onsubmit: (e) => (e.preventDefault(), saveAs(name.value.trim()), app.menus.close()) }, name, el("button.plain", { type: "submit" }, words.saveLook));
+    app.popover(says, el("div.stack", {}, find, list, save, reset));
     find.focus();
   }
   const edited = () => {
-    const preset = app.presets?.find((p) => p.name === store.state.look), tf = resolved.get(store.state.look);
+    const preset = app.presets?.find((p) => p.name === store.state.look), tf = preset?.own ? split(preset.own) : resolved.get(store.state.look);
     return preset && tf && !same(preset.is_map ? { ...store.state.tf, stops: tf.stops } : tf, store.state.tf) && !preset.is_map;
   };
   store.watch(() => {
@@ -109,5 +136,5 @@ export function makeLooks(app) {
     says.replaceChildren(edited() ? words.edited(name) : name, icon("right"));
     for (const [key, { made }] of thumbs) made.setAttribute("aria-pressed", String(key === store.state.look));
   });
-  return { section, open, rest, pause: () => clearTimeout(timer), take };
+  return { section, open, rest, pause: () => (clearTimeout(timer), (timer = 0)), take };
 }

@@ -12,6 +12,7 @@ import { Link } from "./link.js";
 import { makeLooks } from "./looks.js";
 import { makeMenus } from "./menus.js";
 import { describe, read, sceneOf, stateOf } from "./scene.js";
+import { makePlanes } from "./planes.js";
 import { makeSections } from "./sections.js";
 import { makeStates, mark } from "./states.js";
 import { Store } from "./store.js";
@@ -31,6 +32,8 @@ app.sceneWith = (more) => sceneOf({ ...store.state, ...more }, (camera) => toSce
 app.scene = () => app.sceneWith({});
 app.copy = (text) => navigator.clipboard.writeText(text).then(() => app.states.say(words.copied), () => app.states.say(text));
 app.fault = (error) => void (error?.sentence && app.states.say(error.sentence, { role: "alert" }));
+/** What is to be known about the volume, in About and as a dot at its name. */
+app.doubts = () => [...(app.volume.reduced ? [words.reduced(app.volume.reduced)] : []), ...app.volume.notes];
 /** Half way into the densest hill. */
 app.firstSurface = () => {
   const { points } = store.state.tf, peak = (hill) => Math.max(...points.slice(hill.first, hill.last + 1).map((p) => p.opacity));
@@ -48,6 +51,7 @@ app.menu = app.menus.menu;
 stage.append(app.frame.canvas, app.frame.pill, app.frame.said);
 app.gestures = makeGestures(app, stage);
 app.cross = makeCross(app, stage);
+app.cutting = makePlanes(app, stage);
 app.compare = makeCompare(app, stage);
 
 // The bar.
@@ -103,7 +107,7 @@ function open(volume, scene, restored) {
   document.body.classList.remove("none");
   app.states.clear();
   store.replace(stateOf(scene, null, (camera) => fromScene(camera, app.box, volume.world)), { silent: true });
-  file.replaceChildren(el("b", {}, volume.name ?? volume.file), el("span", {}, `${volume.dimensions.join(" × ")}, ${words.types[volume.type] ?? volume.type}`), ...(volume.notes.length ? [el("i.dot", { title: volume.notes[0] })] : []));
+  file.replaceChildren(el("b", {}, volume.name ?? volume.file), el("span", {}, `${volume.dimensions.join(" × ")}, ${words.types[volume.type] ?? volume.type}`), ...(app.doubts().length ? [el("i.dot", { title: app.doubts()[0] })] : []));
   document.title = `${volume.name ?? volume.file} – Chiaro`;
   sections.replaceChildren(app.looks.section, app.colour.section, app.light.section);
   app.colour.open();
@@ -112,6 +116,7 @@ function open(volume, scene, restored) {
   sections.append(...folded().map((part) => part));
   app.looks.open();
   for (const part of [...ofVolume, panel]) part.hidden = false;
+  if (volume.reduced) app.states.say(words.reduced(volume.reduced), { acts: [[words.states.details, () => app.menus.about(file)]], role: "alert" });
   changed({ moving: false });
 }
 
@@ -129,7 +134,7 @@ function changed({ moving }) {
   }, { moving, preview: shown !== null });
 }
 store.onchange = changed;
-app.shown = (header) => header.stage === "final" && app.looks.rest();
+app.shown = (header) => header.stage !== "draft" && !header.moving && app.looks.rest();
 let kept = 0;
 const keep = () => {
   clearTimeout(kept);
@@ -174,23 +179,23 @@ link.onstate = (state, wait = 0) => {
   stage.classList.toggle("lost", state !== "open");
   if (state === "open") return app.states.hush();
   const w = words.states;
-  if (state === "taken") return app.states.say(w.elsewhere, { act: [w.takeOver, () => link.connect(true)], keep: true });
+  if (state === "taken") return app.states.say(w.elsewhere, { acts: [[w.takeOver, () => link.connect(true)]], keep: true });
   wasLost = true;
   let left = wait;
-  const banner = app.states.say(w.lost(left), { act: [w.tryNow, () => link.connect()], keep: true });
+  const banner = app.states.say(w.lost(left), { acts: [[w.tryNow, () => link.connect()]], keep: true });
   counting = setInterval(() => banner.change(w.lost(Math.max(0, --left))), 1000);
 };
 const hello = (m) => {
   const updated = app.hello && app.hello.version !== m.version;
   app.hello = m;
   describe(m.settings);
-  if (updated) return app.states.say(words.states.updated, { act: [words.states.reload, () => location.reload()], keep: true });
+  if (updated) return app.states.say(words.states.updated, { acts: [[words.states.reload, () => location.reload()]], keep: true });
   if (app.volume) {
     // Page state is the truth: it goes to the new server, which shows the same again.
     if (wasLost && !m.restored) app.states.say(words.states.restarted);
     wasLost = false;
     link.n = Math.max(link.n, 0);
-    return m.volume && m.volume.file === app.volume.file ? changed({ moving: false }) : m.reading ? undefined : app.reopen();
+    return m.volume && m.volume.file === app.volume.file ? changed({ moving: false }) : m.reading ? undefined : reopen();
   }
   if (m.error) return app.states.failed(m.error);
   if (m.reading) return (reading = app.states.reading(m.reading));
@@ -199,16 +204,23 @@ const hello = (m) => {
   const last = JSON.parse(sessionStorage.getItem("state") ?? "null");
   if (!m.restored && last?.file === m.volume.file) store.replace(last.state);
 };
-/** The server came back with another volume, or none: the page asks for its own. */
-app.reopen = async () => {
-  const state = store.state, answer = await link.ask("open", { volume: app.volume.file }).catch(app.fault);
-  if (answer) store.replace(state);
-};
+/** Opens the page's own volume again, all settings kept: the server came back with another or none, or it is to be smaller. */
+async function reopen(what = { volume: app.volume.file }) {
+  const { state } = store, answer = await link.ask("open", what).catch(app.fault);
+  if (!answer) return;
+  open(answer.volume, answer.scene);
+  store.replace(state);
+}
+/** The two things that would help. */
+function outOfMemory(sentence) {
+  const again = (act) => () => (app.states.hush(), act()), coarser = app.light.coarser();
+  app.states.say(sentence, { role: "alert", acts: [...(coarser ? [[words.states.coarser, again(coarser)]] : []), [words.states.halfSize, again(() => reopen({ half: true }))]] });
+}
 link.onmessage = (m) => {
   if (m.type === "hello") hello(m);
   else if (m.type === "progress") m.re === "open" ? reading?.(m) : app.frame.progress(m);
-  else if (m.type === "opened") !app.volume ? open(m.volume, m.scene) : m.volume.file === app.volume.file ? changed({ moving: false }) : app.reopen();
-  else if (m.type === "error") m.re === "open" ? (app.states.clear(), app.states.failed(m.sentence)) : app.states.say(m.sentence, { role: "alert" });
+  else if (m.type === "opened") !app.volume ? open(m.volume, m.scene) : m.volume.file === app.volume.file ? changed({ moving: false }) : reopen();
+  else if (m.type === "error") m.re === "open" ? (app.states.clear(), app.states.failed(m.sentence)) : m.code === "memory" && m.n ? outOfMemory(m.sentence) : app.states.say(m.sentence, { role: "alert" });
   else if (m.type === "note") app.states.say(m.sentence, { keep: false });
 };
 link.onframe = (header, data) => app.frame.show(header, data);

@@ -18,7 +18,7 @@ export function makeMenus(app) {
     const again = open?.anchor === anchor;
     close();
     if (again) return;
-    const box = el("div.popover", { role, style: "visibility:hidden;z-index:9" }, content), at = anchor.getBoundingClientRect();
+    const box = el("div.popover", { role, tabIndex: -1, style: "visibility:hidden;z-index:9" }, content), at = anchor.getBoundingClientRect();
     if (role === "dialog") box.setAttribute("aria-label", anchor.title || anchor.textContent || words.more);
     document.body.append(box);
     const left = Math.max(8, Math.min(at.right - box.offsetWidth, innerWidth - box.offsetWidth - 8)), below = at.bottom + 6 + box.offsetHeight < innerHeight;
@@ -32,7 +32,7 @@ export function makeMenus(app) {
     });
     anchor.setAttribute("aria-expanded", "true");
     open = { box, anchor, away };
-    box.querySelector("button, input, select")?.focus();
+    (box.querySelector("button, input, select") ?? box).focus(); // which hears Esc
     return box;
   }
   /** A menu of [name, act, note?]. */
@@ -48,7 +48,7 @@ export function makeMenus(app) {
     let asked = null;
     const show = () => {
       own.hidden = sizes[size.selectedIndex][1] !== null;
-      const cast = app.frame.last?.verbs?.find((v) => v.name === "raycast")?.seconds ?? 0, [a, b] = pixels();
+      const cast = app.frame.last?.verbs?.find((v) => v.name === "raycast")?.seconds || app.frame.last?.seconds, [a, b] = pixels();
       takes.textContent = cast ? w.takes(seconds(Math.max(0.1, (cast * a * b) / (cw * ch)))) : "";
     };
     const label = (text, field) => el("label.row.choice", {}, el("span", {}, text), field);
@@ -82,7 +82,7 @@ export function makeMenus(app) {
     const rows = [[w.dimensions, v.dimensions.join(" × ")], [w.type, v.type], [w.spacing, `${v.spacing_mm.map((s) => short(s)).join(" × ")} ${v.spacing_stated === false ? w.unitless : "mm"}`], [w.range, `${short(v.range[0])} ${words.to} ${short(v.range[1])} ${v.unit ?? ""}`],
       [w.percentiles, ["1", "50", "99", "99.9"].map((p) => short(v.percentiles[p])).join(", ")], [w.frame, v.world === "unknown" ? w.unknown : v.world], [w.guess, v.modality_guess]];
     if (v.nonfinite) rows.push([w.nonfinite, String(v.nonfinite)]);
-    for (const note of v.notes) rows.push([w.notes, note]);
+    for (const note of app.doubts()) rows.push([w.notes, note]);
     popover(anchor, el("div", {}, el("h2", {}, v.name), el("dl", {}, ...rows.flatMap(([k, x]) => [el("dt", {}, k), el("dd", {}, x)])), el("div.buttons", {}, el("button", { onclick: () => app.copy(JSON.stringify(v, null, 1)) }, w.copy))));
   }
   const shortcuts = (anchor) => popover(anchor, el("div", {}, el("h2", {}, words.menu.shortcuts), el("dl", {}, ...words.shortcuts.flatMap(([k, what]) => [el("dt", {}, k), el("dd", {}, what)])),
@@ -99,6 +99,8 @@ export function makeMenus(app) {
   };
   const more = (anchor) => menu(anchor, [
     [words.menu.open, app.states.choose, "Ctrl O"],
+    // What a narrow bar has no room for.
+    ...(app.volume && !app.bar.compare.offsetParent ? [...Object.entries(words.modes).map(([name, [label]]) => [label, () => app.mode(name)]), [words.redo, () => app.store.step("redo")], [words.compare, app.compare.start]] : []),
     ...(app.volume ? [[words.menu.saveScene, saveScene, "Ctrl Shift S"], [words.menu.loadScene, () => chooseFile(".json,.png,.exr", app.take)], [words.menu.loadTf, () => chooseFile("", app.take)], [words.menu.command, command]] : []),
     ...themes.map(([key, name]) => [`${words.menu.theme}: ${name}`, () => app.theme.set(key), app.theme.now === key ? "✓" : ""]),
     [words.menu.shortcuts, () => shortcuts(anchor), "?"], ...(app.volume ? [[words.menu.about, () => about(anchor), "I"]] : [])]);

@@ -1,5 +1,5 @@
 // Rows of the panel: slider with number, two-handled slider, choice, switch; and a row made from a setting's description.
-import { clamp, el, hex, fromHex, short, typed } from "./dom.js";
+import { arrow, clamp, el, hex, fromHex, short, typed, tell } from "./dom.js";
 import { read, write } from "./scene.js";
 import { keyOf } from "./table.js";
 import { words } from "./words.js";
@@ -54,7 +54,7 @@ function handle(app, o, track, which) {
     put(clamp(rounded(value, o, e.shiftKey ? 0.1 : 1), o.low, o.high));
   }, track_);
   thumb.addEventListener("keydown", (event) => {
-    const steps = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 10, PageDown: -10 }[event.key];
+    const steps = arrow(event) ?? { PageUp: 10, PageDown: -10 }[event.key];
     const ends = { Home: o.low, End: o.high }[event.key];
     if (steps === undefined && ends === undefined) return;
     event.preventDefault();
@@ -108,7 +108,7 @@ export function sliderRow(app, o) {
   }));
   const number = el("div.field", {}, fields[0].input, ...(o.two ? [el("span.unit", {}, words.to), fields[1].input] : []), o.unit && !o.two ? el("span.unit", {}, o.unit) : null);
   const dot = el("i.dot", { hidden: true, title: "changed" });
-  const label = el("div.label", { title: o.tip ?? "" }, o.label, dot);
+  const note = o.note ? el("small", {}) : null, label = el("div.label", { title: o.tip ?? "" }, o.label, note, dot);
   const row = el(`div.row${o.two ? ".two" : ""}`, { role: "group", "aria-label": o.label }, label, track, number, ...fields.map((f) => f.wrong));
   if (!o.two) {
     // The label scrubs: one step per 2 pixels, Shift a tenth; double click: the default.
@@ -126,10 +126,10 @@ export function sliderRow(app, o) {
     fill.style.width = `${100 * Math.abs(end - origin)}%`;
     thumbs.forEach((thumb, i) => {
       thumb.style.left = `${100 * shares[i]}%`;
-      thumb.setAttribute("aria-valuenow", String(values[i]));
-      thumb.setAttribute("aria-valuetext", `${text(values[i])}${o.unit ? " " + o.unit : ""}`);
+      tell(thumb, values[i], `${text(values[i])}${o.unit ? " " + o.unit : ""}`);
     });
     fields.forEach((f) => f.show());
+    if (note) note.textContent = o.note(values[0]);
     dot.hidden = o.two || o.start === undefined || values[0] === o.start;
   } });
 }
@@ -170,5 +170,6 @@ export function settingRow(app, s) {
   const wrap = s.unit === "°" && s.flag !== "fov" && s.flag !== "elevation";
   const shown = (v) => (wrap ? ((((v ?? 0) - s.low) % 360) + 360) % 360 + s.low : v ?? s.default ?? s.low);
   return sliderRow(app, { ...s, tip, least, most, start: s.default ?? undefined, value: () => shown(now()), change, track,
-    origin: s.low < 0 && s.high > 0 ? 0 : undefined, ...(s.flag === "spao-levels" ? { show_: (v) => short(2 ** (v - 1)), parse: (v) => Math.round(Math.log2(v)) + 1, least: 1, most: 8192 } : {}) });
+    origin: s.low < 0 && s.high > 0 ? 0 : undefined, note: s.unit === "vx" && s.place === "light" ? (v) => (app.volume.spacing_stated === false ? "" : `${short((s.flag === "spao-levels" ? 2 ** (v - 1) : v) * app.box.edge, 3)} mm`) : undefined,
+    ...(s.flag === "spao-levels" ? { show_: (v) => short(2 ** (v - 1)), parse: (v) => Math.round(Math.log2(v)) + 1, least: 1, most: 8192 } : {}) });
 }

@@ -53,7 +53,7 @@ function thinned(points, fields) {
     const a = kept.at(-1), p = points[i], b = points[i + 1];
     const step = p.value === a.value || p.value === b.value;
     const t = between(a, b, p.value);
-    if (step || fields(p).some((x, k) => Math.abs(x - mix(fields(a)[k], fields(b)[k], t)) > near)) kept.push(p);
+    if (step || p.name || fields(p).some((x, k) => Math.abs(x - mix(fields(a)[k], fields(b)[k], t)) > near)) kept.push(p);
   }
   if (points.length > 1) kept.push(points.at(-1));
   return kept;
@@ -81,7 +81,7 @@ export function joined(tf) {
     const count = Math.max(points.length, stops.length);
     for (let i = 0; i < count; ++i) {
       const point = points[Math.min(i, points.length - 1)], stop = stops[Math.min(i, stops.length - 1)];
-      all.push({ value, rgb: stop?.rgb ?? at(tf.stops, value, "rgb"), opacity: point?.opacity ?? at(tf.points, value, "opacity") });
+      all.push({ value, rgb: stop?.rgb ?? at(tf.stops, value, "rgb"), opacity: point?.opacity ?? at(tf.points, value, "opacity"), ...(point?.name && i < points.length ? { name: point.name } : {}) });
     }
   }
   return all;

@@ -53,7 +53,7 @@ export function makeSections(app) {
     list.show = () => {
       if (list.children.length !== planes().length) list.replaceChildren(...planes().map((_, i) => {
         const reach = app.box.radius, shift = () => planes()[i][3] - planes()[i].slice(0, 3).reduce((sum, x, k) => sum + x * app.box.centre[k], 0);
-        const row = sliderRow(app, { label: `${words.planes(1)} ${i + 1}`.replace("1 ", ""), tip: "Removes what lies beyond the plane. --clip-plane", low: -reach, high: reach, step: reach / 200, unit: "mm", value: shift, change: (v) => replace(i, [...planes()[i].slice(0, 3), planes()[i][3] + v - shift()]) });
+        const row = sliderRow(app, { label: `${words.plane} ${i + 1}`, tip: "Removes what lies beyond the plane. --clip-plane", low: -reach, high: reach, step: reach / 200, unit: "mm", value: shift, change: (v) => replace(i, [...planes()[i].slice(0, 3), planes()[i][3] + v - shift()]) });
         return Object.assign(el("div", {}, row, el("div.buttons", {}, el("button", { onclick: () => replace(i, planes()[i].map((x) => -x)) }, words.flip), el("button", { onclick: () => put(planes().filter((_, k) => k !== i)) }, words.remove))), { show: row.show });
       }));
       for (const row of list.children) row.show();
@@ -62,6 +62,7 @@ export function makeSections(app) {
       // Through the centre, facing the camera.
       const normal = app.view().forward.map((x) => Number((-x).toFixed(4))), d = normal.reduce((sum, x, k) => sum + x * app.box.centre[k], 0);
       put([...planes(), [...normal, d]]);
+      app.gestures.choose("cut"); // which shows its handle and rim
     };
     const buttons = el("div.buttons", {}, el("button", { onclick: fresh }, words.addPlane), el("button", { onclick: () => store.set(words.cutReset, (s) => ({ values: { ...s.values, "clip.box": undefined, "clip.planes": undefined } })) }, words.cutReset));
     return fold(words.cut, () => [get("clip.box") ? words.box : "", planes().length ? words.planes(planes().length) : ""].filter(Boolean).join(", ") || words.cutNone, [...sides, list, buttons], "", "section.section.s-cut");

@@ -1,13 +1,9 @@
 // What stands in the picture's place or over it: no volume, reading, errors, banners; and opening files.
-import { bytes, el, icon, percent } from "./dom.js";
+import { bytes, el, icon, percent, svg } from "./dom.js";
 import { words } from "./words.js";
 
 const w = words.states;
-export const mark = () => {
-  const made = el("span");
-  made.innerHTML = '<svg viewBox="0 0 20 20" fill="none" aria-hidden="true"><circle cx="10" cy="10" r="8.750" stroke="currentColor" stroke-width="1.500"/><path d="M10 4a6 6 0 0 1 0 12z" fill="var(--accent)"/></svg>';
-  return made.firstChild;
-};
+export const mark = () => svg("svg", { viewBox: "0 0 20 20", fill: "none", "aria-hidden": "true" }, svg("circle", { cx: 10, cy: 10, r: 8.75, stroke: "currentColor", "stroke-width": 1.5 }), svg("path", { d: "M10 4a6 6 0 0 1 0 12z", fill: "var(--accent)" }));
 
 export function makeStates(app, stage) {
   let shown = null, banner = null, timer = 0;
@@ -40,9 +36,9 @@ export function makeStates(app, stage) {
   }
 
   /** One at a time, 40 high, over the picture's top. */
-  function say(text, { role = "status", act = null, keep = false } = {}) {
+  function say(text, { role = "status", acts = [], keep = false } = {}) {
     hush();
-    banner = el("div.float.banner", { role }, icon("info"), el("span", { title: text }, text), act ? el("button", { onclick: act[1] }, act[0]) : null, keep && !act ? null : keep ? null : el("button", { "aria-label": words.close, onclick: hush }, icon("close")));
+    banner = el("div.float.banner", { role }, icon("info"), el("span", { title: text }, text), ...acts.map(([name, act]) => el("button", { onclick: act }, name)), keep ? null : el("button", { "aria-label": words.close, onclick: hush }, icon("close")));
     stage.append(banner);
     const mine = banner;
     if (!keep && role === "status") setTimeout(() => mine === banner && hush(), 4000);

@@ -52,7 +52,7 @@ export const table = {
   "reference-time": { place: "hidden" }, // the page shows each pass and can be stopped
   "reference-error": { place: "hidden" },
   "albedo-max": { place: "accuracy", label: "Albedo limit", low: 0, high: 1, step: 0.01 },
-  "transport-grid": { place: "accuracy", label: "Cells", low: 16, high: 256, step: 1, log: true },
+  "transport-grid": { place: "accuracy", label: "Grid", low: 16, high: 256, step: 1, log: true, unit: "" },
   "transport-directions": { place: "accuracy", label: "Directions", low: 6, high: 256, step: 1, log: true },
   "transport-first-directions": { place: "accuracy", label: "First directions", low: 16, high: 4096, step: 1, log: true },
   "transport-error": { place: "hidden" }, // it stops by itself

@@ -1,5 +1,9 @@
 // Every word of the page, in one place. Sentence case, numbers with units, one sentence an error.
+import { bytes, short } from "./dom.js";
+
 const short_ = ([lo, hi]) => `95 %: ${lo.toFixed(1)} to ${hi.toFixed(1)} %`;
+
+const shape = (n) => (new Set(n).size === 1 ? `${n[0]}³` : n.join(" × "));
 
 export const words = {
   name: "Chiaro",
@@ -11,19 +15,20 @@ export const words = {
   edited: (name) => `${name}, edited`,
   ownLook: "Own",
   allLooks: "All looks", findLook: "Find a look",
-  groups: { ct: "CT", mr: "MR", "micro-ct": "Microscopy", microscopy: "Microscopy", simulation: "Simulation", sample: "Sample", map: "Colour maps", "": "Colour maps" },
+  groups: { ct: "CT", mr: "MR", "micro-ct": "Microscopy", microscopy: "Microscopy", simulation: "Simulation", sample: "Sample", mine: "Mine", map: "Colour maps", "": "Colour maps" },
   looks: { "ct-bone": "Bone", "ct-soft-tissue": "Soft tissue", "ct-vessels": "Vessels", "ct-lung": "Lung", "mr-brain": "Brain", "micro-ct": "Glass", simulation: "Smoke" },
-  resetLook: "Reset the look",
+  resetLook: "Reset the look", saveLook: "Save as", lookName: "Name of this look",
   log: "log", logTip: "Counts on a logarithmic scale", shape: "Add a shape", editor: "Larger editor", graphMenu: "More for colour and opacity",
   shapes: { ramp: "Ramp", step: "Step", box: "Box", peak: "Peak", bell: "Bell" },
   reverse: "Reverse", linearAxis: "Linear opacity axis", importTf: "Import a transfer function", exportTf: "Export", copyTf: "Copy as text",
   unitVoxels: "Opacity per voxel", unitMm: "Opacity per millimetre", asPicked: "Colours mixed as picked", asLight: "Colours mixed as light",
+  range: (lo, hi) => `${short(lo, 3)} to ${short(hi, 3)}`,
   value: "Value", opacity: "Opacity", colourField: "Colour", mixed: "mixed", density: "Density", window: "Window", to: "to",
   pointText: (opacity, value) => `opacity ${opacity} at ${value}`,
   stopText: (colour, value) => `colour ${colour} at ${value}`,
   point: "Point of the opacity", stop: "Colour stop", shutter: ["Lower threshold", "Upper threshold"],
   ofVoxels: (share) => `${share} of the voxels`,
-  hill: "Matter", hillTip: "Rest: only this keeps its colour. Hold: only this is shown.",
+  hill: "Matter", hillTip: "Rest: only this keeps its colour. Hold: only this is shown. Double click or F2: name it.", hillName: "Name of this matter",
   methods: {
     none: ["Off", "Colour and opacity alone.", "No lighting"],
     spao: ["Occlusion", "Hollows are darker. Follows every edit at once.", "SPAO, Kroes et al."],
@@ -36,6 +41,7 @@ export const words = {
     none: "All light.", spao: "Light past its reach, and where the light comes from.", visibility: "Light that bounced more than once.",
     histogram: "Direction of the light, and light past its radius. What is cut away still counts.", reference: "Nothing, but noise.", transport: "Fine detail below its grid.",
   },
+  lowers: { spao: "Natural or Global light.", visibility: "A finer grid, or Global where light bounces.", histogram: "A larger radius, or Global.", transport: "A finer grid." },
   effects: { ao: "Occlusion", bleeding: "Bleeding", scattering: "Scattering", glow: "Glow" },
   glow: ["Glow from", "to", "Glow"],
   ball: "Turn of the light", ownProbe: "Own light: an .hdr or .exr file", unlit: "Hold to see it without light",
@@ -50,20 +56,20 @@ export const words = {
     lost: (s) => `Connection lost. Your settings are kept. Trying again in ${s} s.`, tryNow: "Try now", lostPill: "Waiting",
     restarted: "Chiaro was restarted; everything is as you left it.",
     elsewhere: "This view is open elsewhere.", takeOver: "Take over", refused: "This address is not valid any more. Open the one that Chiaro printed.",
-    updated: "Chiaro was updated.", reload: "Reload", details: "Details",
-    failed: "The picture could not be made", reduced: (from, to) => `Shown at ${to} of ${from} to fit the memory. Saved pictures use the same.`,
+    updated: "Chiaro was updated.", reload: "Reload", details: "Details", coarser: "Coarser light", halfSize: "Half size",
   },
   pill: { draft: "Draft", light: "Refining light", picture: "Refining picture", final: "Final", grid: (n) => `grid 1:${n}`, preview: "preview",
-    notMeasured: "not measured", fromReference: (share) => `${share} from reference`, stages: "Stages", leaves: "Leaves out", frames: "Frames a second", device: "Device", left: "about" },
+    notMeasured: "not measured", fromReference: (share) => `${share} from reference`, stages: "Stages", leaves: "Leaves out", lower: "Nearer with", frames: "Frames a second", device: "Device", left: "about" },
   saving: { title: "Save image", kind: "Format", size: "Size", seen: "As seen", twice: "Twice", uhd: "3840 × 2160", own: "Own size", width: "Width", height: "Height",
     background: "Background", transparent: "Transparent", keep: "Keep the settings inside the picture", go: "Save", cancel: "Cancel", done: "Saved", takes: (s) => `Takes about ${s}.` },
   menu: { open: "Open", saveScene: "Save scene", loadScene: "Load scene or picture", loadTf: "Load transfer function", command: "Copy the command line", theme: "Theme",
     dark: "Dark", lightTheme: "Light", system: "As system", shortcuts: "Shortcuts", about: "About this volume", keys: "Single-key shortcuts" },
   about: { title: "About this volume", dimensions: "Dimensions", spacing: "Spacing", unitless: "unit not stated", range: "Range", percentiles: "Percentiles 1, 50, 99, 99.9",
     frame: "Frame", unknown: "unknown", guess: "Seems to be", type: "Stored as", nonfinite: "Not finite", notes: "Notes", copy: "Copy as JSON" },
-  cutNone: "Nothing cut", cutReset: "Reset", addPlane: "Add a plane", flip: "Flip", remove: "Remove", planes: (n) => (n === 1 ? "1 plane" : `${n} planes`), box: "Box",
+  reduced: ({ from, to, bytes: free }) => `Shown at ${to[0] * 2 >= from[0] - 1 ? "half size" : "a smaller size"} (${shape(to)} of ${shape(from)}) to fit ${bytes(free)}. Saved pictures use the same.`,
+  cutNone: "Nothing cut", cutReset: "Reset", addPlane: "Add a plane", flip: "Flip", remove: "Remove", plane: "Plane", planeTip: "Drag: moves the plane. Its rim: tilts it. --clip-plane", planes: (n) => (n === 1 ? "1 plane" : `${n} planes`), box: "Box",
   black: "Black", iconNames: { shape: 1, grow: 1, more: 1 }, shineOf: (n) => (n > 0.5 ? "Strong shine" : n > 0 ? "Soft shine" : "No shine"),
-  measured: (share, m) => `${share} at ${m.points} points, ${short_(m.interval)}; at most ${Math.round(100 * m.largest) / 100}`,
+  measured: (share, m) => `${share} at ${m.points} points, ${short_(m.interval)}; at most ${short(m.largest, 2)} %`,
   types: { uint8: "8 bit", int8: "8 bit", uint16: "16 bit", int16: "16 bit", uint32: "32 bit", int32: "32 bit", float32: "32 bit float", float64: "64 bit float" },
   axes: ["x", "y", "z"], views: { anterior: "Anterior", posterior: "Posterior", left: "Left", right: "Right", superior: "Superior", inferior: "Inferior" },
   axisViews: { "+x": "+x", "-x": "−x", "+y": "+y", "-y": "−y", "+z": "+z", "-z": "−z" },

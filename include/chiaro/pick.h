@@ -2,7 +2,10 @@
 #pragma once
 #include <chiaro/render.h>
 
+#include <array>
 #include <optional>
+#include <span>
+#include <vector>
 
 namespace chiaro {
 
@@ -24,5 +27,9 @@ struct Pick {
 /// microseconds to a millisecond, pre-integrated the table of `raycast`.
 std::optional<Pick> pick(const Medium& medium, const Camera& camera, const RaySettings& settings, int width, int height,
                          double x, double y);
+/// The same at many places (x, y), in their order: what a call prepares is prepared once. On all of the volume's
+/// threads.
+std::vector<std::optional<Pick>> pick(const Medium& medium, const Camera& camera, const RaySettings& settings,
+                                      int width, int height, std::span<const std::array<double, 2>> places);
 
 }  // namespace chiaro

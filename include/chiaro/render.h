@@ -58,7 +58,8 @@ struct Outcome {
 Outcome raycast(const Device& device, const Medium& medium, const IlluminationField& field, const Lighting& lighting,
                 const Camera& camera, const RaySettings& settings, Frame& frame, Progress& progress);
 
-using FramePreview = std::function<void(const Frame&)>;
+/// Receives a frame that a better one follows, and how sure it is.
+using FramePreview = std::function<void(const Frame&, const PathStatistics&)>;
 
 /// The reference's radiance: the same L as `raycast`, E found by following light's paths (delta tracking), with
 /// `settings.scattering.bounces` further scatterings; in Mode::iso light on matte surfaces. Unbiased: more paths bring

@@ -37,14 +37,15 @@ public:
     /// What the scene's lighting method computes for the shown volume. Throws as chiaro::compute_field.
     ComputedField compute_field(const Scene& scene, Progress& progress);
 
-    const Frame& frame() const;  ///< of the last render
+    const Frame& frame() const;  ///< of the last render; while `preview` is called with paths, theirs
     /// Of the last render or field, in order; a verb whose kept result served took 0. What a verb consists of follows
     /// it.
     const std::vector<Stage>& stages() const;
     const DeviceVolume& volume() const;             ///< shown
     const Medium& medium() const;                   ///< of the last render or draft
+    const IlluminationField& light() const;         ///< of the last render
     const std::vector<std::string>& notes() const;  ///< of what was prepared: what a user should know
-    Outcome outcome() const;                        ///< of the last render
+    Outcome outcome() const;                        ///< of the last render; its paths, as frame()
     std::size_t light_bytes() const;                ///< held: what the last render's lighting prepared, and its light
     const Statistics& statistics() const;           ///< of the shown volume
     /// What the settings ask for, of the shown volume. Throws as load_transfer_function.

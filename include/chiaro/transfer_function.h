@@ -15,6 +15,7 @@ struct ControlPoint {
     double value = 0;    ///< in data units (HU for CT)
     Rgb rgb{0, 0, 0};    ///< [0, 1], in the function's rgb_space
     double opacity = 0;  ///< [0, 1] per opacity unit distance
+    std::string name{};  ///< what people call the matter that begins here ("Leaves"); kept, never looked at
     bool operator==(const ControlPoint&) const = default;
 };
 
@@ -30,7 +31,7 @@ struct TransferFunction {
     bool operator==(const TransferFunction&) const = default;
 };
 
-/// Colour and opacity at `value`, interpolated in the function's own rgb_space.
+/// Colour and opacity at `value`, interpolated in the function's own rgb_space. It has no name.
 ControlPoint evaluate(const TransferFunction& tf, double value);
 
 /// Throws Error{input} with one sentence unless the points are finite, in range and in order.

@@ -34,14 +34,13 @@ ControlPoint evaluate(const TransferFunction& tf, double value) {
     const auto& points = tf.points;
     const auto above = std::upper_bound(points.begin(), points.end(), value,
                                         [](double v, const ControlPoint& p) { return v < p.value; });
-    ControlPoint result = above == points.begin() ? points.front() : above[-1];
+    const ControlPoint& left = above == points.begin() ? points.front() : above[-1];
+    ControlPoint result{value, left.rgb, left.opacity};
     if (above != points.begin() && above != points.end()) {
-        const ControlPoint& a = above[-1];  // a.value <= value < above->value
-        const double t = (value - a.value) / (above->value - a.value);
-        for (int c = 0; c < 3; ++c) result.rgb[c] = std::lerp(a.rgb[c], above->rgb[c], t);
-        result.opacity = std::lerp(a.opacity, above->opacity, t);
+        const double t = (value - left.value) / (above->value - left.value);  // left.value <= value < above->value
+        for (int c = 0; c < 3; ++c) result.rgb[c] = std::lerp(left.rgb[c], above->rgb[c], t);
+        result.opacity = std::lerp(left.opacity, above->opacity, t);
     }
-    result.value = value;
     return result;
 }
 

@@ -27,7 +27,7 @@ Outcome trace_paths(const Device& device, const Medium& medium, const Lighting& 
         outcome.samples = tracer.collisions();
         if (!preview) continue;
         show();
-        preview(frame);
+        preview(frame, outcome.paths);
     }
     show();
     return outcome;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/srgb.h"
+#include "core/threads.h"
 #include "illumination/none/field.h"
 #include "raycast/views.h"
 
@@ -97,21 +98,33 @@ Pick told(const Witness& witness, const Medium::Data& medium, const Camera& came
 
 }  // namespace
 
-std::optional<Pick> pick(const Medium& medium, const Camera& camera, const RaySettings& settings, int width, int height,
-                         double x, double y) {
+std::vector<std::optional<Pick>> pick(const Medium& medium, const Camera& camera, const RaySettings& settings,
+                                      int width, int height, std::span<const std::array<double, 2>> places) {
     const Medium::Data& data = medium.data();
+    const int threads = data.volume.data().device.threads;
     RaySettings forwards = settings;
     forwards.compositing = Compositing::front_to_back;
-    const RayTables tables = make_tables(data, forwards, data.volume.data().device.threads);
+    const RayTables tables = make_tables(data, forwards, threads);
     Frame no_pixels;
     no_pixels.width = width, no_pixels.height = height;
-    const Witness witness = with_stored_voxel(data.volume.data(), [&](auto voxel) {
+    std::vector<std::optional<Pick>> picks(places.size());
+    with_stored_voxel(data.volume.data(), [&](auto voxel) {
         const auto kernel =
             make_kernel<decltype(voxel)>(data, tables, kernel::NoneView{}, Lighting{}, camera, forwards, no_pixels);
-        return cast(kernel, float(x - 0.5), float(y - 0.5));
+        parallel_for(threads, std::int64_t(places.size()), 16, [&](std::int64_t first, std::int64_t end) {
+            for (auto i = first; i < end; ++i) {
+                const Witness witness = cast(kernel, float(places[i][0] - 0.5), float(places[i][1] - 0.5));
+                if (witness.weight > 0) picks[i] = told(witness, data, camera);
+            }
+        });
     });
-    if (witness.weight <= 0) return {};
-    return told(witness, data, camera);
+    return picks;
+}
+
+std::optional<Pick> pick(const Medium& medium, const Camera& camera, const RaySettings& settings, int width, int height,
+                         double x, double y) {
+    const std::array<double, 2> place{x, y};
+    return pick(medium, camera, settings, width, height, std::span(&place, 1)).front();
 }
 
 }  // namespace chiaro

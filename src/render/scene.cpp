@@ -143,7 +143,7 @@ void read_transfer_function(const Json& root, const std::filesystem::path& folde
     Json own =
         only(root["transfer_function"], {"points", "opacity_unit_distance", "opacity_unit_mm", "rgb_space", "name"});
     if (points->is_array())
-        for (Json& point : own["points"]) point = only(point, {"value", "rgb", "opacity"});
+        for (Json& point : own["points"]) point = only(point, {"value", "rgb", "opacity", "name"});
     transfer.points = parse_transfer_function(own.dump(), "transfer_function");
     transfer.opacity_unit.reset(), transfer.opacity_unit_mm.reset();  // these belong to the points, and replace nothing
 }

@@ -195,7 +195,10 @@ const Image& Session::render(const Scene& scene, Progress& progress, const Previ
            [&](Cast& cast) {
                Frame& frame = cast.frame;
                if (std::pair(frame.width, frame.height) != size) frame = Frame(scene.width, scene.height);
-               const auto keep = [&](const Frame& better) { preview(develop(better, scene.output)); };
+               const auto keep = [&](const Frame& better, const PathStatistics& paths) {
+                   cast.outcome.paths = paths;
+                   preview(develop(better, scene.output));
+               };
                cast.outcome = is_path_traced(scene.illumination)
                                   ? trace_paths(s.device, medium, lighting, camera, scene.sampling, scene.illumination,
                                                 frame, progress, preview ? keep : FramePreview())
@@ -255,6 +258,7 @@ ComputedField Session::compute_field(const Scene& scene, Progress& progress) {
 
 const DeviceVolume& Session::volume() const { return state_->upload.result; }
 const Medium& Session::medium() const { return state_->classify.result.medium; }
+const IlluminationField& Session::light() const { return state_->illuminate.result; }
 const Frame& Session::frame() const { return state_->raycast.result.frame; }
 const std::vector<Stage>& Session::stages() const { return state_->stages; }
 Outcome Session::outcome() const { return state_->raycast.result.outcome; }

@@ -47,6 +47,7 @@ export class Mock {
   /** What the page sent, newest last. */ heard = [];
   /** Milliseconds that a frame is held back. */ delay = (_header) => 0;
   /** Answers in the place of the mock's own: (message) => answer, error or undefined. */ reply = (_message) => undefined;
+  /** How the picture of a state at rest ends. */ stage = "final";
   hello = {};
   sockets = new Set();
   #states = new Map();
@@ -100,7 +101,7 @@ export class Mock {
     peer.view = view;
     this.sockets.add(peer);
     const infos = Object.keys(looks).map((name) => ({ name, modality: { "micro-ct": "micro-CT", simulation: "simulation" }[name] ?? "", sentence: "a look", stretched: true, is_map: name === "viridis" }));
-    const methods = ["none", "spao", "visibility", "histogram", "reference"].map((name) => ({ name, sentence: name }));
+    const methods = ["none", "spao", "visibility", "histogram", "transport", "reference"].map((name) => ({ name, sentence: name }));
     peer.send(JSON.stringify({ type: "hello", version: "0.1.0", protocol: 1, view, restored: Boolean(kept), device: { name: "cpu", isa: "mock", threads: 1 }, settings: settings(), methods, presets: infos,
       probes: ["white", "sky", "studio", "windows"].map((name) => ({ name, sentence: name })), samples: [{ name: "cornell", sentence: "walls and two bodies", size: 128 }], formats: [], volume, scene: kept ?? scene, error: null, ...this.hello }));
   }
@@ -127,7 +128,7 @@ export class Mock {
         // A quarter of the pixels is enough for a test and takes a quarter of the time.
         const half = [w >> 3, h >> 3], full = [w >> 1, h >> 1];
         frame({ ...base, stage: "draft", size: half }, picture(message.scene, ...half));
-        if (!message.moving) frame({ ...base, stage: message.preview ? "full" : "final", size: full }, picture(message.scene, ...full));
+        if (!message.moving) frame({ ...base, stage: message.preview ? "full" : this.stage, size: full }, picture(message.scene, ...full));
         return;
       }
       case "pick": {
@@ -138,7 +139,7 @@ export class Mock {
       case "look": frame({ n: message.id, kind: "look", type: "png", size: message.size }, picture(message.scene, ...message.size)); return setTimeout(() => answer({}), 5);
       case "probe": frame({ n: message.id, kind: "probe", type: "png", size: [128, 64] }, sky(message.probe.preset ?? "own")); return setTimeout(() => answer({}), 5);
       case "resolve": return answer({ transfer_function: message.transfer_function.preset ? transfer(message.transfer_function.preset) : message.transfer_function });
-      case "measure": return answer({ percent: 1.8, points: 1024, interval: [1.6, 2.0], largest: 0.2 });
+      case "measure": return answer({ percent: 1.8, points: 1024, interval: [1.6, 2.0], largest: 22 });
       case "save": (this.saved = message.scene), answer({ url: "/download/1", name: "ball.png", bytes: 12345 }); return;
       case "export": return answer({ text: JSON.stringify(message.scene, null, 2), name: "ball.json" });
       case "command": return answer({ text: `chiaro render ball.nrrd -o ${message.output}` });

@@ -38,7 +38,7 @@ export const ballOf = (scene, width, height) => ({ x: width / 2, y: height / 2, 
 export function picture(scene, width, height) {
   const rgba = Buffer.alloc(width * height * 4), ball = ballOf(scene, width, height), { points } = scene.transfer_function;
   const lut = Array.from({ length: 256 }, (_, v) => functionAt(points, v));
-  const turn = (((scene.camera?.azimuth_deg ?? 35) + (scene.probe?.rotation ?? 0)) * Math.PI) / 180, lit = { none: 1, spao: 0.8, visibility: 0.7, histogram: 0.6, reference: 0.5 }[scene.lighting?.method] ?? 1;
+  const turn = (((scene.camera?.azimuth_deg ?? 35) + (scene.probe?.rotation ?? 0)) * Math.PI) / 180, lit = { none: 1, spao: 0.8, visibility: 0.7, histogram: 0.6, reference: 0.5, transport: 0.55 }[scene.lighting?.method] ?? 1;
   for (let y = 0; y < height; ++y) for (let x = 0; x < width; ++x) {
     const u = (x + 0.5 - ball.x) / ball.r, v = (y + 0.5 - ball.y) / ball.r, r = Math.hypot(u, v), at = 4 * (y * width + x);
     rgba[at + 3] = 255;

@@ -1,35 +1,11 @@
 // The viewer's page against a mock of its server: what it shows, how it moves, what it sends.
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
-import { after, before, test } from "node:test";
-import { Mock, scene, settings, volume } from "./mock.mjs";
-import { launch, openPage } from "./page.mjs";
+import { test } from "node:test";
+import { scene, settings, volume } from "./mock.mjs";
+import { desktop, phone, savedScene, visits } from "./mocked.mjs";
 import { drag, faint, final, pixels, settled, state } from "./visit.mjs";
 
-let browser, mock;
-before(async () => {
-  browser = await launch();
-});
-after(() => browser.close());
-
-const desktop = { viewport: { width: 1440, height: 900 }, colorScheme: "dark" };
-
-/** A page on a mock of its own; faults fail the test. */
-function visit(name, act, { options = desktop, prepare = () => {}, allowed = /$^/, ready = true } = {}) {
-  test(name, async () => {
-    mock = await new Mock().start();
-    prepare(mock);
-    const { page, faults } = await openPage(browser, mock.address, options);
-    try {
-      if (ready) await final(page);
-      await act(page);
-      assert.deepEqual(faults.filter((fault) => !allowed.test(fault)), []);
-    } finally {
-      await page.close();
-      await mock.stop();
-    }
-  });
-}
+const visit = visits();
 
 const point = (page, i) => page.locator(".point").nth(i);
 const field = (page, label) => page.locator(`.row[aria-label="${label}"] input`).first();
@@ -57,7 +33,7 @@ visit("a phone has a sheet with five tabs and no sideways scrolling", async (pag
     const small = await page.locator("button:visible").evaluateAll((all) => all.filter((b) => b.getBoundingClientRect().height < 32 && !b.closest(".float")).map((b) => b.textContent));
     assert.deepEqual(small, [], tab);
   }
-}, { options: { viewport: { width: 390, height: 844 }, hasTouch: true } });
+}, { options: phone });
 
 visit("a dragged point moves in the next frame, a picture answers, undo restores both bit for bit", async (page) => {
   const [was, before] = [await pixels(page), await state(page)];
@@ -78,7 +54,7 @@ visit("a dragged point moves in the next frame, a picture answers, undo restores
   assert.notEqual(await pixels(page), was);
 });
 
-visit("while dragging the page waits for nothing and sends one state at a time", async (page) => {
+visit("while dragging the page waits for nothing and sends one state at a time", async (page, mock) => {
   mock.delay = () => 400;
   mock.heard.length = 0;
   const began = Date.now(), box = await point(page, 2).boundingBox();
@@ -96,7 +72,7 @@ visit("while dragging the page waits for nothing and sends one state at a time",
   assert.equal(mock.last("state").moving, false);
 });
 
-visit("no older frame is shown after a newer one", async (page) => {
+visit("no older frame is shown after a newer one", async (page, mock) => {
   // Each answer is held back less than the one before: they arrive in the wrong order.
   mock.delay = (header) => (header.kind === "state" ? Math.max(0, 500 - 40 * (header.n % 12)) : 0);
   await page.evaluate(() => {
@@ -135,7 +111,7 @@ visit("points: new by a click, several by a rectangle, gone by Delete, snapped w
   assert.equal(await count(), before);
 });
 
-visit("a threshold of shutters, a shape, a look and a chip reach the scene", async (page) => {
+visit("a threshold of shutters, a shape, a look and a chip reach the scene", async (page, mock) => {
   await page.locator(".shutter").first().focus();
   await page.keyboard.press("ArrowRight");
   assert.ok((await state(page)).threshold[0] > 0);
@@ -187,7 +163,7 @@ visit("right drag: window; wheel: zoom to the pointer; the camera has undo steps
   assert.notDeepEqual((await state(page)).tf, before.tf);
 });
 
-visit("each method is sent, keeps its settings, and brings its own rows", async (page) => {
+visit("each method is sent, keeps its settings, and brings its own rows", async (page, mock) => {
   for (const method of ["none", "visibility", "histogram", "reference", "spao"]) {
     await settled(page, () => page.click(`[data-method=${method}]`));
     assert.equal(mock.last("state").scene.lighting.method, method);
@@ -202,7 +178,7 @@ visit("each method is sent, keeps its settings, and brings its own rows", async 
   assert.equal(mock.last("state").scene.lighting.levels, 8);
 });
 
-visit("the ball turns the probe; glow appears with its switch", async (page) => {
+visit("the ball turns the probe; glow appears with its switch", async (page, mock) => {
   await settled(page, () => page.click("[data-method=visibility]"));
   await settled(page, () => drag(page, page.locator(".ball"), 30, 0));
   assert.equal(mock.last("state").scene.probe.rotation, 60);
@@ -214,7 +190,7 @@ visit("the ball turns the probe; glow appears with its switch", async (page) => 
   assert.match(mock.last("state").scene.lighting.glow, /^220:255=2$/);
 });
 
-visit("an error in a setting: the text stays, the range is told, the last good value holds", async (page) => {
+visit("an error in a setting: the text stays, the range is told, the last good value holds", async (page, mock) => {
   await page.click(".s-surface .head");
   const shine = field(page, "Shine");
   await shine.fill("99");
@@ -233,19 +209,14 @@ visit("save, load, save: the same bytes", async (page) => {
   await page.click(".s-cut .head");
   await page.locator(".row[aria-label=x] .thumb").first().focus();
   await page.keyboard.press("ArrowRight");
-  const saved = async () => {
-    const download = page.waitForEvent("download");
-    await page.keyboard.press("Control+Shift+s");
-    return readFileSync(await (await download).path(), "utf8");
-  };
-  const first = await saved();
+  const first = await savedScene(page);
   assert.ok(JSON.parse(first).clip.box[0] > 0);
   await settled(page, () => page.click("[data-look=simulation]"));
   await settled(page, () => page.evaluate((text) => chiaro.take(new File([text], "scene.json")), first));
-  assert.equal(await saved(), first);
+  assert.equal(await savedScene(page), first);
 });
 
-visit("the picture is saved in the wanted size, without highlights", async (page) => {
+visit("the picture is saved in the wanted size, without highlights", async (page, mock) => {
   await page.click("button.primary");
   await page.locator(".popover select").nth(1).selectOption({ index: 2 });
   const download = page.waitForEvent("download");
@@ -262,7 +233,7 @@ visit("a malformed file: the library's sentence, and the picture stays", async (
   assert.equal(await pixels(page), was);
 });
 
-visit("a killed server: banner, settings kept; restarted: the same picture", async (page) => {
+visit("a killed server: banner, settings kept; restarted: the same picture", async (page, mock) => {
   await settled(page, () => page.click("[data-method=visibility]"));
   const was = await pixels(page), { port } = mock;
   await mock.stop();
@@ -277,13 +248,13 @@ visit("a killed server: banner, settings kept; restarted: the same picture", asy
   assert.equal(await pixels(page), was);
 }, { allowed: /WebSocket connection/ });
 
-visit("the same view elsewhere offers to take over", async (page) => {
+visit("the same view elsewhere offers to take over", async (page, mock) => {
   for (const peer of mock.sockets) peer.close(4001);
   await page.click(".banner button:has-text('Take over')");
   await page.waitForFunction(() => chiaro.link.open);
 });
 
-visit("no volume: what can be opened; the panel appears with the picture", async (page) => {
+visit("no volume: what can be opened; the panel appears with the picture", async (page, mock) => {
   await page.waitForSelector("h1:has-text('Open a volume')");
   assert.equal(await page.locator("#panel").isVisible(), false);
   await page.click("button:has-text('Choose a file')");
@@ -298,7 +269,7 @@ visit("a file that cannot be read: one heading and the sentence", async (page) =
   assert.equal(await page.locator(".state p").textContent(), '"scan.nrrd" ends after 41 of 63 MB.');
 }, { prepare: (m) => (m.hello = { volume: null, scene: null, error: '"scan.nrrd" ends after 41 of 63 MB.' }), ready: false });
 
-visit("Compare shows the reference at the right of a line that keys move", async (page) => {
+visit("Compare shows the reference at the right of a line that keys move", async (page, mock) => {
   await page.keyboard.press("r");
   await page.waitForSelector(".figures:has-text('SSIM 0.972')");
   const line = page.locator(".wipe");

@@ -95,6 +95,10 @@ test("each method gives another picture, and so does a turned probe", { skip }, 
 test("a saved scene gives the same pixels again, and so does the saved picture", { skip }, () => visit(async (page) => {
   await settled(page, () => page.keyboard.press("]"));
   await settled(page, () => drag(page, page.locator("#stage"), 60, 20));
+  await page.locator(".chip").first().dblclick();
+  await page.keyboard.type("Wände");
+  await page.mouse.move(300, 300);
+  await settled(page, () => page.keyboard.press("Enter"));
   const was = await pixels(page);
   let download = page.waitForEvent("download");
   await page.keyboard.press("Control+Shift+s");
@@ -107,10 +111,33 @@ test("a saved scene gives the same pixels again, and so does the saved picture",
   for (const [name, data] of [["scene.json", Buffer.from(scene)], ["saved.png", picture]]) {
     await settled(page, () => page.keyboard.press("]"));
     assert.notEqual(await pixels(page), was);
+    await settled(page, () => page.evaluate(() => chiaro.store.set("no names", (s) => ({ tf: { ...s.tf, points: s.tf.points.map(({ name, ...p }) => p) } }))));
     await settled(page, () => page.evaluate(([bytes, file]) => chiaro.take(new File([Uint8Array.from(atob(bytes), (c) => c.charCodeAt(0))], file)), [data.toString("base64"), name]));
     assert.equal(await pixels(page), was, name);
+    assert.match(await page.locator(".chip").first().textContent(), /^Wände/, name);
   }
 }));
+
+test("Adjust picks the value of a known sample and makes it denser", { skip }, async () => {
+  const own = await serve("sample:slab:32");
+  try {
+    await visit(async (page) => {
+      const was = await pixels(page);
+      await page.keyboard.press("a");
+      await page.keyboard.up("a");
+      await drag(page, page.locator("#stage"), 0, 0, { release: false });
+      await page.waitForFunction(() => chiaro.ui.points.length === 1);
+      const value = await page.evaluate(() => chiaro.store.state.tf.points[chiaro.ui.points[0]].value);
+      assert.ok(Math.abs(value - 200) <= 2, `the slab is 200, not ${value}`);
+      const box = await page.locator("#stage").boundingBox();
+      await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2 - 100, { steps: 4 });
+      await settled(page, () => page.mouse.up());
+      assert.notEqual(await pixels(page), was);
+    }, { url: own.url });
+  } finally {
+    await own.end("SIGINT");
+  }
+});
 
 test("a second viewer has a state of its own", { skip }, () => visit(async (first) => {
   const was = await pixels(first);

@@ -10,7 +10,7 @@ namespace chiaro {
 namespace {
 
 ControlPoint read_point(const JsonNode& node) {
-    node.require_keys({"value", "rgb", "opacity"});
+    node.require_keys({"value", "rgb", "opacity", "name"});
     ControlPoint point;
     point.value = node.at("value").number();
     point.opacity = node.at("opacity").number();
@@ -18,6 +18,7 @@ ControlPoint read_point(const JsonNode& node) {
     if (!rgb.json.is_array()) rgb.fail_type("three numbers in [0, 1]");
     if (rgb.json.size() != 3) rgb.fail("has " + std::to_string(rgb.json.size()) + " numbers: must have 3");
     for (std::size_t c = 0; c < 3; ++c) point.rgb[c] = rgb.at(c).number();
+    if (node.json.contains("name")) point.name = node.at("name").text();
     return point;
 }
 
@@ -97,8 +98,10 @@ std::string to_json(const TransferFunction& tf) {
     json[tf.opacity_unit_is_mm ? "opacity_unit_mm" : "opacity_unit_distance"] = tf.opacity_unit;
     if (tf.rgb_space == RgbSpace::linear) json["rgb_space"] = "linear";
     json["points"] = nlohmann::ordered_json::array();
-    for (const ControlPoint& point : tf.points)
+    for (const ControlPoint& point : tf.points) {
         json["points"].push_back({{"value", point.value}, {"rgb", point.rgb}, {"opacity", point.opacity}});
+        if (!point.name.empty()) json["points"].back()["name"] = point.name;
+    }
     return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 

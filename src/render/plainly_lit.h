@@ -1,0 +1,13 @@
+// What all methods are asked alike, so that they can be compared: the light on particles (illumination.md 4).
+#pragma once
+#include <chiaro/scene.h>
+
+namespace chiaro {
+
+/// The scene without shading, background and exposure of the picture, lit by the method as compare_methods says.
+Scene plainly_lit(const Scene& scene, Method method);
+
+/// Of the lighting's probe, loaded if it is not, over the whole sphere.
+Rgb mean_radiance(const Lighting& lighting);
+
+}  // namespace chiaro
