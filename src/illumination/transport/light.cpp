@@ -47,21 +47,21 @@ NodeLook on_surface(const LightAround& around, const Float3& normal, const Float
 
 NodeLook look_of(const SurfaceNodes& surfaces, const Float3& most, Look look, std::size_t node, int x, int y, int z) {
     const LightAround here = surfaces.at(node);
+    const bool as_particles = look == Look::particles;
+    const NodeRoles roles = as_particles ? surfaces.particle_roles(x, y, z) : surfaces.roles(x, y, z);
     NodeLook seen;
-    if (look == Look::particles) {
-        seen.add(surfaces.weight(node), {1, here.j, {}});
-        return seen;
-    }
-    const NodeRoles roles = surfaces.roles(x, y, z);
     if (roles.particles > 0) seen.add(roles.particles, {1, here.j, {}});
     if (!(roles.air > 0) && !(roles.matter > 0)) return seen;
     const NodeOutwards out = surfaces.outwards(x, y, z);
     // Air that shares its cell with matter is as dark as that: there too the light is that one cell out.
-    const float clear = (1 - surfaces.weight(node)) * (1 - surfaces.weight(node));
+    const float passes = surfaces.shows(node) ? 0 : 1 - surfaces.weight(node), clear = passes * passes;
     LightAround beside;
     beside.add(clear, here);
     beside.add(1 - clear, surfaces.off(out, x, y, z));
-    seen.add(roles.air + roles.matter, on_surface(beside, out.normal, most, look));
+    NodeLook surface = on_surface(beside, out.normal, most, look);
+    const Float3 answer = as_particles ? surfaces.answer(x, y, z) : Float3{1, 1, 1};
+    for (int c = 0; c < 3; ++c) surface.light[c] *= answer[c];
+    seen.add(roles.air + roles.matter, surface);
     return seen;
 }
 
