@@ -62,7 +62,7 @@ Rgb light_at(const TransportNodes& nodes, Vec3 p, bool in_matter) {
         }
         add(cell[0], cell[1], cell[2], weight);
     }
-    constexpr double few = 0.1;
+    constexpr double few = 0.5;
     if (!in_matter && weights < few) {
         const auto range = [&](int a) {
             return std::pair{std::max(low[a] - 1, 0), std::min(low[a] + 2, grid.count[a] - 1)};
@@ -72,7 +72,7 @@ Rgb light_at(const TransportNodes& nodes, Vec3 p, bool in_matter) {
             for (int y = range(1).first; y <= range(1).second; ++y)
                 for (int x = range(0).first; x <= range(0).second; ++x) {
                     const double off = std::hypot(distance(0, x), distance(1, y), distance(2, z));
-                    add(x, y, z, few * std::exp(-4 * off * off));
+                    add(x, y, z, few * std::exp(-1.5 * off * off));
                 }
     }
     for (double& channel : sum) channel /= std::max(weights, 1e-30);
@@ -187,7 +187,8 @@ Frame TransportJudge::picture(const TransportNodes& nodes) const {
     std::array<float, 3> most{};
     for (std::size_t i = 0; i < nodes.light.size(); ++i) most[i % 3] = std::max(most[i % 3], nodes.light[i]);
     const TransportLight light(subject_.device, nodes, nodes.grid.edge_mm / geometry.smallest_spacing_mm(), most);
-    const auto shown = light.shown(Look::particles, {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}});
+    const auto shown =
+        light.shown(Look::particles, {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, geometry.voxel_from_world(camera.eye));
     parallel_for(subject_.device.threads, scene.height, 1, [&](std::int64_t y, std::int64_t) {
         for (int x = 0; x < scene.width; ++x) {
             const double across = ((x + 0.5) / scene.width * 2 - 1) * camera.half_height * scene.width / scene.height,

@@ -96,6 +96,17 @@ Float3 SurfaceNodes::answer(int x, int y, int z) const {
     return sum;
 }
 
+float SurfaceNodes::cosine_to(Vec3 eye, const NodeOutwards& outwards, int x, int y, int z) const {
+    const CellGrid& grid = nodes_.grid;
+    const Vec3 voxels = eye - grid.voxel_of(x, y, z);
+    double along = 0, square = 0, normal = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double v = voxels[axis] / grid.voxels_per_cell[axis], n = outwards.normal[axis];
+        along += v * n, square += v * v, normal += n * n;
+    }
+    return normal > 0 && square > 0 ? float(std::min(std::abs(along) / std::sqrt(square), 1.0)) : -1;
+}
+
 LightAround SurfaceNodes::at(std::size_t node) const {
     LightAround light;
     for (int c = 0; c < 3; ++c) {

@@ -46,6 +46,8 @@ public:
     NodeRoles particle_roles(int x, int y, int z) const;
     /// R(a) / a of the surfaces at a node and around it.
     Float3 answer(int x, int y, int z) const;
+    /// |n · v|, v from the node to a place in voxels; -1 where there is no n.
+    float cosine_to(Vec3 eye, const NodeOutwards& outwards, int x, int y, int z) const;
     LightAround at(std::size_t node) const;
     /// Whether a surface passes through the node, as far as light knows.
     bool shows(std::size_t node) const { return !nodes_.answer.empty() && nodes_.answer[3 * node] > 0; }
