@@ -162,7 +162,7 @@ Rgb TransportJudge::light_along(const ShownLight& shown, Vec3 eye, Vec3 directio
     }
     Rgb light{0, 0, 0};
     constexpr double opaque = 1e-4;
-    const double length = geometry.smallest_spacing_mm() / 32;
+    const double length = geometry.smallest_spacing_mm() / 64;
     double clear = 1;
     for (double t = near + length / 2; t < far && clear > opaque; t += length) {
         const Vec3 p = origin + t * step;

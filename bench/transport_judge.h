@@ -35,7 +35,7 @@ public:
     LightError in_air(const TransportNodes& nodes) const;
     LightError in_matter(const TransportNodes& nodes) const;
 
-    /// L = ∫ κ a J T dt by marching through the medium of the paths, 32 steps a smallest voxel edge, J as pictures of
+    /// L = ∫ κ a J T dt by marching through the medium of the paths, 64 steps a smallest voxel edge, J as pictures of
     /// particles look it up: what this light makes of a picture, whatever a ray caster adds. Some CPU seconds.
     Frame picture(const TransportNodes& nodes) const;
     LightError of_picture(const Frame& frame, int block = 4) const;

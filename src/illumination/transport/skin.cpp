@@ -69,7 +69,6 @@ private:
 /// What there is of a cell and its 26 neighbours, a bit each.
 using Around = std::uint32_t;
 constexpr int bit_of(int i, int j, int k) { return (k + 1) * 9 + (j + 1) * 3 + i + 1; }
-constexpr int middle_bit = bit_of(0, 0, 0);
 
 /// Each place and its 26 neighbours, of 27.
 constexpr std::array<Around, 27> neighbours = [] {
@@ -82,15 +81,21 @@ constexpr std::array<Around, 27> neighbours = [] {
     return all;
 }();
 
-bool is_one_piece(Around open) {
-    open &= ~(1u << middle_bit);
-    Around piece = open & (~open + 1);
+Around beside(Around places) {
+    Around all = 0;
+    for (int place = 0; place < 27; ++place)
+        if (places >> place & 1) all |= neighbours[place];
+    return all;
+}
+
+/// Whether what is clear hangs together, and touches all that is thin.
+bool is_one_side(Around clear, Around thin) {
+    Around piece = clear & (~clear + 1);
     for (Around before = 0; piece != before;) {
         before = piece;
-        for (int place = 0; place < 27; ++place)
-            if (before >> place & 1) piece |= neighbours[place] & open;
+        piece |= beside(piece) & clear;
     }
-    return piece == open;
+    return piece == clear && (thin & ~beside(piece)) == 0;
 }
 
 class Skins {
@@ -119,14 +124,21 @@ public:
         const int i = x + step(m.x), j = y + step(m.y), k = z + step(m.z);
         return is_opaque(i, j, k) && !fills_[grid_.index(i, j, k)].is_thin();
     }
-    template <class IsOpen>
-    bool is_open(int x, int y, int z, const IsOpen& is_thin) const {
-        Around open = 0;
+    /// Whether nothing parts here, were all the thin cells around open: c and a thin cell on the other side may not
+    /// leave a wall of edges.
+    template <class IsThin>
+    bool is_on_one_side(int x, int y, int z, const IsThin& is_thin) const {
+        Around clear = 0, thin = 0;
         for (int k = -1; k <= 1; ++k)
             for (int j = -1; j <= 1; ++j)
-                for (int i = -1; i <= 1; ++i)
-                    if (!is_opaque(x + i, y + j, z + k) || is_thin(x + i, y + j, z + k)) open |= 1u << bit_of(i, j, k);
-        return is_one_piece(open);
+                for (int i = -1; i <= 1; ++i) {
+                    const Around bit = 1u << bit_of(i, j, k);
+                    if (!is_opaque(x + i, y + j, z + k))
+                        clear |= bit;
+                    else if (is_thin(x + i, y + j, z + k))
+                        thin |= bit;
+                }
+        return is_one_side(clear, thin);
     }
     bool inside(int x, int y, int z) const {
         return x >= 0 && y >= 0 && z >= 0 && x < grid_.count[0] && y < grid_.count[1] && z < grid_.count[2];
@@ -163,7 +175,7 @@ std::vector<std::size_t> open_skins(const Medium::Data& medium, const Device& de
     each([&](int x, int y, int z) { thin[grid.index(x, y, z)] = surface.is_backed(x, y, z); });
     const auto is_thin = [&](int x, int y, int z) { return thin[grid.index(x, y, z)] != 0; };
     each([&](int x, int y, int z) {
-        open[grid.index(x, y, z)] = is_thin(x, y, z) && surface.is_open(x, y, z, is_thin);
+        open[grid.index(x, y, z)] = is_thin(x, y, z) && surface.is_on_one_side(x, y, z, is_thin);
     });
     std::vector<std::size_t> skins;
     for (int z = 0; z < nz; ++z)
