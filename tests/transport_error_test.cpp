@@ -18,8 +18,8 @@ struct Bounds {
 };
 constexpr Bounds all_bounds[] = {{"cornell", 0.8, 0.05, 0.03},  {"cornell", 0.95, 0.05, 0.03},
                                  {"fog", 0.8, 0.01, 0.005},     {"engine", 0.8, 0.02, 0.015},
-                                 {"engine", 0.95, 0.02, 0.015}, {"head", 0.8, 0.025, 0.02},
-                                 {"head", 0.95, 0.025, 0.02}};
+                                 {"engine", 0.95, 0.02, 0.015}, {"head", 0.8, 0.02, 0.015},
+                                 {"head", 0.95, 0.02, 0.015}};
 
 class TransportError : public ::testing::TestWithParam<Bounds> {
 protected:
