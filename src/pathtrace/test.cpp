@@ -122,7 +122,81 @@ void expect_opacity_of_marching(const Volume& volume, Subject subject, int sampl
     test.expect_pass();
 }
 
+/// What a probe's table draws, in numbers of the test's own.
+struct DrawnLight {
+    explicit DrawnLight(const Probe& probe) : table(Lighting{.loaded_probe = probe}, {0, 0, 1}), view(table.view()) {}
+
+    double density(Vec3 d) const { return view.at(kernel::Vec3<float>{float(d.x), float(d.y), float(d.z)}).density; }
+    Vec3 direction(std::int32_t number) const {
+        const auto key = kernel::random_key<float>(number, 0);
+        const auto d = view.towards(kernel::draw<float>(key, 0), kernel::draw<float>(key, 1));
+        return {d.x, d.y, d.z};
+    }
+
+    LightTable table;
+    kernel::ProbeLightView view;
+};
+
 }  // namespace
+
+TEST(LightTable, DensityIntegratesToOneAndIsProportionalToLuminance) {
+    for (const char* name : {"sky", "studio", "windows"}) {
+        const Probe probe = builtin_probe(name);
+        const ProbePicture& picture = probe.data().picture;
+        const DrawnLight light(probe);
+        double sum = 0, light_sum = 0, worst = 0;
+        std::vector<std::pair<double, double>> pairs;
+        for (int y = 0; y < picture.height; ++y)
+            for (int x = 0; x < picture.width; ++x) {
+                double luminance = 0;
+                for (int c = 0; c < 3; ++c)
+                    luminance += luminance_weights[c] * picture.rgb[3 * (std::size_t(y) * picture.width + x) + c];
+                pairs.emplace_back(light.density(picture.direction(x + 0.5, y + 0.5)), luminance);
+                sum += pairs.back().first * picture.solid_angle(y), light_sum += luminance * picture.solid_angle(y);
+            }
+        for (const auto& [density, luminance] : pairs)
+            worst = std::max(worst, std::abs(density - luminance / light_sum) / density);
+        EXPECT_NEAR(sum, 1, 1e-5) << name;
+        EXPECT_LT(worst, 1e-5) << name;
+    }
+}
+
+TEST(LightTable, NothingIsDrawnFromEvenLight) {
+    EXPECT_TRUE(DrawnLight(builtin_probe("white")).view.even);
+    EXPECT_TRUE(DrawnLight(Probe(3, 2, std::vector<float>(18))).view.even);
+}
+
+TEST(LightTable, DrawsFollowTheDensity) {
+    constexpr int width = 16, height = 8, count = 200000;
+    ProbePicture picture{width, height, {}};
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const Vec3 d = picture.direction(x + 0.5, y + 0.5);
+            const float brightness = d.z > 0 ? 0 : float(1 + d.x);
+            picture.rgb.insert(picture.rgb.end(), {brightness, brightness, 1e-3f});
+        }
+    const DrawnLight light(Probe(width, height, picture.rgb));
+    std::vector<int> hits(width * height);
+    Vec3 inverse;  // Σ ω / density: even over the sphere, so it is ∫ ω
+    double area = 0;
+    for (int i = 0; i < count; ++i) {
+        const Vec3 d = light.direction(i);
+        ASSERT_NEAR(length(d), 1, 1e-6);
+        const auto [x, y] = picture.place(d);
+        ++hits[width * std::min(int(y), height - 1) + int(x) % width];
+        const double weight = 1 / light.density(d) / count;
+        if (d.z < 0) area += weight, inverse = inverse + weight * d;
+    }
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const double share = light.density(picture.direction(x + 0.5, y + 0.5)) * picture.solid_angle(y),
+                         expected = count * share;
+            EXPECT_NEAR(hits[width * y + x], expected, 5 * std::sqrt(expected) + 1) << x << " " << y;
+        }
+    EXPECT_NEAR(area, 2 * std::numbers::pi, 0.05);  // of the lower half
+    EXPECT_NEAR(inverse.z, -std::numbers::pi, 0.05);
+    EXPECT_NEAR(inverse.x, 0, 0.05);
+}
 
 // Albedo 1 under light 1: what is not seen through is as bright as what is, so nothing can be seen.
 TEST(PathTracer, FurnaceIsInvisible) {

@@ -8,7 +8,6 @@
 #include <numbers>
 
 #include "core/srgb.h"
-#include "illumination/probe/importance.h"
 #include "illumination/probe/lambert.h"
 #include "illumination/sh/rotation.h"
 
@@ -68,13 +67,9 @@ struct Probe::Data {
     const LambertTable& lambert() const {
         return lambert_([&] { return lambert_of_probe(*this); });
     }
-    const ImportanceTable& importance() const {
-        return importance_([&] { return ImportanceTable(picture); });
-    }
 
 private:
     Lazy<LambertTable> lambert_;
-    Lazy<ImportanceTable> importance_;
 };
 
 }  // namespace chiaro

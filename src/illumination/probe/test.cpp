@@ -1,4 +1,4 @@
-// Light probes: projection, placement in the world, irradiance, importance.
+// Light probes: projection, placement in the world, irradiance.
 #include <chiaro/error.h>
 #include <gtest/gtest.h>
 
@@ -320,67 +320,4 @@ TEST(Lambert, WindowAndBandsAreFactors) {
     EXPECT_FLOAT_EQ(soft[2][0], plain[2][0]);
     EXPECT_FLOAT_EQ(soft[2][3], plain[2][3] / 2);
     EXPECT_EQ(soft[2][4], 0);
-}
-
-TEST(Importance, IntegratesToOneAndIsEvenForWhite) {
-    for (const char* name : {"white", "sky", "studio"}) {
-        const Probe probe = builtin_probe(name);
-        const ImportanceTable& table = probe.data().importance();
-        const ProbePicture& picture = probe.data().picture;
-        double sum = 0;
-        for (int y = 0; y < picture.height; ++y)
-            for (int x = 0; x < picture.width; ++x)
-                sum += table.density(picture.direction(x + 0.5, y + 0.5)) * picture.solid_angle(y);
-        EXPECT_NEAR(sum, 1, 1e-9) << name;
-    }
-    const Probe white = builtin_probe("white"), black(3, 2, std::vector<float>(18));
-    for (const Vec3 d : fibonacci_directions(50)) {
-        EXPECT_NEAR(white.data().importance().density(d), 1 / (4 * pi), 1e-6);
-        EXPECT_NEAR(black.data().importance().density(d), 1 / (4 * pi), 1e-9);
-    }
-}
-
-TEST(Importance, DensityIsProportionalToLuminance) {
-    const Probe probe = builtin_probe("windows");
-    const ProbePicture& picture = probe.data().picture;
-    const double mean = mean_luminance(probe);
-    for (int y = 3; y < picture.height; y += 50)
-        for (int x = 7; x < picture.width; x += 50) {
-            double luminance = 0;
-            for (int c = 0; c < 3; ++c)
-                luminance += luminance_weights[c] * picture.rgb[3 * (std::size_t(y) * picture.width + x) + c];
-            const double density = probe.data().importance().density(picture.direction(x + 0.5, y + 0.5));
-            EXPECT_NEAR(density, luminance / (4 * pi * mean), 1e-5 * density);
-        }
-}
-
-TEST(Importance, SamplesFollowTheDensity) {
-    const Probe probe = pictured(16, 8, [](Vec3 d) {
-        return Rgb{d.z > 0 ? 0.0 : 1 + d.x, d.z > 0 ? 0.0 : 1 + d.x, 1e-3};
-    });
-    const ProbePicture& picture = probe.data().picture;
-    const ImportanceTable& table = probe.data().importance();
-    std::mt19937 random(2);
-    std::uniform_real_distribution<double> uniform;
-    constexpr int count = 200000;
-    std::vector<int> hits(16 * 8);
-    Vec3 inverse;  // Σ ω / density: even over the sphere, so its mean vanishes
-    double area = 0;
-    for (int i = 0; i < count; ++i) {
-        const auto [d, density] = table.sample(uniform(random), uniform(random));
-        EXPECT_NEAR(length(d), 1, 1e-12);
-        ASSERT_NEAR(density, table.density(d), 1e-9 * density);
-        const int y = std::min(int(std::acos(d.z) / pi * 8), 7),
-                  x = int((0.5 - std::atan2(d.y, d.x) / (2 * pi)) * 16) % 16;
-        ++hits[16 * y + x];
-        if (d.z < 0) area += 1 / density / count, inverse = inverse + (1 / density / count) * d;
-    }
-    for (int y = 0; y < 8; ++y)
-        for (int x = 0; x < 16; ++x) {
-            const double expected = count * table.density(picture.direction(x + 0.5, y + 0.5)) * picture.solid_angle(y);
-            EXPECT_NEAR(hits[16 * y + x], expected, 5 * std::sqrt(expected) + 1) << x << " " << y;
-        }
-    EXPECT_NEAR(area, 2 * pi, 0.05);            // of the lower half
-    EXPECT_NEAR(inverse.z, -pi, 0.05);          // ∫ z
-    EXPECT_NEAR(std::abs(inverse.x), 0, 0.05);  // ∫ x
 }
