@@ -31,22 +31,27 @@ public:
           kept_(half_spaces(medium.shape.clip, medium.volume.data().geometry, medium.volume.data().dimensions)),
           hard_(float(1 / medium.volume.data().geometry.smallest_spacing_mm())) {}
 
+    /// Two points per axis tell most cells that are full.
     Fill of_node(int x, int y, int z) const {
+        const Fill rough = sampled(x, y, z, 2);
+        return rough.share > 0.5f ? rough : sampled(x, y, z, samples);
+    }
+
+private:
+    Fill sampled(int x, int y, int z, int n) const {
         Fill fill;
         int count = 0;
-        for (int k = 0; k < samples; ++k)
-            for (int j = 0; j < samples; ++j)
-                for (int i = 0; i < samples; ++i) {
-                    const Vec3 off{(i + 0.5) / samples - 0.5, (j + 0.5) / samples - 0.5, (k + 0.5) / samples - 0.5};
+        for (int k = 0; k < n; ++k)
+            for (int j = 0; j < n; ++j)
+                for (int i = 0; i < n; ++i) {
+                    const Vec3 off{(i + 0.5) / n - 0.5, (j + 0.5) / n - 0.5, (k + 0.5) / n - 0.5};
                     if (!is_hard(nodes_.voxel_of(x + off.x, y + off.y, z + off.z))) continue;
                     fill.middle = fill.middle + off;
                     ++count;
                 }
-        fill.share = float(count) / (samples * samples * samples);
+        fill.share = float(count) / float(n * n * n);
         return fill;
     }
-
-private:
     bool is_hard(Vec3 p) const {
         const auto& n = medium_.volume.data().dimensions;
         for (int axis = 0; axis < 3; ++axis)
