@@ -5,6 +5,7 @@
 
 #include "classify/medium.h"
 #include "core/threads.h"
+#include "illumination/transport/light.h"
 #include "illumination/transport/solver.h"
 
 namespace chiaro::bench {
@@ -31,6 +32,9 @@ struct Sums {
     }
 };
 
+/// Trilinear, each node by its weight. In the air that is the fourth power of what it leaves clear, so that no air
+/// takes the light within matter; where all nodes around are full of matter, those of the air farther off count, the
+/// nearest most.
 Rgb light_at(const TransportNodes& nodes, Vec3 p, bool in_matter) {
     const CellGrid& grid = nodes.grid;
     int low[3];
@@ -41,6 +45,14 @@ Rgb light_at(const TransportNodes& nodes, Vec3 p, bool in_matter) {
     }
     Rgb sum{0, 0, 0};
     double weights = 0;
+    const auto add = [&](int x, int y, int z, double weight) {
+        const std::size_t node = grid.index(x, y, z);
+        const bool is_surface = !nodes.answer.empty() && nodes.answer[3 * node] > 0;
+        const double clear = is_surface ? 0 : std::pow(1 - double(nodes.weight[node]), 4);
+        weight *= in_matter ? nodes.weight[node] : clear + 1e-6;
+        weights += weight;
+        for (std::size_t c = 0; c < 3; ++c) sum[c] += weight * nodes.light[3 * node + c];
+    };
     for (int corner = 0; corner < 8; ++corner) {
         double weight = 1;
         int cell[3];
@@ -48,13 +60,30 @@ Rgb light_at(const TransportNodes& nodes, Vec3 p, bool in_matter) {
             const bool next = corner >> a & 1;
             cell[a] = std::min(low[a] + next, grid.count[a] - 1), weight *= next ? share[a] : 1 - share[a];
         }
-        const std::size_t node = grid.index(cell[0], cell[1], cell[2]);
-        weight *= in_matter ? nodes.weight[node] : 1 - double(nodes.weight[node]) + 1e-6;
-        weights += weight;
-        for (std::size_t c = 0; c < 3; ++c) sum[c] += weight * nodes.light[3 * node + c];
+        add(cell[0], cell[1], cell[2], weight);
+    }
+    constexpr double few = 0.5;
+    if (!in_matter && weights < few) {
+        const auto range = [&](int a) {
+            return std::pair{std::max(low[a] - 1, 0), std::min(low[a] + 2, grid.count[a] - 1)};
+        };
+        const auto distance = [&](int a, int cell) { return cell - low[a] - share[a]; };
+        for (int z = range(2).first; z <= range(2).second; ++z)
+            for (int y = range(1).first; y <= range(1).second; ++y)
+                for (int x = range(0).first; x <= range(0).second; ++x) {
+                    const double off = std::hypot(distance(0, x), distance(1, y), distance(2, z));
+                    add(x, y, z, few * std::exp(-1.5 * off * off));
+                }
     }
     for (double& channel : sum) channel /= std::max(weights, 1e-30);
     return sum;
+}
+
+/// As pictures of particles look it up.
+Rgb shown_at(const ShownLight& shown, Vec3 p) {
+    const kernel::ScatteredLight scattered{.on = true};
+    const auto light = scattered.incident<float>(shown.view, {{float(p.x), float(p.y), float(p.z)}, 0}, {}).diffuse;
+    return {light.x, light.y, light.z};
 }
 
 }  // namespace
@@ -122,7 +151,7 @@ LightError TransportJudge::in_matter(const TransportNodes& nodes) const {
     return error_of(light_between(nodes, points_.matter, true), matter_);
 }
 
-Rgb TransportJudge::light_along(const TransportNodes& nodes, Vec3 eye, Vec3 direction) const {
+Rgb TransportJudge::light_along(const ShownLight& shown, Vec3 eye, Vec3 direction) const {
     const Geometry geometry = subject_.voxels().geometry();
     const auto n = subject_.voxels().dimensions();
     const Vec3 origin = geometry.voxel_from_world(eye), step = geometry.voxel_from_world_vector(direction);
@@ -133,7 +162,7 @@ Rgb TransportJudge::light_along(const TransportNodes& nodes, Vec3 eye, Vec3 dire
     }
     Rgb light{0, 0, 0};
     constexpr double opaque = 1e-4;
-    const double length = geometry.smallest_spacing_mm() / 8;
+    const double length = geometry.smallest_spacing_mm() / 64;
     double clear = 1;
     for (double t = near + length / 2; t < far && clear > opaque; t += length) {
         const Vec3 p = origin + t * step;
@@ -142,7 +171,7 @@ Rgb TransportJudge::light_along(const TransportNodes& nodes, Vec3 eye, Vec3 dire
         const double passed = std::exp(-length * entry.extinction_per_mm), share = clear * (1 - passed);
         const double most = std::max({entry.r, entry.g, entry.b});
         const double cap = most > which_.albedo ? which_.albedo / most : 1;
-        const Rgb j = light_at(nodes, p, true);
+        const Rgb j = shown_at(shown, p);
         light[0] += share * cap * entry.r * j[0], light[1] += share * cap * entry.g * j[1];
         light[2] += share * cap * entry.b * j[2], clear *= passed;
     }
@@ -153,12 +182,19 @@ Frame TransportJudge::picture(const TransportNodes& nodes) const {
     const Scene& scene = subject_.scene;
     const Camera camera = make_camera(scene.camera, subject_.voxels().geometry(), subject_.voxels().dimensions());
     Frame frame(scene.width, scene.height);
+    const Geometry geometry = subject_.voxels().geometry();
+    // What falls on a surface in the open: no more than the brightest light there is.
+    std::array<float, 3> most{};
+    for (std::size_t i = 0; i < nodes.light.size(); ++i) most[i % 3] = std::max(most[i % 3], nodes.light[i]);
+    const TransportLight light(subject_.device, nodes, nodes.grid.edge_mm / geometry.smallest_spacing_mm(), most);
+    const auto shown =
+        light.shown(Look::particles, {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, geometry.voxel_from_world(camera.eye));
     parallel_for(subject_.device.threads, scene.height, 1, [&](std::int64_t y, std::int64_t) {
         for (int x = 0; x < scene.width; ++x) {
             const double across = ((x + 0.5) / scene.width * 2 - 1) * camera.half_height * scene.width / scene.height,
                          up = (1 - (double(y) + 0.5) / scene.height * 2) * camera.half_height;
             const Vec3 direction = normalized(camera.forward + across * camera.right + up * camera.up);
-            const Rgb light = light_along(nodes, camera.eye, direction);
+            const Rgb light = light_along(*shown, camera.eye, direction);
             for (std::size_t c = 0; c < 3; ++c)
                 frame.rgba[4 * (std::size_t(y) * scene.width + x) + c] = float(light[c]);
         }

@@ -1,6 +1,6 @@
 // How far transport is from light's own paths: J at points, and pictures.
 #pragma once
-#include "illumination/transport/nodes.h"
+#include "illumination/transport/light.h"
 #include "transport_truth.h"
 
 namespace chiaro::bench {
@@ -17,8 +17,8 @@ LightError error_of(const std::vector<Rgb>& found, const Fluence& truth);
 /// Over means of `block`² pixels, of those blocks where something is seen.
 LightError error_of(const Frame& found, const Frame& truth, const PathStatistics& sureness, int block);
 
-/// J at points between the nodes: trilinear, in matter by the weights that pictures look it up with, in the air by what
-/// these leave, so that neither takes the other's light.
+/// J at points between the nodes: trilinear, in matter by the weights of nodes, in the air by what these leave, so that
+/// neither takes the other's light.
 std::vector<Rgb> light_between(const TransportNodes& nodes, const std::vector<Vec3>& points, bool in_matter);
 
 /// Points, pictures and their truths of a subject under a light.
@@ -35,15 +35,15 @@ public:
     LightError in_air(const TransportNodes& nodes) const;
     LightError in_matter(const TransportNodes& nodes) const;
 
-    /// L = ∫ κ a J T dt by marching through the medium of the paths, eight steps a smallest voxel edge, J between the
-    /// nodes: what this light makes of a picture, whatever a ray caster adds. Some 10 CPU seconds.
+    /// L = ∫ κ a J T dt by marching through the medium of the paths, 64 steps a smallest voxel edge, J as pictures of
+    /// particles look it up: what this light makes of a picture, whatever a ray caster adds. Some CPU seconds.
     Frame picture(const TransportNodes& nodes) const;
     LightError of_picture(const Frame& frame, int block = 4) const;
     const Frame& truth() const { return picture_.first; }
     const JudgedPoints& points() const { return points_; }
 
 private:
-    Rgb light_along(const TransportNodes& nodes, Vec3 eye, Vec3 direction) const;
+    Rgb light_along(const ShownLight& shown, Vec3 eye, Vec3 direction) const;
 
     const ScatteringSubject& subject_;
     ScatteringCase which_;

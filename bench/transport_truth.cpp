@@ -37,19 +37,32 @@ TransferFunction bone() {
     return tf;
 }
 
-/// The sample's values, 40 apart, moved together to 200, 201, ... Between air and a wall lie all values below the
-/// wall's: as they are, its neighbours' colours would cover each wall with an opaque skin, and the box were white.
-Volume tidy_cornell(Volume cornell) {
-    for (std::uint8_t& value : cornell.as<std::uint8_t>()) value = std::uint8_t(value == 0 ? 0 : 199 + value / 40);
-    return cornell;
+/// The value of the first material; the others follow one by one.
+constexpr int first_value = 4090;
+
+/// The sample's values, 40 apart, moved together. Between air and a wall lie all values below the wall's: as they are,
+/// its neighbours' colours would cover each wall with an opaque skin, and the box were white. Moved to 200, 201 ...
+/// they would still cover the ball with a quarter of an optical depth. The first slice is air: camera paths enter
+/// voxels at their centres, which in a wall's front are dark.
+Volume tidy_cornell(const Volume& cornell) {
+    Volume tidy = make_volume(cornell.dimensions, VoxelType::u16);
+    tidy.geometry = cornell.geometry;
+    const auto [nx, ny, nz] = cornell.dimensions;
+    const auto from = cornell.as<std::uint8_t>();
+    const auto to = tidy.as<std::uint16_t>();
+    for (std::size_t i = 0; i < from.size(); ++i) {
+        const bool in_front = i / std::size_t(nx) % std::size_t(ny) == 0;
+        to[i] = std::uint16_t(from[i] == 0 || in_front ? 0 : first_value - 1 + from[i] / 40);
+    }
+    return tidy;
 }
 
-/// The sample's colours for these values; nothing below 199.9.
+/// The sample's colours for these values; nothing just below the first.
 TransferFunction tidy_cornell(const TransferFunction& cornell) {
     TransferFunction tf;
-    tf.points.push_back({199.9, cornell.points[0].rgb, 0});
+    tf.points.push_back({first_value - 0.1, cornell.points[0].rgb, 0});
     for (int i = 0; i < 5; ++i)
-        for (const double value : {i == 0 ? 199.9 : 199.5 + i, 200.5 + i})
+        for (const double value : {first_value + i - (i == 0 ? 0.1 : 0.5), first_value + i + 0.5})
             tf.points.push_back({value, cornell.points[std::size_t(4 * i)].rgb, 1});
     return tf;
 }
@@ -119,7 +132,7 @@ std::optional<ScatteringSubject> find_scattering_subject(const Device& device, c
         if (*recipe.file && (data.empty() || !std::filesystem::exists(file, unreadable))) return std::nullopt;
         Volume volume =
             *recipe.file ? read_volume(file.string(), ReadOptions{}, progress) : make_sample(name, sample_size);
-        if (name == "cornell") volume = tidy_cornell(std::move(volume));
+        if (name == "cornell") volume = tidy_cornell(volume);
         ScatteringSubject subject{.name = name, .device = device, .paint = painted(transfer_of(name, volume))};
         subject.scene.camera = recipe.camera;
         subject.scene.width = 160, subject.scene.height = 120;

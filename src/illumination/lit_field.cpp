@@ -15,14 +15,21 @@ LitField lit_by_visibility(const IlluminationField::Data& data, const Lighting& 
     return {lit->view, lit->main, lit, {}};
 }
 
+/// Of parallel rays far away.
+Vec3 eye_of(const Camera& camera) {
+    constexpr double far_mm = 1e7;
+    return camera.projection == Projection::perspective ? camera.eye : camera.eye - far_mm * camera.forward;
+}
+
 /// The light is there; exposure and strength are factors of it.
-LitField lit_by_transport(const IlluminationField::Data& data, const Lighting& lighting, Vec3 orbit_up,
+LitField lit_by_transport(const IlluminationField::Data& data, const Lighting& lighting, const Camera& camera,
                           const Medium::Data& medium) {
     const Geometry& geometry = medium.volume.geometry();
     const bool shaded = lighting.shading != Shading::none;
     const Look look = data.on_particles ? Look::particles : shaded ? Look::turned : Look::flat;
-    const auto shown = data.transport->shown(look, transposed(grid_from_world(geometry)));
-    const ShLight probe = sh_light(lighting, orbit_up, geometry, ShWindow::none);
+    const auto shown =
+        data.transport->shown(look, transposed(grid_from_world(geometry)), geometry.voxel_from_world(eye_of(camera)));
+    const ShLight probe = sh_light(lighting, camera.orbit_up, geometry, ShWindow::none);
     const double strength = lighting.strength, gain = std::exp2(lighting.probe.exposure_stops);
     kernel::VisibilityView view{};
     view.light = shown->view;
@@ -36,11 +43,12 @@ LitField lit_by_transport(const IlluminationField::Data& data, const Lighting& l
 
 }  // namespace
 
-LitField lit_field(const IlluminationField& field, const Lighting& lighting, Vec3 orbit_up,
+LitField lit_field(const IlluminationField& field, const Lighting& lighting, const Camera& camera,
                    const Medium::Data& medium) {
+    const Vec3 orbit_up = camera.orbit_up;
     const IlluminationField::Data& data = field.data();
     if (data.visibility) return lit_by_visibility(data, lighting, orbit_up, medium);
-    if (data.transport) return lit_by_transport(data, lighting, orbit_up, medium);
+    if (data.transport) return lit_by_transport(data, lighting, camera, medium);
     LitField lit{data.view, {}, {}, {}};
     std::visit(
         [&](auto& view) {

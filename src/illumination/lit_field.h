@@ -1,5 +1,7 @@
 // A field under a light: what the ray caster looks up.
 #pragma once
+#include <chiaro/camera.h>
+
 #include "classify/medium.h"
 #include "illumination/field.h"
 
@@ -13,6 +15,7 @@ struct LitField {
 };
 
 /// Joins field and lighting; a probe is projected on the field where that holds no light of its own.
-LitField lit_field(const IlluminationField& field, const Lighting& lighting, Vec3 orbit_up, const Medium::Data& medium);
+LitField lit_field(const IlluminationField& field, const Lighting& lighting, const Camera& camera,
+                   const Medium::Data& medium);
 
 }  // namespace chiaro

@@ -45,7 +45,7 @@ Outcome cast(const Device& device, const Kernel& kernel, const BoundingGeometry*
 Outcome raycast(const Device& device, const Medium& medium, const IlluminationField& field, const Lighting& lighting,
                 const Camera& camera, const RaySettings& settings, Frame& frame, Progress& progress) {
     const Medium::Data& data = medium.data();
-    const LitField lit = lit_field(field, lighting, camera.orbit_up, data);
+    const LitField lit = lit_field(field, lighting, camera, data);
     const RayTables tables = make_tables(data, settings, device.threads, lit.albedo_limit);
     std::optional<BoundingGeometry> geometry;  // the largest value is looked for everywhere
     if (settings.ray_setup == RaySetup::raster && data.shape.mode != Mode::mip)

@@ -4,6 +4,7 @@
 #include "classify/medium.h"
 #include "core/srgb.h"
 #include "core/threads.h"
+#include "illumination/transport/skin.h"
 #include "illumination/transport/tints.h"
 #include "volume/device_view.h"
 
@@ -137,7 +138,8 @@ LightGrid light_grid(const Medium::Data& medium, int cells, double albedo_max, c
                      Progress& progress) {
     const DeviceVolume::Data& volume = medium.volume.data();
     const Blocks blocks = blocks_for(make_cell_grid(volume.dimensions, volume.geometry), cells);
-    LightGrid out{density_of_nodes(medium, blocks, device, progress), {}, medium.shape.mode == Mode::iso};
+    LightGrid out{density_of_nodes(medium, blocks, device, progress), {}, medium.shape.mode == Mode::iso, {}};
+    if (!out.is_surface) out.skins = open_skins(medium, device, progress, out.extinction);
     const CellGrid& grid = out.extinction.grid;
     for (auto& channel : out.albedo) channel.resize(grid.size());
     std::vector<Tint> sums(grid.size());

@@ -10,6 +10,7 @@ struct LightGrid {
     Density extinction;                        ///< optical depth of a cell's edge
     std::array<std::vector<float>, 3> albedo;  ///< per channel, x fastest
     bool is_surface;                           ///< isosurfaces, which reflect their albedo (Lambert)
+    std::vector<std::size_t> skins;            ///< nodes that a surface leaves mostly open (skin.h)
 };
 
 /// At most `cells` on the long axis, each for f³ of the smallest voxels, f of 1, 2, 3, 4, 6, 8, 12 ... Extinction from

@@ -45,23 +45,36 @@ NodeLook on_surface(const LightAround& around, const Float3& normal, const Float
     return seen;
 }
 
-NodeLook look_of(const SurfaceNodes& surfaces, const Float3& most, Look look, std::size_t node, int x, int y, int z) {
+/// What a half space under light from all around sends in a direction is (1 - s H(μ)) of it, s = √(1 - a), H(μ) = (1 +
+/// 2 μ) / (1 + 2 μ s) (Hapke 1981): over a, 1 / ((1 + s) (1 + 2 μ s)). s from the mean over all directions, R / a = (1
+/// - .139 s) / ((1 + 1.17 s) (1 + s)); s = 0, that of isosurfaces, answers alike everywhere.
+float answer_at(float mean, float cosine) {
+    const float a = 1.17f * mean, b = 2.17f * mean + 0.139f, c = 1 - mean;
+    const float s = a > 0 ? (std::sqrt(b * b + 4 * a * c) - b) / (2 * a) : 1;
+    return 1 / ((1 + s) * (1 + 2 * cosine * s));
+}
+
+NodeLook look_of(const SurfaceNodes& surfaces, const Float3& most, Look look, const std::optional<Vec3>& eye,
+                 std::size_t node, int x, int y, int z) {
     const LightAround here = surfaces.at(node);
+    const bool as_particles = look == Look::particles;
+    const NodeRoles roles = as_particles ? surfaces.particle_roles(x, y, z) : surfaces.roles(x, y, z);
     NodeLook seen;
-    if (look == Look::particles) {
-        seen.add(surfaces.weight(node), {1, here.j, {}});
-        return seen;
-    }
-    const NodeRoles roles = surfaces.roles(x, y, z);
     if (roles.particles > 0) seen.add(roles.particles, {1, here.j, {}});
     if (!(roles.air > 0) && !(roles.matter > 0)) return seen;
     const NodeOutwards out = surfaces.outwards(x, y, z);
     // Air that shares its cell with matter is as dark as that: there too the light is that one cell out.
-    const float clear = (1 - surfaces.weight(node)) * (1 - surfaces.weight(node));
+    const float passes = surfaces.shows(node) ? 0 : 1 - surfaces.weight(node), clear = passes * passes;
     LightAround beside;
     beside.add(clear, here);
     beside.add(1 - clear, surfaces.off(out, x, y, z));
-    seen.add(roles.air + roles.matter, on_surface(beside, out.normal, most, look));
+    NodeLook surface = on_surface(beside, out.normal, most, look);
+    if (as_particles) {
+        const Float3 mean = surfaces.answer(x, y, z);
+        const float cosine = eye ? surfaces.cosine_to(*eye, out, x, y, z) : -1;
+        for (int c = 0; c < 3; ++c) surface.light[c] *= cosine < 0 ? mean[c] : answer_at(mean[c], cosine);
+    }
+    seen.add(roles.air + roles.matter, surface);
     return seen;
 }
 
@@ -88,17 +101,19 @@ std::size_t TransportLight::bytes() const {
            (kept_ ? kept_->light.size() + kept_->turned.size() : std::size_t(0));
 }
 
-std::shared_ptr<const ShownLight> TransportLight::shown(Look look, const Axes& world_from_grid) const {
-    const std::pair wanted(look, world_from_grid);
+std::shared_ptr<const ShownLight> TransportLight::shown(Look look, const Axes& world_from_grid,
+                                                        std::optional<Vec3> eye) const {
+    const Asked wanted{look, world_from_grid, look == Look::particles ? eye : std::nullopt};
     const std::lock_guard lock(mutex_);
     if (of_ != wanted) {
-        kept_ = find(look, world_from_grid);
+        kept_ = find(wanted);
         of_ = wanted;
     }
     return kept_;
 }
 
-std::shared_ptr<const ShownLight> TransportLight::find(Look look, const Axes& world_from_grid) const {
+std::shared_ptr<const ShownLight> TransportLight::find(const Asked& asked) const {
+    const Look look = asked.look;
     const CellGrid& grid = nodes_.grid;
     const auto [nx, ny, nz] = grid.count;
     auto shown = std::make_shared<ShownLight>();
@@ -115,12 +130,12 @@ std::shared_ptr<const ShownLight> TransportLight::find(Look look, const Axes& wo
         const int y = int(row % ny), z = int(row / ny);
         for (int x = 0; x < nx; ++x) {
             const std::size_t node = grid.index(x, y, z);
-            const NodeLook seen = look_of(surfaces, most_, look, node, x, y, z);
+            const NodeLook seen = look_of(surfaces, most_, look, asked.eye, node, x, y, z);
             Light16* to = numbers(shown->light) + 4 * node;
             for (int c = 0; c < 3; ++c) to[c] = kernel::to_light(full * (seen.light[c] / brightest[c]));
             to[3] = kernel::to_light(full * seen.weight);
             if (look != Look::turned) continue;
-            const Vec3 b = turned(world_from_grid, {seen.b[0], seen.b[1], seen.b[2]});
+            const Vec3 b = turned(asked.world_from_grid, {seen.b[0], seen.b[1], seen.b[2]});
             to = numbers(shown->turned) + 4 * node;
             for (int axis = 0; axis < 3; ++axis)
                 to[axis] = kernel::to_light(0.5f * full * (float(b[axis]) / ScatteredLight::most + seen.weight));

@@ -33,20 +33,27 @@ public:
     /// from the light; none is brighter. (At grazing directions sweeps let some per cent too much through.)
     TransportLight(const Device& device, TransportNodes nodes, double edges, const std::array<float, 3>& most);
 
-    /// The last look is kept. The views are valid as long as the result is. Cost: some 20 core-ms for 64³ nodes.
-    std::shared_ptr<const ShownLight> shown(Look look, const Axes& world_from_grid) const;
+    /// `eye`, in voxels: opaque particles send more to where they are seen at grazing angles; none: the mean. The last
+    /// look is kept. The views are valid as long as the result is. Cost: some 20 core-ms for 64³ nodes.
+    std::shared_ptr<const ShownLight> shown(Look look, const Axes& world_from_grid, std::optional<Vec3> eye = {}) const;
     std::size_t bytes() const;
     const TransportNodes& nodes() const { return nodes_; }
 
 private:
-    std::shared_ptr<const ShownLight> find(Look look, const Axes& world_from_grid) const;
+    struct Asked {
+        Look look;
+        Axes world_from_grid;
+        std::optional<Vec3> eye;
+        bool operator==(const Asked&) const = default;
+    };
+    std::shared_ptr<const ShownLight> find(const Asked& asked) const;
 
     Device device_;
     TransportNodes nodes_;
     std::array<float, 3> most_;
     std::vector<float> opacity_;  ///< [node]: of one smallest voxel edge
     mutable std::mutex mutex_;    ///< of what is kept
-    mutable std::optional<std::pair<Look, Axes>> of_;
+    mutable std::optional<Asked> of_;
     mutable std::shared_ptr<const ShownLight> kept_;
 };
 

@@ -16,6 +16,11 @@ double half_space_reflectance(double albedo) {
     return (1 - s) * (1 - 0.139 * s) / (1 + 1.17 * s);
 }
 
+double reflected_per_albedo(double albedo) {
+    const double a = std::max(albedo, 1e-4);
+    return half_space_reflectance(a) / a;
+}
+
 OpaqueCells::OpaqueCells(const LightGrid& grid, float threshold)
     : count_(grid.extinction.grid.count),
       bits_(std::size_t(count_[0] + 2) * (count_[1] + 2) * (count_[2] + 2), 0xff),
@@ -57,10 +62,8 @@ void OpaqueCells::find_shown(const LightGrid& grid) {
                 std::array<float, 3> reflectance, per_albedo;
                 for (int c = 0; c < 3; ++c) {
                     const double a = grid.albedo[c][node];
-                    const double r = grid.is_surface ? a : half_space_reflectance(a), least = 1e-4;
-                    reflectance[c] = float(r);
-                    per_albedo[c] =
-                        float(grid.is_surface ? 1 : half_space_reflectance(std::max(a, least)) / std::max(a, least));
+                    reflectance[c] = float(grid.is_surface ? a : half_space_reflectance(a));
+                    per_albedo[c] = float(grid.is_surface ? 1 : reflected_per_albedo(a));
                 }
                 reflectance_.push_back(reflectance), per_albedo_.push_back(per_albedo);
             }

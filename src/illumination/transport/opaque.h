@@ -14,6 +14,8 @@ inline constexpr float opaque_from = 2;
 /// What a half space of albedo a reflects of diffuse light (isotropic scattering; van de Hulst 1980: (1 - s) (1 - .139
 /// s) / (1 + 1.17 s), s = √(1 - a)).
 double half_space_reflectance(double albedo);
+/// That over the albedo: what a sample is lit by, since its colour comes on top.
+double reflected_per_albedo(double albedo);
 
 /// Opaque cells that show a face. Faces: +x, -x, +y ...; octants by the signs of a direction (1: -x, 2: -y, 4: -z).
 class OpaqueCells {
@@ -50,6 +52,8 @@ public:
     void reflect(const std::vector<Faces>& radiance, LatticeField& emission) const;
     /// The mean light on the open faces × what is reflected / albedo.
     std::array<float, 3> seen(std::size_t cell, const Faces& radiance) const;
+    /// What is reflected / albedo.
+    const std::array<float, 3>& per_albedo(std::size_t cell) const { return per_albedo_[cell]; }
 
 private:
     enum Kind : std::uint8_t { clear = 0, shown = 1, buried = 2, behind = 3 };

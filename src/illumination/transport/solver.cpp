@@ -338,7 +338,7 @@ bool TransportSolver::iterate(Progress& progress) {
 TransportNodes TransportSolver::nodes() const {
     const State& s = *state_;
     const CellGrid& grid = s.grid.extinction.grid;
-    TransportNodes out{grid, {}, {}, {}, s.iterations, s.change};
+    TransportNodes out{grid, {}, {}, {}, {}, s.iterations, s.change};
     out.light.resize(3 * grid.size()), out.weight.resize(grid.size()), out.moment.resize(9 * grid.size());
     const auto [nx, ny, nz] = grid.count;
     parallel_for(s.device.threads, nz, 1, [&, nx = nx, ny = ny](std::int64_t z, std::int64_t) {
@@ -353,10 +353,15 @@ TransportNodes TransportSolver::nodes() const {
                 }
             }
     });
+    if (s.opaque.count() > 0) out.answer.resize(3 * grid.size());
     for (std::size_t cell = 0; cell < s.opaque.count(); ++cell) {
+        const auto at = std::ptrdiff_t(3 * s.opaque.nodes()[cell]);
         const auto seen = s.opaque.seen(cell, s.mean_faces[cell]);
-        std::copy(seen.begin(), seen.end(), out.light.begin() + std::ptrdiff_t(3 * s.opaque.nodes()[cell]));
+        std::copy(seen.begin(), seen.end(), out.light.begin() + at);
+        std::copy_n(s.opaque.per_albedo(cell).begin(), 3, out.answer.begin() + at);
     }
+    for (std::size_t node : s.opaque.count() > 0 ? s.grid.skins : std::vector<std::size_t>())
+        for (int c = 0; c < 3; ++c) out.answer[3 * node + c] = float(reflected_per_albedo(s.grid.albedo[c][node]));
     fill_behind(s.opaque, out);
     return out;
 }

@@ -1,5 +1,8 @@
 #include "illumination/transport/surface.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace chiaro {
 namespace {
 
@@ -48,6 +51,60 @@ NodeRoles SurfaceNodes::roles(int x, int y, int z) const {
     // Behind a surface opaque matter is dark and counts for less still: what is seen of it lies at its skin.
     const float seen = std::max(1 - 2 * here, 0.0f), buried = least * least;
     return {weight * (1 - std::max(outside, inside)) * seen + buried, outside * (1 - weight), least * inside};
+}
+
+bool SurfaceNodes::is_air(int x, int y, int z) const {
+    constexpr float clear = 0.02f;
+    const auto [nx, ny, nz] = nodes_.grid.count;
+    if (x < 0 || y < 0 || z < 0 || x >= nx || y >= ny || z >= nz) return true;
+    const std::size_t node = nodes_.grid.index(x, y, z);
+    return nodes_.weight[node] < clear || is_skin(node);
+}
+
+/// Air beside opaque matter counts, and what is opaque hardly: its one light is that of all its sides.
+NodeRoles SurfaceNodes::particle_roles(int x, int y, int z) const {
+    constexpr float least = 1e-3f;
+    const std::size_t node = nodes_.grid.index(x, y, z);
+    const float weight = nodes_.weight[node];
+    if (nodes_.answer.empty()) return {weight, 0, 0};
+    const bool shows_surface = shows(node);
+    if (weight >= opaque_weight && !shows_surface) return {least * least, 0, 0};
+    if (is_air(x, y, z)) {
+        const Float3 beside = answer(x, y, z);
+        const bool is_lit = beside[0] > 0 || beside[1] > 0 || beside[2] > 0;
+        return is_lit ? NodeRoles{0, 1, 0} : NodeRoles{weight, 0, 0};
+    }
+    if (!shows_surface) return {weight, 0, 0};
+    const bool has_air = is_air(x - 1, y, z) || is_air(x + 1, y, z) || is_air(x, y - 1, z) || is_air(x, y + 1, z) ||
+                         is_air(x, y, z - 1) || is_air(x, y, z + 1);
+    return has_air ? NodeRoles{0, 0, least} : NodeRoles{weight, 0, 0};
+}
+
+Float3 SurfaceNodes::answer(int x, int y, int z) const {
+    const auto [nx, ny, nz] = nodes_.grid.count;
+    Float3 sum{};
+    float count = 0;
+    for (int k = std::max(z - 1, 0); k <= std::min(z + 1, nz - 1); ++k)
+        for (int j = std::max(y - 1, 0); j <= std::min(y + 1, ny - 1); ++j)
+            for (int i = std::max(x - 1, 0); i <= std::min(x + 1, nx - 1); ++i) {
+                const float* answer = nodes_.answer.data() + 3 * nodes_.grid.index(i, j, k);
+                if (!(answer[0] > 0)) continue;
+                for (int c = 0; c < 3; ++c) sum[c] += answer[c];
+                count += 1;
+            }
+    for (float& channel : sum) channel = count > 0 ? channel / count : 0;
+    return sum;
+}
+
+float SurfaceNodes::cosine_to(Vec3 eye, const NodeOutwards& outwards, int x, int y, int z) const {
+    const CellGrid& grid = nodes_.grid;
+    const Vec3 voxels = eye - grid.voxel_of(x, y, z);
+    double along = 0, square = 0, normal = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double v = voxels[axis] / grid.voxels_per_cell[axis], n = outwards.normal[axis];
+        along += v * n, square += v * v, normal += n * n;
+    }
+    return normal > 0 && square > 0 ? float(std::min(std::abs(along) / std::sqrt(square), 1.0)) : -1;
 }
 
 LightAround SurfaceNodes::at(std::size_t node) const {

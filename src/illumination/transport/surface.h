@@ -42,7 +42,15 @@ public:
     /// n = -(α(i + 1) - α(i - 1)) per axis, α of a voxel's edge. Within matter also over twice the distance, as
     /// KeepKernel of visibility has it: samples on the surface lie between its nodes and those.
     NodeOutwards outwards(int x, int y, int z) const;
+    /// The same of particles, where some cells are opaque: those are lit as surfaces are, by the air beside them.
+    NodeRoles particle_roles(int x, int y, int z) const;
+    /// R(a) / a of the surfaces at a node and around it.
+    Float3 answer(int x, int y, int z) const;
+    /// |n · v|, v from the node to a place in voxels; -1 where there is no n.
+    float cosine_to(Vec3 eye, const NodeOutwards& outwards, int x, int y, int z) const;
     LightAround at(std::size_t node) const;
+    /// Whether a surface passes through the node, as far as light knows.
+    bool shows(std::size_t node) const { return !nodes_.answer.empty() && nodes_.answer[3 * node] > 0; }
     float weight(std::size_t node) const { return nodes_.weight[node]; }
     /// Trilinear, each node by what it lets through: the light in the air beside matter, not that within.
     LightAround off(const NodeOutwards& outwards, int x, int y, int z) const;
@@ -50,6 +58,11 @@ public:
 private:
     Float3 step_down(int x, int y, int z, int distance) const;
     float alpha(int x, int y, int z) const;
+    bool is_skin(std::size_t node) const { return shows(node) && nodes_.weight[node] < opaque_weight; }
+    bool is_air(int x, int y, int z) const;
+
+    /// 1 - exp(-2): from here on cells are opaque.
+    static constexpr float opaque_weight = 0.8646f;
 
     const TransportNodes& nodes_;
     const std::vector<float>& opacity_;

@@ -7,9 +7,12 @@
 
 #include "classify/medium.h"
 #include "fixtures.h"
+#include "illumination/sh/directions.h"
 #include "illumination/transport/directions.h"
 #include "illumination/transport/opaque.h"
+#include "illumination/transport/skin.h"
 #include "illumination/transport/transport.h"
+#include "illumination/visibility/sweep.h"
 
 using namespace chiaro;
 using namespace chiaro::testing;
@@ -253,4 +256,109 @@ TEST(Transport, RefinesFromCoarseToFineAndStartsFromTheLast) {
         ASSERT_TRUE(memory);
     }
     EXPECT_LE(fields[1], fields[0]);
+}
+
+/// Walls and fog that are alike from no side, in an uneven light.
+TEST(Transport, TurnedVolumesHoldTheSameLight) {
+    const auto matter_at = [](double x, double y, double z) {
+        if (x < 3 || (z < 2 && y > 4)) return 230;  // opaque
+        return std::hypot(x - 14, y - 9, z - 12) < 5 ? 130 : 0;
+    };
+    constexpr int n = 24;
+    Scene3 scene;
+    scene.tf.points = {
+        {99, {0.8, 0.5, 0.3}, 0}, {100, {0.8, 0.5, 0.3}, 0.3}, {200, {0.8, 0.5, 0.3}, 0.3}, {201, {0.8, 0.5, 0.3}, 1}};
+    scene.settings.first_directions = 400;
+    const TransportNodes nodes = scene.solved(filled({n, n, n}, matter_at), 16);
+    const auto turned = [&](int axis) {  // by 90 degrees: the other two axes, u and v, become v and -u
+        const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+        const auto before = [=](std::array<int, 3> p) {
+            std::array<int, 3> q = p;
+            q[u] = p[v], q[v] = n - 1 - p[u];
+            return q;
+        };
+        const TransportNodes found = scene.solved(filled({n, n, n},
+                                                         [&](double x, double y, double z) {
+                                                             const auto q = before({int(x), int(y), int(z)});
+                                                             return matter_at(q[0], q[1], q[2]);
+                                                         }),
+                                                  16);
+        double errors = 0, squares = 0, moments = 0;
+        for (int z = 0; z < n; ++z)
+            for (int y = 0; y < n; ++y)
+                for (int x = 0; x < n; ++x) {
+                    const auto q = before({x, y, z});
+                    const std::size_t here = found.grid.index(x, y, z), there = nodes.grid.index(q[0], q[1], q[2]);
+                    for (int c = 0; c < 3; ++c) {
+                        errors += std::pow(found.light[3 * here + c] - nodes.light[3 * there + c], 2);
+                        squares += std::pow(nodes.light[3 * there + c], 2);
+                        moments +=
+                            std::pow(found.moment[9 * here + 3 * c + v] - nodes.moment[9 * there + 3 * c + u], 2);
+                    }
+                }
+        return std::pair(std::sqrt(errors / squares), std::sqrt(moments / squares));
+    };
+    for (int axis : {0, 1, 2}) {
+        const auto [light, moment] = turned(axis);
+        EXPECT_LT(light, 0.01) << axis;
+        EXPECT_LT(moment, 0.01) << axis;
+    }
+}
+
+TEST(Transport, BlackMatterLeavesWhatVisibilityFinds) {
+    Scene3 scene{.tf = matter(0.4, {0, 0, 0})};
+    scene.settings.first_directions = 300;
+    const Volume ball = filled({24, 24, 24}, [](double x, double y, double z) {
+        return std::hypot(x - 11.5, y - 11.5, z - 11.5) < 8 ? 200 : 0;
+    });
+    const TransportNodes nodes = scene.solved(ball, 2);
+    Progress progress;
+    const Medium medium = classify(upload(scene.device, ball), scene.tf, scene.shape);
+    const Density density = density_for(medium.data(), 1, scene.device, progress);
+    const ShField visible =
+        sweep_visibility(scene.device, density, fibonacci_directions(300), 4, 0.5, SweepLattice::grid, progress);
+    double most = 0;
+    for (std::size_t node = 0; node < nodes.grid.size(); ++node) {
+        if (nodes.weight[node] > 0.01) continue;  // within matter J is a mean over the cell, V begins at its border
+        most =
+            std::max(most, std::abs(nodes.light[3 * node] - visible.node(node)[0] / std::sqrt(4 * std::numbers::pi)));
+    }
+    EXPECT_LT(most, 0.03);
+}
+
+TEST(Transport, AnIsosurfaceReflectsItsAlbedo) {
+    Scene3 scene{.scattering = {.albedo_max = 0.8}};
+    scene.shape.mode = Mode::iso;
+    scene.shape.iso = {{.value = 100, .color = Rgb{1, 1, 1}}};
+    const Volume half = filled({72, 72, 40}, [](double, double, double z) { return z < 20 ? 200 : 0; });
+    EXPECT_NEAR(at(scene.solved(half, 30), 36, 36, 21), (1 + 0.8) / 2, 0.02);
+}
+
+/// Walls of three voxels are one and a half cells; their faces are where they are, to half a cell.
+TEST(Transport, WallsBeginWithinHalfACellOfTheirFace) {
+    Scene3 scene{.tf = matter(40, {0.8, 0.8, 0.8})};
+    scene.settings.grid = 16;
+    for (int wall : {3, 4, 5}) {
+        const Volume volume = filled({32, 32, 32}, [&](double x, double, double) { return x < wall ? 200 : 0; });
+        const TransportNodes nodes = scene.solved(volume, 8);
+        const double surface = wall - 0.5;  // half way between values of 200 and 0
+        for (int x = 0; x < 4; ++x) {
+            const double middle = nodes.grid.voxel_of(x, 8, 8).x;
+            EXPECT_EQ(nodes.weight[nodes.grid.index(x, 8, 8)] > 0.86f, middle < surface) << wall << ' ' << x;
+        }
+    }
+}
+
+TEST(Transport, SlantedWallsOfACellStayClosed) {
+    for (const double slant : {0.0, 0.4, 1.0}) {  // a cell and a quarter thick
+        Scene3 scene{.tf = matter(40, {0.95, 0.95, 0.95})};
+        scene.settings.grid = 24;
+        const Volume box = filled({48, 48, 48}, [&](double x, double y, double z) {
+            const double a = x - 23.5 + slant * (y - 23.5), b = y - 23.5 - slant * (x - 23.5);
+            const double r = std::max({std::abs(a), std::abs(b)}) / std::hypot(1, slant);
+            const double side = std::max(r, std::abs(z - 23.5));
+            return side > 12 && side < 14.5 ? 200 : 0;
+        });
+        EXPECT_LT(at(scene.solved(box, 20), 12, 12, 12), 6e-3) << slant;
+    }
 }

@@ -1,0 +1,196 @@
+#include "illumination/transport/skin.h"
+
+#include <cmath>
+
+#include "classify/clip.h"
+#include "classify/medium.h"
+#include "core/threads.h"
+#include "illumination/transport/opaque.h"
+#include "volume/device_view.h"
+
+namespace chiaro {
+namespace {
+
+constexpr int samples = 4;  ///< of a cell, per axis
+
+/// How much of a cell hard matter fills, and which way its middle lies.
+struct Fill {
+    float share = 1;
+    Vec3 middle{0, 0, 0};
+
+    bool is_thin() const { return share > 0 && share <= 0.5f; }
+};
+
+template <class Voxel>
+class HardMatter {
+public:
+    HardMatter(const Medium::Data& medium, const CellGrid& nodes)
+        : nodes_(nodes),
+          medium_(medium),
+          view_(view_of<Voxel>(medium.volume.data())),
+          kept_(half_spaces(medium.shape.clip, medium.volume.data().geometry, medium.volume.data().dimensions)),
+          hard_(float(1 / medium.volume.data().geometry.smallest_spacing_mm())) {}
+
+    /// Two points per axis tell most cells that are full.
+    Fill of_node(int x, int y, int z) const {
+        const Fill rough = sampled(x, y, z, 2);
+        return rough.share > 0.5f ? rough : sampled(x, y, z, samples);
+    }
+
+private:
+    Fill sampled(int x, int y, int z, int n) const {
+        Fill fill;
+        int count = 0;
+        for (int k = 0; k < n; ++k)
+            for (int j = 0; j < n; ++j)
+                for (int i = 0; i < n; ++i) {
+                    const Vec3 off{(i + 0.5) / n - 0.5, (j + 0.5) / n - 0.5, (k + 0.5) / n - 0.5};
+                    if (!is_hard(nodes_.voxel_of(x + off.x, y + off.y, z + off.z))) continue;
+                    fill.middle = fill.middle + off;
+                    ++count;
+                }
+        fill.share = float(count) / float(n * n * n);
+        return fill;
+    }
+    bool is_hard(Vec3 p) const {
+        const auto& n = medium_.volume.data().dimensions;
+        for (int axis = 0; axis < 3; ++axis)
+            if (p[axis] > n[axis] - 0.5) return false;
+        const auto at = view_.clamp(kernel::Vec3<float>(float(p.x), float(p.y), float(p.z)));
+        const auto& entries = medium_.table.entries;
+        const double index = medium_.table.index_of(view_.value(view_.locate(at, view_.voxel(at)))) + 0.5;
+        if (entries[std::size_t(std::clamp(index, 0.0, double(entries.size() - 1)))].extinction_per_mm < hard_)
+            return false;
+        return std::none_of(kept_.begin(), kept_.end(), [&](const HalfSpace& h) { return dot(h.normal, p) > h.d; });
+    }
+
+    const CellGrid& nodes_;
+    const Medium::Data& medium_;
+    kernel::VolumeView<Voxel> view_;
+    std::vector<HalfSpace> kept_;
+    float hard_;
+};
+
+/// What there is of a cell and its 26 neighbours, a bit each.
+using Around = std::uint32_t;
+constexpr int bit_of(int i, int j, int k) { return (k + 1) * 9 + (j + 1) * 3 + i + 1; }
+
+/// Each place and its 26 neighbours, of 27.
+constexpr std::array<Around, 27> neighbours = [] {
+    std::array<Around, 27> all{};
+    for (int a = 0; a < 27; ++a)
+        for (int b = 0; b < 27; ++b) {
+            const auto near = [](int p, int q) { return p - q <= 1 && q - p <= 1; };
+            if (near(a % 3, b % 3) && near(a / 3 % 3, b / 3 % 3) && near(a / 9, b / 9)) all[a] |= 1u << b;
+        }
+    return all;
+}();
+
+Around beside(Around places) {
+    Around all = 0;
+    for (int place = 0; place < 27; ++place)
+        if (places >> place & 1) all |= neighbours[place];
+    return all;
+}
+
+/// Whether what is clear hangs together, and touches all that is thin.
+bool is_one_side(Around clear, Around thin) {
+    Around piece = clear & (~clear + 1);
+    for (Around before = 0; piece != before;) {
+        before = piece;
+        piece |= beside(piece) & clear;
+    }
+    return piece == clear && (thin & ~beside(piece)) == 0;
+}
+
+class Skins {
+public:
+    explicit Skins(Density& extinction) : grid_(extinction.grid), depth_(extinction.data()), fills_(grid_.size()) {}
+
+    bool is_opaque(int x, int y, int z) const { return inside(x, y, z) && depth_[grid_.index(x, y, z)] >= opaque_from; }
+    /// On a surface: in a corner between walls only an edge may lie in the open.
+    bool is_asked(int x, int y, int z) const {
+        if (!is_opaque(x, y, z)) return false;
+        for (int k = -1; k <= 1; ++k)
+            for (int j = -1; j <= 1; ++j)
+                for (int i = -1; i <= 1; ++i)
+                    if (!is_opaque(x + i, y + j, z + k)) return true;
+        return false;
+    }
+    Fill& fill(int x, int y, int z) { return fills_[grid_.index(x, y, z)]; }
+
+    /// Thin, before a cell that is not.
+    bool is_backed(int x, int y, int z) const {
+        const Fill& here = fills_[grid_.index(x, y, z)];
+        if (!is_opaque(x, y, z) || !here.is_thin()) return false;
+        const Vec3 m = here.middle;
+        const double most = std::max({std::abs(m.x), std::abs(m.y), std::abs(m.z)});
+        const auto step = [&](double c) { return std::abs(c) > 0.5 * most ? (c > 0 ? 1 : -1) : 0; };
+        const int i = x + step(m.x), j = y + step(m.y), k = z + step(m.z);
+        return is_opaque(i, j, k) && !fills_[grid_.index(i, j, k)].is_thin();
+    }
+    /// Whether nothing parts here, were all the thin cells around open: c and a thin cell on the other side may not
+    /// leave a wall of edges.
+    template <class IsThin>
+    bool is_on_one_side(int x, int y, int z, const IsThin& is_thin) const {
+        Around clear = 0, thin = 0;
+        for (int k = -1; k <= 1; ++k)
+            for (int j = -1; j <= 1; ++j)
+                for (int i = -1; i <= 1; ++i) {
+                    const Around bit = 1u << bit_of(i, j, k);
+                    if (!is_opaque(x + i, y + j, z + k))
+                        clear |= bit;
+                    else if (is_thin(x + i, y + j, z + k))
+                        thin |= bit;
+                }
+        return is_one_side(clear, thin);
+    }
+    bool inside(int x, int y, int z) const {
+        return x >= 0 && y >= 0 && z >= 0 && x < grid_.count[0] && y < grid_.count[1] && z < grid_.count[2];
+    }
+
+private:
+    const CellGrid& grid_;
+    const float* depth_;
+    std::vector<Fill> fills_;
+};
+
+}  // namespace
+
+std::vector<std::size_t> open_skins(const Medium::Data& medium, const Device& device, Progress& progress,
+                                    Density& extinction) {
+    const CellGrid& grid = extinction.grid;
+    const auto [nx, ny, nz] = grid.count;
+    const auto each = [&, nx = nx, ny = ny, nz = nz](const auto& body) {
+        parallel_for(device.threads, std::int64_t(ny) * nz, 4, "density", progress,
+                     [&](std::int64_t first, std::int64_t end) {
+                         for (auto row = first; row < end; ++row)
+                             for (int x = 0; x < nx; ++x) body(x, int(row % ny), int(row / ny));
+                     });
+        progress.check();
+    };
+    Skins surface(extinction);
+    with_stored_voxel(medium.volume.data(), [&](auto voxel) {
+        const HardMatter<decltype(voxel)> matter(medium, grid);
+        each([&](int x, int y, int z) {
+            if (surface.is_asked(x, y, z)) surface.fill(x, y, z) = matter.of_node(x, y, z);
+        });
+    });
+    std::vector<std::uint8_t> thin(grid.size()), open(grid.size());
+    each([&](int x, int y, int z) { thin[grid.index(x, y, z)] = surface.is_backed(x, y, z); });
+    const auto is_thin = [&](int x, int y, int z) { return thin[grid.index(x, y, z)] != 0; };
+    each([&](int x, int y, int z) {
+        open[grid.index(x, y, z)] = is_thin(x, y, z) && surface.is_on_one_side(x, y, z, is_thin);
+    });
+    std::vector<std::size_t> skins;
+    for (int z = 0; z < nz; ++z)
+        for (int y = 0; y < ny; ++y)
+            for (int x = 0; x < nx; ++x)
+                if (const std::size_t node = grid.index(x, y, z); open[node]) {
+                    extinction.data()[node] = -std::log(1 - surface.fill(x, y, z).share);
+                    skins.push_back(node);
+                }
+    return skins;
+}
+
+}  // namespace chiaro
