@@ -50,11 +50,10 @@ struct LightError {
 /// reference's (`trace_fluence`), whose noise is taken off: 1024 paths from each, scattered as often as the method
 /// follows light. The points lie two voxel edges before what contributes most to pixels that are drawn at random,
 /// always the same ones: in the skin of dense matter light ends within a voxel. Light is that on particles, as in
-/// `compare_methods`: neither moved off
-/// surfaces nor scaled. Throws Error{usage} where no light arrives that could be wrong (none, the path-traced
-/// reference, histograms without occlusion, Mode::mip, a picture of nothing), else as Session::render, which it uses:
-/// give it a session of its own (`Session::beside`). Cost: the method's light once more, if this session has not it
-/// yet, and some core-seconds for the paths.
+/// `compare_methods`: neither moved off surfaces nor scaled. Throws Error{usage} where no light arrives that could be
+/// wrong (none, the path-traced reference, histograms without occlusion, Mode::mip, a picture of nothing), else as
+/// Session::render, which it uses: give it a session of its own (`Session::beside`). Cost: the method's light once
+/// more, if this session has not it yet, and some core-seconds for the paths.
 LightError measure_light(Session& session, const Scene& scene, Progress& progress, int points = 1024);
 
 }  // namespace chiaro
