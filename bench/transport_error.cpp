@@ -32,7 +32,7 @@ Row row_of(const std::string& name, double share, const std::string& note = "") 
     return {name, "%", {100 * share, 100 * share, 100 * share, 1}, {}, {}, note};
 }
 
-std::string told(const LightError& error) {
+std::string told(const FluenceError& error) {
     return fmt::format("bias {:+.1f} %, noise of the truth {:.1f} %", 100 * error.bias, 100 * error.noise);
 }
 
@@ -56,7 +56,7 @@ std::vector<Row> measure(const TransportJudge& judge, const std::string& prefix,
         rows.push_back(row_of(fmt::format("{}/{}-bias", prefix, kind), error.bias));
     }
     const auto add = [&](const std::string& name, const Frame& frame) {
-        const LightError error = judge.of_picture(frame);
+        const FluenceError error = judge.of_picture(frame);
         rows.push_back(row_of(fmt::format("{}/{}", prefix, name), error.relative, told(error)));
     };
     add("picture-single", judge.picture(judge.nodes(grid, 0)));

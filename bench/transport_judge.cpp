@@ -20,12 +20,12 @@ struct Sums {
         errors += (f - t) * (f - t), squares += t * t, noise += variance, found += f, truth += t, ++count;
     }
     /// The noise adds its variance to the errors and to the truth's squares.
-    LightError over_squares() const {
+    FluenceError over_squares() const {
         if (count == 0) return {};
         const double light = std::max(squares - noise, 1e-30);
         return {std::sqrt(std::max(errors - noise, 0.0) / light), (found - truth) / truth, std::sqrt(noise / light)};
     }
-    LightError over_mean() const {
+    FluenceError over_mean() const {
         const double mean = truth / count;
         return {std::sqrt(std::max(errors - noise, 0.0) / count) / mean, (found - truth) / truth,
                 std::sqrt(noise / count) / mean};
@@ -88,14 +88,14 @@ Rgb shown_at(const ShownLight& shown, Vec3 p) {
 
 }  // namespace
 
-LightError error_of(const std::vector<Rgb>& found, const Fluence& truth) {
+FluenceError error_of(const std::vector<Rgb>& found, const Fluence& truth) {
     Sums sums;
     for (std::size_t i = 0; i < found.size(); ++i)
         for (std::size_t c = 0; c < 3; ++c) sums.add(found[i][c], truth.mean[i][c], truth.error[i] * truth.error[i]);
     return sums.over_squares();
 }
 
-LightError error_of(const Frame& found, const Frame& truth, const PathStatistics& sureness, int block) {
+FluenceError error_of(const Frame& found, const Frame& truth, const PathStatistics& sureness, int block) {
     const auto mean_of = [&](const Frame& frame, int x, int y, int c) {
         double sum = 0;
         for (int j = 0; j < block; ++j)
@@ -143,11 +143,11 @@ TransportNodes TransportJudge::nodes(int grid, std::optional<int> iterations) co
     return solver.nodes();
 }
 
-LightError TransportJudge::in_air(const TransportNodes& nodes) const {
+FluenceError TransportJudge::in_air(const TransportNodes& nodes) const {
     return error_of(light_between(nodes, points_.air, false), air_);
 }
 
-LightError TransportJudge::in_matter(const TransportNodes& nodes) const {
+FluenceError TransportJudge::in_matter(const TransportNodes& nodes) const {
     return error_of(light_between(nodes, points_.matter, true), matter_);
 }
 
@@ -202,7 +202,7 @@ Frame TransportJudge::picture(const TransportNodes& nodes) const {
     return frame;
 }
 
-LightError TransportJudge::of_picture(const Frame& frame, int block) const {
+FluenceError TransportJudge::of_picture(const Frame& frame, int block) const {
     return error_of(frame, picture_.first, picture_.second, block);
 }
 

@@ -6,16 +6,16 @@
 namespace chiaro::bench {
 
 /// Of what was found, from a truth with noise of its own, which is taken out.
-struct LightError {
+struct FluenceError {
     double relative = 0;  ///< √(Σ (found - truth)² / Σ truth²) of J; of pictures RMSE / mean
     double bias = 0;      ///< Σ (found - truth) / Σ truth
     double noise = 0;     ///< what the truth is unsure by, in the measure of `relative`
 };
 
-LightError error_of(const std::vector<Rgb>& found, const Fluence& truth);
+FluenceError error_of(const std::vector<Rgb>& found, const Fluence& truth);
 
 /// Over means of `block`² pixels, of those blocks where something is seen.
-LightError error_of(const Frame& found, const Frame& truth, const PathStatistics& sureness, int block);
+FluenceError error_of(const Frame& found, const Frame& truth, const PathStatistics& sureness, int block);
 
 /// J at points between the nodes: trilinear, in matter by the weights of nodes, in the air by what these leave, so that
 /// neither takes the other's light.
@@ -32,13 +32,13 @@ public:
     /// Light on a grid of so many cells, after at most so many iterations (none: until it changes no more); 0: light
     /// that is scattered but once.
     TransportNodes nodes(int grid, std::optional<int> iterations) const;
-    LightError in_air(const TransportNodes& nodes) const;
-    LightError in_matter(const TransportNodes& nodes) const;
+    FluenceError in_air(const TransportNodes& nodes) const;
+    FluenceError in_matter(const TransportNodes& nodes) const;
 
     /// L = ∫ κ a J T dt by marching through the medium of the paths, 64 steps a smallest voxel edge, J as pictures of
     /// particles look it up: what this light makes of a picture, whatever a ray caster adds. Some CPU seconds.
     Frame picture(const TransportNodes& nodes) const;
-    LightError of_picture(const Frame& frame, int block = 4) const;
+    FluenceError of_picture(const Frame& frame, int block = 4) const;
     const Frame& truth() const { return picture_.first; }
     const JudgedPoints& points() const { return points_; }
 

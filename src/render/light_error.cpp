@@ -99,7 +99,7 @@ LightError measure_light(Session& session, const Scene& scene, Progress& progres
 
     const std::vector<Vec3> seen = visible_points(medium, camera, scene, points);
     if (seen.size() < fewest_points) throw Error(ErrorCode::usage, "not measured: too little is seen");
-    std::vector<Rgb> found = light_at(session.light(), lighting, camera.orbit_up, medium.data(), seen);
+    std::vector<Rgb> found = light_at(session.light(), lighting, camera, medium.data(), seen);
     const Method method = plain.illumination.method;
     if (method != Method::visibility && method != Method::transport) {
         const Rgb mean = mean_radiance(lighting);
