@@ -11,16 +11,15 @@ double cpu_now() { return double(std::clock()) / CLOCKS_PER_SEC; }
 
 double wall_now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-double measure(double (*now)(), const std::function<void()>& work) {
-    const double start = now();
+double measure(const Clock& clock, const std::function<void()>& work) {
     work();
-    return std::max(now() - start, 1e-6);  // the resolution; rates are divided by it
+    return std::max(1e-3 * clock.ms(), 1e-6);  // the resolution; rates are divided by it
 }
 
 }  // namespace
 
-double cpu_seconds(const std::function<void()>& work) { return measure(cpu_now, work); }
-double wall_seconds(const std::function<void()>& work) { return measure(wall_now, work); }
+double cpu_seconds(const std::function<void()>& work) { return measure(Clock::cpu(), work); }
+double wall_seconds(const std::function<void()>& work) { return measure(Clock::wall(), work); }
 
 Clock Clock::cpu() { return Clock(cpu_now); }
 Clock Clock::wall() { return Clock(wall_now); }

@@ -29,9 +29,9 @@ void average(const Volume& from, Volume& to) {
     const auto [nx, ny, nz] = from.dimensions;
     T* out = to.as<T>().data();
     const int parts = from.components;
-    for (int z = 0; z<nz; z += nz> 1 ? 2 : 1)
-        for (int y = 0; y<ny; y += ny> 1 ? 2 : 1)
-            for (int x = 0; x<nx; x += nx> 1 ? 2 : 1)
+    for (int z = 0; z < nz; z += 2)
+        for (int y = 0; y < ny; y += 2)
+            for (int x = 0; x < nx; x += 2)
                 for (int part = 0; part < parts; ++part) {
                     double sum = 0;
                     int count = 0;

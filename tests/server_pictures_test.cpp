@@ -6,6 +6,24 @@
 using namespace chiaro;
 using namespace chiaro::testing;
 
+namespace {
+
+/// What a page's scene is without a server: the same volume and size in a session of its own.
+struct Here {
+    Here(const Json& shown, const char* volume, int width, int height) {
+        std::vector<std::string> unknown;
+        scene = parse_scene(shown.dump(), {}, {}, unknown);
+        scene.volume = volume, scene.width = width, scene.height = height;
+        session.show(read_volume(scene, progress), progress);
+    }
+
+    Scene scene;
+    Progress progress;
+    Session session{Device::cpu(2)};
+};
+
+}  // namespace
+
 TEST(ServerPictures, RestEndsInTheVeryPixelsThatTheToolRenders) {
     const Server server;
     Json scene;
@@ -207,13 +225,8 @@ TEST(ServerPictures, ComparesWithAReferenceThatGathersPaths) {
         paths = frames[i].json["samples"];
     }
     // The same figures as in one go.
-    std::vector<std::string> unknown;
-    Scene same = parse_scene(scene.dump(), {}, {}, unknown);
-    same.volume = "sample:ball:16", same.width = 32, same.height = 24;
-    Progress progress;
-    Session session(Device::cpu(2));
-    session.show(read_volume(same, progress), progress);
-    const MethodComparison once = compare_methods(session, same, {Method::spao}, progress);
+    Here here(scene, "sample:ball:16", 32, 24);
+    const MethodComparison once = compare_methods(here.session, here.scene, {Method::spao}, here.progress);
     EXPECT_DOUBLE_EQ(done->json["figures"]["rmse"].get<double>(), once.pictures.front().distance.rmse);
 }
 
@@ -235,13 +248,9 @@ TEST(ServerPictures, MeasuresHowFarTheLightIsFromTheReference) {
         EXPECT_GE(found["interval"][1], found["percent"]);
         EXPECT_GT(found["largest"], 0);
         EXPECT_LT(found["percent"], 60) << method;
-        std::vector<std::string> unknown;
-        Scene same = parse_scene(scene.dump(), {}, {}, unknown);
-        same.volume = "sample:ball:32", same.width = 64, same.height = 48;
-        Progress progress;
-        Session session(Device::cpu(2));
-        session.show(read_volume(same, progress), progress);
-        EXPECT_DOUBLE_EQ(found["percent"].get<double>(), 100 * measure_light(session, same, progress).rmse);
+        Here here(scene, "sample:ball:32", 64, 48);
+        EXPECT_DOUBLE_EQ(found["percent"].get<double>(),
+                         100 * measure_light(here.session, here.scene, here.progress).rmse);
     }
     scene["lighting"] = {{"method", "none"}};
     const Json none = page.ask({{"type", "measure"}, {"scene", scene}});

@@ -1,5 +1,6 @@
 #include "decode/byte_source.h"
 
+#include "core/cut_file.h"
 #include "decode/output.h"
 
 #include <fcntl.h>
@@ -35,18 +36,11 @@ public:
             done += std::size_t(n);
             offset_ += std::size_t(n);
         }
-        if (done > 0) check_uncut();
+        if (done > 0 && is_cut(descriptor_, offset_)) refuse(was_cut);
         return done;
     }
 
 private:
-    /// A file that is cut while it is read may give zeros in place of what stood behind the cut; its size tells.
-    void check_uncut() const {
-        struct stat status {};
-        if (fstat(descriptor_, &status) != 0 || std::uint64_t(status.st_size) < offset_)
-            refuse("it was cut short while it was read");
-    }
-
     int descriptor_;
     std::uint64_t offset_;
 };

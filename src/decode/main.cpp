@@ -17,6 +17,7 @@
 #include <exception>
 #include <string>
 
+#include "core/cut_file.h"
 #include "io/wire.h"
 
 namespace {
@@ -33,7 +34,7 @@ void become_program_for(const std::string& format, char** argv) {
 }
 
 /// Bytes of a file, the most there can be of anything else. Libraries that read by themselves would not see a cut
-/// (decode/byte_source.cpp).
+/// (core/cut_file.h).
 std::uintmax_t size_of(const char* path) {
     std::error_code none;
     return std::filesystem::is_regular_file(path, none) ? std::filesystem::file_size(path, none) : UINTMAX_MAX;
@@ -56,7 +57,7 @@ int main(int argc, char** argv) {
         if (!reader) decode::refuse("the program chiaro-decode-" + format + " is missing beside chiaro-decode");
         const std::uintmax_t size = size_of(argv[2]);
         const Volume volume = reader(argv[2], argv[3], output);
-        if (size_of(argv[2]) < size) decode::refuse("it was cut short while it was read");
+        if (size_of(argv[2]) < size) decode::refuse(was_cut);
         output.succeed(volume);
     } catch (const std::bad_alloc&) {
         output.fail("decoding it takes more memory than is permitted");

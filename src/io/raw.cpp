@@ -1,5 +1,6 @@
 #include "io/raw.h"
 
+#include "core/cut_file.h"
 #include "core/text.h"
 #include "core/threads.h"
 #include "io/helper_process.h"
@@ -72,10 +73,7 @@ void read_bytes(const std::filesystem::path& path, std::uint64_t offset, VoxelBu
         done += std::size_t(n);
         progress.report("read", double(done) / double(to.size()));
     }
-    // A file that is cut while it is read may give zeros in place of what stood behind the cut; its size tells.
-    struct stat status {};
-    if (fstat(file.number(), &status) != 0 || std::uint64_t(status.st_size) < offset + to.size())
-        refuse(path, "it was cut short while it was read");
+    if (is_cut(file.number(), offset + to.size())) refuse(path, was_cut);
 }
 
 }  // namespace

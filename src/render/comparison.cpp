@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "render/appearance.h"
 #include "render/plainly_lit.h"
 
 namespace chiaro {
@@ -52,12 +53,11 @@ MethodComparison compare_methods(Session& session, const Scene& scene, const std
         throw Error(ErrorCode::usage,
                     fmt::format("--mode {}: lighting methods are compared in volumes, mode dvr", to_text(scene.mode)));
     MethodComparison comparison;
-    const Rgb mean = mean_radiance(scene.lighting);
+    const Rgb mean = mean_radiance(with_probe(scene.lighting));
     for (const Method method : methods) {
-        MethodPicture picture = picture_by(session, plainly_lit(scene, method), progress);
-        const bool knows_light =
-            method == Method::visibility || method == Method::transport || method == Method::reference;
-        if (!knows_light) light_by_mean(picture.frame, mean);
+        const Scene plain = plainly_lit(scene, method);
+        MethodPicture picture = picture_by(session, plain, progress);
+        if (!finds_light(plain.illumination)) light_by_mean(picture.frame, mean);
         comparison.pictures.push_back(std::move(picture));
     }
     const auto judge = [&](MethodPicture reference) {

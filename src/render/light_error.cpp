@@ -9,6 +9,7 @@
 
 #include "illumination/light_at.h"
 #include "illumination/sh/directions.h"
+#include "render/appearance.h"
 #include "render/plainly_lit.h"
 
 namespace chiaro {
@@ -94,14 +95,12 @@ LightError measure_light(Session& session, const Scene& scene, Progress& progres
     const DeviceVolume& volume = session.volume();
     const Medium& medium = session.medium();
     const Camera camera = make_camera(scene.camera, volume.geometry(), volume.dimensions());
-    Lighting lighting = plain.lighting;
-    if (!lighting.probe.source.empty()) lighting.loaded_probe = load_probe(lighting.probe.source);
+    const Lighting lighting = with_probe(plain.lighting);
 
     const std::vector<Vec3> seen = visible_points(medium, camera, scene, points);
     if (seen.size() < fewest_points) throw Error(ErrorCode::usage, "not measured: too little is seen");
     std::vector<Rgb> found = light_at(session.light(), lighting, camera, medium.data(), seen);
-    const Method method = plain.illumination.method;
-    if (method != Method::visibility && method != Method::transport) {
+    if (!finds_light(plain.illumination)) {
         const Rgb mean = mean_radiance(lighting);
         for (Rgb& light : found)
             for (int c = 0; c < 3; ++c) light[c] *= mean[c];

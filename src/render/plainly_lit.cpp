@@ -25,10 +25,12 @@ Scene plainly_lit(const Scene& scene, Method method) {
     return plain;
 }
 
+bool finds_light(const IlluminationSettings& settings) {
+    return settings.method == Method::visibility || settings.method == Method::transport || is_path_traced(settings);
+}
+
 Rgb mean_radiance(const Lighting& lighting) {
-    Lighting loaded = lighting;
-    if (!loaded.probe.source.empty()) loaded.loaded_probe = load_probe(loaded.probe.source);
-    return sh_light(loaded, {0, 0, 1}, {}, ShWindow::none).mean;  // which no rotation changes
+    return sh_light(lighting, {0, 0, 1}, {}, ShWindow::none).mean;  // which no rotation changes
 }
 
 }  // namespace chiaro

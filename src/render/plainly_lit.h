@@ -7,7 +7,10 @@ namespace chiaro {
 /// The scene without shading, background and exposure of the picture, lit by the method as compare_methods says.
 Scene plainly_lit(const Scene& scene, Method method);
 
-/// Of the lighting's probe, loaded if it is not, over the whole sphere.
+/// Whether what a method finds is light, not the share of it that arrives.
+bool finds_light(const IlluminationSettings& settings);
+
+/// Of the lighting's probe, which is loaded, over the whole sphere.
 Rgb mean_radiance(const Lighting& lighting);
 
 }  // namespace chiaro

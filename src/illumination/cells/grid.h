@@ -19,6 +19,9 @@ struct CellGrid {
 
     std::size_t size() const { return std::size_t(count[0]) * count[1] * count[2]; }
     std::size_t index(int x, int y, int z) const { return (std::size_t(z) * count[1] + y) * count[0] + x; }
+    bool holds(int x, int y, int z) const {
+        return x >= 0 && y >= 0 && z >= 0 && x < count[0] && y < count[1] && z < count[2];
+    }
     /// Voxel coordinates of a cell's centre; cells and voxels both cover [-½, n - ½] of their index.
     Vec3 voxel_of(double x, double y, double z) const {
         return {(x + 0.5) * voxels_per_cell.x - 0.5, (y + 0.5) * voxels_per_cell.y - 0.5,

@@ -40,9 +40,8 @@ OpaqueCells::OpaqueCells(const LightGrid& grid, float threshold)
 void OpaqueCells::find_shown(const LightGrid& grid) {
     const auto [nx, ny, nz] = count_;
     const CellGrid& cells = grid.extinction.grid;
-    const auto is_open = [&, nx = nx, ny = ny, nz = nz](int x, int y, int z) {
-        const bool inside = x >= 0 && y >= 0 && z >= 0 && x < nx && y < ny && z < nz;
-        return !inside || kind_[cells.index(x, y, z)] == clear;
+    const auto is_open = [&](int x, int y, int z) {
+        return !cells.holds(x, y, z) || kind_[cells.index(x, y, z)] == clear;
     };
     for (int z = 0; z < nz; ++z)
         for (int y = 0; y < ny; ++y)

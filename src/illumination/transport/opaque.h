@@ -10,6 +10,8 @@ namespace chiaro {
 
 /// Cells whose optical thickness is at least this are opaque.
 inline constexpr float opaque_from = 2;
+/// What such a cell stops at least: 1 - exp(-opaque_from), rounded down.
+inline constexpr float opaque_weight = 0.8646f;
 
 /// What a half space of albedo a reflects of diffuse light (isotropic scattering; van de Hulst 1980: (1 - s) (1 - .139
 /// s) / (1 + 1.17 s), s = √(1 - a)).
@@ -62,8 +64,7 @@ private:
     void list_rows(const CellGrid& grid);
     /// The cell's id, or -1.
     std::int32_t id_of(const CellGrid& grid, int x, int y, int z) const {
-        const bool inside = x >= 0 && y >= 0 && z >= 0 && x < count_[0] && y < count_[1] && z < count_[2];
-        return inside ? ids_[grid.index(x, y, z)] : -1;
+        return grid.holds(x, y, z) ? ids_[grid.index(x, y, z)] : -1;
     }
 
     std::array<int, 3> count_;

@@ -107,7 +107,9 @@ class Skins {
 public:
     explicit Skins(Density& extinction) : grid_(extinction.grid), depth_(extinction.data()), fills_(grid_.size()) {}
 
-    bool is_opaque(int x, int y, int z) const { return inside(x, y, z) && depth_[grid_.index(x, y, z)] >= opaque_from; }
+    bool is_opaque(int x, int y, int z) const {
+        return grid_.holds(x, y, z) && depth_[grid_.index(x, y, z)] >= opaque_from;
+    }
     /// On a surface: in a corner between walls only an edge may lie in the open.
     bool is_asked(int x, int y, int z) const {
         if (!is_opaque(x, y, z)) return false;
@@ -144,9 +146,6 @@ public:
                         thin |= bit;
                 }
         return is_one_side(clear, thin);
-    }
-    bool inside(int x, int y, int z) const {
-        return x >= 0 && y >= 0 && z >= 0 && x < grid_.count[0] && y < grid_.count[1] && z < grid_.count[2];
     }
 
 private:

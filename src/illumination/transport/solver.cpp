@@ -360,8 +360,9 @@ TransportNodes TransportSolver::nodes() const {
         std::copy(seen.begin(), seen.end(), out.light.begin() + at);
         std::copy_n(s.opaque.per_albedo(cell).begin(), 3, out.answer.begin() + at);
     }
-    for (std::size_t node : s.opaque.count() > 0 ? s.grid.skins : std::vector<std::size_t>())
-        for (int c = 0; c < 3; ++c) out.answer[3 * node + c] = float(reflected_per_albedo(s.grid.albedo[c][node]));
+    if (!out.answer.empty())
+        for (const std::size_t node : s.grid.skins)
+            for (int c = 0; c < 3; ++c) out.answer[3 * node + c] = float(reflected_per_albedo(s.grid.albedo[c][node]));
     fill_behind(s.opaque, out);
     return out;
 }

@@ -11,9 +11,7 @@ float square(const Float3& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; 
 }  // namespace
 
 float SurfaceNodes::alpha(int x, int y, int z) const {
-    const auto [nx, ny, nz] = nodes_.grid.count;
-    const bool inside = x >= 0 && y >= 0 && z >= 0 && x < nx && y < ny && z < nz;
-    return inside ? opacity_[nodes_.grid.index(x, y, z)] : 0;
+    return nodes_.grid.holds(x, y, z) ? opacity_[nodes_.grid.index(x, y, z)] : 0;
 }
 
 Float3 SurfaceNodes::step_down(int x, int y, int z, int d) const {
@@ -55,8 +53,7 @@ NodeRoles SurfaceNodes::roles(int x, int y, int z) const {
 
 bool SurfaceNodes::is_air(int x, int y, int z) const {
     constexpr float clear = 0.02f;
-    const auto [nx, ny, nz] = nodes_.grid.count;
-    if (x < 0 || y < 0 || z < 0 || x >= nx || y >= ny || z >= nz) return true;
+    if (!nodes_.grid.holds(x, y, z)) return true;
     const std::size_t node = nodes_.grid.index(x, y, z);
     return nodes_.weight[node] < clear || is_skin(node);
 }

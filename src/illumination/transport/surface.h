@@ -4,6 +4,7 @@
 
 #include "illumination/cells/kernel.h"
 #include "illumination/transport/nodes.h"
+#include "illumination/transport/opaque.h"
 
 namespace chiaro {
 
@@ -60,9 +61,6 @@ private:
     float alpha(int x, int y, int z) const;
     bool is_skin(std::size_t node) const { return shows(node) && nodes_.weight[node] < opaque_weight; }
     bool is_air(int x, int y, int z) const;
-
-    /// 1 - exp(-2): from here on cells are opaque.
-    static constexpr float opaque_weight = 0.8646f;
 
     const TransportNodes& nodes_;
     const std::vector<float>& opacity_;
