@@ -3,11 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <thread>
 
 #include "cuda/mirror.h"
 #include "fixtures.h"
 #ifdef CHIARO_CUDA_EMULATED
 #include <cuda_runtime_api.h>
+
+#include "bench.h"
 #endif
 
 using namespace chiaro;
@@ -121,6 +124,23 @@ TEST_F(Cards, EveryKindOfLight) {
     }
 }
 
+TEST_F(Cards, SweepVisibilityToTheSameCoefficients) {
+    const Volume volume = shells_of<std::uint8_t>(36);
+    IlluminationSettings light{.method = Method::visibility};
+    Progress progress;
+    const Medium medium = classify(upload(card, volume), two_materials(), {});
+    for (const int bands : {2, 4})
+        for (const int directions : {24, 600}) {  // one batch of each side, and several
+            light.visibility.bands = bands, light.visibility.directions = directions;
+            const ComputedField expected = compute_field(processor(), medium, {}, {}, light, progress);
+            const ComputedField found = compute_field(card, medium, {}, {}, light, progress);
+            const auto a = expected.volume.as<float>(), b = found.volume.as<float>();
+            double worst = 0;
+            for (std::size_t i = 0; i < a.size(); ++i) worst = std::max(worst, std::abs(double(a[i]) - b[i]));
+            EXPECT_LE(worst, tolerance) << bands << " bands, " << directions << " directions";
+        }
+}
+
 TEST_F(Cards, LocalHistogramsThatGlow) {
     const Volume volume = shells_of<std::uint8_t>(32);
     IlluminationSettings light{.method = Method::histogram};
@@ -218,6 +238,34 @@ TEST_F(Cards, AreHandedOnlyWhatChanged) {
     const auto beside = card.beside();
     raycast(beside, medium, {}, {}, make_camera(from, volume.geometry, volume.dimensions), {}, frame, progress);
     EXPECT_EQ(copied(), second);  // another stream shares it
+}
+
+TEST_F(Cards, SessionsOfOneVolumeSideBySide) {
+    Scene scene;
+    scene.width = 61, scene.height = 47;
+    scene.illumination.method = Method::spao;
+    scene.transfer.points = two_materials();
+    Progress progress;
+    Session expected(processor()), one(card);
+    expected.show(shells_of<std::uint8_t>(40), progress);
+    one.show(shells_of<std::uint8_t>(40), progress);
+    const Image image = expected.render(scene, progress);
+    EXPECT_EQ(one.render(scene, progress).pixels, image.pixels);
+    EXPECT_EQ(one.outcome().samples, expected.outcome().samples);
+    const auto copied = card.stream->mirror()->copied_bytes();
+    Session two = one.beside();
+    std::thread other([&] {
+        for (int turn = 0; turn < 3; ++turn) EXPECT_EQ(two.render(scene, progress).pixels, image.pixels);
+    });
+    Scene turned = scene;
+    for (int turn = 0; turn < 3; ++turn) {
+        turned.camera.azimuth_deg = 40 * turn;
+        one.render(turned, progress);
+    }
+    other.join();
+    EXPECT_LT(card.stream->mirror()->copied_bytes() - copied,
+              copied / 2);  // the voxels are shared, light is each one's own
+    EXPECT_EQ(one.draft(scene, progress).pixels, image.pixels);
 }
 
 TEST_F(Cards, LetGoOfWhatIsGone) {
@@ -323,6 +371,20 @@ TEST_F(TroubledCards, HoldNothingInTheEnd) {
         EXPECT_GT(cuda_emulated::card().held_bytes, before);
     }
     EXPECT_EQ(cuda_emulated::card().held_bytes, before);
+}
+
+TEST_F(Cards, AreTimedByTheBench) {
+    Progress progress;
+    const bench::Setup setup{.device = card, .quick = true, .runs = 2, .progress = progress};
+    std::vector<bench::Row> rows;
+    bench::run(setup, {{"card"}, "copy|upload|download|shells256-sparse"},
+               [&](const bench::Row& row) { rows.push_back(row); });
+    ASSERT_EQ(rows.size(), 7u);
+    for (const bench::Row& row : rows) {
+        EXPECT_EQ(row.value.runs, 2) << row.name << row.note;
+        EXPECT_GT(row.value.min, 0) << row.name;
+        EXPECT_EQ(row.ratio.has_value(), row.name != "card/copy") << row.name;
+    }
 }
 
 // The make-believe card must be one: what the tests rely on.
