@@ -16,10 +16,11 @@ struct HostArray {
 
 class HostArrays {
 public:
-    /// A range of anything contiguous (a vector, a VoxelBuffer) that `owner` keeps.
+    /// A range of anything contiguous (a vector, a VoxelBuffer) that `owner` keeps; without one it is a call's own.
     template <class Range>
     void add(const std::weak_ptr<const void>& owner, const Range& range) {
-        if (range.size()) arrays_.push_back({owner, range.data(), range.size() * sizeof *range.data(), true});
+        if (range.size())
+            arrays_.push_back({owner, range.data(), range.size() * sizeof *range.data(), !owner.expired()});
     }
     /// One call's own.
     template <class Range>

@@ -46,6 +46,8 @@ kernel::SweepPlanes SweepPlanes::view(int k) {
 
 CardSweep::CardSweep(const Device& device, const Density& density, int coefficients)
     : stream_(device.stream),
+      grid_(density.grid),
+      coefficients_(coefficients),
       density_(*stream_, density.grid.size()),
       field_(*stream_, density.grid.size() * std::size_t(coefficients)) {
     stream_->upload(density_.data(), density.data(), density_.size() * sizeof(float));
@@ -92,6 +94,37 @@ void CardSweep::pass(const SweepPass& pass, const SweepAxes& axes, std::span<con
 void CardSweep::fetch(ShField& field) {
     stream_->download(field.buffer.data(), field_.data(), field_.size() * sizeof(float));
     stream_->wait();
+}
+
+VisibilityNodes CardSweep::keep(const VisibilitySettings& settings) {
+    VisibilityNodes nodes = make_nodes(grid_, coefficients_, settings);
+    const bool lifted = nodes.surfaces.size() > 0;
+    const cuda::Array<std::byte> harmonics(*stream_, nodes.harmonics.size());
+    const cuda::Array<kernel::NodeSurface> surfaces(*stream_, lifted ? grid_.size() : 1);
+    const cuda::Array<float> opacity(*stream_, lifted ? grid_.size() : 1);
+    if (lifted) kernel::find_opacities(*stream_, {density_.data(), opacity.data()}, std::int64_t(grid_.size()));
+    kernel::KeepKernel keep = keep_kernel(nodes, field_.data(), lifted ? opacity.data() : nullptr);
+    keep.harmonics = harmonics.data(), keep.surfaces = surfaces.data();
+    kernel::keep_all_nodes(*stream_, keep);
+    stream_->download(nodes.harmonics.data(), harmonics.data(), nodes.harmonics.size());
+    if (lifted) stream_->download(nodes.surfaces.data(), surfaces.data(), nodes.surfaces.size());
+    stream_->wait();
+    return nodes;
+}
+
+void light_on_card(const Device& device, const kernel::LightKernel& kernel, const HostArrays& arrays,
+                   std::size_t nodes) {
+    cuda::Stream& stream = *device.stream;
+    cuda::Views views(stream, arrays);
+    const cuda::Array<kernel::Light16> light(stream, 4 * nodes);
+    kernel::LightKernel on_card = kernel;
+    views.swap(on_card.harmonics.nodes);
+    views.swap(on_card.surfaces);
+    views.swap(on_card.surface.entries);
+    on_card.light = light.data();
+    kernel::light_all_nodes(stream, on_card, std::int64_t(nodes));
+    stream.download(kernel.light, light.data(), light.size() * sizeof(kernel::Light16));
+    stream.wait();
 }
 
 }  // namespace chiaro

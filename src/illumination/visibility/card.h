@@ -1,6 +1,7 @@
 // The sweep on a card: planes, packs of directions and coefficients stay there until all directions are done.
 #pragma once
 #include "cuda/mirror.h"
+#include "illumination/visibility/nodes.h"
 #include "illumination/visibility/sweep_pass.h"
 
 namespace chiaro {
@@ -32,10 +33,18 @@ public:
     void pass(const SweepPass& pass, const SweepAxes& axes, std::span<const SweepDirection> batch,
               const std::function<void(double)>& tell);
     void fetch(ShField& field);
+    /// As keep_nodes, of what has been swept.
+    VisibilityNodes keep(const VisibilitySettings& settings);
 
 private:
     const std::shared_ptr<cuda::Stream> stream_;
+    const CellGrid grid_;
+    const int coefficients_;
     cuda::Array<float> density_, field_;
 };
+
+/// LightKernel on the device's card: `kernel` as it is for the host, which gets the light.
+void light_on_card(const Device& device, const kernel::LightKernel& kernel, const HostArrays& arrays,
+                   std::size_t nodes);
 
 }  // namespace chiaro

@@ -1,6 +1,7 @@
-// The sweep's kernel as a card has it, compiled by launch_sweep.cu.
+// The kernels of sweeps and nodes as a card has them, compiled by launch_sweep.cu and launch_nodes.cu.
 #pragma once
 #include "cuda/stream.h"
+#include "illumination/visibility/node_kernel.h"
 #include "illumination/visibility/sweep_kernel.h"
 
 namespace chiaro::kernel {
@@ -16,5 +17,9 @@ struct SweptPlane {
 
 /// A thread for each node: within a plane none needs another.
 void sweep_plane(cuda::Stream& stream, const SweepKernel& kernel, const SweptPlane& plane);
+
+void find_opacities(cuda::Stream& stream, const OpacityKernel& kernel, std::int64_t nodes);
+void keep_all_nodes(cuda::Stream& stream, const KeepKernel& kernel);
+void light_all_nodes(cuda::Stream& stream, const LightKernel& kernel, std::int64_t nodes);
 
 }  // namespace chiaro::kernel

@@ -3,6 +3,7 @@
 #include <chiaro/device.h>
 #include <chiaro/lighting.h>
 
+#include <memory>
 #include <mutex>
 #include <optional>
 
@@ -34,7 +35,7 @@ struct LitLight {
     MainLight main;
 };
 
-class LitNodes {
+class LitNodes : public std::enable_shared_from_this<LitNodes> {
 public:
     LitNodes(const Device& device, VisibilityNodes nodes) : device_(device), nodes_(std::move(nodes)) {}
 
@@ -56,6 +57,7 @@ private:
         bool operator==(const Inputs&) const = default;
     };
     std::shared_ptr<const LitLight> find(const ProbeLight& probe, const Axes& rows) const;
+    void light_all(const kernel::LightKernel& light, const std::vector<kernel::HarmonicsLight>& surface) const;
 
     Device device_;
     VisibilityNodes nodes_;

@@ -30,6 +30,13 @@ void sweep_batches(const SweepPass& pass, const PassBatch& pass_batch, Progress&
         }
 }
 
+CardSweep swept_on_card(const SweepPass& pass, Progress& progress) {
+    CardSweep card(pass.device, pass.density, pass.field.coefficients);
+    const auto on_card = [&](const auto&... of_batch) { card.pass(of_batch...); };
+    sweep_batches(pass, on_card, progress);
+    return card;
+}
+
 }  // namespace
 
 void grid_pass(const SweepPass& pass, const SweepAxes& axes, std::span<const SweepDirection> batch,
@@ -62,16 +69,29 @@ ShField sweep_visibility(const Device& device, const Density& density, const std
     ShField field(density.grid, coefficients);
     const SweepPass pass{device, density, directions, start, field};
     if (lattice == SweepLattice::grid && cuda::works(device)) try {
-            CardSweep card(device, density, coefficients);
-            const auto on_card = [&](const auto&... of_batch) { card.pass(of_batch...); };
-            sweep_batches(pass, on_card, progress);
-            card.fetch(field);
+            swept_on_card(pass, progress).fetch(field);
             return field;
         } catch (const cuda::OutOfMemory& error) {
             device.stream->give_up(error);
         }
     sweep_batches(pass, lattice == SweepLattice::grid ? grid_pass : sheared_pass, progress);
     return field;
+}
+
+std::optional<VisibilityNodes> sweep_and_keep_on_card(const Device& device, const Density& density,
+                                                      const std::vector<Vec3>& directions, int coefficients,
+                                                      double start, const VisibilitySettings& settings, Steps& steps,
+                                                      Progress& progress) {
+    if (!cuda::works(device)) return {};
+    try {
+        ShField none(density.grid, coefficients);  // its pages are never touched
+        const SweepPass pass{device, density, directions, start, none};
+        CardSweep card = steps("visibility", [&] { return swept_on_card(pass, progress); });
+        return steps("keep", [&] { return card.keep(settings); });
+    } catch (const cuda::OutOfMemory& error) {
+        device.stream->give_up(error);
+        return {};
+    }
 }
 
 }  // namespace chiaro
