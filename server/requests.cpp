@@ -35,6 +35,7 @@ Json View::cancel(const Json& request) {
     if (found == request.end()) throw Error(ErrorCode::usage, "re: must name a request");
     const std::lock_guard lock(mutex_);
     if (const auto running = running_.find(key_of(*found)); running != running_.end()) running->second->cancel();
+    if (*found == "open") house_.first.cancel();  // another view that waits for it reads it itself
     return Json::object();
 }
 

@@ -25,6 +25,7 @@ struct House {
     Json lists;                    ///< of hello
     std::optional<Scene> initial;  ///< what the program was started with
     std::filesystem::path data;    ///< where volumes of scenes are looked up too
+    Progress first;                ///< of reading the initial volume, begun before a page asks
 };
 
 class View : public Listener {

@@ -34,7 +34,8 @@ Json told(const Volume& volume) {
     Json json = Json::parse(info_of(volume, statistics, guessed).dump(-1, ' ', false, Json::error_handler_t::replace));
     json["histogram512"] = finer_histogram(volume, statistics.min, statistics.max);
     json["unit"] = guessed.modality == "CT" ? "HU" : "";
-    json["spacing_stated"] = !(volume.geometry.spacing_mm == Vec3{1, 1, 1});
+    // What files say nothing of is taken as 1; coordinates of a body are in millimetres.
+    json["spacing_stated"] = json["world"] != "unknown" || !(volume.geometry.spacing_mm == Vec3{1, 1, 1});
     json["bytes"] = volume.voxels.size();
     const std::string name = std::filesystem::path(volume.source).filename().string();
     json["name"] = name.empty() ? volume.source : name;
@@ -82,20 +83,28 @@ std::shared_ptr<const Loaded> Volumes::load(const Scene& scene, Progress& progre
     while (entries_[key].is_reading) {
         changed_.wait_for(lock, std::chrono::milliseconds(50));
         progress.check();
+        if (const Entry& entry = entries_[key]; entry.is_reading && !entry.stage.empty())
+            progress.report(entry.stage, entry.fraction);
     }
     if (auto loaded = entries_[key].loaded.lock()) return loaded;
     std::erase_if(entries_,
                   [](const auto& entry) { return !entry.second.is_reading && entry.second.loaded.expired(); });
     entries_[key].is_reading = true;
     lock.unlock();
+    Progress told([&](std::string_view stage, double fraction) {
+        if (progress.cancelled()) told.cancel();
+        progress.report(stage, fraction);
+        const std::lock_guard telling(mutex_);
+        entries_[key].stage = stage, entries_[key].fraction = fraction;
+    });
     std::shared_ptr<const Loaded> loaded;
     const auto done = [&] {
         lock.lock();
-        entries_[key] = {loaded, false};
+        entries_[key] = {loaded, false, {}, 0};
         changed_.notify_all();
     };
     try {
-        loaded = read(scene, device_, halvings, progress);
+        loaded = read(scene, device_, halvings, told);
     } catch (...) {
         done();
         throw;

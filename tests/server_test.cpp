@@ -174,8 +174,14 @@ TEST(Server, ClosesWhatBreaksTheRulesAndHarmsNobodyElse) {
     {
         Page page = server.page("oversized");
         page.of_type("hello");
-        page.send_raw(1, std::string(2 << 20, ' '));
-        EXPECT_EQ(page.closed(), 1009);
+        bool is_written = true;
+        try {
+            page.send_raw(1, std::string(2 << 20, ' '));
+        } catch (const std::exception&) {  // closed at the length's sight: the code may be lost with what was under way
+            is_written = false;
+        }
+        const int code = page.closed();
+        EXPECT_TRUE(code == 1009 || (!is_written && page.is_over())) << code;
     }
     {
         Page page = server.page("binary--");
@@ -259,4 +265,27 @@ TEST(Server, OpensOnlyWhatLiesInItsFolders) {
     scene["transfer_function"] = {{"file", "/etc/passwd"}};
     page.send(state(4, scene));
     EXPECT_EQ(page.of_type("error")->json["n"], 4);
+}
+
+/// The server begins to read before a page asks: the page is told how far that is, and may give it up.
+TEST(Server, TellsOfTheFirstReadingAndGivesItUp) {
+    const Server server("sample:shells:400");
+    Page page = server.page();
+    const auto hello = page.of_type("hello");
+    ASSERT_TRUE(hello);
+    EXPECT_EQ(hello->json["reading"], "sample:shells:400");
+    EXPECT_TRUE(hello->json["volume"].is_null());
+    const auto far = page.of_type("progress");
+    ASSERT_TRUE(far);
+    EXPECT_EQ(far->json["re"], "open");
+    EXPECT_GE(far->json["fraction"], 0);
+    page.send({{"type", "cancel"}, {"id", 1}, {"re", "open"}});
+    const auto ended = page.find(
+        [](const Message& m) { return !m.is_frame && m.json["re"] == "open" && m.json["type"] != "progress"; });
+    ASSERT_TRUE(ended);
+    EXPECT_EQ(ended->json["code"], "interrupted") << ended->json;
+    const Json opened = page.ask({{"type", "open"}, {"volume", "sample:ball:16"}});
+    EXPECT_EQ(opened["type"], "answer") << opened;
+    page.send(state(1, opened["scene"]));
+    EXPECT_TRUE(page.of_stage(1, "final"));
 }

@@ -27,7 +27,7 @@ export const words = {
   pointText: (opacity, value) => `opacity ${opacity} at ${value}`,
   stopText: (colour, value) => `colour ${colour} at ${value}`,
   point: "Point of the opacity", stop: "Colour stop", shutter: ["Lower threshold", "Upper threshold"],
-  ofVoxels: (share) => `${share} of the voxels`,
+  voxels: "voxels", ofVoxels: (share) => `${share} of the voxels`,
   hill: "Matter", hillTip: "Rest: only this keeps its colour. Hold: only this is shown. Double click or F2: name it.", hillName: "Name of this matter",
   methods: {
     none: ["Off", "Colour and opacity alone.", "No lighting"],
@@ -61,7 +61,7 @@ export const words = {
   pill: { draft: "Draft", light: "Refining light", picture: "Refining picture", final: "Final", grid: (n) => `grid 1:${n}`, preview: "preview",
     notMeasured: "not measured", fromReference: (share) => `${share} from reference`, stages: "Stages", leaves: "Leaves out", lower: "Nearer with", frames: "Frames a second", device: "Device", left: "about" },
   saving: { title: "Save image", kind: "Format", size: "Size", seen: "As seen", twice: "Twice", uhd: "3840 × 2160", own: "Own size", width: "Width", height: "Height",
-    background: "Background", transparent: "Transparent", keep: "Keep the settings inside the picture", go: "Save", cancel: "Cancel", done: "Saved", takes: (s) => `Takes about ${s}.` },
+    background: "Background", transparent: "Transparent", scale: "Scale bar", legend: "Colour legend", keep: "Keep the settings inside the picture", go: "Save", cancel: "Cancel", done: "Saved", takes: (s) => `Takes about ${s}.` },
   menu: { open: "Open", saveScene: "Save scene", loadScene: "Load scene or picture", loadTf: "Load transfer function", command: "Copy the command line", theme: "Theme",
     dark: "Dark", lightTheme: "Light", system: "As system", shortcuts: "Shortcuts", about: "About this volume", keys: "Single-key shortcuts" },
   about: { title: "About this volume", dimensions: "Dimensions", spacing: "Spacing", unitless: "unit not stated", range: "Range", percentiles: "Percentiles 1, 50, 99, 99.9",

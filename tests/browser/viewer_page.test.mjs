@@ -222,8 +222,38 @@ visit("the picture is saved in the wanted size, without highlights", async (page
   const download = page.waitForEvent("download");
   await page.click(".popover button.primary");
   await download;
-  const { size, format, metadata } = mock.last("save");
-  assert.deepEqual([size, format, metadata], [[3840, 2160], "png", true]);
+  const { size, format, metadata, overlays } = mock.last("save");
+  assert.deepEqual([size, format, metadata, overlays], [[3840, 2160], "png", true, []]);
+});
+
+visit("a saved picture carries scale bar and legend, as large in it as on the page", async (page, mock) => {
+  const [w, h] = await page.evaluate(() => chiaro.frame.size());
+  for (const [index, factor] of [[0, 1], [1, 2]]) {
+    await page.click("button.primary");
+    await page.locator(".popover select").nth(1).selectOption({ index });
+    await page.getByLabel("Scale bar").check();
+    await page.getByLabel("Colour legend").check();
+    const download = page.waitForEvent("download");
+    await page.click(".popover button.primary");
+    await download;
+    const { overlays } = mock.last("save"), seen = [];
+    assert.equal(overlays.length, 2);
+    for (const { at, png } of overlays) {
+      const data = Buffer.from(png, "base64"), size = [data.readUInt32BE(16), data.readUInt32BE(20)];
+      assert.equal(data.toString("latin1", 1, 4), "PNG");
+      assert.ok(at[0] >= 0 && at[1] >= 0 && at[0] + size[0] <= factor * w && at[1] + size[1] <= factor * h, `${at} ${size}`);
+      seen.push(await page.evaluate(async ([url, k]) => {
+        const image = await createImageBitmap(await (await fetch(url)).blob()), g = new OffscreenCanvas(image.width, image.height).getContext("2d");
+        g.drawImage(image, 0, 0);
+        const { data } = g.getImageData(0, 0, image.width, image.height), rows = [];
+        for (let y = 0; y < image.height; ++y) rows.push([...Array(image.width).keys()].filter((x) => data[4 * (y * image.width + x) + 3] > 200 && data[4 * (y * image.width + x)] > 250).length);
+        return { longest: Math.max(...rows) / k, colours: new Set(Array.from({ length: image.width }, (_, x) => data.slice(4 * (Math.round(10 * k) * image.width + x), 4 * (Math.round(10 * k) * image.width + x) + 4).join())).size };
+      }, [`data:image/png;base64,${png}`, factor]));
+    }
+    const shown = await page.evaluate(() => document.querySelector(".scale").getBoundingClientRect().width);
+    assert.ok(Math.abs(seen[0].longest - shown) < 3, `bar of ${seen[0].longest} pixels where the page has ${shown}`);
+    assert.ok(seen[1].colours > 10, `${seen[1].colours} colours in the legend`);
+  }
 });
 
 visit("a malformed file: the library's sentence, and the picture stays", async (page) => {
