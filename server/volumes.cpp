@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/user_cache.h"
 #include "io/volume_json.h"
 #include "room.h"
 
@@ -13,6 +14,7 @@ namespace chiaro::server {
 namespace {
 
 constexpr std::size_t bin_count = 512;
+constexpr double longest_reading = 3600;  // seconds
 
 /// Equal bins over [least, greatest], of values after slope and intercept.
 Json finer_histogram(const Volume& volume, double least, double greatest) {
@@ -59,7 +61,11 @@ void check_sample(const std::string& name) {
 
 std::shared_ptr<const Loaded> read(const Scene& scene, Device device, int halvings, Progress& progress) {
     check_sample(scene.volume);
-    Volume volume = read_volume(scene, progress);
+    Scene reading = scene;  // which shows how far it is and can be cancelled
+    reading.read.seconds = longest_reading,
+    reading.read.max_bytes = std::max<std::uint64_t>(1, std::uint64_t(free_memory()));
+    reading.read.spill = user_cache();
+    Volume volume = read_volume(reading, progress);
     const Fitted fitted = fit(volume, halvings);
     Json json = told(volume);
     json["reduced"] = nullptr;

@@ -347,6 +347,17 @@ TEST(ServerPictures, WhatDoesNotFitIsHalvedOrRefused) {
         page.send(state(3, scene));
         EXPECT_TRUE(page.of_stage(3, "final"));
     }
+    setenv("CHIARO_VIEW_MEMORY", "0.5", 1);  // not even its voxels, while it is read
+    {
+        const Server server("");
+        const fs::path file = server.folder / "shells.nrrd";
+        write_nrrd(make_sample("shells", 96), file, NrrdEncoding::gzip);
+        Page page = server.page();
+        const Json told = page.ask({{"type", "open"}, {"volume", file.string()}});
+        ASSERT_EQ(told["type"], "answer") << told;
+        EXPECT_EQ(told["volume"]["reduced"]["from"], Json({96, 96, 96}));
+        EXPECT_EQ(told["volume"]["reduced"]["to"], Json({48, 48, 48}));
+    }
     unsetenv("CHIARO_VIEW_MEMORY");
     const Server server("sample:shells:96");
     Json scene;
