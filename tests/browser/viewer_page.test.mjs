@@ -256,6 +256,19 @@ visit("a saved picture carries scale bar and legend, as large in it as on the pa
   }
 });
 
+visit("what floats over the picture keeps apart at every width", async (page) => {
+  for (const width of [1440, 1301, 1280, 1279, 1180, 1001, 900, 780]) {
+    await page.setViewportSize({ width, height: 700 });
+    const near = await page.evaluate(() => {
+      const [what, more, far] = document.querySelectorAll(".pill b, .pill span");
+      [what.textContent, more.textContent, far.textContent] = ["Final", "88.8 s", "\u25B3 88.8 % from reference"];
+      const boxes = [...document.querySelectorAll(".pill, .tools, .scale, .cross")].map((e) => [e.className, e.getBoundingClientRect()]);
+      return boxes.flatMap(([a, p], i) => boxes.slice(i + 1).filter(([, q]) => p.left < q.right && q.left < p.right && p.top < q.bottom && q.top < p.bottom).map(([b]) => `${a} over ${b}`));
+    });
+    assert.deepEqual(near, [], `at ${width}`);
+  }
+});
+
 visit("a malformed file: the library's sentence, and the picture stays", async (page) => {
   const was = await pixels(page);
   await page.evaluate(() => chiaro.take(new File(["{ no"], "scan.json")));
