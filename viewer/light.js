@@ -37,8 +37,10 @@ export function makeLight(app) {
   const glowText = (lo, hi, strength) => `${lo}:${hi}=${strength}`;
   const glow = () => /^(.+):(.+)=(.+)$/.exec(String(read(store.state, "histogram:lighting.glow") ?? ""))?.slice(1).map(Number);
   app.glowNow = () => (method(store.state) === "histogram" && effects().includes("glow") ? glow()?.slice(0, 2) : undefined);
+  const putGlow = (g) => set("Glow…", "histogram:lighting.glow", glowText(...g));
+  app.setGlow = (range) => putGlow([...range, glow()[2]]);
   function glowRows() {
-    const [low, high] = app.volume.range, now = () => glow() ?? [...firstGlow(), 2], put = (g) => set("Glow…", "histogram:lighting.glow", glowText(...g));
+    const [low, high] = app.volume.range, now = () => glow() ?? [...firstGlow(), 2], put = putGlow;
     return [sliderRow(app, { label: words.glow[0], two: true, low, high, step: (high - low) / 255, value: () => now().slice(0, 2), change: ([a, b]) => put([a, b, now()[2]]) }),
       sliderRow(app, { label: words.glow[2], low: 1, high: 100, most: 1e6, step: 0.1, log: true, start: 1, value: () => now()[2], change: (v) => put([...now().slice(0, 2), v]) })];
   }

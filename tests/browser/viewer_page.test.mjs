@@ -131,6 +131,29 @@ visit("a threshold of shutters, a shape, a look and a chip reach the scene", asy
   await page.waitForFunction(() => chiaro.store.preview === null);
 });
 
+visit("surfaces and the ends of what glows are lines in the graph to drag", async (page, mock) => {
+  await settled(page, () => page.keyboard.press("2"));
+  const surface = page.locator(".shutter.value"), first = (await state(page)).iso[0].value;
+  assert.equal(await surface.count(), 1);
+  await settled(page, () => drag(page, surface, 30, 0));
+  const moved = (await state(page)).iso[0].value;
+  assert.ok(moved > first, `${moved}`);
+  assert.equal(mock.last("state").scene.iso[0].value, moved);
+  await page.keyboard.press("Control+z");
+  assert.equal((await state(page)).iso[0].value, first);
+  await settled(page, () => page.keyboard.press("1"));
+  assert.equal(await surface.count(), 0);
+  await page.click("[data-method=histogram]");
+  await page.click("[data-effect=glow]");
+  assert.equal(await surface.count(), 2);
+  const range = () => page.evaluate(() => chiaro.glowNow());
+  const was = await range();
+  await surface.first().focus();
+  await page.keyboard.press("Shift+ArrowLeft");
+  const now = await range();
+  assert.ok(now[0] < was[0] && now[1] === was[1], `${was} ${now}`);
+});
+
 visit("Adjust picks the value that is seen and drags its opacity", async (page) => {
   await page.keyboard.press("a");
   await page.keyboard.up("a");
