@@ -62,6 +62,7 @@ private:
     Json import_text(const Json& request);
     Json cancel(const Json& request);
     Json ping(const Json& request);
+    Json cache(const Json& request);
     // What takes time.
     Json folder(const Json& request, Progress& progress);
     Json open(const Json& request, Progress& progress);

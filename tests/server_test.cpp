@@ -289,3 +289,25 @@ TEST(Server, TellsOfTheFirstReadingAndGivesItUp) {
     page.send(state(1, opened["scene"]));
     EXPECT_TRUE(page.of_stage(1, "final"));
 }
+
+/// What local histograms take in the user's cache, and nothing else that is there.
+TEST(Server, TellsAndClearsWhatIsKept) {
+    const Server server;
+    const char* was = std::getenv("XDG_CACHE_HOME");
+    const std::string before = was ? was : "";
+    setenv("XDG_CACHE_HOME", server.folder.c_str(), 1);
+    const fs::path kept = server.folder / "chiaro";
+    Json scene;
+    Page page = server.ready(scene);
+    EXPECT_EQ(page.ask({{"type", "cache"}})["bytes"], 0) << "a folder that is not there";
+    fs::create_directories(kept);
+    write_file(kept / "0123.histograms", "seven b");
+    write_file(kept / "notes.txt", "not ours");
+    const Json told = page.ask({{"type", "cache"}});
+    EXPECT_EQ(told["bytes"], 7);
+    EXPECT_EQ(told["folder"], kept.string());
+    EXPECT_EQ(page.ask({{"type", "cache"}, {"clear", true}})["type"], "answer");
+    EXPECT_EQ(page.ask({{"type", "cache"}})["bytes"], 0);
+    EXPECT_TRUE(fs::exists(kept / "notes.txt"));
+    was ? setenv("XDG_CACHE_HOME", before.c_str(), 1) : unsetenv("XDG_CACHE_HOME");
+}

@@ -13,6 +13,7 @@ import { makeLooks } from "./looks.js";
 import { makeMenus } from "./menus.js";
 import { makeSaving } from "./saving.js";
 import { describe, read, sceneOf, stateOf } from "./scene.js";
+import { makePalette } from "./palette.js";
 import { makePlanes } from "./planes.js";
 import { makeSections } from "./sections.js";
 import { makeStates, mark } from "./states.js";
@@ -72,6 +73,7 @@ bar.append(el("div.brand", {}, mark(), el("span", {}, words.name)), file, el("di
 app.looks = makeLooks(app);
 app.colour = makeColour(app);
 app.light = makeLight(app);
+makePalette(app);
 const folded = makeSections(app), sections = el("div", { id: "sections" });
 const tabs = el("div.tabs", { role: "tablist" }, ...[["look", "looks"], ["colour", "hill"], ["light", "light"], ["cut", "cut"], ["more", "rows"]].map(([name, picture]) => el("button", { role: "tab", onclick: () => tab(name) }, icon(picture), words.tabs[name])));
 const names = ["look", "colour", "light", "cut", "more"];
