@@ -36,12 +36,15 @@ Json told(const Volume& volume) {
     Json json = Json::parse(info_of(volume, statistics, guessed).dump(-1, ' ', false, Json::error_handler_t::replace));
     json["histogram512"] = finer_histogram(volume, statistics.min, statistics.max);
     json["unit"] = guessed.modality == "CT" ? "HU" : "";
-    // What files say nothing of is taken as 1; coordinates of a body are in millimetres.
-    json["spacing_stated"] = json["world"] != "unknown" || !(volume.geometry.spacing_mm == Vec3{1, 1, 1});
     json["bytes"] = volume.voxels.size();
     const std::string name = std::filesystem::path(volume.source).filename().string();
     json["name"] = name.empty() ? volume.source : name;
     return json;
+}
+
+/// What files say nothing of is taken as 1; coordinates of a body are in millimetres.
+bool states_spacing(const Volume& volume) {
+    return volume.geometry.world != World::unknown || !(volume.geometry.spacing_mm == Vec3{1, 1, 1});
 }
 
 /// What makes two volumes the same: name, options, stated geometry, and how often it is halved.
@@ -66,8 +69,10 @@ std::shared_ptr<const Loaded> read(const Scene& scene, Device device, int halvin
     reading.read.max_bytes = std::max<std::uint64_t>(1, std::uint64_t(free_memory()));
     reading.read.spill = user_cache();
     Volume volume = read_volume(reading, progress);
+    const bool is_spacing_stated = states_spacing(volume);
     const Fitted fitted = fit(volume, halvings);
     Json json = told(volume);
+    json["spacing_stated"] = is_spacing_stated;
     json["reduced"] = nullptr;
     if (fitted.is_reduced()) json["reduced"] = {{"from", fitted.from}, {"to", fitted.to}, {"bytes", fitted.free}};
     auto loaded = std::make_shared<Loaded>(Loaded{scene, Session(device), std::move(json), halvings});

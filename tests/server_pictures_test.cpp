@@ -357,6 +357,8 @@ TEST(ServerPictures, WhatDoesNotFitIsHalvedOrRefused) {
         ASSERT_EQ(told["type"], "answer") << told;
         EXPECT_EQ(told["volume"]["reduced"]["from"], Json({96, 96, 96}));
         EXPECT_EQ(told["volume"]["reduced"]["to"], Json({48, 48, 48}));
+        EXPECT_EQ(told["volume"]["spacing_mm"], Json({2.0, 2.0, 2.0}));
+        EXPECT_EQ(told["volume"]["spacing_stated"], false) << "two of the file's voxels, not of millimetres";
     }
     unsetenv("CHIARO_VIEW_MEMORY");
     const Server server("sample:shells:96");

@@ -9,9 +9,9 @@ const margin = 16, dark = "rgba(0,0,0,.7)", light = "#fff";
 
 /** A round length of at most 110 CSS pixels of a picture so high, at the centre: its text and its pixels. */
 export function scaleBar(app, view, height) {
-  const stated = app.volume.spacing_stated !== false, size = scaleOf(view, height) / (stated ? 1 : app.box.edge), most = size * 110, power = 10 ** Math.floor(Math.log10(most));
+  const size = scaleOf(view, height), most = size * 110, power = 10 ** Math.floor(Math.log10(most));
   const length = [5, 2, 1].map((k) => k * power).find((v) => v <= most) ?? power;
-  return { text: `${short(length)} ${stated ? "mm" : words.voxels}`, pixels: length / size };
+  return { text: `${short(length)} ${app.volume.spacing_stated === false ? words.voxels : "mm"}`, pixels: length / size };
 }
 
 /** The values that can be seen: where the opacity is not 0, within the file's range and the threshold. */
