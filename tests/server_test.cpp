@@ -311,3 +311,18 @@ TEST(Server, TellsAndClearsWhatIsKept) {
     EXPECT_TRUE(fs::exists(kept / "notes.txt"));
     was ? setenv("XDG_CACHE_HOME", before.c_str(), 1) : unsetenv("XDG_CACHE_HOME");
 }
+
+/// The page goes to a far browser in a third of its bytes.
+TEST(Server, PacksWhatABrowserAcceptsPacked) {
+    const Server server;
+    const auto plain = http(server.port, "GET", "/main.js");
+    ASSERT_EQ(plain.status, 200);
+    EXPECT_EQ(plain.head.find("Content-Encoding"), std::string::npos);
+    EXPECT_EQ(http(server.port, "GET", "/main.js", "Accept-Encoding: gzip;q=0\r\n").body, plain.body);
+    const auto packed = http(server.port, "GET", "/main.js", "Accept-Encoding: gzip, deflate, br\r\n");
+    EXPECT_NE(packed.head.find("Content-Encoding: gzip"), std::string::npos) << packed.head;
+    EXPECT_LT(packed.body.size(), plain.body.size() / 2);
+    write_file(server.folder / "main.js.gz", packed.body);
+    ASSERT_EQ(std::system(("gzip -d " + (server.folder / "main.js.gz").string()).c_str()), 0);
+    EXPECT_EQ(file_bytes(server.folder / "main.js"), plain.body);
+}
