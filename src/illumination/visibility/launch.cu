@@ -1,8 +1,7 @@
-// Sweeps and nodes as CUDA sees them: the same source, one thread a row, one a node where nodes are alone. Compiled
-// wherever nvcc exists.
+// Sheared sweeps and nodes as CUDA sees them: the same source, one thread a row, one a node where nodes are alone.
+// Compiled wherever nvcc exists.
 #include "illumination/visibility/node_kernel.h"
 #include "illumination/visibility/sheared_kernel.h"
-#include "illumination/visibility/sweep_kernel.h"
 
 namespace chiaro::kernel {
 namespace {
@@ -12,10 +11,6 @@ __device__ std::int32_t item() { return std::int32_t(blockIdx.x * blockDim.x + t
 }  // namespace
 
 /// The rows of one plane.
-__global__ void sweep_rows(SweepKernel kernel, const SweepRow* rows, std::int32_t count) {
-    if (item() < count) kernel.operator()<float>(rows[item()]);
-}
-
 __global__ void sheared_rows(ShearedKernel kernel, const ShearedRow* rows, std::int32_t count) {
     if (item() < count) kernel.operator()<float>(rows[item()]);
 }

@@ -41,6 +41,7 @@ public:
     /// What arrives of a light: the last one is kept, so that a turned camera costs nothing. Cost of another: nodes ×
     /// 50 instructions, and some 2 ms for surfaces. The view is valid as long as the result is.
     std::shared_ptr<const LitLight> light(const ProbeLight& probe) const;
+    const VisibilityNodes& nodes() const { return nodes_; }
     std::size_t bytes() const { return nodes_.bytes() + nodes_.grid.size() * 4 * sizeof(std::uint16_t); }
 
 private:
