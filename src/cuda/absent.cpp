@@ -24,6 +24,7 @@ void Stream::copy(void*, const void*, std::size_t) { refuse(); }
 void Stream::zero(void*, std::size_t) { refuse(); }
 std::byte* Stream::landing(std::size_t) { refuse(); }
 void Stream::launched() { refuse(); }
+void Stream::settle() noexcept {}
 void Stream::wait() { refuse(); }
 
 }  // namespace chiaro::cuda

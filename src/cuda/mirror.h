@@ -40,6 +40,9 @@ private:
 class Views {
 public:
     Views(Stream& stream, HostArrays arrays) : stream_(stream), arrays_(std::move(arrays)) {}
+    ~Views() {
+        if (!own_.empty()) stream_.settle();  // a call's own arrays go with it
+    }
     Views(const Views&) = delete;
     Views& operator=(const Views&) = delete;
 

@@ -162,6 +162,10 @@ std::byte* Stream::landing(std::size_t bytes) {
 
 void Stream::launched() { check(cudaGetLastError(), card_); }
 
+void Stream::settle() noexcept {
+    if (cudaSetDevice(card_.index) == cudaSuccess) (void)cudaStreamSynchronize(stream_of(handle_));
+}
+
 void Stream::wait() {
     use();
     check(cudaStreamSynchronize(stream_of(handle_)), card_);

@@ -45,6 +45,7 @@ public:
     std::byte* landing(std::size_t bytes);
     void launched();  ///< tells what went wrong in starting a kernel
     void wait();
+    void settle() noexcept;  ///< waits, whatever happened: before what is still read or written goes
 
     /// Of any stream's or of none, at any time.
     static void release_at_once(int card, void* memory) noexcept;

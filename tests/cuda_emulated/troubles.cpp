@@ -71,6 +71,26 @@ TEST_F(TroubledCards, WithoutRoomGiveWayOnlyWhereTheyWereChosenByThemselves) {
     EXPECT_EQ(choice.device.beside().note(), "");
 }
 
+TEST_F(TroubledCards, GiveWayWhereverMemoryEnds) {
+    const Volume volume = shells_of<std::uint8_t>(36);
+    IlluminationSettings light{.method = Method::visibility};
+    light.visibility.directions = 50;
+    Shot shot = shaded();
+    shot.device = processor();
+    const Frame expected = shot.lit(volume, light);
+    int gave_way = 0;
+    for (const std::size_t more : {1 << 14, 1 << 16, 1 << 18, 1 << 19, 1 << 20, 3 << 19, 1 << 21, 1 << 23}) {
+        cuda_emulated::card().memory_bytes = std::size_t(4) << 30;
+        shot.device = choose_device(processor()).device;
+        cuda_emulated::card().memory_bytes = cuda_emulated::card().held_bytes + more;
+        EXPECT_EQ(difference(shot.lit(volume, light), expected, 0).pixels_beyond, 0) << more;
+        gave_way += !shot.device.note().empty();
+        shot.device = {};
+    }
+    EXPECT_GT(gave_way, 2);
+    EXPECT_LT(gave_way, 8);
+}
+
 TEST_F(TroubledCards, ThatAreLostAreTold) {
     Shot shot = shaded();
     shot.device = card;

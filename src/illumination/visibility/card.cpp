@@ -21,6 +21,12 @@ struct CardPlane {
     }
 };
 
+/// Nothing that is still copied goes before the copy is done, also when something fails.
+struct Settled {
+    cuda::Stream& stream;
+    ~Settled() { stream.settle(); }
+};
+
 }  // namespace
 
 SweepPlanes::SweepPlanes(int nu, int nv, int directions) : row_(nu + 2), directions_(directions) {
@@ -61,6 +67,8 @@ void CardSweep::pass(const SweepPass& pass, const SweepAxes& axes, std::span<con
     const SweepPacks packs(batch, nu + 2, pass.start);
     const BatchHarmonics harmonics(pass.directions, batch, pass.field.coefficients);
     SweepPlanes planes(nu, nv, packs.lanes());
+    std::vector<kernel::SweepPack> on_card(packs.data(), packs.data() + packs.lanes() / kernel::SweepPack::width);
+    const Settled settled{*stream_};
     const CardPlane first(*stream_, planes.here(0)), second(*stream_, planes.here(1));
     const cuda::Array<float> scratch(*stream_, std::size_t(nu) * nv * packs.lanes());
 
@@ -71,7 +79,6 @@ void CardSweep::pass(const SweepPass& pass, const SweepAxes& axes, std::span<con
     kernel::Harmonics of_batch = harmonics.view();
     views.swap(of_batch.of_direction);
     views.swap(of_batch.sum);
-    std::vector<kernel::SweepPack> on_card(packs.data(), packs.data() + packs.lanes() / kernel::SweepPack::width);
     for (kernel::SweepPack& pack : on_card)
         for (const float** numbers : {&pack.weights, &pack.before, &pack.outer, &pack.inner}) views.swap(*numbers);
     const cuda::Array<kernel::SweepPack> its_packs = CardPlane::copied(*stream_, on_card);
