@@ -15,6 +15,12 @@ std::string processor() {
     return "unknown";
 }
 
+std::string card(const Setup& setup) {
+    for (const CardInfo& card : setup.device.has_card() ? list_cards() : std::vector<CardInfo>())
+        if (setup.device.name() == fmt::format("cuda:{}", card.index)) return fmt::format(", {}", card.name);
+    return "";
+}
+
 nlohmann::ordered_json json_of(const Row& row) {
     nlohmann::ordered_json json{{"name", row.name},     {"value", nullptr},    {"unit", row.unit},
                                 {"ratio", nullptr},     {"to", row.to},        {"runs", row.value.runs},
@@ -28,9 +34,9 @@ nlohmann::ordered_json json_of(const Row& row) {
 }  // namespace
 
 std::string heading(const Setup& setup) {
-    return fmt::format("{}, {}, {} threads, chiaro {} {}\n{:<44} {:>10} {:>10} {:>10}  {}", processor(),
-                       name_of(setup.device.isa), setup.device.threads, CHIARO_VERSION, CHIARO_COMMIT, "row", "median",
-                       "min", "max", "unit");
+    return fmt::format("{}, {}, {} threads{}, chiaro {} {}\n{:<44} {:>10} {:>10} {:>10}  {}", processor(),
+                       name_of(setup.device.isa), setup.device.threads, card(setup), CHIARO_VERSION, CHIARO_COMMIT,
+                       "row", "median", "min", "max", "unit");
 }
 
 std::string line_of(const Row& row) {
@@ -43,9 +49,10 @@ std::string line_of(const Row& row) {
 }
 
 std::string to_json(const Setup& setup, const std::vector<Row>& rows) {
-    nlohmann::ordered_json json{{"chiaro", CHIARO_VERSION},        {"commit", CHIARO_COMMIT},
-                                {"machine", processor()},          {"isa", name_of(setup.device.isa)},
-                                {"threads", setup.device.threads}, {"quick", setup.quick}};
+    nlohmann::ordered_json json{
+        {"chiaro", CHIARO_VERSION},      {"commit", CHIARO_COMMIT},          {"machine", processor() + card(setup)},
+        {"device", setup.device.name()}, {"isa", name_of(setup.device.isa)}, {"threads", setup.device.threads},
+        {"quick", setup.quick}};
     json["rows"] = nlohmann::json::array();
     for (const Row& row : rows) json["rows"].push_back(json_of(row));
     return json.dump(2) + "\n";

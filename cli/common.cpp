@@ -4,7 +4,9 @@
 #include <chiaro/text.h>
 #include <fmt/format.h>
 
+#include <charconv>
 #include <cstdio>
+#include <optional>
 #include <vector>
 
 #include "core/did_you_mean.h"
@@ -14,7 +16,7 @@ namespace chiaro::cli {
 
 void add_common_options(CLI::App& app, CommonOptions& o) {
     const std::string group = "Common";
-    app.add_option("--device", o.device, "where the work is done [auto]")->type_name("auto|cpu")->group(group);
+    app.add_option("--device", o.device, "where the work is done [auto]")->type_name("auto|cpu|cuda[:N]")->group(group);
     app.add_option("--threads", o.threads, "processor threads; 0: all that the process may use [0]")
         ->type_name("N")
         ->group(group);
@@ -27,16 +29,40 @@ void add_common_options(CLI::App& app, CommonOptions& o) {
     app.add_option("--isa", o.isa)->group("");  // for finding faults: scalar, x86-64-v2, ...
 }
 
-Device device_of(const CommonOptions& o) {
-    if (o.device.starts_with("cuda"))
-        throw Error(ErrorCode::output, fmt::format("--device {}: this build has the processor only", o.device));
-    if (o.device != "auto" && o.device != "cpu")
-        throw Error(ErrorCode::usage, fmt::format("--device {}: must be auto or cpu{}", o.device,
-                                                  did_you_mean(o.device, std::vector<std::string>{"auto", "cpu"})));
+namespace {
+
+Device processor_of(const CommonOptions& o) {
     if (o.isa.empty()) return Device::cpu(o.threads);
     Isa isa{};
     set(Setting{"isa", "", "", ""}, o.isa, "--isa " + o.isa, ErrorCode::usage, isa);
     return Device::cpu(o.threads, isa);
+}
+
+/// N of "cuda:N"; "cuda" is the first.
+std::optional<int> card_in(std::string_view name) {
+    if (name == "cuda") return 0;
+    if (!name.starts_with("cuda:")) return {};
+    name.remove_prefix(5);
+    int index = 0;
+    const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), index);
+    if (error != std::errc() || end != name.data() + name.size() || index < 0) return {};
+    return index;
+}
+
+}  // namespace
+
+Device device_of(const CommonOptions& o) {
+    const auto card = card_in(o.device);
+    if (!card && o.device != "auto" && o.device != "cpu")
+        throw Error(ErrorCode::usage,
+                    fmt::format("--device {}: must be auto, cpu or cuda[:N]{}", o.device,
+                                did_you_mean(o.device, std::vector<std::string>{"auto", "cpu", "cuda"})));
+    const Device processor = processor_of(o);
+    if (card) return Device::cuda(*card, processor);
+    if (o.device == "cpu") return processor;
+    const DeviceChoice choice = choose_device(processor);
+    if (!choice.sentence.empty() && !o.quiet) say(choice.sentence);
+    return choice.device;
 }
 
 void say(std::string_view line) {

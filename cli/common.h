@@ -18,7 +18,8 @@ struct CommonOptions {
 
 void add_common_options(CLI::App& app, CommonOptions& options);
 
-/// The device that the options ask for. Throws Error{usage} for a name that is none, Error{output} for one not there.
+/// The device that the options ask for; of one that was chosen by itself a line tells. Throws Error{usage} for a name
+/// that is none, Error{output} for one not there.
 Device device_of(const CommonOptions& options);
 
 /// One line on standard error.

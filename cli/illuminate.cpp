@@ -44,7 +44,8 @@ NrrdEncoding checked(const IlluminateOptions& o, const Scene& scene) {
 void run(const IlluminateOptions& o) {
     const Scene scene = scene_from(o.source, o.flags, o.common, "illuminate");
     const NrrdEncoding encoding = checked(o, scene);
-    Session session(device_of(o.common));
+    const Device device = device_of(o.common);
+    Session session(device);
     Stats stats;
     Job job(o.common);
     show(scene, session, stats, job, o.common);
@@ -53,7 +54,6 @@ void run(const IlluminateOptions& o) {
     stats.stages.insert(stats.stages.end(), session.stages().begin(), session.stages().end());
     field.volume.key_values["chiaro_scene"] = to_json(seen_from(scene, o.output.parent_path()));
     stats.stages.push_back({"write", Stats::time([&] { write_nrrd(field.volume, o.output, encoding, job.progress); })});
-    const Device device = device_of(o.common);
     if (!o.common.stats.empty()) write_stats(o.common.stats, stats, device, scene);
     job.bar.clear();
     if (!o.common.quiet)

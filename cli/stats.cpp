@@ -24,7 +24,8 @@ std::uint64_t peak_memory_bytes() {
 }  // namespace
 
 void tell_stages(const Stats& stats, const Device& device) {
-    std::string line = fmt::format("{}, {} threads:", name_of(device.isa), device.threads);
+    std::string line = fmt::format("{}{}, {} threads:", device.has_card() ? device.name() + ", " : "",
+                                   name_of(device.isa), device.threads);
     for (const Stage& stage : stats.stages) line += fmt::format(" {} {:.3f} s", stage.name, stage.seconds);
     say(line);
 }
@@ -38,7 +39,7 @@ void tell_noise(const PathStatistics& paths) {
 void write_stats(const std::filesystem::path& path, const Stats& stats, const Device& device, const Scene& scene) {
     Json json;
     json["chiaro"] = CHIARO_VERSION;
-    json["device"] = "cpu";
+    json["device"] = device.name();
     json["isa"] = name_of(device.isa);
     json["threads"] = device.threads;
     json["volume"] = stats.volume;

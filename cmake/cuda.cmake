@@ -1,19 +1,46 @@
-# The kernels as CUDA, compiled wherever nvcc exists, so that the one kernel source stays one. Nothing links them yet.
+# The kernels for cards of NVIDIA, from the same source, wherever nvcc exists. The CUDA runtime becomes part of the library,
+# which so starts on machines without CUDA. Where there is no nvcc the units that launch kernels are plain C++ with nothing
+# behind it (src/cuda/launch.h), and there are no cards (src/cuda/absent.cpp).
 include(CheckLanguage)
 if(NOT CHIARO_SANITIZE)
   check_language(CUDA)
 endif()
+# One portable kind by itself: drivers compile it for their card when first run. Releases name the cards, which then start at
+# once: "75-real;80-real;86-real;89-real;90-real;100-real;120".
+set(CHIARO_CUDA_ARCHITECTURES 75-virtual CACHE STRING "Cards that kernels are compiled for, as CMAKE_CUDA_ARCHITECTURES")
 if(CMAKE_CUDA_COMPILER)
-  set(CMAKE_CUDA_ARCHITECTURES 75-virtual)
+  set(CMAKE_CUDA_ARCHITECTURES ${CHIARO_CUDA_ARCHITECTURES})
   enable_language(CUDA)
 endif()
+set(CHIARO_HAS_CUDA FALSE)
 if(CMAKE_CUDA_COMPILER AND CMAKE_CUDA_COMPILER_VERSION VERSION_GREATER_EQUAL 12)
-  file(GLOB_RECURSE CHIARO_CUDA_SOURCES CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/*/launch*.cu)
+  find_package(CUDAToolkit REQUIRED)
+  set(CHIARO_HAS_CUDA TRUE)
+else()
+  message(STATUS "no nvcc of CUDA 12 or later: this build has the processor only")
+endif()
+file(GLOB_RECURSE CHIARO_CUDA_SOURCES CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/*/launch*.cu)
+set(CHIARO_CUDA_LAUNCHERS ${CHIARO_CUDA_SOURCES})  # those that the library calls; the others are compiled only
+list(FILTER CHIARO_CUDA_LAUNCHERS INCLUDE REGEX "/src/(raycast|pathtrace)/|/visibility/launch_(sweep|nodes)\\.cu$")
+
+# As C++, with the flags that give the same bits as the scalar kernels.
+function(chiaro_cuda_as_cpp)
+  set_source_files_properties(${CHIARO_CUDA_LAUNCHERS} PROPERTIES LANGUAGE CXX COMPILE_OPTIONS
+                              "-x;c++;${CHIARO_FLAGS_scalar};-ffp-contract=off;-fno-math-errno;-fno-trapping-math;-Wno-unknown-pragmas;-Wno-maybe-uninitialized")
+endfunction()
+
+function(chiaro_add_cuda target)
+  if(NOT CHIARO_HAS_CUDA)
+    chiaro_cuda_as_cpp()
+    target_sources(${target} PRIVATE ${CHIARO_CUDA_LAUNCHERS} src/cuda/absent.cpp)
+    return()
+  endif()
   add_library(chiaro_cuda_kernels OBJECT ${CHIARO_CUDA_SOURCES})
   target_include_directories(chiaro_cuda_kernels PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/include)
   # CMake 3.25 does not know C++20 for nvcc 13; -fmad=false keeps products and sums apart as on the processor.
-  set_target_properties(chiaro_cuda_kernels PROPERTIES CUDA_STANDARD_REQUIRED OFF)
+  set_target_properties(chiaro_cuda_kernels PROPERTIES CUDA_STANDARD_REQUIRED OFF CUDA_SEPARABLE_COMPILATION OFF)
   target_compile_options(chiaro_cuda_kernels PRIVATE -std=c++20 -fmad=false --expt-relaxed-constexpr -Werror all-warnings)
-else()
-  message(STATUS "no nvcc of CUDA 12 or later: the CUDA side of the kernels is not compiled")
-endif()
+  target_sources(${target} PRIVATE src/cuda/stream.cpp $<TARGET_OBJECTS:chiaro_cuda_kernels>)
+  target_include_directories(${target} SYSTEM PRIVATE ${CUDAToolkit_INCLUDE_DIRS})
+  target_link_libraries(${target} PRIVATE CUDA::cudart_static)
+endfunction()

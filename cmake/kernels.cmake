@@ -2,9 +2,12 @@
 # These units must hold no inline code of the standard library: the linker keeps one copy of each such function, and it
 # might keep the one that an older processor cannot run.
 set(CHIARO_ISAS scalar x86_64_v2 x86_64_v3 x86_64_v4)
+option(CHIARO_SCALAR_KERNELS "Compile kernels for one pixel at a time only: slow, but soon built" OFF)
 set(CHIARO_KERNEL_OPTIMIZATION -O3)
-if(CHIARO_SANITIZE)
+if(CHIARO_SANITIZE OR CHIARO_SCALAR_KERNELS)
   set(CHIARO_ISAS scalar) # core/isa.h lets it stand for all
+endif()
+if(CHIARO_SANITIZE)
   set(CHIARO_KERNEL_OPTIMIZATION "") # the preset's own: compiles sooner
 endif()
 set(CHIARO_FLAGS_scalar -march=x86-64)
@@ -17,7 +20,7 @@ function(chiaro_add_kernels target)
   if(NOT launches)
     return()
   endif()
-  if(CHIARO_SANITIZE)
+  if(CHIARO_ISAS STREQUAL scalar)
     target_compile_definitions(${target} PUBLIC CHIARO_SCALAR_ONLY)
   endif()
   foreach(isa ${CHIARO_ISAS})

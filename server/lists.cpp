@@ -117,7 +117,7 @@ Json settings() {
 
 Json lists(const Device& device) {
     Json json{{"settings", settings()},
-              {"device", {{"name", "cpu"}, {"isa", name_of(device.isa)}, {"threads", device.threads}}}};
+              {"device", {{"name", device.name()}, {"isa", name_of(device.isa)}, {"threads", device.threads}}}};
     for (const auto& method : list_methods())
         json["methods"].push_back({{"name", method.name}, {"sentence", method.sentence}});
     for (const auto& preset : list_presets())

@@ -4,10 +4,12 @@
 
 #include <fmt/format.h>
 
+#include "gzip.h"
 #include "net_socket.h"
 
 namespace chiaro::server {
 
+inline constexpr std::size_t worth_packing = 1024;  // bytes
 inline constexpr std::size_t largest_upload = 64 << 20, most_sockets = 128;
 
 /// What every answer says: nothing is loaded from elsewhere, framed by others, guessed or kept.
@@ -46,6 +48,13 @@ public:
 
 private:
     std::string field(http::field name) const { return std::string(parser_->get()[name]); }
+
+    /// Named, and not with the quality 0.
+    bool accepts_gzip() const {
+        const std::string accepted = field(http::field::accept_encoding);
+        const std::size_t at = accepted.find("gzip");
+        return at != accepted.npos && accepted.compare(at, 8, "gzip;q=0") != 0;
+    }
 
     void header_read() {
         const auto& header = parser_->get();
@@ -101,7 +110,13 @@ private:
     void write_text(const Response& response, bool with_body) {
         auto message = std::make_shared<http::response<http::string_body>>(http::status(response.status), 11);
         message->set(http::field::content_type, response.type);
-        message->body() = response.body;
+        message->set(http::field::vary, "Accept-Encoding");
+        if (response.body.size() >= worth_packing && accepts_gzip()) {
+            message->set(http::field::content_encoding, "gzip");
+            message->body() = gzip(response.body);
+        } else {
+            message->body() = response.body;
+        }
         message->prepare_payload();
         if (!with_body) message->body().clear();
         write(message);

@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "command_line.h"
+#include "core/user_cache.h"
 #include "view.h"
 
 namespace chiaro::server {
@@ -30,11 +31,25 @@ std::string carried_scene(const Metadata& metadata) {
 
 Json View::ping(const Json&) { return Json::object(); }
 
+/// What local histograms take on disk.
+Json View::cache(const Json& request) {
+    const bool is_cleared = flag_in(request, "clear", false);
+    const fs::path folder = user_cache();
+    std::uintmax_t bytes = 0;
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+        if (entry.path().extension() != ".histograms") continue;
+        is_cleared ? fs::remove(entry.path(), ignored) : bytes += entry.file_size(ignored);
+    }
+    return {{"folder", folder.string()}, {"bytes", bytes}};
+}
+
 Json View::cancel(const Json& request) {
     const auto found = request.find("re");
     if (found == request.end()) throw Error(ErrorCode::usage, "re: must name a request");
     const std::lock_guard lock(mutex_);
     if (const auto running = running_.find(key_of(*found)); running != running_.end()) running->second->cancel();
+    if (*found == "open") house_.first.cancel();  // another view that waits for it reads it itself
     return Json::object();
 }
 

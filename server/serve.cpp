@@ -50,10 +50,11 @@ public:
                  store_,
                  lists(options.device),
                  options.scene,
-                 options.data} {
+                 options.data,
+                 {}} {
         if (house_.initial) reading_.post([this] { read_first(); });
     }
-    ~ViewerSite() override { progress_.cancel(); }
+    ~ViewerSite() override { house_.first.cancel(); }
 
     void expect(const std::string& token) { token_ = token; }
     const std::string& token() const { return token_; }
@@ -103,7 +104,7 @@ public:
     }
 
     void end() override {
-        progress_.cancel();
+        house_.first.cancel();
         for (const auto& [id, view] : views_) view->say_goodbye();
     }
 
@@ -113,7 +114,7 @@ private:
     /// Begins before the first page asks, and keeps the volume while nobody looks.
     void read_first() {
         try {
-            first_ = house_.volumes.load(*house_.initial, progress_);
+            first_ = house_.volumes.load(*house_.initial, house_.first);
         } catch (const std::exception&) {  // told to each page that asks for it
         }
     }
@@ -148,7 +149,6 @@ private:
     std::string token_;
     std::map<std::string, std::shared_ptr<View>> views_;  // of the network's thread alone
     std::shared_ptr<const Loaded> first_;
-    Progress progress_;
     Lane reading_;  // the last member: its work uses the others
 };
 

@@ -132,7 +132,7 @@ void View::dispatch(const Json& request) {
     static const std::map<std::string, Quick> quick{{"pick", &View::pick},          {"command", &View::command},
                                                     {"resolve", &View::resolve},    {"export", &View::export_text},
                                                     {"import", &View::import_text}, {"cancel", &View::cancel},
-                                                    {"ping", &View::ping}};
+                                                    {"ping", &View::ping},          {"cache", &View::cache}};
     static const std::map<std::string, std::pair<Lane View::*, Handler>> slow{
         {"folder", {&View::side_lane_, &View::folder}},   {"open", {&View::opening_, &View::open}},
         {"save", {&View::saving_, &View::save}},          {"look", {&View::side_lane_, &View::look}},

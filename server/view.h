@@ -25,6 +25,7 @@ struct House {
     Json lists;                    ///< of hello
     std::optional<Scene> initial;  ///< what the program was started with
     std::filesystem::path data;    ///< where volumes of scenes are looked up too
+    Progress first;                ///< of reading the initial volume, begun before a page asks
 };
 
 class View : public Listener {
@@ -61,6 +62,7 @@ private:
     Json import_text(const Json& request);
     Json cancel(const Json& request);
     Json ping(const Json& request);
+    Json cache(const Json& request);
     // What takes time.
     Json folder(const Json& request, Progress& progress);
     Json open(const Json& request, Progress& progress);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/user_cache.h"
 #include "io/volume_json.h"
 #include "room.h"
 
@@ -13,6 +14,7 @@ namespace chiaro::server {
 namespace {
 
 constexpr std::size_t bin_count = 512;
+constexpr double longest_reading = 3600;  // seconds
 
 /// Equal bins over [least, greatest], of values after slope and intercept.
 Json finer_histogram(const Volume& volume, double least, double greatest) {
@@ -34,11 +36,15 @@ Json told(const Volume& volume) {
     Json json = Json::parse(info_of(volume, statistics, guessed).dump(-1, ' ', false, Json::error_handler_t::replace));
     json["histogram512"] = finer_histogram(volume, statistics.min, statistics.max);
     json["unit"] = guessed.modality == "CT" ? "HU" : "";
-    json["spacing_stated"] = !(volume.geometry.spacing_mm == Vec3{1, 1, 1});
     json["bytes"] = volume.voxels.size();
     const std::string name = std::filesystem::path(volume.source).filename().string();
     json["name"] = name.empty() ? volume.source : name;
     return json;
+}
+
+/// What files say nothing of is taken as 1; coordinates of a body are in millimetres.
+bool states_spacing(const Volume& volume) {
+    return volume.geometry.world != World::unknown || !(volume.geometry.spacing_mm == Vec3{1, 1, 1});
 }
 
 /// What makes two volumes the same: name, options, stated geometry, and how often it is halved.
@@ -58,9 +64,15 @@ void check_sample(const std::string& name) {
 
 std::shared_ptr<const Loaded> read(const Scene& scene, Device device, int halvings, Progress& progress) {
     check_sample(scene.volume);
-    Volume volume = read_volume(scene, progress);
+    Scene reading = scene;  // which shows how far it is and can be cancelled
+    reading.read.seconds = longest_reading,
+    reading.read.max_bytes = std::max<std::uint64_t>(1, std::uint64_t(free_memory()));
+    reading.read.spill = user_cache();
+    Volume volume = read_volume(reading, progress);
+    const bool is_spacing_stated = states_spacing(volume);
     const Fitted fitted = fit(volume, halvings);
     Json json = told(volume);
+    json["spacing_stated"] = is_spacing_stated;
     json["reduced"] = nullptr;
     if (fitted.is_reduced()) json["reduced"] = {{"from", fitted.from}, {"to", fitted.to}, {"bytes", fitted.free}};
     auto loaded = std::make_shared<Loaded>(Loaded{scene, Session(device), std::move(json), halvings});
@@ -82,20 +94,28 @@ std::shared_ptr<const Loaded> Volumes::load(const Scene& scene, Progress& progre
     while (entries_[key].is_reading) {
         changed_.wait_for(lock, std::chrono::milliseconds(50));
         progress.check();
+        if (const Entry& entry = entries_[key]; entry.is_reading && !entry.stage.empty())
+            progress.report(entry.stage, entry.fraction);
     }
     if (auto loaded = entries_[key].loaded.lock()) return loaded;
     std::erase_if(entries_,
                   [](const auto& entry) { return !entry.second.is_reading && entry.second.loaded.expired(); });
     entries_[key].is_reading = true;
     lock.unlock();
+    Progress told([&](std::string_view stage, double fraction) {
+        if (progress.cancelled()) told.cancel();
+        progress.report(stage, fraction);
+        const std::lock_guard telling(mutex_);
+        entries_[key].stage = stage, entries_[key].fraction = fraction;
+    });
     std::shared_ptr<const Loaded> loaded;
     const auto done = [&] {
         lock.lock();
-        entries_[key] = {loaded, false};
+        entries_[key] = {loaded, false, {}, 0};
         changed_.notify_all();
     };
     try {
-        loaded = read(scene, device_, halvings, progress);
+        loaded = read(scene, device_, halvings, told);
     } catch (...) {
         done();
         throw;

@@ -35,6 +35,8 @@ private:
     struct Entry {
         std::weak_ptr<const Loaded> loaded;
         bool is_reading = false;
+        std::string stage;  ///< of the reading, for those who wait for it
+        double fraction = 0;
     };
 
     Device device_;

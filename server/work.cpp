@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "jpeg.h"
+#include "overlay.h"
 #include "room.h"
 #include "view.h"
 
@@ -85,17 +86,25 @@ Json View::save(const Json& request, Progress& progress) {
         throw Error(ErrorCode::usage,
                     "format exr: colours mixed as display values give no linear light, which EXR holds");
     check_room(28.0 * scene.width * scene.height);  // frame, picture and what encoding needs
+    const std::vector<Overlay> overlays = overlays_in(request, scene.width, scene.height);
     // A session of its own: the page goes on with its.
     Session session = shown()->session.beside();
-    const Image& image = session.render(scene, progress);
+    Image image = session.render(scene, progress);
     progress.report("write", 0);
     Metadata metadata;
     if (flag_in(request, "metadata", true)) metadata = {{"chiaro", to_json(scene)}};
     const fs::path file = house_.store.fresh("." + format);
-    if (format == "png")
+    const auto draw_over = [&](auto& picture) {
+        for (const Overlay& overlay : overlays) draw(overlay, picture);
+    };
+    if (format == "png") {
+        draw_over(image);
         write_png(image, file, metadata);
-    else
-        write_exr(expose(session.frame(), scene.output), file, metadata);
+    } else {
+        Frame frame = expose(session.frame(), scene.output);
+        draw_over(frame);
+        write_exr(frame, file, metadata);
+    }
     const std::string name = fmt::format("{}.{}", stem_of(scene.volume), format);
     const auto bytes = fs::file_size(file);
     const std::string url = house_.store.offer(file, format == "png" ? "image/png" : "image/x-exr", name);

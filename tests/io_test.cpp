@@ -270,3 +270,32 @@ TEST(Measure, CountsExactlyAndTurnsAroundWithANegativeSlope) {
     for (const auto count : statistics.histogram) sum += count;
     EXPECT_EQ(sum, 100U);
 }
+
+/// Voxels beyond what memory may take are read through a file on disk, which leaves nothing behind.
+TEST(Io, VoxelsThatExceedTheMemoryAreReadThroughAFile) {
+    const Folder folder;
+    const fs::path spill = fs::path(folder.name()) / "spill" / "deep";
+    Progress progress;
+    const Volume made = make_sample("shells", 40);
+    const std::string packed = folder.name() + "/packed.nrrd", raw = folder.name() + "/shells_40x40x40_uint8.raw";
+    write_nrrd(made, packed, NrrdEncoding::gzip);
+    std::ofstream(raw, std::ios::binary)
+        .write(reinterpret_cast<const char*>(made.voxels.data()), std::streamsize(made.voxels.size()));
+    for (const std::string& name : {packed, raw}) {
+        ReadOptions options;
+        options.max_bytes = 40 * 40 * 40 - 1;
+        try {
+            read_volume(name, options, progress);
+            ADD_FAILURE() << "not refused";
+        } catch (const Error& error) {
+            EXPECT_NE(std::string(error.what()).find("MiB may be used"), std::string::npos) << error.what();
+        }
+        options.spill = spill;
+        const Volume read = read_volume(name, options, progress);
+        ASSERT_EQ(read.voxels.size(), made.voxels.size());
+        EXPECT_TRUE(std::equal(read.voxels.data(), read.voxels.data() + read.voxels.size(), made.voxels.data()));
+        EXPECT_TRUE(fs::is_empty(spill));
+        options.spill = name;  // no folder
+        EXPECT_THROW(read_volume(name, options, progress), Error);
+    }
+}

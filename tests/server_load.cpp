@@ -147,6 +147,11 @@ int latency(int port, const std::string& token, double seconds, int process) {
     return 0;
 }
 
+/// As a page draws it over a picture that it saves.
+constexpr const char* two_pixels_png =
+    "iVBORw0KGgoAAAANSUhEUgAAAAIAAAABCAYAAAD0In+KAAAAD0lEQVR4nGP4"
+    "z8DwH4gbABF4A35MCyl3AAAAAElFTkSuQmCC";
+
 /// Random things that pages and others say.
 class Soak {
 public:
@@ -199,11 +204,12 @@ private:
 
     Json changed_scene() {
         Json scene = scene_;
-        constexpr const char* methods[] = {"none", "spao", "visibility", "histogram", "reference"};
+        constexpr const char* methods[] = {"none", "spao", "visibility", "histogram", "reference", "transport"};
         scene["camera"]["azimuth_deg"] = real(-400, 400);
         scene["camera"]["fit_scale"] = real(0.01, 3);
         scene["transfer_function"]["opacity_scale"] = real(0, 5);
-        if (pick(0, 4) == 0) scene["lighting"] = {{"method", methods[pick(0, 4)]}};
+        if (pick(0, 4) == 0) scene["lighting"] = {{"method", methods[pick(0, 5)]}};
+        if (scene["lighting"]["method"] == "transport") scene["lighting"]["grid"] = 16;
         if (scene["lighting"]["method"] == "reference") scene["lighting"]["rays"] = pick(1, 8);
         if (pick(0, 9) == 0) scene["mode"] = pick(0, 1) ? "mip" : "iso";
         if (pick(0, 9) == 0) scene["clip"]["box"] = {real(0, 1), real(0, 1), 0, 1, 0, 1};
@@ -226,7 +232,8 @@ private:
                 return {{"type", "save"},
                         {"scene", scene},
                         {"size", {pick(0, 300), pick(1, 200)}},
-                        {"format", pick(0, 3) ? "png" : "exr"}};
+                        {"format", pick(0, 3) ? "png" : "exr"},
+                        {"overlays", Json::array({{{"at", {pick(-1, 50), 0}}, {"png", garbled(two_pixels_png)}}})}};
             case 3:
                 return {{"type", "command"}, {"scene", scene}};
             case 4:

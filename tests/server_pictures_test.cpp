@@ -8,6 +8,11 @@ using namespace chiaro::testing;
 
 namespace {
 
+/// Two pixels: red, and red of which 128/255 covers.
+constexpr const char* red_half_clear_png =
+    "iVBORw0KGgoAAAANSUhEUgAAAAIAAAABCAYAAAD0In+KAAAAD0lEQVR4nGP4"
+    "z8DwH4gbABF4A35MCyl3AAAAAElFTkSuQmCC";
+
 /// What a page's scene is without a server: the same volume and size in a session of its own.
 struct Here {
     Here(const Json& shown, const char* volume, int width, int height) {
@@ -102,6 +107,60 @@ TEST(ServerPictures, SavedPictureRemakesItself) {
                                 (server.folder / "again.png").string();
     ASSERT_EQ(std::system(command.c_str()), 0);
     EXPECT_TRUE(file_bytes(server.folder / "again.png") == picture.body);
+}
+
+/// What the page draws over a saved picture changes the pixels that it covers and no others.
+TEST(ServerPictures, SavedPicturesCarryWhatThePageDrawsOverThem) {
+    const Server server;
+    Json scene;
+    Page page = server.ready(scene);
+    const auto red_at = [](int x, int y) { return Json{{"at", {x, y}}, {"png", red_half_clear_png}}; };
+    const Json over = Json::array({red_at(10, 20)});
+    const auto saved = [&](const Json& overlays, const std::string& format) {
+        const Json answer = page.ask(
+            {{"type", "save"}, {"scene", scene}, {"size", {60, 45}}, {"format", format}, {"overlays", overlays}});
+        EXPECT_EQ(answer["type"], "answer") << answer;
+        const fs::path file = server.folder / ("saved." + format);
+        write_file(file, http(server.port, "GET", answer["url"]).body);
+        return file;
+    };
+    const auto is_covered = [](int i, int width) { return i % width == 10 && i / width == 20; };
+    const auto is_half_covered = [](int i, int width) { return i % width == 11 && i / width == 20; };
+    for (const char* background : {"#204060", "transparent"}) {
+        scene["background"] = background;
+        const Image plain = read_png(saved(Json::array(), "png"));
+        const Image drawn = read_png(saved(over, "png"));
+        const int parts = plain.has_alpha ? 4 : 3;
+        for (int i = 0; i < 60 * 45; ++i)
+            for (int c = 0; c < parts; ++c) {
+                const int was = plain.pixels[parts * i + c], is = drawn.pixels[parts * i + c];
+                const int red = c == 0 || c == 3 ? 255 : 0;
+                if (is_covered(i, 60)) {
+                    EXPECT_EQ(is, red);
+                } else if (!is_half_covered(i, 60)) {
+                    EXPECT_EQ(is, was) << i;
+                } else if (parts == 3) {
+                    EXPECT_NEAR(is, (128 * red + 127 * was) / 255.0, 1);
+                }
+            }
+    }
+    const Frame plain = read_exr(saved(Json::array(), "exr")), drawn = read_exr(saved(over, "exr"));
+    for (int i = 0; i < 60 * 45; ++i)
+        for (int c = 0; c < 4; ++c) {
+            const float alpha = is_covered(i, 60) ? 1 : is_half_covered(i, 60) ? 128 / 255.0f : 0;
+            const float red = c == 0 || c == 3 ? 1 : 0;
+            EXPECT_NEAR(drawn.rgba[4 * i + c], alpha * red + (1 - alpha) * plain.rgba[4 * i + c], 1e-6);
+        }
+    const auto refused = [&](const Json& overlays) {
+        return page.ask({{"type", "save"}, {"scene", scene}, {"size", {60, 45}}, {"overlays", overlays}});
+    };
+    EXPECT_EQ(refused(Json::array({red_at(59, 0)}))["sentence"],
+              "overlays: 2 x 1 at 59, 0 does not lie within 60 x 45");
+    Json cut = red_at(0, 0), no_text = cut, nowhere = cut;
+    cut["png"] = "iVBORw0KGgo=", no_text["png"] = "!", nowhere.erase("at");
+    for (const Json& wrong : {Json("none"), Json::array({cut}), Json::array({no_text}), Json::array({nowhere}),
+                              Json::array({"none"}), Json(5, red_at(0, 0))})
+        EXPECT_EQ(refused(wrong)["code"], "usage") << wrong;
 }
 
 TEST(ServerPictures, SavingIsCancelledAndThePageGoesOnMeanwhile) {
@@ -287,6 +346,19 @@ TEST(ServerPictures, WhatDoesNotFitIsHalvedOrRefused) {
         scene["lighting"]["subsample"] = 4;  // the session lives on, by coarser light
         page.send(state(3, scene));
         EXPECT_TRUE(page.of_stage(3, "final"));
+    }
+    setenv("CHIARO_VIEW_MEMORY", "0.5", 1);  // not even its voxels, while it is read
+    {
+        const Server server("");
+        const fs::path file = server.folder / "shells.nrrd";
+        write_nrrd(make_sample("shells", 96), file, NrrdEncoding::gzip);
+        Page page = server.page();
+        const Json told = page.ask({{"type", "open"}, {"volume", file.string()}});
+        ASSERT_EQ(told["type"], "answer") << told;
+        EXPECT_EQ(told["volume"]["reduced"]["from"], Json({96, 96, 96}));
+        EXPECT_EQ(told["volume"]["reduced"]["to"], Json({48, 48, 48}));
+        EXPECT_EQ(told["volume"]["spacing_mm"], Json({2.0, 2.0, 2.0}));
+        EXPECT_EQ(told["volume"]["spacing_stated"], false) << "two of the file's voxels, not of millimetres";
     }
     unsetenv("CHIARO_VIEW_MEMORY");
     const Server server("sample:shells:96");

@@ -174,8 +174,14 @@ TEST(Server, ClosesWhatBreaksTheRulesAndHarmsNobodyElse) {
     {
         Page page = server.page("oversized");
         page.of_type("hello");
-        page.send_raw(1, std::string(2 << 20, ' '));
-        EXPECT_EQ(page.closed(), 1009);
+        bool is_written = true;
+        try {
+            page.send_raw(1, std::string(2 << 20, ' '));
+        } catch (const std::exception&) {  // closed at the length's sight: the code may be lost with what was under way
+            is_written = false;
+        }
+        const int code = page.closed();
+        EXPECT_TRUE(code == 1009 || (!is_written && page.is_over())) << code;
     }
     {
         Page page = server.page("binary--");
@@ -259,4 +265,64 @@ TEST(Server, OpensOnlyWhatLiesInItsFolders) {
     scene["transfer_function"] = {{"file", "/etc/passwd"}};
     page.send(state(4, scene));
     EXPECT_EQ(page.of_type("error")->json["n"], 4);
+}
+
+/// The server begins to read before a page asks: the page is told how far that is, and may give it up.
+TEST(Server, TellsOfTheFirstReadingAndGivesItUp) {
+    const Server server("sample:shells:400");
+    Page page = server.page();
+    const auto hello = page.of_type("hello");
+    ASSERT_TRUE(hello);
+    EXPECT_EQ(hello->json["reading"], "sample:shells:400");
+    EXPECT_TRUE(hello->json["volume"].is_null());
+    const auto far = page.of_type("progress");
+    ASSERT_TRUE(far);
+    EXPECT_EQ(far->json["re"], "open");
+    EXPECT_GE(far->json["fraction"], 0);
+    page.send({{"type", "cancel"}, {"id", 1}, {"re", "open"}});
+    const auto ended = page.find(
+        [](const Message& m) { return !m.is_frame && m.json["re"] == "open" && m.json["type"] != "progress"; });
+    ASSERT_TRUE(ended);
+    EXPECT_EQ(ended->json["code"], "interrupted") << ended->json;
+    const Json opened = page.ask({{"type", "open"}, {"volume", "sample:ball:16"}});
+    EXPECT_EQ(opened["type"], "answer") << opened;
+    page.send(state(1, opened["scene"]));
+    EXPECT_TRUE(page.of_stage(1, "final"));
+}
+
+/// What local histograms take in the user's cache, and nothing else that is there.
+TEST(Server, TellsAndClearsWhatIsKept) {
+    const Server server;
+    const char* was = std::getenv("XDG_CACHE_HOME");
+    const std::string before = was ? was : "";
+    setenv("XDG_CACHE_HOME", server.folder.c_str(), 1);
+    const fs::path kept = server.folder / "chiaro";
+    Json scene;
+    Page page = server.ready(scene);
+    EXPECT_EQ(page.ask({{"type", "cache"}})["bytes"], 0) << "a folder that is not there";
+    fs::create_directories(kept);
+    write_file(kept / "0123.histograms", "seven b");
+    write_file(kept / "notes.txt", "not ours");
+    const Json told = page.ask({{"type", "cache"}});
+    EXPECT_EQ(told["bytes"], 7);
+    EXPECT_EQ(told["folder"], kept.string());
+    EXPECT_EQ(page.ask({{"type", "cache"}, {"clear", true}})["type"], "answer");
+    EXPECT_EQ(page.ask({{"type", "cache"}})["bytes"], 0);
+    EXPECT_TRUE(fs::exists(kept / "notes.txt"));
+    was ? setenv("XDG_CACHE_HOME", before.c_str(), 1) : unsetenv("XDG_CACHE_HOME");
+}
+
+/// The page goes to a far browser in a third of its bytes.
+TEST(Server, PacksWhatABrowserAcceptsPacked) {
+    const Server server;
+    const auto plain = http(server.port, "GET", "/main.js");
+    ASSERT_EQ(plain.status, 200);
+    EXPECT_EQ(plain.head.find("Content-Encoding"), std::string::npos);
+    EXPECT_EQ(http(server.port, "GET", "/main.js", "Accept-Encoding: gzip;q=0\r\n").body, plain.body);
+    const auto packed = http(server.port, "GET", "/main.js", "Accept-Encoding: gzip, deflate, br\r\n");
+    EXPECT_NE(packed.head.find("Content-Encoding: gzip"), std::string::npos) << packed.head;
+    EXPECT_LT(packed.body.size(), plain.body.size() / 2);
+    write_file(server.folder / "main.js.gz", packed.body);
+    ASSERT_EQ(std::system(("gzip -d " + (server.folder / "main.js.gz").string()).c_str()), 0);
+    EXPECT_EQ(file_bytes(server.folder / "main.js"), plain.body);
 }

@@ -117,6 +117,8 @@ export function makeColour(app) {
     for (const field of [value, opacity]) field.show();
     swatch.value = hex(ui.stop >= 0 ? tf().stops[ui.stop]?.rgb ?? [0, 0, 0] : at(tf().stops, place(), "rgb"));
     opacity.input.disabled = !ui.points.length;
+    const { unit, scale } = tf(), length = unit.key === "opacity_unit_mm" ? unit.value : unit.value * app.box.edge;
+    opacity.input.title = point() && ui.stop < 0 && app.volume.spacing_stated !== false ? words.overMm(short(1 - (1 - point().opacity) ** (scale / length), 3)) : "";
     value.input.disabled = !point();
     for (const row of [density, windowRow]) row.show();
     surface.hidden = read(state, "mode") !== "iso";

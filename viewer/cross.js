@@ -1,6 +1,7 @@
 // The orientation cross and the scale bar.
-import { dot, namedView, scaleOf } from "./camera.js";
-import { el, short, svg } from "./dom.js";
+import { dot, namedView } from "./camera.js";
+import { scaleBar } from "./captions.js";
+import { el, svg } from "./dom.js";
 import { words } from "./words.js";
 
 const colours = ["#f07b6d", "#8dc063", "#7aa7f0"];
@@ -28,10 +29,9 @@ export function makeCross(app, stage) {
       button.style.cssText = `left:${x}px;top:${y}px;--own:${colour};z-index:${depth > 0 ? 0 : 1};${depth > 0.1 ? "opacity:.75" : ""}`;
     });
     lines.innerHTML = paths;
-    const stated = app.volume.spacing_stated !== false, size = scaleOf(view, stage.clientHeight) / (stated ? 1 : app.box.edge), raw = size * 110, power = 10 ** Math.floor(Math.log10(raw));
-    const nice = [5, 2, 1].map((k) => k * power).find((v) => v <= raw) ?? power;
-    scale.style.width = `${nice / size}px`;
-    text.textContent = `${short(nice)} ${stated ? "mm" : "voxels"}`;
+    const bar = scaleBar(app, view, stage.clientHeight);
+    scale.style.width = `${bar.pixels}px`;
+    text.textContent = bar.text;
     scale.title = view.perspective ? "Holds at the centre" : "";
   });
   stage.append(cross, scale);

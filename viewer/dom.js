@@ -12,6 +12,7 @@ export function el(tag, props = {}, ...children) {
     else if (key.includes("-") || key === "role" || key === "for" || key === "list") made.setAttribute(key, value);
     else made[key] = value;
   }
+  if (made.type === "color") made.setAttribute("list", "palette");
   made.append(...children.filter((child) => child !== null && child !== undefined));
   return made;
 }

@@ -1,6 +1,7 @@
-// The editor on the graph: points, segments, hills, colour stops, shutters and the axis, with pointer and keys.
+// The editor on the graph: points, segments, hills, colour stops and the axis, with pointer and keys.
 import { arrow, clamp, el, hex, short, tell } from "./dom.js";
 import { Axis, drawGraph, shareOf } from "./graph.js";
+import { makeMarkers } from "./markers.js";
 import { hillsOf, inserted, moved, roundTo, without } from "./hills.js";
 import { draggable } from "./rows.js";
 import { at, read } from "./scene.js";
@@ -106,27 +107,7 @@ export function makeGraph(app) {
     return stop;
   }
 
-  function shutter(which) {
-    const part = el("div.shutter", { role: "slider", tabIndex: 0, "aria-label": words.shutter[which], title: `${words.threshold}: what lies outside is transparent. --threshold` }, el("i"));
-    const now = () => store.state.threshold ?? axis.range;
-    const put = (value) => {
-      const next = [...now()];
-      next[which] = which ? Math.max(value, next[0]) : Math.min(value, next[1]);
-      const open = next[0] <= axis.range[0] && next[1] >= axis.range[1];
-      store.set("Threshold…", () => ({ threshold: open ? null : next }));
-    };
-    draggable(part, store, "Threshold", () => now()[which], (start, dx) => put(clamp(start + dx * axis.pixel, ...axis.range)));
-    part.addEventListener("dblclick", () => store.set("Threshold", () => ({ threshold: null })));
-    part.addEventListener("keydown", (event) => {
-      const step = arrow(event);
-      if (!step) return;
-      event.preventDefault();
-      put(clamp(now()[which] + step * axis.pixel * (event.shiftKey ? 10 : 1), ...axis.range));
-    });
-    return part;
-  }
-  const shutters = [shutter(0), shutter(1)];
-  plot.append(...shutters);
+  const markers = makeMarkers(app, axis, plot);
 
   // The plot itself: lines, hills, rectangle, axis.
   const local = (event) => [event.clientX - plot.getBoundingClientRect().left, event.clientY - plot.getBoundingClientRect().top];
@@ -242,13 +223,7 @@ export function makeGraph(app) {
       stops[i].classList.toggle("chosen", ui.stop === i);
       tell(stops[i], s.value, words.stopText(hex(s.rgb), app.withUnit(s.value)));
     });
-    const limits = state.threshold ?? axis.range;
-    shutters.forEach((part, i) => {
-      put(part, clamp(axis.x(limits[i]), axis.left, axis.left + axis.width), axis.top);
-      part.style.height = `${axis.height}px`;
-      part.classList.toggle("drawn", Boolean(state.threshold));
-      tell(part, limits[i], app.withUnit(limits[i]));
-    });
+    markers.draw(state);
     marks.selected = ui.points.length === 1 ? state.tf.points[ui.points[0]].value : ui.stop >= 0 ? state.tf.stops[ui.stop]?.value : undefined;
     marks.surfaces = read(state, "mode") === "iso" ? state.iso.map((s) => s.value) : [];
     marks.seen = ui.seen;

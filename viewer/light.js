@@ -1,5 +1,5 @@
 // Light: the method, what one reaches for first, the mirror ball and its probes, and Accuracy.
-import { arrow, chooseFile, el, icon, short, tell } from "./dom.js";
+import { arrow, bytes, chooseFile, el, icon, seconds, short, tell } from "./dom.js";
 import { draggable, settingRow, sliderRow } from "./rows.js";
 import { method, read, write } from "./scene.js";
 import { fold } from "./sections.js";
@@ -37,8 +37,10 @@ export function makeLight(app) {
   const glowText = (lo, hi, strength) => `${lo}:${hi}=${strength}`;
   const glow = () => /^(.+):(.+)=(.+)$/.exec(String(read(store.state, "histogram:lighting.glow") ?? ""))?.slice(1).map(Number);
   app.glowNow = () => (method(store.state) === "histogram" && effects().includes("glow") ? glow()?.slice(0, 2) : undefined);
+  const putGlow = (g) => set("Glow…", "histogram:lighting.glow", glowText(...g));
+  app.setGlow = (range) => putGlow([...range, glow()[2]]);
   function glowRows() {
-    const [low, high] = app.volume.range, now = () => glow() ?? [...firstGlow(), 2], put = (g) => set("Glow…", "histogram:lighting.glow", glowText(...g));
+    const [low, high] = app.volume.range, now = () => glow() ?? [...firstGlow(), 2], put = putGlow;
     return [sliderRow(app, { label: words.glow[0], two: true, low, high, step: (high - low) / 255, value: () => now().slice(0, 2), change: ([a, b]) => put([a, b, now()[2]]) }),
       sliderRow(app, { label: words.glow[2], low: 1, high: 100, most: 1e6, step: 0.1, log: true, start: 1, value: () => now()[2], change: (v) => put([...now().slice(0, 2), v]) })];
   }
@@ -60,12 +62,16 @@ export function makeLight(app) {
       rows.push(ball, row);
       body.replaceChildren(el("div.lamp", {}, ball, el("div", {}, ...made.slice(0, 3))), row, ...made.slice(3));
     } else body.replaceChildren(...made);
+    if (now === "histogram") inner.push(cacheRow(app));
     if (inner.length) body.append(fold(words.accuracy, () => summary(accuracy), inner, "accuracy"));
   }
   const summary = (settings) => settings.slice(0, 2).map((s) => {
     const v = read(store.state, keyOf(s));
     return s.flag === "transport-grid" ? `grid ${v}` : s.label === "Grid" ? `grid 1:${v}` : s.flag === "sh-bands" ? `${v * v} coefficients` : typeof v === "number" ? `${short(v)} ${s.label.toLowerCase().replace("packed ", "")}` : (words.choices[v] ?? String(v)).toLowerCase();
   }).join(", ");
+
+  /** Seconds that finding local histograms takes the first time: about 2.5 µs of a processor for each voxel (docs/theory/histogram.md). */
+  const preparing = () => (2.5e-6 * app.volume.dimensions.reduce((a, b) => a * b)) / app.hello.device.threads;
 
   function open() {
     shownFor = null;
@@ -77,7 +83,7 @@ export function makeLight(app) {
     if (!app.volume) return;
     const now = method(state);
     for (const b of methods.children) b.setAttribute("aria-checked", String(b.dataset.method === now)), (b.tabIndex = b.dataset.method === now ? 0 : -1);
-    sentence.textContent = words.methods[now]?.[1] ?? "";
+    sentence.textContent = now === "histogram" && preparing() > 2 ? words.prepares(seconds(preparing())) : (words.methods[now]?.[1] ?? "");
     if (shownFor !== `${now}|${effects()}`) build(now);
     rows.forEach((row) => row.show());
     section.querySelector(".fold")?.show();
@@ -90,6 +96,14 @@ export function makeLight(app) {
     return most ? () => set(words.states.coarser, key, next) : null;
   }
   return { section, open, unlit, coarser };
+}
+
+/** Where local histograms are kept between runs, how much that is, and an end to it. */
+function cacheRow(app) {
+  const text = el("small"), ask = (clear) => app.link.ask("cache", { clear }).then(({ folder, bytes: size }) => (text.textContent = words.kept(folder, bytes(size)), clear && ask(false)), app.fault);
+  const row = el("div.row.choice", { title: "--hist-cache" }, text, el("button", { onclick: () => ask(true) }, words.clear));
+  ask(false);
+  return row;
 }
 
 /** Arrow keys within a group of radio buttons. */

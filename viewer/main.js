@@ -11,7 +11,9 @@ import { makeLight, radios } from "./light.js";
 import { Link } from "./link.js";
 import { makeLooks } from "./looks.js";
 import { makeMenus } from "./menus.js";
+import { makeSaving } from "./saving.js";
 import { describe, read, sceneOf, stateOf } from "./scene.js";
+import { makePalette } from "./palette.js";
 import { makePlanes } from "./planes.js";
 import { makeSections } from "./sections.js";
 import { makeStates, mark } from "./states.js";
@@ -23,7 +25,7 @@ const bar = document.getElementById("bar"), stage = document.getElementById("sta
 const store = new Store({ values: {}, camera: {}, tf: { points: [{ value: 0, opacity: 0 }], stops: [{ value: 0, rgb: [0, 0, 0] }], unit: { key: "opacity_unit_distance", value: 1 }, scale: 1, rest: {} }, threshold: null, iso: [], rest: {} });
 const link = new Link();
 /** Everything the parts share. @type {any} */
-const app = { store, link, ui: { points: [], stop: -1, tool: "orbit" }, volume: null, hello: null, box: null, percent, fromHex };
+const app = { store, link, stage, ui: { points: [], stop: -1, tool: "orbit" }, volume: null, hello: null, box: null, percent, fromHex };
 app.theme = makeTheme(store);
 app.withUnit = (v) => `${short(v)}${app.volume?.unit ? " " + app.volume.unit : ""}`;
 app.view = () => viewOf(store.state.camera, app.box);
@@ -46,6 +48,7 @@ stage.tabIndex = 0;
 app.frame = makeFrame(app);
 app.states = makeStates(app, stage);
 app.menus = makeMenus(app);
+app.save = makeSaving(app);
 app.popover = app.menus.popover;
 app.menu = app.menus.menu;
 stage.append(app.frame.canvas, app.frame.pill, app.frame.said);
@@ -60,7 +63,7 @@ const modes = el("div.segmented", { role: "radiogroup", "aria-label": words.pict
 radios(modes);
 const undo = tool("undo", words.undo, () => store.step("undo")), redo = tool("redo", words.redo, () => store.step("redo")), compare = tool("compare", `${words.compare} (R)`, () => app.compare.start(), words.compare);
 redo.classList.add("wide");
-const file = el("button.file", { title: `${words.about.title} (I)`, onclick: () => app.menus.about(file) }), save = el("button.primary", { title: `${words.save} (Ctrl S)`, onclick: () => app.menus.save(save) }, el("span.long", {}, words.save), el("span.short", {}, words.saveShort));
+const file = el("button.file", { title: `${words.about.title} (I)`, onclick: () => app.menus.about(file) }), save = el("button.primary", { title: `${words.save} (Ctrl S)`, onclick: () => app.save(save) }, el("span.long", {}, words.save), el("span.short", {}, words.saveShort));
 const more = tool("more", words.more, () => app.menus.more(more));
 const ofVolume = [file, modes, undo, redo, compare, save];
 app.bar = { file, save, more, compare };
@@ -70,6 +73,7 @@ bar.append(el("div.brand", {}, mark(), el("span", {}, words.name)), file, el("di
 app.looks = makeLooks(app);
 app.colour = makeColour(app);
 app.light = makeLight(app);
+makePalette(app);
 const folded = makeSections(app), sections = el("div", { id: "sections" });
 const tabs = el("div.tabs", { role: "tablist" }, ...[["look", "looks"], ["colour", "hill"], ["light", "light"], ["cut", "cut"], ["more", "rows"]].map(([name, picture]) => el("button", { role: "tab", onclick: () => tab(name) }, icon(picture), words.tabs[name])));
 const names = ["look", "colour", "light", "cut", "more"];
@@ -198,7 +202,7 @@ const hello = (m) => {
     return m.volume && m.volume.file === app.volume.file ? changed({ moving: false }) : m.reading ? undefined : reopen();
   }
   if (m.error) return app.states.failed(m.error);
-  if (m.reading) return (reading = app.states.reading(m.reading));
+  if (m.reading) return (reading = app.states.reading(m.reading, () => link.cancel("open")));
   if (!m.volume) return app.states.empty();
   open(m.volume, m.scene);
   const last = JSON.parse(sessionStorage.getItem("state") ?? "null");
@@ -220,7 +224,7 @@ link.onmessage = (m) => {
   if (m.type === "hello") hello(m);
   else if (m.type === "progress") m.re === "open" ? reading?.(m) : app.frame.progress(m);
   else if (m.type === "opened") !app.volume ? open(m.volume, m.scene) : m.volume.file === app.volume.file ? changed({ moving: false }) : reopen();
-  else if (m.type === "error") m.re === "open" ? (app.states.clear(), app.states.failed(m.sentence)) : m.code === "memory" && m.n ? outOfMemory(m.sentence) : app.states.say(m.sentence, { role: "alert" });
+  else if (m.type === "error") m.re === "open" ? (app.states.clear(), m.code === "interrupted" ? app.volume || app.states.empty() : app.states.failed(m.sentence)) : m.code === "memory" && m.n ? outOfMemory(m.sentence) : app.states.say(m.sentence, { role: "alert" });
   else if (m.type === "note") app.states.say(m.sentence, { keep: false });
 };
 link.onframe = (header, data) => app.frame.show(header, data);

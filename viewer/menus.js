@@ -1,5 +1,5 @@
-// Popovers and menus, Save image, About this volume, shortcuts.
-import { bytes, chooseFile, download, el, percent, seconds, short } from "./dom.js";
+// Popovers and menus, About this volume, shortcuts.
+import { chooseFile, download, el, short } from "./dom.js";
 import { words } from "./words.js";
 
 export function makeMenus(app) {
@@ -38,44 +38,6 @@ export function makeMenus(app) {
   /** A menu of [name, act, note?]. */
   const menu = (anchor, items) => popover(anchor, el("div", {}, ...items.map(([name, act, note]) => el("button.item", { role: "menuitem", title: note ?? "", onclick: () => (close(), act()) }, name, note && note.length < 16 ? el("span", {}, note) : null))), "menu");
 
-  function save(anchor) {
-    const w = words.saving, [cw, ch] = app.frame.size(), sizes = [[w.seen, [cw, ch]], [w.twice, [2 * cw, 2 * ch]], [w.uhd, [3840, 2160]], [w.own, null]];
-    const kind = el("select", {}, ...["PNG", "EXR"].map((k) => el("option", {}, k))), size = el("select", { onchange: () => show() }, ...sizes.map(([name, s]) => el("option", {}, s && name !== w.uhd ? `${name}, ${s[0]} × ${s[1]}` : name)));
-    const wide = el("input", { type: "number", min: "1", max: "16384", value: String(cw), "aria-label": w.width, oninput: () => show() }), high = el("input", { type: "number", min: "1", max: "16384", value: String(ch), "aria-label": w.height, oninput: () => show() });
-    const own = el("div.buttons", { hidden: true }, wide, high), behind = el("select", {}, el("option", {}, w.seen), el("option", {}, w.transparent)), keep = el("input", { type: "checkbox", checked: true });
-    const takes = el("small"), bar = el("div.progress", { hidden: true }, el("i", { style: "width:0" })), stop = el("button.plain", { type: "button", hidden: true, onclick: () => asked && app.link.cancel(asked.id) }, w.cancel), go = el("button.primary", { type: "submit" }, w.go), wrong = el("div.wrong", { hidden: true, role: "alert" });
-    const pixels = () => sizes[size.selectedIndex][1] ?? [Number(wide.value), Number(high.value)];
-    let asked = null;
-    const show = () => {
-      own.hidden = sizes[size.selectedIndex][1] !== null;
-      const cast = app.frame.last?.verbs?.find((v) => v.name === "raycast")?.seconds || app.frame.last?.seconds, [a, b] = pixels();
-      takes.textContent = cast ? w.takes(seconds(Math.max(0.1, (cast * a * b) / (cw * ch)))) : "";
-    };
-    const label = (text, field) => el("label.row.choice", {}, el("span", {}, text), field);
-    const form = el("form", { onsubmit: async (event) => {
-      event.preventDefault();
-      const [a, b] = pixels();
-      wrong.hidden = a >= 1 && b >= 1 && a <= 16384 && b <= 16384;
-      wrong.textContent = words.outOfRange(`1 ${words.to} 16384`);
-      if (!wrong.hidden) return;
-      const scene = app.scene();
-      if (behind.selectedIndex) scene.background = "transparent";
-      (go.disabled = true), (bar.hidden = stop.hidden = false);
-      asked = app.link.ask("save", { scene, size: [a, b], format: kind.value.toLowerCase(), metadata: keep.checked }, (m) => (bar.firstChild.style.width = `${100 * (m.fraction ?? 0)}%`));
-      try {
-        const answer = await asked;
-        el("a", { href: new URL(answer.url.replace(/^\//, ""), location.href).href, download: answer.name }).click();
-        app.states.say(`${w.done}: ${answer.name}, ${bytes(answer.bytes)}`);
-        if (open?.box.contains(form)) close();
-      } catch (error) {
-        if (error.code !== "interrupted") (wrong.hidden = false), (wrong.textContent = error.sentence || String(error));
-      }
-      (go.disabled = false), (bar.hidden = stop.hidden = true);
-    } }, el("h2", {}, w.title), label(w.kind, kind), label(w.size, size), own, label(w.background, behind), el("label.check", {}, keep, w.keep), takes, bar, wrong, el("div.buttons", {}, go, stop));
-    show();
-    popover(anchor, form);
-  }
-
   function about(anchor) {
     const v = app.volume, w = words.about;
     if (!v) return;
@@ -104,5 +66,5 @@ export function makeMenus(app) {
     ...(app.volume ? [[words.menu.saveScene, saveScene, "Ctrl Shift S"], [words.menu.loadScene, () => chooseFile(".json,.png,.exr", app.take)], [words.menu.loadTf, () => chooseFile("", app.take)], [words.menu.command, command]] : []),
     ...themes.map(([key, name]) => [`${words.menu.theme}: ${name}`, () => app.theme.set(key), app.theme.now === key ? "✓" : ""]),
     [words.menu.shortcuts, () => shortcuts(anchor), "?"], ...(app.volume ? [[words.menu.about, () => about(anchor), "I"]] : [])]);
-  return { popover, menu, close, save, about, shortcuts, more, saveScene, command, get open() { return open !== null; } };
+  return { popover, menu, close, about, shortcuts, more, saveScene, command, get open() { return open !== null; } };
 }

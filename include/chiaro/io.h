@@ -28,6 +28,8 @@ struct ReadOptions {
     double seconds = 120;                              ///< wall time allowed to decode
     double stall_seconds = 15;                         ///< allowed without any progress
     std::uint64_t max_bytes = 0;                       ///< largest decoded volume; 0: what the machine's memory allows
+    std::filesystem::path
+        spill{};  ///< a larger one is mapped from a nameless file in this folder; empty: it is refused
 };
 
 /// Reads a file, a folder of DICOM slices, `sample:NAME[:SIZE]`, or `-` (NRRD on standard input).

@@ -16,7 +16,8 @@ using Preview = std::function<void(const Image&)>;
 /// function starts at `classify`, a camera move is `raycast` and `develop`.
 class Session {
 public:
-    explicit Session(Device device);
+    /// On a card with a stream of its own.
+    explicit Session(const Device& device);
     ~Session();
     Session(Session&&) noexcept;
 
@@ -41,13 +42,13 @@ public:
     /// Of the last render or field, in order; a verb whose kept result served took 0. What a verb consists of follows
     /// it.
     const std::vector<Stage>& stages() const;
-    const DeviceVolume& volume() const;             ///< shown
-    const Medium& medium() const;                   ///< of the last render or draft
-    const IlluminationField& light() const;         ///< of the last render
-    const std::vector<std::string>& notes() const;  ///< of what was prepared: what a user should know
-    Outcome outcome() const;                        ///< of the last render; its paths, as frame()
-    std::size_t light_bytes() const;                ///< held: what the last render's lighting prepared, and its light
-    const Statistics& statistics() const;           ///< of the shown volume
+    const DeviceVolume& volume() const;      ///< shown
+    const Medium& medium() const;            ///< of the last render or draft
+    const IlluminationField& light() const;  ///< of the last render
+    std::vector<std::string> notes() const;  ///< what a user should know: of what was prepared, of the device
+    Outcome outcome() const;                 ///< of the last render; its paths, as frame()
+    std::size_t light_bytes() const;         ///< held: what the last render's lighting prepared, and its light
+    const Statistics& statistics() const;    ///< of the shown volume
     /// What the settings ask for, of the shown volume. Throws as load_transfer_function.
     TransferFunction resolve(const TransferSettings& settings) const;
     const TransferFunction& transfer_function() const;  ///< the one the last render used, window and unit applied

@@ -3,6 +3,7 @@
 #include <chiaro/medium.h>
 
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "volume/device_volume.h"
@@ -22,12 +23,17 @@ struct OpticalTable {
     double index_of(double stored) const { return stored * index_scale + index_offset; }
 };
 
-struct Medium::Data {
+struct Medium::Data : std::enable_shared_from_this<Data> {
     DeviceVolume volume;
     OpticalTable table;
     Shape shape;
     std::vector<std::uint8_t> cells;  ///< as volume/occupancy.h reads them
     double occupied_fraction = 0;
+
+    void add_to(HostArrays& arrays) const {
+        volume.data().add_to(arrays);
+        arrays.add(weak_from_this(), cells);
+    }
 };
 
 /// The table of a transfer function over the stored values that occur (classify/table.cpp). About 4096 entries; for

@@ -59,6 +59,8 @@ int main(int argc, char** argv) {
         const Volume volume = reader(argv[2], argv[3], output);
         if (size_of(argv[2]) < size) decode::refuse(was_cut);
         output.succeed(volume);
+    } catch (const decode::TooLarge& error) {
+        output.fail(error.what(), true);
     } catch (const std::bad_alloc&) {
         output.fail("decoding it takes more memory than is permitted");
     } catch (const std::exception& error) {

@@ -29,8 +29,9 @@ void Output::allocate(Volume& volume) {
     const std::uint64_t bytes = check_header(volume);
     const auto& n = volume.dimensions;
     if (bytes > max_bytes_)
-        refuse(fmt::format("its {} x {} x {} voxels take {} MiB, but at most {} MiB may be used", n[0], n[1], n[2],
-                           bytes >> 20, max_bytes_ >> 20));
+        throw TooLarge(ErrorCode::input,
+                       fmt::format("its {} x {} x {} voxels take {} MiB, but at most {} MiB may be used", n[0], n[1],
+                                   n[2], bytes >> 20, max_bytes_ >> 20));
     if (ftruncate(wire::voxels_descriptor, off_t(bytes)) != 0)
         refuse(fmt::format("no room for {} MiB of voxels", bytes >> 20));
     void* mapping = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, wire::voxels_descriptor, 0);
@@ -49,6 +50,8 @@ void Output::at(const std::string& file) { send({{"at", file}}); }
 
 void Output::succeed(const Volume& volume) { send({{"volume", wire::header_to_json(volume)}}); }
 
-void Output::fail(const std::string& sentence) { send({{"error", sentence}}); }
+void Output::fail(const std::string& sentence, bool is_too_large) {
+    send({{"error", sentence}, {"too_large", is_too_large}});
+}
 
 }  // namespace chiaro::decode

@@ -12,6 +12,11 @@ namespace chiaro::decode {
 /// Refuses the file: `sentence` continues "cannot read 'name': ".
 [[noreturn]] inline void refuse(const std::string& sentence) { throw Error(ErrorCode::input, sentence); }
 
+/// More voxels than are permitted.
+struct TooLarge : Error {
+    using Error::Error;
+};
+
 class Output {
 public:
     explicit Output(std::uint64_t max_bytes) : max_bytes_(max_bytes) {}
@@ -23,7 +28,7 @@ public:
     /// Says which of many files is being worked on, so that a crash can be pinned on it.
     void at(const std::string& file);
     void succeed(const Volume& volume);
-    void fail(const std::string& sentence);
+    void fail(const std::string& sentence, bool is_too_large = false);
 
 private:
     std::uint64_t max_bytes_;

@@ -12,7 +12,11 @@ LitField lit_by_visibility(const IlluminationField::Data& data, const Lighting& 
                            const Medium::Data& medium) {
     const bool by_normal = medium.shape.mode == Mode::iso && lighting.shading != Shading::none;
     const auto lit = data.visibility->light({lighting, orbit_up, medium.volume.geometry(), by_normal});
-    return {lit->view, lit->main, lit, {}};
+    HostArrays arrays;
+    arrays.add(lit, lit->light);
+    arrays.add(lit, lit->surface);
+    arrays.add(data.visibility, data.visibility->nodes().harmonics);
+    return {lit->view, lit->main, lit, {}, arrays};
 }
 
 /// Of parallel rays far away.
@@ -38,7 +42,10 @@ LitField lit_by_transport(const IlluminationField::Data& data, const Lighting& l
                       .shown = float(strength * gain),
                       .clear = float3((1 - strength) * Vec3{probe.mean[0], probe.mean[1], probe.mean[2]}),
                       .share = float(probe.directionality)};
-    return {view, MainLight{probe.dominant, 1}, shown, data.albedo_limit};
+    HostArrays arrays;
+    arrays.add(shown, shown->light);
+    arrays.add(shown, shown->turned);
+    return {view, MainLight{probe.dominant, 1}, shown, data.albedo_limit, arrays};
 }
 
 }  // namespace
@@ -49,7 +56,9 @@ LitField lit_field(const IlluminationField& field, const Lighting& lighting, con
     const IlluminationField::Data& data = field.data();
     if (data.visibility) return lit_by_visibility(data, lighting, orbit_up, medium);
     if (data.transport) return lit_by_transport(data, lighting, camera, medium);
-    LitField lit{data.view, {}, {}, {}};
+    LitField lit{data.view, {}, {}, {}, {}};
+    if (data.access) lit.arrays.add(data.access, data.access->buffer);
+    if (data.histogram) data.histogram->add_to(lit.arrays, data.histogram);
     std::visit(
         [&](auto& view) {
             if constexpr (requires { view.strength = 0.5f; }) view.strength = float(lighting.strength);

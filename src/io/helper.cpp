@@ -3,6 +3,7 @@
 #include "core/text.h"
 #include "io/helper_process.h"
 #include "io/memory.h"
+#include "io/spill.h"
 #include "io/wire.h"
 #include "volume/validate.h"
 
@@ -21,8 +22,17 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+/// The voxels exceed what is permitted.
+struct TooLarge : Error {
+    using Error::Error;
+};
+
+std::string sentence_about(const DecodeRequest& request, const std::string& sentence) {
+    return "cannot read '" + one_line(request.name) + "': " + one_line(sentence);
+}
+
 [[noreturn]] void refuse(const DecodeRequest& request, const std::string& sentence) {
-    throw Error(ErrorCode::input, "cannot read '" + one_line(request.name) + "': " + one_line(sentence));
+    throw Error(ErrorCode::input, sentence_about(request, sentence));
 }
 
 std::string text_of_end(int signal, const std::string& at) {
@@ -70,8 +80,11 @@ private:
     nlohmann::json take(const std::string& line) {
         const auto message = nlohmann::json::parse(line, nullptr, false);
         if (!message.is_object()) refuse(request_, "the decoder answered with garbage");
-        if (const auto error = message.find("error"); error != message.end() && error->is_string())
+        if (const auto error = message.find("error"); error != message.end() && error->is_string()) {
+            if (message.value("too_large", false))
+                throw TooLarge(ErrorCode::input, sentence_about(request_, error->get<std::string>()));
             refuse(request_, error->get<std::string>());
+        }
         if (const auto fraction = message.find("progress"); fraction != message.end() && fraction->is_number())
             progress_.report("read", std::clamp(fraction->get<double>(), 0.0, 1.0));
         if (const auto at = message.find("at"); at != message.end() && at->is_string()) at_ = at->get<std::string>();
@@ -85,11 +98,12 @@ private:
     std::string at_;  ///< the file last named by the helper
 };
 
-/// Takes over the voxels, once the memory file is proved to be as large as the header says and can no longer shrink.
-VoxelBuffer map_voxels(const Descriptor& file, std::uint64_t bytes) {
+/// Takes over the voxels, once their file is proved to be as large as the header says and can no longer shrink: a
+/// memory file by its seals, a file on disk because it has no name and the helper is gone.
+VoxelBuffer map_voxels(const Descriptor& file, bool in_memory, std::uint64_t bytes) {
     struct stat status {};
-    if (fcntl(file.number(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW) != 0 || fstat(file.number(), &status) != 0 ||
-        std::uint64_t(status.st_size) != bytes)
+    if ((in_memory && fcntl(file.number(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW) != 0) ||
+        fstat(file.number(), &status) != 0 || std::uint64_t(status.st_size) != bytes)
         throw Error(ErrorCode::input, "the decoder returned another number of voxels than it stated");
     void* mapping = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file.number(), 0);
     if (mapping == MAP_FAILED)
@@ -97,32 +111,48 @@ VoxelBuffer map_voxels(const Descriptor& file, std::uint64_t bytes) {
     return VoxelBuffer::adopt(mapping, bytes, true);
 }
 
-Volume checked_volume(const nlohmann::json& header, const Descriptor& voxels) {
+/// Where the helper puts the voxels, and how many bytes of them.
+struct Place {
+    Descriptor file;
+    bool in_memory;
+    std::uint64_t max_bytes;
+};
+
+Volume checked_volume(const nlohmann::json& header, const Place& place) {
     Volume volume = wire::header_from_json(header);
     const std::uint64_t bytes = check_header(volume);
-    volume.voxels = map_voxels(voxels, bytes);
+    volume.voxels = map_voxels(place.file, place.in_memory, bytes);
     for (auto& note : volume.notes) note = one_line(note);
     return volume;
+}
+
+Volume decode_into(const Place& place, const DecodeRequest& request, const ReadOptions& options, Progress& progress) {
+    const auto cpu_seconds = std::uint64_t(std::clamp(options.seconds, 1.0, 1e6)) + 1;
+    const std::vector<std::string> arguments{request.format, request.path, request.part,
+                                             std::to_string(place.max_bytes), std::to_string(cpu_seconds)};
+    nlohmann::json header;
+    {
+        // Killed at the end of this block, so that nobody else writes into the voxels any more.
+        HelperProcess helper(find_helper(), arguments, request.standard_input, place.file.number());
+        header = Conversation(request, options, progress).header_from(helper);
+    }
+    try {
+        return checked_volume(header, place);
+    } catch (const std::exception& error) {
+        refuse(request, error.what());
+    }
 }
 
 }  // namespace
 
 Volume decode_isolated(const DecodeRequest& request, const ReadOptions& options, Progress& progress) {
     const std::uint64_t max_bytes = options.max_bytes > 0 ? options.max_bytes : available_memory();
-    const Descriptor voxels = make_memory_file("chiaro voxels");
-    const auto cpu_seconds = std::uint64_t(std::clamp(options.seconds, 1.0, 1e6)) + 1;
-    const std::vector<std::string> arguments{request.format, request.path, request.part, std::to_string(max_bytes),
-                                             std::to_string(cpu_seconds)};
-    nlohmann::json header;
-    {
-        // Killed at the end of this block, so that nobody else writes into the voxels any more.
-        HelperProcess helper(find_helper(), arguments, request.standard_input, voxels.number());
-        header = Conversation(request, options, progress).header_from(helper);
-    }
     try {
-        return checked_volume(header, voxels);
-    } catch (const std::exception& error) {
-        refuse(request, error.what());
+        return decode_into({make_memory_file("chiaro voxels"), true, max_bytes}, request, options, progress);
+    } catch (const TooLarge&) {
+        const std::uint64_t on_disk = options.spill.empty() ? 0 : room_on_disk(options.spill);
+        if (on_disk <= max_bytes || request.standard_input >= 0) throw;
+        return decode_into({make_spill_file(options.spill), false, on_disk}, request, options, progress);
     }
 }
 

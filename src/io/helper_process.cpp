@@ -24,9 +24,6 @@ namespace {
 
 constexpr std::size_t longest_line = 4 << 20;
 
-/// A copy beyond the numbers that the helper's own descriptors take, so that handing over one does not close another.
-Descriptor moved_up(Descriptor descriptor) { return Descriptor(fcntl(descriptor.number(), F_DUPFD_CLOEXEC, 10)); }
-
 std::pair<Descriptor, Descriptor> make_pipe() {
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0)
@@ -54,6 +51,8 @@ private:
 Descriptor::~Descriptor() {
     if (number_ >= 0) close(number_);
 }
+
+Descriptor moved_up(Descriptor descriptor) { return Descriptor(fcntl(descriptor.number(), F_DUPFD_CLOEXEC, 10)); }
 
 Descriptor make_memory_file(const char* name) {
     Descriptor file = moved_up(Descriptor(memfd_create(name, MFD_CLOEXEC | MFD_ALLOW_SEALING)));

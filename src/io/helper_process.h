@@ -27,6 +27,10 @@ private:
     int number_ = -1;
 };
 
+/// The same file under a number beyond those that the helper's own descriptors take, so that handing over one does not
+/// close another.
+Descriptor moved_up(Descriptor descriptor);
+
 /// A memory file; sealing makes sure that it can no longer shrink below a mapping. Throws Error{output}.
 Descriptor make_memory_file(const char* name);
 

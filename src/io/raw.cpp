@@ -5,6 +5,7 @@
 #include "core/threads.h"
 #include "io/helper_process.h"
 #include "io/memory.h"
+#include "io/spill.h"
 #include "volume/validate.h"
 
 #include <chiaro/error.h>
@@ -115,9 +116,10 @@ Volume read_raw(const std::filesystem::path& path, const ReadOptions& options, P
         refuse(path, fmt::format("it has {} bytes, but {} x {} x {} {} voxels behind {} bytes of header need {}", size,
                                  volume.dimensions[0], volume.dimensions[1], volume.dimensions[2], name_of(volume.type),
                                  layout.offset, bytes + layout.offset));
-    if (const auto room = options.max_bytes > 0 ? options.max_bytes : available_memory(); bytes > room)
+    const auto room = options.max_bytes > 0 ? options.max_bytes : available_memory();
+    if (bytes > room && (options.spill.empty() || bytes > room_on_disk(options.spill)))
         refuse(path, fmt::format("its voxels take {} MiB, but at most {} MiB may be used", bytes >> 20, room >> 20));
-    volume.voxels = VoxelBuffer(bytes);
+    volume.voxels = bytes > room ? make_spilled_voxels(options.spill, bytes) : VoxelBuffer(bytes);
     read_bytes(path, layout.offset, volume.voxels, progress);
     if (layout.big_endian) swap_all(volume);
     return volume;

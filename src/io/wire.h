@@ -1,7 +1,7 @@
 // What the helper program tells the library, beside the voxels: one JSON object a line.
 //   {"progress": 0.25}      any number of times
 //   {"at": "file name"}     which of many files is being worked on
-//   {"error": "sentence"}   or
+//   {"error": "sentence"}   or, with "too_large": true where the voxels exceed what is permitted,
 //   {"volume": {...}}       at the end; the voxels lie in the memory file then
 #pragma once
 #include <chiaro/volume.h>

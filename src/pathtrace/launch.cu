@@ -1,23 +1,38 @@
-// The path tracer's kernel as CUDA sees it: the same source, one thread a pixel. Compiled wherever nvcc exists.
-#include "pathtrace/kernel.h"
+// The path tracer's kernel on cards: the same source, one thread a pixel.
+#include "cuda/launch.h"
+#include "pathtrace/launch_card.h"
 
 namespace chiaro::kernel {
 
-template <class Matter>
-__global__ void trace_pixels(PathKernel<Matter> kernel, PathTask task, unsigned long long* collisions) {
-    const std::int32_t columns = task.tile.x1 - task.tile.x0;
-    const std::int32_t x = std::int32_t(blockIdx.x * blockDim.x + threadIdx.x);
-    const std::int32_t y = std::int32_t(blockIdx.y * blockDim.y + threadIdx.y);
-    if (x >= columns || y >= task.tile.y1 - task.tile.y0) return;
-    const Tile pixel{task.tile.x0 + x, task.tile.y0 + y, task.tile.x0 + x + 1, task.tile.y0 + y + 1};
-    const PathTask own{pixel, task.sample, task.results + y * columns + x};
-    atomicAdd(collisions, sum(kernel.template operator()<float>(own)));
+template <class Kernel>
+struct TracePixel {
+    std::int32_t width, sample;
+    PixelSum* sums;
+    CollisionCount* collisions;
+    Kernel kernel;
+
+    CHIARO_ON_CARD void operator()(std::int32_t x, std::int32_t y) const {
+        const std::int32_t pixel = y * width + x;
+        Rgba path{0, 0, 0, 0};
+        const auto met = kernel.template operator()<float>(PathTask{{x, y, x + 1, y + 1}, sample, &path});
+        sums[pixel].add(path);
+        atomicAdd(collisions + (pixel / 32 & (collision_counts - 1)), CollisionCount(met));
+    }
+};
+
+template <class Kernel>
+void trace_frame(cuda::Stream& stream, const Kernel& kernel, std::int32_t width, std::int32_t height,
+                 std::int32_t sample, PixelSum* sums, CollisionCount* collisions) {
+    cuda::launch_pixels(stream, width, height, TracePixel<Kernel>{width, sample, sums, collisions, kernel});
 }
 
-#define CHIARO_INSTANTIATE(Matter)                                                                           \
-    template __global__ void trace_pixels(PathKernel<Matter<std::uint8_t>>, PathTask, unsigned long long*);  \
-    template __global__ void trace_pixels(PathKernel<Matter<std::uint16_t>>, PathTask, unsigned long long*); \
-    template __global__ void trace_pixels(PathKernel<Matter<float>>, PathTask, unsigned long long*);
+#define CHIARO_INSTANTIATE_FOR(Matter, Voxel)                                                              \
+    template void trace_frame(cuda::Stream&, const PathKernel<Matter<Voxel>>&, std::int32_t, std::int32_t, \
+                              std::int32_t, PixelSum*, CollisionCount*);
+#define CHIARO_INSTANTIATE(Matter)                \
+    CHIARO_INSTANTIATE_FOR(Matter, std::uint8_t)  \
+    CHIARO_INSTANTIATE_FOR(Matter, std::uint16_t) \
+    CHIARO_INSTANTIATE_FOR(Matter, float)
 CHIARO_INSTANTIATE(Cloud)
 CHIARO_INSTANTIATE(Surfaces)
 

@@ -88,6 +88,13 @@ void LightTable::make_bins() {
     for (std::size_t b = 0; b < bins; ++b) densities_[b] = float(light[b] / all);
 }
 
+void LightTable::add_to(HostArrays& arrays) const {
+    arrays.add(probe_.data().picture.rgb);
+    for (const auto* numbers :
+         {&row_threshold_, &row_alias_, &column_threshold_, &column_alias_, &cosines_, &densities_})
+        arrays.add(*numbers);
+}
+
 kernel::ProbeLightView LightTable::view() const {
     const ProbePicture& picture = probe_.data().picture;
     const float gain = float(std::exp2(lighting_.probe.exposure_stops));

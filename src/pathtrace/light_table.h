@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "core/host_array.h"
 #include "pathtrace/light_view.h"
 
 namespace chiaro {
@@ -15,6 +16,7 @@ class LightTable {
 public:
     LightTable(const Lighting& lighting, Vec3 orbit_up);
     kernel::ProbeLightView view() const;
+    void add_to(HostArrays& arrays) const;  ///< what the view points into
 
 private:
     void make_bins();

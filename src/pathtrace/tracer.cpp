@@ -10,6 +10,7 @@
 #include "classify/albedo.h"
 #include "core/threads.h"
 #include "illumination/probe/data.h"
+#include "pathtrace/card.h"
 #include "pathtrace/launch.h"
 #include "raycast/views.h"
 #include "volume/float3.h"
@@ -126,7 +127,7 @@ void PathTracer::make_colours(const PathOptions& options) {
 
 template <class Voxel>
 PathTracer::TraceTile PathTracer::tracer_through(const Camera& camera, const Lighting& lighting,
-                                                 const RaySettings& settings, const PathOptions& options) const {
+                                                 const RaySettings& settings, const PathOptions& options) {
     const Medium::Data& data = medium_.data();
     const DeviceVolume::Data& volume = data.volume.data();
     const kernel::RegionsView regions = regions_view(data, majorants_);
@@ -159,7 +160,7 @@ PathTracer::TraceTile PathTracer::tracer_through(const Camera& camera, const Lig
 
 template <class Matter>
 PathTracer::TraceTile PathTracer::tracer_of(const Matter& matter, const Camera& camera, const RaySettings& settings,
-                                            const PathOptions& options) const {
+                                            const PathOptions& options) {
     const DeviceVolume::Data& volume = medium_.data().volume.data();
     const double edge = volume.geometry.smallest_spacing_mm();
     const std::uint64_t words = scrambled(options.seed);
@@ -179,8 +180,27 @@ PathTracer::TraceTile PathTracer::tracer_of(const Matter& matter, const Camera& 
         .pixel_key = std::int32_t(words),
         .sample_key = std::int32_t(words >> 32),
         .width = width_};
+    if (cuda::works(device_)) try {
+            trace_on_card_ = card_tracer_of(kernel);
+        } catch (const cuda::OutOfMemory& error) {
+            device_.stream->give_up(error);
+        }
     return [kernel, trace = kernel::trace_tile_for<kernel::PathKernel<Matter>>(device_.isa)](
                const kernel::PathTask& task) { return trace(kernel, task); };
+}
+
+template <class Kernel>
+PathTracer::TraceOnCard PathTracer::card_tracer_of(const Kernel& kernel) {
+    HostArrays arrays;
+    medium_.data().add_to(arrays);
+    light_.add_to(arrays);
+    const std::vector<float>* const own[] = {&majorants_.cells, &majorants_.runs, &extinction_, &red_, &green_, &blue_,
+                                             &points_.x,        &points_.y,       &points_.z};
+    for (const auto* numbers : own) arrays.add(*numbers);
+    const auto tracer = std::make_shared<CardTracer<Kernel>>(device_, kernel, arrays, width_, height_);
+    return [this, tracer](int first, int end, const Progress& progress) {
+        tracer->add(first, end, progress, sums_, collisions_);
+    };
 }
 
 std::int64_t PathTracer::trace(const kernel::Tile& tile, int first, int end, const Progress& progress) {
@@ -190,17 +210,17 @@ std::int64_t PathTracer::trace(const kernel::Tile& tile, int first, int end, con
         collisions += trace_tile_({tile, sample, results.data()});
         const kernel::Rgba* result = results.data();
         for (int y = tile.y0; y < tile.y1; ++y)
-            for (int x = tile.x0; x < tile.x1; ++x, ++result) {
-                PixelSum& sum = sums_[std::size_t(y) * width_ + x];
-                const double r = result->r, g = result->g, b = result->b;
-                sum.r += r, sum.g += g, sum.b += b, sum.a += result->a;
-                sum.squares += (r * r + g * g + b * b) / 3;
-            }
+            for (int x = tile.x0; x < tile.x1; ++x, ++result) sums_[std::size_t(y) * width_ + x].add(*result);
     }
     return collisions;
 }
 
 bool PathTracer::add(int samples, const Progress& progress) {
+    if (trace_on_card_) {
+        trace_on_card_(samples_, samples_ + samples, progress);
+        samples_ += samples;
+        return !progress.cancelled();
+    }
     const int columns = (width_ + tile_edge - 1) / tile_edge, rows = (height_ + tile_edge - 1) / tile_edge;
     std::atomic<std::int64_t> collisions{0};
     parallel_for(device_.threads, std::int64_t(columns) * rows, 1, [&](std::int64_t t, std::int64_t) {

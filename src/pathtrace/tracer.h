@@ -10,6 +10,7 @@
 #include "pathtrace/kernel.h"
 #include "pathtrace/light_table.h"
 #include "pathtrace/majorants.h"
+#include "pathtrace/pixel_sum.h"
 
 namespace chiaro {
 
@@ -26,12 +27,6 @@ PathOptions path_options(const IlluminationSettings& settings);
 /// A point for each pixel of a frame, row by row, where its paths begin in the place of a camera; voxels.
 struct PathPoints {
     std::vector<float> x, y, z;
-};
-
-/// What a pixel's paths have brought.
-struct PixelSum {
-    double r = 0, g = 0, b = 0, a = 0;
-    double squares = 0;  ///< (r² + g² + b²) / 3
 };
 
 class PathTracer {
@@ -53,12 +48,15 @@ public:
 
 private:
     using TraceTile = std::function<std::int64_t(const kernel::PathTask&)>;
+    using TraceOnCard = std::function<void(int first, int end, const Progress&)>;
     template <class Matter>
     TraceTile tracer_of(const Matter& matter, const Camera& camera, const RaySettings& settings,
-                        const PathOptions& options) const;
+                        const PathOptions& options);
     template <class Voxel>
     TraceTile tracer_through(const Camera& camera, const Lighting& lighting, const RaySettings& settings,
-                             const PathOptions& options) const;
+                             const PathOptions& options);
+    template <class Kernel>
+    TraceOnCard card_tracer_of(const Kernel& kernel);
     void make_colours(const PathOptions& options);
     std::int64_t trace(const kernel::Tile& tile, int first, int end, const Progress& progress);
 
@@ -71,6 +69,7 @@ private:
     const int width_, height_;
     const PathPoints points_;
     TraceTile trace_tile_;
+    TraceOnCard trace_on_card_;  ///< none: the processor does it
     int samples_ = 0;
     std::uint64_t collisions_ = 0;
     std::vector<PixelSum> sums_;

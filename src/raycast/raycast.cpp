@@ -9,6 +9,7 @@
 #include "illumination/lit_field.h"
 #include "raycast/background.h"
 #include "raycast/bounds.h"
+#include "raycast/card.h"
 #include "raycast/launch.h"
 #include "raycast/views.h"
 
@@ -40,6 +41,18 @@ Outcome cast(const Device& device, const Kernel& kernel, const BoundingGeometry*
     return {complete, std::uint64_t(samples)};
 }
 
+/// On the card where the device has one. One that was chosen by itself gives up what does not fit.
+template <class Kernel>
+Outcome cast(const Device& device, const Kernel& kernel, const HostArrays& arrays, const BoundingGeometry* geometry,
+             Frame& frame, Progress& progress) {
+    if (cuda::works(device)) try {
+            return cast_on_card(*device.stream, kernel, arrays, frame, progress);
+        } catch (const cuda::OutOfMemory& error) {
+            device.stream->give_up(error);
+        }
+    return cast(device, kernel, geometry, frame, progress);
+}
+
 }  // namespace
 
 Outcome raycast(const Device& device, const Medium& medium, const IlluminationField& field, const Lighting& lighting,
@@ -47,9 +60,12 @@ Outcome raycast(const Device& device, const Medium& medium, const IlluminationFi
     const Medium::Data& data = medium.data();
     const LitField lit = lit_field(field, lighting, camera, data);
     const RayTables tables = make_tables(data, settings, device.threads, lit.albedo_limit);
-    std::optional<BoundingGeometry> geometry;  // the largest value is looked for everywhere
-    if (settings.ray_setup == RaySetup::raster && data.shape.mode != Mode::mip)
+    std::optional<BoundingGeometry> geometry;  // the largest value is looked for everywhere; a card takes the box
+    if (settings.ray_setup == RaySetup::raster && data.shape.mode != Mode::mip && !cuda::works(device))
         geometry.emplace(data, camera_view(camera, data.volume.geometry(), frame.width, frame.height));
+    HostArrays arrays = lit.arrays;
+    data.add_to(arrays);
+    tables.add_to(arrays);
     Outcome outcome = std::visit(
         [&](auto view) {
             if constexpr (decltype(view)::adds_opacity) {
@@ -62,7 +78,7 @@ Outcome raycast(const Device& device, const Medium& medium, const IlluminationFi
                 if (lit.main) shine_from(*lit.main, lighting, camera, kernel.matter.shading);
                 if constexpr (decltype(view)::adds_opacity)
                     if (view.glows) kernel.matter.occupancy.cells = view.occupancy;
-                return cast(device, kernel, geometry ? &*geometry : nullptr, frame, progress);
+                return cast(device, kernel, arrays, geometry ? &*geometry : nullptr, frame, progress);
             });
         },
         lit.view);

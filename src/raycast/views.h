@@ -26,6 +26,12 @@ std::vector<kernel::Rgba> step_table(const OpticalTable& table, double step_mm);
 struct RayTables {
     std::vector<kernel::Rgba> steps;
     SegmentTable segments;  ///< empty unless needed
+
+    void add_to(HostArrays& arrays) const {
+        arrays.add(steps);
+        arrays.add(segments.entries);
+        arrays.add(segments.visible_before);
+    }
 };
 /// `albedo_limit`: colours are scaled down to it (LitField).
 RayTables make_tables(const Medium::Data& medium, const RaySettings& settings, int threads,

@@ -46,7 +46,7 @@ struct Cast {
 }  // namespace
 
 struct Session::State {
-    explicit State(Device where) : device(where) {}
+    explicit State(const Device& where) : device(where.beside()) {}  // a stream of its own
 
     Device device;
     Subject subject;
@@ -137,7 +137,7 @@ struct Session::State {
     }
 };
 
-Session::Session(Device device) : state_(std::make_unique<State>(device)) {}
+Session::Session(const Device& device) : state_(std::make_unique<State>(device)) {}
 Session::~Session() = default;
 Session::Session(Session&&) noexcept = default;
 
@@ -263,7 +263,11 @@ const Frame& Session::frame() const { return state_->raycast.result.frame; }
 const std::vector<Stage>& Session::stages() const { return state_->stages; }
 Outcome Session::outcome() const { return state_->raycast.result.outcome; }
 std::size_t Session::light_bytes() const { return state_->prepare.result.bytes() + state_->illuminate.result.bytes(); }
-const std::vector<std::string>& Session::notes() const { return state_->prepare.result.notes(); }
+std::vector<std::string> Session::notes() const {
+    std::vector<std::string> notes = state_->prepare.result.notes();
+    if (std::string note = state_->device.note(); !note.empty()) notes.push_back(std::move(note));
+    return notes;
+}
 const Statistics& Session::statistics() const { return state_->subject.statistics; }
 TransferFunction Session::resolve(const TransferSettings& settings) const {
     return transfer_function_for(settings, state_->subject);

@@ -2,8 +2,10 @@
 #pragma once
 #include <chiaro/medium.h>
 
+#include <memory>
 #include <vector>
 
+#include "core/host_array.h"
 #include "volume/bricks.h"
 
 namespace chiaro {
@@ -14,7 +16,7 @@ struct CellRanges {
     std::vector<float> low, high;  ///< x fastest
 };
 
-struct DeviceVolume::Data {
+struct DeviceVolume::Data : std::enable_shared_from_this<Data> {
     Device device;
     std::array<int, 3> dimensions{0, 0, 0};
     Geometry geometry;
@@ -24,6 +26,11 @@ struct DeviceVolume::Data {
     bool whole_numbers = false;    ///< the stored values are integers
     CellRanges cells;
     float stored_min = 0, stored_max = 0;
+
+    void add_to(HostArrays& arrays) const {
+        arrays.add(weak_from_this(), bricks);
+        arrays.add(weak_from_this(), cells.high);
+    }
 };
 
 }  // namespace chiaro

@@ -139,6 +139,7 @@ export class Mock {
       case "look": frame({ n: message.id, kind: "look", type: "png", size: message.size }, picture(message.scene, ...message.size)); return setTimeout(() => answer({}), 5);
       case "probe": frame({ n: message.id, kind: "probe", type: "png", size: [128, 64] }, sky(message.probe.preset ?? "own")); return setTimeout(() => answer({}), 5);
       case "resolve": return answer({ transfer_function: message.transfer_function.preset ? transfer(message.transfer_function.preset) : message.transfer_function });
+      case "cache": return answer({ folder: "/home/me/.cache/chiaro", bytes: this.heard.some((m) => m.type === "cache" && m.clear) ? 0 : 12e6 });
       case "measure": return answer({ percent: 1.8, points: 1024, interval: [1.6, 2.0], largest: 22 });
       case "save": (this.saved = message.scene), answer({ url: "/download/1", name: "ball.png", bytes: 12345 }); return;
       case "export": return answer({ text: JSON.stringify(message.scene, null, 2), name: "ball.json" });

@@ -131,6 +131,29 @@ visit("a threshold of shutters, a shape, a look and a chip reach the scene", asy
   await page.waitForFunction(() => chiaro.store.preview === null);
 });
 
+visit("surfaces and the ends of what glows are lines in the graph to drag", async (page, mock) => {
+  await settled(page, () => page.keyboard.press("2"));
+  const surface = page.locator(".shutter.value"), first = (await state(page)).iso[0].value;
+  assert.equal(await surface.count(), 1);
+  await settled(page, () => drag(page, surface, 30, 0));
+  const moved = (await state(page)).iso[0].value;
+  assert.ok(moved > first, `${moved}`);
+  assert.equal(mock.last("state").scene.iso[0].value, moved);
+  await page.keyboard.press("Control+z");
+  assert.equal((await state(page)).iso[0].value, first);
+  await settled(page, () => page.keyboard.press("1"));
+  assert.equal(await surface.count(), 0);
+  await page.click("[data-method=histogram]");
+  await page.click("[data-effect=glow]");
+  assert.equal(await surface.count(), 2);
+  const range = () => page.evaluate(() => chiaro.glowNow());
+  const was = await range();
+  await surface.first().focus();
+  await page.keyboard.press("Shift+ArrowLeft");
+  const now = await range();
+  assert.ok(now[0] < was[0] && now[1] === was[1], `${was} ${now}`);
+});
+
 visit("Adjust picks the value that is seen and drags its opacity", async (page) => {
   await page.keyboard.press("a");
   await page.keyboard.up("a");
@@ -222,8 +245,51 @@ visit("the picture is saved in the wanted size, without highlights", async (page
   const download = page.waitForEvent("download");
   await page.click(".popover button.primary");
   await download;
-  const { size, format, metadata } = mock.last("save");
-  assert.deepEqual([size, format, metadata], [[3840, 2160], "png", true]);
+  const { size, format, metadata, overlays } = mock.last("save");
+  assert.deepEqual([size, format, metadata, overlays], [[3840, 2160], "png", true, []]);
+});
+
+visit("a saved picture carries scale bar and legend, as large in it as on the page", async (page, mock) => {
+  const [w, h] = await page.evaluate(() => chiaro.frame.size());
+  for (const [index, factor] of [[0, 1], [1, 2]]) {
+    await page.click("button.primary");
+    await page.locator(".popover select").nth(1).selectOption({ index });
+    await page.getByLabel("Scale bar").check();
+    await page.getByLabel("Colour legend").check();
+    const download = page.waitForEvent("download");
+    await page.click(".popover button.primary");
+    await download;
+    const { overlays } = mock.last("save"), seen = [];
+    assert.equal(overlays.length, 2);
+    for (const { at, png } of overlays) {
+      const data = Buffer.from(png, "base64"), size = [data.readUInt32BE(16), data.readUInt32BE(20)];
+      assert.equal(data.toString("latin1", 1, 4), "PNG");
+      assert.ok(at[0] >= 0 && at[1] >= 0 && at[0] + size[0] <= factor * w && at[1] + size[1] <= factor * h, `${at} ${size}`);
+      seen.push(await page.evaluate(async ([url, k]) => {
+        const image = await createImageBitmap(await (await fetch(url)).blob()), g = new OffscreenCanvas(image.width, image.height).getContext("2d");
+        g.drawImage(image, 0, 0);
+        const { data } = g.getImageData(0, 0, image.width, image.height), rows = [];
+        for (let y = 0; y < image.height; ++y) rows.push([...Array(image.width).keys()].filter((x) => data[4 * (y * image.width + x) + 3] > 200 && data[4 * (y * image.width + x)] > 250).length);
+        return { longest: Math.max(...rows) / k, colours: new Set(Array.from({ length: image.width }, (_, x) => data.slice(4 * (Math.round(10 * k) * image.width + x), 4 * (Math.round(10 * k) * image.width + x) + 4).join())).size };
+      }, [`data:image/png;base64,${png}`, factor]));
+    }
+    const shown = await page.evaluate(() => document.querySelector(".scale").getBoundingClientRect().width);
+    assert.ok(Math.abs(seen[0].longest - shown) < 3, `bar of ${seen[0].longest} pixels where the page has ${shown}`);
+    assert.ok(seen[1].colours > 10, `${seen[1].colours} colours in the legend`);
+  }
+});
+
+visit("what floats over the picture keeps apart at every width", async (page) => {
+  for (const width of [1440, 1301, 1280, 1279, 1180, 1001, 900, 780]) {
+    await page.setViewportSize({ width, height: 700 });
+    const near = await page.evaluate(() => {
+      const [what, more, far] = document.querySelectorAll(".pill b, .pill span");
+      [what.textContent, more.textContent, far.textContent] = ["Final", "88.8 s", "\u25B3 88.8 % from reference"];
+      const boxes = [...document.querySelectorAll(".pill, .tools, .scale, .cross")].map((e) => [e.className, e.getBoundingClientRect()]);
+      return boxes.flatMap(([a, p], i) => boxes.slice(i + 1).filter(([, q]) => p.left < q.right && q.left < p.right && p.top < q.bottom && q.top < p.bottom).map(([b]) => `${a} over ${b}`));
+    });
+    assert.deepEqual(near, [], `at ${width}`);
+  }
 });
 
 visit("a malformed file: the library's sentence, and the picture stays", async (page) => {

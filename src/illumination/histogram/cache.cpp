@@ -10,6 +10,7 @@
 
 #include "core/atomic_file.h"
 #include "core/text.h"
+#include "core/user_cache.h"
 #include "illumination/histogram/hash.h"
 
 namespace chiaro {
@@ -20,10 +21,7 @@ constexpr std::string_view magic = "chiaro local histograms 1\n";
 std::filesystem::path folder_of(const std::string& setting) {
     if (setting == "none") return {};
     if (!setting.empty()) return setting;
-    if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache == '/')
-        return std::filesystem::path(cache) / "chiaro";
-    const char* home = std::getenv("HOME");
-    return home && *home ? std::filesystem::path(home) / ".cache" / "chiaro" : std::filesystem::path();
+    return user_cache();
 }
 
 /// What the result depends on, in words. The method has a number of its own: what an older one found no longer serves.

@@ -18,6 +18,14 @@ struct HistogramLight {
     std::vector<kernel::Rgba> albedo;     ///< by entry of the medium's table
     kernel::HistogramView view{};
 
+    /// Those of `owner`, which is this.
+    void add_to(HostArrays& arrays, const std::shared_ptr<const HistogramLight>& owner) const {
+        for (const auto* colours : {&words, &glow, &albedo}) arrays.add(owner, *colours);
+        arrays.add(owner, side);
+        arrays.add(owner, occupancy);
+        arrays.add(histograms, histograms->identifiers);
+        arrays.add(histograms, histograms->lifted);
+    }
     std::size_t bytes() const {
         return (words.size() + glow.size() + albedo.size()) * sizeof words[0] + side.size() * sizeof side[0] +
                occupancy.size();

@@ -5,6 +5,7 @@
 #include "core/threads.h"
 #include "illumination/probe/lambert.h"
 #include "illumination/probe/light.h"
+#include "illumination/visibility/card.h"
 #include "illumination/visibility/launch.h"
 #include "volume/float3.h"
 
@@ -46,6 +47,21 @@ std::shared_ptr<const LitLight> LitNodes::light(const ProbeLight& probe) const {
     return kept_;
 }
 
+void LitNodes::light_all(const kernel::LightKernel& light, const std::vector<kernel::HarmonicsLight>& surface) const {
+    if (cuda::works(device_)) try {
+            HostArrays arrays;
+            arrays.add(weak_from_this(), nodes_.harmonics);
+            arrays.add(weak_from_this(), nodes_.surfaces);
+            arrays.add(surface);
+            return light_on_card(device_, light, arrays, nodes_.grid.size());
+        } catch (const cuda::OutOfMemory& error) {
+            device_.stream->give_up(error);
+        }
+    const auto light_nodes = kernel::visibility_functions_for(device_.isa).light;
+    parallel_for(device_.threads, std::int64_t(nodes_.grid.size()), 4096,
+                 [&](std::int64_t first, std::int64_t end) { light_nodes(light, first, std::int32_t(end - first)); });
+}
+
 std::shared_ptr<const LitLight> LitNodes::find(const ProbeLight& probe, const Axes& rows) const {
     const int bands = nodes_.coefficients == 4 ? 2 : 4;
     const ShLight from = sh_light(probe.lighting, probe.orbit_up, probe.geometry, nodes_.window, bands);
@@ -79,9 +95,7 @@ std::shared_ptr<const LitLight> LitNodes::find(const ProbeLight& probe, const Ax
         scale[k] = brightest[k] / kernel::Light16::most;
         light.per_unit[k] = float(1 / scale[k]);
     }
-    const auto light_nodes = kernel::visibility_functions_for(device_.isa).light;
-    parallel_for(device_.threads, std::int64_t(nodes_.grid.size()), 4096,
-                 [&](std::int64_t first, std::int64_t end) { light_nodes(light, first, std::int32_t(end - first)); });
+    light_all(light, lit->surface);
 
     lit->view = {.light = {light.light, view_of(nodes_.grid), {float(scale[0]), float(scale[1]), float(scale[2])}},
                  .harmonics = nodes_.view(),

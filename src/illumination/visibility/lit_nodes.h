@@ -3,6 +3,7 @@
 #include <chiaro/device.h>
 #include <chiaro/lighting.h>
 
+#include <memory>
 #include <mutex>
 #include <optional>
 
@@ -34,13 +35,14 @@ struct LitLight {
     MainLight main;
 };
 
-class LitNodes {
+class LitNodes : public std::enable_shared_from_this<LitNodes> {
 public:
     LitNodes(const Device& device, VisibilityNodes nodes) : device_(device), nodes_(std::move(nodes)) {}
 
     /// What arrives of a light: the last one is kept, so that a turned camera costs nothing. Cost of another: nodes ×
     /// 50 instructions, and some 2 ms for surfaces. The view is valid as long as the result is.
     std::shared_ptr<const LitLight> light(const ProbeLight& probe) const;
+    const VisibilityNodes& nodes() const { return nodes_; }
     std::size_t bytes() const { return nodes_.bytes() + nodes_.grid.size() * 4 * sizeof(std::uint16_t); }
 
 private:
@@ -55,6 +57,7 @@ private:
         bool operator==(const Inputs&) const = default;
     };
     std::shared_ptr<const LitLight> find(const ProbeLight& probe, const Axes& rows) const;
+    void light_all(const kernel::LightKernel& light, const std::vector<kernel::HarmonicsLight>& surface) const;
 
     Device device_;
     VisibilityNodes nodes_;

@@ -40,23 +40,25 @@ struct KeepKernel {
     float steps[16];  ///< of the coefficients in 8 bits
 
     CHIARO_INLINE void operator()(NodeRow row) const {
-        for (std::int32_t x = 0; x < count[0]; ++x) {
-            const std::int64_t node = index(x, row.y, row.z);
-            const float* from = field + node * coefficients;
-            float lifted[16];
-            if (opacity) {
-                const Outwards out = outwards(x, row.y, row.z);
-                const float size = sqrt(dot(out.n, out.n)), inverse = size > 0 ? 127 / size : 0;
-                const std::uint8_t share = std::uint8_t(outward_share(out.n, 1.0f) * 255 + 0.5f);
-                surfaces[node] = {signed_byte(inverse * out.n.x), signed_byte(inverse * out.n.y),
-                                  signed_byte(inverse * out.n.z), share};
-                if (share) {
-                    lift((out.edges / max(size, 1.0f)) * out.n, x, row.y, row.z, lifted);
-                    from = lifted;
-                }
+        for (std::int32_t x = 0; x < count[0]; ++x) keep_node(x, row.y, row.z);
+    }
+
+    CHIARO_INLINE void keep_node(std::int32_t x, std::int32_t y, std::int32_t z) const {
+        const std::int64_t node = index(x, y, z);
+        const float* from = field + node * coefficients;
+        float lifted[16];
+        if (opacity) {
+            const Outwards out = outwards(x, y, z);
+            const float size = sqrt(dot(out.n, out.n)), inverse = size > 0 ? 127 / size : 0;
+            const std::uint8_t share = std::uint8_t(outward_share(out.n, 1.0f) * 255 + 0.5f);
+            surfaces[node] = {signed_byte(inverse * out.n.x), signed_byte(inverse * out.n.y),
+                              signed_byte(inverse * out.n.z), share};
+            if (share) {
+                lift((out.edges / max(size, 1.0f)) * out.n, x, y, z, lifted);
+                from = lifted;
             }
-            keep(from, node);
         }
+        keep(from, node);
     }
 
 private:

@@ -11,34 +11,43 @@ float VisibilityNodes::step(int coefficient) const {
     return float(coefficient_bounds[std::size_t(coefficient)] / (coefficient == 0 ? 255 : 127));
 }
 
-VisibilityNodes keep_nodes(const Device& device, const ShField& field, const Density& density,
-                           const VisibilitySettings& settings, Progress& progress) {
-    const CellGrid& grid = field.grid;
-    const auto [nx, ny, nz] = grid.count;
-    const auto functions = kernel::visibility_functions_for(device.isa);
+VisibilityNodes make_nodes(const CellGrid& grid, int coefficients, const VisibilitySettings& settings) {
     const bool lifted = settings.model == VisibilityModel::corrected;
-    const std::size_t bytes_per_node = std::size_t(field.coefficients) << int(settings.storage);
-    VisibilityNodes nodes{grid,
-                          settings.storage,
-                          settings.window,
-                          field.coefficients,
-                          VoxelBuffer(grid.size() * bytes_per_node),
-                          lifted ? VoxelBuffer(grid.size() * sizeof(kernel::NodeSurface)) : VoxelBuffer()};
-    VoxelBuffer opacity(lifted ? grid.size() * sizeof(float) : 0);
-    float* alpha = lifted ? reinterpret_cast<float*>(opacity.data()) : nullptr;
-    const auto rows = [&, nx = nx](std::int64_t first, std::int64_t end) {
-        for (auto r = first; r < end; ++r) functions.opacity({density.data(), alpha}, r * nx, nx);
-    };
-    if (lifted) parallel_for(device.threads, std::int64_t(ny) * nz, 16, rows);
-    kernel::KeepKernel keep{field.node(0),
-                            alpha,
+    const std::size_t bytes_per_node = std::size_t(coefficients) << int(settings.storage);
+    return {grid,
+            settings.storage,
+            settings.window,
+            coefficients,
+            VoxelBuffer(grid.size() * bytes_per_node),
+            lifted ? VoxelBuffer(grid.size() * sizeof(kernel::NodeSurface)) : VoxelBuffer()};
+}
+
+kernel::KeepKernel keep_kernel(VisibilityNodes& nodes, const float* field, const float* opacity) {
+    const auto [nx, ny, nz] = nodes.grid.count;
+    kernel::KeepKernel keep{field,
+                            opacity,
                             nodes.harmonics.data(),
                             reinterpret_cast<kernel::NodeSurface*>(nodes.surfaces.data()),
-                            kernel::Stored(settings.storage),
-                            field.coefficients,
+                            kernel::Stored(nodes.storage),
+                            nodes.coefficients,
                             {nx, ny, nz},
                             {}};
     for (int c = 0; c < most_coefficients; ++c) keep.steps[c] = nodes.step(c);
+    return keep;
+}
+
+VisibilityNodes keep_nodes(const Device& device, const ShField& field, const Density& density,
+                           const VisibilitySettings& settings, Progress& progress) {
+    const auto [nx, ny, nz] = field.grid.count;
+    const auto functions = kernel::visibility_functions_for(device.isa);
+    VisibilityNodes nodes = make_nodes(field.grid, field.coefficients, settings);
+    VoxelBuffer opacity(nodes.surfaces.size() ? field.grid.size() * sizeof(float) : 0);
+    float* alpha = opacity.size() ? reinterpret_cast<float*>(opacity.data()) : nullptr;
+    const auto rows = [&, nx = nx](std::int64_t first, std::int64_t end) {
+        for (auto r = first; r < end; ++r) functions.opacity({density.data(), alpha}, r * nx, nx);
+    };
+    if (alpha) parallel_for(device.threads, std::int64_t(ny) * nz, 16, rows);
+    const kernel::KeepKernel keep = keep_kernel(nodes, field.node(0), alpha);
     parallel_for(device.threads, std::int64_t(ny) * nz, 8, "keep", progress,
                  [&, ny = ny](std::int64_t first, std::int64_t end) {
                      for (auto r = first; r < end; ++r) functions.keep_row(keep, {int(r % ny), int(r / ny)});

@@ -27,6 +27,11 @@ struct VisibilityNodes {
     float step(int coefficient) const;
 };
 
+/// Without numbers yet: as many coefficients a node as there are, in the settings' storage.
+VisibilityNodes make_nodes(const CellGrid& grid, int coefficients, const VisibilitySettings& settings);
+/// What fills them from the field and, where they have surfaces, the opacity of their edges.
+kernel::KeepKernel keep_kernel(VisibilityNodes& nodes, const float* field, const float* opacity);
+
 /// The field to be kept. VisibilityModel::corrected: each node that has a normal n = -(α(i + 1) - α(i - 1)) takes what
 /// arrives one node edge along it (|n| shortened to 1; two edges where the surface is that far), and keeps n with q =
 /// min(1, 4 |n|), the share that is a surface. Throws Error{interrupted}.

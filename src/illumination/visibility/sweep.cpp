@@ -3,47 +3,39 @@
 #include <algorithm>
 
 #include "core/threads.h"
+#include "illumination/visibility/card.h"
 #include "illumination/visibility/launch.h"
 #include "illumination/visibility/sweep_pass.h"
 
 namespace chiaro {
 namespace {
 
-/// What travels from plane to plane: two planes of nodes with a halo of one, where all light arrives.
-class Planes {
-public:
-    Planes(int nu, int nv, int directions) : row_(nu + 2), directions_(directions) {
-        const std::size_t nodes = std::size_t(row_) * std::size_t(nv + 2);
-        for (Plane& plane : planes_) {
-            plane.density.assign(nodes, 0);
-            plane.light.assign(nodes * std::size_t(directions), 1);
-            plane.state.assign(nodes, kernel::clear | kernel::empty);
-        }
-    }
-    int row() const { return row_; }
-    /// After so many planes.
-    kernel::SweepPlanes view(int k) {
-        Plane &before = planes_[(k + 1) & 1], &here = planes_[k & 1];
-        return {before.density.data(),
-                here.density.data(),
-                before.light.data(),
-                here.light.data(),
-                before.state.data(),
-                here.state.data(),
-                row_,
-                directions_};
-    }
-
-private:
-    struct Plane {
-        std::vector<float> density, light;
-        std::vector<std::uint8_t> state;
-    };
-    Plane planes_[2];
-    int row_, directions_;
-};
-
 constexpr std::size_t most_together = 80;
+
+/// pass_batch(pass, axes, batch, tell) of all directions.
+template <class PassBatch>
+void sweep_batches(const SweepPass& pass, const PassBatch& pass_batch, Progress& progress) {
+    std::size_t done = 0;
+    for (const SweepGroup& group : sweep_groups(pass.directions))
+        for (std::size_t first = 0; first < group.directions.size(); first += most_together) {
+            const auto batch =
+                std::span(group.directions).subspan(first, std::min(most_together, group.directions.size() - first));
+            const auto tell = [&](double share) {
+                progress.report("visibility",
+                                (double(done) + share * double(batch.size())) / double(pass.directions.size()));
+                progress.check();
+            };
+            pass_batch(pass, group.axes, batch, tell);
+            done += batch.size();
+        }
+}
+
+CardSweep swept_on_card(const SweepPass& pass, Progress& progress) {
+    CardSweep card(pass.device, pass.density, pass.field.coefficients);
+    const auto on_card = [&](const auto&... of_batch) { card.pass(of_batch...); };
+    sweep_batches(pass, on_card, progress);
+    return card;
+}
 
 }  // namespace
 
@@ -53,7 +45,7 @@ void grid_pass(const SweepPass& pass, const SweepAxes& axes, std::span<const Swe
     const int nu = grid.count[axes.u], nv = grid.count[axes.v], steps = grid.count[axes.major];
     const SweepPacks packs(batch, nu + 2, pass.start);
     const BatchHarmonics harmonics(pass.directions, batch, pass.field.coefficients);
-    Planes planes(nu, nv, packs.lanes());
+    SweepPlanes planes(nu, nv, packs.lanes());
     const auto run = kernel::visibility_functions_for(pass.device.isa).sweep_row;
     for (int k = 0; k < steps; ++k) {
         const std::size_t plane = std::size_t(axes.sign > 0 ? steps - 1 - k : k) * pass.stride(axes.major);
@@ -76,20 +68,30 @@ ShField sweep_visibility(const Device& device, const Density& density, const std
                          int coefficients, double start, SweepLattice lattice, Progress& progress) {
     ShField field(density.grid, coefficients);
     const SweepPass pass{device, density, directions, start, field};
-    std::size_t done = 0;
-    for (const SweepGroup& group : sweep_groups(directions))
-        for (std::size_t first = 0; first < group.directions.size(); first += most_together) {
-            const auto batch =
-                std::span(group.directions).subspan(first, std::min(most_together, group.directions.size() - first));
-            const auto tell = [&](double share) {
-                progress.report("visibility",
-                                (double(done) + share * double(batch.size())) / double(directions.size()));
-                progress.check();
-            };
-            (lattice == SweepLattice::grid ? grid_pass : sheared_pass)(pass, group.axes, batch, tell);
-            done += batch.size();
+    if (lattice == SweepLattice::grid && cuda::works(device)) try {
+            swept_on_card(pass, progress).fetch(field);
+            return field;
+        } catch (const cuda::OutOfMemory& error) {
+            device.stream->give_up(error);
         }
+    sweep_batches(pass, lattice == SweepLattice::grid ? grid_pass : sheared_pass, progress);
     return field;
+}
+
+std::optional<VisibilityNodes> sweep_and_keep_on_card(const Device& device, const Density& density,
+                                                      const std::vector<Vec3>& directions, int coefficients,
+                                                      double start, const VisibilitySettings& settings, Steps& steps,
+                                                      Progress& progress) {
+    if (!cuda::works(device)) return {};
+    try {
+        ShField none(density.grid, coefficients);  // its pages are never touched
+        const SweepPass pass{device, density, directions, start, none};
+        CardSweep card = steps("visibility", [&] { return swept_on_card(pass, progress); });
+        return steps("keep", [&] { return card.keep(settings); });
+    } catch (const cuda::OutOfMemory& error) {
+        device.stream->give_up(error);
+        return {};
+    }
 }
 
 }  // namespace chiaro

@@ -3,8 +3,11 @@
 #include <chiaro/device.h>
 #include <chiaro/lighting.h>
 
+#include <optional>
+
 #include "illumination/steps.h"
 #include "illumination/visibility/density.h"
+#include "illumination/visibility/nodes.h"
 #include "illumination/visibility/sh_field.h"
 
 namespace chiaro {
@@ -21,5 +24,11 @@ inline SweepLattice lattice_of(VisibilityTraversal traversal) {
 /// directions × some 3 ns of one core. Throws Error{interrupted} when cancelled.
 ShField sweep_visibility(const Device& device, const Density& density, const std::vector<Vec3>& directions,
                          int coefficients, double start, SweepLattice lattice, Progress& progress);
+
+/// Swept on the device's card and kept from there, as keep_nodes keeps it; nothing where it has no card that works.
+std::optional<VisibilityNodes> sweep_and_keep_on_card(const Device& device, const Density& density,
+                                                      const std::vector<Vec3>& directions, int coefficients,
+                                                      double start, const VisibilitySettings& settings, Steps& steps,
+                                                      Progress& progress);
 
 }  // namespace chiaro

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/host_array.h"
 #include "illumination/visibility/sweep_kernel.h"
 
 namespace chiaro {
@@ -34,6 +35,10 @@ class BatchHarmonics {
 public:
     /// `lanes` directions are told; those beyond `chosen` weigh nothing.
     BatchHarmonics(const std::vector<Vec3>& all, std::span<const SweepDirection> chosen, int coefficients);
+    void add_to(HostArrays& arrays) const {
+        arrays.add(of_direction_);
+        arrays.add(sum_);
+    }
     kernel::Harmonics view() const { return {of_direction_.data(), sum_.data(), count_, coefficients_}; }
 
 private:
@@ -46,6 +51,8 @@ class SweepPacks {
 public:
     /// V starts `start` node edges from a node (on a cube of that half edge).
     SweepPacks(std::span<const SweepDirection> directions, int row, double start);
+    /// What the packs point into.
+    void add_to(HostArrays& arrays) const { arrays.add(numbers_); }
     const kernel::SweepPack* data() const { return packs_.data(); }
     int lanes() const { return int(packs_.size()) * kernel::SweepPack::width; }
 

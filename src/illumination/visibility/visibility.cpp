@@ -26,6 +26,21 @@ ShField find_visibility(const Device& device, const Density& density, const Visi
     });
 }
 
+namespace {
+
+/// As `settings` are kept, as `found` is found.
+VisibilityNodes nodes_of(const Device& device, const Density& density, const VisibilitySettings& found,
+                         const VisibilitySettings& settings, Steps& steps, Progress& progress) {
+    if (found.traversal == VisibilityTraversal::sweep)
+        if (auto nodes = sweep_and_keep_on_card(device, density, directions_of(found), found.bands * found.bands,
+                                                0.5 / found.subsample, settings, steps, progress))
+            return std::move(*nodes);
+    const ShField field = find_visibility(device, density, found, steps, progress);
+    return steps("keep", [&] { return keep_nodes(device, field, density, settings, progress); });
+}
+
+}  // namespace
+
 void refine_visibility(const Device& device, const Medium::Data& medium, const VisibilitySettings& settings,
                        const std::function<void(VisibilityNodes, bool is_coarse)>& keep, Steps& steps,
                        Progress& progress) {
@@ -37,8 +52,7 @@ void refine_visibility(const Device& device, const Medium::Data& medium, const V
         coarse.subsample = settings.subsample << level;
         coarse.directions = std::max(settings.directions >> level, std::min(settings.directions, 64));
         const Density& density = densities[std::size_t(level)];
-        const ShField field = find_visibility(device, density, coarse, steps, progress);
-        keep(steps("keep", [&] { return keep_nodes(device, field, density, settings, progress); }), level > 0);
+        keep(nodes_of(device, density, coarse, settings, steps, progress), level > 0);
     }
 }
 

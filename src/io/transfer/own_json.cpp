@@ -97,12 +97,18 @@ std::string to_json(const TransferFunction& tf) {
     if (!tf.name.empty()) json["name"] = tf.name;
     json[tf.opacity_unit_is_mm ? "opacity_unit_mm" : "opacity_unit_distance"] = tf.opacity_unit;
     if (tf.rgb_space == RgbSpace::linear) json["rgb_space"] = "linear";
-    json["points"] = nlohmann::ordered_json::array();
+    const auto text_of = [](const nlohmann::ordered_json& part, int indent) {
+        return part.dump(indent, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+    };
+    std::string points;  // a line each
     for (const ControlPoint& point : tf.points) {
-        json["points"].push_back({{"value", point.value}, {"rgb", point.rgb}, {"opacity", point.opacity}});
-        if (!point.name.empty()) json["points"].back()["name"] = point.name;
+        nlohmann::ordered_json one{{"value", point.value}, {"rgb", point.rgb}, {"opacity", point.opacity}};
+        if (!point.name.empty()) one["name"] = point.name;
+        points += (points.empty() ? "\n    " : ",\n    ") + text_of(one, -1);
     }
-    return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+    std::string text = text_of(json, 2);
+    text.resize(text.size() - 2);  // "\n}"
+    return text + ",\n  \"points\": [" + points + "\n  ]\n}";
 }
 
 }  // namespace chiaro

@@ -1,0 +1,111 @@
+// A card: what its memory gives, and frames on it by the clock on the wall, against one pass over the voxels there.
+#include <fmt/format.h>
+
+#include "cuda/stream.h"
+#include "turntable.h"
+
+namespace chiaro::bench {
+namespace {
+
+constexpr const char* no_card = "skipped: no CUDA device (--device cuda)";
+
+Row skipped(const std::string& name, const char* unit, const char* why) { return {name, unit, {}, {}, {}, why}; }
+
+/// Moves `bytes` over and over, waiting at the end; bytes a second / 10⁹.
+double rate(cuda::Stream& stream, std::size_t bytes, const std::function<void()>& move) {
+    constexpr int times = 4;
+    const auto work = [&] {
+        for (int i = 0; i < times; ++i) move();
+        stream.wait();
+    };
+    return 1e-9 * times * double(bytes) / wall_seconds(work);
+}
+
+std::vector<Row> measure_memory(const Setup& setup, const std::vector<std::string>& names) {
+    std::vector<Row> rows;
+    if (!setup.device.has_card()) {
+        for (const auto& name : names) rows.push_back(skipped(name, "GB/s", no_card));
+        return rows;
+    }
+    cuda::Stream& stream = *setup.device.stream;
+    const std::size_t bytes = std::size_t(setup.quick ? 64 : 1024) << 20;
+    const cuda::Array<std::byte> from(stream, bytes), to(stream, bytes);
+    std::byte* landing = stream.landing(bytes);
+    const auto series = in_turns(
+        setup.runs, {[&] { return rate(stream, bytes, [&] { stream.copy(to.data(), from.data(), bytes); }); },
+                     [&] { return rate(stream, bytes, [&] { stream.upload(to.data(), landing, bytes); }); },
+                     [&] { return rate(stream, bytes, [&] { stream.download(landing, to.data(), bytes); }); }});
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        rows.push_back({names[i], "GB/s", spread_of(series[i])});
+        if (i > 0) rows.back().ratio = median_ratio(series[i], series[0]), rows.back().to = names[0];
+    }
+    return rows;
+}
+
+/// A session whose every render is a frame from elsewhere.
+class Turning {
+public:
+    Turning(const Setup& setup, const Scene& scene) : progress_(setup.progress), session_(setup.device), scene_(scene) {
+        session_.show(read_volume(scene, progress_), progress_);
+    }
+    double frame_ms() {
+        scene_.camera.azimuth_deg += 37;
+        return 1e3 * wall_seconds([&] { session_.render(scene_, progress_); });
+    }
+    /// Of the last frame, the ray caster's part, with the frame on its way to the host.
+    double raycast_ms() const {
+        for (const Stage& stage : session_.stages())
+            if (stage.name == "raycast") return 1e3 * stage.seconds;
+        return 0;
+    }
+    std::size_t voxel_bytes() const { return session_.volume().bytes(); }
+
+private:
+    Progress& progress_;
+    Session session_;
+    Scene scene_;
+};
+
+/// Reading the voxels once takes half of what copying them does.
+double pass_ms(const Setup& setup, std::size_t bytes) {
+    cuda::Stream& stream = *setup.device.stream;
+    const cuda::Array<std::byte> from(stream, bytes), to(stream, bytes);
+    return 0.5e-6 * double(bytes) / rate(stream, bytes, [&] { stream.copy(to.data(), from.data(), bytes); });
+}
+
+std::vector<Row> measure_scene(const Setup& setup, const std::vector<std::string>& names, const std::string& scene_name,
+                               Method method) {
+    std::vector<Row> rows;
+    auto scene = find_scene(setup, scene_name);
+    if (!scene || !setup.device.has_card()) {
+        for (const auto& name : names) rows.push_back(skipped(name, "ms", scene ? no_card : no_data));
+        return rows;
+    }
+    scene->illumination.method = method;
+    scene->illumination.reference.rays = 1;
+    Turning turning(setup, *scene);
+    const auto series = in_turns(setup.runs, {[&] { return turning.frame_ms(); }, [&] { return turning.raycast_ms(); },
+                                              [&] { return pass_ms(setup, turning.voxel_bytes()); }});
+    for (int i = 0; i < 2; ++i)
+        rows.push_back(
+            {names[i], "ms", spread_of(series[i]), median_ratio(series[i], series[2]), "a pass over the voxels"});
+    return rows;
+}
+
+void add_scene(const Setup& setup, const std::string& scene, Method method, std::vector<Case>& cases) {
+    const std::string of = fmt::format("{}/{}", scene, method == Method::reference ? "path" : "none");
+    const std::vector<std::string> names{"card/frame/" + of, "card/raycast/" + of};
+    cases.push_back({names, [=, &setup] { return measure_scene(setup, names, scene, method); }});
+}
+
+}  // namespace
+
+std::vector<Case> card_cases(const Setup& setup) {
+    const std::vector<std::string> memory{"card/copy", "card/upload", "card/download"};
+    std::vector<Case> cases{{memory, [=, &setup] { return measure_memory(setup, memory); }}};
+    for (const SceneText& text : scene_texts())
+        for (const Method method : {Method::none, Method::reference}) add_scene(setup, text.name, method, cases);
+    return cases;
+}
+
+}  // namespace chiaro::bench

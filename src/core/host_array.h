@@ -1,0 +1,43 @@
+// What a kernel reads, told apart from how it is read: so that another memory can hold a copy of it.
+#pragma once
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+namespace chiaro {
+
+/// An array in host memory that stays as it is while its owner lives. Without an owner it is one call's own.
+struct HostArray {
+    std::weak_ptr<const void> owner;
+    const void* data = nullptr;
+    std::size_t bytes = 0;
+    bool is_shared = false;  ///< has an owner, alive or not
+};
+
+class HostArrays {
+public:
+    /// A range of anything contiguous (a vector, a VoxelBuffer) that `owner` keeps; without one it is a call's own.
+    template <class Range>
+    void add(const std::weak_ptr<const void>& owner, const Range& range) {
+        if (range.size())
+            arrays_.push_back({owner, range.data(), range.size() * sizeof *range.data(), !owner.expired()});
+    }
+    /// One call's own.
+    template <class Range>
+    void add(const Range& range) {
+        if (range.size()) arrays_.push_back({{}, range.data(), range.size() * sizeof *range.data(), false});
+    }
+    /// The array that holds what is at `pointer`; nullptr: none.
+    const HostArray* holding(const void* pointer) const {
+        for (const HostArray& array : arrays_) {
+            const auto* first = static_cast<const std::byte*>(array.data);
+            if (pointer >= first && pointer < first + array.bytes) return &array;
+        }
+        return nullptr;
+    }
+
+private:
+    std::vector<HostArray> arrays_;
+};
+
+}  // namespace chiaro

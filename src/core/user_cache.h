@@ -1,0 +1,16 @@
+// Where the user's own cache is.
+#pragma once
+#include <cstdlib>
+#include <filesystem>
+
+namespace chiaro {
+
+/// $XDG_CACHE_HOME/chiaro or ~/.cache/chiaro; empty where neither is known.
+inline std::filesystem::path user_cache() {
+    if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache == '/')
+        return std::filesystem::path(cache) / "chiaro";
+    const char* home = std::getenv("HOME");
+    return home && *home ? std::filesystem::path(home) / ".cache" / "chiaro" : std::filesystem::path();
+}
+
+}  // namespace chiaro

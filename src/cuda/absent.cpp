@@ -1,0 +1,29 @@
+// In the place of stream.cpp where there is no nvcc to compile kernels with: there are no cards.
+#include "cuda/stream.h"
+
+namespace chiaro::cuda {
+namespace {
+
+[[noreturn]] void refuse() { throw Error(ErrorCode::internal, "a card is used by a build without CUDA"); }
+
+}  // namespace
+
+std::vector<CardInfo> find_cards(std::string& why) {
+    why = "this build has the processor only";
+    return {};
+}
+
+Stream::Stream(CardInfo, std::shared_ptr<Mirror>, bool) : is_optional_(false) { refuse(); }
+Stream::~Stream() = default;
+void* Stream::allocate(std::size_t) { refuse(); }
+void Stream::release(void*) noexcept {}
+void Stream::release_at_once(int, void*) noexcept {}
+void Stream::upload(void*, const void*, std::size_t) { refuse(); }
+void Stream::download(void*, const void*, std::size_t) { refuse(); }
+void Stream::copy(void*, const void*, std::size_t) { refuse(); }
+void Stream::zero(void*, std::size_t) { refuse(); }
+std::byte* Stream::landing(std::size_t) { refuse(); }
+void Stream::launched() { refuse(); }
+void Stream::wait() { refuse(); }
+
+}  // namespace chiaro::cuda

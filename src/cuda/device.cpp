@@ -1,0 +1,80 @@
+// Devices with a card.
+#include <chiaro/device.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "cuda/mirror.h"
+#include "cuda/stream.h"
+
+namespace chiaro {
+namespace {
+
+constexpr std::size_t least_free_bytes = std::size_t(1) << 30;
+
+Device with_card(const Device& host, const CardInfo& card, bool is_optional) {
+    Device device = host;
+    device.stream = std::make_shared<cuda::Stream>(card, std::make_shared<cuda::Mirror>(card.index), is_optional);
+    return device;
+}
+
+}  // namespace
+
+namespace cuda {
+
+void Stream::give_up(const OutOfMemory& error) {
+    if (!is_optional_) throw error;
+    const std::lock_guard lock(mutex_);
+    given_up_ = std::string(error.what()) + "; the processor does the work";
+}
+
+std::string Stream::given_up() const {
+    const std::lock_guard lock(mutex_);
+    return given_up_;
+}
+
+}  // namespace cuda
+
+std::string Device::name() const { return stream ? fmt::format("cuda:{}", stream->card().index) : "cpu"; }
+
+Device Device::beside() const {
+    Device device = *this;
+    if (stream) device.stream = std::make_shared<cuda::Stream>(stream->card(), stream->mirror(), stream->is_optional());
+    return device;
+}
+
+std::string Device::note() const { return stream ? stream->given_up() : ""; }
+
+Device Device::cuda(int index, const Device& host) {
+    std::string why;
+    const auto cards = cuda::find_cards(why);
+    if (cards.empty()) throw Error(ErrorCode::output, fmt::format("--device cuda: {}", why));
+    const auto card = std::find_if(cards.begin(), cards.end(), [&](const auto& each) { return each.index == index; });
+    if (card == cards.end())
+        throw Error(ErrorCode::output,
+                    fmt::format("--device cuda:{}: there is no such card (0 to {})", index, cards.back().index));
+    return with_card(host, *card, false);
+}
+
+std::vector<CardInfo> list_cards() {
+    std::string why;
+    return cuda::find_cards(why);
+}
+
+DeviceChoice choose_device(const Device& host) {
+    const auto cards = list_cards();
+    if (cards.empty()) return {host, ""};
+    const auto card = std::max_element(cards.begin(), cards.end(),
+                                       [](const auto& a, const auto& b) { return a.free_bytes < b.free_bytes; });
+    const std::string name = fmt::format("cuda:{} ({})", card->index, card->name);
+    if (card->free_bytes < least_free_bytes)
+        return {host, fmt::format("{} has {} MiB free, too few to be chosen by itself: the processor does the work",
+                                  name, card->free_bytes >> 20)};
+    try {
+        return {with_card(host, *card, true), fmt::format("on {}, {} MiB free", name, card->free_bytes >> 20)};
+    } catch (const Error& error) {
+        return {host, fmt::format("{}: the processor does the work", error.what())};
+    }
+}
+
+}  // namespace chiaro

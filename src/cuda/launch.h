@@ -1,0 +1,74 @@
+// From a kernel to threads of a card, for launch*.cu alone. They are compiled by nvcc; by the compiler of the tests for
+// a card that these make believe (CHIARO_CUDA_EMULATED, tests/cuda_emulated); and where there is no nvcc by the
+// compiler of the library, which then makes nothing of the kernels.
+#pragma once
+#include <cstdint>
+
+#include "cuda/stream.h"
+#include "kernel/lanes.h"
+
+#if defined(__CUDACC__)
+#define CHIARO_ON_CARD __device__ __forceinline__
+#define CHIARO_LAUNCH(kernel, grid, block, stream, ...) \
+    kernel<<<grid, block, 0, static_cast<cudaStream_t>((stream).handle())>>>(__VA_ARGS__)
+#elif defined(CHIARO_CUDA_EMULATED)
+#include <cuda_runtime_api.h>
+#define CHIARO_ON_CARD inline
+#define CHIARO_LAUNCH(kernel, grid, block, stream, ...) \
+    cuda_emulated::launch(kernel, grid, block, (stream).handle(), __VA_ARGS__)
+#else
+#define CHIARO_ON_CARD inline
+unsigned long long atomicAdd(unsigned long long* to, unsigned long long more);  // named, never called
+#endif
+
+namespace chiaro::cuda {
+
+#ifdef CHIARO_LAUNCH
+
+template <class Body>
+__global__ void run_items(Body body, std::int64_t count) {
+    const std::int64_t i = std::int64_t(blockIdx.x) * blockDim.x + threadIdx.x;
+    if (i < count) body(i);
+}
+
+template <class Body>
+__global__ void run_pixels(Body body, std::int32_t width, std::int32_t height) {
+    const std::int32_t x = std::int32_t(blockIdx.x * blockDim.x + threadIdx.x);
+    const std::int32_t y = std::int32_t(blockIdx.y * blockDim.y + threadIdx.y);
+    if (x < width && y < height) body(x, y);
+}
+
+/// body(i) for each i of [0, count), a thread each.
+template <class Body>
+void launch_items(Stream& stream, std::int64_t count, const Body& body) {
+    if (count == 0) return;
+    constexpr unsigned threads = 128;
+    const dim3 grid(unsigned((count + threads - 1) / threads)), block(threads);
+    CHIARO_LAUNCH(run_items<Body>, grid, block, stream, body, count);
+    stream.launched();
+}
+
+/// body(x, y) for each pixel, a thread each: a warp is 8 × 4 pixels, whose rays pass the same bricks.
+template <class Body>
+void launch_pixels(Stream& stream, std::int32_t width, std::int32_t height, const Body& body) {
+    if (width == 0 || height == 0) return;
+    constexpr unsigned edge_x = 8, edge_y = 16;
+    const dim3 grid((unsigned(width) + edge_x - 1) / edge_x, (unsigned(height) + edge_y - 1) / edge_y);
+    CHIARO_LAUNCH(run_pixels<Body>, grid, dim3(edge_x, edge_y), stream, body, width, height);
+    stream.launched();
+}
+
+#else
+
+template <class Body>
+void launch_items(Stream& stream, std::int64_t, const Body&) {
+    stream.launched();
+}
+template <class Body>
+void launch_pixels(Stream& stream, std::int32_t, std::int32_t, const Body&) {
+    stream.launched();
+}
+
+#endif
+
+}  // namespace chiaro::cuda

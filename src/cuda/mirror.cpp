@@ -1,0 +1,71 @@
+#include "cuda/mirror.h"
+
+#include <algorithm>
+#include <iterator>
+
+namespace chiaro::cuda {
+namespace {
+
+bool is_same(const HostArray& a, const HostArray& b) {
+    return a.data == b.data && a.bytes == b.bytes && !a.owner.owner_before(b.owner) && !b.owner.owner_before(a.owner);
+}
+
+}  // namespace
+
+Mirror::~Mirror() {
+    for (const Copy& copy : copies_) Stream::release_at_once(card_, copy.memory);
+}
+
+const std::byte* Mirror::of(const HostArray& array, Stream& stream) {
+    const std::lock_guard lock(mutex_);
+    const auto kept =
+        std::find_if(copies_.begin(), copies_.end(), [&](const Copy& copy) { return is_same(copy.of, array); });
+    if (kept != copies_.end()) return kept->memory;
+    let_go_of_orphans(stream);
+    copies_.push_back({array, static_cast<std::byte*>(nullptr)});
+    std::byte*& memory = copies_.back().memory;
+    try {
+        memory = static_cast<std::byte*>(stream.allocate(array.bytes));
+        stream.upload(memory, array.data, array.bytes);
+        stream.wait();  // other streams read it too
+    } catch (...) {
+        if (memory) stream.release(memory);
+        copies_.pop_back();
+        throw;
+    }
+    copied_bytes_ += array.bytes;
+    return memory;
+}
+
+/// Whoever read them has waited for that with their owner in hand.
+void Mirror::let_go_of_orphans(Stream& stream) {
+    std::erase_if(copies_, [&](const Copy& copy) {
+        if (!copy.of.owner.expired()) return false;
+        stream.release(copy.memory);
+        return true;
+    });
+}
+
+std::size_t Mirror::held_bytes() const {
+    const std::lock_guard lock(mutex_);
+    std::size_t bytes = 0;
+    for (const Copy& copy : copies_) bytes += copy.of.bytes;
+    return bytes;
+}
+
+const std::byte* Views::on_card(const void* pointer) {
+    if (!pointer) return nullptr;
+    const HostArray* array = arrays_.holding(pointer);
+    if (!array) throw Error(ErrorCode::internal, "a kernel points into memory that is not told of");
+    const std::ptrdiff_t offset = static_cast<const std::byte*>(pointer) - static_cast<const std::byte*>(array->data);
+    if (array->is_shared) return stream_.mirror()->of(*array, stream_) + offset;
+    auto own = std::find_if(own_.begin(), own_.end(), [&](const Own& each) { return each.of == array; });
+    if (own == own_.end()) {
+        own_.push_back({array, Array<std::byte>(stream_, array->bytes)});
+        own = std::prev(own_.end());
+        stream_.upload(own->memory.data(), array->data, array->bytes);
+    }
+    return own->memory.data() + offset;
+}
+
+}  // namespace chiaro::cuda

@@ -1,0 +1,65 @@
+// What a card keeps of host memory: every array is copied there once, and stays as long as its owner on the host does.
+#pragma once
+#include <atomic>
+#include <mutex>
+#include <vector>
+
+#include "core/host_array.h"
+#include "cuda/stream.h"
+
+namespace chiaro::cuda {
+
+/// The copies that the streams of a card share. Arrays are known by owner and address: an owner's arrays never change,
+/// and the address of one that has gone is not taken for its own (weak pointers tell owners apart for ever).
+class Mirror {
+public:
+    explicit Mirror(int card) : card_(card) {}
+    ~Mirror();
+    Mirror(const Mirror&) = delete;
+    Mirror& operator=(const Mirror&) = delete;
+
+    /// Where the array lies on the card; waits for the copy where there was none.
+    const std::byte* of(const HostArray& array, Stream& stream);
+    std::uint64_t copied_bytes() const { return copied_bytes_; }  ///< so far
+    std::size_t held_bytes() const;
+
+private:
+    struct Copy {
+        HostArray of;
+        std::byte* memory;
+    };
+    void let_go_of_orphans(Stream& stream);
+
+    const int card_;
+    mutable std::mutex mutex_;
+    std::vector<Copy> copies_;
+    std::atomic<std::uint64_t> copied_bytes_{0};
+};
+
+/// One call's kernels: turns their pointers into host arrays into pointers to the card's copies of those.
+class Views {
+public:
+    Views(Stream& stream, HostArrays arrays) : stream_(stream), arrays_(std::move(arrays)) {}
+    Views(const Views&) = delete;
+    Views& operator=(const Views&) = delete;
+
+    /// Null stays null. Throws Error{internal} for a pointer into none of the arrays.
+    template <class T>
+    void swap(const T*& pointer) {
+        pointer = reinterpret_cast<const T*>(on_card(pointer));
+    }
+    void swap(const void*& pointer) { pointer = on_card(pointer); }
+
+private:
+    const std::byte* on_card(const void* pointer);
+
+    struct Own {
+        const HostArray* of;
+        Array<std::byte> memory;
+    };
+    Stream& stream_;
+    const HostArrays arrays_;
+    std::vector<Own> own_;
+};
+
+}  // namespace chiaro::cuda

@@ -1,0 +1,170 @@
+#include "cuda/stream.h"
+
+#include <cuda_runtime_api.h>
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace chiaro::cuda {
+namespace {
+
+constexpr std::size_t kept_bytes = std::size_t(256) << 20;  ///< freed memory that a card holds ready for the next frame
+constexpr int oldest = 75;  ///< compute capability × 10 that the kernels are compiled for
+
+std::string name_of_card(const CardInfo& card) { return fmt::format("cuda:{} ({})", card.index, card.name); }
+
+bool means_lost(cudaError_t error) {
+    switch (error) {
+        case cudaErrorIllegalAddress:
+        case cudaErrorLaunchFailure:
+        case cudaErrorLaunchTimeout:
+        case cudaErrorECCUncorrectable:
+        case cudaErrorHardwareStackError:
+        case cudaErrorIllegalInstruction:
+        case cudaErrorMisalignedAddress:
+        case cudaErrorDevicesUnavailable:
+        case cudaErrorUnknown:
+            return true;
+        default:
+            return false;
+    }
+}
+
+/// `wanted`: bytes, where memory was asked for.
+void check(cudaError_t error, const CardInfo& card, std::size_t wanted = 0) {
+    if (error == cudaSuccess) return;
+    const std::string told = cudaGetErrorString(error);
+    (void)cudaGetLastError();  // else the next call tells it again
+    if (error == cudaErrorMemoryAllocation) {
+        std::size_t free = 0, all = 0;
+        if (cudaMemGetInfo(&free, &all) != cudaSuccess) free = 0, all = card.memory_bytes;
+        throw OutOfMemory(fmt::format("{}: {} MiB more do not fit: {} of {} MiB are free", name_of_card(card),
+                                      (wanted >> 20) + 1, free >> 20, all >> 20));
+    }
+    if (means_lost(error))
+        throw Error(ErrorCode::output,
+                    fmt::format("{} was lost: {}; start again, or use --device cpu", name_of_card(card), told));
+    throw Error(ErrorCode::output, fmt::format("{}: {}", name_of_card(card), told));
+}
+
+cudaStream_t stream_of(void* handle) { return static_cast<cudaStream_t>(handle); }
+
+std::string why_none(cudaError_t error) {
+    int driver = 0, runtime = 0;
+    (void)cudaDriverGetVersion(&driver);
+    (void)cudaRuntimeGetVersion(&runtime);
+    (void)cudaGetLastError();
+    if (driver == 0) return "there is no NVIDIA driver";
+    if (error == cudaErrorInsufficientDriver)
+        return fmt::format("the NVIDIA driver is for CUDA {}.{}, and this build needs {}.{}", driver / 1000,
+                           driver % 1000 / 10, runtime / 1000, runtime % 1000 / 10);
+    if (error == cudaErrorNoDevice || error == cudaSuccess) return "there is no NVIDIA card";
+    return fmt::format("the NVIDIA driver says: {}", cudaGetErrorString(error));
+}
+
+}  // namespace
+
+std::vector<CardInfo> find_cards(std::string& why) {
+    int count = 0;
+    const cudaError_t error = cudaGetDeviceCount(&count);
+    std::vector<CardInfo> cards;
+    if (error != cudaSuccess || count == 0) {
+        why = why_none(error);
+        return cards;
+    }
+    for (int index = 0; index < count; ++index) {
+        cudaDeviceProp properties;
+        CardInfo card{.index = index};
+        if (cudaGetDeviceProperties(&properties, index) != cudaSuccess) continue;
+        card.name = properties.name;
+        if (10 * properties.major + properties.minor < oldest) {
+            why = fmt::format("{} is older than what this build runs on (compute capability {}.{})", name_of_card(card),
+                              oldest / 10, oldest % 10);
+            continue;
+        }
+        if (const cudaError_t failed = cudaSetDevice(index); failed != cudaSuccess) {
+            why = fmt::format("{} cannot be used: {}", name_of_card(card), cudaGetErrorString(failed));
+            (void)cudaGetLastError();
+            continue;
+        }
+        if (cudaMemGetInfo(&card.free_bytes, &card.memory_bytes) == cudaSuccess) cards.push_back(card);
+    }
+    return cards;
+}
+
+Stream::Stream(CardInfo card, std::shared_ptr<Mirror> mirror, bool is_optional)
+    : card_(std::move(card)), mirror_(std::move(mirror)), is_optional_(is_optional) {
+    use();
+    cudaStream_t stream{};
+    check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), card_);
+    handle_ = stream;
+    cudaMemPool_t pool{};
+    check(cudaDeviceGetDefaultMemPool(&pool, card_.index), card_);
+    std::uint64_t keep = kept_bytes;
+    check(cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &keep), card_);
+}
+
+Stream::~Stream() {
+    if (cudaSetDevice(card_.index) != cudaSuccess) return;
+    (void)cudaStreamSynchronize(stream_of(handle_));
+    (void)cudaStreamDestroy(stream_of(handle_));
+    if (landing_) (void)cudaFreeHost(landing_);
+}
+
+/// Which card is meant is each thread's own state.
+void Stream::use() const { check(cudaSetDevice(card_.index), card_); }
+
+void* Stream::allocate(std::size_t bytes) {
+    use();
+    void* memory = nullptr;
+    check(cudaMallocAsync(&memory, bytes, stream_of(handle_)), card_, bytes);
+    return memory;
+}
+
+void Stream::release(void* memory) noexcept {
+    if (cudaSetDevice(card_.index) == cudaSuccess) (void)cudaFreeAsync(memory, stream_of(handle_));
+}
+
+void Stream::release_at_once(int card, void* memory) noexcept {
+    if (cudaSetDevice(card) == cudaSuccess) (void)cudaFree(memory);
+}
+
+void Stream::upload(void* to, const void* from, std::size_t bytes) {
+    use();
+    check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyHostToDevice, stream_of(handle_)), card_);
+}
+
+void Stream::download(void* to, const void* from, std::size_t bytes) {
+    use();
+    check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToHost, stream_of(handle_)), card_);
+}
+
+void Stream::copy(void* to, const void* from, std::size_t bytes) {
+    use();
+    check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToDevice, stream_of(handle_)), card_);
+}
+
+void Stream::zero(void* memory, std::size_t bytes) {
+    use();
+    check(cudaMemsetAsync(memory, 0, bytes, stream_of(handle_)), card_);
+}
+
+std::byte* Stream::landing(std::size_t bytes) {
+    if (bytes <= landing_bytes_) return landing_;
+    use();
+    if (landing_) check(cudaFreeHost(std::exchange(landing_, nullptr)), card_);
+    landing_bytes_ = 0;
+    void* memory = nullptr;
+    check(cudaMallocHost(&memory, bytes), card_, bytes);
+    landing_ = static_cast<std::byte*>(memory), landing_bytes_ = bytes;
+    return landing_;
+}
+
+void Stream::launched() { check(cudaGetLastError(), card_); }
+
+void Stream::wait() {
+    use();
+    check(cudaStreamSynchronize(stream_of(handle_)), card_);
+}
+
+}  // namespace chiaro::cuda

@@ -1,0 +1,95 @@
+// A card of NVIDIA as the host sees it: its memory, copies to and from it, and an order of work. No type of CUDA's is
+// named here, so that everything but stream.cpp and the launch*.cu compiles without it (absent.cpp then says so).
+#pragma once
+#include <chiaro/device.h>
+#include <chiaro/error.h>
+
+#include <mutex>
+#include <utility>
+
+namespace chiaro::cuda {
+
+class Mirror;
+
+/// The card has too little memory for something; the processor could still do it.
+class OutOfMemory : public Error {
+public:
+    explicit OutOfMemory(const std::string& sentence) : Error(ErrorCode::output, sentence) {}
+};
+
+/// The cards, or in `why` the reason why there are none.
+std::vector<CardInfo> find_cards(std::string& why);
+
+/// Work that is done in order, beside the host's, until the host waits for it. Every call may throw Error{output}: what
+/// the driver told (of an earlier call too), OutOfMemory, or that the card was lost.
+class Stream {
+public:
+    /// `mirror`: what the streams of one card keep there in common. `is_optional`: the card was chosen by itself, and
+    /// the processor may take over.
+    Stream(CardInfo card, std::shared_ptr<Mirror> mirror, bool is_optional);
+    ~Stream();
+    Stream(const Stream&) = delete;
+    Stream& operator=(const Stream&) = delete;
+
+    const CardInfo& card() const { return card_; }
+    const std::shared_ptr<Mirror>& mirror() const { return mirror_; }
+    void* handle() const { return handle_; }  ///< a cudaStream_t
+
+    void* allocate(std::size_t bytes);  ///< for what is done later on this stream
+    void release(void* memory) noexcept;
+    void upload(void* to, const void* from, std::size_t bytes);    ///< `from` stays as it is until the host has waited
+    void download(void* to, const void* from, std::size_t bytes);  ///< `to` is there when the host has waited
+    void copy(void* to, const void* from, std::size_t bytes);      ///< on the card
+    void zero(void* memory, std::size_t bytes);
+    /// Page-locked memory of the host that the card writes to at full speed: the same at each call, until it must grow.
+    std::byte* landing(std::size_t bytes);
+    void launched();  ///< tells what went wrong in starting a kernel
+    void wait();
+
+    /// Of any stream's or of none, at any time.
+    static void release_at_once(int card, void* memory) noexcept;
+
+    bool is_optional() const { return is_optional_; }
+    void give_up(const OutOfMemory& error);  ///< throws it again where the card must do the work
+    std::string given_up() const;            ///< why; empty: it has not
+
+private:
+    void use() const;
+
+    const CardInfo card_;
+    const std::shared_ptr<Mirror> mirror_;
+    const bool is_optional_;
+    void* handle_ = nullptr;
+    std::byte* landing_ = nullptr;
+    std::size_t landing_bytes_ = 0;
+    mutable std::mutex mutex_;  ///< of given_up_
+    std::string given_up_;
+};
+
+/// Whether the device has a card that has not given up.
+inline bool works(const Device& device) { return device.stream && device.stream->given_up().empty(); }
+
+/// An owned array on a card, for the work of one stream.
+template <class T>
+class Array {
+public:
+    Array(Stream& stream, std::size_t count)
+        : stream_(&stream), data_(static_cast<T*>(stream.allocate(count * sizeof(T)))), count_(count) {}
+    Array(Array&& other) noexcept
+        : stream_(other.stream_), data_(std::exchange(other.data_, nullptr)), count_(other.count_) {}
+    Array& operator=(Array&&) = delete;
+    ~Array() {
+        if (data_) stream_->release(data_);
+    }
+
+    T* data() const { return data_; }  ///< not for the host to read
+    std::size_t size() const { return count_; }
+    void zero() { stream_->zero(data_, count_ * sizeof(T)); }
+
+private:
+    Stream* stream_;
+    T* data_;
+    std::size_t count_;
+};
+
+}  // namespace chiaro::cuda

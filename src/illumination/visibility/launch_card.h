@@ -1,0 +1,25 @@
+// The kernels of sweeps and nodes as a card has them, compiled by launch_sweep.cu and launch_nodes.cu.
+#pragma once
+#include "cuda/stream.h"
+#include "illumination/visibility/node_kernel.h"
+#include "illumination/visibility/sweep_kernel.h"
+
+namespace chiaro::kernel {
+
+/// A plane of nodes; pointers are the card's.
+struct SweptPlane {
+    std::int32_t nu, nv;
+    std::int64_t stride_u, stride_v;  ///< nodes of the grid
+    const float* density;             ///< of the plane's first node in the grid
+    float* field;                     ///< its coefficients
+    float* scratch;                   ///< [v][u][direction]
+};
+
+/// A thread for each node: within a plane none needs another.
+void sweep_plane(cuda::Stream& stream, const SweepKernel& kernel, const SweptPlane& plane);
+
+void find_opacities(cuda::Stream& stream, const OpacityKernel& kernel, std::int64_t nodes);
+void keep_all_nodes(cuda::Stream& stream, const KeepKernel& kernel);
+void light_all_nodes(cuda::Stream& stream, const LightKernel& kernel, std::int64_t nodes);
+
+}  // namespace chiaro::kernel

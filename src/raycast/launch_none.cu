@@ -1,0 +1,6 @@
+#include "illumination/none/field.h"
+#include "raycast/launch_pixels.h"
+
+namespace chiaro::kernel {
+CHIARO_INSTANTIATE(NoneView)
+}  // namespace chiaro::kernel

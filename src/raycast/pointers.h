@@ -1,0 +1,50 @@
+// Where the pointers of the ray caster's views are: all in which a card's kernel differs from the processor's.
+#pragma once
+#include "illumination/cells/field.h"
+#include "illumination/histogram/field.h"
+#include "illumination/none/field.h"
+#include "illumination/visibility/field.h"
+#include "raycast/kernel.h"
+
+namespace chiaro {
+
+template <class Views>
+void swap_pointers(Views&, kernel::NoneView&) {}
+template <class Views>
+void swap_pointers(Views& views, kernel::AccessView& view) {
+    views.swap(view.cells);
+}
+template <class Views>
+void swap_pointers(Views& views, kernel::VisibilityView& view) {
+    views.swap(view.light.nodes);
+    if (!view.surface.entries) view.harmonics.nodes = nullptr;  // not read
+    views.swap(view.harmonics.nodes);
+    views.swap(view.surface.entries);
+    views.swap(view.scattered.turned);
+}
+template <class Views>
+void swap_pointers(Views& views, kernel::HistogramView& view) {
+    views.swap(view.identifiers);
+    views.swap(view.words);
+    views.swap(view.side);
+    views.swap(view.albedo);
+    views.swap(view.glow_words);
+    views.swap(view.occupancy);
+}
+
+/// But for the frame, which is written.
+template <class Views, class Voxel, class Field>
+void swap_pointers(Views& views, kernel::RaycastKernel<Voxel, Field>& kernel) {
+    views.swap(kernel.matter.volume.voxels);
+    views.swap(kernel.matter.occupancy.cells);
+    views.swap(kernel.matter.table.entries);
+    views.swap(kernel.matter.segments.entries);
+    views.swap(kernel.matter.segments.visible_before);
+    if (kernel.mode != kernel::March::maximum) kernel.maximum.cell_high = nullptr;  // not read
+    views.swap(kernel.maximum.cell_high);
+    views.swap(kernel.bounds.near_mm);
+    views.swap(kernel.bounds.far_mm);
+    swap_pointers(views, kernel.matter.field);
+}
+
+}  // namespace chiaro

@@ -1,0 +1,59 @@
+// Pictures of a card against the processor's.
+#pragma once
+#include <gtest/gtest.h>
+
+#include "cuda/mirror.h"
+#include "fixtures.h"
+#ifdef CHIARO_CUDA_EMULATED
+#include <cuda_runtime_api.h>
+#endif
+
+namespace chiaro::testing {
+
+#ifdef CHIARO_CUDA_EMULATED
+inline constexpr double tolerance = 0;
+#else
+inline constexpr double tolerance = 1e-4;  // square roots and quotients are rounded alike, so usually 0 too
+#endif
+
+/// What a card's threads do too: one pixel at a time.
+inline Device processor() { return Device::cpu(2, Isa::scalar); }
+
+class Cards : public ::testing::Test {
+protected:
+    void SetUp() override {
+        if (list_cards().empty()) GTEST_SKIP() << "skipped: no CUDA device";
+        card = Device::cuda(0, processor());
+    }
+
+#ifdef CHIARO_CUDA_EMULATED
+    void TearDown() override { EXPECT_GT(cuda_emulated::card().launches, launches_) << "the card did nothing"; }
+    const std::size_t launches_ = cuda_emulated::card().launches;
+#endif
+
+    /// The same shot by both; returns the processor's.
+    Frame expect_same(Shot shot, const Volume& volume, const IlluminationSettings& light = {}) {
+        shot.device = processor();
+        const Frame expected = shot.lit(volume, light);
+        shot.device = card;
+        const Difference d = difference(shot.lit(volume, light), expected, tolerance);
+        EXPECT_EQ(d.pixels_beyond, 0) << "by up to " << d.max;
+        EXPECT_GT(mean_alpha(expected), 0.02);
+        return expected;
+    }
+
+    Device card;
+};
+
+template <class Voxel>
+Volume shells_of(int n, double scale = 1) {
+    return sampled<Voxel>({n, n + 3, n - 5}, [&](double x, double y, double z) { return scale * shells(x, y, z, n); });
+}
+
+inline Shot shaded() {
+    Shot shot;
+    shot.lighting.shading = Shading::phong;
+    return shot;
+}
+
+}  // namespace chiaro::testing

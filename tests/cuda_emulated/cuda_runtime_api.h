@@ -1,0 +1,106 @@
+// A card for tests where there is none: the few calls of the CUDA runtime that src/cuda makes, and kernels as plain
+// functions. It is stricter than a card. Work waits in its stream until the host waits for it, so what is read or freed
+// too early is wrong every time; memory of the card cannot be touched outside of kernels and copies, lies between pages
+// that never can be, and a kernel that is handed a pointer of the host ends the test.
+#pragma once
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+
+#define __global__
+#define __device__
+#define __host__
+
+enum cudaError_t {
+    cudaSuccess = 0,
+    cudaErrorInvalidValue = 1,
+    cudaErrorMemoryAllocation = 2,
+    cudaErrorInvalidConfiguration = 9,
+    cudaErrorInsufficientDriver = 35,
+    cudaErrorDevicesUnavailable = 46,
+    cudaErrorNoDevice = 100,
+    cudaErrorInvalidDevice = 101,
+    cudaErrorECCUncorrectable = 214,
+    cudaErrorIllegalAddress = 700,
+    cudaErrorLaunchTimeout = 702,
+    cudaErrorHardwareStackError = 714,
+    cudaErrorIllegalInstruction = 715,
+    cudaErrorMisalignedAddress = 716,
+    cudaErrorLaunchFailure = 719,
+    cudaErrorUnknown = 999
+};
+enum cudaMemcpyKind { cudaMemcpyHostToDevice = 1, cudaMemcpyDeviceToHost = 2, cudaMemcpyDeviceToDevice = 3 };
+enum cudaMemPoolAttr { cudaMemPoolAttrReleaseThreshold = 4 };
+constexpr unsigned cudaStreamNonBlocking = 1;
+struct cudaDeviceProp {
+    char name[256];
+    int major, minor;
+};
+struct dim3 {
+    unsigned x = 1, y = 1, z = 1;
+    explicit dim3(unsigned x, unsigned y = 1, unsigned z = 1) : x(x), y(y), z(z) {}
+    dim3() = default;
+};
+using cudaStream_t = struct EmulatedStream*;
+using cudaMemPool_t = struct EmulatedPool*;
+
+const char* cudaGetErrorString(cudaError_t error);
+cudaError_t cudaGetLastError();
+cudaError_t cudaDriverGetVersion(int* version);
+cudaError_t cudaRuntimeGetVersion(int* version);
+cudaError_t cudaGetDeviceCount(int* count);
+cudaError_t cudaGetDeviceProperties(cudaDeviceProp* properties, int card);
+cudaError_t cudaSetDevice(int card);
+cudaError_t cudaMemGetInfo(std::size_t* free, std::size_t* all);
+cudaError_t cudaDeviceGetDefaultMemPool(cudaMemPool_t* pool, int card);
+cudaError_t cudaMemPoolSetAttribute(cudaMemPool_t pool, cudaMemPoolAttr attribute, void* value);
+cudaError_t cudaStreamCreateWithFlags(cudaStream_t* stream, unsigned flags);
+cudaError_t cudaStreamDestroy(cudaStream_t stream);
+cudaError_t cudaStreamSynchronize(cudaStream_t stream);
+cudaError_t cudaMallocAsync(void** memory, std::size_t bytes, cudaStream_t stream);
+cudaError_t cudaFreeAsync(void* memory, cudaStream_t stream);
+cudaError_t cudaFree(void* memory);
+cudaError_t cudaMallocHost(void** memory, std::size_t bytes);
+cudaError_t cudaFreeHost(void* memory);
+cudaError_t cudaMemcpyAsync(void* to, const void* from, std::size_t bytes, cudaMemcpyKind kind, cudaStream_t stream);
+cudaError_t cudaMemsetAsync(void* memory, int value, std::size_t bytes, cudaStream_t stream);
+
+inline thread_local dim3 blockIdx, threadIdx, blockDim, gridDim;
+
+template <class T>
+T atomicAdd(T* to, T more) {
+    return __atomic_fetch_add(to, more, __ATOMIC_RELAXED);
+}
+
+namespace cuda_emulated {
+
+/// What tests set and see.
+struct Card {
+    int count = 1;
+    std::size_t memory_bytes = std::size_t(4) << 30;
+    int driver_version = 13000;
+    cudaError_t next_wait = cudaSuccess;  ///< told by the next cudaStreamSynchronize: what a kernel did wrong
+    std::size_t held_bytes = 0;           ///< allocated and not yet freed
+    std::size_t uploaded_bytes = 0, launches = 0;
+};
+Card& card();
+
+/// `counts`: 0 for bytes that hold anything.
+void refuse_host_pointers(const void* argument, const unsigned char* counts, std::size_t bytes);
+template <class Argument>
+void refuse_host_pointers_in(const Argument& argument) {
+    alignas(Argument) unsigned char counts[sizeof argument];
+    std::fill_n(counts, sizeof argument, 255);
+    __builtin_clear_padding(reinterpret_cast<Argument*>(counts));
+    refuse_host_pointers(&argument, counts, sizeof argument);
+}
+void start(void* stream, dim3 grid, dim3 block, std::function<void()> thread);
+
+template <class... Parameters, class... Arguments>
+void launch(void (*kernel)(Parameters...), dim3 grid, dim3 block, void* stream, const Arguments&... arguments) {
+    (refuse_host_pointers_in(arguments), ...);
+    start(stream, grid, block, [=] { kernel(arguments...); });
+}
+
+}  // namespace cuda_emulated

@@ -1,0 +1,133 @@
+// What goes wrong with cards, and whether the one of make-believe is one.
+#include <cstring>
+
+#include "bench.h"
+#include "cuda_case.h"
+
+using namespace chiaro;
+using namespace chiaro::testing;
+
+namespace {
+
+std::string error_of(const std::function<void()>& act, ErrorCode code = ErrorCode::output) {
+    try {
+        act();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), code);
+        return error.what();
+    }
+    return "";
+}
+
+/// As it was, once a test has made trouble.
+class TroubledCards : public Cards {
+protected:
+    void TearDown() override {
+        const cuda_emulated::Card whole;
+        cuda_emulated::Card& card = cuda_emulated::card();
+        card.count = whole.count, card.memory_bytes = whole.memory_bytes;
+        card.driver_version = whole.driver_version, card.next_wait = whole.next_wait;
+    }
+};
+
+}  // namespace
+
+TEST_F(TroubledCards, AreNamedInOneSentence) {
+    const auto choose = [] { Device::cuda(0, Device::cpu()); };
+    EXPECT_EQ(error_of([] { Device::cuda(3, Device::cpu()); }), "--device cuda:3: there is no such card (0 to 0)");
+    cuda_emulated::card().driver_version = 12020;
+    EXPECT_EQ(error_of(choose), "--device cuda: the NVIDIA driver is for CUDA 12.2, and this build needs 13.0");
+    EXPECT_TRUE(list_cards().empty());
+    EXPECT_FALSE(choose_device(Device::cpu()).device.has_card());
+    cuda_emulated::card().driver_version = 13000;
+    cuda_emulated::card().count = 0;
+    EXPECT_EQ(error_of(choose), "--device cuda: there is no NVIDIA card");
+    cuda_emulated::card().driver_version = 0;
+    EXPECT_EQ(error_of(choose), "--device cuda: there is no NVIDIA driver");
+}
+
+TEST_F(TroubledCards, AreChosenWhereTheyHaveMemory) {
+    const DeviceChoice choice = choose_device(Device::cpu(2));
+    EXPECT_EQ(choice.device.name(), "cuda:0");
+    EXPECT_EQ(choice.sentence.find("on cuda:0 (Emulated), "), 0u) << choice.sentence;
+    cuda_emulated::card().memory_bytes = std::size_t(700) << 20;
+    const DeviceChoice small = choose_device(Device::cpu(2));
+    EXPECT_EQ(small.device.name(), "cpu");
+    EXPECT_EQ(small.sentence.find("cuda:0 (Emulated) has "), 0u) << small.sentence;
+    EXPECT_NE(small.sentence.find("the processor does the work"), std::string::npos) << small.sentence;
+}
+
+TEST_F(TroubledCards, WithoutRoomGiveWayOnlyWhereTheyWereChosenByThemselves) {
+    const Volume volume = shells_of<std::uint8_t>(40);
+    Shot shot = shaded();
+    const Frame expected = shot(volume);
+    const DeviceChoice choice = choose_device(Device::cpu(2));
+    cuda_emulated::card().memory_bytes = cuda_emulated::card().held_bytes + 100000;
+    shot.device = card;
+    EXPECT_NE(error_of([&] { shot(volume); }).find("MiB more do not fit: 0 of"), std::string::npos);
+    shot.device = choice.device;
+    EXPECT_EQ(difference(shot(volume), expected, 0).pixels_beyond, 0);
+    EXPECT_NE(shot.device.note().find("; the processor does the work"), std::string::npos) << shot.device.note();
+    EXPECT_EQ(choice.device.beside().note(), "");
+}
+
+TEST_F(TroubledCards, ThatAreLostAreTold) {
+    Shot shot = shaded();
+    shot.device = card;
+    const Volume volume = shells_of<std::uint8_t>(40);
+    cuda_emulated::card().next_wait = cudaErrorIllegalAddress;
+    EXPECT_EQ(error_of([&] { shot(volume); }),
+              "cuda:0 (Emulated) was lost: an illegal memory access was encountered; start again, or use --device cpu");
+}
+
+TEST_F(TroubledCards, HoldNothingInTheEnd) {
+    const auto before = cuda_emulated::card().held_bytes;
+    {
+        Shot shot = shaded();
+        shot.device = Device::cuda(0, processor());
+        shot(shells_of<std::uint8_t>(40));
+        EXPECT_GT(cuda_emulated::card().held_bytes, before);
+    }
+    EXPECT_EQ(cuda_emulated::card().held_bytes, before);
+}
+
+TEST_F(Cards, AreTimedByTheBench) {
+    Progress progress;
+    const bench::Setup setup{.device = card, .quick = true, .runs = 2, .progress = progress};
+    std::vector<bench::Row> rows;
+    bench::run(setup, {{"card"}, "copy|upload|download|shells256-opaque.none"},
+               [&](const bench::Row& row) { rows.push_back(row); });
+    ASSERT_EQ(rows.size(), 5u);
+    for (const bench::Row& row : rows) {
+        EXPECT_EQ(row.value.runs, 2) << row.name << row.note;
+        EXPECT_GT(row.value.min, 0) << row.name;
+        EXPECT_EQ(row.ratio.has_value(), row.name != "card/copy") << row.name;
+    }
+}
+
+// The make-believe card must be one: what the tests rely on.
+TEST(EmulatedCardDeathTest, KeepsTheHostOut) {
+    const Device card = Device::cuda(0, Device::cpu(1));
+    cuda::Array<int> numbers(*card.stream, 10);
+    int host[10] = {};
+    EXPECT_DEATH(std::memcpy(host, numbers.data(), 4), "");
+    EXPECT_DEATH(card.stream->upload(numbers.data() + 5, host, sizeof host), "leaves the card's memory");
+    const void* pointer = host;
+    EXPECT_DEATH(cuda_emulated::refuse_host_pointers_in(pointer), "pointer of the host");
+    numbers.zero();
+    card.stream->download(host, numbers.data(), sizeof host);
+    card.stream->wait();
+    EXPECT_EQ(host[9], 0);
+}
+
+TEST(EmulatedCardDeathTest, DoesItsWorkWhenTheHostWaits) {
+    const Device card = Device::cuda(0, Device::cpu(1));
+    const cuda::Array<int> numbers(*card.stream, 1);
+    int sent = 1, back = 0;
+    card.stream->upload(numbers.data(), &sent, sizeof sent);
+    card.stream->download(&back, numbers.data(), sizeof back);
+    sent = 2;  // too early
+    EXPECT_EQ(back, 0);
+    card.stream->wait();
+    EXPECT_EQ(back, 2);
+}

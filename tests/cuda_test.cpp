@@ -1,0 +1,230 @@
+// Pictures of a card against the processor's: on each card there is, and again (cuda_emulated_test) on one of
+// make-believe, where the bits must be the same.
+#include <cstring>
+#include <thread>
+
+#include "cuda_case.h"
+
+using namespace chiaro;
+using namespace chiaro::testing;
+
+TEST_F(Cards, VolumesOfEveryTypeOfVoxel) {
+    expect_same(shaded(), shells_of<std::uint8_t>(70));
+    expect_same(shaded(), shells_of<std::uint16_t>(40));
+    expect_same(shaded(), shells_of<float>(40));
+}
+
+TEST_F(Cards, EveryMode) {
+    const Volume volume = shells_of<std::uint8_t>(40);
+    Shot shot = shaded();
+    shot.shape = {.mode = Mode::iso, .iso = {{.value = 90, .opacity = 0.5}, {.value = 180}}};
+    expect_same(shot, volume);
+    shot.shape = {.mode = Mode::mip};
+    expect_same(shot, volume);
+    shot.shape = {.clip = {.box = std::array{0.0, 0.5, 0.1, 1.0, 0.0, 1.0}, .planes = {{{1, 1, 0}, 40}}}};
+    expect_same(shot, volume);
+}
+
+TEST_F(Cards, EveryWayOfClassifyingAndCompositing) {
+    const Volume volume = shells_of<std::uint8_t>(40);
+    for (const auto classification : {Classification::post, Classification::pre, Classification::preintegrated})
+        for (const auto compositing : {Compositing::front_to_back, Compositing::back_to_front}) {
+            Shot shot = shaded();
+            shot.rays.classification = classification;
+            shot.rays.compositing = compositing;
+            expect_same(shot, volume);
+        }
+}
+
+TEST_F(Cards, SeveralRaysAPixelEarlyEndsNoSkippingRaster) {
+    const Volume volume = shells_of<std::uint8_t>(40);
+    Shot shot = shaded();
+    shot.rays = {.step_voxels = 0.7, .samples_per_pixel = 3, .early_termination = 0.01, .skip_empty = false};
+    expect_same(shot, volume);
+    shot.rays.ray_setup = RaySetup::raster;
+    expect_same(shot, volume);
+    shot.camera.projection = Projection::orthographic;
+    expect_same(shot, volume);
+}
+
+// The reads at a sample of fields are gathers around it: those of the last node too.
+TEST_F(Cards, EveryKindOfLight) {
+    const Volume volume = shells_of<std::uint8_t>(36);
+    const Shot shot = shaded();
+    const Frame plain = expect_same(shot, volume);
+    for (const Method method : {Method::spao, Method::visibility, Method::transport}) {
+        IlluminationSettings light{.method = method};
+        light.visibility.directions = 50;
+        light.transport.grid = 16;
+        for (const auto storage : {ShStorage::u8, ShStorage::f32}) {
+            light.visibility.storage = storage;
+            EXPECT_GT(difference(expect_same(shot, volume, light), plain, 0.01).pixels_beyond, 50);
+        }
+        Shot surfaces = shot;  // visibility by the sample's own normal
+        surfaces.shape = {.mode = Mode::iso, .iso = {{.value = 90}}};
+        expect_same(surfaces, volume, light);
+    }
+}
+
+TEST_F(Cards, SweepVisibilityToTheSameCoefficients) {
+    const Volume volume = shells_of<std::uint8_t>(36);
+    IlluminationSettings light{.method = Method::visibility};
+    Progress progress;
+    const Medium medium = classify(upload(card, volume), two_materials(), {});
+    for (const int bands : {2, 4})
+        for (const int directions : {24, 600}) {  // one batch of each side, and several
+            light.visibility.bands = bands, light.visibility.directions = directions;
+            const ComputedField expected = compute_field(processor(), medium, {}, {}, light, progress);
+            const ComputedField found = compute_field(card, medium, {}, {}, light, progress);
+            const auto a = expected.volume.as<float>(), b = found.volume.as<float>();
+            double worst = 0;
+            for (std::size_t i = 0; i < a.size(); ++i) worst = std::max(worst, std::abs(double(a[i]) - b[i]));
+            EXPECT_LE(worst, tolerance) << bands << " bands, " << directions << " directions";
+        }
+}
+
+TEST_F(Cards, LocalHistogramsThatGlow) {
+    const Volume volume = shells_of<std::uint8_t>(32);
+    IlluminationSettings light{.method = Method::histogram};
+    light.histogram.radius = 4, light.histogram.clusters = 64, light.histogram.cache = "none";
+    for (const std::string glow : {"", "160:255=20"}) {
+        light.histogram.glow = glow;
+        light.histogram.effects.glow = !glow.empty();
+        Progress progress;
+        Frame frames[2] = {Frame(61, 47), Frame(61, 47)};
+        for (const bool on_card : {false, true}) {
+            const Device device = on_card ? card : processor();
+            const DeviceVolume voxels = upload(device, volume);
+            const Medium medium = classify(voxels, two_materials(), {});
+            const Prepared prepared = prepare(voxels, light, progress);
+            IlluminationField field;
+            illuminate(
+                device, medium, prepared, {}, light, [&](IlluminationField f) { field = f; }, progress);
+            const Camera camera = make_camera({}, volume.geometry, volume.dimensions);
+            raycast(device, medium, field, {}, camera, {}, frames[on_card], progress);
+        }
+        EXPECT_EQ(difference(frames[1], frames[0], tolerance).pixels_beyond, 0) << glow;
+        EXPECT_GT(mean_alpha(frames[0]), 0.02);
+    }
+}
+
+TEST_F(Cards, PathsThroughCloudsAndToSurfaces) {
+    const Volume volume = shells_of<std::uint8_t>(32);
+    for (const std::string probe : {"white", "studio"})
+        for (const Mode mode : {Mode::dvr, Mode::iso}) {
+            const Medium medium = classify(upload(card, volume), two_materials(), {.mode = mode, .iso = {{90}}});
+            Lighting lighting{.probe = {.source = probe}, .loaded_probe = load_probe(probe)};
+            IlluminationSettings light{.method = Method::reference};
+            light.reference.rays = 3;
+            const Camera camera = make_camera({}, volume.geometry, volume.dimensions);
+            Progress progress;
+            Frame expected(45, 37), frame(45, 37);
+            const Outcome counted = trace_paths(processor(), medium, lighting, camera, {}, light, expected, progress);
+            const Outcome outcome = trace_paths(card, medium, lighting, camera, {}, light, frame, progress);
+            EXPECT_EQ(difference(frame, expected, tolerance).pixels_beyond, 0) << probe;
+            EXPECT_NEAR(double(outcome.samples), double(counted.samples), tolerance * double(counted.samples));
+            EXPECT_NEAR(outcome.paths.noise, counted.paths.noise, tolerance);
+            EXPECT_GT(mean_alpha(expected), 0.02);
+        }
+}
+
+TEST_F(Cards, LightAtPoints) {
+    const Volume volume = shells_of<std::uint8_t>(32);
+    const Medium medium = classify(upload(card, volume), two_materials(), {});
+    const std::vector<Vec3> points{{16, 16, 16}, {5, 6, 7}, {-3, 12, 30}};
+    IlluminationSettings light{.method = Method::reference};
+    light.reference.rays = 2000;
+    Progress progress;
+    const Fluence expected = trace_fluence(processor(), medium, {}, {0, 0, 1}, points, light, progress);
+    const Fluence found = trace_fluence(card, medium, {}, {0, 0, 1}, points, light, progress);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(found.mean[i][c], expected.mean[i][c], tolerance);
+}
+
+TEST_F(Cards, CountTheSamplesThatTheProcessorCounts) {
+    const Volume volume = shells_of<std::uint8_t>(40);
+    const Medium medium = classify(upload(card, volume), two_materials(), {});
+    const Camera camera = make_camera({}, volume.geometry, volume.dimensions);
+    Progress progress;
+    Frame frame(61, 47);
+    const auto samples = [&](const Device& device) {
+        return raycast(device, medium, {}, {}, camera, {}, frame, progress).samples;
+    };
+    const auto expected = samples(processor());
+    EXPECT_GT(expected, 10000u);
+    EXPECT_NEAR(double(samples(card)), double(expected), tolerance * double(expected));
+}
+
+// A session keeps on the card what its verbs keep on the host: an edit brings its cells, another camera nothing but the
+// table.
+TEST_F(Cards, AreHandedOnlyWhatChanged) {
+    const auto copied = [&] { return card.stream->mirror()->copied_bytes(); };
+    const auto of_mirror = [&](auto&& act) { return act(), copied(); };
+    const Volume volume = shells_of<std::uint8_t>(40);
+    const DeviceVolume voxels = upload(card, volume);
+    Progress progress;
+    Frame frame(61, 47);
+    CameraSettings from;
+    const auto show = [&](const Medium& medium) {
+        raycast(card, medium, {}, {}, make_camera(from, volume.geometry, volume.dimensions), {}, frame, progress);
+    };
+    const Medium medium = classify(voxels, two_materials(), {});
+    const auto first = of_mirror([&] { show(medium); });
+    EXPECT_GT(first, volume.voxels.size());
+    from.azimuth_deg = 80;
+    EXPECT_EQ(of_mirror([&] { show(medium); }), first);
+    const Medium edited = classify(voxels, constant(0.1), {});
+    const auto second = of_mirror([&] { show(edited); });
+    EXPECT_GT(second, first);
+    EXPECT_LT(second - first, volume.voxels.size() / 20);
+    const auto beside = card.beside();
+    raycast(beside, medium, {}, {}, make_camera(from, volume.geometry, volume.dimensions), {}, frame, progress);
+    EXPECT_EQ(copied(), second);  // another stream shares it
+}
+
+TEST_F(Cards, SessionsOfOneVolumeSideBySide) {
+    Scene scene;
+    scene.width = 61, scene.height = 47;
+    scene.illumination.method = Method::spao;
+    scene.transfer.points = two_materials();
+    Progress progress;
+    Session expected(processor()), one(card);
+    expected.show(shells_of<std::uint8_t>(40), progress);
+    one.show(shells_of<std::uint8_t>(40), progress);
+    const Image image = expected.render(scene, progress);
+    EXPECT_EQ(one.render(scene, progress).pixels, image.pixels);
+    EXPECT_EQ(one.outcome().samples, expected.outcome().samples);
+    const auto copied = card.stream->mirror()->copied_bytes();
+    Session two = one.beside();
+    std::thread other([&] {
+        for (int turn = 0; turn < 3; ++turn) EXPECT_EQ(two.render(scene, progress).pixels, image.pixels);
+    });
+    Scene turned = scene;
+    for (int turn = 0; turn < 3; ++turn) {
+        turned.camera.azimuth_deg = 40 * turn;
+        one.render(turned, progress);
+    }
+    other.join();
+    EXPECT_LT(card.stream->mirror()->copied_bytes() - copied,
+              copied / 2);  // the voxels are shared, light is each one's own
+    EXPECT_EQ(one.draft(scene, progress).pixels, image.pixels);
+}
+
+TEST_F(Cards, LetGoOfWhatIsGone) {
+    const auto held = [&] { return card.stream->mirror()->held_bytes(); };
+    Shot shot = shaded();
+    shot.device = card;
+    shot(shells_of<std::uint8_t>(40));
+    const auto small = held();
+    for (int i = 0; i < 3; ++i) shot(shells_of<std::uint8_t>(40));
+    EXPECT_EQ(held(), small);
+}
+
+TEST_F(Cards, StopWhenCancelled) {
+    const Volume volume = shells_of<std::uint8_t>(40);
+    const Medium medium = classify(upload(card, volume), two_materials(), {});
+    Frame frame(1200, 1000);  // more than are done at once
+    Progress progress([&](std::string_view, double) { progress.cancel(); });
+    const Camera camera = make_camera({}, volume.geometry, volume.dimensions);
+    EXPECT_FALSE(raycast(card, medium, {}, {}, camera, {}, frame, progress).complete);
+}
