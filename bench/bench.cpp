@@ -24,6 +24,7 @@ constexpr auto suite_table = std::to_array<Suite>({
     {"transport", "multiple scattering: its sweeps, and an edit's way to light", transport_cases},
     {"visibility-error", "visibility in spherical harmonics against rays: error of every way", visibility_error_cases},
     {"transport-error", "multiple scattering against light's own paths: fluence and pictures", transport_error_cases},
+    {"transport-strip", "the same pictures side by side, written where CHIARO_STRIP_DIR says", transport_strip_cases},
     {"paths", "the path tracer: a frame of one path a pixel, and what majorants by region save", path_cases},
     {"histogram", "local histograms: the paper's table of preprocessing, an edit's table, errors of occlusion",
      histogram_cases},

@@ -56,6 +56,7 @@ std::vector<Case> spao_error_cases(const Setup& setup);
 std::vector<Case> visibility_cases(const Setup& setup);
 std::vector<Case> visibility_error_cases(const Setup& setup);
 std::vector<Case> transport_error_cases(const Setup& setup);
+std::vector<Case> transport_strip_cases(const Setup& setup);
 std::vector<Case> transport_cases(const Setup& setup);
 std::vector<Case> path_cases(const Setup& setup);
 std::vector<Case> histogram_cases(const Setup& setup);

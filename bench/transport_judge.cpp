@@ -194,9 +194,8 @@ Frame TransportJudge::picture(const TransportNodes& nodes) const {
             const double across = ((x + 0.5) / scene.width * 2 - 1) * camera.half_height * scene.width / scene.height,
                          up = (1 - (double(y) + 0.5) / scene.height * 2) * camera.half_height;
             const Vec3 direction = normalized(camera.forward + across * camera.right + up * camera.up);
-            const Rgb light = light_along(*shown, camera.eye, direction);
-            for (std::size_t c = 0; c < 3; ++c)
-                frame.rgba[4 * (std::size_t(y) * scene.width + x) + c] = float(light[c]);
+            const Rgb seen = light_along(*shown, camera.eye, direction);
+            for (std::size_t c = 0; c < 3; ++c) frame.rgba[4 * (std::size_t(y) * scene.width + x) + c] = float(seen[c]);
         }
     });
     return frame;

@@ -36,8 +36,7 @@ Scene scene_from(const SceneSource& source, const SettingFlags& flags, const Com
     if (source.volume.empty() == source.scene.empty())
         throw Error(ErrorCode::usage,
                     fmt::format("give either a VOLUME or --scene FILE; see chiaro {} --help", command));
-    Scene scene;
-    scene.volume = source.volume;
+    Scene scene = scene_of_volume(source.volume);
     if (!source.scene.empty()) {
         std::vector<std::string> unknown;
         scene = read_scene(source.scene, source.data, unknown);

@@ -59,9 +59,7 @@ Json View::open(const Json& request, Progress& progress) {
         return show(loaded->source, progress, loaded->halvings + 1);
     }
     if (!request.contains("scene")) {
-        Scene scene;
-        scene.volume = house_.folders.allowed_volume(text_in(request, "volume"));
-        return show(scene, progress);
+        return show(scene_of_volume(house_.folders.allowed_volume(text_in(request, "volume"))), progress);
     }
     std::vector<std::string> unknown;
     Scene scene = read_scene(house_.folders.allowed(text_in(request, "scene")), house_.data, unknown);

@@ -154,6 +154,14 @@ TEST(Scene, IsCarriedByAPicture) {
     EXPECT_EQ(again.transfer, scene.transfer);
 }
 
+TEST(Scene, ShowsNamesOfMaterialsPreClassified) {
+    EXPECT_EQ(scene_of_volume("sample:cornell").sampling.classification, Classification::pre);
+    EXPECT_EQ(scene_of_volume("sample:cornell:32").volume, "sample:cornell:32");
+    EXPECT_EQ(scene_of_volume("sample:cornell:32").sampling.classification, Classification::pre);
+    EXPECT_EQ(scene_of_volume("sample:fog").sampling.classification, Classification::post);
+    EXPECT_EQ(scene_of_volume("cornell.nrrd").sampling.classification, Classification::post);
+}
+
 TEST(Scene, ChecksWhatItStatesOfTheVolume) {
     Progress progress;
     Scene scene;

@@ -181,6 +181,18 @@ TEST_F(Tool, FlagsWinOverTheScene) {
     EXPECT_FALSE(settings["transfer_function"].contains("opacity_unit_mm"));
 }
 
+TEST_F(Tool, FlagsWinOverWhatSuitsASample) {
+    write("s.json", R"({"volume": {"file": "sample:cornell:16"}})");
+    const auto classification = [&](const std::string& what) {
+        EXPECT_EQ(tool("render --size 16x12 --quiet -o p.png --stats t.json " + what).code, 0) << what;
+        return json("t.json")["settings"]["sampling"]["classification"];
+    };
+    EXPECT_EQ(classification("sample:cornell:16"), "pre");
+    EXPECT_EQ(classification("sample:cornell:16 --classification post"), "post");
+    EXPECT_EQ(classification("--scene s.json"), "post");  // what it meant when it was written
+    EXPECT_EQ(classification("sample:ball:16"), "post");
+}
+
 TEST_F(Tool, EverySettingHasAFlagThatWorks) {
     using namespace chiaro;
     Scene scene = changed_scene();

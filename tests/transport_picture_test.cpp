@@ -102,6 +102,21 @@ TEST(TransportPicture, SurfacesAreLitByTheHalfSpaceTheyFace) {
     }
 }
 
+/// Surfaces that an earlier light found are taken over where matter is the same, and nowhere else.
+TEST(TransportPicture, KeptSurfacesAreThoseOfTheSameMatter) {
+    const std::vector<float> dark{0.01f, 0.02f, 0.1f, 0.1f}, bright{0.3f, 0.2f, 0.6f, 0.8f};
+    const TransportLight before(Device::cpu(), row_of_nodes(dark, {1, 1, 1e-3f, 1e-3f}), 1, {9, 9, 9});
+    before.shown(Look::flat, upright), before.shown(Look::particles, upright);
+    for (const std::vector<float>& weight :
+         {std::vector{1.0f, 1.0f, 1e-3f, 1e-3f}, std::vector{1.0f, 1e-3f, 1e-3f, 1.0f}})
+        for (const Look look : {Look::flat, Look::turned, Look::particles}) {
+            const TransportLight warm(Device::cpu(), row_of_nodes(bright, weight), 1, {9, 9, 9}, &before);
+            const TransportLight cold(Device::cpu(), row_of_nodes(bright, weight), 1, {9, 9, 9});
+            const auto a = warm.shown(look, upright), b = cold.shown(look, upright);
+            for (float x = 0; x <= 3; x += 0.25f) EXPECT_EQ(light_at(*a, x).x, light_at(*b, x).x) << x;
+        }
+}
+
 TEST(TransportPicture, AnOpenFlatSurfaceKeepsItsBrightness) {
     const Volume volume = open_surface();
     Shot shot = from_above();

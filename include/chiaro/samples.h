@@ -12,6 +12,8 @@ namespace chiaro {
 struct SampleInfo {
     std::string name, sentence;
     int default_size;
+    /// Voxels name materials: what lies between two values is neither, and pictures classify before they interpolate.
+    bool names_materials = false;
 };
 std::vector<SampleInfo> list_samples();
 

@@ -52,6 +52,9 @@ struct Scene {
     int width = 1024, height = 768;
 };
 
+/// What a volume is shown with where nothing else is said: samples that name materials (SampleInfo) pre-classified.
+Scene scene_of_volume(const std::string& volume);
+
 /// Throws Error{code} when settings contradict each other.
 void check(const Scene& scene, ErrorCode code);
 

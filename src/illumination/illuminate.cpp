@@ -89,10 +89,12 @@ void scatter(const Device& device, const Medium::Data& medium, const Lighting& l
     const Vec3 up = lighting.probe_up.value_or(Vec3{0, 0, 1});
     const Geometry& geometry = medium.volume.geometry();
     const std::array<float, 3> most = most_on_a_surface(unexposed, up, geometry);
+    std::shared_ptr<const TransportLight> before = warm.data().transport;
     const auto keep = [&](TransportNodes nodes, bool is_coarse) {
         auto data = std::make_shared<IlluminationField::Data>();
         const double edges = nodes.grid.edge_mm / geometry.smallest_spacing_mm();
-        data->transport = std::make_shared<const TransportLight>(device, std::move(nodes), edges, most);
+        data->transport = std::make_shared<const TransportLight>(device, std::move(nodes), edges, most, before.get());
+        if (!before || before->nodes().grid.size() <= data->transport->nodes().grid.size()) before = data->transport;
         data->memory = memory;
         data->albedo_limit = settings.scattering.albedo_limit();
         data->on_particles = settings.on_particles;

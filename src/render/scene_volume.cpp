@@ -1,4 +1,5 @@
 #include <chiaro/error.h>
+#include <chiaro/samples.h>
 #include <chiaro/scene.h>
 #include <chiaro/text.h>
 #include <fmt/format.h>
@@ -16,6 +17,17 @@ void check_against(const StatedVolume& stated, const Volume& volume) {
 }
 
 }  // namespace
+
+Scene scene_of_volume(const std::string& volume) {
+    Scene scene;
+    scene.volume = volume;
+    for (const SampleInfo& sample : list_samples()) {
+        const std::string name = "sample:" + sample.name;
+        if (sample.names_materials && (volume == name || volume.starts_with(name + ":")))
+            scene.sampling.classification = Classification::pre;
+    }
+    return scene;
+}
 
 Volume read_volume(const Scene& scene, Progress& progress) {
     Volume volume = read_volume(scene.volume, scene.read, progress);

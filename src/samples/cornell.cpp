@@ -57,7 +57,8 @@ TransferFunction transfer_function() {
 }  // namespace
 
 Sample cornell_sample() {
-    return {{"cornell", "box with coloured walls, a white box and a blue sphere (Ropinski 2008), open towards -y", 128},
+    return {{"cornell", "box with coloured walls, a white box and a blue sphere (Ropinski 2008), open towards -y", 128,
+             true},
             make,
             transfer_function};
 }

@@ -1,5 +1,6 @@
 #include "illumination/transport/field_memory.h"
 
+#include <chiaro/error.h>
 #include <chiaro/volume.h>
 
 #include <algorithm>
@@ -16,13 +17,23 @@ constexpr std::size_t line = 64, little = 1 << 16, slab_bytes = 16 << 20, most_k
 /// Fields that begin at the same place of a page would take each other's place in the cache.
 std::size_t block_for(std::size_t bytes) { return (bytes + line - 1) / line * line + 5 * line; }
 
+VoxelBuffer room_for(std::size_t bytes) {
+    try {
+        return VoxelBuffer(bytes);
+    } catch (const Error& error) {
+        throw Error(error.code(), "not enough memory for " + std::to_string(bytes >> 20) +
+                                      " MiB more of the grid of light; a smaller --transport-grid needs less");
+    }
+}
+
 /// Blocks of one size.
 struct Slab {
     VoxelBuffer memory;
     std::size_t block, used = 0;
     std::vector<std::byte*> free;
 
-    explicit Slab(std::size_t size) : memory(std::max<std::size_t>(1, slab_bytes / size) * size + line), block(size) {
+    explicit Slab(std::size_t size)
+        : memory(room_for(std::max<std::size_t>(1, slab_bytes / size) * size + line)), block(size) {
         const auto start = reinterpret_cast<std::uintptr_t>(memory.data());
         std::byte* first = memory.data() + (line - start % line) % line;
         for (std::size_t at = (memory.size() - line) / size; at-- > 0;) free.push_back(first + at * size);

@@ -4,9 +4,9 @@
 #include "classify/medium.h"
 #include "core/srgb.h"
 #include "core/threads.h"
+#include "illumination/transport/axis_places.h"
 #include "illumination/transport/skin.h"
 #include "illumination/transport/tints.h"
-#include "volume/device_view.h"
 
 namespace chiaro {
 namespace {
@@ -68,42 +68,38 @@ Density density_of_nodes(const Medium::Data& medium, Blocks blocks, const Device
 template <class Voxel>
 class NodeColours {
 public:
-    NodeColours(const Medium::Data& medium, double albedo_max, const CellGrid& nodes, int edge)
+    NodeColours(const Medium::Data& medium, double albedo_max, const Density& nodes, int edge)
         : cells_(make_cell_grid(medium.volume.data().dimensions, medium.volume.data().geometry)),
           nodes_(nodes),
           edge_(edge),
           stride_(edge >= 4 ? 2 : 1),
-          view_(view_of<Voxel>(medium.volume.data())),
+          places_(view_of<Voxel>(medium.volume.data()), centres_of(cells_)),
           tints_(medium, albedo_max),
           kept_(half_spaces(medium.shape.clip, medium.volume.data().geometry, medium.volume.data().dimensions)) {}
 
-    /// Of a row of nodes.
+    /// Of a row of nodes; nothing where there is no matter.
     void add_row(int y, int z, Tint* sums) const {
+        const float* depths = nodes_.data() + nodes_.grid.index(0, y, z);
         const auto end = [&](int axis, int node) { return std::min((node + 1) * edge_, cells_.count[axis]); };
         for (int k = z * edge_; k < end(2, z); k += stride_)
             for (int j = y * edge_; j < end(1, y); j += stride_)
-                for (int x = 0; x < nodes_.count[0]; ++x)
-                    for (int i = x * edge_; i < end(0, x); i += stride_) add(i, j, k, sums[x]);
+                for (int x = 0; x < nodes_.grid.count[0]; ++x)
+                    for (int i = x * edge_; depths[x] > 0 && i < end(0, x); i += stride_) add(i, j, k, sums[x]);
     }
 
 private:
+    static std::array<std::vector<double>, 3> centres_of(const CellGrid& cells) {
+        std::array<std::vector<double>, 3> centres;
+        for (int axis = 0; axis < 3; ++axis)
+            for (int i = 0; i < cells.count[axis]; ++i)
+                centres[axis].push_back(cells.is_voxel_grid ? i : cells.voxel_of(i, i, i)[axis]);
+        return centres;
+    }
     void add(int x, int y, int z, Tint& sum) const {
-        const Tint& tint = cells_.is_voxel_grid ? tints_.of(float(voxel(x, y, z))) : tints_.of(between(x, y, z));
+        const Tint& tint = tints_.of(cells_.is_voxel_grid ? float(places_.voxel(x, y, z)) : places_.value(x, y, z));
         if (tint.weight == 0 || is_clipped(x, y, z)) return;
         sum.weight += tint.weight;
         for (int c = 0; c < 3; ++c) sum.colour[c] += tint.colour[c];
-    }
-    Voxel voxel(int x, int y, int z) const {
-        const kernel::Vec3<float> p{float(x), float(y), float(z)};
-        const auto v = view_.voxel(p);
-        // The last voxel of an axis lies behind its last interval.
-        return view_.voxels[std::uint32_t(view_.locate(p, v).index) + (x - v.x) + (y - v.y) * brick_row +
-                            (z - v.z) * brick_slice];
-    }
-    float between(int x, int y, int z) const {
-        const Vec3 p = cells_.voxel_of(x, y, z);
-        const auto at = view_.clamp(kernel::Vec3<float>(float(p.x), float(p.y), float(p.z)));
-        return view_.value(view_.locate(at, view_.voxel(at)));
     }
     bool is_clipped(int x, int y, int z) const {
         for (const HalfSpace& half : kept_)
@@ -112,9 +108,9 @@ private:
     }
 
     CellGrid cells_;
-    const CellGrid& nodes_;
+    const Density& nodes_;
     int edge_, stride_;
-    kernel::VolumeView<Voxel> view_;
+    AxisPlaces<Voxel> places_;
     Tints tints_;
     std::vector<HalfSpace> kept_;
 };
@@ -151,15 +147,9 @@ LightGrid light_grid(const Medium::Data& medium, int cells, double albedo_max, c
                      });
         progress.check();
     };
-    const auto holds_matter = [&, nx = nx](int y, int z) {
-        const float* row = out.extinction.data() + grid.index(0, y, z);
-        return std::any_of(row, row + nx, [](float depth) { return depth > 0; });
-    };
     with_stored_voxel(volume, [&](auto voxel) {
-        const NodeColours<decltype(voxel)> colours(medium, albedo_max, grid, blocks.edge());
-        each_row([&](int y, int z) {
-            if (holds_matter(y, z)) colours.add_row(y, z, sums.data() + grid.index(0, y, z));
-        });
+        const NodeColours<decltype(voxel)> colours(medium, albedo_max, out.extinction, blocks.edge());
+        each_row([&](int y, int z) { colours.add_row(y, z, sums.data() + grid.index(0, y, z)); });
     });
     const Tint fallback = Tints(medium, albedo_max).mean();
     each_row([&, nx = nx](int y, int z) {

@@ -5,7 +5,6 @@
 
 #include "core/srgb.h"
 #include "core/threads.h"
-#include "illumination/transport/surface.h"
 
 namespace chiaro {
 namespace {
@@ -17,15 +16,9 @@ constexpr std::size_t spare = 8;  ///< look-ups read two nodes at a time
 
 float dot(const Float3& a, const Float3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-/// J or E at a node, and b, which turns with the sample's normal (ScatteredLight); times a weight.
+/// E at a surface, and b, which turns with the sample's normal (ScatteredLight).
 struct NodeLook {
-    float weight = 0;
     Float3 light{}, b{};
-
-    void add(float share, const NodeLook& other) {
-        weight += share;
-        for (int i = 0; i < 3; ++i) light[i] += share * other.light[i], b[i] += share * other.b[i];
-    }
 };
 
 /// E = J + 2 M · n of each channel for the node's normal; b tells of luminance how that turns with the sample's.
@@ -54,29 +47,77 @@ float answer_at(float mean, float cosine) {
     return 1 / ((1 + s) * (1 + 2 * cosine * s));
 }
 
-NodeLook look_of(const SurfaceNodes& surfaces, const Float3& most, Look look, const std::optional<Vec3>& eye,
-                 std::size_t node, int x, int y, int z) {
-    const LightAround here = surfaces.at(node);
-    const bool as_particles = look == Look::particles;
-    const NodeRoles roles = as_particles ? surfaces.particle_roles(x, y, z) : surfaces.roles(x, y, z);
-    NodeLook seen;
-    if (roles.particles > 0) seen.add(roles.particles, {1, here.j, {}});
-    if (!(roles.air > 0) && !(roles.matter > 0)) return seen;
-    const NodeOutwards out = surfaces.outwards(x, y, z);
-    // Air that shares its cell with matter is as dark as that: there too the light is that one cell out.
-    const float passes = surfaces.shows(node) ? 0 : 1 - surfaces.weight(node), clear = passes * passes;
-    LightAround beside;
-    beside.add(clear, here);
-    beside.add(1 - clear, surfaces.off(out, x, y, z));
-    NodeLook surface = on_surface(beside, out.normal, most, look);
-    if (as_particles) {
-        const Float3 mean = surfaces.answer(x, y, z);
-        const float cosine = eye ? surfaces.cosine_to(*eye, out, x, y, z) : -1;
-        for (int c = 0; c < 3; ++c) surface.light[c] *= cosine < 0 ? mean[c] : answer_at(mean[c], cosine);
+/// |n · v|, v from the node to a place in voxels; -1 where there is no n.
+float cosine_to(Vec3 eye, const CellGrid& grid, const Float3& n, int x, int y, int z) {
+    const Vec3 voxels = eye - grid.voxel_of(x, y, z);
+    double along = 0, square = 0, normal = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double v = voxels[axis] / grid.voxels_per_cell[axis];
+        along += v * n[axis], square += v * v, normal += double(n[axis]) * n[axis];
     }
-    seen.add(roles.air + roles.matter, surface);
+    return normal > 0 && square > 0 ? float(std::min(std::abs(along) / std::sqrt(square), 1.0)) : -1;
+}
+
+/// The share of a node that is a surface.
+NodeLook look_of(const SurfaceNode& surface, const TransportNodes& nodes, const Float3& most, Look look,
+                 const std::optional<Vec3>& eye, int y, int z) {
+    LightAround beside;
+    beside.add(surface.own, light_of(nodes, nodes.grid.index(surface.x, y, z)));
+    beside.add(1 - surface.own, surface.beside.of(nodes));
+    NodeLook seen = on_surface(beside, surface.normal, most, look);
+    if (look != Look::particles) return seen;
+    const float cosine = eye ? cosine_to(*eye, nodes.grid, surface.normal, surface.x, y, z) : -1;
+    for (int c = 0; c < 3; ++c) seen.light[c] *= cosine < 0 ? surface.answer[c] : answer_at(surface.answer[c], cosine);
     return seen;
 }
+
+/// kernel::to_light of a number from 0 to Light16::most, without a branch: the compiler takes several at once.
+inline Light16 rounded(float value) {
+    constexpr float least = 6.103515625e-05f;
+    const std::int32_t bits = kernel::bits_of(std::min(std::max(value, least), Light16::most));
+    const std::int32_t half = (bits + 0xfff + ((bits >> 13) & 1) - (112 << 23)) >> 13;
+    return {std::uint16_t(value < least ? 0 : half)};
+}
+
+/// A row of nodes: J w, w, and b w of those that have surfaces.
+class RowLook {
+public:
+    explicit RowLook(int count) : light_(4 * std::size_t(count)), b_(std::size_t(count)) {}
+
+    void show_particles(const float* weight, const float* j) {
+        std::fill(b_.begin(), b_.end(), Float3{});
+        for (std::size_t x = 0; x < b_.size(); ++x) {
+            for (std::size_t c = 0; c < 3; ++c) light_[4 * x + c] = weight[x] * j[3 * x + c];
+            light_[4 * x + 3] = weight[x];
+        }
+    }
+    void add(const SurfaceNode& surface, const NodeLook& look) {
+        float* light = light_.data() + 4 * std::size_t(surface.x);
+        for (int c = 0; c < 3; ++c) light[c] += surface.weight * look.light[c];
+        light[3] += surface.weight;
+        for (int axis = 0; axis < 3; ++axis) b_[std::size_t(surface.x)][axis] = surface.weight * look.b[axis];
+    }
+    void keep(const float (&scale)[4], Light16* to) const {
+        for (std::size_t i = 0; i < light_.size(); i += 4)
+            for (std::size_t c = 0; c < 4; ++c) to[i + c] = rounded(full * (light_[i + c] / scale[c]));
+    }
+    void keep_turned(const Axes& world_from_grid, Light16* to) const {
+        for (std::size_t x = 0; x < b_.size(); ++x) {
+            const float weight = light_[4 * x + 3];
+            if (b_[x] == Float3{}) {
+                std::fill_n(to + 4 * x, 3, rounded(0.5f * full * weight));
+                continue;
+            }
+            const Vec3 b = turned(world_from_grid, {b_[x][0], b_[x][1], b_[x][2]});
+            for (int axis = 0; axis < 3; ++axis)
+                to[4 * x + axis] = rounded(0.5f * full * (float(b[axis]) / ScatteredLight::most + weight));
+        }
+    }
+
+private:
+    std::vector<float> light_;
+    std::vector<Float3> b_;
+};
 
 VoxelBuffer buffer_for(const CellGrid& grid) { return VoxelBuffer((4 * grid.size() + spare) * sizeof(Light16)); }
 Light16* numbers(VoxelBuffer& buffer) { return reinterpret_cast<Light16*>(buffer.data()); }
@@ -84,21 +125,15 @@ Light16* numbers(VoxelBuffer& buffer) { return reinterpret_cast<Light16*>(buffer
 }  // namespace
 
 TransportLight::TransportLight(const Device& device, TransportNodes nodes, double edges,
-                               const std::array<float, 3>& most)
-    : device_(device), nodes_(std::move(nodes)), most_(most), opacity_(nodes_.weight.size()) {
-    // w = 1 - exp(-κ) of a cell is 1 - exp(-κ / edges) of a voxel's edge: fog in wide cells is no surface.
-    const double power = 1 / edges;
-    const auto work = [&](std::int64_t first, std::int64_t end) {
-        for (auto i = std::size_t(first); i < std::size_t(end); ++i)
-            opacity_[i] = float(1 - std::pow(1 - std::min(double(nodes_.weight[i]), 1.0), power));
-    };
-    parallel_for(device_.threads, std::int64_t(opacity_.size()), 4096, work);
+                               const std::array<float, 3>& most, const TransportLight* before)
+    : device_(device), nodes_(std::move(nodes)), most_(most) {
+    const bool is_known = before && before->maps_->edges() == edges && is_same_matter(before->nodes_, nodes_);
+    maps_ = is_known ? before->maps_ : std::make_shared<SurfaceMaps>(edges);
 }
 
 std::size_t TransportLight::bytes() const {
     const std::lock_guard lock(mutex_);
-    return nodes_.bytes() + opacity_.size() * sizeof(float) +
-           (kept_ ? kept_->light.size() + kept_->turned.size() : std::size_t(0));
+    return nodes_.bytes() + maps_->bytes() + (kept_ ? kept_->light.size() + kept_->turned.size() : std::size_t(0));
 }
 
 std::shared_ptr<const ShownLight> TransportLight::shown(Look look, const Axes& world_from_grid,
@@ -122,26 +157,23 @@ std::shared_ptr<const ShownLight> TransportLight::find(const Asked& asked) const
     // A surface is at most so much brighter than the light around it.
     constexpr float lambert = 1 + 2 * ScatteredLight::most;
     Float3 brightest{1e-30f, 1e-30f, 1e-30f};
-    for (std::size_t i = 0; i < nodes_.light.size(); ++i)
-        brightest[i % 3] = std::max(brightest[i % 3], lambert * nodes_.light[i]);
+    for (std::size_t node = 0; node < grid.size(); ++node)
+        for (int c = 0; c < 3; ++c) brightest[c] = std::max(brightest[c], lambert * nodes_.light[3 * node + c]);
 
-    const SurfaceNodes surfaces(nodes_, opacity_);
-    const auto work = [&, nx = nx, ny = ny](std::int64_t row, std::int64_t) {
-        const int y = int(row % ny), z = int(row / ny);
-        for (int x = 0; x < nx; ++x) {
-            const std::size_t node = grid.index(x, y, z);
-            const NodeLook seen = look_of(surfaces, most_, look, asked.eye, node, x, y, z);
-            Light16* to = numbers(shown->light) + 4 * node;
-            for (int c = 0; c < 3; ++c) to[c] = kernel::to_light(full * (seen.light[c] / brightest[c]));
-            to[3] = kernel::to_light(full * seen.weight);
-            if (look != Look::turned) continue;
-            const Vec3 b = turned(asked.world_from_grid, {seen.b[0], seen.b[1], seen.b[2]});
-            to = numbers(shown->turned) + 4 * node;
-            for (int axis = 0; axis < 3; ++axis)
-                to[axis] = kernel::to_light(0.5f * full * (float(b[axis]) / ScatteredLight::most + seen.weight));
+    const auto map = maps_->of(device_, nodes_, look == Look::particles);
+    const float scale[4] = {brightest[0], brightest[1], brightest[2], 1};
+    const auto work = [&, nx = nx, ny = ny](std::int64_t first, std::int64_t end) {
+        RowLook row(nx);
+        for (std::int64_t r = first; r < end; ++r) {
+            const std::size_t start = std::size_t(r) * nx;
+            row.show_particles(map->particles.data() + start, nodes_.light.data() + 3 * start);
+            for (const SurfaceNode& surface : map->surfaces[std::size_t(r)])
+                row.add(surface, look_of(surface, nodes_, most_, look, asked.eye, int(r % ny), int(r / ny)));
+            row.keep(scale, numbers(shown->light) + 4 * start);
+            if (look == Look::turned) row.keep_turned(asked.world_from_grid, numbers(shown->turned) + 4 * start);
         }
     };
-    parallel_for(device_.threads, std::int64_t(ny) * nz, 1, work);
+    parallel_for(device_.threads, std::int64_t(ny) * nz, 8, work);
     shown->view = {numbers(shown->light), view_of(grid), {brightest[0], brightest[1], brightest[2]}};
     if (look == Look::turned) shown->turned_view = numbers(shown->turned);
     return shown;

@@ -10,6 +10,7 @@
 #include "illumination/sh/rotation.h"
 #include "illumination/transport/field.h"
 #include "illumination/transport/nodes.h"
+#include "illumination/transport/surface_map.h"
 
 namespace chiaro {
 
@@ -30,11 +31,14 @@ struct ShownLight {
 class TransportLight {
 public:
     /// `edges`: of the smallest voxel edge, in the edge of a cell. `most`: what falls on a surface that nothing hides
-    /// from the light; none is brighter. (At grazing directions sweeps let some per cent too much through.)
-    TransportLight(const Device& device, TransportNodes nodes, double edges, const std::array<float, 3>& most);
+    /// from the light; none is brighter. (At grazing directions sweeps let some per cent too much through.) `before`:
+    /// other light, perhaps of the same matter, whose surfaces are then known.
+    TransportLight(const Device& device, TransportNodes nodes, double edges, const std::array<float, 3>& most,
+                   const TransportLight* before = nullptr);
 
     /// `eye`, in voxels: opaque particles send more to where they are seen at grazing angles; none: the mean. The last
-    /// look is kept. The views are valid as long as the result is. Cost: some 20 core-ms for 64³ nodes.
+    /// look is kept. The views are valid as long as the result is. Cost: some 10 core-ms for 64³ nodes, more where the
+    /// surfaces are not known yet.
     std::shared_ptr<const ShownLight> shown(Look look, const Axes& world_from_grid, std::optional<Vec3> eye = {}) const;
     std::size_t bytes() const;
     const TransportNodes& nodes() const { return nodes_; }
@@ -51,8 +55,8 @@ private:
     Device device_;
     TransportNodes nodes_;
     std::array<float, 3> most_;
-    std::vector<float> opacity_;  ///< [node]: of one smallest voxel edge
-    mutable std::mutex mutex_;    ///< of what is kept
+    std::shared_ptr<SurfaceMaps> maps_;
+    mutable std::mutex mutex_;  ///< of what is kept
     mutable std::optional<Asked> of_;
     mutable std::shared_ptr<const ShownLight> kept_;
 };

@@ -5,8 +5,8 @@
 #include "classify/clip.h"
 #include "classify/medium.h"
 #include "core/threads.h"
+#include "illumination/transport/axis_places.h"
 #include "illumination/transport/opaque.h"
-#include "volume/device_view.h"
 
 namespace chiaro {
 namespace {
@@ -21,54 +21,82 @@ struct Fill {
     bool is_thin() const { return share > 0 && share <= 0.5f; }
 };
 
+/// n points of each cell along one axis, voxels.
+std::vector<double> points_of(const CellGrid& nodes, int axis, int n) {
+    std::vector<double> points;
+    for (int cell = 0; cell < nodes.count[axis]; ++cell)
+        for (int i = 0; i < n; ++i) {
+            const double off = (i + 0.5) / n - 0.5;
+            points.push_back(nodes.voxel_of(cell + off, cell + off, cell + off)[axis]);
+        }
+    return points;
+}
+std::array<std::vector<double>, 3> points_of(const CellGrid& nodes, int n) {
+    return {points_of(nodes, 0, n), points_of(nodes, 1, n), points_of(nodes, 2, n)};
+}
+
+/// What hard matter fills of cells, by n points per axis.
+template <class Voxel>
+class HardPoints {
+public:
+    HardPoints(const Medium::Data& medium, const CellGrid& nodes, int n)
+        : n_(n),
+          table_(medium.table),
+          points_(points_of(nodes, n)),
+          places_(view_of<Voxel>(medium.volume.data()), points_),
+          kept_(half_spaces(medium.shape.clip, medium.volume.data().geometry, medium.volume.data().dimensions)) {
+        const float hard = float(1 / medium.volume.data().geometry.smallest_spacing_mm());
+        for (const auto& entry : medium.table.entries) is_hard_.push_back(!(entry.extinction_per_mm < hard));
+        for (int axis = 0; axis < 3; ++axis) last_[axis] = medium.volume.data().dimensions[axis] - 0.5;
+    }
+
+    Fill of_node(int x, int y, int z) const {
+        Fill fill;
+        int count = 0;
+        for (int k = 0; k < n_; ++k)
+            for (int j = 0; j < n_; ++j)
+                for (int i = 0; i < n_; ++i) {
+                    if (!is_hard(x * n_ + i, y * n_ + j, z * n_ + k)) continue;
+                    fill.middle = fill.middle + Vec3{(i + 0.5) / n_ - 0.5, (j + 0.5) / n_ - 0.5, (k + 0.5) / n_ - 0.5};
+                    ++count;
+                }
+        fill.share = float(count) / float(n_ * n_ * n_);
+        return fill;
+    }
+
+private:
+    bool is_hard(int x, int y, int z) const {
+        const Vec3 p{points_[0][x], points_[1][y], points_[2][z]};
+        for (int axis = 0; axis < 3; ++axis)
+            if (p[axis] > last_[axis]) return false;
+        const double index = table_.index_of(places_.value(x, y, z)) + 0.5;
+        if (!is_hard_[std::size_t(std::clamp(index, 0.0, double(is_hard_.size() - 1)))]) return false;
+        return std::none_of(kept_.begin(), kept_.end(), [&](const HalfSpace& h) { return dot(h.normal, p) > h.d; });
+    }
+
+    int n_;
+    const OpticalTable& table_;
+    std::array<std::vector<double>, 3> points_;
+    AxisPlaces<Voxel> places_;
+    std::vector<HalfSpace> kept_;
+    std::vector<std::uint8_t> is_hard_;  ///< entry by entry of the table
+    double last_[3];
+};
+
+/// Two points per axis tell most cells that are full.
 template <class Voxel>
 class HardMatter {
 public:
     HardMatter(const Medium::Data& medium, const CellGrid& nodes)
-        : nodes_(nodes),
-          medium_(medium),
-          view_(view_of<Voxel>(medium.volume.data())),
-          kept_(half_spaces(medium.shape.clip, medium.volume.data().geometry, medium.volume.data().dimensions)),
-          hard_(float(1 / medium.volume.data().geometry.smallest_spacing_mm())) {}
+        : few_(medium, nodes, 2), all_(medium, nodes, samples) {}
 
-    /// Two points per axis tell most cells that are full.
     Fill of_node(int x, int y, int z) const {
-        const Fill rough = sampled(x, y, z, 2);
-        return rough.share > 0.5f ? rough : sampled(x, y, z, samples);
+        const Fill rough = few_.of_node(x, y, z);
+        return rough.share > 0.5f ? rough : all_.of_node(x, y, z);
     }
 
 private:
-    Fill sampled(int x, int y, int z, int n) const {
-        Fill fill;
-        int count = 0;
-        for (int k = 0; k < n; ++k)
-            for (int j = 0; j < n; ++j)
-                for (int i = 0; i < n; ++i) {
-                    const Vec3 off{(i + 0.5) / n - 0.5, (j + 0.5) / n - 0.5, (k + 0.5) / n - 0.5};
-                    if (!is_hard(nodes_.voxel_of(x + off.x, y + off.y, z + off.z))) continue;
-                    fill.middle = fill.middle + off;
-                    ++count;
-                }
-        fill.share = float(count) / float(n * n * n);
-        return fill;
-    }
-    bool is_hard(Vec3 p) const {
-        const auto& n = medium_.volume.data().dimensions;
-        for (int axis = 0; axis < 3; ++axis)
-            if (p[axis] > n[axis] - 0.5) return false;
-        const auto at = view_.clamp(kernel::Vec3<float>(float(p.x), float(p.y), float(p.z)));
-        const auto& entries = medium_.table.entries;
-        const double index = medium_.table.index_of(view_.value(view_.locate(at, view_.voxel(at)))) + 0.5;
-        if (entries[std::size_t(std::clamp(index, 0.0, double(entries.size() - 1)))].extinction_per_mm < hard_)
-            return false;
-        return std::none_of(kept_.begin(), kept_.end(), [&](const HalfSpace& h) { return dot(h.normal, p) > h.d; });
-    }
-
-    const CellGrid& nodes_;
-    const Medium::Data& medium_;
-    kernel::VolumeView<Voxel> view_;
-    std::vector<HalfSpace> kept_;
-    float hard_;
+    HardPoints<Voxel> few_, all_;
 };
 
 /// What there is of a cell and its 26 neighbours, a bit each.
@@ -105,11 +133,21 @@ bool is_one_side(Around clear, Around thin) {
 
 class Skins {
 public:
-    explicit Skins(Density& extinction) : grid_(extinction.grid), depth_(extinction.data()), fills_(grid_.size()) {}
-
-    bool is_opaque(int x, int y, int z) const {
-        return grid_.holds(x, y, z) && depth_[grid_.index(x, y, z)] >= opaque_from;
+    explicit Skins(Density& extinction)
+        : grid_(extinction.grid),
+          row_(grid_.count[0] + 2),
+          slice_(row_ * (grid_.count[1] + 2)),
+          is_opaque_(slice_ * (grid_.count[2] + 2)),
+          fills_(grid_.size()) {
+        const auto [nx, ny, nz] = grid_.count;
+        for (int z = 0; z < nz; ++z)
+            for (int y = 0; y < ny; ++y)
+                for (int x = 0; x < nx; ++x)
+                    is_opaque_[place(x, y, z)] = extinction.data()[grid_.index(x, y, z)] >= opaque_from;
     }
+
+    /// Also of places one outside the grid, which are not.
+    bool is_opaque(int x, int y, int z) const { return is_opaque_[place(x, y, z)] != 0; }
     /// On a surface: in a corner between walls only an edge may lie in the open.
     bool is_asked(int x, int y, int z) const {
         if (!is_opaque(x, y, z)) return false;
@@ -149,8 +187,11 @@ public:
     }
 
 private:
+    std::size_t place(int x, int y, int z) const { return (z + 1) * slice_ + (y + 1) * row_ + x + 1; }
+
     const CellGrid& grid_;
-    const float* depth_;
+    std::size_t row_, slice_;
+    std::vector<std::uint8_t> is_opaque_;  ///< with a halo of one about the grid
     std::vector<Fill> fills_;
 };
 

@@ -60,6 +60,7 @@ struct TransportSolver::State {
     std::array<Colour, 3> moment;          ///< [channel][axis], running mean
     std::vector<Faces> faces, mean_faces;  ///< all the light on the opaque cells' faces; its running mean
     LatticeField emission;
+    std::vector<float> weight;  ///< of each node (nodes.h)
     int iterations = 0;
     double change = std::numeric_limits<double>::infinity();
 
@@ -117,12 +118,15 @@ TransportSolver::State::State(const Device& d, const Medium::Data& medium_data, 
       mean(first.light),
       source_across(colour(medium.lattices.along_y)),
       faces(first.faces),
-      mean_faces(first.faces) {
+      mean_faces(first.faces),
+      weight(grid.extinction.grid.size()) {
     for (int c = 0; c < 3; ++c) {
         albedo[c] = albedo_of(grid, opaque, c, medium.lattices.along_x);
         moment[c] = colour(medium.lattices.along_x);
         for (std::size_t i = 0; i < source[c].size(); ++i) source[c][i] = albedo[c][i] * first.light[c][i];
     }
+    for (std::size_t node = 0; node < weight.size(); ++node)
+        weight[node] = std::max(float(-std::expm1(-grid.extinction.data()[node])), 1e-3f);
     for (int side = 0; side < 6; ++side)
         sums[side] = colour(side < 2 ? medium.lattices.along_y : medium.lattices.along_x);
     opaque.reflect(faces, emission);
@@ -338,14 +342,13 @@ bool TransportSolver::iterate(Progress& progress) {
 TransportNodes TransportSolver::nodes() const {
     const State& s = *state_;
     const CellGrid& grid = s.grid.extinction.grid;
-    TransportNodes out{grid, {}, {}, {}, {}, s.iterations, s.change};
-    out.light.resize(3 * grid.size()), out.weight.resize(grid.size()), out.moment.resize(9 * grid.size());
+    TransportNodes out{grid, {}, s.weight, {}, {}, s.iterations, s.change};
+    out.light.resize(3 * grid.size()), out.moment.resize(9 * grid.size());
     const auto [nx, ny, nz] = grid.count;
     parallel_for(s.device.threads, nz, 1, [&, nx = nx, ny = ny](std::int64_t z, std::int64_t) {
         for (int y = 0; y < ny; ++y)
             for (int x = 0; x < nx; ++x) {
                 const std::size_t node = grid.index(x, y, int(z)), at = s.medium.lattices.along_x.index(x, y, int(z));
-                out.weight[node] = std::max(float(-std::expm1(-s.grid.extinction.data()[node])), 1e-3f);
                 for (int c = 0; c < 3; ++c) {
                     out.light[3 * node + c] = s.mean[c][at];
                     for (int axis = 0; axis < 3; ++axis)

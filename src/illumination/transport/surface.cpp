@@ -3,12 +3,96 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/threads.h"
+
 namespace chiaro {
 namespace {
 
 float square(const Float3& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
 
+/// w = 1 - exp(-κ) of a cell is 1 - exp(-κ / edges) of a voxel's edge: fog in wide cells is no surface.
+std::vector<float> opacity_of(const Device& device, const TransportNodes& nodes, double edges) {
+    std::vector<float> opacity(nodes.weight.size());
+    const double power = 1 / edges;
+    const auto work = [&](std::int64_t first, std::int64_t end) {
+        for (auto i = std::size_t(first); i < std::size_t(end); ++i) {
+            const bool as_before = i > std::size_t(first) && nodes.weight[i] == nodes.weight[i - 1];
+            opacity[i] =
+                as_before ? opacity[i - 1] : float(1 - std::pow(1 - std::min(double(nodes.weight[i]), 1.0), power));
+        }
+    };
+    parallel_for(device.threads, std::int64_t(opacity.size()), 4096, work);
+    return opacity;
+}
+
+/// Of each number and the two beside it.
+template <class Choose>
+void slide(const float* values, int count, const Choose& choose, float* to) {
+    for (int x = 0; x < count; ++x) {
+        const float before = x > 0 ? values[x - 1] : 0, after = x + 1 < count ? values[x + 1] : 0;
+        to[x] = choose(choose(before, values[x]), after);
+    }
+}
+
+template <class Choose>
+std::vector<float> slid(const Device& device, const CellGrid& grid, const std::vector<float>& values,
+                        const Choose& choose) {
+    const auto [nx, ny, nz] = grid.count;
+    const std::vector<float> outside(std::size_t(nx), 0.0f);
+    const auto over = [&, nx = nx](const std::vector<float>& from, const std::array<int, 3>& step) {
+        std::vector<float> to(from.size());
+        const auto row_at = [&](int y, int z) {
+            return grid.holds(0, y, z) ? from.data() + grid.index(0, y, z) : outside.data();
+        };
+        parallel_for(device.threads, grid.count[2], 1, [&](std::int64_t plane, std::int64_t) {
+            const int z = int(plane);
+            for (int y = 0; y < grid.count[1]; ++y) {
+                const float *before = row_at(y - step[1], z - step[2]), *here = row_at(y, z),
+                            *after = row_at(y + step[1], z + step[2]);
+                float* row = to.data() + grid.index(0, y, z);
+                if (step[0])
+                    slide(here, nx, choose, row);
+                else
+                    for (int x = 0; x < nx; ++x) row[x] = choose(choose(before[x], here[x]), after[x]);
+            }
+        });
+        return to;
+    };
+    return over(over(over(values, {1, 0, 0}), {0, 1, 0}), {0, 0, 1});
+}
+
 }  // namespace
+
+Extremes extremes_around(const Device& device, const CellGrid& grid, const std::vector<float>& values) {
+    return {slid(device, grid, values, [](float a, float b) { return std::max(a, b); }),
+            slid(device, grid, values, [](float a, float b) { return std::min(a, b); })};
+}
+
+SurfaceNodes::SurfaceNodes(const Device& device, const TransportNodes& nodes, double edges, bool as_particles)
+    : nodes_(nodes), opacity_(opacity_of(device, nodes, edges)) {
+    if (!as_particles) alphas_ = extremes_around(device, nodes.grid, opacity_);
+    if (!as_particles || nodes.answer.empty()) return;
+    std::vector<float> shown(opacity_.size());
+    for (std::size_t node = 0; node < shown.size(); ++node) shown[node] = nodes.answer[3 * node];
+    answers_ = slid(device, nodes.grid, shown, [](float a, float b) { return std::max(a, b); });
+}
+
+LightAround light_of(const TransportNodes& nodes, std::size_t node) {
+    LightAround light;
+    for (int c = 0; c < 3; ++c) {
+        light.j[c] = nodes.light[3 * node + c];
+        for (int axis = 0; axis < 3; ++axis) light.moment[c][axis] = nodes.moment[9 * node + 3 * c + axis];
+    }
+    return light;
+}
+
+LightAround LightBeside::of(const TransportNodes& light) const {
+    LightAround total, mean;
+    for (int i = 0; i < 8; ++i)
+        if (weights[i] > 0) total.add(weights[i], light_of(light, nodes[i]));
+    mean.add(1 / sum, total);
+    return mean;
+}
 
 float SurfaceNodes::alpha(int x, int y, int z) const {
     return nodes_.grid.holds(x, y, z) ? opacity_[nodes_.grid.index(x, y, z)] : 0;
@@ -36,15 +120,9 @@ NodeOutwards SurfaceNodes::outwards(int x, int y, int z) const {
 /// the air weigh as what they let through, those of the matter nearly nothing (in a corner they face another room).
 NodeRoles SurfaceNodes::roles(int x, int y, int z) const {
     constexpr float least = 1e-3f;
-    const float here = alpha(x, y, z);
-    float densest = here, clearest = here;
-    for (int k = -1; k <= 1; ++k)
-        for (int j = -1; j <= 1; ++j)
-            for (int i = -1; i <= 1; ++i) {
-                const float there = alpha(x + i, y + j, z + k);
-                densest = std::max(densest, there), clearest = std::min(clearest, there);
-            }
-    const float weight = nodes_.weight[nodes_.grid.index(x, y, z)];
+    const std::size_t node = nodes_.grid.index(x, y, z);
+    const float here = opacity_[node], densest = alphas_.most[node], clearest = alphas_.least[node];
+    const float weight = nodes_.weight[node];
     const float outside = std::min(4 * (densest - here), 1.0f), inside = std::min(4 * (here - clearest), 1.0f);
     // Behind a surface opaque matter is dark and counts for less still: what is seen of it lies at its skin.
     const float seen = std::max(1 - 2 * here, 0.0f), buried = least * least;
@@ -66,11 +144,7 @@ NodeRoles SurfaceNodes::particle_roles(int x, int y, int z) const {
     if (nodes_.answer.empty()) return {weight, 0, 0};
     const bool shows_surface = shows(node);
     if (weight >= opaque_weight && !shows_surface) return {least * least, 0, 0};
-    if (is_air(x, y, z)) {
-        const Float3 beside = answer(x, y, z);
-        const bool is_lit = beside[0] > 0 || beside[1] > 0 || beside[2] > 0;
-        return is_lit ? NodeRoles{0, 1, 0} : NodeRoles{weight, 0, 0};
-    }
+    if (is_air(x, y, z)) return answers_[node] > 0 ? NodeRoles{0, 1, 0} : NodeRoles{weight, 0, 0};
     if (!shows_surface) return {weight, 0, 0};
     const bool has_air = is_air(x - 1, y, z) || is_air(x + 1, y, z) || is_air(x, y - 1, z) || is_air(x, y + 1, z) ||
                          is_air(x, y, z - 1) || is_air(x, y, z + 1);
@@ -93,27 +167,7 @@ Float3 SurfaceNodes::answer(int x, int y, int z) const {
     return sum;
 }
 
-float SurfaceNodes::cosine_to(Vec3 eye, const NodeOutwards& outwards, int x, int y, int z) const {
-    const CellGrid& grid = nodes_.grid;
-    const Vec3 voxels = eye - grid.voxel_of(x, y, z);
-    double along = 0, square = 0, normal = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-        const double v = voxels[axis] / grid.voxels_per_cell[axis], n = outwards.normal[axis];
-        along += v * n, square += v * v, normal += n * n;
-    }
-    return normal > 0 && square > 0 ? float(std::min(std::abs(along) / std::sqrt(square), 1.0)) : -1;
-}
-
-LightAround SurfaceNodes::at(std::size_t node) const {
-    LightAround light;
-    for (int c = 0; c < 3; ++c) {
-        light.j[c] = nodes_.light[3 * node + c];
-        for (int axis = 0; axis < 3; ++axis) light.moment[c][axis] = nodes_.moment[9 * node + 3 * c + axis];
-    }
-    return light;
-}
-
-LightAround SurfaceNodes::off(const NodeOutwards& outwards, int x, int y, int z) const {
+LightBeside SurfaceNodes::off(const NodeOutwards& outwards, int x, int y, int z) const {
     const std::array<int, 3> here{x, y, z};
     std::array<int, 3> low, high;
     Float3 t;
@@ -123,8 +177,7 @@ LightAround SurfaceNodes::off(const NodeOutwards& outwards, int x, int y, int z)
         low[axis] = std::clamp(int(whole), 0, nodes_.grid.count[axis] - 1);
         high[axis] = std::clamp(int(whole) + 1, 0, nodes_.grid.count[axis] - 1);
     }
-    LightAround sum;
-    float weights = 0;
+    LightBeside beside;
     for (int corner = 0; corner < 8; ++corner) {
         std::array<int, 3> place;
         float weight = 1;
@@ -136,12 +189,10 @@ LightAround SurfaceNodes::off(const NodeOutwards& outwards, int x, int y, int z)
         if (!(weight > 0)) continue;
         const std::size_t node = nodes_.grid.index(place[0], place[1], place[2]);
         weight *= 1.001f - nodes_.weight[node];
-        sum.add(weight, at(node));
-        weights += weight;
+        beside.nodes[corner] = std::uint32_t(node), beside.weights[corner] = weight;
+        beside.sum += weight;
     }
-    LightAround mean;
-    mean.add(1 / weights, sum);
-    return mean;
+    return beside;
 }
 
 }  // namespace chiaro

@@ -1,5 +1,7 @@
 // What a node looks like from outside where it is a surface: the light one cell out, and where that comes from.
 #pragma once
+#include <chiaro/device.h>
+
 #include <array>
 
 #include "illumination/cells/kernel.h"
@@ -35,9 +37,28 @@ struct NodeRoles {
     float particles, air, matter;
 };
 
+/// J and its first moment at a node.
+LightAround light_of(const TransportNodes& nodes, std::size_t node);
+
+/// The light beside a surface: a mean over nodes, each by what it lets through.
+struct LightBeside {
+    std::array<std::uint32_t, 8> nodes{};
+    std::array<float, 8> weights{};
+    float sum = 0;
+
+    LightAround of(const TransportNodes& light) const;
+};
+
+/// The largest and smallest of each node and its 26 neighbours; 0 outside.
+struct Extremes {
+    std::vector<float> most, least;
+};
+Extremes extremes_around(const Device& device, const CellGrid& grid, const std::vector<float>& values);
+
 class SurfaceNodes {
 public:
-    SurfaceNodes(const TransportNodes& nodes, const std::vector<float>& opacity) : nodes_(nodes), opacity_(opacity) {}
+    /// `edges`: of the smallest voxel edge, in the edge of a cell.
+    SurfaceNodes(const Device& device, const TransportNodes& nodes, double edges, bool as_particles);
 
     NodeRoles roles(int x, int y, int z) const;
     /// n = -(α(i + 1) - α(i - 1)) per axis, α of a voxel's edge. Within matter also over twice the distance, as
@@ -47,14 +68,11 @@ public:
     NodeRoles particle_roles(int x, int y, int z) const;
     /// R(a) / a of the surfaces at a node and around it.
     Float3 answer(int x, int y, int z) const;
-    /// |n · v|, v from the node to a place in voxels; -1 where there is no n.
-    float cosine_to(Vec3 eye, const NodeOutwards& outwards, int x, int y, int z) const;
-    LightAround at(std::size_t node) const;
     /// Whether a surface passes through the node, as far as light knows.
     bool shows(std::size_t node) const { return !nodes_.answer.empty() && nodes_.answer[3 * node] > 0; }
     float weight(std::size_t node) const { return nodes_.weight[node]; }
     /// Trilinear, each node by what it lets through: the light in the air beside matter, not that within.
-    LightAround off(const NodeOutwards& outwards, int x, int y, int z) const;
+    LightBeside off(const NodeOutwards& outwards, int x, int y, int z) const;
 
 private:
     Float3 step_down(int x, int y, int z, int distance) const;
@@ -63,7 +81,9 @@ private:
     bool is_air(int x, int y, int z) const;
 
     const TransportNodes& nodes_;
-    const std::vector<float>& opacity_;
+    std::vector<float> opacity_;  ///< [node]: of a smallest voxel edge
+    Extremes alphas_;             ///< of opacity; not for particles
+    std::vector<float> answers_;  ///< for particles: above 0 where a surface is near
 };
 
 }  // namespace chiaro

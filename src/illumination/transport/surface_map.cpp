@@ -1,0 +1,65 @@
+#include "illumination/transport/surface_map.h"
+
+#include "core/threads.h"
+
+namespace chiaro {
+namespace {
+
+SurfaceNode surface_at(const SurfaceNodes& surfaces, std::size_t node, float weight, bool as_particles, int x, int y,
+                       int z) {
+    const NodeOutwards out = surfaces.outwards(x, y, z);
+    // Air that shares its cell with matter is as dark as that: there too the light is that one cell out.
+    const float passes = surfaces.shows(node) ? 0 : 1 - surfaces.weight(node);
+    return {x,
+            weight,
+            passes * passes,
+            out.normal,
+            as_particles ? surfaces.answer(x, y, z) : Float3{},
+            surfaces.off(out, x, y, z)};
+}
+
+}  // namespace
+
+std::size_t SurfaceMap::bytes() const {
+    std::size_t bytes = particles.size() * sizeof(float);
+    for (const auto& row : surfaces) bytes += row.capacity() * sizeof(SurfaceNode);
+    return bytes;
+}
+
+std::shared_ptr<const SurfaceMap> SurfaceMaps::of(const Device& device, const TransportNodes& nodes,
+                                                  bool as_particles) {
+    const std::lock_guard lock(mutex_);
+    auto& kept = maps_[as_particles];
+    if (kept) return kept;
+    const auto [nx, ny, nz] = nodes.grid.count;
+    const SurfaceNodes surfaces(device, nodes, edges_, as_particles);
+    auto map = std::make_shared<SurfaceMap>();
+    map->particles.resize(nodes.grid.size());
+    map->surfaces.resize(std::size_t(ny) * nz);
+    parallel_for(device.threads, std::int64_t(ny) * nz, 1, [&, nx = nx, ny = ny](std::int64_t row, std::int64_t) {
+        const int y = int(row % ny), z = int(row / ny);
+        for (int x = 0; x < nx; ++x) {
+            const std::size_t node = nodes.grid.index(x, y, z);
+            const NodeRoles roles = as_particles ? surfaces.particle_roles(x, y, z) : surfaces.roles(x, y, z);
+            map->particles[node] = roles.particles;
+            if (!(roles.air > 0) && !(roles.matter > 0)) continue;
+            map->surfaces[std::size_t(row)].push_back(
+                surface_at(surfaces, node, roles.air + roles.matter, as_particles, x, y, z));
+        }
+    });
+    return kept = map;
+}
+
+std::size_t SurfaceMaps::bytes() const {
+    const std::lock_guard lock(mutex_);
+    std::size_t bytes = 0;
+    for (const auto& map : maps_) bytes += map ? map->bytes() : 0;
+    return bytes;
+}
+
+bool is_same_matter(const TransportNodes& a, const TransportNodes& b) {
+    return a.grid.count == b.grid.count && a.grid.voxels_per_cell == b.grid.voxels_per_cell && a.weight == b.weight &&
+           a.answer == b.answer;
+}
+
+}  // namespace chiaro
