@@ -42,12 +42,6 @@ Source narrow_source(int width, int height, int x, int y, Rgb rgb = {1, 1, 1}) {
     return source;
 }
 
-double mean_luminance(const Probe& probe) {
-    double luminance = 0;
-    for (int c = 0; c < 3; ++c) luminance += luminance_weights[c] * probe.data().sh[c][0] / std::sqrt(4 * pi);
-    return luminance;
-}
-
 Lighting lit_by(Probe probe, double rotation = 0, double stops = 0) {
     Lighting lighting;
     lighting.loaded_probe = std::move(probe);
