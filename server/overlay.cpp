@@ -30,21 +30,32 @@ std::vector<std::byte> decode_base64(std::string_view text) {
     return bytes;
 }
 
+/// Four bytes of a PNG's header: its width stands at 16, its height at 20.
+std::int64_t number_at(const std::vector<std::byte>& bytes, std::size_t at) {
+    if (bytes.size() < at + 4) throw Error(ErrorCode::usage, "overlays: png holds no PNG file");
+    std::int64_t number = 0;
+    for (std::size_t i = at; i < at + 4; ++i) number = number << 8 | std::int64_t(bytes[i]);
+    return number;
+}
+
 Overlay overlay_of(const Json& json, int width, int height) {
     const auto at = json.is_object() ? json.find("at") : json.end();
     if (!json.is_object() || at == json.end() || !at->is_array() || at->size() != 2 || !(*at)[0].is_number_integer() ||
         !(*at)[1].is_number_integer())
         throw Error(ErrorCode::usage, "overlays: each must have \"at\": [x, y] and \"png\"");
+    const std::vector<std::byte> bytes = decode_base64(text_in(json, "png"));
+    // Before pixels are made room for: a small file may hold many.
+    const std::int64_t wide = number_at(bytes, 16), high = number_at(bytes, 20);
+    const std::int64_t x = (*at)[0].get<std::int64_t>(), y = (*at)[1].get<std::int64_t>();
+    if (x < 0 || y < 0 || x > width - wide || y > height - high)
+        throw Error(ErrorCode::usage, fmt::format("overlays: {} x {} at {}, {} does not lie within {} x {}", wide, high,
+                                                  x, y, width, height));
     Image image;
     try {
-        image = decode_png(decode_base64(text_in(json, "png")), "overlays").image;
+        image = decode_png(bytes, "overlays").image;
     } catch (const Error& error) {
         throw Error(ErrorCode::usage, error.what());
     }
-    const std::int64_t x = (*at)[0].get<std::int64_t>(), y = (*at)[1].get<std::int64_t>();
-    if (x < 0 || y < 0 || x > width - image.width || y > height - image.height)
-        throw Error(ErrorCode::usage, fmt::format("overlays: {} x {} at {}, {} does not lie within {} x {}",
-                                                  image.width, image.height, x, y, width, height));
     return {int(x), int(y), std::move(image)};
 }
 
