@@ -26,7 +26,7 @@ list(FILTER CHIARO_CUDA_LAUNCHERS INCLUDE REGEX "/src/(raycast|pathtrace)/|/visi
 # As C++, with the flags that give the same bits as the scalar kernels.
 function(chiaro_cuda_as_cpp)
   set_source_files_properties(${CHIARO_CUDA_LAUNCHERS} PROPERTIES LANGUAGE CXX COMPILE_OPTIONS
-                              "-x;c++;${CHIARO_FLAGS_scalar};-ffp-contract=off;-fno-math-errno;-fno-trapping-math;-Wno-unknown-pragmas;-Wno-maybe-uninitialized")
+                              "-x;c++;${CHIARO_FLAGS_scalar};-ffp-contract=off;-fno-math-errno;-fno-trapping-math;-Wno-unknown-pragmas;-Wno-maybe-uninitialized;-O1")
 endfunction()
 
 function(chiaro_add_cuda target)
