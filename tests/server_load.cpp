@@ -17,6 +17,7 @@ using chiaro::testing::http;
 using chiaro::testing::Json;
 using chiaro::testing::Message;
 using chiaro::testing::Page;
+using chiaro::testing::red_half_clear_png;
 using Clock = std::chrono::steady_clock;
 
 namespace {
@@ -147,11 +148,6 @@ int latency(int port, const std::string& token, double seconds, int process) {
     return 0;
 }
 
-/// As a page draws it over a picture that it saves.
-constexpr const char* two_pixels_png =
-    "iVBORw0KGgoAAAANSUhEUgAAAAIAAAABCAYAAAD0In+KAAAAD0lEQVR4nGP4"
-    "z8DwH4gbABF4A35MCyl3AAAAAElFTkSuQmCC";
-
 /// Random things that pages and others say.
 class Soak {
 public:
@@ -233,7 +229,7 @@ private:
                         {"scene", scene},
                         {"size", {pick(0, 300), pick(1, 200)}},
                         {"format", pick(0, 3) ? "png" : "exr"},
-                        {"overlays", Json::array({{{"at", {pick(-1, 50), 0}}, {"png", garbled(two_pixels_png)}}})}};
+                        {"overlays", Json::array({{{"at", {pick(-1, 50), 0}}, {"png", garbled(red_half_clear_png)}}})}};
             case 3:
                 return {{"type", "command"}, {"scene", scene}};
             case 4:

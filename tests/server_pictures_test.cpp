@@ -8,11 +8,6 @@ using namespace chiaro::testing;
 
 namespace {
 
-/// Two pixels: red, and red of which 128/255 covers.
-constexpr const char* red_half_clear_png =
-    "iVBORw0KGgoAAAANSUhEUgAAAAIAAAABCAYAAAD0In+KAAAAD0lEQVR4nGP4"
-    "z8DwH4gbABF4A35MCyl3AAAAAElFTkSuQmCC";
-
 /// What a page's scene is without a server: the same volume and size in a session of its own.
 struct Here {
     Here(const Json& shown, const char* volume, int width, int height) {

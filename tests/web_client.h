@@ -89,6 +89,11 @@ struct Answer {
     std::string head, body;
 };
 
+/// What a page may draw over a picture that it saves: two pixels, red, and red of which 128/255 covers.
+inline constexpr const char* red_half_clear_png =
+    "iVBORw0KGgoAAAANSUhEUgAAAAIAAAABCAYAAAD0In+KAAAAD0lEQVR4nGP4"
+    "z8DwH4gbABF4A35MCyl3AAAAAElFTkSuQmCC";
+
 /// One request by HTTP. `host` replaces the right one where given.
 inline Answer http(int port, const std::string& method, const std::string& target, const std::string& fields = "",
                    const std::string& body = "", const std::string& host = "") {

@@ -8,6 +8,30 @@ const executablePath = [process.env.CHROMIUM, "/usr/bin/chromium", "/usr/bin/chr
 
 export const launch = () => chromium.launch({ executablePath, args: ["--no-sandbox"] });
 
+/** Waits for the frame in which the page shows what was done to it. */
+export const drawn = (page) =>
+  page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))).catch(() => {});
+
+/** What a test does to the page ends when the page has drawn it: a loaded machine draws late. */
+function endWithAFrame(page) {
+  for (const [owner, name] of [[page, "click"], [page.keyboard, "press"], [page.mouse, "up"], [page.mouse, "click"], [page.mouse, "dblclick"]]) {
+    const act = owner[name].bind(owner);
+    owner[name] = async (...given) => {
+      await act(...given);
+      await drawn(page);
+    };
+  }
+}
+
+/** Tests that trust the machine's speed fail when each frame comes CHIARO_LATE_FRAMES milliseconds late. */
+async function drawLate(page, late = Number(process.env.CHIARO_LATE_FRAMES ?? 0)) {
+  if (late)
+    await page.addInitScript((ms) => {
+      const next = window.requestAnimationFrame.bind(window);
+      window.requestAnimationFrame = (draw) => setTimeout(next, ms, draw);
+    }, late);
+}
+
 /** A page at the address that gathers its faults; it may ask for files and data, and for what its own server has. */
 export async function openPage(browser, address, options = {}) {
   const page = await browser.newPage(options);
@@ -20,7 +44,9 @@ export async function openPage(browser, address, options = {}) {
     const url = new URL(request.url());
     if (!/^(file|data|blob):/.test(url.protocol) && !(own && url.host === own)) faults.push(`asked for ${url}`);
   });
+  await drawLate(page);
   await page.goto(address);
+  endWithAFrame(page);
   return { page, faults };
 }
 

@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { scene, settings, volume } from "./mock.mjs";
 import { desktop, phone, savedScene, visits } from "./mocked.mjs";
-import { drag, faint, final, pixels, settled, state } from "./visit.mjs";
+import { drag, eventually, faint, final, pixels, settled, state } from "./visit.mjs";
 
 const visit = visits();
 
@@ -93,21 +93,17 @@ visit("points: new by a click, several by a rectangle, gone by Delete, snapped w
   const plot = await page.locator(".plot").boundingBox(), count = () => page.locator(".point").count();
   const before = await count();
   await page.mouse.click(plot.x + 130, plot.y + 30);
-  await page.waitForTimeout(50);
   assert.equal(await count(), before + 1);
   await page.keyboard.press("Control+z");
   await page.mouse.move(plot.x + 40, plot.y + 14);
   await page.mouse.down();
   await page.mouse.move(plot.x + 125, plot.y + 110, { steps: 4 });
   await page.mouse.up();
-  await page.waitForTimeout(50);
   assert.ok((await page.locator(".point.chosen").count()) >= 3);
   await page.locator(".point").nth(2).focus();
   await page.keyboard.press("Delete");
-  await page.waitForTimeout(50);
   assert.ok((await count()) < before);
   await page.keyboard.press("Control+z");
-  await page.waitForTimeout(50);
   assert.equal(await count(), before);
 });
 
@@ -125,8 +121,7 @@ visit("a threshold of shutters, a shape, a look and a chip reach the scene", asy
   const chip = page.locator(".chip").first();
   await chip.hover();
   await page.waitForFunction(() => chiaro.store.preview !== null);
-  await page.waitForTimeout(100);
-  assert.equal(mock.last("state").preview, true);
+  await eventually(() => mock.last("state").preview === true, "a look at the chip is asked for");
   await page.mouse.move(700, 400);
   await page.waitForFunction(() => chiaro.store.preview === null);
 });
@@ -163,7 +158,6 @@ visit("Adjust picks the value that is seen and drags its opacity", async (page) 
   await page.waitForFunction(() => chiaro.ui.points.length === 1);
   const chosen = await page.evaluate(() => chiaro.store.state.tf.points[chiaro.ui.points[0]].value);
   assert.ok(Math.abs(chosen - 51) < 1, `0.2 of the radius is 51, not ${chosen}`);
-  await page.waitForTimeout(50);
   const before = await page.evaluate(() => chiaro.store.state.tf.points[chiaro.ui.points[0]].opacity);
   await page.mouse.move(box.x + box.width / 2 + 0.2 * r, box.y + box.height / 2 + 100, { steps: 4 });
   await page.mouse.up();
@@ -179,8 +173,7 @@ visit("right drag: window; wheel: zoom to the pointer; the camera has undo steps
   assert.ok(Math.abs((values.at(-1) + values[0]) / 2 - 127.5 - 25.5) < 1e-6, "40 up: the centre a tenth higher");
   await page.mouse.move(700, 300);
   await page.mouse.wheel(0, -400);
-  await page.waitForTimeout(250);
-  assert.ok((await state(page)).camera["camera.fit_scale"] < 0.7);
+  await eventually(async () => (await state(page)).camera["camera.fit_scale"] < 0.7, "nearer");
   await page.keyboard.press("Alt+z");
   assert.deepEqual((await state(page)).camera, before.camera);
   assert.notDeepEqual((await state(page)).tf, before.tf);
@@ -309,7 +302,7 @@ visit("a killed server: banner, settings kept; restarted: the same picture", asy
   await page.evaluate(() => chiaro.link.open || document.querySelector(".banner button")?.click());
   await page.waitForSelector(".banner:has-text('Chiaro was restarted; everything is as you left it.')");
   await final(page);
-  assert.notEqual(await pixels(page), was, "what was changed meanwhile was sent");
+  await eventually(async () => (await pixels(page)) !== was, "what was changed meanwhile was sent");
   await settled(page, () => page.keyboard.press("Control+z"));
   assert.equal(await pixels(page), was);
 }, { allowed: /WebSocket connection/ });

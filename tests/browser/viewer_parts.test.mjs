@@ -4,7 +4,8 @@ import { readdirSync, readFileSync } from "node:fs";
 import { test } from "node:test";
 import { scene, volume } from "./mock.mjs";
 import { desktop, phone, savedScene, visits } from "./mocked.mjs";
-import { drag, faint, final, pixels, settled, state } from "./visit.mjs";
+import { drawn } from "./page.mjs";
+import { drag, eventually, faint, final, pixels, settled, state } from "./visit.mjs";
 
 const visit = visits();
 const chip = (page, i) => page.locator(".chips .chip").nth(i);
@@ -52,9 +53,8 @@ visit("a look of one's own is saved under Mine, taken, found after a reload and 
   await final(page);
   await settled(page, () => page.click("[data-look='mine:My leaves']"));
   assert.deepEqual((await state(page)).tf.points, own.points);
-  await page.waitForTimeout(900);
   const values = own.points.map((p) => p.value);
-  assert.ok(mock.heard.some((m) => m.type === "look" && values.every((v) => m.scene.transfer_function.points.some((p) => p.value === v))), "its thumbnail was asked for");
+  await eventually(() => mock.heard.some((m) => m.type === "look" && values.every((v) => m.scene.transfer_function.points.some((p) => p.value === v))), "its thumbnail was asked for");
   await page.click(".says");
   assert.ok((await page.locator(".popover h2").allTextContents()).includes("Mine"));
   await page.click("[aria-label='Remove: My leaves']");
@@ -63,20 +63,20 @@ visit("a look of one's own is saved under Mine, taken, found after a reload and 
 
 visit("thumbnails go on where a drag stopped them", async (page, mock) => {
   await page.waitForFunction(() => chiaro.frame.last?.stage === "final");
-  await page.waitForTimeout(700);
   const asked = () => mock.heard.filter((m) => m.type === "look").length;
+  await eventually(() => asked() >= 3, "three thumbnails");
   assert.equal(asked(), 3, "one a look");
   let held = null;
   mock.reply = (m) => (m.type === "look" && !held ? ((held = m), null) : undefined);
   await settled(page, () => drag(page, page.locator("#stage"), 60, 0));
-  await page.waitForTimeout(600);
+  await eventually(() => held, "a thumbnail is being made");
   await drag(page, page.locator(".point").nth(2), 4, 20, { release: false });
   mock.reply = () => undefined;
   for (const peer of mock.sockets) peer.send(JSON.stringify({ type: "answer", re: held.id }));
   await page.waitForTimeout(200);
   const before = asked();
   await settled(page, () => page.mouse.up());
-  await page.waitForTimeout(700);
+  await eventually(() => asked() >= before + 2, "thumbnails go on");
   assert.equal(asked(), before + 2, "the two that were left");
 });
 
@@ -85,8 +85,9 @@ visit("thumbnails do not wait for slow light", async (page, mock) => {
   mock.stage = "full"; // and no further
   await page.evaluate(() => chiaro.turnTo("+x"));
   await page.waitForFunction(() => chiaro.frame.last?.stage === "full" && chiaro.frame.last.n === chiaro.link.n);
-  await page.waitForTimeout(900);
-  assert.equal(mock.heard.filter((m) => m.type === "look" && m.scene.camera.azimuth_deg === 0).length, 3);
+  const turned = () => mock.heard.filter((m) => m.type === "look" && m.scene.camera.azimuth_deg === 0).length;
+  await eventually(() => turned() >= 3, "thumbnails of the new view");
+  assert.equal(turned(), 3);
 });
 
 visit("a plane is pulled by its handle and tilted by its rim, with the pointer and with keys", async (page, mock) => {
@@ -115,7 +116,6 @@ visit("a plane is pulled by its handle and tilted by its rim, with the pointer a
   await settled(page, () => page.keyboard.press("Shift+ArrowUp"));
   close(plane()[0] * x + plane()[1] * y + plane()[2] * z, Math.cos(Math.PI / 36), "5°");
   await page.keyboard.press("o");
-  await page.waitForTimeout(60);
   assert.equal(await handle.isVisible(), false, "only while Cut is chosen");
 });
 
@@ -252,7 +252,8 @@ visit("what could not be measured says why, and what was is told in per cent", a
   await page.keyboard.press("Escape");
   mock.reply = (m) => (m.type === "measure" ? { type: "answer", percent: null, sentence: "not measured: nothing is seen." } : undefined);
   await settled(page, () => page.keyboard.press("]"));
-  await page.waitForTimeout(1300);
+  await eventually(() => mock.heard.filter((m) => m.type === "measure").length === 3, "a third measurement");
+  await drawn(page);
   assert.match(await page.locator(".pill").textContent(), /not measured/);
   await page.click(".pill");
   await page.waitForSelector(".popover dd:has-text('not measured: nothing is seen.')");
@@ -329,6 +330,7 @@ visit("the picker has the colours of the hills and those that were picked", asyn
 
 visit("the opacity's tip tells it over a millimetre", async (page) => {
   await page.evaluate(() => (chiaro.ui.points = [1], chiaro.store.redraw()));
+  await drawn(page);
   assert.match(await page.getByLabel("Opacity", { exact: true }).getAttribute("title"), /^0\.\d+ over 1 mm$|^1 over 1 mm$|^0 over 1 mm$/);
 }, { prepare: (m) => (m.hello = { volume: { ...volume, spacing_mm: [0.5, 0.5, 2], spacing_stated: true } }) });
 

@@ -17,6 +17,15 @@ export async function settled(page, act, timeout = 30000) {
   await final(page, timeout);
 }
 
+/** Waits until `holds` answers true: for what comes when it comes. */
+export async function eventually(holds, says, timeout = 10000) {
+  const end = Date.now() + timeout;
+  while (!(await holds())) {
+    assert.ok(Date.now() < end, says);
+    await new Promise((go) => setTimeout(go, 30));
+  }
+}
+
 /** A number that tells pictures apart: of every pixel of the canvas. */
 export const pixels = (page) =>
   page.evaluate(() => {
