@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bench.h"
+#include "cuda/stream.h"
 
 namespace chiaro::bench {
 namespace {
@@ -15,11 +16,7 @@ std::string processor() {
     return "unknown";
 }
 
-std::string card(const Setup& setup) {
-    for (const CardInfo& card : setup.device.has_card() ? list_cards() : std::vector<CardInfo>())
-        if (setup.device.name() == fmt::format("cuda:{}", card.index)) return fmt::format(", {}", card.name);
-    return "";
-}
+std::string card(const Setup& setup) { return setup.device.has_card() ? ", " + setup.device.stream->card().name : ""; }
 
 nlohmann::ordered_json json_of(const Row& row) {
     nlohmann::ordered_json json{{"name", row.name},     {"value", nullptr},    {"unit", row.unit},

@@ -95,20 +95,22 @@ FluenceError error_of(const std::vector<Rgb>& found, const Fluence& truth) {
     return sums.over_squares();
 }
 
+double block_mean(const Frame& frame, int block_x, int block_y, int c, int block) {
+    double sum = 0;
+    for (int y = block_y * block; y < (block_y + 1) * block; ++y)
+        for (int x = block_x * block; x < (block_x + 1) * block; ++x)
+            sum += frame.rgba[4 * (std::size_t(y) * frame.width + x) + c];
+    return sum / (block * block);
+}
+
 FluenceError error_of(const Frame& found, const Frame& truth, const PathStatistics& sureness, int block) {
-    const auto mean_of = [&](const Frame& frame, int x, int y, int c) {
-        double sum = 0;
-        for (int j = 0; j < block; ++j)
-            for (int i = 0; i < block; ++i)
-                sum += frame.rgba[4 * (std::size_t(y * block + j) * frame.width + x * block + i) + c];
-        return sum / (block * block);
-    };
     Sums sums;
     double all = 0;
     for (int y = 0; y < truth.height / block; ++y)
         for (int x = 0; x < truth.width / block; ++x, ++all) {
-            if (mean_of(truth, x, y, 3) == 0) continue;
-            for (int c = 0; c < 3; ++c) sums.add(mean_of(found, x, y, c), mean_of(truth, x, y, c), 0);
+            if (block_mean(truth, x, y, 3, block) == 0) continue;
+            for (int c = 0; c < 3; ++c)
+                sums.add(block_mean(found, x, y, c, block), block_mean(truth, x, y, c, block), 0);
         }
     // Noise is told over all pixels; those that see nothing have none.
     sums.noise = 3 * all * sureness.noise * sureness.noise / (block * block);

@@ -14,6 +14,8 @@ struct FluenceError {
 
 FluenceError error_of(const std::vector<Rgb>& found, const Fluence& truth);
 
+/// Of channel c over the `block`² pixels of a block.
+double block_mean(const Frame& frame, int block_x, int block_y, int c, int block);
 /// Over means of `block`² pixels, of those blocks where something is seen.
 FluenceError error_of(const Frame& found, const Frame& truth, const PathStatistics& sureness, int block);
 

@@ -25,20 +25,15 @@ double stops_for(const Frame& frame) {
     return -std::log2(std::max(*most, 1e-6f));
 }
 
-/// 4 × how far one is from the other, up or down, block by block.
+/// 4 × how far one is from the other, up or down, block by block: sizes are whole blocks.
 Frame difference(const Frame& found, const Frame& truth) {
-    constexpr float times = 4;
+    constexpr double times = 4;
     Frame off(truth.width, truth.height);
     for (int y = 0; y < off.height; ++y)
         for (int x = 0; x < off.width; ++x)
             for (int c = 0; c < 3; ++c) {
-                float sum = 0;
-                for (int j = y / block * block; j < std::min(y / block * block + block, off.height); ++j)
-                    for (int i = x / block * block; i < std::min(x / block * block + block, off.width); ++i) {
-                        const std::size_t at = 4 * (std::size_t(j) * off.width + i) + c;
-                        sum += found.rgba[at] - truth.rgba[at];
-                    }
-                off.rgba[4 * (std::size_t(y) * off.width + x) + c] = times * std::abs(sum) / (block * block);
+                const auto mean = [&](const Frame& frame) { return block_mean(frame, x / block, y / block, c, block); };
+                off.rgba[4 * (std::size_t(y) * off.width + x) + c] = float(times * std::abs(mean(found) - mean(truth)));
             }
     return off;
 }

@@ -38,7 +38,7 @@ Json View::cache(const Json& request) {
     std::uintmax_t bytes = 0;
     std::error_code ignored;
     for (const auto& entry : fs::directory_iterator(folder, ignored)) {
-        if (entry.path().extension() != ".histograms") continue;
+        if (entry.path().extension() != histograms_ending) continue;
         is_cleared ? fs::remove(entry.path(), ignored) : bytes += entry.file_size(ignored);
     }
     return {{"folder", folder.string()}, {"bytes", bytes}};

@@ -76,7 +76,7 @@ export async function captions(app, { scale, legend }, w, h) {
   if (scale && fits(160, 34)) {
     const { text, pixels } = scaleBar(app, app.view(), h / ratio);
     pieces.push(piece(pixels + 60, 34, ratio, (pw, ph) => [w - edge - pw, h - edge - ph], (g) => {
-      frame(g, 57 - 2, 26, pixels, 2);
+      frame(g, 55, 26, pixels, 2);
       write(g, text, 55 + pixels / 2, 18);
     }));
   }

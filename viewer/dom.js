@@ -50,6 +50,9 @@ export function tell(slider, now, text) {
 /** The way an arrow key points: 1 for more, -1 for less. */
 export const arrow = ({ key }) => ({ ArrowLeft: -1, ArrowRight: 1, ArrowUp: 1, ArrowDown: -1 })[key];
 
+/** A range of which one end is moved: it stops at the other. */
+export const endMoved = (range, which, value) => range.map((v, i) => (i === which ? (i ? Math.max(value, range[0]) : Math.min(value, range[1])) : v));
+
 export const clamp = (value, low, high) => Math.min(high, Math.max(low, value));
 
 /** A number in few characters: about `digits` significant ones, no trailing zeros. */

@@ -1,5 +1,5 @@
 // The upright lines of the graph that are dragged: shutters of the threshold, surfaces, the ends of what glows.
-import { arrow, clamp, el, tell } from "./dom.js";
+import { arrow, clamp, el, endMoved, tell } from "./dom.js";
 import { draggable } from "./rows.js";
 import { read } from "./scene.js";
 import { words } from "./words.js";
@@ -21,18 +21,15 @@ export function makeMarkers(app, axis, plot) {
     });
     return Object.assign(part, { now: o.now });
   }
-  /** One end of a range: it stops at the other. */
-  const end = (range, which, value) => range.map((v, i) => (i === which ? (i ? Math.max(value, range[0]) : Math.min(value, range[1])) : v));
-
   const limits = () => store.state.threshold ?? axis.range;
   const shutter = (which) => line({ kind: "limit", label: words.shutter[which], tip: `${words.threshold}: what lies outside is transparent. --threshold`, step: words.threshold, now: () => limits()[which],
     put: (value) => store.set(`${words.threshold}…`, () => {
-      const next = end(limits(), which, value);
+      const next = endMoved(limits(), which, value);
       return { threshold: next[0] <= axis.range[0] && next[1] >= axis.range[1] ? null : next };
     }), clear: () => store.set(words.threshold, () => ({ threshold: null })) });
   const surface = (i) => line({ kind: "value", label: words.surfaceValue, tip: `${words.surfaceValue}. --iso`, step: words.surface, now: () => store.state.iso[i]?.value ?? 0,
     put: (value) => store.set(`${words.surface}…`, (s) => ({ iso: s.iso.map((one, k) => (k === i ? { ...one, value } : one)) })) });
-  const glow = (which) => line({ kind: "value", label: which ? `${words.effects.glow} ${words.to}` : words.glow[0], tip: `${words.effects.glow}. --glow`, step: words.effects.glow, now: () => app.glowNow()?.[which] ?? 0, put: (value) => app.setGlow(end(app.glowNow(), which, value)) });
+  const glow = (which) => line({ kind: "value", label: which ? `${words.effects.glow} ${words.to}` : words.glow[0], tip: `${words.effects.glow}. --glow`, step: words.effects.glow, now: () => app.glowNow()?.[which] ?? 0, put: (value) => app.setGlow(endMoved(app.glowNow(), which, value)) });
 
   return { draw(state) {
     const surfaces = read(state, "mode") === "iso" ? state.iso.length : 0, glows = Boolean(app.glowNow?.()), wanted = `${surfaces} ${glows}`;

@@ -1,5 +1,5 @@
 // Rows of the panel: slider with number, two-handled slider, choice, switch; and a row made from a setting's description.
-import { arrow, clamp, el, hex, fromHex, short, typed, tell } from "./dom.js";
+import { arrow, clamp, el, endMoved, hex, fromHex, short, typed, tell } from "./dom.js";
 import { read, write } from "./scene.js";
 import { keyOf } from "./table.js";
 import { words } from "./words.js";
@@ -47,7 +47,7 @@ export function draggable(element, store, label, from, move, track = "design") {
 /** A handle of a track. @param {any} o options of the row @param {number} which of the values */
 function handle(app, o, track, which) {
   const scale = scaleOf(o), values = () => [o.value()].flat(), track_ = o.track ?? "design";
-  const put = (value) => o.change(o.two ? values().map((v, i) => (i === which ? (which ? Math.max(value, values()[0]) : Math.min(value, values()[1])) : v)) : value);
+  const put = (value) => o.change(o.two ? endMoved(values(), which, value) : value);
   const thumb = el("div.thumb", { role: "slider", tabIndex: 0, "aria-label": o.two ? `${o.label}, ${which ? "to" : "from"}` : o.label, "aria-valuemin": String(o.low), "aria-valuemax": String(o.high) });
   draggable(thumb, app.store, o.step_ ?? o.label, () => scale.share(values()[which]), (start, dx, _, e) => {
     const value = scale.value(clamp(start + dx / (track.clientWidth || 1), 0, 1));

@@ -5,6 +5,9 @@
 
 namespace chiaro {
 
+/// What local histograms that are kept there end with.
+inline constexpr const char* histograms_ending = ".histograms";
+
 /// $XDG_CACHE_HOME/chiaro or ~/.cache/chiaro; empty where neither is known.
 inline std::filesystem::path user_cache() {
     if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache == '/')

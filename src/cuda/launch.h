@@ -4,7 +4,7 @@
 #pragma once
 #include <cstdint>
 
-#include "cuda/stream.h"
+#include "cuda/counters.h"
 #include "kernel/lanes.h"
 
 #if defined(__CUDACC__)
@@ -22,6 +22,11 @@ unsigned long long atomicAdd(unsigned long long* to, unsigned long long more);  
 #endif
 
 namespace chiaro::cuda {
+
+/// Adds for a pixel: those of a warp to one place.
+CHIARO_ON_CARD void count(Count* places, std::int32_t pixel, std::int64_t more) {
+    atomicAdd(places + (pixel / 32 & (count_places - 1)), Count(more));
+}
 
 #ifdef CHIARO_LAUNCH
 

@@ -47,11 +47,10 @@ public:
     Views& operator=(const Views&) = delete;
 
     /// Null stays null. Throws Error{internal} for a pointer into none of the arrays.
-    template <class T>
-    void swap(const T*& pointer) {
-        pointer = reinterpret_cast<const T*>(on_card(pointer));
+    template <class... T>
+    void swap(const T*&... pointers) {
+        ((pointers = static_cast<const T*>(static_cast<const void*>(on_card(pointers)))), ...);
     }
-    void swap(const void*& pointer) { pointer = on_card(pointer); }
 
 private:
     const std::byte* on_card(const void* pointer);

@@ -70,6 +70,20 @@ private:
 /// Whether the device has a card that has not given up.
 inline bool works(const Device& device) { return device.stream && device.stream->given_up().empty(); }
 
+/// Has the device's card do the work; false where none does: there is none, or one that was chosen by itself has no
+/// room and gives up.
+template <class Work>
+bool done_on_card(const Device& device, const Work& work) {
+    if (!works(device)) return false;
+    try {
+        work();
+        return true;
+    } catch (const OutOfMemory& error) {
+        device.stream->give_up(error);
+        return false;
+    }
+}
+
 /// An owned array on a card, for the work of one stream.
 template <class T>
 class Array {

@@ -13,7 +13,8 @@ namespace chiaro {
 /// An empty file in the folder, which is made if need be; it is gone with its descriptor. Throws Error{output}.
 Descriptor make_spill_file(const std::filesystem::path& folder);
 
-/// Bytes that may be written below the folder, leaving a tenth of what is free; 0 where there is none.
+/// Bytes that may be written below the folder, leaving a tenth of what is free; 0 where there is none, and for no
+/// folder.
 std::uint64_t room_on_disk(const std::filesystem::path& folder);
 
 /// Voxels in such a file. Throws Error{output}.

@@ -2,7 +2,6 @@
 #pragma once
 #include <chiaro/progress.h>
 
-#include <cstring>
 #include <vector>
 
 #include "cuda/mirror.h"
@@ -12,24 +11,17 @@ namespace chiaro {
 
 template <class Views>
 void swap_pointers(Views& views, kernel::RegionsView& regions) {
-    views.swap(regions.cells);
-    views.swap(regions.extinction.runs);
+    views.swap(regions.cells, regions.extinction.runs);
 }
 template <class Views>
 void swap_pointers(Views& views, kernel::ColoursView& colours) {
-    views.swap(colours.red);
-    views.swap(colours.green);
-    views.swap(colours.blue);
+    views.swap(colours.red, colours.green, colours.blue);
 }
 template <class Views>
 void swap_pointers(Views& views, kernel::ProbeLightView& probe) {
     views.swap(probe.rgb);
-    for (kernel::AliasView* table : {&probe.rows, &probe.columns}) {
-        views.swap(table->threshold);
-        views.swap(table->alias);
-    }
-    views.swap(probe.cosines);
-    views.swap(probe.densities);
+    for (kernel::AliasView* table : {&probe.rows, &probe.columns}) views.swap(table->threshold, table->alias);
+    views.swap(probe.cosines, probe.densities);
 }
 template <class Views, class Matter>
 void swap_pointers(Views& views, kernel::PathKernel<Matter>& kernel) {
@@ -37,9 +29,7 @@ void swap_pointers(Views& views, kernel::PathKernel<Matter>& kernel) {
     if constexpr (requires { kernel.matter.extinction; }) views.swap(kernel.matter.extinction);
     swap_pointers(views, kernel.matter.regions);
     swap_pointers(views, kernel.matter.colours);
-    views.swap(kernel.start.x);
-    views.swap(kernel.start.y);
-    views.swap(kernel.start.z);
+    views.swap(kernel.start.x, kernel.start.y, kernel.start.z);
     swap_pointers(views, kernel.probe);
 }
 
@@ -55,10 +45,9 @@ public:
           width_(width),
           height_(height),
           sums_(*stream_, std::size_t(width) * height),
-          collisions_(*stream_, kernel::collision_counts) {
+          collisions_(*stream_) {
         swap_pointers(views_, kernel_);
         sums_.zero();
-        collisions_.zero();
         stream_->wait();  // for what the arrays are made from
     }
 
@@ -69,19 +58,7 @@ public:
             if (progress.cancelled()) return;
             kernel::trace_frame(*stream_, kernel_, width_, height_, sample, sums_.data(), collisions_.data());
         }
-        const std::size_t sums_bytes = sums.size() * sizeof(PixelSum);
-        std::byte* landed = stream_->landing(sums_bytes + sizeof(kernel::CollisionCount[kernel::collision_counts]));
-        stream_->download(landed, sums_.data(), sums_bytes);
-        stream_->download(landed + sums_bytes, collisions_.data(),
-                          sizeof(kernel::CollisionCount[kernel::collision_counts]));
-        stream_->wait();
-        std::memcpy(sums.data(), landed, sums_bytes);
-        collisions = 0;
-        for (int i = 0; i < kernel::collision_counts; ++i) {
-            kernel::CollisionCount met;
-            std::memcpy(&met, landed + sums_bytes + i * sizeof met, sizeof met);
-            collisions += met;
-        }
+        collisions = collisions_.land(sums.data(), sums_.data(), sums.size() * sizeof(PixelSum));
     }
 
 private:
@@ -90,7 +67,7 @@ private:
     Kernel kernel_;
     const int width_, height_;
     cuda::Array<PixelSum> sums_;
-    cuda::Array<kernel::CollisionCount> collisions_;
+    cuda::Counters collisions_;
 };
 
 }  // namespace chiaro

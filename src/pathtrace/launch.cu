@@ -8,7 +8,7 @@ template <class Kernel>
 struct TracePixel {
     std::int32_t width, sample;
     PixelSum* sums;
-    CollisionCount* collisions;
+    cuda::Count* collisions;
     Kernel kernel;
 
     CHIARO_ON_CARD void operator()(std::int32_t x, std::int32_t y) const {
@@ -16,19 +16,19 @@ struct TracePixel {
         Rgba path{0, 0, 0, 0};
         const auto met = kernel.template operator()<float>(PathTask{{x, y, x + 1, y + 1}, sample, &path});
         sums[pixel].add(path);
-        atomicAdd(collisions + (pixel / 32 & (collision_counts - 1)), CollisionCount(met));
+        cuda::count(collisions, pixel, met);
     }
 };
 
 template <class Kernel>
 void trace_frame(cuda::Stream& stream, const Kernel& kernel, std::int32_t width, std::int32_t height,
-                 std::int32_t sample, PixelSum* sums, CollisionCount* collisions) {
+                 std::int32_t sample, PixelSum* sums, cuda::Count* collisions) {
     cuda::launch_pixels(stream, width, height, TracePixel<Kernel>{width, sample, sums, collisions, kernel});
 }
 
 #define CHIARO_INSTANTIATE_FOR(Matter, Voxel)                                                              \
     template void trace_frame(cuda::Stream&, const PathKernel<Matter<Voxel>>&, std::int32_t, std::int32_t, \
-                              std::int32_t, PixelSum*, CollisionCount*);
+                              std::int32_t, PixelSum*, cuda::Count*);
 #define CHIARO_INSTANTIATE(Matter)                \
     CHIARO_INSTANTIATE_FOR(Matter, std::uint8_t)  \
     CHIARO_INSTANTIATE_FOR(Matter, std::uint16_t) \

@@ -180,11 +180,7 @@ PathTracer::TraceTile PathTracer::tracer_of(const Matter& matter, const Camera& 
         .pixel_key = std::int32_t(words),
         .sample_key = std::int32_t(words >> 32),
         .width = width_};
-    if (cuda::works(device_)) try {
-            trace_on_card_ = card_tracer_of(kernel);
-        } catch (const cuda::OutOfMemory& error) {
-            device_.stream->give_up(error);
-        }
+    cuda::done_on_card(device_, [&] { trace_on_card_ = card_tracer_of(kernel); });
     return [kernel, trace = kernel::trace_tile_for<kernel::PathKernel<Matter>>(device_.isa)](
                const kernel::PathTask& task) { return trace(kernel, task); };
 }

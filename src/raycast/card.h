@@ -3,7 +3,6 @@
 #include <chiaro/render.h>
 
 #include <algorithm>
-#include <cstring>
 
 #include "cuda/mirror.h"
 #include "raycast/launch_card.h"
@@ -17,10 +16,8 @@ template <class Kernel>
 Outcome cast_on_card(cuda::Stream& stream, Kernel kernel, const HostArrays& arrays, Frame& frame, Progress& progress) {
     cuda::Views views(stream, arrays);
     swap_pointers(views, kernel);
-    const std::size_t count = std::size_t(frame.width) * frame.height, pixel_bytes = count * sizeof(kernel::Rgba);
-    const cuda::Array<kernel::Rgba> pixels(stream, count);
-    cuda::Array<kernel::SampleCount> samples(stream, kernel::sample_counts);
-    samples.zero();
+    const cuda::Array<kernel::Rgba> pixels(stream, std::size_t(frame.width) * frame.height);
+    const cuda::Counters samples(stream);
     kernel.frame.pixels = pixels.data();
 
     constexpr std::int64_t most_rays = 1 << 20;
@@ -32,18 +29,8 @@ Outcome cast_on_card(cuda::Stream& stream, Kernel kernel, const HostArrays& arra
         kernel::cast_pixels(stream, kernel, {0, y, frame.width, std::min(y + rows, frame.height)}, samples.data());
     }
 
-    const std::size_t counts_bytes = samples.size() * sizeof(kernel::SampleCount);
-    std::byte* landed = stream.landing(pixel_bytes + counts_bytes);
-    stream.download(landed, pixels.data(), pixel_bytes);
-    stream.download(landed + pixel_bytes, samples.data(), counts_bytes);
-    stream.wait();
-    std::memcpy(frame.rgba.data(), landed, pixel_bytes);
     Outcome outcome;
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-        kernel::SampleCount n;
-        std::memcpy(&n, landed + pixel_bytes + i * sizeof n, sizeof n);
-        outcome.samples += n;
-    }
+    outcome.samples = samples.land(frame.rgba.data(), pixels.data(), pixels.size() * sizeof(kernel::Rgba));
     return outcome;
 }
 

@@ -18,32 +18,20 @@ template <class Views>
 void swap_pointers(Views& views, kernel::VisibilityView& view) {
     views.swap(view.light.nodes);
     if (!view.surface.entries) view.harmonics.nodes = nullptr;  // not read
-    views.swap(view.harmonics.nodes);
-    views.swap(view.surface.entries);
-    views.swap(view.scattered.turned);
+    views.swap(view.harmonics.nodes, view.surface.entries, view.scattered.turned);
 }
 template <class Views>
 void swap_pointers(Views& views, kernel::HistogramView& view) {
-    views.swap(view.identifiers);
-    views.swap(view.words);
-    views.swap(view.side);
-    views.swap(view.albedo);
-    views.swap(view.glow_words);
-    views.swap(view.occupancy);
+    views.swap(view.identifiers, view.words, view.side, view.albedo, view.glow_words, view.occupancy);
 }
 
 /// But for the frame, which is written.
 template <class Views, class Voxel, class Field>
 void swap_pointers(Views& views, kernel::RaycastKernel<Voxel, Field>& kernel) {
-    views.swap(kernel.matter.volume.voxels);
-    views.swap(kernel.matter.occupancy.cells);
-    views.swap(kernel.matter.table.entries);
-    views.swap(kernel.matter.segments.entries);
-    views.swap(kernel.matter.segments.visible_before);
+    views.swap(kernel.matter.volume.voxels, kernel.matter.occupancy.cells, kernel.matter.table.entries,
+               kernel.matter.segments.entries, kernel.matter.segments.visible_before);
     if (kernel.mode != kernel::March::maximum) kernel.maximum.cell_high = nullptr;  // not read
-    views.swap(kernel.maximum.cell_high);
-    views.swap(kernel.bounds.near_mm);
-    views.swap(kernel.bounds.far_mm);
+    views.swap(kernel.maximum.cell_high, kernel.bounds.near_mm, kernel.bounds.far_mm);
     swap_pointers(views, kernel.matter.field);
 }
 

@@ -41,16 +41,13 @@ Outcome cast(const Device& device, const Kernel& kernel, const BoundingGeometry*
     return {complete, std::uint64_t(samples)};
 }
 
-/// On the card where the device has one. One that was chosen by itself gives up what does not fit.
+/// On the card where the device has one.
 template <class Kernel>
 Outcome cast(const Device& device, const Kernel& kernel, const HostArrays& arrays, const BoundingGeometry* geometry,
              Frame& frame, Progress& progress) {
-    if (cuda::works(device)) try {
-            return cast_on_card(*device.stream, kernel, arrays, frame, progress);
-        } catch (const cuda::OutOfMemory& error) {
-            device.stream->give_up(error);
-        }
-    return cast(device, kernel, geometry, frame, progress);
+    Outcome outcome;
+    const auto on_card = [&] { outcome = cast_on_card(*device.stream, kernel, arrays, frame, progress); };
+    return cuda::done_on_card(device, on_card) ? outcome : cast(device, kernel, geometry, frame, progress);
 }
 
 }  // namespace

@@ -123,7 +123,7 @@ HistogramCache::HistogramCache(const std::string& folder, const DeviceVolume::Da
     path_ = folder_of(folder);
     if (path_.empty()) return;
     key_ = key_of(volume, settings);
-    path_ /= fmt::format("{:016x}.histograms", hash_of(key_));
+    path_ /= fmt::format("{:016x}{}", hash_of(key_), histograms_ending);
 }
 
 std::optional<LocalHistograms> HistogramCache::read(std::vector<std::string>& notes) const {

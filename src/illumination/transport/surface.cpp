@@ -34,6 +34,7 @@ void slide(const float* values, int count, const Choose& choose, float* to) {
     }
 }
 
+/// Of each node and its 26 neighbours, axis by axis; 0 outside.
 template <class Choose>
 std::vector<float> slid(const Device& device, const CellGrid& grid, const std::vector<float>& values,
                         const Choose& choose) {
@@ -61,20 +62,21 @@ std::vector<float> slid(const Device& device, const CellGrid& grid, const std::v
     return over(over(over(values, {1, 0, 0}), {0, 1, 0}), {0, 0, 1});
 }
 
-}  // namespace
+constexpr auto larger = [](float a, float b) { return std::max(a, b); };
+constexpr auto smaller = [](float a, float b) { return std::min(a, b); };
 
-Extremes extremes_around(const Device& device, const CellGrid& grid, const std::vector<float>& values) {
-    return {slid(device, grid, values, [](float a, float b) { return std::max(a, b); }),
-            slid(device, grid, values, [](float a, float b) { return std::min(a, b); })};
-}
+}  // namespace
 
 SurfaceNodes::SurfaceNodes(const Device& device, const TransportNodes& nodes, double edges, bool as_particles)
     : nodes_(nodes), opacity_(opacity_of(device, nodes, edges)) {
-    if (!as_particles) alphas_ = extremes_around(device, nodes.grid, opacity_);
+    if (!as_particles) {
+        densest_ = slid(device, nodes.grid, opacity_, larger);
+        clearest_ = slid(device, nodes.grid, opacity_, smaller);
+    }
     if (!as_particles || nodes.answer.empty()) return;
     std::vector<float> shown(opacity_.size());
     for (std::size_t node = 0; node < shown.size(); ++node) shown[node] = nodes.answer[3 * node];
-    answers_ = slid(device, nodes.grid, shown, [](float a, float b) { return std::max(a, b); });
+    answers_ = slid(device, nodes.grid, shown, larger);
 }
 
 LightAround light_of(const TransportNodes& nodes, std::size_t node) {
@@ -121,7 +123,7 @@ NodeOutwards SurfaceNodes::outwards(int x, int y, int z) const {
 NodeRoles SurfaceNodes::roles(int x, int y, int z) const {
     constexpr float least = 1e-3f;
     const std::size_t node = nodes_.grid.index(x, y, z);
-    const float here = opacity_[node], densest = alphas_.most[node], clearest = alphas_.least[node];
+    const float here = opacity_[node], densest = densest_[node], clearest = clearest_[node];
     const float weight = nodes_.weight[node];
     const float outside = std::min(4 * (densest - here), 1.0f), inside = std::min(4 * (here - clearest), 1.0f);
     // Behind a surface opaque matter is dark and counts for less still: what is seen of it lies at its skin.

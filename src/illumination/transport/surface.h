@@ -49,12 +49,6 @@ struct LightBeside {
     LightAround of(const TransportNodes& light) const;
 };
 
-/// The largest and smallest of each node and its 26 neighbours; 0 outside.
-struct Extremes {
-    std::vector<float> most, least;
-};
-Extremes extremes_around(const Device& device, const CellGrid& grid, const std::vector<float>& values);
-
 class SurfaceNodes {
 public:
     /// `edges`: of the smallest voxel edge, in the edge of a cell.
@@ -81,9 +75,9 @@ private:
     bool is_air(int x, int y, int z) const;
 
     const TransportNodes& nodes_;
-    std::vector<float> opacity_;  ///< [node]: of a smallest voxel edge
-    Extremes alphas_;             ///< of opacity; not for particles
-    std::vector<float> answers_;  ///< for particles: above 0 where a surface is near
+    std::vector<float> opacity_;             ///< [node]: of a smallest voxel edge
+    std::vector<float> densest_, clearest_;  ///< opacity around each node; not for particles
+    std::vector<float> answers_;             ///< for particles: above 0 where a surface is near
 };
 
 }  // namespace chiaro

@@ -77,10 +77,8 @@ void CardSweep::pass(const SweepPass& pass, const SweepAxes& axes, std::span<con
     harmonics.add_to(arrays);
     cuda::Views views(*stream_, std::move(arrays));
     kernel::Harmonics of_batch = harmonics.view();
-    views.swap(of_batch.of_direction);
-    views.swap(of_batch.sum);
-    for (kernel::SweepPack& pack : on_card)
-        for (const float** numbers : {&pack.weights, &pack.before, &pack.outer, &pack.inner}) views.swap(*numbers);
+    views.swap(of_batch.of_direction, of_batch.sum);
+    for (kernel::SweepPack& pack : on_card) views.swap(pack.weights, pack.before, pack.outer, pack.inner);
     const cuda::Array<kernel::SweepPack> its_packs = CardPlane::copied(*stream_, on_card);
 
     const auto node_stride = [&](int axis) { return std::int64_t(pass.stride(axis)); };
@@ -125,9 +123,7 @@ void light_on_card(const Device& device, const kernel::LightKernel& kernel, cons
     cuda::Views views(stream, arrays);
     const cuda::Array<kernel::Light16> light(stream, 4 * nodes);
     kernel::LightKernel on_card = kernel;
-    views.swap(on_card.harmonics.nodes);
-    views.swap(on_card.surfaces);
-    views.swap(on_card.surface.entries);
+    views.swap(on_card.harmonics.nodes, on_card.surfaces, on_card.surface.entries);
     on_card.light = light.data();
     kernel::light_all_nodes(stream, on_card, std::int64_t(nodes));
     stream.download(kernel.light, light.data(), light.size() * sizeof(kernel::Light16));

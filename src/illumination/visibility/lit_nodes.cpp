@@ -48,15 +48,14 @@ std::shared_ptr<const LitLight> LitNodes::light(const ProbeLight& probe) const {
 }
 
 void LitNodes::light_all(const kernel::LightKernel& light, const std::vector<kernel::HarmonicsLight>& surface) const {
-    if (cuda::works(device_)) try {
-            HostArrays arrays;
-            arrays.add(weak_from_this(), nodes_.harmonics);
-            arrays.add(weak_from_this(), nodes_.surfaces);
-            arrays.add(surface);
-            return light_on_card(device_, light, arrays, nodes_.grid.size());
-        } catch (const cuda::OutOfMemory& error) {
-            device_.stream->give_up(error);
-        }
+    const auto on_card = [&] {
+        HostArrays arrays;
+        arrays.add(weak_from_this(), nodes_.harmonics);
+        arrays.add(weak_from_this(), nodes_.surfaces);
+        arrays.add(surface);
+        light_on_card(device_, light, arrays, nodes_.grid.size());
+    };
+    if (cuda::done_on_card(device_, on_card)) return;
     const auto light_nodes = kernel::visibility_functions_for(device_.isa).light;
     parallel_for(device_.threads, std::int64_t(nodes_.grid.size()), 4096,
                  [&](std::int64_t first, std::int64_t end) { light_nodes(light, first, std::int32_t(end - first)); });

@@ -68,12 +68,8 @@ ShField sweep_visibility(const Device& device, const Density& density, const std
                          int coefficients, double start, SweepLattice lattice, Progress& progress) {
     ShField field(density.grid, coefficients);
     const SweepPass pass{device, density, directions, start, field};
-    if (lattice == SweepLattice::grid && cuda::works(device)) try {
-            swept_on_card(pass, progress).fetch(field);
-            return field;
-        } catch (const cuda::OutOfMemory& error) {
-            device.stream->give_up(error);
-        }
+    const auto on_card = [&] { swept_on_card(pass, progress).fetch(field); };
+    if (lattice == SweepLattice::grid && cuda::done_on_card(device, on_card)) return field;
     sweep_batches(pass, lattice == SweepLattice::grid ? grid_pass : sheared_pass, progress);
     return field;
 }
@@ -82,16 +78,14 @@ std::optional<VisibilityNodes> sweep_and_keep_on_card(const Device& device, cons
                                                       const std::vector<Vec3>& directions, int coefficients,
                                                       double start, const VisibilitySettings& settings, Steps& steps,
                                                       Progress& progress) {
-    if (!cuda::works(device)) return {};
-    try {
+    std::optional<VisibilityNodes> nodes;
+    cuda::done_on_card(device, [&] {
         ShField none(density.grid, coefficients);  // its pages are never touched
         const SweepPass pass{device, density, directions, start, none};
         CardSweep card = steps("visibility", [&] { return swept_on_card(pass, progress); });
-        return steps("keep", [&] { return card.keep(settings); });
-    } catch (const cuda::OutOfMemory& error) {
-        device.stream->give_up(error);
-        return {};
-    }
+        nodes.emplace(steps("keep", [&] { return card.keep(settings); }));
+    });
+    return nodes;
 }
 
 }  // namespace chiaro
