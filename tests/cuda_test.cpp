@@ -67,20 +67,45 @@ TEST_F(Cards, EveryKindOfLight) {
 }
 
 TEST_F(Cards, SweepVisibilityToTheSameCoefficients) {
-    const Volume volume = shells_of<std::uint8_t>(36);
     IlluminationSettings light{.method = Method::visibility};
-    Progress progress;
-    const Medium medium = classify(upload(card, volume), two_materials(), {});
+    const Medium medium = classify(upload(card, shells_of<std::uint8_t>(36)), two_materials(), {});
     for (const int bands : {2, 4})
         for (const int directions : {24, 600}) {  // one batch of each side, and several
             light.visibility.bands = bands, light.visibility.directions = directions;
-            const ComputedField expected = compute_field(processor(), medium, {}, {}, light, progress);
-            const ComputedField found = compute_field(card, medium, {}, {}, light, progress);
-            const auto a = expected.volume.as<float>(), b = found.volume.as<float>();
-            double worst = 0;
-            for (std::size_t i = 0; i < a.size(); ++i) worst = std::max(worst, std::abs(double(a[i]) - b[i]));
-            EXPECT_LE(worst, tolerance) << bands << " bands, " << directions << " directions";
+            expect_same_field(medium, light, fmt::format("{} bands, {} directions", bands, directions));
         }
+}
+
+TEST_F(Cards, OccludeAsTheProcessorDoes) {
+    IlluminationSettings light{.method = Method::spao};
+    const Medium medium = classify(upload(card, shells_of<std::uint8_t>(40)), two_materials(), {});
+    for (const SpaoModel model : {SpaoModel::paper, SpaoModel::thick, SpaoModel::corrected})
+        for (const SpaoFilter filter :
+             {SpaoFilter::automatic, SpaoFilter::nbuffer, SpaoFilter::mipmap, SpaoFilter::hybrid})
+            for (const double normal_factor : {0.0, 1.0}) {
+                light.spao.model = model, light.spao.filter = filter, light.spao.normal_factor = normal_factor;
+                const auto what = fmt::format("model {}, filter {}, F {}", int(model), int(filter), normal_factor);
+                expect_same_field(medium, light, what);
+            }
+    light.spao = {};
+    for (const int levels : {1, 2, 3}) {  // no coarser grid, one
+        light.spao.levels = levels;
+        expect_same_field(medium, light, fmt::format("{} levels", levels));
+    }
+}
+
+TEST_F(Cards, OccludeBlocksOfEverySort) {
+    IlluminationSettings light{.method = Method::spao};
+    const Volume longer = sampled<std::uint8_t>({131, 33, 17}, [](double x, double y, double z) {
+        return x > 70 && x < 90 ? 0 : 128 + 100 * std::sin(x / 5) * std::sin(y / 3) * std::cos(z / 4);
+    });
+    expect_same_field(classify(upload(card, longer), two_materials(), {}), light, "a long volume");
+    expect_same_field(classify(upload(card, longer), constant(0), {}), light, "nothing to see");
+    const Shape surface{.mode = Mode::iso, .iso = {{.value = 90, .opacity = 0.5}}};
+    expect_same_field(classify(upload(card, longer), two_materials(), surface), light, "a surface");
+    Shot shot = shaded();  // only pieces of blocks are seen
+    light.spao.filter = SpaoFilter::automatic;
+    expect_same(shot, shells_of<std::uint8_t>(70), light);
 }
 
 TEST_F(Cards, LocalHistogramsThatGlow) {
