@@ -53,14 +53,24 @@ public:
         return 1e3 * wall_seconds([&] { session_.render(scene_, progress_); });
     }
     /// Of the last frame, the ray caster's part, with the frame on its way to the host.
-    double raycast_ms() const {
-        for (const Stage& stage : session_.stages())
-            if (stage.name == "raycast") return 1e3 * stage.seconds;
-        return 0;
+    double raycast_ms() const { return stage_ms("raycast"); }
+    /// Of a frame whose light is found again, the steps whose names begin so, with what travels to and from the card.
+    double light_ms(const std::string& steps) {
+        auto& factor = scene_.illumination.spao.normal_factor;
+        factor = factor == 1 ? 0.99 : 1;
+        session_.render(scene_, progress_);
+        return stage_ms(steps);
     }
     std::size_t voxel_bytes() const { return session_.volume().bytes(); }
 
 private:
+    double stage_ms(const std::string& names) const {
+        double seconds = 0;
+        for (const Stage& stage : session_.stages())
+            if (stage.name.starts_with(names)) seconds += stage.seconds;
+        return 1e3 * seconds;
+    }
+
     Progress& progress_;
     Session session_;
     Scene scene_;
@@ -92,6 +102,16 @@ std::vector<Row> measure_scene(const Setup& setup, const std::vector<std::string
     return rows;
 }
 
+std::vector<Row> measure_light(const Setup& setup, const std::string& name, const std::string& scene_name) {
+    auto scene = find_scene(setup, scene_name);
+    if (!scene || !setup.device.has_card()) return {skipped(name, "ms", scene ? no_card : no_data)};
+    scene->illumination.method = Method::spao;
+    Turning turning(setup, *scene);
+    const auto series = in_turns(
+        setup.runs, {[&] { return turning.light_ms("spao"); }, [&] { return pass_ms(setup, turning.voxel_bytes()); }});
+    return {{name, "ms", spread_of(series[0]), median_ratio(series[0], series[1]), "a pass over the voxels"}};
+}
+
 void add_scene(const Setup& setup, const std::string& scene, Method method, std::vector<Case>& cases) {
     const std::string of = fmt::format("{}/{}", scene, method == Method::reference ? "path" : "none");
     const std::vector<std::string> names{"card/frame/" + of, "card/raycast/" + of};
@@ -103,8 +123,11 @@ void add_scene(const Setup& setup, const std::string& scene, Method method, std:
 std::vector<Case> card_cases(const Setup& setup) {
     const std::vector<std::string> memory{"card/copy", "card/upload", "card/download"};
     std::vector<Case> cases{{memory, [=, &setup] { return measure_memory(setup, memory); }}};
-    for (const SceneText& text : scene_texts())
+    for (const SceneText& text : scene_texts()) {
         for (const Method method : {Method::none, Method::reference}) add_scene(setup, text.name, method, cases);
+        const std::string light = fmt::format("card/light/{}/spao", text.name);
+        cases.push_back({{light}, [=, &setup] { return measure_light(setup, light, text.name); }});
+    }
     return cases;
 }
 

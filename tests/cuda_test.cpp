@@ -253,3 +253,15 @@ TEST_F(Cards, StopWhenCancelled) {
     const Camera camera = make_camera({}, volume.geometry, volume.dimensions);
     EXPECT_FALSE(raycast(card, medium, {}, {}, camera, {}, frame, progress).complete);
 }
+
+TEST_F(Cards, StopBetweenThePassesOfLight) {
+    const Medium medium = classify(upload(card, shells_of<std::uint8_t>(40)), two_materials(), {});
+    const auto never = [](IlluminationField) { FAIL() << "light without an end"; };
+    for (int reports : {1, 3}) {
+        Progress progress([&](std::string_view stage, double) {
+            if (stage == "spao" && --reports == 0) progress.cancel();
+        });
+        EXPECT_FALSE(illuminate(card, medium, {}, {}, {.method = Method::spao}, never, progress));
+        EXPECT_EQ(reports, 0);
+    }
+}
