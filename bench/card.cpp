@@ -3,6 +3,7 @@
 
 #include "cuda/stream.h"
 #include "turntable.h"
+#include "words.h"
 
 namespace chiaro::bench {
 namespace {
@@ -54,10 +55,10 @@ public:
     }
     /// Of the last frame, the ray caster's part, with the frame on its way to the host.
     double raycast_ms() const { return stage_ms("raycast"); }
-    /// Of a frame whose light is found again, the steps whose names begin so, with what travels to and from the card.
-    double light_ms(const std::string& steps) {
-        auto& factor = scene_.illumination.spao.normal_factor;
-        factor = factor == 1 ? 0.99 : 1;
+    /// Of a frame after an edit of the transfer function, the steps whose names begin so, with what travels to and from
+    /// the card.
+    double edited_ms(const std::string& steps) {
+        scene_.transfer.opacity_scale = scene_.transfer.opacity_scale == 1 ? 0.99 : 1;
         session_.render(scene_, progress_);
         return stage_ms(steps);
     }
@@ -102,14 +103,26 @@ std::vector<Row> measure_scene(const Setup& setup, const std::vector<std::string
     return rows;
 }
 
-std::vector<Row> measure_light(const Setup& setup, const std::string& name, const std::string& scene_name) {
+/// One of the steps that an edit brings about.
+std::vector<Row> measure_edit(const Setup& setup, const std::string& name, const std::string& scene_name,
+                              const std::string& steps) {
     auto scene = find_scene(setup, scene_name);
     if (!scene || !setup.device.has_card()) return {skipped(name, "ms", scene ? no_card : no_data)};
-    scene->illumination.method = Method::spao;
+    scene->illumination.method = steps == "spao" ? Method::spao : Method::none;
     Turning turning(setup, *scene);
     const auto series = in_turns(
-        setup.runs, {[&] { return turning.light_ms("spao"); }, [&] { return pass_ms(setup, turning.voxel_bytes()); }});
+        setup.runs, {[&] { return turning.edited_ms(steps); }, [&] { return pass_ms(setup, turning.voxel_bytes()); }});
     return {{name, "ms", spread_of(series[0]), median_ratio(series[0], series[1]), "a pass over the voxels"}};
+}
+
+/// The table that an edit renews for local histograms.
+std::vector<Row> measure_words(const Setup& setup, const std::string& name) {
+    if (!setup.device.has_card()) return {skipped(name, "ms", no_card)};
+    const RandomWords words(setup);
+    words.sum(setup.device);  // the words go up once
+    const auto series = in_turns(setup.runs, {[&] { return 1e3 * wall_seconds([&] { words.sum(setup.device); }); },
+                                              [&] { return pass_ms(setup, words.bytes()); }});
+    return {{name, "ms", spread_of(series[0]), median_ratio(series[0], series[1]), "a pass over the words"}};
 }
 
 void add_scene(const Setup& setup, const std::string& scene, Method method, std::vector<Case>& cases) {
@@ -123,10 +136,13 @@ void add_scene(const Setup& setup, const std::string& scene, Method method, std:
 std::vector<Case> card_cases(const Setup& setup) {
     const std::vector<std::string> memory{"card/copy", "card/upload", "card/download"};
     std::vector<Case> cases{{memory, [=, &setup] { return measure_memory(setup, memory); }}};
+    cases.push_back({{"card/words"}, [&setup] { return measure_words(setup, "card/words"); }});
     for (const SceneText& text : scene_texts()) {
         for (const Method method : {Method::none, Method::reference}) add_scene(setup, text.name, method, cases);
-        const std::string light = fmt::format("card/light/{}/spao", text.name);
-        cases.push_back({{light}, [=, &setup] { return measure_light(setup, light, text.name); }});
+        for (const std::string steps : {"classify", "spao"}) {
+            const std::string name = fmt::format("card/edit/{}/{}", text.name, steps);
+            cases.push_back({{name}, [=, &setup] { return measure_edit(setup, name, text.name, steps); }});
+        }
     }
     return cases;
 }

@@ -6,6 +6,7 @@
 
 #include "classify/medium.h"
 #include "cuda_case.h"
+#include "illumination/histogram/optics.h"
 
 using namespace chiaro;
 using namespace chiaro::testing;
@@ -149,6 +150,31 @@ TEST_F(Cards, LocalHistogramsThatGlow) {
         EXPECT_EQ(difference(frames[1], frames[0], tolerance).pixels_beyond, 0) << glow;
         EXPECT_GT(mean_alpha(frames[0]), 0.02);
     }
+}
+
+TEST_F(Cards, SumTheWordsOfLocalHistograms) {
+    std::mt19937 random(3);
+    const auto h = std::make_shared<LocalHistograms>();
+    h->words = 37, h->stride = 112, h->binning.count = 100;
+    for (int i = 0; i < h->words * h->stride; ++i) h->shares.push_back(std::uint16_t(random()));
+    for (int w = 0; w < h->words; ++w) h->scale.push_back(1e-6f * float(1 + w));
+    BinOptics optics;
+    for (int j = 0; j < h->binning.count; ++j) {
+        optics.alpha.push_back(j < 20 || j > 70 ? 0 : float(random() % 100) / 100);
+        optics.rgb.push_back({float(j) / 100, 0.5f, 1});
+    }
+    const auto expected = word_sums(processor(), *h, optics), found = word_sums(card, *h, optics);
+    ASSERT_EQ(found.size(), 37u);
+    for (std::size_t w = 0; w < found.size(); ++w)
+        for (std::size_t c = 0; c < 4; ++c) {
+            EXPECT_GT(expected[w][c], 0);
+            EXPECT_NEAR(found[w][c], expected[w][c], tolerance * expected[w][c]);
+        }
+    const auto copied = card.stream->mirror()->copied_bytes();
+    EXPECT_EQ(copied, h->shares.size() * sizeof h->shares[0]);
+    optics.alpha[50] = 1;  // an edit brings only its weights
+    word_sums(card, *h, optics);
+    EXPECT_EQ(card.stream->mirror()->copied_bytes(), copied);
 }
 
 TEST_F(Cards, PathsThroughCloudsAndToSurfaces) {
