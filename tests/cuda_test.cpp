@@ -250,6 +250,28 @@ TEST_F(Cards, AreHandedOnlyWhatChanged) {
     EXPECT_EQ(copied(), second);  // another stream shares it
 }
 
+// Light that was found on the card is there for its rays.
+TEST_F(Cards, KeepTheLightThatTheyFound) {
+    const auto copied = [&] { return card.stream->mirror()->copied_bytes(); };
+    const Volume volume = shells_of<std::uint8_t>(40);
+    const Medium medium = classify(upload(card, volume), two_materials(), {});
+    Progress progress;
+    Frame frame(61, 47);
+    const auto show = [&](const IlluminationField& field) {
+        raycast(card, medium, field, {}, make_camera({}, volume.geometry, volume.dimensions), {}, frame, progress);
+    };
+    show({});
+    const auto before = copied();
+    IlluminationField field;
+    const auto keep = [&](IlluminationField found) { field = found; };
+    illuminate(card, medium, {}, {}, {.method = Method::spao}, keep, progress);
+    const auto after = copied();
+    EXPECT_GT(after, before);  // cells' opacities, two bytes each
+    EXPECT_LT(after - before, 2 * volume.voxels.size() + 100);
+    show(field);
+    EXPECT_EQ(copied(), after);
+}
+
 TEST_F(Cards, SessionsOfOneVolumeSideBySide) {
     Scene scene;
     scene.width = 61, scene.height = 47;

@@ -1,5 +1,6 @@
 // The same kernels as a card's threads call them: a cell each, of a whole grid or of many blocks side by side.
 #pragma once
+#include "illumination/cells/block_place.h"
 #include "illumination/spao/kernel.h"
 #include "illumination/spao/levels.h"
 #include "illumination/spao/stored.h"
@@ -13,17 +14,9 @@ struct GridTarget {
     std::int32_t count[3];
 };
 
-/// A block that is asked for, and what of it.
-struct SpaoPlace {
-    std::int32_t first[3];  ///< cell or corner
-    std::uint8_t pieces[SpaoTile::edge / 4][SpaoTile::edge / 4];
-
-    static constexpr int edge = SpaoTile::edge, cells = edge * edge * edge;
-};
-
 /// Blocks whose tiles are in memory at the same time.
 struct SpaoBatch {
-    const SpaoPlace* places;
+    const BlockPlace* places;
     SpaoTile* tiles;
     OpacityGrid opacity;
     SpaoBlock block;       ///< but for its tile; `weight` from the grid's first corner on
@@ -33,7 +26,7 @@ struct SpaoBatch {
     /// The opacity of item i of [0, SpaoTile::size) of each block; beyond the grid nothing.
     CHIARO_INLINE void load(std::int64_t item) const {
         const std::int32_t i = std::int32_t(item % SpaoTile::size);
-        const SpaoPlace& place = places[item / SpaoTile::size];
+        const BlockPlace& place = places[item / SpaoTile::size];
         constexpr int row = SpaoTile::row, halo = SpaoTile::halo;
         tiles[item / SpaoTile::size].opacity[i] =
             opacity.at(place.first[0] - halo + i % row, place.first[1] - halo + i / row % row,
@@ -46,18 +39,18 @@ struct SpaoBatch {
         SpaoTile& tile = tiles[item / SpaoTile::size];
         tile.mean[level - 1][i] = halved((from_means ? tile.mean[0] : tile.opacity) + i);
     }
-    /// Item i of [0, SpaoPlace::cells): its answer.
+    /// Item i of [0, BlockPlace::cells): its answer.
     template <bool at_cells>
     CHIARO_INLINE void answer(std::int64_t item) const {
-        constexpr int edge = SpaoPlace::edge, halo = SpaoTile::halo;
-        const std::int32_t i = std::int32_t(item % SpaoPlace::cells), x = i % edge, y = i / edge % edge,
+        constexpr int edge = BlockPlace::edge, halo = SpaoTile::halo;
+        const std::int32_t i = std::int32_t(item % BlockPlace::cells), x = i % edge, y = i / edge % edge,
                            z = i / edge / edge;
-        const SpaoPlace& place = places[item / SpaoPlace::cells];
+        const BlockPlace& place = places[item / BlockPlace::cells];
         const std::int32_t gx = place.first[0] + x, gy = place.first[1] + y, gz = place.first[2] + z;
         if (gx >= to.nx || gy >= to.ny || gz >= to.nz) return;
         if (!(place.pieces[z / 4][y / 4] >> (x / SpaoTile::piece) & 1)) return;
         SpaoBlock its = block;
-        its.tile = tiles + item / SpaoPlace::cells;
+        its.tile = tiles + item / BlockPlace::cells;
         CoarseCorners around = coarse;
         around.z = gz;
         const std::int32_t in_tile = (z + halo) * SpaoTile::slice + (y + halo) * SpaoTile::row + halo + x;
@@ -69,13 +62,13 @@ struct SpaoBatch {
 /// Cells of blocks from stored levels.
 struct StoredBatch {
     StoredKernel kernel;
-    const SpaoPlace* places;
+    const BlockPlace* places;
     GridTarget to;
 
     CHIARO_INLINE void answer(std::int64_t item) const {
-        constexpr int edge = SpaoPlace::edge;
-        const std::int32_t i = std::int32_t(item % SpaoPlace::cells);
-        const SpaoPlace& place = places[item / SpaoPlace::cells];
+        constexpr int edge = BlockPlace::edge;
+        const std::int32_t i = std::int32_t(item % BlockPlace::cells);
+        const BlockPlace& place = places[item / BlockPlace::cells];
         const std::int32_t x = place.first[0] + i % edge, y = place.first[1] + i / edge % edge,
                            z = place.first[2] + i / edge / edge;
         if (x < to.count[0] && y < to.count[1] && z < to.count[2])

@@ -1,8 +1,8 @@
 #include "illumination/spao/card.h"
 
-#include <cstring>
 #include <optional>
 
+#include "illumination/cells/card.h"
 #include "illumination/spao/coarse.h"
 #include "illumination/spao/fused.h"
 #include "illumination/spao/launch_card.h"
@@ -14,64 +14,40 @@ namespace {
 using Shorts = cuda::Array<std::uint16_t>;
 using Cells = std::array<int, 3>;
 
-constexpr std::size_t together = 256;  ///< blocks: 8 million threads, 72 MB of tiles
-
 kernel::GridTarget target_of(std::uint16_t* to, const Cells& n) { return {to, n[0], n[0] * n[1], {n[0], n[1], n[2]}}; }
 
-/// What is asked for goes up, what is found out comes back.
+/// Opacities there, and what is found out of them.
 class CardAccess {
 public:
     CardAccess(const Device& device, const CellOpacity& opacity, Progress& progress)
         : stream_(*device.stream),
           progress_(progress),
           grid_(opacity.values.grid),
-          opacity_(stream_, grid_.size()),
-          access_(stream_, grid_.size()) {
-        stream_.upload(opacity_.data(), opacity.values.data(), grid_.size() * sizeof(std::uint16_t));
-        access_.zero();
-        stream_.wait();
-    }
+          opacity_(on_card(stream_, opacity.values)),
+          access_(stream_, grid_) {}
 
     cuda::Stream& stream() const { return stream_; }
     const Cells& count() const { return grid_.count; }
-    kernel::OpacityGrid opacity() const { return opacity_grid(grid_.count, opacity_.data()); }
+    kernel::OpacityGrid opacity() const { return opacity_grid(grid_.count, opacity_); }
     kernel::GridTarget target() const { return target_of(access_.data(), grid_.count); }
 
-    /// work(places, how many blocks they are), waiting after each.
     template <class Work>
     void for_blocks(const BlockMap& map, const Work& work) const {
-        std::vector<kernel::SpaoPlace> places;
-        for (const std::size_t b : map.held()) {
-            const auto [x, y, z] = map.at(b);
-            places.push_back({{x * block_edge, y * block_edge, z * block_edge}, {}});
-            std::memcpy(places.back().pieces, map.pieces_of(b).bits, sizeof places.back().pieces);
-        }
-        if (places.empty()) return;
-        const cuda::Array<kernel::SpaoPlace> on_card(stream_, places.size());
-        stream_.upload(on_card.data(), places.data(), places.size() * sizeof places[0]);
-        stream_.wait();
-        for (std::size_t first = 0; first < places.size(); first += together) {
-            work(on_card.data() + first, std::int64_t(std::min(together, places.size() - first)));
-            wait(double(first + together) / double(places.size()));
-        }
+        chiaro::for_blocks(stream_, map, "spao", progress_, work);
     }
     void wait(double share) const {
         stream_.wait();
-        progress_.report("spao", std::min(share, 1.0));
+        progress_.report("spao", share);
         progress_.check();
     }
-    CellValues fetch() const {
-        CellValues access(grid_);
-        stream_.download(access.data(), access_.data(), access_.size() * sizeof(std::uint16_t));
-        stream_.wait();
-        return access;
-    }
+    CellValues fetch() { return access_.fetch(); }
 
 private:
     cuda::Stream& stream_;
     Progress& progress_;
     const CellGrid grid_;
-    Shorts opacity_, access_;
+    const std::uint16_t* opacity_;
+    CardCells access_;
 };
 
 /// As CoarseGrid.
@@ -121,7 +97,7 @@ public:
         kernel::SpaoBatch batch = batch_on(g, grid.cells(), tiles);
         batch.block.weight = octants_ > 1 ? grid.weight.data() : nullptr;
         batch.to = grid.output(octants_);
-        access_.for_blocks(grid.needed, [&](const kernel::SpaoPlace* places, std::int64_t count) {
+        access_.for_blocks(grid.needed, [&](const kernel::BlockPlace* places, std::int64_t count) {
             batch.places = places;
             kernel::answer_corners(access_.stream(), batch, count);
         });
@@ -131,7 +107,7 @@ public:
         const kernel::GridTarget to = access_.target();
         kernel::SpaoBatch batch = batch_on(0, access_.opacity(), tiles);
         batch.to = {{to.to}, to.row, to.slice, to.count[0], to.count[1], to.count[2], nullptr};
-        access_.for_blocks(blocks_, [&](const kernel::SpaoPlace* places, std::int64_t count) {
+        access_.for_blocks(blocks_, [&](const kernel::BlockPlace* places, std::int64_t count) {
             batch.places = places;
             kernel::answer_cells(access_.stream(), batch, count);
         });
@@ -141,7 +117,7 @@ public:
     std::size_t most_together() const {
         std::size_t most = blocks_.held().size();
         for (const CardCoarse& grid : coarse_) most = std::max(most, grid.needed.held().size());
-        return std::clamp<std::size_t>(most, 1, together);
+        return std::clamp<std::size_t>(most, 1, blocks_together);
     }
 
 private:
@@ -225,7 +201,7 @@ private:
 
 CellValues fused_on_card(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
                          const BlockMap& blocks, Steps& steps, Progress& progress) {
-    const CardAccess access(device, opacity, progress);
+    CardAccess access(device, opacity, progress);
     CardSweep sweep(access, settings, blocks);
     steps("spao mipmaps", [&] { sweep.make_coarse_grids(); });
     const cuda::Array<kernel::SpaoTile> tiles(access.stream(), sweep.most_together());
@@ -238,7 +214,7 @@ CellValues fused_on_card(const Device& device, const CellOpacity& opacity, const
 
 CellValues stored_on_card(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
                           int mip_levels, const BlockMap& blocks, Steps& steps, Progress& progress) {
-    const CardAccess access(device, opacity, progress);
+    CardAccess access(device, opacity, progress);
     std::optional<CardLevels> levels;
     for (int level = 0; level <= settings.levels; ++level)
         steps(name_of_level(level), [&] {
@@ -252,7 +228,7 @@ CellValues stored_on_card(const Device& device, const CellOpacity& opacity, cons
         });
     return steps("spao combine", [&] {
         kernel::StoredBatch batch{stored_kernel(levels->view(), settings), nullptr, access.target()};
-        access.for_blocks(blocks, [&](const kernel::SpaoPlace* places, std::int64_t count) {
+        access.for_blocks(blocks, [&](const kernel::BlockPlace* places, std::int64_t count) {
             batch.places = places;
             kernel::answer_stored(access.stream(), batch, count);
         });

@@ -29,12 +29,12 @@ void answer_cells(cuda::Stream& stream, const SpaoBatch& batch, std::int64_t blo
     cuda::launch_items(stream, blocks * SpaoTile::size, LoadTiles{batch});
     cuda::launch_items(stream, blocks * SpaoTile::size, FindMeans{batch, 1, false});
     cuda::launch_items(stream, blocks * SpaoTile::size, FindMeans{batch, 2, true});
-    cuda::launch_items(stream, blocks * SpaoPlace::cells, Answer<true>{batch});
+    cuda::launch_items(stream, blocks * BlockPlace::cells, Answer<true>{batch});
 }
 void answer_corners(cuda::Stream& stream, const SpaoBatch& batch, std::int64_t blocks) {
     cuda::launch_items(stream, blocks * SpaoTile::size, LoadTiles{batch});
     cuda::launch_items(stream, blocks * SpaoTile::size, FindMeans{batch, 2, false});
-    cuda::launch_items(stream, blocks * SpaoPlace::cells, Answer<false>{batch});
+    cuda::launch_items(stream, blocks * BlockPlace::cells, Answer<false>{batch});
 }
 
 }  // namespace chiaro::kernel

@@ -38,7 +38,7 @@ template void fill_grid(cuda::Stream&, const CornerWeights&, const GridTarget&);
 template void fill_grid(cuda::Stream&, const NextNBuffer&, const GridTarget&);
 
 void answer_stored(cuda::Stream& stream, const StoredBatch& batch, std::int64_t blocks) {
-    cuda::launch_items(stream, blocks * SpaoPlace::cells, AnswerStored{batch});
+    cuda::launch_items(stream, blocks * BlockPlace::cells, AnswerStored{batch});
 }
 
 }  // namespace chiaro::kernel
