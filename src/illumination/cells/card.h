@@ -26,9 +26,10 @@ public:
         made_.zero();
     }
     std::uint16_t* data() const { return reinterpret_cast<std::uint16_t*>(made_.data()); }
-    /// Waits for them; the card keeps a copy, as a mirror of what is returned.
+    /// The card keeps a copy, as a mirror of what is returned.
     CellValues fetch() {
         stream_.download(values_.buffer.data(), made_.data(), made_.size());
+        stream_.wait();
         stream_.mirror()->keep(HostArray::of(values_.life, values_.buffer), made_.data(), stream_);
         return std::move(values_);
     }
