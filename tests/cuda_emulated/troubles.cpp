@@ -117,7 +117,7 @@ TEST_F(Cards, AreTimedByTheBench) {
     Progress progress;
     const bench::Setup setup{.device = card, .quick = true, .runs = 2, .progress = progress};
     std::vector<bench::Row> rows;
-    bench::run(setup, {{"card"}, "copy|upload|download|words|shells256-opaque.(none|spao)"},
+    bench::run(setup, {{"card"}, "copy|upload|download|words|shells256-opaque.(none|classify)"},
                [&](const bench::Row& row) { rows.push_back(row); });
     ASSERT_EQ(rows.size(), 7u);
     for (const bench::Row& row : rows) {
