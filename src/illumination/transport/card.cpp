@@ -125,50 +125,50 @@ kernel::SweptCells CardTransport::cells_of(const SweepAxes& axes) const {
     return cells;
 }
 
-/// Groups side by side, plane by plane; batches of a group one after the other. make_side(g, batch, is_first) tells all
-/// but what travels.
+/// Groups side by side, batches of a group one after the other. make_side(g, batch, is_first) tells all but what
+/// travels.
 template <class Batch, class MakeSide>
 void CardTransport::sweep(const std::vector<SweepGroup>& groups, const std::vector<std::vector<Batch>>& batches,
                           const MakeSide& make_side, const SweepTerms& terms, Progress& progress) {
-    using Side = decltype(make_side(0, batches[0][0], true));
-    std::size_t rounds = 0, room = 0, widest = 0;
-    std::int32_t steps = 0;
+    std::size_t rounds = 0, room = 0;
     HostArrays arrays;
     for (std::size_t g = 0; g < groups.size(); ++g) {
         const kernel::SweptCells of = cells_of(groups[g].axes);
-        rounds = std::max(rounds, batches[g].size()), steps = std::max(steps, of.steps);
-        widest = std::max(widest, std::size_t(of.nu) * of.nv),
-        room = std::max(room, std::size_t(of.pitch) * (of.nv + 2));
+        room = std::max(room, std::size_t(of.pitch) * (of.nv + 2) * terms.per_ray * Batch::Kernel::most_rays);
+        rounds = std::max(rounds, batches[g].size());
         for (const Batch& batch : batches[g]) batch.add_to(arrays);
     }
-    room *= std::size_t(terms.per_ray) * Batch::Kernel::most_rays;
-    std::vector<Side> all;
-    std::vector<std::size_t> ends{0};
-    cuda::Views views(*stream_, std::move(arrays));  // settles before `all` goes
+    std::vector<std::vector<decltype(make_side(0, batches[0][0], true))>> sides(rounds);
+    cuda::Views views(*stream_, std::move(arrays));  // settles before `sides` go
     const Numbers planes(*stream_, 2 * room * groups.size());
-    for (std::size_t round = 0; round < rounds; ++round) {
-        for (std::size_t g = 0; g < groups.size(); ++g) {
-            if (round >= batches[g].size()) continue;
-            Side& side = all.emplace_back(make_side(g, batches[g][round], round == 0));
+    for (std::size_t g = 0; g < groups.size(); ++g)
+        for (std::size_t round = 0; round < batches[g].size(); ++round) {
+            auto& side = sides[round].emplace_back(make_side(g, batches[g][round], round == 0));
             swap_pointers(views, side.kernel);
             side.cells.numbers = terms.per_ray * batches[g][round].count();
             side.cells.opaque.arriving = arriving_.data() + g * medium_.opaque.count() * kernel::cell_floats;
             for (std::size_t i = 0; i < 2; ++i) side.cells.planes[i] = planes.data() + (2 * g + i) * room;
         }
-        ends.push_back(all.size());
-    }
-    const cuda::Array<Side> on_card(*stream_, all.size());
-    stream_->upload(on_card.data(), all.data(), all.size() * sizeof all[0]);
     arriving_.zero();
     for (std::size_t round = 0; round < rounds; ++round) {
         run(planes.size(), kernel::FillKernel{planes.data(), terms.outside});
-        for (std::int32_t k = 0; k < steps; ++k)
-            run((ends[round + 1] - ends[round]) * widest,
-                kernel::SweepPlaneKernel<Side>{on_card.data() + ends[round], std::int32_t(widest), k});
-        stream_->wait();
+        pass_planes(sides[round]);
         progress.report(terms.stage, double(round + 1) / double(rounds));
         progress.check();
     }
+}
+
+/// Plane by plane, waiting at the end.
+template <class Side>
+void CardTransport::pass_planes(const std::vector<Side>& sides) {
+    const cuda::Array<Side> on_card(*stream_, sides.size());
+    stream_->upload(on_card.data(), sides.data(), sides.size() * sizeof sides[0]);
+    std::int32_t widest = 0, steps = 0;
+    for (const Side& side : sides)
+        widest = std::max(widest, side.cells.nu * side.cells.nv), steps = std::max(steps, side.cells.steps);
+    for (std::int32_t k = 0; k < steps; ++k)
+        run(sides.size() * std::size_t(widest), kernel::SweepPlaneKernel<Side>{on_card.data(), widest, k});
+    stream_->wait();
 }
 
 void CardTransport::find_first(const FirstDirections& first, Progress& progress) {

@@ -42,6 +42,8 @@ private:
     template <class Batch, class MakeSide>
     void sweep(const std::vector<SweepGroup>& groups, const std::vector<std::vector<Batch>>& batches,
                const MakeSide& make_side, const SweepTerms& terms, Progress& progress);
+    template <class Side>
+    void pass_planes(const std::vector<Side>& sides);
     template <class Kernel>
     void run(std::size_t count, const Kernel& kernel) const;
 
