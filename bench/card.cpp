@@ -1,7 +1,10 @@
 // A card: what its memory gives, and frames on it by the clock on the wall, against one pass over the voxels there.
+#include <chiaro/samples.h>
 #include <fmt/format.h>
 
-#include "cuda/stream.h"
+#include "classify/medium.h"
+#include "illumination/transport/card.h"
+#include "illumination/transport/solver.h"
 #include "turntable.h"
 #include "words.h"
 
@@ -131,12 +134,42 @@ void add_scene(const Setup& setup, const std::string& scene, Method method, std:
     cases.push_back({names, [=, &setup] { return measure_scene(setup, names, scene, method); }});
 }
 
+/// Light in a box with walls: that not yet scattered, of 200 directions, and an iteration of 24.
+std::vector<Row> measure_transport(const Setup& setup, const std::vector<std::string>& names) {
+    std::vector<Row> rows;
+    if (!setup.device.has_card()) {
+        for (const auto& name : names) rows.push_back(skipped(name, "ms", no_card));
+        return rows;
+    }
+    const int size = setup.quick ? 24 : 128;
+    const Device& device = setup.device;
+    const Medium medium =
+        classify(upload(device, make_sample("cornell", size)), sample_transfer_function("cornell"), Shape{});
+    const Vec3 up{0, 0, 1};
+    const LightGrid grid = light_grid(medium.data(), size, 0.9, device, setup.progress);
+    const OpaqueCells opaque(grid, opaque_from);
+    const SweptMedium swept(grid, opaque);
+    const FirstDirections directions(Lighting(), up, medium.data().volume.data().geometry, 200);
+    const Colour albedo = colour(swept.lattices.along_x);
+    const auto first = [&] { CardTransport(device, swept, albedo).start(device, directions, setup.progress); };
+    TransportSolver solver(device, medium.data(), {}, {.grid = size, .error = 1e-9}, {}, up, setup.progress);
+    const auto iteration = [&] { solver.iterate(setup.progress); };
+    const auto series =
+        in_turns(setup.runs, {[&] { return 1e3 * wall_seconds(first); }, [&] { return 1e3 * wall_seconds(iteration); },
+                              [&] { return pass_ms(setup, grid.extinction.grid.size() * sizeof(float[3])); }});
+    for (std::size_t i = 0; i < names.size(); ++i)
+        rows.push_back({names[i], "ms", spread_of(series[i]), median_ratio(series[i], series[2]), "a pass over J"});
+    return rows;
+}
+
 }  // namespace
 
 std::vector<Case> card_cases(const Setup& setup) {
     const std::vector<std::string> memory{"card/copy", "card/upload", "card/download"};
     std::vector<Case> cases{{memory, [=, &setup] { return measure_memory(setup, memory); }}};
     cases.push_back({{"card/words"}, [&setup] { return measure_words(setup, "card/words"); }});
+    const std::vector<std::string> transport{"card/transport/first", "card/transport/iteration"};
+    cases.push_back({transport, [=, &setup] { return measure_transport(setup, transport); }});
     for (const SceneText& text : scene_texts()) {
         for (const Method method : {Method::none, Method::reference}) add_scene(setup, text.name, method, cases);
         for (const std::string steps : {"classify", "spao"}) {

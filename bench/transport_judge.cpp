@@ -80,9 +80,11 @@ Rgb light_at(const TransportNodes& nodes, Vec3 p, bool in_matter) {
 }
 
 /// As pictures of particles look it up.
-Rgb shown_at(const ShownLight& shown, Vec3 p) {
-    const kernel::ScatteredLight scattered{.on = true};
-    const auto light = scattered.incident<float>(shown.view, {{float(p.x), float(p.y), float(p.z)}, 0}, {}).diffuse;
+Rgb shown_at(const ShownLight& shown, Vec3 p, double depth_of_voxel) {
+    const kernel::ScatteredLight scattered{.on = true, .skins = shown.skins_view};
+    kernel::SamplePoint<float> sample{{float(p.x), float(p.y), float(p.z)}, 0};
+    sample.solid = float(std::clamp(depth_of_voxel - 0.5, 0.0, 1.0));
+    const auto light = scattered.incident<float>(shown.view, sample, {}).diffuse;
     return {light.x, light.y, light.z};
 }
 
@@ -173,7 +175,7 @@ Rgb TransportJudge::light_along(const ShownLight& shown, Vec3 eye, Vec3 directio
         const double passed = std::exp(-length * entry.extinction_per_mm), share = clear * (1 - passed);
         const double most = std::max({entry.r, entry.g, entry.b});
         const double cap = most > which_.albedo ? which_.albedo / most : 1;
-        const Rgb j = shown_at(shown, p);
+        const Rgb j = shown_at(shown, p, entry.extinction_per_mm * geometry.smallest_spacing_mm());
         light[0] += share * cap * entry.r * j[0], light[1] += share * cap * entry.g * j[1];
         light[2] += share * cap * entry.b * j[2], clear *= passed;
     }

@@ -7,6 +7,7 @@
 #include "classify/medium.h"
 #include "cuda_case.h"
 #include "illumination/histogram/optics.h"
+#include "illumination/transport/solver.h"
 
 using namespace chiaro;
 using namespace chiaro::testing;
@@ -125,6 +126,116 @@ TEST_F(Cards, OccludeBlocksOfEverySort) {
     Shot shot = shaded();  // only pieces of blocks are seen
     light.spao.filter = SpaoFilter::automatic;
     expect_same(shot, shells_of<std::uint8_t>(70), light);
+}
+
+namespace {
+
+struct Transported {
+    TransferFunction tf = two_materials();
+    Lighting lighting;
+    TransportSettings settings{.grid = 30};
+    ScatteringSettings scattering;
+
+    /// Some iterations, and some of a solver that starts from that.
+    TransportNodes by(const Device& device, const Volume& volume, int iterations) const {
+        Progress progress;
+        const Medium medium = classify(upload(device, volume), tf, {});
+        TransportSolver first = solver(device, medium, nullptr);
+        for (int i = 0; i < iterations; ++i) first.iterate(progress);
+        TransportSolver second = solver(device, medium, &first);
+        for (int i = 0; i < iterations; ++i) second.iterate(progress);
+        return second.nodes();
+    }
+    TransportSolver solver(const Device& device, const Medium& medium, const TransportSolver* warm) const {
+        Progress progress;
+        return {device, medium.data(), lighting, settings, scattering, {0, 0, 1}, progress, warm};
+    }
+};
+
+/// Shells that nothing passes through.
+TransferFunction walls() {
+    TransferFunction tf;
+    tf.points = {{0, {0, 0, 0}, 0}, {100, {0.9, 0.6, 0.3}, 0}, {101, {0.9, 0.6, 0.3}, 0.999}, {255, {0.3, 0.9, 1}, 1}};
+    return tf;
+}
+
+Probe with_a_sun() {
+    std::vector<float> rgb(3 * 64 * 128, 0.1f);
+    for (int x = 0; x < 4; ++x)
+        rgb[std::size_t(3 * (128 * 20 + x))] = 1000, rgb[std::size_t(3 * (128 * 20 + x) + 2)] = 500;
+    return {128, 64, rgb};
+}
+
+double difference_of(const std::vector<float>& a, const std::vector<float>& b) {
+    EXPECT_EQ(a.size(), b.size());
+    double worst = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) worst = std::max(worst, std::abs(double(a[i]) - b[i]));
+    return worst;
+}
+
+void expect_same_transport(const Device& card, const Transported& scene, const Volume& volume) {
+    const TransportNodes expected = scene.by(processor(), volume, 3), found = scene.by(card, volume, 3);
+    EXPECT_LE(difference_of(found.light, expected.light), tolerance);
+    EXPECT_LE(difference_of(found.moment, expected.moment), tolerance);
+    EXPECT_LE(difference_of(found.answer, expected.answer), tolerance);
+    EXPECT_NEAR(found.change, expected.change, tolerance);
+    EXPECT_EQ(found.iterations, expected.iterations);
+    EXPECT_GT(expected.change, 0);
+    EXPECT_GT(difference_of(expected.light, std::vector<float>(expected.light.size(), 1)), 0.1);
+}
+
+}  // namespace
+
+TEST_F(Cards, TransportToTheSameNodes) {
+    const Volume volume = shells_of<std::uint8_t>(30);  // no two of its edges alike
+    Transported scene;
+    const auto has_opaque_cells = [&] { return !scene.by(card, volume, 0).answer.empty(); };
+    expect_same_transport(card, scene, volume);
+    scene.tf = walls();
+    EXPECT_TRUE(has_opaque_cells());
+    expect_same_transport(card, scene, volume);
+    scene.scattering.bounces.most = 3;
+    expect_same_transport(card, scene, volume);
+    EXPECT_FALSE(has_opaque_cells());
+    scene.scattering = {.albedo_max = 0.99, .anisotropy = 0.5};
+    scene.tf = constant(0.03, {0.9, 0.5, 0.2});
+    expect_same_transport(card, scene, volume);
+    EXPECT_FALSE(has_opaque_cells());
+}
+
+TEST_F(Cards, TransportOfEveryProbe) {
+    const Volume volume = shells_of<std::uint8_t>(16);
+    Transported scene{.settings = {.grid = 20}};
+    for (const bool is_walled : {false, true})
+        for (const Probe& probe : {load_probe("sky"), load_probe("studio"), with_a_sun()}) {
+            scene.tf = is_walled ? walls() : two_materials();
+            scene.lighting.loaded_probe = probe;
+            expect_same_transport(card, scene, volume);
+        }
+}
+
+TEST_F(Cards, TransportInFewDirectionsAndInMany) {
+    const Volume volume = shells_of<std::uint8_t>(24);
+    Transported scene{.settings = {.grid = 14, .directions = 4, .first_directions = 3}};  // no light from some sides
+    expect_same_transport(card, scene, volume);
+    scene.tf = walls();
+    expect_same_transport(card, scene, volume);
+    scene.settings.directions = 90, scene.settings.first_directions = 600;  // more than are swept at once
+    expect_same_transport(card, scene, volume);
+}
+
+TEST_F(Cards, TransportStopsWhenCancelledAndGoesOn) {
+    const Volume volume = shells_of<std::uint8_t>(24);
+    const Medium medium = classify(upload(card, volume), two_materials(), {});
+    TransportSolver cancelled = Transported().solver(card, medium, nullptr);
+    TransportSolver through = Transported().solver(card, medium, nullptr);
+    Progress progress;
+    Progress cancelling([&](std::string_view, double) { cancelling.cancel(); });
+    cancelled.iterate(progress), through.iterate(progress);
+    EXPECT_THROW(cancelled.iterate(cancelling), Error);
+    EXPECT_EQ(cancelled.iterations(), 1);
+    cancelled.iterate(progress), through.iterate(progress);
+    EXPECT_EQ(cancelled.nodes().light, through.nodes().light);
 }
 
 TEST_F(Cards, LocalHistogramsThatGlow) {

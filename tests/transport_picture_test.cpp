@@ -27,9 +27,11 @@ TransportNodes row_of_nodes(const std::vector<float>& light, const std::vector<f
     return nodes;
 }
 
-kernel::Vec3<float> light_at(const ShownLight& shown, float x) {
-    const kernel::ScatteredLight scattered{.on = true};
-    return scattered.incident<float>(shown.view, {{x, 0, 0}, 0}, {}).diffuse;
+kernel::Vec3<float> light_at(const ShownLight& shown, float x, float solid = 0) {
+    const kernel::ScatteredLight scattered{.on = true, .skins = shown.skins_view};
+    kernel::SamplePoint<float> sample{{x, 0, 0}, 0};
+    sample.solid = solid;
+    return scattered.incident<float>(shown.view, sample, {}).diffuse;
 }
 
 Frame picture(const Volume& volume, const Shot& shot, const TransportSettings& settings = {.grid = 40}) {
@@ -81,6 +83,21 @@ TEST(TransportPicture, NodesWeighAsTheirMatter) {
             EXPECT_NEAR(j.z, expected / 4, 1.5e-3 * expected / 4);
         }
     }
+}
+
+/// A cell that matter fills in part, beside opaque ones: thin samples read its own light, solid ones what a half space
+/// answers to the light before it, others what lies between.
+TEST(TransportPicture, SolidSamplesReadTheLightOfSurfaces) {
+    TransportNodes nodes = row_of_nodes({0.4f, 0.4f, 0.1f, 0.6f, 0.6f}, {1, 1, 0.5f, 1e-6f, 1e-6f});
+    nodes.answer.assign(15, 0);
+    for (int c = 0; c < 3; ++c) nodes.answer[3 + c] = 0.42f;
+    const TransportLight light(Device::cpu(), std::move(nodes), 1, {9, 9, 9});
+    const auto shown = light.shown(Look::particles, upright);
+    const float thin = light_at(*shown, 2).x, solid = light_at(*shown, 2, 1).x;
+    EXPECT_NEAR(thin, 0.1, 1e-4);
+    EXPECT_NEAR(solid, 0.42 * 0.475, 2e-3);  // .5² of its own light, the rest of the air's: .1 / 4 + 3 × .6 / 4
+    EXPECT_NEAR(light_at(*shown, 2, 0.25f).x, thin + 0.25f * (solid - thin), 1e-5);
+    EXPECT_EQ(light.shown(Look::flat, upright)->skins_view, nullptr);
 }
 
 /// E = J (1 + |b · n|) of half spaces of two colours: the irradiance of the upper one.

@@ -84,6 +84,12 @@ bool done_on_card(const Device& device, const Work& work) {
     }
 }
 
+/// Nothing that is still copied goes before the copy is done, also when something fails.
+struct Settled {
+    Stream& stream;
+    ~Settled() { stream.settle(); }
+};
+
 /// An owned array on a card, for the work of one stream.
 template <class T>
 class Array {

@@ -20,6 +20,7 @@ struct SamplePoint {
     F highlight{0};                     ///< (n · h)^shininess
     F rise{0};                          ///< ∇f · l of unit vectors: > 0 where values rise towards the light
     Vec3<F> outward{F(0), F(0), F(0)};  ///< n, unit, world; 0 where there is no gradient
+    F solid{0};                         ///< 0 up to an optical depth of 1/2 over a voxel's edge, 1 from 3/2 on
 };
 
 template <class F>

@@ -8,6 +8,16 @@
 
 namespace chiaro::kernel {
 
+/// How solid matter is by the opacity of a step.
+struct SolidView {
+    float from, slope;
+
+    template <class F>
+    CHIARO_INLINE F of(F alpha) const {
+        return min(max((alpha - F(from)) * F(slope), F(0)), F(1));
+    }
+};
+
 template <class Voxel, class Field>
 struct Matter {
     VolumeView<Voxel> volume;
@@ -18,6 +28,7 @@ struct Matter {
     Field field;
     float cutoff;     ///< a ray ends below this transmittance
     float cut_alpha;  ///< a cut through more opaque matter shows the plane's normal
+    SolidView solid;
     bool skip_empty;
 
     static constexpr bool modulates = Field::modulates, adds_opacity = Field::adds_opacity;

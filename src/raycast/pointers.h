@@ -18,7 +18,7 @@ template <class Views>
 void swap_pointers(Views& views, kernel::VisibilityView& view) {
     views.swap(view.light.nodes);
     if (!view.surface.entries) view.harmonics.nodes = nullptr;  // not read
-    views.swap(view.harmonics.nodes, view.surface.entries, view.scattered.turned);
+    views.swap(view.harmonics.nodes, view.surface.entries, view.scattered.turned, view.scattered.skins);
 }
 template <class Views>
 void swap_pointers(Views& views, kernel::HistogramView& view) {

@@ -90,6 +90,11 @@ kernel::ClipView clip_view(const Clip& clip, const Geometry& geometry, const std
     return view;
 }
 
+kernel::SolidView solid_view(double step_voxels) {
+    const double from = -std::expm1(-0.5 * step_voxels), to = -std::expm1(-1.5 * step_voxels);
+    return {float(from), float(1 / std::max(to - from, 1e-6))};
+}
+
 kernel::SurfacesView surfaces_view(const Medium::Data& medium, bool backwards, std::optional<double> albedo_limit) {
     const DeviceVolume::Data& volume = medium.volume.data();
     std::vector<IsoSurface> surfaces = medium.shape.iso;

@@ -40,6 +40,8 @@ kernel::StepTableView step_table_view(const OpticalTable& table, const RayTables
 kernel::SegmentTableView segment_table_view(const SegmentTable& table);
 
 kernel::ClipView clip_view(const Clip& clip, const Geometry& geometry, const std::array<int, 3>& dimensions);
+/// By steps of so many smallest voxel edges.
+kernel::SolidView solid_view(double step_voxels);
 kernel::SurfacesView surfaces_view(const Medium::Data& medium, bool backwards, std::optional<double> albedo_limit = {});
 
 /// Everything but the voxels' type and the field: the members that all kernels share.
@@ -63,6 +65,7 @@ kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, cons
                    .field = field,
                    .cutoff = float(settings.early_termination),
                    .cut_alpha = float(1 - std::exp2(-settings.step_voxels)),  // ½ over one voxel
+                   .solid = solid_view(settings.step_voxels),
                    .skip_empty = settings.skip_empty},
         .camera = camera_view(camera, volume.geometry, frame.width, frame.height),
         .frame = {reinterpret_cast<kernel::Rgba*>(frame.rgba.data()), frame.width},

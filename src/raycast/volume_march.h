@@ -85,8 +85,10 @@ CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& 
     if (!any(visible)) return;
     // The first half step behind a cut through solid matter has the plane's normal.
     const Cut<F> solid{cut.normal, Mask<F>(cut.open & (k < F(0.5f)) & (alpha > F(matter.cut_alpha)))};
+    SamplePoint<F> sample{p, c.value};
+    sample.solid = matter.solid.of(alpha);
     shorten_last(lattice, visible & (k >= lattice.full), c.colour, alpha);
-    matter.light(at, solid, {p, c.value}, c.colour);
+    matter.light(at, solid, sample, c.colour);
     if (glows) {
         c.colour = accumulate(c.colour, F(1), glow);
         alpha = alpha + alpha_of(glow);

@@ -117,7 +117,10 @@ cudaError_t cudaStreamDestroy(cudaStream_t stream) {
 }
 cudaError_t cudaStreamSynchronize(cudaStream_t stream) {
     const std::lock_guard lock(guard);
-    for (const auto& work : std::exchange(stream->work, {})) work();
+    if (!stream->work.empty()) {
+        const Opened opened;
+        for (const auto& work : std::exchange(stream->work, {})) work();
+    }
     return told(std::exchange(cuda_emulated::card().next_wait, cudaSuccess));
 }
 
@@ -155,19 +158,13 @@ cudaError_t cudaMemcpyAsync(void* to, const void* from, std::size_t bytes, cudaM
     if ((!up && !is_on_card(from, bytes)) || (!down && !is_on_card(to, bytes)))
         end("a copy that leaves the card's memory");
     if (up) cuda_emulated::card().uploaded_bytes += bytes;
-    later(stream, [=] {
-        const Opened opened;
-        std::memcpy(to, from, bytes);
-    });
+    later(stream, [=] { std::memcpy(to, from, bytes); });
     return cudaSuccess;
 }
 cudaError_t cudaMemsetAsync(void* memory, int value, std::size_t bytes, cudaStream_t stream) {
     const std::lock_guard lock(guard);
     if (!is_on_card(memory, bytes)) end("zeros beyond the card's memory");
-    later(stream, [=] {
-        const Opened opened;
-        std::memset(memory, value, bytes);
-    });
+    later(stream, [=] { std::memset(memory, value, bytes); });
     return cudaSuccess;
 }
 
@@ -204,7 +201,6 @@ void start(void* stream, dim3 grid, dim3 block, std::function<void()> thread) {
     }
     ++card().launches;
     later(static_cast<cudaStream_t>(stream), [=] {
-        const Opened opened;
         gridDim = grid, blockDim = block;
         for (unsigned b = 0; b < grid.x * grid.y * grid.z; ++b) {
             blockIdx = dim3(b % grid.x, b / grid.x % grid.y, b / grid.x / grid.y);

@@ -3,6 +3,7 @@
 
 #include "bench.h"
 #include "cuda_case.h"
+#include "illumination/transport/solver.h"
 
 using namespace chiaro;
 using namespace chiaro::testing;
@@ -93,6 +94,41 @@ TEST_F(TroubledCards, GiveWayWhereverMemoryEnds) {
     }
 }
 
+TEST_F(TroubledCards, GiveWayBeforeAnIterationAndWithinOne) {
+    const Volume volume = shells_of<std::uint8_t>(24);
+    const Medium medium = classify(upload(processor(), volume), two_materials(), {});
+    Progress progress;
+    const auto solved = [&](const Device& device, std::size_t room, std::size_t room_later) {
+        const auto set = [](std::size_t more) {
+            cuda_emulated::card().memory_bytes = cuda_emulated::card().held_bytes + more;
+        };
+        set(room);
+        TransportSolver solver(device, medium.data(), {}, {.grid = 30}, {}, {0, 0, 1}, progress);
+        solver.iterate(progress);
+        set(room_later);
+        for (int i = 0; i < 2; ++i) solver.iterate(progress);
+        set(std::size_t(1) << 30);
+        return solver.nodes();
+    };
+    const std::size_t all = std::size_t(1) << 30;
+    const TransportNodes expected = solved(processor(), all, all);
+    int gave_way = 0;
+    for (const auto& [room, later] : {std::pair(all, all),
+                                      {all, std::size_t(1000)},
+                                      {std::size_t(1) << 20, all},
+                                      {std::size_t(5) << 20, all},
+                                      {std::size_t(1000), all}}) {
+        cuda_emulated::card().memory_bytes = std::size_t(4) << 30;
+        const Device device = choose_device(processor()).device;
+        const TransportNodes found = solved(device, room, later);
+        EXPECT_EQ(found.light, expected.light) << room << ", " << later;
+        EXPECT_EQ(found.moment, expected.moment);
+        EXPECT_EQ(found.change, expected.change);
+        gave_way += !device.note().empty();
+    }
+    EXPECT_EQ(gave_way, 4);
+}
+
 TEST_F(TroubledCards, ThatAreLostAreTold) {
     Shot shot = shaded();
     shot.device = card;
@@ -117,9 +153,9 @@ TEST_F(Cards, AreTimedByTheBench) {
     Progress progress;
     const bench::Setup setup{.device = card, .quick = true, .runs = 2, .progress = progress};
     std::vector<bench::Row> rows;
-    bench::run(setup, {{"card"}, "copy|upload|download|words|shells256-opaque.(none|classify)"},
+    bench::run(setup, {{"card"}, "copy|upload|download|words|transport|shells256-opaque.(none|classify)"},
                [&](const bench::Row& row) { rows.push_back(row); });
-    ASSERT_EQ(rows.size(), 7u);
+    ASSERT_EQ(rows.size(), 9u);
     for (const bench::Row& row : rows) {
         EXPECT_EQ(row.value.runs, 2) << row.name << row.note;
         EXPECT_GT(row.value.min, 0) << row.name;

@@ -16,7 +16,9 @@ struct ScatteredLight {
 
     bool on = false;
     const Light16* turned =
-        nullptr;            ///< [node][4]: (b / most + 1) w / 2, world; nullptr: no light by the sample's normal
+        nullptr;  ///< [node][4]: (b / most + 1) w / 2, world; nullptr: no light by the sample's normal
+    const Light16* skins =
+        nullptr;            ///< [node][4]: as the light, where matter is solid by itself; nullptr: as elsewhere
     float shown = 1;        ///< strength and exposure
     Float3 clear{0, 0, 0};  ///< added: what strength leaves of light that nothing stops
     float share = 0;        ///< of the light that highlights may show
@@ -35,6 +37,13 @@ struct ScatteredLight {
             const Vec3<F> b{mad(t.a, scale, F(-most)), mad(t.b, scale, F(-most)), mad(t.c, scale, F(-most))};
             shining = min(max(F(0.5f) * dot(b, Vec3<F>(shading.to_light)), F(0)), F(share)) * sample.highlight;
             e = (F(1) + abs(dot(b, sample.outward))) * e;
+        }
+        if (skins && any(sample.solid > F(0))) {
+            const Four<F> s = light.four(skins, place);
+            const F whole = F(1) / max(s.d, F(1e-20f));
+            const Vec3<F> skin{s.a * whole * F(light.scale.x), s.b * whole * F(light.scale.y),
+                               s.c * whole * F(light.scale.z)};
+            e = mad(sample.solid, skin - e, e);
         }
         e = mad(F(shown), e, Vec3<F>(clear));
         return {e, Vec3<F>(shining * e.x * F(shading.specular.x), shining * e.y * F(shading.specular.y),

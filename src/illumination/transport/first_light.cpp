@@ -6,6 +6,7 @@
 #include "core/srgb.h"
 #include "core/threads.h"
 #include "illumination/sh/directions.h"
+#include "illumination/transport/batches.h"
 #include "illumination/transport/launch.h"
 #include "illumination/visibility/sweep.h"
 
@@ -14,53 +15,10 @@ namespace {
 
 using Kernel = kernel::FirstSweepKernel;
 using Sums = std::array<LatticeField, Kernel::sums>;
-using Arriving = LatticeField;  ///< [cell][face][4]
+using Arriving = std::span<float>;  ///< [cell][face][4]
 
 /// Deeper cells let no more through than this one does, 2e-9; what the kernels raise two to stays above -126.
 constexpr float most_depth = 20;
-
-constexpr std::size_t floats_per_cell = 4 * OpaqueCells::faces;
-
-struct Basis {
-    float of[8];
-};
-
-/// What a ray of T = 1 adds: J, first moment of luminance; twice what its (in + out) is multiplied by.
-Basis basis_of(const IncidentRay& ray, Vec3 direction) {
-    Basis basis{};
-    double y = 0;
-    for (int c = 0; c < 3; ++c) {
-        basis.of[c] = float(0.5 * ray.light[c]);
-        y += luminance_weights[c] * ray.light[c];
-    }
-    for (int axis = 0; axis < 3; ++axis) basis.of[3 + axis] = float(0.5 * y * direction[axis]);
-    return basis;
-}
-
-/// A batch and what its kernel reads beside the rays.
-struct FirstBatch : SweepBatch {
-    std::vector<Basis> basis;
-    std::vector<float> per_share, on_faces;
-
-    FirstBatch(SweepBatch batch, const std::vector<Vec3>& all, const IncidentLight& incident)
-        : SweepBatch(std::move(batch)), per_share(std::size_t(kernel::OctantRays::patterns) * Kernel::most_rays) {
-        std::vector<float> weights;
-        for (std::size_t r = 0; r < rays.size(); ++r) {
-            const auto direction = std::size_t(directions[r]);
-            basis.push_back(basis_of(incident.rays[direction], all[direction]));
-            weights.push_back(float(0.5 * incident.rays[direction].share));
-            for (int axis = 0; axis < 3; ++axis) {
-                for (int c = 0; c < 3; ++c) on_faces.push_back(cosines[r][axis] * basis[r].of[c]);
-                on_faces.push_back(0);
-            }
-            on_faces.resize(on_faces.size() + 4);
-            for (int pattern = 0; pattern < kernel::OctantRays::patterns; ++pattern)
-                if (const float share = open_share(int(r), pattern); share >= kernel::least_open)
-                    per_share[std::size_t(pattern) * Kernel::most_rays + r] = 1 / share;
-        }
-        weigh(weights);
-    }
-};
 
 /// All directions of one group, in batches whose planes stay in the cache.
 class GroupSweep {
@@ -73,10 +31,10 @@ public:
           incident_(incident),
           progress_(progress) {}
 
-    void operator()(const SweepGroup& group, Sums& sums, Arriving& arriving) const {
+    void operator()(const SweepGroup& group, Sums& sums, Arriving arriving) const {
         const Lattice& lattice = medium_.lattices.of(group.axes);
         for (auto& field : sums) field = lattice.unset_field();
-        arriving.assign(medium_.opaque.count() * floats_per_cell, 0);
+        std::fill(arriving.begin(), arriving.end(), 0.0f);
         TravellingPlanes planes(lattice.count()[group.axes.u], lattice.count()[group.axes.v], Kernel::most_rays);
         bool is_first = true;
         for (SweepBatch& batch : sweep_batches(directions_, group, Kernel::most_rays, planes.field(), medium_.opaque)) {
@@ -87,22 +45,14 @@ public:
 
 private:
     void sweep(const SweepAxes& axes, const FirstBatch& batch, bool is_first, TravellingPlanes& planes, Sums& sums,
-               Arriving& arriving) const {
+               Arriving arriving) const {
         const Lattice& lattice = medium_.lattices.of(axes);
-        const int count = int(batch.rays.size());
-        planes.start(count, 1);
+        Kernel kernel = batch.kernel(is_first);
+        planes.start(batch.count(), 1);
         for_each_row(
             lattice, axes, medium_.opaque, nullptr, arriving.data(), progress_, planes,
             [&](const kernel::SweepPlane& plane, const SweptRow& row) {
-                const Kernel kernel{batch.rays.data(),
-                                    batch.basis[0].of,
-                                    batch.octants.data(),
-                                    std::int32_t(batch.octants.size()),
-                                    batch.per_share.data(),
-                                    batch.on_faces.data(),
-                                    count,
-                                    is_first,
-                                    plane};
+                kernel.plane = plane;
                 kernel::FirstSweepRow to{
                     planes.place(row.v), lattice.count()[axes.u], medium_.extinction.of(axes) + row.at, {}, row.opaque};
                 ask_for(row.opaque, batch.octants), ask_for(medium_.extinction.of(axes) + row.next, to.count);
@@ -144,6 +94,7 @@ void add_up(const Device& device, const Lattices& lattices, const std::vector<Sw
     for (auto& channel : light.moment)
         for (auto& field : channel) field = along_x.unset_field();
     const std::size_t slice = std::size_t(along_x.row()) * std::size_t(along_x.count()[1]);
+    const float weights[]{float(luminance_weights[0]), float(luminance_weights[1]), float(luminance_weights[2])};
     parallel_for(device.threads, along_x.count()[2], 1, [&](std::int64_t z, std::int64_t) {
         LatticeField turned(slice, 0.0f), moment[3];
         std::array<float*, 3> j;
@@ -155,64 +106,14 @@ void add_up(const Device& device, const Lattices& lattices, const std::vector<Sw
         }
         LatticeField per_luminance(slice);
         for (std::size_t i = 0; i < slice; ++i)
-            per_luminance[i] =
-                1 / std::max(1e-30f, float(luminance_weights[0]) * j[0][i] + float(luminance_weights[1]) * j[1][i] +
-                                         float(luminance_weights[2]) * j[2][i]);
+            per_luminance[i] = kernel::inverse_luminance(weights, j[0][i], j[1][i], j[2][i]);
         for (int c = 0; c < 3; ++c)
             for (int axis = 0; axis < 3; ++axis) {
                 float* to = light.moment[c][axis].data() + std::size_t(z) * slice;
                 const float *of = moment[axis].data(), *own = j[c];
-                for (std::size_t i = 0; i < slice; ++i) to[i] = of[i] * (own[i] * per_luminance[i]);
+                for (std::size_t i = 0; i < slice; ++i) to[i] = kernel::moment_of(of[i], own[i], per_luminance[i]);
             }
     });
-}
-
-/// Mean radiance of what arrived on the faces.
-std::vector<OpaqueCells::Faces> mean_on_faces(std::size_t cells, const std::vector<Arriving>& parts) {
-    std::vector<OpaqueCells::Faces> faces(cells);
-    for (std::size_t cell = 0; cell < cells; ++cell)
-        for (int face = 0; face < OpaqueCells::faces; ++face) {
-            std::array<float, 4> sum{};
-            for (const Arriving& part : parts)
-                for (int c = 0; c < 4; ++c) sum[c] += part[cell * floats_per_cell + 4 * face + c];
-            for (int c = 0; c < 3; ++c) faces[cell][face][c] = sum[3] > 0 ? sum[c] / sum[3] : 0;
-        }
-    return faces;
-}
-
-/// Along straight rays: what arrives at a cell's border, and what of it is left behind the cell.
-void add_sun(const Device& device, const SweptMedium& medium, const Sun& sun, Progress& progress, FirstLight& light) {
-    const Density& density = medium.grid.extinction;
-    const ShField field = sweep_visibility(device, density, {sun.direction}, 4, 0.5, SweepLattice::sheared, progress);
-    const SweepGroup group = sweep_groups({sun.direction})[0];
-    const SweepBatch ray = sweep_batches({sun.direction}, group, 1, 1, medium.opaque)[0];
-    const double all = std::sqrt(4 * std::numbers::pi);  // V_00 in the open
-    const auto [nx, ny, nz] = density.grid.count;
-    const auto arriving = [&](std::size_t node) { return field.node(node)[0] / all; };
-    for (int z = 0; z < nz; ++z)
-        for (int y = 0; y < ny; ++y)
-            for (int x = 0; x < nx; ++x) {
-                const std::size_t node = density.grid.index(x, y, z), at = medium.lattices.along_x.index(x, y, z);
-                const double depth = medium.opaque.is_opaque(node) ? 0 : density.data()[node];
-                if (medium.opaque.is_buried(node)) continue;
-                const double mean = arriving(node) * (1 + std::exp(-depth * group.directions[0].length)) / 2;
-                for (int c = 0; c < 3; ++c) {
-                    light.light[c][at] += float(sun.light[c] * mean);
-                    for (int axis = 0; axis < 3; ++axis)
-                        light.moment[c][axis][at] += float(sun.light[c] * mean * sun.direction[axis]);
-                }
-            }
-    for (std::size_t cell = 0; cell < medium.opaque.count(); ++cell) {
-        const std::size_t node = medium.opaque.nodes()[cell];
-        const int x = int(node % nx), y = int(node / nx % ny), z = int(node / nx / ny);
-        const kernel::OpaqueRow at{.clear = medium.opaque.clear_cells() + medium.opaque.bit_index(x, y, z)};
-        const float share = ray.open_share(0, at.pattern(ray.octants[0], {}));
-        if (share < kernel::least_open) continue;
-        for (int axis = 0; axis < 3; ++axis)
-            for (int c = 0; c < 3; ++c)  // irradiance / π, light being ∫ L dω / 4π
-                light.faces[cell][2 * axis + (sun.direction[axis] < 0)][c] +=
-                    float(4 * sun.light[c] * std::abs(sun.direction[axis]) * std::min(arriving(node) / share, 1.0));
-    }
 }
 
 }  // namespace
@@ -229,21 +130,84 @@ SweptMedium::SweptMedium(const LightGrid& light_grid, const OpaqueCells& cells)
     extinction = {spread(nodes, swept.data(), lattices.along_x), spread(nodes, swept.data(), lattices.along_y)};
 }
 
+FirstDirections::FirstDirections(const Lighting& lighting, Vec3 orbit_up, const Geometry& geometry, int count)
+    : directions(fibonacci_directions(count)), incident(incident_light(lighting, orbit_up, geometry, directions)) {}
+
+/// Along straight rays: what arrives at a cell's border, and what of it is left behind the cell.
+SunLight::SunLight(const Device& device, const SweptMedium& medium, const Sun& the_sun, Progress& progress,
+                   std::vector<OpaqueCells::Faces>& faces)
+    : sun(the_sun), mean(medium.grid.extinction.grid.size(), -1) {
+    const Density& density = medium.grid.extinction;
+    const ShField field = sweep_visibility(device, density, {sun.direction}, 4, 0.5, SweepLattice::sheared, progress);
+    const SweepGroup group = sweep_groups({sun.direction})[0];
+    const SweepBatch ray = sweep_batches({sun.direction}, group, 1, 1, medium.opaque)[0];
+    const double all = std::sqrt(4 * std::numbers::pi);  // V_00 in the open
+    const auto arriving = [&](std::size_t node) { return field.node(node)[0] / all; };
+    for (std::size_t node = 0; node < mean.size(); ++node) {
+        const double depth = medium.opaque.is_opaque(node) ? 0 : density.data()[node];
+        if (medium.opaque.is_buried(node)) continue;
+        mean[node] = arriving(node) * (1 + std::exp(-depth * group.directions[0].length)) / 2;
+    }
+    const auto [nx, ny, nz] = density.grid.count;
+    for (std::size_t cell = 0; cell < medium.opaque.count(); ++cell) {
+        const std::size_t node = medium.opaque.nodes()[cell];
+        const int x = int(node % nx), y = int(node / nx % ny), z = int(node / nx / ny);
+        const kernel::OpaqueRow at{.clear = medium.opaque.clear_cells() + medium.opaque.bit_index(x, y, z)};
+        const float share = ray.open_share(0, at.pattern(ray.octants[0], {}));
+        if (share < kernel::least_open) continue;
+        for (int axis = 0; axis < 3; ++axis)
+            for (int c = 0; c < 3; ++c)  // irradiance / π, light being ∫ L dω / 4π
+                faces[cell][2 * axis + (sun.direction[axis] < 0)][c] +=
+                    float(4 * sun.light[c] * std::abs(sun.direction[axis]) * std::min(arriving(node) / share, 1.0));
+    }
+}
+
+kernel::SunKernel SunLight::kernel(const Lattices& lattices) const {
+    kernel::SunKernel kernel{cell_places(lattices.along_x, lattices.along_y), {}, {}, mean.data(), {}, {}};
+    for (int c = 0; c < 3; ++c) kernel.colour[c] = sun.light[c], kernel.direction[c] = sun.direction[c];
+    return kernel;
+}
+
+FirstLight first_light(const Device& device, const SweptMedium& medium, const FirstDirections& first,
+                       Progress& progress) {
+    const std::vector<SweepGroup> groups = sweep_groups(first.directions);
+    const std::size_t face_count = medium.opaque.count() * OpaqueCells::faces, faces = 4 * face_count;
+    std::vector<Sums> sums(groups.size());
+    LatticeField arriving(groups.size() * faces);
+    const GroupSweep sweep(device, medium, first.directions, first.incident, progress);
+    parallel_for(device.threads, std::int64_t(groups.size()), 1, "light", progress, [&](std::int64_t g, std::int64_t) {
+        sweep(groups[g], sums[g], std::span(arriving).subspan(std::size_t(g) * faces, faces));
+    });
+    progress.check();
+    FirstLight light{{}, {}, std::vector<OpaqueCells::Faces>(medium.opaque.count())};
+    const kernel::FaceKernel meet{arriving.data(),
+                                  std::int64_t(faces),
+                                  std::int32_t(groups.size()),
+                                  nullptr,
+                                  OpaqueCells::numbers(light.faces),
+                                  nullptr,
+                                  0};
+    for (std::size_t face = 0; face < face_count; ++face) meet(std::int64_t(face));
+    add_up(device, medium.lattices, groups, sums, light);
+    if (!first.incident.sun) return light;
+    const SunLight sun(device, medium, *first.incident.sun, progress, light.faces);
+    kernel::SunKernel shine = sun.kernel(medium.lattices);
+    for (int c = 0; c < 3; ++c) {
+        shine.light[c] = light.light[c].data();
+        for (int axis = 0; axis < 3; ++axis) shine.moment[c][axis] = light.moment[c][axis].data();
+    }
+    const auto [nx, ny, nz] = medium.grid.extinction.grid.count;
+    for (int z = 0; z < nz; ++z)
+        for (int y = 0; y < ny; ++y)
+            for (int x = 0; x < nx; ++x)
+                shine.shine(std::int64_t(medium.grid.extinction.grid.index(x, y, z)),
+                            std::int64_t(medium.lattices.along_x.index(x, y, z)));
+    return light;
+}
+
 FirstLight first_light(const Device& device, const SweptMedium& medium, const Lighting& lighting, Vec3 orbit_up,
                        const Geometry& geometry, int first_directions, Progress& progress) {
-    const std::vector<Vec3> directions = fibonacci_directions(first_directions);
-    const IncidentLight incident = incident_light(lighting, orbit_up, geometry, directions);
-    const std::vector<SweepGroup> groups = sweep_groups(directions);
-    std::vector<Sums> sums(groups.size());
-    std::vector<Arriving> arriving(groups.size());
-    const GroupSweep sweep(device, medium, directions, incident, progress);
-    parallel_for(device.threads, std::int64_t(groups.size()), 1, "light", progress,
-                 [&](std::int64_t g, std::int64_t) { sweep(groups[g], sums[g], arriving[g]); });
-    progress.check();
-    FirstLight light{{}, {}, mean_on_faces(medium.opaque.count(), arriving)};
-    add_up(device, medium.lattices, groups, sums, light);
-    if (incident.sun) add_sun(device, medium, *incident.sun, progress, light);
-    return light;
+    return first_light(device, medium, FirstDirections(lighting, orbit_up, geometry, first_directions), progress);
 }
 
 }  // namespace chiaro

@@ -21,8 +21,31 @@ struct FirstLight {
     std::vector<OpaqueCells::Faces> faces;              ///< mean radiance on each face of the opaque cells
 };
 
-/// Each of `first_directions`, a Fibonacci set, brings the mean radiance of its part of the probe; a sun
-/// goes along straight rays of its own. Throws Error{interrupted}.
+/// Each of a Fibonacci set of directions brings the mean radiance of its part of the probe; a sun goes along straight
+/// rays of its own.
+struct FirstDirections {
+    std::vector<Vec3> directions;
+    IncidentLight incident;
+
+    FirstDirections(const Lighting& lighting, Vec3 orbit_up, const Geometry& geometry, int count);
+};
+
+/// A sun's light, and what it brings to each cell: its share, below 0 in cells that no light reaches.
+struct SunLight {
+    const Sun& sun;
+    std::vector<double> mean;
+
+    /// Also added to the light on the faces.
+    SunLight(const Device& device, const SweptMedium& medium, const Sun& sun, Progress& progress,
+             std::vector<OpaqueCells::Faces>& faces);
+    /// To be told where the light lies.
+    kernel::SunKernel kernel(const Lattices& lattices) const;
+};
+
+/// Throws Error{interrupted}.
+FirstLight first_light(const Device& device, const SweptMedium& medium, const FirstDirections& first,
+                       Progress& progress);
+/// Of so many directions.
 FirstLight first_light(const Device& device, const SweptMedium& medium, const Lighting& lighting, Vec3 orbit_up,
                        const Geometry& geometry, int first_directions, Progress& progress);
 

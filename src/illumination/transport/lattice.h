@@ -6,6 +6,7 @@
 
 #include "illumination/cells/grid.h"
 #include "illumination/transport/field_memory.h"
+#include "illumination/transport/light_kernel.h"
 #include "illumination/visibility/sweep_plan.h"
 
 namespace chiaro {
@@ -35,6 +36,12 @@ private:
     bool along_y_;
     int row_;
 };
+
+/// Where the numbers of a grid's cells lie in its two lattices.
+inline kernel::CellPlaces cell_places(const Lattice& along_x, const Lattice& along_y) {
+    const auto [nx, ny, nz] = along_x.count();
+    return {nx, ny, nz, along_x.row(), along_y.row()};
+}
 
 /// A slice of constant z from one lattice to the other.
 void copy_slice(const Lattice& from, const float* source, const Lattice& to, float* target, int z);

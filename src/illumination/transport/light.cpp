@@ -133,7 +133,7 @@ TransportLight::TransportLight(const Device& device, TransportNodes nodes, doubl
 
 std::size_t TransportLight::bytes() const {
     const std::lock_guard lock(mutex_);
-    return nodes_.bytes() + maps_->bytes() + (kept_ ? kept_->light.size() + kept_->turned.size() : std::size_t(0));
+    return nodes_.bytes() + maps_->bytes() + (kept_ ? kept_->bytes() : std::size_t(0));
 }
 
 std::shared_ptr<const ShownLight> TransportLight::shown(Look look, const Axes& world_from_grid,
@@ -152,7 +152,6 @@ std::shared_ptr<const ShownLight> TransportLight::find(const Asked& asked) const
     const CellGrid& grid = nodes_.grid;
     const auto [nx, ny, nz] = grid.count;
     auto shown = std::make_shared<ShownLight>();
-    shown->light = buffer_for(grid);
     if (look == Look::turned) shown->turned = buffer_for(grid);
     // A surface is at most so much brighter than the light around it.
     constexpr float lambert = 1 + 2 * ScatteredLight::most;
@@ -160,22 +159,27 @@ std::shared_ptr<const ShownLight> TransportLight::find(const Asked& asked) const
     for (std::size_t node = 0; node < grid.size(); ++node)
         for (int c = 0; c < 3; ++c) brightest[c] = std::max(brightest[c], lambert * nodes_.light[3 * node + c]);
 
-    const auto map = maps_->of(device_, nodes_, look == Look::particles);
     const float scale[4] = {brightest[0], brightest[1], brightest[2], 1};
-    const auto work = [&, nx = nx, ny = ny](std::int64_t first, std::int64_t end) {
-        RowLook row(nx);
-        for (std::int64_t r = first; r < end; ++r) {
-            const std::size_t start = std::size_t(r) * nx;
-            row.show_particles(map->particles.data() + start, nodes_.light.data() + 3 * start);
-            for (const SurfaceNode& surface : map->surfaces[std::size_t(r)])
-                row.add(surface, look_of(surface, nodes_, most_, look, asked.eye, int(r % ny), int(r / ny)));
-            row.keep(scale, numbers(shown->light) + 4 * start);
-            if (look == Look::turned) row.keep_turned(asked.world_from_grid, numbers(shown->turned) + 4 * start);
-        }
+    const auto keep = [&, nx = nx, ny = ny](Reading reading, VoxelBuffer& to) {
+        const auto map = maps_->of(device_, nodes_, reading);
+        to = buffer_for(grid);
+        parallel_for(device_.threads, std::int64_t(ny) * nz, 8, [&](std::int64_t first, std::int64_t end) {
+            RowLook row(nx);
+            for (std::int64_t r = first; r < end; ++r) {
+                const std::size_t start = std::size_t(r) * nx;
+                row.show_particles(map->particles.data() + start, nodes_.light.data() + 3 * start);
+                for (const SurfaceNode& surface : map->surfaces[std::size_t(r)])
+                    row.add(surface, look_of(surface, nodes_, most_, look, asked.eye, int(r % ny), int(r / ny)));
+                row.keep(scale, numbers(to) + 4 * start);
+                if (look == Look::turned) row.keep_turned(asked.world_from_grid, numbers(shown->turned) + 4 * start);
+            }
+        });
     };
-    parallel_for(device_.threads, std::int64_t(ny) * nz, 8, work);
+    keep(look == Look::particles ? Reading::particles : Reading::surfaces, shown->light);
+    if (look == Look::particles && !nodes_.answer.empty()) keep(Reading::skins, shown->skins);
     shown->view = {numbers(shown->light), view_of(grid), {brightest[0], brightest[1], brightest[2]}};
     if (look == Look::turned) shown->turned_view = numbers(shown->turned);
+    if (shown->skins.size() > 0) shown->skins_view = numbers(shown->skins);
     return shown;
 }
 

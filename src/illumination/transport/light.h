@@ -16,16 +16,17 @@ namespace chiaro {
 
 /// What matter looks like.
 enum class Look {
-    particles,  ///< c J everywhere, as the reference has it in volumes
+    particles,  ///< c J everywhere, as the reference has it in volumes; solid samples read another light than thin ones
     flat,       ///< surfaces by the normals of the nodes
     turned      ///< surfaces by the normals of the samples
 };
 
 /// What the ray caster reads of it.
 struct ShownLight {
-    VoxelBuffer light, turned;
+    VoxelBuffer light, turned, skins;
     kernel::NodeLight view;
-    const kernel::Light16* turned_view = nullptr;
+    const kernel::Light16 *turned_view = nullptr, *skins_view = nullptr;
+    std::size_t bytes() const { return light.size() + turned.size() + skins.size(); }
 };
 
 class TransportLight {

@@ -4,12 +4,6 @@
 #include <limits>
 
 namespace chiaro {
-namespace {
-
-/// Faces by which a ray towards an octant leaves a cell behind: those that look the other way.
-int face_left(int octant, int axis) { return 2 * axis + !(octant >> axis & 1); }
-
-}  // namespace
 
 double half_space_reflectance(double albedo) {
     const double s = std::sqrt(std::max(1 - albedo, 0.0));
@@ -52,7 +46,8 @@ void OpaqueCells::find_shown(const LightGrid& grid) {
                                  is_open(x, y - 1, z) << 3 | is_open(x, y, z + 1) << 4 | is_open(x, y, z - 1) << 5;
                 std::uint8_t bits = 0;
                 for (int o = 0; o < octants; ++o)
-                    for (int axis = 0; axis < 3; ++axis) bits |= std::uint8_t((open >> face_left(o, axis) & 1) << o);
+                    for (int axis = 0; axis < 3; ++axis)
+                        bits |= std::uint8_t((open >> kernel::face_left(o, axis) & 1) << o);
                 bits_[std::size_t(bit_index(x, y, z))] = bits;
                 clear_[std::size_t(bit_index(x, y, z))] = 0;
                 if (!open) continue;
@@ -80,7 +75,7 @@ void OpaqueCells::find_behind(const CellGrid& grid) {
                 if (kind_[node] == clear) continue;
                 for (int o = 0; o < octants; ++o) {
                     if (bits_[std::size_t(bit_index(x, y, z))] >> o & 1) continue;
-                    Cover cover{ids_[node], o, {}, 0};
+                    kernel::OpaqueCover cover{ids_[node], o, {}, 0};
                     for (int axis = 0; axis < 3; ++axis) {
                         std::array<int, 3> p{x, y, z};
                         p[axis] += o >> axis & 1 ? 1 : -1;
@@ -124,25 +119,18 @@ std::span<const kernel::OpaqueCell> OpaqueCells::row(const Lattice& lattice, int
 
 void OpaqueCells::reflect(const std::vector<Faces>& radiance, LatticeField& emission) const {
     emission.assign(listed() * octants * 4, 0);
-    for (std::size_t cell = 0; cell < count(); ++cell)
-        for (int o = 0; o < octants; ++o) {
-            float open = 0, sum[3]{};
-            for (int axis = 0; axis < 3; ++axis) {
-                const int face = face_left(o, axis);
-                if (!is_open(cell, face)) continue;
-                open += 1;
-                for (int c = 0; c < 3; ++c) sum[c] += radiance[cell][face][c];
-            }
-            float* to = emission.data() + (o * listed() + cell) * 4;
-            for (int c = 0; c < 3 && open > 0; ++c) to[c] = reflectance_[cell][c] * (sum[c] / open);
-        }
-    for (const Cover& cover : covers_)
-        for (int c = 0; c < 3; ++c) {
-            float sum = 0;
-            for (int i = 0; i < cover.count; ++i)
-                sum += emission[(std::size_t(cover.octant) * listed() + std::size_t(cover.in_front[i])) * 4 + c];
-            emission[(std::size_t(cover.octant) * listed() + std::size_t(cover.id)) * 4 + c] = sum / float(cover.count);
-        }
+    const kernel::ReflectKernel reflect = reflect_kernel(numbers(radiance), emission.data());
+    const kernel::CoverKernel cover = cover_kernel(emission.data());
+    for (std::size_t i = 0; i < count() * octants; ++i) reflect(std::int64_t(i));
+    for (std::size_t i = 0; i < covers(); ++i) cover(std::int64_t(i));
+}
+
+std::vector<std::int32_t> OpaqueCells::ids_with_halo() const {
+    std::vector<std::int32_t> ids(clear_.size(), -1);
+    const auto [nx, ny, nz] = count_;
+    for (std::size_t node = 0; node < ids_.size(); ++node)
+        ids[std::size_t(bit_index(int(node % nx), int(node / nx % ny), int(node / nx / ny)))] = ids_[node];
+    return ids;
 }
 
 std::array<float, 3> OpaqueCells::seen(std::size_t cell, const Faces& radiance) const {

@@ -2,8 +2,10 @@
 #pragma once
 #include <span>
 
+#include "core/host_array.h"
 #include "illumination/transport/grid.h"
 #include "illumination/transport/lattice.h"
+#include "illumination/transport/opaque_kernel.h"
 #include "illumination/transport/sweep_kernel.h"
 
 namespace chiaro {
@@ -50,8 +52,30 @@ public:
         return axis == 0 ? 1 : axis == 1 ? count_[0] + 2 : std::int64_t(count_[0] + 2) * (count_[1] + 2);
     }
 
+    /// A field's worth of them, [cell][face][4], as kernels have it.
+    static float* numbers(std::vector<Faces>& faces) { return reinterpret_cast<float*>(faces.data()); }
+    static const float* numbers(const std::vector<Faces>& faces) {
+        return reinterpret_cast<const float*>(faces.data());
+    }
+
     /// What each cell sends back of the light on its faces, as a ray towards an octant finds it: [octant][cell][4].
     void reflect(const std::vector<Faces>& radiance, LatticeField& emission) const;
+    /// That, from and to elsewhere: first for each octant of each cell, then for each of the covers.
+    kernel::ReflectKernel reflect_kernel(const float* faces, float* emission) const {
+        return {open_.data(), reinterpret_cast<const float*>(reflectance_.data()), faces, std::int64_t(listed()),
+                emission};
+    }
+    kernel::CoverKernel cover_kernel(float* emission) const {
+        return {covers_.data(), std::int64_t(listed()), emission};
+    }
+    std::size_t covers() const { return covers_.size(); }
+    /// What kernels read.
+    void add_to(HostArrays& arrays) const {
+        arrays.add(open_), arrays.add(reflectance_), arrays.add(covers_), arrays.add(clear_);
+    }
+    /// Each cell's id, or -1, with the halo.
+    std::vector<std::int32_t> ids_with_halo() const;
+
     /// The mean light on the open faces × what is reflected / albedo.
     std::array<float, 3> seen(std::size_t cell, const Faces& radiance) const;
     /// What is reflected / albedo.
@@ -74,10 +98,7 @@ private:
     std::vector<std::array<float, 3>> reflectance_, per_albedo_;
     std::vector<std::int32_t> ids_;    ///< of each node
     std::vector<std::size_t> behind_;  ///< nodes of the cells behind
-    struct Cover {
-        std::int32_t id, octant, in_front[3], count;
-    };
-    std::vector<Cover> covers_;        ///< octants in which a cell looks like those in front of it
+    std::vector<kernel::OpaqueCover> covers_;
     std::vector<std::uint8_t> bits_;   ///< bit o: a ray towards octant o finds a face in the open; with the halo
     std::vector<std::uint8_t> clear_;  ///< with the halo
     std::vector<kernel::OpaqueCell> along_x_, along_y_;

@@ -1,19 +1,18 @@
 #include "illumination/transport/solver.h"
 
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <numbers>
 
 #include "core/threads.h"
+#include "illumination/transport/batches.h"
 #include "illumination/transport/directions.h"
-#include "illumination/transport/first_light.h"
 #include "illumination/transport/launch.h"
+#include "illumination/transport/solver_state.h"
 
 namespace chiaro {
 namespace {
-
-using Colour = std::array<LatticeField, 3>;
-using Faces = OpaqueCells::Faces;
 
 constexpr double relaxation = 1.5;
 constexpr int most_iterations = 64;  ///< of a solution that converges
@@ -29,56 +28,16 @@ double mean_step(const std::vector<Vec3>& directions) {
     return double(directions.size()) / cosines;
 }
 
-/// [ray][pattern][tap]: bilinear between the cells that a pattern calls clear; 0 where a ray does not count.
-std::vector<float> weights_of_patterns(const SweepBatch& batch) {
-    std::vector<float> weights;
-    for (std::size_t r = 0; r < batch.rays.size(); ++r)
-        for (int pattern = 0; pattern < kernel::OctantRays::patterns; ++pattern) {
-            const float share = batch.open_share(int(r), pattern);
-            for (int tap = 0; tap < 4; ++tap)
-                weights.push_back(
-                    share >= kernel::least_open && (pattern >> tap & 1) ? batch.rays[r].weight[tap] / share : 0);
-        }
-    return weights;
+/// Of the mean, from [z][2][16]: by slice and lane, Σ (change of it)² and Σ of its squares.
+double relative_change(const std::vector<float>& lanes) {
+    double sums[2]{};
+    for (std::size_t first = 0; first < lanes.size(); first += 16) {
+        double of_slice = 0;
+        for (std::size_t lane = 0; lane < 16; ++lane) of_slice += lanes[first + lane];
+        sums[first / 16 % 2] += of_slice;
+    }
+    return sums[1] > 0 ? std::sqrt(sums[0] / sums[1]) : 0;
 }
-
-Colour colour(const Lattice& lattice) { return {lattice.field(), lattice.field(), lattice.field()}; }
-
-}  // namespace
-
-struct TransportSolver::State {
-    Device device;
-    TransportSettings settings;
-    ScatteringSettings scattering;
-    LightGrid grid;
-    OpaqueCells opaque;
-    SweptMedium medium;
-    FirstLight first;
-    Colour albedo, source, mean;           ///< rows along x
-    Colour source_across;                  ///< the same source, rows along y
-    std::array<Colour, 6> sums;            ///< by the side that light comes from; those of x: rows along y
-    std::array<Colour, 3> moment;          ///< [channel][axis], running mean
-    std::vector<Faces> faces, mean_faces;  ///< all the light on the opaque cells' faces; its running mean
-    LatticeField emission;
-    std::vector<float> weight;  ///< of each node (nodes.h)
-    int iterations = 0;
-    double change = std::numeric_limits<double>::infinity();
-
-    State(const Device& d, const Medium::Data& medium_data, const Lighting& lighting, const TransportSettings& s,
-          const ScatteringSettings& sc, Vec3 orbit_up, Progress& progress);
-
-    bool is_accelerated() const { return !scattering.bounces.most; }
-    bool is_done() const;
-    void sweep(const std::vector<Vec3>& directions, const SweepGroup& group, const Progress& progress,
-               LatticeField& arriving);
-    void sweep(const std::vector<Vec3>& directions, Progress& progress, std::vector<LatticeField>& arriving);
-    double update(double length);
-    void update_faces(const std::vector<LatticeField>& arriving);
-    void start_from(const TransportNodes& warm);
-    void turn_source();
-};
-
-namespace {
 
 /// Henyey and Greenstein's g by similarity: what goes on as if nothing had been, κ a g, is left out of the extinction.
 /// Exact for the first moment; grey, with the mean albedo.
@@ -112,21 +71,33 @@ TransportSolver::State::State(const Device& d, const Medium::Data& medium_data, 
       grid(similar(light_grid(medium_data, s.grid, sc.albedo_max, d, progress), sc.anisotropy)),
       opaque(grid, is_accelerated() ? opaque_from : std::numeric_limits<float>::infinity()),
       medium(grid, opaque),
-      first(
-          first_light(d, medium, lighting, orbit_up, medium_data.volume.data().geometry, s.first_directions, progress)),
-      source(colour(medium.lattices.along_x)),
-      mean(first.light),
-      source_across(colour(medium.lattices.along_y)),
-      faces(first.faces),
-      mean_faces(first.faces),
       weight(grid.extinction.grid.size()) {
+    for (int c = 0; c < 3; ++c) albedo[c] = albedo_of(grid, opaque, c, medium.lattices.along_x);
+    for (std::size_t node = 0; node < weight.size(); ++node)
+        weight[node] = std::max(float(-std::expm1(-grid.extinction.data()[node])), 1e-3f);
+    const FirstDirections directions(lighting, orbit_up, medium_data.volume.data().geometry, s.first_directions);
+    const auto on_card = [&] {
+        auto started = std::make_unique<CardTransport>(device, medium, albedo);
+        started->start(device, directions, progress);
+        card = std::move(started);
+    };
+    if (!cuda::done_on_card(device, on_card)) start(directions, progress);
+}
+
+void TransportSolver::State::start(const FirstDirections& directions, Progress& progress) {
+    first = first_light(device, medium, directions, progress);
+    mean = first.light, faces = mean_faces = first.faces;
+    source = colour(medium.lattices.along_x);
     for (int c = 0; c < 3; ++c) {
-        albedo[c] = albedo_of(grid, opaque, c, medium.lattices.along_x);
         moment[c] = colour(medium.lattices.along_x);
         for (std::size_t i = 0; i < source[c].size(); ++i) source[c][i] = albedo[c][i] * first.light[c][i];
     }
-    for (std::size_t node = 0; node < weight.size(); ++node)
-        weight[node] = std::max(float(-std::expm1(-grid.extinction.data()[node])), 1e-3f);
+    prepare();
+}
+
+/// What sweeps need beside the light.
+void TransportSolver::State::prepare() {
+    source_across = colour(medium.lattices.along_y);
     for (int side = 0; side < 6; ++side)
         sums[side] = colour(side < 2 ? medium.lattices.along_y : medium.lattices.along_x);
     opaque.reflect(faces, emission);
@@ -138,45 +109,60 @@ bool TransportSolver::State::is_done() const {
     return iterations >= most_iterations || change < settings.error.value_or(converged);
 }
 
-/// One group of directions after the other plane by plane; groups side by side.
-void TransportSolver::State::sweep(const std::vector<Vec3>& directions, Progress& progress,
-                                   std::vector<LatticeField>& arriving) {
+/// One sweep of scattered light and what follows; returns the relative change of the mean.
+double TransportSolver::State::iterate(const std::vector<Vec3>& directions, Progress& progress) {
+    const double length = mean_step(directions);
+    const kernel::UpdateKernel kernel{float(-std::numbers::log2e * length),
+                                      is_accelerated() ? float(iterations == 0 ? 1 : relaxation) : 0.0f,
+                                      is_accelerated() ? float(share_of_sweep(iterations + 1)) : 1.0f, float(length)};
+    std::vector<float> changes;
+    const auto on_card = [&] { changes = card->iterate(directions, kernel, progress); };
+    if (card && cuda::done_on_card(device, on_card)) return relative_change(changes);
+    if (card) {  // which has no room any more
+        card->fetch(*this);
+        card.reset();
+        prepare();
+    }
+    const LatticeField arriving = sweep(directions, progress);
+    const double found = update(kernel);
+    update_faces(arriving, kernel.share);
+    return found;
+}
+
+/// One group of directions after the other plane by plane; groups side by side. Returns what arrived on faces:
+/// [group][cell][face][4].
+LatticeField TransportSolver::State::sweep(const std::vector<Vec3>& directions, Progress& progress) {
     const std::vector<SweepGroup> groups = sweep_groups(directions);
-    arriving.assign(groups.size(), {});
+    const std::size_t of_group = opaque.count() * kernel::cell_floats;
+    LatticeField arriving(groups.size() * of_group);
     if (groups.size() < sums.size())  // few directions: no light came from some sides
         for (Colour& of_side : sums)
             for (LatticeField& field : of_side) std::fill(field.begin(), field.end(), 0.0f);
-    parallel_for(device.threads, std::int64_t(groups.size()), 1, "scattering", progress,
-                 [&](std::int64_t g, std::int64_t) { sweep(directions, groups[g], progress, arriving[g]); });
+    parallel_for(
+        device.threads, std::int64_t(groups.size()), 1, "scattering", progress, [&](std::int64_t g, std::int64_t) {
+            sweep(directions, groups[g], progress, std::span(arriving).subspan(std::size_t(g) * of_group, of_group));
+        });
     progress.check();
+    return arriving;
 }
 
 void TransportSolver::State::sweep(const std::vector<Vec3>& directions, const SweepGroup& group,
-                                   const Progress& progress, LatticeField& arriving) {
+                                   const Progress& progress, std::span<float> arriving) {
     using Kernel = kernel::SourceSweepKernel;
     const auto run = kernel::transport_functions_for(device.isa).source_row;
     const SweepAxes& axes = group.axes;
     const Lattice& lattice = medium.lattices.of(axes);
     const Colour& from = lattice.along_y() ? source_across : source;
     Colour& to = sums[side_of(axes)];
-    arriving.assign(opaque.count() * 4 * OpaqueCells::faces, 0);
+    std::fill(arriving.begin(), arriving.end(), 0.0f);
     const int nu = lattice.count()[axes.u], nv = lattice.count()[axes.v];
     TravellingPlanes planes(nu, nv, Kernel::channels * Kernel::most_rays);
     bool is_first = true;
-    for (SweepBatch& batch :
+    for (SweepBatch& rays :
          sweep_batches(directions, group, Kernel::most_rays, Kernel::channels * planes.field(), opaque)) {
-        batch.weigh(std::vector<float>(batch.rays.size(), 1));
-        const std::vector<float> open_weights = weights_of_patterns(batch);
-        planes.start(Kernel::channels * int(batch.rays.size()), 0);
-        Kernel kernel{batch.rays.data(),
-                      float(0.5 / double(directions.size())),
-                      batch.octants.data(),
-                      std::int32_t(batch.octants.size()),
-                      open_weights.data(),
-                      batch.cosines[0].data(),
-                      std::int32_t(batch.rays.size()),
-                      is_first,
-                      {}};
+        const SourceBatch batch(std::move(rays));
+        planes.start(Kernel::channels * batch.count(), 0);
+        Kernel kernel = batch.kernel(directions.size(), is_first);
         const auto visit = [&](const kernel::SweepPlane& plane, const SweptRow& row) {
             kernel.plane = plane;
             kernel::SourceRow at{planes.place(row.v), nu, medium.extinction.of(axes) + row.at, {}, {}, row.opaque};
@@ -193,15 +179,12 @@ void TransportSolver::State::sweep(const std::vector<Vec3>& directions, const Sw
 }
 
 /// J, its mean and the next source; returns the relative change of the mean.
-double TransportSolver::State::update(double length) {
+double TransportSolver::State::update(const kernel::UpdateKernel& kernel) {
     const Lattice &along_x = medium.lattices.along_x, &along_y = medium.lattices.along_y;
     const auto [nx, ny, nz] = along_x.count();
     const auto run = kernel::transport_functions_for(device.isa).update_row;
     const std::size_t slice = std::size_t(along_x.row()) * ny;
-    const kernel::UpdateKernel kernel{float(-std::numbers::log2e * length),
-                                      is_accelerated() ? float(iterations == 0 ? 1 : relaxation) : 0.0f,
-                                      is_accelerated() ? float(share_of_sweep(iterations + 1)) : 1.0f, float(length)};
-    std::vector<std::array<double, 2>> changes(std::size_t(nz), {0, 0});
+    std::vector<float> changes(std::size_t(nz) * 2 * 16, 0);
     parallel_for(device.threads, nz, 1, [&, nx = nx, ny = ny](std::int64_t z, std::int64_t) {
         LatticeField turned(6 * slice);
         const std::size_t start = std::size_t(z) * slice;
@@ -222,29 +205,23 @@ double TransportSolver::State::update(double length) {
             }
             run(kernel, row);
         }
-        for (int i = 0; i < 2; ++i)
-            for (float lane : lanes[i]) changes[std::size_t(z)][std::size_t(i)] += lane;
+        std::memcpy(changes.data() + z * 2 * 16, lanes, sizeof lanes);
         for (int c = 0; c < 3; ++c) copy_slice(along_x, source[c].data(), along_y, source_across[c].data(), int(z));
     });
-    double step = 0, size = 0;
-    for (const auto& of_slice : changes) step += of_slice[0], size += of_slice[1];
-    return size > 0 ? std::sqrt(step / size) : 0;
+    return relative_change(changes);
 }
 
-void TransportSolver::State::update_faces(const std::vector<LatticeField>& arriving) {
-    const float share = float(share_of_sweep(iterations + 1));
-    for (std::size_t cell = 0; cell < opaque.count(); ++cell)
-        for (int face = 0; face < OpaqueCells::faces; ++face) {
-            std::array<float, 4> sum{};
-            for (const auto& part : arriving)
-                for (int c = 0; c < 4; ++c) sum[c] += part[(cell * OpaqueCells::faces + face) * 4 + c];
-            for (int c = 0; c < 3; ++c) {
-                const float light = first.faces[cell][face][c] + (sum[3] > 0 ? sum[c] / sum[3] : 0);
-                float& running = mean_faces[cell][face][c];
-                faces[cell][face][c] = light;
-                running += share * (light - running);
-            }
-        }
+void TransportSolver::State::update_faces(const LatticeField& arriving, float share) {
+    const std::size_t of_group = opaque.count() * kernel::cell_floats;
+    if (of_group == 0) return;
+    const kernel::FaceKernel meet{arriving.data(),
+                                  std::int64_t(of_group),
+                                  std::int32_t(arriving.size() / of_group),
+                                  OpaqueCells::numbers(first.faces),
+                                  OpaqueCells::numbers(faces),
+                                  OpaqueCells::numbers(mean_faces),
+                                  share};
+    for (std::size_t face = 0; face < opaque.count() * OpaqueCells::faces; ++face) meet(std::int64_t(face));
     opaque.reflect(faces, emission);
 }
 
@@ -258,6 +235,7 @@ void TransportSolver::State::turn_source() {
 
 /// Of a similar medium, perhaps on another grid: the nearest nodes' light.
 void TransportSolver::State::start_from(const TransportNodes& warm) {
+    if (card) source = colour(medium.lattices.along_x), faces = card->faces();
     const CellGrid &here = grid.extinction.grid, &there = warm.grid;
     const auto nearest = [&](int axis, int i) {
         const double voxel = (i + 0.5) * here.voxels_per_cell[axis];
@@ -280,38 +258,14 @@ void TransportSolver::State::start_from(const TransportNodes& warm) {
         for (auto& face : faces[cell])
             for (int c = 0; c < 3; ++c) face[c] = std::max(face[c], light[c]);
     }
+    if (card) {
+        card->start_from(source, faces);
+        source = {}, faces = {};
+        return;
+    }
     opaque.reflect(faces, emission);
     turn_source();
 }
-
-namespace {
-
-/// Samples look between nodes: a cell behind the faces of others holds what those hold, on average.
-void fill_behind(const OpaqueCells& opaque, TransportNodes& nodes) {
-    const auto [nx, ny, nz] = nodes.grid.count;
-    const auto fill = [&, nx = nx, ny = ny, nz = nz](int x, int y, int z) {
-        std::array<float, 12> sum{};
-        float count = 0;
-        for (int k = std::max(z - 1, 0); k <= std::min(z + 1, nz - 1); ++k)
-            for (int j = std::max(y - 1, 0); j <= std::min(y + 1, ny - 1); ++j)
-                for (int i = std::max(x - 1, 0); i <= std::min(x + 1, nx - 1); ++i) {
-                    const std::size_t node = nodes.grid.index(i, j, k);
-                    if (!opaque.is_opaque(node) || opaque.is_buried(node)) continue;
-                    for (int c = 0; c < 3; ++c) sum[c] += nodes.light[3 * node + c];
-                    for (int m = 0; m < 9; ++m) sum[3 + m] += nodes.moment[9 * node + m];
-                    count += 1;
-                }
-        const std::size_t node = nodes.grid.index(x, y, z);
-        for (int c = 0; c < 3; ++c) nodes.light[3 * node + c] = count > 0 ? sum[c] / count : 0;
-        for (int m = 0; m < 9; ++m) nodes.moment[9 * node + m] = count > 0 ? sum[3 + m] / count : 0;
-    };
-    for (int z = 0; z < nz; ++z)
-        for (int y = 0; y < ny; ++y)
-            for (int x = 0; x < nx; ++x)
-                if (opaque.is_buried(nodes.grid.index(x, y, z))) fill(x, y, z);
-}
-
-}  // namespace
 
 TransportSolver::TransportSolver(const Device& device, const Medium::Data& medium, const Lighting& lighting,
                                  const TransportSettings& settings, const ScatteringSettings& scattering, Vec3 orbit_up,
@@ -330,44 +284,10 @@ bool TransportSolver::iterate(Progress& progress) {
     State& s = *state_;
     if (s.is_done()) return false;
     const std::vector<Vec3> directions = turned_directions(s.settings.directions, s.iterations, s.scattering.seed);
-    std::vector<LatticeField> arriving;
-    s.sweep(directions, progress, arriving);
-    const double change = s.update(mean_step(directions));
+    const double change = s.iterate(directions, progress);
     s.change = s.iterations == 0 ? std::numeric_limits<double>::infinity() : change;
-    if (s.is_accelerated()) s.update_faces(arriving);
     ++s.iterations;
     return true;
-}
-
-TransportNodes TransportSolver::nodes() const {
-    const State& s = *state_;
-    const CellGrid& grid = s.grid.extinction.grid;
-    TransportNodes out{grid, {}, s.weight, {}, {}, s.iterations, s.change};
-    out.light.resize(3 * grid.size()), out.moment.resize(9 * grid.size());
-    const auto [nx, ny, nz] = grid.count;
-    parallel_for(s.device.threads, nz, 1, [&, nx = nx, ny = ny](std::int64_t z, std::int64_t) {
-        for (int y = 0; y < ny; ++y)
-            for (int x = 0; x < nx; ++x) {
-                const std::size_t node = grid.index(x, y, int(z)), at = s.medium.lattices.along_x.index(x, y, int(z));
-                for (int c = 0; c < 3; ++c) {
-                    out.light[3 * node + c] = s.mean[c][at];
-                    for (int axis = 0; axis < 3; ++axis)
-                        out.moment[9 * node + 3 * c + axis] = s.moment[c][axis][at] + s.first.moment[c][axis][at];
-                }
-            }
-    });
-    if (s.opaque.count() > 0) out.answer.resize(3 * grid.size());
-    for (std::size_t cell = 0; cell < s.opaque.count(); ++cell) {
-        const auto at = std::ptrdiff_t(3 * s.opaque.nodes()[cell]);
-        const auto seen = s.opaque.seen(cell, s.mean_faces[cell]);
-        std::copy(seen.begin(), seen.end(), out.light.begin() + at);
-        std::copy_n(s.opaque.per_albedo(cell).begin(), 3, out.answer.begin() + at);
-    }
-    if (!out.answer.empty())
-        for (const std::size_t node : s.grid.skins)
-            for (int c = 0; c < 3; ++c) out.answer[3 * node + c] = float(reflected_per_albedo(s.grid.albedo[c][node]));
-    fill_behind(s.opaque, out);
-    return out;
 }
 
 }  // namespace chiaro

@@ -153,6 +153,15 @@ NodeRoles SurfaceNodes::particle_roles(int x, int y, int z) const {
     return has_air ? NodeRoles{0, 0, least} : NodeRoles{weight, 0, 0};
 }
 
+NodeRoles SurfaceNodes::skin_roles(int x, int y, int z) const {
+    constexpr float hardly = 1e-6f;
+    const std::size_t node = nodes_.grid.index(x, y, z);
+    const NodeRoles roles = particle_roles(x, y, z);
+    if (nodes_.answer.empty() || !(roles.particles > 0)) return roles;
+    if (nodes_.weight[node] >= opaque_weight) return {hardly, 0, 0};
+    return answers_[node] > 0 ? NodeRoles{0, 1, 0} : roles;
+}
+
 Float3 SurfaceNodes::answer(int x, int y, int z) const {
     const auto [nx, ny, nz] = nodes_.grid.count;
     Float3 sum{};

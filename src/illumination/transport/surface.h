@@ -60,6 +60,9 @@ public:
     NodeOutwards outwards(int x, int y, int z) const;
     /// The same of particles, where some cells are opaque: those are lit as surfaces are, by the air beside them.
     NodeRoles particle_roles(int x, int y, int z) const;
+    /// ... for samples that are solid by themselves: cells that matter fills in part, beside opaque ones, are surfaces
+    /// too, not fog in the bright light of their air; and inner corners, which touch air by an edge only, do not count.
+    NodeRoles skin_roles(int x, int y, int z) const;
     /// R(a) / a of the surfaces at a node and around it.
     Float3 answer(int x, int y, int z) const;
     /// Whether a surface passes through the node, as far as light knows.

@@ -18,6 +18,11 @@ SurfaceNode surface_at(const SurfaceNodes& surfaces, std::size_t node, float wei
             surfaces.off(out, x, y, z)};
 }
 
+NodeRoles roles_at(const SurfaceNodes& surfaces, Reading reading, int x, int y, int z) {
+    if (reading == Reading::surfaces) return surfaces.roles(x, y, z);
+    return reading == Reading::skins ? surfaces.skin_roles(x, y, z) : surfaces.particle_roles(x, y, z);
+}
+
 }  // namespace
 
 std::size_t SurfaceMap::bytes() const {
@@ -26,12 +31,12 @@ std::size_t SurfaceMap::bytes() const {
     return bytes;
 }
 
-std::shared_ptr<const SurfaceMap> SurfaceMaps::of(const Device& device, const TransportNodes& nodes,
-                                                  bool as_particles) {
+std::shared_ptr<const SurfaceMap> SurfaceMaps::of(const Device& device, const TransportNodes& nodes, Reading reading) {
     const std::lock_guard lock(mutex_);
-    auto& kept = maps_[as_particles];
+    auto& kept = maps_[std::size_t(reading)];
     if (kept) return kept;
     const auto [nx, ny, nz] = nodes.grid.count;
+    const bool as_particles = reading != Reading::surfaces;
     const SurfaceNodes surfaces(device, nodes, edges_, as_particles);
     auto map = std::make_shared<SurfaceMap>();
     map->particles.resize(nodes.grid.size());
@@ -40,7 +45,7 @@ std::shared_ptr<const SurfaceMap> SurfaceMaps::of(const Device& device, const Tr
         const int y = int(row % ny), z = int(row / ny);
         for (int x = 0; x < nx; ++x) {
             const std::size_t node = nodes.grid.index(x, y, z);
-            const NodeRoles roles = as_particles ? surfaces.particle_roles(x, y, z) : surfaces.roles(x, y, z);
+            const NodeRoles roles = roles_at(surfaces, reading, x, y, z);
             map->particles[node] = roles.particles;
             if (!(roles.air > 0) && !(roles.matter > 0)) continue;
             map->surfaces[std::size_t(row)].push_back(

@@ -18,27 +18,30 @@ struct SurfaceNode {
     LightBeside beside;
 };
 
+/// What samples read: surfaces, particles, or particles that are solid by themselves.
+enum class Reading { surfaces, particles, skins };
+
 struct SurfaceMap {
     std::vector<float> particles;                    ///< [node]: what its own light weighs as particles
     std::vector<std::vector<SurfaceNode>> surfaces;  ///< of each row (y fastest), along x
     std::size_t bytes() const;
 };
 
-/// Both maps of a medium, each found when it is asked for first.
+/// The maps of a medium, each found when it is asked for first.
 class SurfaceMaps {
 public:
     /// `edges`: of the smallest voxel edge, in the edge of a cell.
     explicit SurfaceMaps(double edges) : edges_(edges) {}
 
     /// `nodes`: of this medium, in any light. Cost: some 30 core-ms for 64³ nodes the first time.
-    std::shared_ptr<const SurfaceMap> of(const Device& device, const TransportNodes& nodes, bool as_particles);
+    std::shared_ptr<const SurfaceMap> of(const Device& device, const TransportNodes& nodes, Reading reading);
     double edges() const { return edges_; }
     std::size_t bytes() const;
 
 private:
     double edges_;
     mutable std::mutex mutex_;
-    std::array<std::shared_ptr<const SurfaceMap>, 2> maps_;
+    std::array<std::shared_ptr<const SurfaceMap>, 3> maps_;
 };
 
 /// Whether both show the same matter, however it is lit.

@@ -123,22 +123,30 @@ struct FirstSweepKernel {
 
     template <class F>
     CHIARO_INLINE void operator()(const FirstSweepRow& row) const {
-        float mean[most_rays * width];
         for (std::int32_t u = 0; u < row.count; u += width) {
-            if (holds_matter<F>(row.extinction + u))
-                for (std::int32_t lane = 0; lane < width; lane += LaneTraits<F>::count)
-                    pass<F, true>(row, u + lane, mean + lane);
-            else
-                for (std::int32_t lane = 0; lane < width; lane += LaneTraits<F>::count)
-                    pass<F, false>(row, u + lane, mean + lane);
-            for (std::int32_t lane = 0; lane < width; lane += LaneTraits<F>::count) add<F>(row, u + lane, mean + lane);
+            const bool matter = holds_matter<F>(row.extinction + u);
+            for (std::int32_t lane = 0; lane < width; lane += LaneTraits<F>::count) take<F>(row, u + lane, matter);
         }
         for (std::int32_t i = 0; i < row.opaque.count; ++i)
             for (std::int32_t o = 0; o < octant_count; ++o) meet<F>(row, row.opaque.cells[i], octants[o]);
         for (std::int32_t r = 0; r < count; ++r) plane.here[r * plane.field + row.first + row.count] = 1;
     }
+    /// One cell, as a thread of a card takes it; `id` among the opaque ones, below 0: it is none.
+    CHIARO_INLINE void at(const FirstSweepRow& row, std::int32_t u, std::int32_t id) const {
+        take<float>(row, u, holds_matter<float>(row.extinction + u / width * width));
+        for (std::int32_t o = 0; id >= 0 && o < octant_count; ++o) meet<float>(row, {u, id}, octants[o]);
+    }
 
 private:
+    template <class F>
+    CHIARO_INLINE void take(const FirstSweepRow& row, std::int32_t u, bool matter) const {
+        float mean[most_rays * LaneTraits<F>::count];
+        if (matter)
+            pass<F, true>(row, u, mean);
+        else
+            pass<F, false>(row, u, mean);
+        add<F>(row, u, mean);
+    }
     template <class F, bool matter>
     CHIARO_INLINE void pass(const FirstSweepRow& row, std::int32_t u, float* mean) const {
         const F extinction = load_row<F>(row.extinction + u);
@@ -149,7 +157,7 @@ private:
             if constexpr (matter) left = in * exp2_of_step(extinction * F(rays[r].edges));
             const F out = left + F(no_light);
             store_row(plane.here + at, out);
-            store_row(mean + r * width, in + out);
+            store_row(mean + r * LaneTraits<F>::count, in + out);
         }
     }
     template <class F>
@@ -160,7 +168,7 @@ private:
                 a = load_row<F>(row.sums[s] + u), b = load_row<F>(row.sums[s + 1] + u),
                 c = load_row<F>(row.sums[s + 2] + u);
             for (std::int32_t r = 0; r < count; ++r) {
-                const F light = load_row<F>(mean + r * width);
+                const F light = load_row<F>(mean + r * LaneTraits<F>::count);
                 const float* shares = basis + 8 * r + s;
                 a = mad(light, F(shares[0]), a), b = mad(light, F(shares[1]), b), c = mad(light, F(shares[2]), c);
             }
@@ -211,24 +219,34 @@ struct SourceSweepKernel {
     template <class F>
     CHIARO_INLINE void operator()(const SourceRow& row) const {
         for (std::int32_t u = 0; u < row.count; u += width) {
-            if (holds_matter<F>(row.extinction + u))
-                for (std::int32_t lane = 0; lane < width; lane += LaneTraits<F>::count) pass<F, true>(row, u + lane);
-            else
-                for (std::int32_t lane = 0; lane < width; lane += LaneTraits<F>::count) pass<F, false>(row, u + lane);
+            const bool matter = holds_matter<F>(row.extinction + u);
+            for (std::int32_t lane = 0; lane < width; lane += LaneTraits<F>::count) take<F>(row, u + lane, matter);
         }
         for (std::int32_t i = 0; i < row.opaque.count; ++i)
             for (std::int32_t o = 0; o < octant_count; ++o) meet(row, row.opaque.cells[i], octants[o]);
         for (std::int32_t p = 0; p < count * channels; ++p) plane.here[p * plane.field + row.first + row.count] = 0;
     }
+    /// One cell, as a thread of a card takes it; `id` among the opaque ones, below 0: it is none.
+    CHIARO_INLINE void at(const SourceRow& row, std::int32_t u, std::int32_t id) const {
+        take<float>(row, u, holds_matter<float>(row.extinction + u / width * width));
+        for (std::int32_t o = 0; id >= 0 && o < octant_count; ++o) meet(row, {u, id}, octants[o]);
+    }
 
 private:
+    template <class F>
+    CHIARO_INLINE void take(const SourceRow& row, std::int32_t u, bool matter) const {
+        if (matter)
+            pass<F, true>(row, u);
+        else
+            pass<F, false>(row, u);
+    }
     template <class F, bool matter>
     CHIARO_INLINE void pass(const SourceRow& row, std::int32_t u) const {
-        float clear[most_rays * width];
+        float clear[most_rays * LaneTraits<F>::count];
         if constexpr (matter) {
             const F extinction = load_row<F>(row.extinction + u);
             for (std::int32_t r = 0; r < count; ++r)
-                store_row(clear + r * width, exp2_of_step(extinction * F(rays[r].edges)));
+                store_row(clear + r * LaneTraits<F>::count, exp2_of_step(extinction * F(rays[r].edges)));
         }
         for (std::int32_t c = 0; c < channels; ++c) {
             const F source = load_row<F>(row.source[c] + u) + F(no_light);
@@ -238,7 +256,7 @@ private:
                 const F in = light_before<F>(rays[r], plane.before + at);
                 F out;
                 if constexpr (matter)
-                    out = mad(load_row<F>(clear + r * width), in - source, source);
+                    out = mad(load_row<F>(clear + r * LaneTraits<F>::count), in - source, source);
                 else
                     out = in + F(no_light);
                 store_row(plane.here + at, out);

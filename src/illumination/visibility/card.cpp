@@ -21,12 +21,6 @@ struct CardPlane {
     }
 };
 
-/// Nothing that is still copied goes before the copy is done, also when something fails.
-struct Settled {
-    cuda::Stream& stream;
-    ~Settled() { stream.settle(); }
-};
-
 }  // namespace
 
 SweepPlanes::SweepPlanes(int nu, int nv, int directions) : row_(nu + 2), directions_(directions) {
@@ -68,7 +62,7 @@ void CardSweep::pass(const SweepPass& pass, const SweepAxes& axes, std::span<con
     const BatchHarmonics harmonics(pass.directions, batch, pass.field.coefficients);
     SweepPlanes planes(nu, nv, packs.lanes());
     std::vector<kernel::SweepPack> on_card(packs.data(), packs.data() + packs.lanes() / kernel::SweepPack::width);
-    const Settled settled{*stream_};
+    const cuda::Settled settled{*stream_};
     const CardPlane first(*stream_, planes.here(0)), second(*stream_, planes.here(1));
     const cuda::Array<float> scratch(*stream_, std::size_t(nu) * nv * packs.lanes());
 

@@ -1,0 +1,318 @@
+#include "illumination/transport/card.h"
+
+#include <algorithm>
+
+#include "core/srgb.h"
+#include "cuda/mirror.h"
+#include "illumination/transport/batches.h"
+#include "illumination/transport/launch_card.h"
+
+namespace chiaro {
+namespace {
+
+constexpr int sides = 6;
+
+void swap_pointers(cuda::Views& views, kernel::FirstSweepKernel& kernel) {
+    views.swap(kernel.rays, kernel.basis, kernel.octants, kernel.per_share, kernel.on_faces);
+}
+void swap_pointers(cuda::Views& views, kernel::SourceSweepKernel& kernel) {
+    views.swap(kernel.rays, kernel.octants, kernel.open_weight, kernel.cosine);
+}
+
+/// From a cell to the next along a row of a sweep's planes, and to that of the next plane.
+kernel::SweptPlaces places_of(const SweepAxes& axes, int steps, const std::array<std::int64_t, 3>& strides,
+                              std::int64_t origin) {
+    const std::int64_t plane = strides[std::size_t(axes.major)];
+    return {origin + (axes.sign > 0 ? (steps - 1) * plane : 0), axes.sign > 0 ? -plane : plane,
+            strides[std::size_t(axes.v)], strides[std::size_t(axes.u)]};
+}
+
+/// Numbers in a row of a travelling plane, with its halo.
+int pitch_of(const SweptMedium& medium, const SweepAxes& axes) { return medium.lattices.along_x.count()[axes.u] + 2; }
+
+}  // namespace
+
+CardTransport::CardTransport(const Device& device, const SweptMedium& medium, const Colour& albedo)
+    : stream_(device.stream),
+      medium_(medium),
+      places_(cell_places(medium.lattices.along_x, medium.lattices.along_y)),
+      field_(std::max(medium.lattices.along_x.size(), medium.lattices.along_y.size())),
+      extinction_(fields(2)),
+      albedo_(fields(3)),
+      first_light_(fields(3)),
+      first_moment_(fields(9)),
+      source_(fields(3)),
+      across_(fields(3)),
+      mean_(fields(3)),
+      moment_(fields(9)),
+      sums_(fields(3 * sides)),
+      arriving_(*stream_, sides * std::max<std::size_t>(1, medium.opaque.count()) * kernel::cell_floats),
+      first_faces_(of_faces()),
+      faces_(of_faces()),
+      mean_faces_(of_faces()),
+      emission_(*stream_,
+                std::max<std::size_t>(1, medium.opaque.listed() * OpaqueCells::octants) * kernel::face_floats),
+      change_(*stream_, 2 * std::size_t(places_.count())),
+      change_sums_(*stream_, std::size_t(places_.nz) * 2 * kernel::ChangeKernel::lanes),
+      reflect_(medium.opaque.reflect_kernel(faces_.data(), emission_.data())),
+      cover_(medium.opaque.cover_kernel(emission_.data())) {
+    const std::vector<std::int32_t> ids = medium.opaque.ids_with_halo();
+    const cuda::Settled settled{*stream_};
+    HostArrays arrays;
+    medium.opaque.add_to(arrays), arrays.add(ids);
+    tables_ = std::make_unique<cuda::Views>(*stream_, std::move(arrays));
+    clear_ = medium.opaque.clear_cells(), ids_ = ids.data();
+    tables_->swap(clear_, ids_, reflect_.open, reflect_.reflectance, cover_.covers);
+    const LatticeField* both[]{&medium.extinction.along_x, &medium.extinction.along_y};
+    for (int i = 0; i < 2; ++i)
+        stream_->upload(field(extinction_, i), both[i]->data(), both[i]->size() * sizeof(float));
+    for (int c = 0; c < 3; ++c) upload(albedo_, c, albedo[std::size_t(c)]);
+    for (Numbers* zero : {&emission_, &moment_, &first_light_, &first_moment_, &source_, &mean_, &first_faces_})
+        zero->zero();  // beside the cells, where the host's fields are zero
+    stream_->wait();
+}
+
+CardTransport::Numbers CardTransport::fields(int count) const { return {*stream_, field_ * std::size_t(count)}; }
+
+CardTransport::Numbers CardTransport::of_faces() const {
+    return {*stream_, std::max<std::size_t>(1, medium_.opaque.count()) * kernel::cell_floats};
+}
+
+void CardTransport::upload(const Numbers& to, int i, const LatticeField& from) {
+    stream_->upload(field(to, i), from.data(), from.size() * sizeof(float));
+}
+void CardTransport::download(LatticeField& to, const Numbers& from, int i) const {
+    to = medium_.lattices.along_x.unset_field();
+    stream_->download(to.data(), field(from, i), to.size() * sizeof(float));
+}
+void CardTransport::upload(const Numbers& to, const Faces& from) {
+    stream_->upload(to.data(), from.data(), from.size() * sizeof from[0]);
+}
+CardTransport::Faces CardTransport::faces_of(const Numbers& numbers) const {
+    Faces faces(medium_.opaque.count());
+    stream_->download(faces.data(), numbers.data(), faces.size() * sizeof faces[0]);
+    stream_->wait();
+    return faces;
+}
+
+template <class Kernel>
+void CardTransport::run(std::size_t count, const Kernel& kernel) const {
+    kernel::run_on_card(*stream_, std::int64_t(count), kernel);
+}
+
+/// The cells of a group, but for what travels.
+kernel::SweptCells CardTransport::cells_of(const SweepAxes& axes) const {
+    const Lattice& lattice = medium_.lattices.of(axes);
+    const OpaqueCells& opaque = medium_.opaque;
+    const auto& n = lattice.count();
+    const auto to = [&](int x, int y, int z) { return std::int64_t(lattice.index(x, y, z)); };
+    kernel::SweptCells cells{};
+    cells.nu = n[axes.u], cells.nv = n[axes.v], cells.steps = n[axes.major];
+    cells.in_field = places_of(axes, cells.steps, {to(1, 0, 0), to(0, 1, 0), to(0, 0, 1)}, 0);
+    cells.in_halo =
+        places_of(axes, cells.steps, {opaque.stride(0), opaque.stride(1), opaque.stride(2)}, opaque.bit_index(0, 0, 0));
+    cells.extinction = field(extinction_, lattice.along_y());
+    cells.ids = ids_;
+    cells.opaque = {nullptr,
+                    0,
+                    std::int32_t(opaque.count()),
+                    std::int32_t(opaque.listed()),
+                    clear_,
+                    opaque.stride(axes.u),
+                    emission_.data(),
+                    nullptr};
+    cells.pitch = pitch_of(medium_, axes);
+    return cells;
+}
+
+/// Groups side by side, batches of a group one after the other. make_side(g, batch, is_first) tells all but what
+/// travels.
+template <class Batch, class MakeSide>
+void CardTransport::sweep(const std::vector<SweepGroup>& groups, const std::vector<std::vector<Batch>>& batches,
+                          const MakeSide& make_side, const SweepTerms& terms, Progress& progress) {
+    std::size_t rounds = 0, room = 0;
+    HostArrays arrays;
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+        const kernel::SweptCells of = cells_of(groups[g].axes);
+        room = std::max(room, std::size_t(of.pitch) * (of.nv + 2) * terms.per_ray * Batch::Kernel::most_rays);
+        rounds = std::max(rounds, batches[g].size());
+        for (const Batch& batch : batches[g]) batch.add_to(arrays);
+    }
+    std::vector<std::vector<decltype(make_side(0, batches[0][0], true))>> sides(rounds);
+    cuda::Views views(*stream_, std::move(arrays));  // settles before `sides` go
+    const Numbers planes(*stream_, 2 * room * groups.size());
+    for (std::size_t g = 0; g < groups.size(); ++g)
+        for (std::size_t round = 0; round < batches[g].size(); ++round) {
+            auto& side = sides[round].emplace_back(make_side(g, batches[g][round], round == 0));
+            swap_pointers(views, side.kernel);
+            side.cells.numbers = terms.per_ray * batches[g][round].count();
+            side.cells.opaque.arriving = arriving_.data() + g * medium_.opaque.count() * kernel::cell_floats;
+            for (std::size_t i = 0; i < 2; ++i) side.cells.planes[i] = planes.data() + (2 * g + i) * room;
+        }
+    arriving_.zero();
+    for (std::size_t round = 0; round < rounds; ++round) {
+        run(planes.size(), kernel::FillKernel{planes.data(), terms.outside});
+        pass_planes(sides[round]);
+        progress.report(terms.stage, double(round + 1) / double(rounds));
+        progress.check();
+    }
+}
+
+/// Plane by plane, waiting at the end.
+template <class Side>
+void CardTransport::pass_planes(const std::vector<Side>& sides) {
+    const cuda::Array<Side> on_card(*stream_, sides.size());
+    stream_->upload(on_card.data(), sides.data(), sides.size() * sizeof sides[0]);
+    std::int32_t widest = 0, steps = 0;
+    for (const Side& side : sides)
+        widest = std::max(widest, side.cells.nu * side.cells.nv), steps = std::max(steps, side.cells.steps);
+    for (std::int32_t k = 0; k < steps; ++k)
+        run(sides.size() * std::size_t(widest), kernel::SweepPlaneKernel<Side>{on_card.data(), widest, k});
+    stream_->wait();
+}
+
+void CardTransport::find_first(const FirstDirections& first, Progress& progress) {
+    constexpr int sums = kernel::AddUpKernel::sums;
+    const std::vector<SweepGroup> groups = sweep_groups(first.directions);
+    std::vector<std::vector<FirstBatch>> batches(groups.size());
+    for (std::size_t g = 0; g < groups.size(); ++g)
+        for (SweepBatch& batch : sweep_batches(first.directions, groups[g], FirstBatch::Kernel::most_rays,
+                                               pitch_of(medium_, groups[g].axes), medium_.opaque))
+            batches[g].emplace_back(std::move(batch), first.directions, first.incident);
+    const Numbers parts = fields(sums * int(groups.size()));
+    const auto side = [&](std::size_t g, const FirstBatch& batch, bool is_first) {
+        kernel::FirstSide made{cells_of(groups[g].axes), batch.kernel(is_first), {}};
+        for (int s = 0; s < sums; ++s) made.sums[s] = field(parts, int(g) * sums + s);
+        return made;
+    };
+    sweep(groups, batches, side, {1, 1, "light"}, progress);
+    kernel::AddUpKernel add{places_, parts.data(), std::int64_t(field_), std::int32_t(groups.size()),
+                            0,       {},           first_light_.data(),  first_moment_.data()};
+    for (std::size_t g = 0; g < groups.size(); ++g) add.across |= int(groups[g].axes.major == 0) << g;
+    for (int c = 0; c < 3; ++c) add.luminance[c] = float(luminance_weights[c]);
+    run(cells(), add);
+    meet_faces(groups.size(), first_faces_, nullptr, nullptr, 0);
+}
+
+void CardTransport::add_sun(const SunLight& sun) {
+    const cuda::Settled settled{*stream_};
+    const cuda::Array<double> mean(*stream_, sun.mean.size());
+    stream_->upload(mean.data(), sun.mean.data(), sun.mean.size() * sizeof(double));
+    kernel::SunKernel shine = sun.kernel(medium_.lattices);
+    shine.mean = mean.data();
+    for (int c = 0; c < 3; ++c) {
+        shine.light[c] = field(first_light_, c);
+        for (int axis = 0; axis < 3; ++axis) shine.moment[c][axis] = field(first_moment_, 3 * c + axis);
+    }
+    run(cells(), shine);
+}
+
+void CardTransport::start(const Device& device, const FirstDirections& first, Progress& progress) {
+    find_first(first, progress);
+    if (first.incident.sun) {
+        Faces faces = faces_of(first_faces_);
+        add_sun(SunLight(device, medium_, *first.incident.sun, progress, faces));
+        const cuda::Settled settled{*stream_};
+        upload(first_faces_, faces);
+    }
+    for (const Numbers* faces : {&faces_, &mean_faces_})
+        stream_->copy(faces->data(), first_faces_.data(), faces->size() * sizeof(float));
+    run(cells(), kernel::StartKernel{places_, albedo_.data(), first_light_.data(), std::int64_t(field_), source_.data(),
+                                     mean_.data()});
+    turn_and_reflect();
+    stream_->wait();
+}
+
+void CardTransport::start_from(const Colour& source, const Faces& faces) {
+    const cuda::Settled settled{*stream_};
+    for (int c = 0; c < 3; ++c) upload(source_, c, source[std::size_t(c)]);
+    upload(faces_, faces);
+    turn_and_reflect();
+    stream_->wait();
+}
+
+std::size_t CardTransport::scatter(const std::vector<Vec3>& directions, Progress& progress) {
+    constexpr int channels = SourceBatch::Kernel::channels;
+    const std::vector<SweepGroup> groups = sweep_groups(directions);
+    std::vector<std::vector<SourceBatch>> batches(groups.size());
+    for (std::size_t g = 0; g < groups.size(); ++g)
+        for (SweepBatch& batch : sweep_batches(directions, groups[g], SourceBatch::Kernel::most_rays,
+                                               channels * pitch_of(medium_, groups[g].axes), medium_.opaque))
+            batches[g].emplace_back(std::move(batch));
+    const auto side = [&](std::size_t g, const SourceBatch& batch, bool is_first) {
+        const SweepAxes& axes = groups[g].axes;
+        kernel::SourceSide made{cells_of(axes), batch.kernel(directions.size(), is_first), {}, {}};
+        for (int c = 0; c < channels; ++c) {
+            made.source[c] = field(medium_.lattices.of(axes).along_y() ? across_ : source_, c);
+            made.sums[c] = field(sums_, channels * side_of(axes) + c);
+        }
+        return made;
+    };
+    if (groups.size() < sides) sums_.zero();  // few directions: no light came from some sides
+    sweep(groups, batches, side, {channels, 0, "scattering"}, progress);
+    return groups.size();
+}
+
+void CardTransport::meet_faces(std::size_t groups, const Numbers& faces, const Numbers* first, const Numbers* mean,
+                               float share) {
+    run(medium_.opaque.count() * OpaqueCells::faces,
+        kernel::FaceKernel{arriving_.data(), std::int64_t(medium_.opaque.count()) * kernel::cell_floats,
+                           std::int32_t(groups), first ? first->data() : nullptr, faces.data(),
+                           mean ? mean->data() : nullptr, share});
+}
+
+/// What sweeps read, once the source and the faces are known.
+void CardTransport::turn_and_reflect() {
+    run(cells(), kernel::TurnKernel{places_, std::int64_t(field_), source_.data(), across_.data()});
+    run(medium_.opaque.count() * OpaqueCells::octants, reflect_);
+    run(medium_.opaque.covers(), cover_);
+}
+
+std::vector<float> CardTransport::iterate(const std::vector<Vec3>& directions, const kernel::UpdateKernel& update,
+                                          Progress& progress) {
+    const std::size_t groups = scatter(directions, progress);
+    run(cells(), kernel::UpdateCellKernel{places_, update, std::int64_t(field_), extinction_.data(), albedo_.data(),
+                                          first_light_.data(), sums_.data(), source_.data(), mean_.data(),
+                                          moment_.data(), change_.data()});
+    run(change_sums_.size(), kernel::ChangeKernel{places_, change_.data(), change_sums_.data()});
+    meet_faces(groups, faces_, &first_faces_, &mean_faces_, update.share);
+    turn_and_reflect();
+    std::vector<float> sums(change_sums_.size());
+    const cuda::Settled settled{*stream_};
+    stream_->download(sums.data(), change_sums_.data(), sums.size() * sizeof(float));
+    stream_->wait();
+    return sums;
+}
+
+/// By way of what holds the sums of a sweep, which are no one's between sweeps.
+void CardTransport::nodes(std::vector<float>& light, std::vector<float>& moment) const {
+    kernel::NodeKernel gather{places_, {}, {}, {}, sums_.data(), sums_.data() + light.size()};
+    for (int c = 0; c < 3; ++c) {
+        gather.mean[c] = field(mean_, c);
+        for (int axis = 0; axis < 3; ++axis) {
+            gather.moment[c][axis] = field(moment_, 3 * c + axis);
+            gather.first_moment[c][axis] = field(first_moment_, 3 * c + axis);
+        }
+    }
+    run(cells(), gather);
+    const cuda::Settled settled{*stream_};
+    stream_->download(light.data(), gather.light, light.size() * sizeof(float));
+    stream_->download(moment.data(), gather.moments, moment.size() * sizeof(float));
+    stream_->wait();
+}
+
+void CardTransport::fetch(LightFields& fields) const {
+    const cuda::Settled settled{*stream_};
+    for (int c = 0; c < 3; ++c) {
+        download(fields.first.light[c], first_light_, c);
+        download(fields.source[c], source_, c), download(fields.mean[c], mean_, c);
+        for (int axis = 0; axis < 3; ++axis) {
+            download(fields.first.moment[c][axis], first_moment_, 3 * c + axis);
+            download(fields.moment[c][axis], moment_, 3 * c + axis);
+        }
+    }
+    fields.first.faces = faces_of(first_faces_), fields.faces = faces(), fields.mean_faces = mean_faces();
+    stream_->wait();
+}
+
+}  // namespace chiaro

@@ -1,0 +1,93 @@
+// A sweep as a card's threads do it: a thread for each cell of a plane, for each group of directions.
+#pragma once
+#include "illumination/transport/sweep_kernel.h"
+
+namespace chiaro::kernel {
+
+/// Where a number for each cell lies: of a sweep's first cell, and so far on from plane to plane, row to row, cell to
+/// cell.
+struct SweptPlaces {
+    std::int64_t first, plane, row, cell;
+
+    CHIARO_INLINE std::int64_t at(std::int32_t k, std::int32_t v, std::int32_t u) const {
+        return first + k * plane + v * row + u * cell;
+    }
+};
+
+/// The cells as one group of directions meets them. Pointers are the card's.
+struct SweptCells {
+    std::int32_t nu, nv, steps;
+    SweptPlaces in_field, in_halo;
+    const float* extinction;
+    const std::int32_t* ids;      ///< of opaque cells, else below 0; with a halo, as `opaque.clear`
+    OpaqueRow opaque;             ///< of the first cell with its halo
+    float* planes[2];             ///< what travels, with a halo of one
+    std::int32_t pitch, numbers;  ///< of a row; rows of one v
+
+    CHIARO_INLINE SweepPlane plane(std::int32_t k) const { return {planes[k & 1], planes[(k + 1) & 1], pitch}; }
+    CHIARO_INLINE std::int32_t place(std::int32_t v) const { return (v + 1) * pitch * numbers + 1; }
+    CHIARO_INLINE std::int32_t id(std::int32_t k, std::int32_t v, std::int32_t u) const {
+        return ids[in_halo.at(k, v, u)];
+    }
+    CHIARO_INLINE OpaqueRow opaque_in(std::int32_t k, std::int32_t v) const {
+        OpaqueRow row = opaque;
+        row.clear += in_halo.at(k, v, 0);
+        return row;
+    }
+};
+
+/// A group of directions, the batch of them that is on its way.
+struct FirstSide {
+    SweptCells cells;
+    FirstSweepKernel kernel;
+    float* sums[FirstSweepKernel::sums];
+
+    CHIARO_INLINE void operator()(std::int32_t k, std::int32_t v, std::int32_t u) const {
+        FirstSweepKernel here = kernel;
+        here.plane = cells.plane(k);
+        const std::int64_t at = cells.in_field.at(k, v, 0);
+        FirstSweepRow row{cells.place(v), cells.nu, cells.extinction + at, {}, cells.opaque_in(k, v)};
+        for (std::int32_t s = 0; s < FirstSweepKernel::sums; ++s) row.sums[s] = sums[s] + at;
+        here.at(row, u, cells.id(k, v, u));
+    }
+};
+
+struct SourceSide {
+    SweptCells cells;
+    SourceSweepKernel kernel;
+    const float* source[SourceSweepKernel::channels];
+    float* sums[SourceSweepKernel::channels];
+
+    CHIARO_INLINE void operator()(std::int32_t k, std::int32_t v, std::int32_t u) const {
+        SourceSweepKernel here = kernel;
+        here.plane = cells.plane(k);
+        const std::int64_t at = cells.in_field.at(k, v, 0);
+        SourceRow row{cells.place(v), cells.nu, cells.extinction + at, {}, {}, cells.opaque_in(k, v)};
+        for (std::int32_t c = 0; c < SourceSweepKernel::channels; ++c)
+            row.source[c] = source[c] + at, row.sums[c] = sums[c] + at;
+        here.at(row, u, cells.id(k, v, u));
+    }
+};
+
+/// One plane of all groups, each `cells` threads.
+template <class Side>
+struct SweepPlaneKernel {
+    const Side* sides;
+    std::int32_t cells, k;
+
+    CHIARO_INLINE void operator()(std::int64_t i) const {
+        const Side& side = sides[std::int32_t(i) / cells];
+        const std::int32_t cell = std::int32_t(i) % cells;
+        const std::int32_t u = cell % side.cells.nu, v = cell / side.cells.nu;
+        if (k < side.cells.steps && v < side.cells.nv) side(k, v, u);
+    }
+};
+
+struct FillKernel {
+    float* numbers;
+    float value;
+
+    CHIARO_INLINE void operator()(std::int64_t i) const { numbers[i] = value; }
+};
+
+}  // namespace chiaro::kernel

@@ -1,0 +1,26 @@
+// Transport on cards: the same source, one thread a cell.
+#include "cuda/launch.h"
+#include "illumination/transport/launch_card.h"
+
+namespace chiaro::kernel {
+
+template <class Kernel>
+void run_on_card(cuda::Stream& stream, std::int64_t count, const Kernel& kernel) {
+    cuda::launch_items(stream, count, kernel);
+}
+
+template void run_on_card(cuda::Stream&, std::int64_t, const FillKernel&);
+template void run_on_card(cuda::Stream&, std::int64_t, const SweepPlaneKernel<FirstSide>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const SweepPlaneKernel<SourceSide>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const AddUpKernel&);
+template void run_on_card(cuda::Stream&, std::int64_t, const SunKernel&);
+template void run_on_card(cuda::Stream&, std::int64_t, const StartKernel&);
+template void run_on_card(cuda::Stream&, std::int64_t, const TurnKernel&);
+template void run_on_card(cuda::Stream&, std::int64_t, const UpdateCellKernel&);
+template void run_on_card(cuda::Stream&, std::int64_t, const ChangeKernel&);
+template void run_on_card(cuda::Stream&, std::int64_t, const FaceKernel&);
+template void run_on_card(cuda::Stream&, std::int64_t, const ReflectKernel&);
+template void run_on_card(cuda::Stream&, std::int64_t, const CoverKernel&);
+template void run_on_card(cuda::Stream&, std::int64_t, const NodeKernel&);
+
+}  // namespace chiaro::kernel

@@ -1,0 +1,78 @@
+#include "illumination/transport/nodes.h"
+
+#include "core/threads.h"
+#include "illumination/transport/solver_state.h"
+
+namespace chiaro {
+namespace {
+
+/// Samples look between nodes: a cell behind the faces of others holds what those hold, on average.
+void fill_behind(const OpaqueCells& opaque, TransportNodes& nodes) {
+    const auto [nx, ny, nz] = nodes.grid.count;
+    const auto fill = [&, nx = nx, ny = ny, nz = nz](int x, int y, int z) {
+        std::array<float, 12> sum{};
+        float count = 0;
+        for (int k = std::max(z - 1, 0); k <= std::min(z + 1, nz - 1); ++k)
+            for (int j = std::max(y - 1, 0); j <= std::min(y + 1, ny - 1); ++j)
+                for (int i = std::max(x - 1, 0); i <= std::min(x + 1, nx - 1); ++i) {
+                    const std::size_t node = nodes.grid.index(i, j, k);
+                    if (!opaque.is_opaque(node) || opaque.is_buried(node)) continue;
+                    for (int c = 0; c < 3; ++c) sum[c] += nodes.light[3 * node + c];
+                    for (int m = 0; m < 9; ++m) sum[3 + m] += nodes.moment[9 * node + m];
+                    count += 1;
+                }
+        const std::size_t node = nodes.grid.index(x, y, z);
+        for (int c = 0; c < 3; ++c) nodes.light[3 * node + c] = count > 0 ? sum[c] / count : 0;
+        for (int m = 0; m < 9; ++m) nodes.moment[9 * node + m] = count > 0 ? sum[3 + m] / count : 0;
+    };
+    for (int z = 0; z < nz; ++z)
+        for (int y = 0; y < ny; ++y)
+            for (int x = 0; x < nx; ++x)
+                if (opaque.is_buried(nodes.grid.index(x, y, z))) fill(x, y, z);
+}
+
+}  // namespace
+
+/// Light and moment of nodes.
+void TransportSolver::State::gather(std::vector<float>& light, std::vector<float>& moments) const {
+    if (card) return card->nodes(light, moments);
+    kernel::NodeKernel kernel{
+        cell_places(medium.lattices.along_x, medium.lattices.along_y), {}, {}, {}, light.data(), moments.data()};
+    for (int c = 0; c < 3; ++c) {
+        kernel.mean[c] = mean[c].data();
+        for (int axis = 0; axis < 3; ++axis) {
+            kernel.moment[c][axis] = moment[c][axis].data();
+            kernel.first_moment[c][axis] = first.moment[c][axis].data();
+        }
+    }
+    const auto [nx, ny, nz] = grid.extinction.grid.count;
+    parallel_for(device.threads, nz, 1, [&, nx = nx, ny = ny](std::int64_t z, std::int64_t) {
+        for (int y = 0; y < ny; ++y)
+            for (int x = 0; x < nx; ++x)
+                kernel.gather(std::int64_t(grid.extinction.grid.index(x, y, int(z))),
+                              std::int64_t(medium.lattices.along_x.index(x, y, int(z))));
+    });
+}
+
+TransportNodes TransportSolver::nodes() const {
+    const State& s = *state_;
+    const CellGrid& grid = s.grid.extinction.grid;
+    TransportNodes out{grid, {}, s.weight, {}, {}, s.iterations, s.change};
+    out.light.resize(3 * grid.size()), out.moment.resize(9 * grid.size());
+    s.gather(out.light, out.moment);
+    const auto faces = s.card ? s.card->mean_faces() : s.mean_faces;
+    if (s.opaque.count() > 0) out.answer.resize(3 * grid.size());
+    for (std::size_t cell = 0; cell < s.opaque.count(); ++cell) {
+        const auto at = std::ptrdiff_t(3 * s.opaque.nodes()[cell]);
+        const auto seen = s.opaque.seen(cell, faces[cell]);
+        std::copy(seen.begin(), seen.end(), out.light.begin() + at);
+        std::copy_n(s.opaque.per_albedo(cell).begin(), 3, out.answer.begin() + at);
+    }
+    if (!out.answer.empty())
+        for (const std::size_t node : s.grid.skins)
+            for (int c = 0; c < 3; ++c) out.answer[3 * node + c] = float(reflected_per_albedo(s.grid.albedo[c][node]));
+    fill_behind(s.opaque, out);
+    return out;
+}
+
+}  // namespace chiaro

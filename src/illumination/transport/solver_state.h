@@ -1,0 +1,45 @@
+// What a solver knows and does between its iterations.
+#pragma once
+#include <limits>
+
+#include "illumination/transport/card.h"
+#include "illumination/transport/solver.h"
+
+namespace chiaro {
+
+/// The light is on the card, or else here.
+struct TransportSolver::State : LightFields {
+    Device device;
+    TransportSettings settings;
+    ScatteringSettings scattering;
+    LightGrid grid;
+    OpaqueCells opaque;
+    SweptMedium medium;
+    Colour albedo;               ///< rows along x
+    Colour source_across;        ///< the same source, rows along y
+    std::array<Colour, 6> sums;  ///< by the side that light comes from; those of x: rows along y
+    LatticeField emission;
+    std::vector<float> weight;  ///< of each node (nodes.h)
+    std::unique_ptr<CardTransport> card;
+    int iterations = 0;
+    double change = std::numeric_limits<double>::infinity();
+
+    State(const Device& d, const Medium::Data& medium_data, const Lighting& lighting, const TransportSettings& s,
+          const ScatteringSettings& sc, Vec3 orbit_up, Progress& progress);
+
+    bool is_accelerated() const { return !scattering.bounces.most; }
+    bool is_done() const;
+    void start(const FirstDirections& directions, Progress& progress);
+    void prepare();
+    double iterate(const std::vector<Vec3>& directions, Progress& progress);
+    void sweep(const std::vector<Vec3>& directions, const SweepGroup& group, const Progress& progress,
+               std::span<float> arriving);
+    LatticeField sweep(const std::vector<Vec3>& directions, Progress& progress);
+    double update(const kernel::UpdateKernel& kernel);
+    void update_faces(const LatticeField& arriving, float share);
+    void start_from(const TransportNodes& warm);
+    void turn_source();
+    void gather(std::vector<float>& light, std::vector<float>& moments) const;
+};
+
+}  // namespace chiaro
