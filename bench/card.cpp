@@ -6,6 +6,7 @@
 #include "illumination/transport/card.h"
 #include "illumination/transport/solver.h"
 #include "turntable.h"
+#include "words.h"
 
 namespace chiaro::bench {
 namespace {
@@ -56,14 +57,24 @@ public:
         return 1e3 * wall_seconds([&] { session_.render(scene_, progress_); });
     }
     /// Of the last frame, the ray caster's part, with the frame on its way to the host.
-    double raycast_ms() const {
-        for (const Stage& stage : session_.stages())
-            if (stage.name == "raycast") return 1e3 * stage.seconds;
-        return 0;
+    double raycast_ms() const { return stage_ms("raycast"); }
+    /// Of a frame after an edit of the transfer function, the steps whose names begin so, with what travels to and from
+    /// the card.
+    double edited_ms(const std::string& steps) {
+        scene_.transfer.opacity_scale = scene_.transfer.opacity_scale == 1 ? 0.99 : 1;
+        session_.render(scene_, progress_);
+        return stage_ms(steps);
     }
     std::size_t voxel_bytes() const { return session_.volume().bytes(); }
 
 private:
+    double stage_ms(const std::string& names) const {
+        double seconds = 0;
+        for (const Stage& stage : session_.stages())
+            if (stage.name.starts_with(names)) seconds += stage.seconds;
+        return 1e3 * seconds;
+    }
+
     Progress& progress_;
     Session session_;
     Scene scene_;
@@ -93,6 +104,28 @@ std::vector<Row> measure_scene(const Setup& setup, const std::vector<std::string
         rows.push_back(
             {names[i], "ms", spread_of(series[i]), median_ratio(series[i], series[2]), "a pass over the voxels"});
     return rows;
+}
+
+/// One of the steps that an edit brings about.
+std::vector<Row> measure_edit(const Setup& setup, const std::string& name, const std::string& scene_name,
+                              const std::string& steps) {
+    auto scene = find_scene(setup, scene_name);
+    if (!scene || !setup.device.has_card()) return {skipped(name, "ms", scene ? no_card : no_data)};
+    scene->illumination.method = steps == "spao" ? Method::spao : Method::none;
+    Turning turning(setup, *scene);
+    const auto series = in_turns(
+        setup.runs, {[&] { return turning.edited_ms(steps); }, [&] { return pass_ms(setup, turning.voxel_bytes()); }});
+    return {{name, "ms", spread_of(series[0]), median_ratio(series[0], series[1]), "a pass over the voxels"}};
+}
+
+/// The table that an edit renews for local histograms.
+std::vector<Row> measure_words(const Setup& setup, const std::string& name) {
+    if (!setup.device.has_card()) return {skipped(name, "ms", no_card)};
+    const RandomWords words(setup);
+    words.sum(setup.device);  // the words go up once
+    const auto series = in_turns(setup.runs, {[&] { return 1e3 * wall_seconds([&] { words.sum(setup.device); }); },
+                                              [&] { return pass_ms(setup, words.bytes()); }});
+    return {{name, "ms", spread_of(series[0]), median_ratio(series[0], series[1]), "a pass over the words"}};
 }
 
 void add_scene(const Setup& setup, const std::string& scene, Method method, std::vector<Case>& cases) {
@@ -134,10 +167,16 @@ std::vector<Row> measure_transport(const Setup& setup, const std::vector<std::st
 std::vector<Case> card_cases(const Setup& setup) {
     const std::vector<std::string> memory{"card/copy", "card/upload", "card/download"};
     std::vector<Case> cases{{memory, [=, &setup] { return measure_memory(setup, memory); }}};
+    cases.push_back({{"card/words"}, [&setup] { return measure_words(setup, "card/words"); }});
     const std::vector<std::string> transport{"card/transport/first", "card/transport/iteration"};
     cases.push_back({transport, [=, &setup] { return measure_transport(setup, transport); }});
-    for (const SceneText& text : scene_texts())
+    for (const SceneText& text : scene_texts()) {
         for (const Method method : {Method::none, Method::reference}) add_scene(setup, text.name, method, cases);
+        for (const std::string steps : {"classify", "spao"}) {
+            const std::string name = fmt::format("card/edit/{}/{}", text.name, steps);
+            cases.push_back({{name}, [=, &setup] { return measure_edit(setup, name, text.name, steps); }});
+        }
+    }
     return cases;
 }
 

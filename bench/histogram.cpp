@@ -17,6 +17,7 @@
 #include "occlusion_error.h"
 #include "rows.h"
 #include "turntable.h"
+#include "words.h"
 
 namespace chiaro::bench {
 namespace {
@@ -126,21 +127,15 @@ std::vector<Row> measure_exact(const Setup& setup, const std::string& name) {
 
 /// The table that an edit renews: 2048 words of 4096 bins.
 std::vector<Row> measure_table(const Setup& setup, const std::string& name) {
-    LocalHistograms h;
-    h.words = setup.quick ? 64 : 2048, h.stride = 4096, h.binning.count = 4096;
-    std::mt19937 random(9);
-    h.shares.resize(std::size_t(h.words) * 4096), h.scale.assign(std::size_t(h.words), 1e-6f);
-    for (auto& share : h.shares) share = std::uint16_t(random());
-    BinOptics optics;
-    for (int j = 0; j < 4096; ++j) optics.alpha.push_back(0.5f), optics.rgb.push_back({0.1f, 0.5f, 0.9f});
-    VoxelBuffer from(h.shares.size() * 2), to(from.size());
+    const RandomWords words(setup);
+    VoxelBuffer from(words.bytes()), to(from.size());
     std::fill_n(from.data(), from.size(), std::byte{1});
     const auto series = in_turns(
-        setup.runs, {[&] { return 1e3 * cpu_seconds([&] { word_sums(setup.device, h, optics); }); },
+        setup.runs, {[&] { return 1e3 * cpu_seconds([&] { words.sum(setup.device); }); },
                      [&] { return 1e3 * cpu_seconds([&] { std::copy_n(from.data(), from.size(), to.data()); }); },
-                     [&] { return 1e3 * wall_seconds([&] { word_sums(setup.device, h, optics); }); }});
+                     [&] { return 1e3 * wall_seconds([&] { words.sum(setup.device); }); }});
     return {{name, "CPU ms", spread_of(series[0]), median_ratio(series[0], series[1]), "memcpy of the words",
-             fmt::format("{} words × 4096 bins; the threads share it: {:.2f} ms of wall", h.words,
+             fmt::format("{} words × 4096 bins; the threads share it: {:.2f} ms of wall", words.histograms->words,
                          spread_of(series[2]).median)}};
 }
 

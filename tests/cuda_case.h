@@ -1,5 +1,6 @@
 // Pictures of a card against the processor's.
 #pragma once
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "cuda/mirror.h"
@@ -40,6 +41,18 @@ protected:
         EXPECT_EQ(d.pixels_beyond, 0) << "by up to " << d.max;
         EXPECT_GT(mean_alpha(expected), 0.02);
         return expected;
+    }
+
+    /// The same field by both.
+    void expect_same_field(const Medium& medium, const IlluminationSettings& light, const std::string& what) {
+        Progress progress;
+        const ComputedField expected = compute_field(processor(), medium, {}, {}, light, progress);
+        const ComputedField found = compute_field(card, medium, {}, {}, light, progress);
+        const auto a = expected.volume.as<float>(), b = found.volume.as<float>();
+        ASSERT_EQ(a.size(), b.size());
+        double worst = 0;
+        for (std::size_t i = 0; i < a.size(); ++i) worst = std::max(worst, std::abs(double(a[i]) - b[i]));
+        EXPECT_LE(worst, tolerance) << what;
     }
 
     Device card;

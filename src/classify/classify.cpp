@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "classify/card.h"
 #include "classify/medium.h"
 
 namespace chiaro {
@@ -20,6 +21,26 @@ void validate(const Shape& shape) {
                 refuse("the clip box leaves nothing: each of x0,x1,y0,y1,z0,z1 must rise from the first to the second");
 }
 
+namespace {
+
+/// On the card, which then holds it, or here.
+void find_occupancy(const RangeTest& is_visible, Medium::Data& data) {
+    const DeviceVolume::Data& volume = data.volume.data();
+    const auto on_card = [&] {
+        const CardOccupancy made = occupancy_on_card(volume, is_visible);
+        data.cells = made.codes;
+        cuda::Stream& stream = *volume.device.stream;
+        stream.mirror()->keep(HostArray::of(data.weak_from_this(), data.cells), made.on_card.data(), stream);
+    };
+    if (!cuda::done_on_card(volume.device, on_card))
+        data.cells = make_occupancy(volume.cells, std::cref(is_visible), volume.device.threads);
+    std::size_t occupied = 0;
+    for (const std::uint8_t code : data.cells) occupied += code & 1;
+    data.occupied_fraction = double(occupied) / double(data.cells.size() - 1);
+}
+
+}  // namespace
+
 Medium classify(const DeviceVolume& volume, const TransferFunction& tf, const Shape& shape) {
     validate(tf);
     validate(shape);
@@ -29,8 +50,7 @@ Medium classify(const DeviceVolume& volume, const TransferFunction& tf, const Sh
     data->table = make_optical_table(volume.data(), tf, shape);
     const RangeTest is_visible =
         shape.mode == Mode::iso ? crossed_range(volume.data(), shape.iso) : visible_range(data->table);
-    data->cells =
-        make_occupancy(volume.data().cells, is_visible, volume.data().device.threads, data->occupied_fraction);
+    find_occupancy(is_visible, *data);
     return Medium(std::move(data));
 }
 

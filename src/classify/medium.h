@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "classify/occupancy_kernel.h"
 #include "volume/device_volume.h"
 
 namespace chiaro {
@@ -43,11 +44,20 @@ OpticalTable make_optical_table(const DeviceVolume::Data& volume, const Transfer
 /// Throws Error{usage} unless the shape can be shown.
 void validate(const Shape& shape);
 
+/// Whether something may be seen between two stored values.
+struct RangeTest {
+    std::vector<std::int32_t> before;
+    kernel::RangeView view{};  ///< points into `before`
+
+    RangeTest() = default;
+    RangeTest(RangeTest&&) = default;
+    bool operator()(float low, float high) const { return view(low, high); }
+};
+
 /// The code of every cell (volume/occupancy.h), and a spare byte at the end.
 /// A cell is occupied where `is_visible` says so of its range of stored values.
-using RangeTest = std::function<bool(float low, float high)>;
-std::vector<std::uint8_t> make_occupancy(const CellRanges& ranges, const RangeTest& is_visible, int threads,
-                                         double& occupied_fraction);
+std::vector<std::uint8_t> make_occupancy(const CellRanges& ranges,
+                                         const std::function<bool(float low, float high)>& is_visible, int threads);
 /// Whether the transfer function leaves something visible between two stored values.
 RangeTest visible_range(const OpticalTable& table);
 /// Whether an isosurface passes between two stored values.

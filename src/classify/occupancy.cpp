@@ -17,9 +17,9 @@ struct CellGrid {
     std::size_t row(int y, int z) const { return (std::size_t(z) * count[1] + y) * count[0]; }
 };
 
-constexpr std::uint8_t farthest = 126;  ///< distances are clamped, so that one fits beside the occupied bit
+using Test = std::function<bool(float, float)>;
 
-CellGrid occupied_cells(const CellRanges& ranges, const RangeTest& is_visible, int threads) {
+CellGrid occupied_cells(const CellRanges& ranges, const Test& is_visible, int threads) {
     CellGrid cells{ranges.count, std::vector<std::uint8_t>(ranges.low.size())};
     parallel_for(threads, std::int64_t(ranges.low.size()), 1 << 16, [&](std::int64_t begin, std::int64_t end) {
         for (auto c = begin; c < end; ++c) cells.at[c] = is_visible(ranges.low[c], ranges.high[c]);
@@ -32,7 +32,7 @@ CellGrid occupied_cells(const CellRanges& ranges, const RangeTest& is_visible, i
 class KindDistance {
 public:
     explicit KindDistance(const CellGrid& kind)
-        : kind_(kind), distance_{kind.count, std::vector<std::uint8_t>(kind.at.size(), farthest)} {}
+        : kind_(kind), distance_{kind.count, std::vector<std::uint8_t>(kind.at.size(), kernel::farthest)} {}
 
     /// Chebyshev distances in two sweeps over 13 neighbours each (Borgefors 1986), exact for this metric. What lies
     /// beyond the volume counts for nothing.
@@ -85,48 +85,35 @@ private:
     CellGrid distance_;
 };
 
-/// Rounding in interpolation can reach a little beyond the values, unless they are all the same.
-double reach_beyond(double low, double high) {
-    return low == high ? 0 : std::max(std::abs(low), std::abs(high)) * 4e-7;
-}
-
 }  // namespace
 
 RangeTest visible_range(const OpticalTable& table) {
-    const double last = double(table.entries.size()) - 1;
-    std::vector<int> before(table.entries.size() + 1, 0);
+    RangeTest test;
+    test.before.assign(table.entries.size() + 1, 0);
     for (std::size_t j = 0; j < table.entries.size(); ++j)
-        before[j + 1] = before[j] + (table.entries[j].extinction_per_mm > 0);
-    return [before = std::move(before), &table, last](float low, float high) {
-        const double reach = low == high ? 0 : 1.0 / 256 + table.index_scale * reach_beyond(low, high);
-        const auto entry = [&](double index) { return int(std::clamp(index + 0.5, 0.0, last)); };
-        return before[entry(table.index_of(high) + reach) + 1] > before[entry(table.index_of(low) - reach)];
-    };
+        test.before[j + 1] = test.before[j] + (table.entries[j].extinction_per_mm > 0);
+    test.view.before = test.before.data();
+    test.view.index_scale = table.index_scale, test.view.index_offset = table.index_offset;
+    test.view.last = double(table.entries.size()) - 1;
+    return test;
 }
 
 RangeTest crossed_range(const DeviceVolume::Data& volume, const std::vector<IsoSurface>& surfaces) {
-    std::vector<double> stored;
-    for (const IsoSurface& surface : surfaces) stored.push_back((surface.value - volume.offset) / volume.scale);
-    return [stored = std::move(stored)](float low, float high) {
-        const double reach = reach_beyond(low, high);
-        return std::any_of(stored.begin(), stored.end(),
-                           [&](double v) { return v >= low - reach && v <= high + reach; });
-    };
+    static_assert(max_isosurfaces <= kernel::RangeView::most_surfaces);
+    RangeTest test;
+    for (const IsoSurface& surface : surfaces)
+        test.view.surfaces[test.view.surface_count++] = (surface.value - volume.offset) / volume.scale;
+    return test;
 }
 
-std::vector<std::uint8_t> make_occupancy(const CellRanges& ranges, const RangeTest& is_visible, int threads,
-                                         double& occupied_fraction) {
+std::vector<std::uint8_t> make_occupancy(const CellRanges& ranges, const Test& is_visible, int threads) {
     const CellGrid occupied = occupied_cells(ranges, is_visible, threads);
     KindDistance distances(occupied);
     const CellGrid& distance = distances.compute();
 
     std::vector<std::uint8_t> codes(occupied.at.size() + 1);
-    std::size_t count = 0;
-    for (std::size_t c = 0; c < occupied.at.size(); ++c) {
-        codes[c] = std::uint8_t(2 * (distance.at[c] - 1) + occupied.at[c]);
-        count += occupied.at[c];
-    }
-    occupied_fraction = double(count) / double(occupied.at.size());
+    for (std::size_t c = 0; c < occupied.at.size(); ++c)
+        codes[c] = kernel::cell_code(distance.at[c], occupied.at[c] != 0);
     return codes;
 }
 

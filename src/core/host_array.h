@@ -12,20 +12,24 @@ struct HostArray {
     const void* data = nullptr;
     std::size_t bytes = 0;
     bool is_shared = false;  ///< has an owner, alive or not
+
+    /// A range of anything contiguous (a vector, a VoxelBuffer) that `owner` keeps; without one it is a call's own.
+    template <class Range>
+    static HostArray of(const std::weak_ptr<const void>& owner, const Range& range) {
+        return {owner, range.data(), range.size() * sizeof *range.data(), !owner.expired()};
+    }
 };
 
 class HostArrays {
 public:
-    /// A range of anything contiguous (a vector, a VoxelBuffer) that `owner` keeps; without one it is a call's own.
     template <class Range>
     void add(const std::weak_ptr<const void>& owner, const Range& range) {
-        if (range.size())
-            arrays_.push_back({owner, range.data(), range.size() * sizeof *range.data(), !owner.expired()});
+        if (range.size()) arrays_.push_back(HostArray::of(owner, range));
     }
     /// One call's own.
     template <class Range>
     void add(const Range& range) {
-        if (range.size()) arrays_.push_back({{}, range.data(), range.size() * sizeof *range.data(), false});
+        if (range.size()) arrays_.push_back(HostArray::of({}, range));
     }
     /// The array that holds what is at `pointer`; nullptr: none.
     const HostArray* holding(const void* pointer) const {

@@ -21,19 +21,31 @@ const std::byte* Mirror::of(const HostArray& array, Stream& stream) {
     const auto kept =
         std::find_if(copies_.begin(), copies_.end(), [&](const Copy& copy) { return is_same(copy.of, array); });
     if (kept != copies_.end()) return kept->memory;
+    const std::byte* memory = add(array, stream, [&](std::byte* to) { stream.upload(to, array.data, array.bytes); });
+    copied_bytes_ += array.bytes;
+    return memory;
+}
+
+void Mirror::keep(const HostArray& array, const void* made, Stream& stream) {
+    const std::lock_guard lock(mutex_);
+    add(array, stream, [&](std::byte* to) { stream.copy(to, made, array.bytes); });
+}
+
+/// fill(memory)
+template <class Fill>
+const std::byte* Mirror::add(const HostArray& array, Stream& stream, const Fill& fill) {
     let_go_of_orphans(stream);
     copies_.push_back({array, static_cast<std::byte*>(nullptr)});
     std::byte*& memory = copies_.back().memory;
     try {
         memory = static_cast<std::byte*>(stream.allocate(array.bytes));
-        stream.upload(memory, array.data, array.bytes);
+        fill(memory);
         stream.wait();  // other streams read it too
     } catch (...) {
         if (memory) stream.release(memory);
         copies_.pop_back();
         throw;
     }
-    copied_bytes_ += array.bytes;
     return memory;
 }
 

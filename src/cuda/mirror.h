@@ -20,6 +20,8 @@ public:
 
     /// Where the array lies on the card; waits for the copy where there was none.
     const std::byte* of(const HostArray& array, Stream& stream);
+    /// The array was made on the card, at `made`: a copy from there is kept, and none comes from the host.
+    void keep(const HostArray& array, const void* made, Stream& stream);
     std::uint64_t copied_bytes() const { return copied_bytes_; }  ///< so far
     std::size_t held_bytes() const;
 
@@ -28,6 +30,8 @@ private:
         HostArray of;
         std::byte* memory;
     };
+    template <class Fill>
+    const std::byte* add(const HostArray& array, Stream& stream, const Fill& fill);
     void let_go_of_orphans(Stream& stream);
 
     const int card_;

@@ -29,6 +29,7 @@ struct DeviceVolume::Data : std::enable_shared_from_this<Data> {
 
     void add_to(HostArrays& arrays) const {
         arrays.add(weak_from_this(), bricks);
+        arrays.add(weak_from_this(), cells.low);
         arrays.add(weak_from_this(), cells.high);
     }
 };

@@ -74,22 +74,24 @@ TEST_F(TroubledCards, WithoutRoomGiveWayOnlyWhereTheyWereChosenByThemselves) {
 
 TEST_F(TroubledCards, GiveWayWhereverMemoryEnds) {
     const Volume volume = shells_of<std::uint8_t>(36);
-    IlluminationSettings light{.method = Method::visibility};
-    light.visibility.directions = 50;
-    Shot shot = shaded();
-    shot.device = processor();
-    const Frame expected = shot.lit(volume, light);
-    int gave_way = 0;
-    for (const std::size_t more : {1 << 14, 1 << 16, 1 << 18, 1 << 19, 1 << 20, 3 << 19, 1 << 21, 1 << 23}) {
-        cuda_emulated::card().memory_bytes = std::size_t(4) << 30;
-        shot.device = choose_device(processor()).device;
-        cuda_emulated::card().memory_bytes = cuda_emulated::card().held_bytes + more;
-        EXPECT_EQ(difference(shot.lit(volume, light), expected, 0).pixels_beyond, 0) << more;
-        gave_way += !shot.device.note().empty();
-        shot.device = {};
+    for (const Method method : {Method::visibility, Method::spao}) {
+        IlluminationSettings light{.method = method};
+        light.visibility.directions = 50;
+        Shot shot = shaded();
+        shot.device = processor();
+        const Frame expected = shot.lit(volume, light);
+        int gave_way = 0;
+        for (const std::size_t more : {1 << 14, 1 << 16, 1 << 18, 1 << 19, 1 << 20, 3 << 19, 1 << 21, 1 << 23}) {
+            cuda_emulated::card().memory_bytes = std::size_t(4) << 30;
+            shot.device = choose_device(processor()).device;
+            cuda_emulated::card().memory_bytes = cuda_emulated::card().held_bytes + more;
+            EXPECT_EQ(difference(shot.lit(volume, light), expected, 0).pixels_beyond, 0) << more;
+            gave_way += !shot.device.note().empty();
+            shot.device = {};
+        }
+        EXPECT_GT(gave_way, 2);
+        EXPECT_LT(gave_way, 8);
     }
-    EXPECT_GT(gave_way, 2);
-    EXPECT_LT(gave_way, 8);
 }
 
 TEST_F(TroubledCards, GiveWayBeforeAnIterationAndWithinOne) {
@@ -151,9 +153,9 @@ TEST_F(Cards, AreTimedByTheBench) {
     Progress progress;
     const bench::Setup setup{.device = card, .quick = true, .runs = 2, .progress = progress};
     std::vector<bench::Row> rows;
-    bench::run(setup, {{"card"}, "copy|upload|download|transport|shells256-opaque.none"},
+    bench::run(setup, {{"card"}, "copy|upload|download|words|transport|shells256-opaque.(none|classify)"},
                [&](const bench::Row& row) { rows.push_back(row); });
-    ASSERT_EQ(rows.size(), 7u);
+    ASSERT_EQ(rows.size(), 9u);
     for (const bench::Row& row : rows) {
         EXPECT_EQ(row.value.runs, 2) << row.name << row.note;
         EXPECT_GT(row.value.min, 0) << row.name;

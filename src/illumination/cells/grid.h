@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "illumination/cells/place.h"
 
@@ -48,6 +49,7 @@ inline std::uint16_t cell_value(double share) { return std::uint16_t(std::clamp(
 struct CellValues {
     CellGrid grid;
     VoxelBuffer buffer;
+    std::shared_ptr<const char> life = std::make_shared<const char>();  ///< by which a card knows them, once filled
 
     explicit CellValues(const CellGrid& cells) : grid(cells), buffer((cells.size() + spare) * sizeof(std::uint16_t)) {}
     std::uint16_t* data() { return reinterpret_cast<std::uint16_t*>(buffer.data()); }

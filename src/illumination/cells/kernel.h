@@ -1,5 +1,6 @@
 // Rows of cells in plain loops that the compiler turns into vectors: neighbours along x are neighbours in memory.
 #pragma once
+#include "illumination/cells/block_place.h"
 #include "kernel/lanes.h"
 #include "kernel/vec.h"
 
@@ -43,9 +44,12 @@ CHIARO_INLINE float lifted(const float* access, const float* opacity) {
     return min(towards(along_y(access - slice), along_y(access), along_y(access + slice), n.z), 1.0f);
 }
 
+CHIARO_INLINE std::uint16_t lifted_value(const float* scaled, const float* opacity) {
+    return std::uint16_t(std::int32_t(lifted(scaled, opacity) * 65535 + 0.5f));
+}
 /// A piece of 16 cells of a row; `scaled` and `opacity` point at its first cell in their tiles.
 CHIARO_INLINE void lift_piece(const float* scaled, const float* opacity, std::uint16_t* out) {
-    for (int x = 0; x < 16; ++x) out[x] = std::uint16_t(std::int32_t(lifted(scaled + x, opacity + x) * 65535 + 0.5f));
+    for (int x = 0; x < 16; ++x) out[x] = lifted_value(scaled + x, opacity + x);
 }
 
 /// Rows of a block; `access` and `opacity` are tiles, `access` is scaled in place. Only the pieces of 16 × 4 × 4 cells
@@ -63,5 +67,53 @@ CHIARO_INLINE void lift_block(float* access, const float* opacity, float normal_
                 lift_piece(access + at, opacity + at, out + x);
             }
 }
+
+/// The same for many threads, a cell each of blocks side by side.
+struct LiftBatch {
+    const BlockPlace* places;
+    float* tiles;  ///< [block][2][LiftTile::size]: access, opacity
+    const std::uint16_t *access, *opacity;
+    std::int32_t count[3];
+    float normal_factor;
+    std::uint16_t* out;
+
+    /// Item i of [0, LiftTile::size) of each block; beyond the grid the nearest cell's access, and no opacity.
+    CHIARO_INLINE void load(std::int64_t item) const {
+        const std::int32_t i = std::int32_t(item % LiftTile::size);
+        const BlockPlace& place = places[item / LiftTile::size];
+        constexpr int row = LiftTile::row, halo = LiftTile::halo;
+        const std::int32_t x = place.first[0] - halo + i % row, y = place.first[1] - halo + i / row % row,
+                           z = place.first[2] - halo + i / row / row;
+        const std::int32_t cx = within(x, 0), cy = within(y, 1), cz = within(z, 2);
+        const std::int64_t at = (std::int64_t(cz) * count[1] + cy) * count[0] + cx;
+        float* tile = tile_of(item / LiftTile::size);
+        tile[i] = access[at] / 65535.0f;
+        tile[LiftTile::size + i] = x == cx && y == cy && z == cz ? opacity[at] / 65535.0f : 0;
+    }
+    CHIARO_INLINE void scale(std::int64_t item) const {
+        const std::int32_t i = std::int32_t(item % LiftTile::size);
+        constexpr int border = LiftTile::slice + LiftTile::row + 1;
+        if (i < border || i >= LiftTile::size - border) return;
+        float* tile = tile_of(item / LiftTile::size);
+        tile[i] = scaled(tile[i], tile + LiftTile::size + i, normal_factor);
+    }
+    /// Item i of [0, BlockPlace::cells).
+    CHIARO_INLINE void answer(std::int64_t item) const {
+        constexpr int edge = BlockPlace::edge, halo = LiftTile::halo;
+        const std::int32_t i = std::int32_t(item % BlockPlace::cells), x = i % edge, y = i / edge % edge,
+                           z = i / edge / edge;
+        const BlockPlace& place = places[item / BlockPlace::cells];
+        const std::int32_t gx = place.first[0] + x, gy = place.first[1] + y, gz = place.first[2] + z;
+        if (gx >= count[0] || gy >= count[1] || gz >= count[2]) return;
+        if (!(place.pieces[z / 4][y / 4] >> (x / 16) & 1)) return;
+        const float* tile =
+            tile_of(item / BlockPlace::cells) + (z + halo) * LiftTile::slice + (y + halo) * LiftTile::row + halo + x;
+        out[(std::int64_t(gz) * count[1] + gy) * count[0] + gx] = lifted_value(tile, tile + LiftTile::size);
+    }
+
+private:
+    CHIARO_INLINE float* tile_of(std::int64_t block) const { return tiles + block * (2 * LiftTile::size); }
+    CHIARO_INLINE std::int32_t within(std::int32_t i, int axis) const { return max(min(i, count[axis] - 1), 0); }
+};
 
 }  // namespace chiaro::kernel

@@ -1,7 +1,11 @@
 #include "illumination/cells/lift.h"
 
+#include <optional>
+
 #include "core/threads.h"
+#include "illumination/cells/card.h"
 #include "illumination/cells/launch.h"
+#include "illumination/cells/launch_card.h"
 
 namespace chiaro {
 namespace {
@@ -31,10 +35,33 @@ void load_tile(const CellValues& values, const Block& block, bool nearest, float
         }
 }
 
+CellValues lift_on_card(const Device& device, const CellValues& access, const CellValues& opacity, double normal_factor,
+                        const BlockMap& map, Progress& progress) {
+    cuda::Stream& stream = *device.stream;
+    const auto [nx, ny, nz] = access.grid.count;
+    CardCells out(stream, access.grid);
+    const std::size_t together = std::clamp<std::size_t>(map.held().size(), 1, blocks_together);
+    const cuda::Array<float> tiles(stream, together * 2 * Tile::size);
+    kernel::LiftBatch batch{.tiles = tiles.data(),
+                            .access = on_card(stream, access),
+                            .opacity = on_card(stream, opacity),
+                            .count = {nx, ny, nz},
+                            .normal_factor = float(normal_factor),
+                            .out = out.data()};
+    for_blocks(stream, map, "lift", progress, [&](const kernel::BlockPlace* places, std::int64_t blocks) {
+        batch.places = places;
+        kernel::lift_blocks(stream, batch, blocks);
+    });
+    return out.fetch();
+}
+
 }  // namespace
 
 CellValues lift_off_surfaces(const Device& device, const CellValues& access, const CellValues& opacity,
                              double normal_factor, const BlockMap& map, Progress& progress) {
+    std::optional<CellValues> made;
+    const auto on_card = [&] { made.emplace(lift_on_card(device, access, opacity, normal_factor, map, progress)); };
+    if (cuda::done_on_card(device, on_card)) return *std::move(made);
     CellValues out(access.grid);
     const auto lift = kernel::lift_block_for(device.isa);
     const auto blocks = map.held();

@@ -85,10 +85,8 @@ std::vector<std::uint8_t> glowing_occupancy(const Device& device, const Medium::
                 if (nodes.any(view.grid, {x * cell_edge, y * cell_edge, int(z) * cell_edge})) *low = lit;
     });
     const RangeTest visible = visible_range(medium.table);
-    double occupied = 0;
     return make_occupancy(
-        ranges, [&](float low, float high) { return std::isnan(low) || visible(low, high); }, volume.device.threads,
-        occupied);
+        ranges, [&](float low, float high) { return std::isnan(low) || visible(low, high); }, volume.device.threads);
 }
 
 }  // namespace chiaro

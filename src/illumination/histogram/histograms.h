@@ -3,6 +3,7 @@
 #include <chiaro/lighting.h>
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -16,7 +17,7 @@ struct WordPair {
     std::uint16_t forward, backward;
 };
 
-struct LocalHistograms {
+struct LocalHistograms : std::enable_shared_from_this<LocalHistograms> {
     CellGrid grid;
     Binning binning;
     int radius = 0;     ///< cells

@@ -1,9 +1,8 @@
-// Local histograms as CUDA sees them: the same source, one thread a cell, a block, a row, a histogram or a word.
+// Local histograms as CUDA sees them: the same source, one thread a cell, a block, a row or a histogram.
 // Compiled wherever nvcc exists.
 #include "illumination/histogram/exact_kernel.h"
 #include "illumination/histogram/fast_kernel.h"
 #include "illumination/histogram/nearest_kernel.h"
-#include "illumination/histogram/table_kernel.h"
 
 namespace chiaro::kernel {
 namespace {
@@ -39,12 +38,6 @@ __global__ void assign_histograms(CodebookView book, const std::int16_t* histogr
                                   std::uint16_t* words, std::int32_t* differences) {
     const std::int32_t i = item();
     if (i < count) assign_each(book, histograms + std::int64_t(i) * book.bins, 1, words + i, differences + i);
-}
-
-__global__ void sums_of_words(const std::uint16_t* shares, std::int32_t words, std::int32_t bins, std::int32_t first,
-                              std::int32_t end, const float* weights, float* out) {
-    const std::int32_t w = item();
-    if (w < words) word_sums<float>(shares + std::int64_t(w) * bins, 1, bins, first, end, weights, out + 4 * w);
 }
 
 }  // namespace chiaro::kernel

@@ -2,8 +2,10 @@
 
 #include "core/srgb.h"
 #include "core/threads.h"
+#include "cuda/mirror.h"
 #include "illumination/histogram/glow.h"
 #include "illumination/histogram/launch.h"
+#include "illumination/histogram/launch_card.h"
 
 namespace chiaro {
 namespace {
@@ -28,6 +30,23 @@ void add_material(const Medium::Data& medium, double value, const OpticalTable::
             rgb[c] = float(medium.shape.color == ColorMode::linear ? linear_from_srgb((*highest->color)[c])
                                                                    : (*highest->color)[c]);
     optics.alpha.push_back(float(1 - clear)), optics.rgb.push_back(rgb);
+}
+
+/// The words of the bins [first, end) on the device's card, which keeps the histograms.
+void sum_words_on_card(const Device& device, const LocalHistograms& h, std::pair<std::size_t, std::size_t> bins,
+                       const std::vector<float>& weights, std::vector<std::array<float, 4>>& sums) {
+    cuda::Stream& stream = *device.stream;
+    HostArrays arrays;
+    arrays.add(h.weak_from_this(), h.shares);
+    arrays.add(weights);
+    cuda::Views views(stream, std::move(arrays));
+    const cuda::Array<float> parts(stream, 4 * sums.size() * kernel::word_parts), out(stream, 4 * sums.size());
+    kernel::WordTable table{h.shares.data(),           weights.data(), h.words,   h.stride, std::int32_t(bins.first),
+                            std::int32_t(bins.second), parts.data(),   out.data()};
+    views.swap(table.shares, table.weights);
+    kernel::find_word_sums(stream, table);
+    stream.download(sums.data(), out.data(), sums.size() * sizeof sums[0]);
+    stream.wait();
 }
 
 }  // namespace
@@ -63,13 +82,15 @@ std::vector<std::array<float, 4>> word_sums(const Device& device, const LocalHis
     }
     std::vector<std::array<float, 4>> sums(std::size_t(h.words), {0, 0, 0, 0});
     if (end == 0) return sums;
-    const auto kernels = kernel::histogram_functions_for(device.isa);
-    parallel_for(device.threads, h.words, 64, [&](std::int64_t from, std::int64_t to) {
-        kernels.word_sums(h.shares.data() + std::size_t(from) * stride, std::int32_t(to - from), h.stride,
-                          std::int32_t(first), std::int32_t(end), weights.data(), sums[std::size_t(from)].data());
-        for (auto w = std::size_t(from); w < std::size_t(to); ++w)
-            for (float& sum : sums[w]) sum *= h.scale[w];
-    });
+    const auto here = [&](std::int64_t from, std::int64_t to) {
+        const auto run = kernel::histogram_functions_for(device.isa).word_sums;
+        run(h.shares.data() + std::size_t(from) * stride, std::int32_t(to - from), h.stride, std::int32_t(first),
+            std::int32_t(end), weights.data(), sums[std::size_t(from)].data());
+    };
+    const auto on_card = [&] { sum_words_on_card(device, h, {first, end}, weights, sums); };
+    if (!cuda::done_on_card(device, on_card)) parallel_for(device.threads, h.words, 64, here);
+    for (std::size_t w = 0; w < sums.size(); ++w)
+        for (float& sum : sums[w]) sum *= h.scale[w];
     return sums;
 }
 

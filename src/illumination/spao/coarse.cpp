@@ -21,45 +21,62 @@ void shrink_row(ShrinkRow run, kernel::MipRows rows, int first, int end, int fin
 
 }  // namespace
 
+CoarseShape::CoarseShape(const std::array<int, 3>& finer) {
+    for (int axis = 0; axis < 3; ++axis) {
+        count[axis] = (finer[axis] + 1) / 2;
+        corners[axis] = (count[axis] / block_edge + 1) * block_edge;
+    }
+}
+
+BlockMap CoarseShape::needed_by(const BlockMap& finer) const {
+    BlockMap needed(corners);
+    for (const std::size_t b : finer.held()) {
+        const auto at = finer.at(b);
+        std::array<int, 3> low, high;
+        for (int axis = 0; axis < 3; ++axis) {
+            low[axis] = std::min(at[axis] / 2, needed.count[axis] - 1);
+            high[axis] = std::min((at[axis] * half_block + half_block) / block_edge, needed.count[axis] - 1);
+        }
+        for (int z = low[2]; z <= high[2]; ++z)
+            for (int y = low[1]; y <= high[1]; ++y)
+                for (int x = low[0]; x <= high[0]; ++x) needed(x, y, z) = 1;
+    }
+    return needed;
+}
+
 CoarseGrid::CoarseGrid(const CellOpacity& finest, int octants, const Device& device, Progress& progress)
-    : octants_(octants) {
-    const OpacityGrid grid{finest.values.grid.count, finest.values.data()};
-    allocate(grid.count);
+    : octants_(octants), shape_(finest.values.grid.count) {
+    const kernel::OpacityGrid grid = opacity_grid(finest.values.grid.count, finest.values.data());
+    allocate();
     shrink(grid, &finest.matter, device, progress);
     if (octants_ > 1) find_weights(grid, finest.matter, device, progress);
 }
 
-CoarseGrid::CoarseGrid(const CoarseGrid& finer, const Device& device, Progress& progress) : octants_(finer.octants_) {
-    allocate(finer.count_);
+CoarseGrid::CoarseGrid(const CoarseGrid& finer, const Device& device, Progress& progress)
+    : octants_(finer.octants_), shape_(finer.shape_.count) {
+    allocate();
     shrink(finer.opacity(), nullptr, device, progress);
     if (octants_ == 1) return;
-    // Every other corner of the finer grid.
-    for (int z = 0; z < corners_[2]; ++z)
-        for (int y = 0; y < corners_[1]; ++y)
-            for (int x = 0; x < corners_[0]; ++x) {
-                const Cells from{2 * x, 2 * y, 2 * z};
-                const bool inside =
-                    from[0] < finer.corners_[0] && from[1] < finer.corners_[1] && from[2] < finer.corners_[2];
-                as_shorts(weight_)[corner({x, y, z})] = inside ? as_shorts(finer.weight_)[finer.corner(from)] : 65535;
-            }
+    const auto [nx, ny, nz] = finer.shape_.corners;
+    const kernel::EveryOther weights{as_shorts(finer.weight_), {nx, ny, nz}};
+    for (int z = 0; z < shape_.corners[2]; ++z)
+        for (int y = 0; y < shape_.corners[1]; ++y)
+            for (int x = 0; x < shape_.corners[0]; ++x) as_shorts(weight_)[corner({x, y, z})] = weights.at(x, y, z);
 }
 
-void CoarseGrid::allocate(const Cells& finer) {
-    for (int axis = 0; axis < 3; ++axis) {
-        count_[axis] = (finer[axis] + 1) / 2;
-        corners_[axis] = (count_[axis] / block_edge + 1) * block_edge;
-    }
-    opacity_ = VoxelBuffer(std::size_t(count_[0]) * count_[1] * count_[2] * sizeof(std::uint16_t));
-    open_ = VoxelBuffer(corners() * octants_ * sizeof(std::uint16_t));
-    if (octants_ > 1) weight_ = VoxelBuffer(corners() * sizeof(std::uint16_t));
+void CoarseGrid::allocate() {
+    opacity_ = VoxelBuffer(shape_.cells_held() * sizeof(std::uint16_t));
+    open_ = VoxelBuffer(shape_.corners_held() * octants_ * sizeof(std::uint16_t));
+    if (octants_ > 1) weight_ = VoxelBuffer(shape_.corners_held() * sizeof(std::uint16_t));
 }
 
 /// `matter` tells which blocks of the finer grid may hold something else than 0; null: all may.
-void CoarseGrid::shrink(const OpacityGrid& finer, const BlockMap* matter, const Device& device, Progress& progress) {
+void CoarseGrid::shrink(const kernel::OpacityGrid& finer, const BlockMap* matter, const Device& device,
+                        Progress& progress) {
     const auto functions = kernel::spao_functions_for(device.isa);
     const auto run = octants_ > 1 ? functions.crossing_row : functions.mip_row;
     const std::vector<std::uint16_t> zeros(finer.count[0]);
-    const auto [nx, ny, nz] = count_;
+    const auto [nx, ny, nz] = shape_.count;
     const auto slice = [&, nx = nx, ny = ny](std::int64_t z, std::int64_t) {
         for (int y = 0; y < ny; ++y) {
             kernel::MipRows rows;
@@ -77,14 +94,13 @@ void CoarseGrid::shrink(const OpacityGrid& finer, const BlockMap* matter, const 
     progress.check();
 }
 
-/// Twice the transparency at the corner (the mean of the 8 finest cells around it), at most 1, at least 1/512.
-void CoarseGrid::find_weights(const OpacityGrid& finest, const BlockMap& matter, const Device& device,
+void CoarseGrid::find_weights(const kernel::OpacityGrid& finest, const BlockMap& matter, const Device& device,
                               Progress& progress) {
     const auto run = kernel::spao_functions_for(device.isa);
-    const int n = corners_[0];
+    const int n = shape_.corners[0];
     const auto slice = [&](std::int64_t z, std::int64_t) {
         std::vector<std::uint16_t> around(4 * std::size_t(2 * n)), opacity(n);
-        for (int y = 0; y < corners_[1]; ++y) {
+        for (int y = 0; y < shape_.corners[1]; ++y) {
             std::uint16_t* to = as_shorts(weight_) + corner({0, y, int(z)});
             kernel::MipRows rows;
             bool any = false;
@@ -103,26 +119,11 @@ void CoarseGrid::find_weights(const OpacityGrid& finest, const BlockMap& matter,
                 continue;
             }
             run.mip_row(rows, n, opacity.data());
-            for (int x = 0; x < n; ++x) to[x] = std::uint16_t(std::clamp(2 * (65535 - opacity[x]), 128, 65535));
+            for (int x = 0; x < n; ++x) to[x] = kernel::corner_weight(opacity[x]);
         }
     };
-    parallel_for(device.threads, corners_[2], 1, "spao", progress, slice);
+    parallel_for(device.threads, shape_.corners[2], 1, "spao", progress, slice);
     progress.check();
-}
-
-void CoarseGrid::need(const BlockMap& finer) {
-    needed_ = BlockMap(corners_);
-    for (const std::size_t b : finer.held()) {
-        const Cells at = finer.at(b);
-        Cells low, high;
-        for (int axis = 0; axis < 3; ++axis) {
-            low[axis] = std::min(at[axis] / 2, needed_.count[axis] - 1);
-            high[axis] = std::min((at[axis] * half_block + half_block) / block_edge, needed_.count[axis] - 1);
-        }
-        for (int z = low[2]; z <= high[2]; ++z)
-            for (int y = low[1]; y <= high[1]; ++y)
-                for (int x = low[0]; x <= high[0]; ++x) needed_(x, y, z) = 1;
-    }
 }
 
 const std::uint16_t* CoarseGrid::weights(const Cells& first) const {
@@ -130,31 +131,31 @@ const std::uint16_t* CoarseGrid::weights(const Cells& first) const {
 }
 
 kernel::SpaoOutput CoarseGrid::output(const Cells& first) {
-    kernel::SpaoOutput to{.row = corners_[0],
-                          .slice = std::int64_t(corners_[0]) * corners_[1],
+    kernel::SpaoOutput to{.row = shape_.corners[0],
+                          .slice = std::int64_t(shape_.corners[0]) * shape_.corners[1],
                           .nx = block_edge,
                           .ny = block_edge,
                           .nz = block_edge,
                           .pieces = all_pieces.bits};
-    for (int s = 0; s < octants_; ++s) to.at[s] = as_shorts(open_) + s * corners() + corner(first);
+    for (int s = 0; s < octants_; ++s) to.at[s] = as_shorts(open_) + s * shape_.corners_held() + corner(first);
     return to;
 }
 
 void CoarseGrid::load(const Cells& first, kernel::CoarseTile& tile) const {
     constexpr int edge = kernel::CoarseTile::edge;
     const auto copy = [&](const std::uint16_t* from, std::uint16_t* to) {
-        const int x0 = first[0] / 2, inside = std::min(edge, corners_[0] - x0);
+        const int x0 = first[0] / 2, inside = std::min(edge, shape_.corners[0] - x0);
         for (int k = 0; k < edge; ++k)
             for (int j = 0; j < edge; ++j, to += edge) {
                 // Past the last corner lies no cell that asks.
-                const int y = std::min(first[1] / 2 + j, corners_[1] - 1),
-                          z = std::min(first[2] / 2 + k, corners_[2] - 1);
+                const int y = std::min(first[1] / 2 + j, shape_.corners[1] - 1),
+                          z = std::min(first[2] / 2 + k, shape_.corners[2] - 1);
                 const std::uint16_t* row = from + corner({x0, y, z});
                 std::copy_n(row, inside, to);
                 std::fill(to + inside, to + edge, row[inside - 1]);
             }
     };
-    for (int s = 0; s < octants_; ++s) copy(as_shorts(open_) + s * corners(), tile.open[s]);
+    for (int s = 0; s < octants_; ++s) copy(as_shorts(open_) + s * shape_.corners_held(), tile.open[s]);
     if (octants_ > 1) copy(as_shorts(weight_), tile.weight);
 }
 

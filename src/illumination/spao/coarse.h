@@ -7,14 +7,23 @@
 
 namespace chiaro {
 
-/// Opacities of a grid's cells, as 65535ths; x fastest.
-struct OpacityGrid {
-    std::array<int, 3> count;
-    const std::uint16_t* cells;
-    const std::uint16_t* row(int y, int z) const { return cells + (std::size_t(z) * count[1] + y) * count[0]; }
+inline kernel::OpacityGrid opacity_grid(const std::array<int, 3>& count, const std::uint16_t* cells) {
+    return {{count[0], count[1], count[2]}, cells};
+}
+
+/// How many cells and corners there are in a grid of cells twice as wide. Corner i of an axis lies at the low side of
+/// cell i; there is one more than cells, and then whole blocks of them.
+struct CoarseShape {
+    std::array<int, 3> count{0, 0, 0}, corners{0, 0, 0};
+
+    CoarseShape() = default;
+    explicit CoarseShape(const std::array<int, 3>& finer);
+    std::size_t cells_held() const { return std::size_t(count[0]) * count[1] * count[2]; }
+    std::size_t corners_held() const { return std::size_t(corners[0]) * corners[1] * corners[2]; }
+    /// The blocks of corners that blocks of the next finer grid read.
+    BlockMap needed_by(const BlockMap& finer) const;
 };
 
-/// Corner i of an axis lies at the low side of cell i; there is one more than cells.
 class CoarseGrid {
 public:
     using Cells = std::array<int, 3>;
@@ -23,9 +32,9 @@ public:
     /// Twice as wide as those of another.
     CoarseGrid(const CoarseGrid& finer, const Device& device, Progress& progress);
 
-    OpacityGrid opacity() const { return {count_, as_shorts(opacity_)}; }
+    kernel::OpacityGrid opacity() const { return opacity_grid(shape_.count, as_shorts(opacity_)); }
     /// The blocks of corners that blocks of the next finer grid read.
-    void need(const BlockMap& finer);
+    void need(const BlockMap& finer) { needed_ = shape_.needed_by(finer); }
     const BlockMap& needed() const { return needed_; }
     /// Of a block of corners: what they are worth (null when all are worth the same), and where the results go.
     const std::uint16_t* weights(const Cells& first) const;
@@ -38,16 +47,16 @@ private:
         return reinterpret_cast<const std::uint16_t*>(b.data());
     }
     static std::uint16_t* as_shorts(VoxelBuffer& b) { return reinterpret_cast<std::uint16_t*>(b.data()); }
-    void allocate(const Cells& finer);
-    void shrink(const OpacityGrid& finer, const BlockMap* matter, const Device& device, Progress& progress);
-    void find_weights(const OpacityGrid& finest, const BlockMap& matter, const Device& device, Progress& progress);
+    void allocate();
+    void shrink(const kernel::OpacityGrid& finer, const BlockMap* matter, const Device& device, Progress& progress);
+    void find_weights(const kernel::OpacityGrid& finest, const BlockMap& matter, const Device& device,
+                      Progress& progress);
     std::size_t corner(const Cells& at) const {
-        return (std::size_t(at[2]) * corners_[1] + at[1]) * corners_[0] + at[0];
+        return (std::size_t(at[2]) * shape_.corners[1] + at[1]) * shape_.corners[0] + at[0];
     }
-    std::size_t corners() const { return std::size_t(corners_[0]) * corners_[1] * corners_[2]; }
 
     int octants_;
-    Cells count_, corners_;  ///< corners in whole blocks
+    CoarseShape shape_;
     VoxelBuffer opacity_, open_, weight_;
     BlockMap needed_{{0, 0, 0}};
 };

@@ -18,7 +18,7 @@ struct Scratch {
 };
 
 /// The block's cells and `halo` around them; beyond the grid nothing.
-void load_tile(const OpacityGrid& grid, const Cells& first, Tile& tile) {
+void load_tile(const kernel::OpacityGrid& grid, const Cells& first, Tile& tile) {
     const auto [nx, ny, nz] = grid.count;
     const int x0 = first[0] - Tile::halo, begin = std::clamp(-x0, 0, Tile::row),
               end = std::clamp(nx - x0, begin, Tile::row);
@@ -32,6 +32,22 @@ void load_tile(const OpacityGrid& grid, const Cells& first, Tile& tile) {
         }
 }
 
+}  // namespace
+
+kernel::SpaoBlock spao_block(const SpaoSettings& settings, bool goes_on) {
+    const int octants = octants_of(settings.model);
+    return {
+        .product = kernel::SpaoProduct(settings.model),
+        .last = std::min(settings.levels, Tile::shells) - 1,
+        .normal_factor = float(settings.normal_factor),
+        .octants = octants,
+        .goes_on = goes_on,
+        .weighs = goes_on && octants > 1,
+    };
+}
+
+namespace {
+
 class FusedSweep {
 public:
     FusedSweep(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings, const BlockMap& blocks,
@@ -40,15 +56,12 @@ public:
           run_(kernel::spao_functions_for(device.isa)),
           opacity_(opacity),
           settings_(settings),
-          octants_(settings.model == SpaoModel::corrected ? 8 : 1),
           blocks_(blocks),
           progress_(progress) {}
 
-    int coarse_grids() const { return std::max(0, settings_.levels - Tile::shells); }
-
     void make_coarse_grids() {
-        for (int g = 1; g <= coarse_grids(); ++g) {
-            CoarseGrid grid = g == 1 ? CoarseGrid(opacity_, octants_, device_, progress_)
+        for (int g = 1; g <= coarse_grids(settings_); ++g) {
+            CoarseGrid grid = g == 1 ? CoarseGrid(opacity_, octants_of(settings_.model), device_, progress_)
                                      : CoarseGrid(coarse_.back(), device_, progress_);
             grid.need(g == 1 ? blocks_ : coarse_.back().needed());
             coarse_.push_back(std::move(grid));
@@ -68,7 +81,7 @@ public:
 
     CellValues sweep_cells() {
         CellValues access(opacity_.values.grid);
-        const OpacityGrid grid{access.grid.count, opacity_.values.data()};
+        const kernel::OpacityGrid grid = opacity_grid(access.grid.count, opacity_.values.data());
         const auto [nx, ny, nz] = grid.count;
         for_blocks(blocks_, [&, nx = nx, ny = ny, nz = nz](std::size_t b, const Cells& first, Scratch& scratch) {
             const kernel::SpaoBlock block = block_on(0, first, scratch);
@@ -102,22 +115,15 @@ private:
     kernel::SpaoBlock block_on(int g, const Cells& first, Scratch& scratch) const {
         const bool has_coarser = g < int(coarse_.size());
         if (has_coarser) coarse_[g].load(first, scratch.coarse);
-        return {
-            .tile = &scratch.tile,
-            .coarse = has_coarser ? &scratch.coarse : nullptr,
-            .product = kernel::SpaoProduct(settings_.model),
-            .last = std::min(settings_.levels, Tile::shells) - 1,
-            .normal_factor = float(settings_.normal_factor),
-            .octants = octants_,
-            .weighs = has_coarser && octants_ > 1,
-        };
+        kernel::SpaoBlock block = spao_block(settings_, has_coarser);
+        block.tile = &scratch.tile, block.coarse = &scratch.coarse;
+        return block;
     }
 
     const Device& device_;
     const kernel::SpaoFunctions run_;
     const CellOpacity& opacity_;
     const SpaoSettings& settings_;
-    const int octants_;
     const BlockMap& blocks_;
     Progress& progress_;
     std::vector<CoarseGrid> coarse_;  ///< of cells twice, four times, ... as wide
@@ -128,10 +134,9 @@ private:
 CellValues fused_sweep(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
                        const BlockMap& blocks, Steps& steps, Progress& progress) {
     FusedSweep sweep(device, opacity, settings, blocks, progress);
-    const auto name = [](int grid) { return "spao cells of " + std::to_string(1 << grid); };
     steps("spao mipmaps", [&] { sweep.make_coarse_grids(); });
-    for (int g = sweep.coarse_grids(); g > 0; --g) steps(name(g), [&] { sweep.sweep_corners(g); });
-    return steps(name(0), [&] { return sweep.sweep_cells(); });
+    for (int g = coarse_grids(settings); g > 0; --g) steps(name_of_cells(g), [&] { sweep.sweep_corners(g); });
+    return steps(name_of_cells(0), [&] { return sweep.sweep_cells(); });
 }
 
 }  // namespace chiaro

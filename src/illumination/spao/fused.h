@@ -2,8 +2,18 @@
 // of cells 2^(l-1) as wide, where its octants are whole cells, joined to all further ones, and then interpolated.
 #pragma once
 #include "illumination/access.h"
+#include "illumination/spao/kernel.h"
 
 namespace chiaro {
+
+/// How many grids are coarser than the cells.
+inline int coarse_grids(const SpaoSettings& settings) {
+    return std::max(0, settings.levels - kernel::SpaoTile::shells);
+}
+inline int octants_of(SpaoModel model) { return model == SpaoModel::corrected ? 8 : 1; }
+/// What is the same for all blocks of a grid; `goes_on`: another is coarser.
+kernel::SpaoBlock spao_block(const SpaoSettings& settings, bool goes_on);
+inline std::string name_of_cells(int grid) { return "spao cells of " + std::to_string(1 << grid); }
 
 /// Fills the cells of the given blocks; `settings` ask for no look-up that moves with the normal. Memory: two bytes a
 /// cell for the result, .6 for coarser opacities and weights, 2.3 for what the coarser grids find out near what is

@@ -33,33 +33,36 @@ CHIARO_INLINE F join_octant(const OctantLevels& o, bool has_second, bool has_fir
 
 /// One block's work; what is the same for all its rows.
 struct SpaoBlock {
-    const SpaoTile* tile;
-    const CoarseTile* coarse;  ///< null: nothing lies further out
+    const SpaoTile* tile = nullptr;
+    const CoarseTile* coarse = nullptr;  ///< for spao_block
     SpaoProduct product;
     std::int32_t last;  ///< the last shell that this grid answers for
     float normal_factor;
     std::int32_t octants;  ///< 8, or 1 for the products over whole cubes
+    bool goes_on;          ///< whether something lies further out
     bool weighs;           ///< whether the coarser grid's corners are weighted
     /// Of the block's corners on a coarser grid, as far apart as the results: what they are worth to their neighbours.
     /// A corner inside opaque matter sees nothing, and must not darken the open cells beside it. Null: all the same.
-    const std::uint16_t* weight;
+    const std::uint16_t* weight = nullptr;
 };
 
-/// A piece of a row: where it begins in the tile and the block, and what lies further out.
+/// A piece of a row: where it begins in the tile and the block, and what lies further out (CoarsePlanes,
+/// CoarseCorners).
+template <class Coarse>
 struct SpaoPiece {
     std::int32_t at, x, y;
-    const CoarsePlanes* planes;
+    const Coarse* coarse;
 };
 
 /// One over what the weights of the corners around come to.
-template <bool at_cells, class F>
-CHIARO_INLINE F further_scale(const SpaoBlock& b, const SpaoPiece& p, int x) {
-    return b.weighs ? F(1) / coarse_row<at_cells, F>(p.planes->weight, p.x + x, p.y) : F(1.0f / 65535);
+template <bool at_cells, class F, class Coarse>
+CHIARO_INLINE F further_scale(const SpaoBlock& b, const SpaoPiece<Coarse>& p, int x) {
+    return b.weighs ? F(1) / p.coarse->template weight_at<at_cells, F>(p.x + x, p.y) : F(1.0f / 65535);
 }
 /// The product of the shells further out of octant s: the weighted mean over the corners around.
-template <bool at_cells, class F>
-CHIARO_INLINE F further_out(const SpaoBlock& b, const SpaoPiece& p, int x, int s, F scale) {
-    return b.coarse ? min(coarse_row<at_cells, F>(p.planes->open[s], p.x + x, p.y) * scale, F(1)) : F(1);
+template <bool at_cells, class F, class Coarse>
+CHIARO_INLINE F further_out(const SpaoBlock& b, const SpaoPiece<Coarse>& p, int x, int s, F scale) {
+    return b.goes_on ? min(p.coarse->template open_at<at_cells, F>(s, p.x + x, p.y) * scale, F(1)) : F(1);
 }
 
 template <bool at_cells>
@@ -78,11 +81,11 @@ CHIARO_INLINE Vec3<F> step_down_row(const std::uint16_t* opacity) {
 }
 
 /// On the finest grid out[0] receives the accessibility, on a coarser one out[s] the product so far of octant s, times
-/// the corners' weights.
-template <bool at_cells, class F>
-CHIARO_INLINE void octants_piece(const SpaoBlock& b, const SpaoPiece& p, const std::uint16_t* weight,
-                                 std::uint16_t (*out)[SpaoTile::piece]) {
-    for (int x = 0; x < SpaoTile::piece; x += LaneTraits<F>::count) {
+/// the corners' weights. `width` cells, as everywhere below.
+template <bool at_cells, class F, int width, class Coarse>
+CHIARO_INLINE void octants_piece(const SpaoBlock& b, const SpaoPiece<Coarse>& p, const std::uint16_t* weight,
+                                 std::uint16_t (*out)[width]) {
+    for (int x = 0; x < width; x += LaneTraits<F>::count) {
         const F scale = further_scale<at_cells, F>(b, p, x);
         const Vec3<F> n = step_down_row<F>(b.tile->opacity + p.at + x);
         F all(0), outwards(0);
@@ -103,8 +106,9 @@ CHIARO_INLINE void octants_piece(const SpaoBlock& b, const SpaoPiece& p, const s
 }
 
 /// Means of the eight octants: the paper's cubes.
-CHIARO_INLINE void cube_piece(const std::uint16_t* mean, int level, std::uint16_t* piece) {
-    for (int x = 0; x < SpaoTile::piece; ++x) {
+template <int width>
+CHIARO_INLINE void cube_piece(const std::uint16_t* mean, int level, std::uint16_t (&piece)[width]) {
+    for (int x = 0; x < width; ++x) {
         const auto at = [&](int s) CHIARO_INLINE_LAMBDA { return mean[x + octant_offset(level, s)]; };
         piece[x] = mean_of(mean_of(mean_of(at(0), at(1)), mean_of(at(2), at(3))),
                            mean_of(mean_of(at(4), at(5)), mean_of(at(6), at(7))));
@@ -112,11 +116,11 @@ CHIARO_INLINE void cube_piece(const std::uint16_t* mean, int level, std::uint16_
 }
 
 /// The same for the products over whole cubes, in out[0].
-template <SpaoProduct product, bool at_cells, class F>
-CHIARO_INLINE void cubes_piece(const SpaoBlock& b, const SpaoPiece& p, std::uint16_t (*out)[SpaoTile::piece]) {
-    std::uint16_t cubes[SpaoTile::shells][SpaoTile::piece];
+template <SpaoProduct product, bool at_cells, class F, int width, class Coarse>
+CHIARO_INLINE void cubes_piece(const SpaoBlock& b, const SpaoPiece<Coarse>& p, std::uint16_t (*out)[width]) {
+    std::uint16_t cubes[SpaoTile::shells][width];
     for (int l = 1; l <= SpaoTile::shells; ++l) cube_piece(level_of<at_cells>(*b.tile, l) + p.at, l, cubes[l - 1]);
-    for (int x = 0; x < SpaoTile::piece; x += LaneTraits<F>::count) {
+    for (int x = 0; x < width; x += LaneTraits<F>::count) {
         const OctantLevels levels{{b.tile->opacity + p.at + x, cubes[0] + x, cubes[1] + x}};
         F r = join_cubes<product>(levels, b.last >= 1, at_cells, further_out<at_cells>(b, p, x, 0, F(1.0f / 65535)));
         if constexpr (at_cells) r = finish<product>(r);
@@ -133,18 +137,18 @@ struct SpaoOutput {
     const std::uint8_t (*pieces)[SpaoTile::edge / 4];
 };
 
-template <bool at_cells, class F>
-CHIARO_INLINE void spao_piece(const SpaoBlock& b, const SpaoPiece& p, const SpaoOutput& to, std::int64_t at) {
-    std::uint16_t out[8][SpaoTile::piece];
+template <bool at_cells, class F, int width, class Coarse>
+CHIARO_INLINE void spao_piece(const SpaoBlock& b, const SpaoPiece<Coarse>& p, const SpaoOutput& to, std::int64_t at) {
+    std::uint16_t out[8][width];
     if (b.product == SpaoProduct::corrected)
-        octants_piece<at_cells, F>(b, p, b.weight ? b.weight + at : nullptr, out);
+        octants_piece<at_cells, F, width>(b, p, b.weight ? b.weight + at : nullptr, out);
     else if (b.product == SpaoProduct::thick)
-        cubes_piece<SpaoProduct::thick, at_cells, F>(b, p, out);
+        cubes_piece<SpaoProduct::thick, at_cells, F, width>(b, p, out);
     else
-        cubes_piece<SpaoProduct::paper, at_cells, F>(b, p, out);
-    const std::int32_t count = min(to.nx - p.x, SpaoTile::piece);
+        cubes_piece<SpaoProduct::paper, at_cells, F, width>(b, p, out);
+    const std::int32_t count = min(to.nx - p.x, width);
     for (std::int32_t s = 0; s < (at_cells ? 1 : b.octants); ++s)
-        if (count == SpaoTile::piece)
+        if (count == width)
             __builtin_memcpy(to.at[s] + at, out[s], sizeof out[s]);
         else
             for (std::int32_t x = 0; x < count; ++x) to.at[s][at + x] = out[s][x];
@@ -155,14 +159,15 @@ CHIARO_INLINE void spao_block(const SpaoBlock& b, const SpaoOutput& to) {
     constexpr int halo = SpaoTile::halo;
     CoarsePlanes planes;
     for (std::int32_t z = 0; z < to.nz; ++z) {
-        for (std::int32_t s = 0; b.coarse && s < b.octants; ++s)
+        for (std::int32_t s = 0; b.goes_on && s < b.octants; ++s)
             coarse_plane<at_cells, F>(b.coarse->open[s], z, planes.open[s]);
         if (b.weighs) coarse_plane<at_cells, F>(b.coarse->weight, z, planes.weight);
         for (std::int32_t y = 0; y < to.ny; ++y)
             for (std::int32_t x = 0; x < to.nx; x += SpaoTile::piece) {
                 if (!(to.pieces[z / 4][y / 4] >> (x / SpaoTile::piece) & 1)) continue;
                 const std::int32_t in_tile = (z + halo) * SpaoTile::slice + (y + halo) * SpaoTile::row + halo + x;
-                spao_piece<at_cells, F>(b, {in_tile, x, y, &planes}, to, z * to.slice + y * to.row + x);
+                const SpaoPiece<CoarsePlanes> piece{in_tile, x, y, &planes};
+                spao_piece<at_cells, F, SpaoTile::piece>(b, piece, to, z * to.slice + y * to.row + x);
             }
     }
 }

@@ -9,29 +9,45 @@ constexpr int slab = 16;  ///< slices that one thread takes at a time
 
 }  // namespace
 
+kernel::StoredKernel stored_kernel(const kernel::StoredLevels& levels, const SpaoSettings& settings) {
+    return {levels, settings.levels, kernel::SpaoProduct(settings.model), float(settings.normal_factor)};
+}
+
+LevelShape LevelShape::of(const CellGrid& grid) { return {{grid.count[0] + 2, grid.count[1] + 2, grid.count[2] + 2}}; }
+
+LevelShape LevelShape::mipmap() const {
+    // this = 2 coarse + ½ of the unpadded indices
+    LevelShape coarse{count, scale / 2, (shift - 1 - 0.5) / 2 + 1};
+    for (int& n : coarse.count) n = (n - 1) / 2 + 2;
+    return coarse;
+}
+
+LevelShape LevelShape::nbuffer(int distance) const {
+    // In cells of the N-buffers' grid: centre of the window from i on is i + (2 distance - 1) / 2, and was i +
+    // (distance - 1) / 2; the first cell moved by `distance`.
+    LevelShape wider{count, scale, shift + distance - distance / 2.0};
+    for (int& n : wider.count) n += distance;
+    return wider;
+}
+
 std::uint16_t* SpaoLevels::Level::row(int y, int z) {
-    return reinterpret_cast<std::uint16_t*>(cells.data()) + (std::size_t(z) * count[1] + y) * count[0];
+    return reinterpret_cast<std::uint16_t*>(cells.data()) + (std::size_t(z) * shape.count[1] + y) * shape.count[0];
 }
 const std::uint16_t* SpaoLevels::Level::row(int y, int z) const { return const_cast<Level*>(this)->row(y, z); }
 
 SpaoLevels::SpaoLevels(const Device& device, const CellOpacity& opacity, int mip_levels, int top, Steps& steps,
                        Progress& progress)
     : device_(device), run_(kernel::spao_functions_for(device.isa)) {
-    const auto name = [](int level) { return "spao level " + std::to_string(level); };
-    steps(name(0), [&] { copy_opacity(opacity, progress); });
+    steps(name_of_level(0), [&] { copy_opacity(opacity, progress); });
     for (int level = 1; level <= top; ++level)
-        steps(name(level), [&] {
+        steps(name_of_level(level), [&] {
             level <= mip_levels ? add_mipmap(progress) : add_nbuffer(1 << (level - mip_levels - 1), progress);
         });
 }
 
 kernel::StoredLevels SpaoLevels::view() const {
     kernel::StoredLevels view{};
-    for (std::size_t l = 0; l < levels_.size(); ++l) {
-        const Level& level = levels_[l];
-        view.at[l] = {level.row(0, 0), level.count[0],     level.count[1],
-                      level.count[2],  float(level.scale), float(level.shift)};
-    }
+    for (std::size_t l = 0; l < levels_.size(); ++l) view.at[l] = levels_[l].shape.view(levels_[l].row(0, 0));
     return view;
 }
 
@@ -41,14 +57,9 @@ std::size_t SpaoLevels::bytes() const {
     return sum;
 }
 
-SpaoLevels::Level SpaoLevels::make_level(std::array<int, 3> count, double scale, double shift) const {
-    const std::size_t cells = std::size_t(count[0]) * count[1] * count[2] + 8;  // look-ups read two at a time
-    return {count, VoxelBuffer(cells * sizeof(std::uint16_t)), scale, shift};
-}
-
 void SpaoLevels::copy_opacity(const CellOpacity& opacity, Progress& progress) {
     const CellGrid& grid = opacity.values.grid;
-    Level level = make_level({grid.count[0] + 2, grid.count[1] + 2, grid.count[2] + 2}, 1, 1);
+    Level level(LevelShape::of(grid));
     const auto blocks = opacity.matter.held();
     parallel_for(device_.threads, std::int64_t(blocks.size()), 1, "spao", progress, [&](std::int64_t b, std::int64_t) {
         const auto [x, y, z] = opacity.matter.cells(blocks[b], grid.count);
@@ -64,10 +75,8 @@ void SpaoLevels::copy_opacity(const CellOpacity& opacity, Progress& progress) {
 /// Mipmap cell i covers cells 2 i and 2 i + 1; the layer of zeros stands for the missing one where the number is odd.
 void SpaoLevels::add_mipmap(Progress& progress) {
     const Level& fine = levels_.back();
-    std::array<int, 3> count;
-    for (int axis = 0; axis < 3; ++axis) count[axis] = (fine.count[axis] - 1) / 2 + 2;
-    // fine = 2 coarse + ½ of the unpadded indices
-    Level level = make_level(count, fine.scale / 2, (fine.shift - 1 - 0.5) / 2 + 1);
+    Level level(fine.shape.mipmap());
+    const auto& count = level.shape.count;
     parallel_for(device_.threads, count[2] - 2, 1, "spao", progress, [&](std::int64_t z, std::int64_t) {
         for (int y = 0; y < count[1] - 2; ++y) {
             kernel::MipRows rows;
@@ -83,29 +92,26 @@ void SpaoLevels::add_mipmap(Progress& progress) {
 /// B_l grows by `distance` cells at the low end of each axis.
 void SpaoLevels::add_nbuffer(int distance, Progress& progress) {
     const Level& inner = levels_.back();
-    std::array<int, 3> count;
-    for (int axis = 0; axis < 3; ++axis) count[axis] = inner.count[axis] + distance;
-    // In cells of the N-buffers' grid: centre of the window from i on is i + (2 distance - 1) / 2, and was i +
-    // (distance - 1) / 2; the first cell moved by `distance`.
-    Level level = make_level(count, inner.scale, inner.shift + distance - distance / 2.0);
-    const std::vector<std::uint16_t> zeros(inner.count[0]);
+    Level level(inner.shape.nbuffer(distance));
+    const auto &count = level.shape.count, &inside = inner.shape.count;
+    const std::vector<std::uint16_t> zeros(inside[0]);
     // Far apart, slices go in chains z, z + distance, ...: the far slice of one is the near slice of the next, still in
     // the cache. Close together, neighbours do.
     const int stride = distance < slab ? 1 : distance;
     const int pieces = stride == 1 ? (count[2] + slab - 1) / slab : distance;
     parallel_for(device_.threads, pieces, 1, "spao", progress, [&](std::int64_t piece, std::int64_t) {
-        std::vector<std::uint16_t> scratch(inner.count[0] + 2 * distance);
+        std::vector<std::uint16_t> scratch(inside[0] + 2 * distance);
         const int first = stride == 1 ? int(piece) * slab : int(piece);
         const int end = stride == 1 ? std::min(first + slab, count[2]) : count[2];
         const auto source = [&](int y, int z) {
-            const bool outside = y < 0 || y >= inner.count[1] || z < 0 || z >= inner.count[2];
+            const bool outside = y < 0 || y >= inside[1] || z < 0 || z >= inside[2];
             return outside ? zeros.data() : inner.row(y, z);
         };
         for (int z = first; z < end && !progress.cancelled(); z += stride)
             for (int y = 0; y < count[1]; ++y) {
                 const kernel::NBufferRows rows{{source(y - distance, z - distance), source(y, z - distance),
                                                 source(y - distance, z), source(y, z)},
-                                               inner.count[0],
+                                               inside[0],
                                                distance};
                 run_.nbuffer_row(rows, scratch.data(), level.row(y, z));
             }

@@ -6,6 +6,22 @@
 
 namespace chiaro {
 
+/// The cells of a stored level, with a layer of zeros on every side; index = cell × scale + shift.
+struct LevelShape {
+    std::array<int, 3> count;
+    double scale = 1, shift = 1;
+
+    static LevelShape of(const CellGrid& grid);
+    LevelShape mipmap() const;               ///< one level wider, half as many cells
+    LevelShape nbuffer(int distance) const;  ///< of windows longer by `distance`, by which each axis grows
+    std::size_t size() const { return std::size_t(count[0]) * count[1] * count[2] + 8; }  ///< look-ups read two at once
+    kernel::StoredLevels::Level view(const std::uint16_t* cells) const {
+        return {cells, count[0], count[1], count[2], float(scale), float(shift)};
+    }
+};
+inline std::string name_of_level(int level) { return "spao level " + std::to_string(level); }
+kernel::StoredKernel stored_kernel(const kernel::StoredLevels& levels, const SpaoSettings& settings);
+
 /// Mipmaps up to level m, then N-buffers on the grid of 2^m cells: m = 0 is N-buffers alone, m = levels mipmaps alone.
 /// Memory: two bytes a cell and level, and 8^m times less from level m on; N-buffers reach half a cube beyond the grid.
 class SpaoLevels {
@@ -18,13 +34,12 @@ public:
 
 private:
     struct Level {
-        std::array<int, 3> count;  ///< with a layer of zeros on every side
+        LevelShape shape;
         VoxelBuffer cells;
-        double scale, shift;
+        explicit Level(const LevelShape& s) : shape(s), cells(s.size() * sizeof(std::uint16_t)) {}
         std::uint16_t* row(int y, int z);
         const std::uint16_t* row(int y, int z) const;
     };
-    Level make_level(std::array<int, 3> count, double scale, double shift) const;
     void copy_opacity(const CellOpacity& opacity, Progress& progress);
     void add_mipmap(Progress& progress);
     void add_nbuffer(int distance, Progress& progress);

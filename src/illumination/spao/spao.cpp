@@ -1,12 +1,13 @@
 #include "illumination/spao/spao.h"
 
+#include <optional>
+
+#include "illumination/spao/card.h"
 #include "illumination/spao/fused.h"
 #include "illumination/spao/means.h"
 
 namespace chiaro {
 namespace {
-
-kernel::SpaoProduct product_of(SpaoModel model) { return kernel::SpaoProduct(model); }
 
 /// Look-ups that move with the normal need levels that can be asked for anywhere.
 bool needs_levels(const SpaoSettings& settings) {
@@ -43,8 +44,7 @@ CellValues fill_rows(const Device& device, const CellGrid& grid, const BlockMap&
 CellValues from_levels(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
                        const BlockMap& blocks, Steps& steps, Progress& progress) {
     const SpaoLevels levels(device, opacity, mip_levels(settings), settings.levels, steps, progress);
-    const kernel::StoredKernel kernel{levels.view(), settings.levels, product_of(settings.model),
-                                      float(settings.normal_factor)};
+    const kernel::StoredKernel kernel = stored_kernel(levels.view(), settings);
     const auto row = kernel::spao_functions_for(device.isa).stored_row;
     return steps("spao combine", [&] {
         return fill_rows(device, opacity.values.grid, blocks, progress,
@@ -56,7 +56,7 @@ CellValues from_sums(const Device& device, const CellOpacity& opacity, const Spa
                      const BlockMap& blocks, Steps& steps, Progress& progress) {
     const SummedOpacity sums = steps("spao sums", [&] { return SummedOpacity(opacity.values, progress); });
     const kernel::AccessKernel<ExactMeans> kernel{
-        {&sums}, settings.levels, product_of(settings.model), float(settings.normal_factor)};
+        {&sums}, settings.levels, kernel::SpaoProduct(settings.model), float(settings.normal_factor)};
     return steps("spao combine", [&] {
         return fill_rows(device, opacity.values.grid, blocks, progress,
                          [&](const kernel::SpaoCells& cells) { kernel::access_row<float>(kernel, cells); });
@@ -68,8 +68,15 @@ CellValues from_sums(const Device& device, const CellOpacity& opacity, const Spa
 CellValues spao_accessibility(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
                               const BlockMap& blocks, Steps& steps, Progress& progress) {
     if (settings.filter == SpaoFilter::exact) return from_sums(device, opacity, settings, blocks, steps, progress);
-    if (settings.filter != SpaoFilter::automatic || needs_levels(settings))
-        return from_levels(device, opacity, settings, blocks, steps, progress);
+    const bool is_stored = settings.filter != SpaoFilter::automatic || needs_levels(settings);
+    std::optional<CellValues> access;
+    const auto on_card = [&] {
+        access.emplace(is_stored
+                           ? stored_on_card(device, opacity, settings, mip_levels(settings), blocks, steps, progress)
+                           : fused_on_card(device, opacity, settings, blocks, steps, progress));
+    };
+    if (cuda::done_on_card(device, on_card)) return *std::move(access);
+    if (is_stored) return from_levels(device, opacity, settings, blocks, steps, progress);
     return fused_sweep(device, opacity, settings, blocks, steps, progress);
 }
 

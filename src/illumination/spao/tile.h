@@ -32,6 +32,12 @@ CHIARO_INLINE void halve_all_axes(const std::uint16_t* from, std::uint16_t* to) 
     halve<SpaoTile::row>(to);
     halve<SpaoTile::slice>(to);
 }
+/// The same for one cell: the mean of the 8 from it on.
+CHIARO_INLINE std::uint16_t halved(const std::uint16_t* from) {
+    const auto along_x = [&](int i) CHIARO_INLINE_LAMBDA { return mean_of(from[i], from[i + 1]); };
+    const auto along_y = [&](int i) CHIARO_INLINE_LAMBDA { return mean_of(along_x(i), along_x(i + SpaoTile::row)); };
+    return mean_of(along_y(0), along_y(SpaoTile::slice));
+}
 /// On the finest grid octants begin in the middle of their cell: half weight at both ends.
 CHIARO_INLINE void find_means_from_cells(SpaoTile& tile) {
     halve_all_axes(tile.opacity, tile.mean[0]);
@@ -72,6 +78,56 @@ CHIARO_INLINE S between(S low, S high, bool is_odd) {
 struct CoarsePlanes {
     static constexpr int row = SpaoTile::edge;
     std::uint16_t open[8][CoarseTile::edge * row], weight[CoarseTile::edge * row];
+
+    /// Of octant s, or the weights, at cells of a row.
+    template <bool at_cells, class F>
+    CHIARO_INLINE F open_at(int s, int x, int y) const {
+        return blend<at_cells, F>(open[s], x, y);
+    }
+    template <bool at_cells, class F>
+    CHIARO_INLINE F weight_at(int x, int y) const {
+        return blend<at_cells, F>(weight, x, y);
+    }
+
+private:
+    template <bool at_cells, class F>
+    static CHIARO_INLINE F blend(const std::uint16_t* plane, int x, int y) {
+        const std::uint16_t* low = plane + (y >> 1) * row + x;
+        return to_float(between<at_cells>(load_shorts<F>(low), load_shorts<F>(low + row), y & 1));
+    }
+};
+
+/// The same of one cell, straight from the coarser grid's corners: along z, x and y, as planes are made and read.
+struct CoarseCorners {
+    const std::uint16_t *open, *weight;  ///< [octant] of all corners; x fastest
+    std::int32_t count[3];
+    std::int32_t z;  ///< the slice of the finer grid that is asked for
+
+    template <bool at_cells, class F>
+    CHIARO_INLINE F open_at(int s, int x, int y) const {
+        return blend<at_cells>(open + s * (std::int64_t(count[0]) * count[1] * count[2]), x, y);
+    }
+    template <bool at_cells, class F>
+    CHIARO_INLINE F weight_at(int x, int y) const {
+        return blend<at_cells>(weight, x, y);
+    }
+
+private:
+    template <bool at_cells>
+    CHIARO_INLINE float blend(const std::uint16_t* from, int x, int y) const {
+        const auto along_z = [&](int i, int j) CHIARO_INLINE_LAMBDA {
+            return between<at_cells>(corner(from, i, j, z >> 1), corner(from, i, j, (z >> 1) + 1), z & 1);
+        };
+        const auto along_x = [&](int j) CHIARO_INLINE_LAMBDA {
+            return between<at_cells>(along_z(x >> 1, j), along_z((x >> 1) + 1, j), x & 1);
+        };
+        return to_float(between<at_cells>(along_x(y >> 1), along_x((y >> 1) + 1), y & 1));
+    }
+    /// Past the last corner lies no cell that asks.
+    CHIARO_INLINE std::uint16_t corner(const std::uint16_t* from, int i, int j, int k) const {
+        i = min(i, count[0] - 1), j = min(j, count[1] - 1), k = min(k, count[2] - 1);
+        return from[(std::int64_t(k) * count[1] + j) * count[0] + i];
+    }
 };
 
 template <bool at_cells, class F>
@@ -88,13 +144,6 @@ CHIARO_INLINE void coarse_plane(const std::uint16_t* corners, int z, std::uint16
             store_interleaved(between<at_cells>(a, b, false), between<at_cells>(a, b, true),
                               plane + y * CoarsePlanes::row + 2 * i);
         }
-}
-
-/// Cells of a row of that plane.
-template <bool at_cells, class F>
-CHIARO_INLINE F coarse_row(const std::uint16_t* plane, int x, int y) {
-    const std::uint16_t* low = plane + (y >> 1) * CoarsePlanes::row + x;
-    return to_float(between<at_cells>(load_shorts<F>(low), load_shorts<F>(low + CoarsePlanes::row), y & 1));
 }
 
 }  // namespace chiaro::kernel

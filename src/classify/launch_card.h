@@ -1,0 +1,13 @@
+// The kernels of occupancy as a card has them, compiled by launch_occupancy.cu; pointers are the card's.
+#pragma once
+#include "classify/occupancy_kernel.h"
+#include "cuda/stream.h"
+
+namespace chiaro::kernel {
+
+/// A thread for each cell.
+void begin_occupancy(cuda::Stream& stream, const CellValueRanges& ranges, const OccupancyPass& pass);
+void spread_occupancy(cuda::Stream& stream, const OccupancyPass& pass, std::int64_t stride, std::int32_t n);
+void write_occupancy(cuda::Stream& stream, const OccupancyPass& pass, std::uint8_t* codes);
+
+}  // namespace chiaro::kernel

@@ -1,0 +1,67 @@
+// Cells on a card: where their numbers lie there, and blocks of them for many threads.
+#pragma once
+#include <chiaro/progress.h>
+
+#include <cstring>
+
+#include "cuda/mirror.h"
+#include "illumination/cells/block_place.h"
+#include "illumination/cells/grid.h"
+
+namespace chiaro {
+
+inline constexpr std::size_t blocks_together = 256;  ///< 8 million threads, and room for their tiles
+
+/// The card's copy, made when first asked for.
+inline const std::uint16_t* on_card(cuda::Stream& stream, const CellValues& values) {
+    return reinterpret_cast<const std::uint16_t*>(
+        stream.mirror()->of(HostArray::of(values.life, values.buffer), stream));
+}
+
+/// Numbers of cells that are made on a card: 0 at first.
+class CardCells {
+public:
+    CardCells(cuda::Stream& stream, const CellGrid& grid)
+        : stream_(stream), values_(grid), made_(stream, values_.buffer.size()) {
+        made_.zero();
+    }
+    std::uint16_t* data() const { return reinterpret_cast<std::uint16_t*>(made_.data()); }
+    /// The card keeps a copy, as a mirror of what is returned.
+    CellValues fetch() {
+        stream_.download(values_.buffer.data(), made_.data(), made_.size());
+        stream_.wait();
+        stream_.mirror()->keep(HostArray::of(values_.life, values_.buffer), made_.data(), stream_);
+        return std::move(values_);
+    }
+
+private:
+    cuda::Stream& stream_;
+    CellValues values_;
+    cuda::Array<std::byte> made_;
+};
+
+/// work(places, how many blocks they are) for all blocks of a map, some at a time; reports and may be cancelled after
+/// each.
+template <class Work>
+void for_blocks(cuda::Stream& stream, const BlockMap& map, std::string_view stage, Progress& progress,
+                const Work& work) {
+    std::vector<kernel::BlockPlace> places;
+    for (const std::size_t b : map.held()) {
+        const auto [x, y, z] = map.at(b);
+        places.push_back({{x * block_edge, y * block_edge, z * block_edge}, {}});
+        std::memcpy(places.back().pieces, map.pieces_of(b).bits, sizeof places.back().pieces);
+    }
+    if (places.empty()) return;
+    const cuda::Array<kernel::BlockPlace> there(stream, places.size());
+    stream.upload(there.data(), places.data(), places.size() * sizeof places[0]);
+    stream.wait();
+    for (std::size_t first = 0; first < places.size(); first += blocks_together) {
+        const std::size_t count = std::min(blocks_together, places.size() - first);
+        work(there.data() + first, std::int64_t(count));
+        stream.wait();
+        progress.report(stage, double(first + count) / double(places.size()));
+        progress.check();
+    }
+}
+
+}  // namespace chiaro

@@ -1,0 +1,109 @@
+// The same kernels as a card's threads call them: a cell each, of a whole grid or of many blocks side by side.
+#pragma once
+#include "illumination/cells/block_place.h"
+#include "illumination/spao/kernel.h"
+#include "illumination/spao/levels.h"
+#include "illumination/spao/stored.h"
+
+namespace chiaro::kernel {
+
+/// Where the cells of a grid go: x next to each other.
+struct GridTarget {
+    std::uint16_t* to;
+    std::int32_t row, slice;
+    std::int32_t count[3];
+};
+
+/// Blocks whose tiles are in memory at the same time.
+struct SpaoBatch {
+    const BlockPlace* places;
+    SpaoTile* tiles;
+    OpacityGrid opacity;
+    SpaoBlock block;       ///< but for its tile; `weight` from the grid's first corner on
+    CoarseCorners coarse;  ///< but for its z
+    SpaoOutput to;         ///< of the whole grid; but for the pieces
+
+    /// The opacity of item i of [0, SpaoTile::size) of each block; beyond the grid nothing.
+    CHIARO_INLINE void load(std::int64_t item) const {
+        const std::int32_t i = std::int32_t(item % SpaoTile::size);
+        const BlockPlace& place = places[item / SpaoTile::size];
+        constexpr int row = SpaoTile::row, halo = SpaoTile::halo;
+        tiles[item / SpaoTile::size].opacity[i] =
+            opacity.at(place.first[0] - halo + i % row, place.first[1] - halo + i / row % row,
+                       place.first[2] - halo + i / row / row);
+    }
+    /// Its means: of level 1; of level 2, from those; on a coarser grid, where that is all, from opacities.
+    CHIARO_INLINE void find_mean(std::int64_t item, int level, bool from_means) const {
+        const std::int32_t i = std::int32_t(item % SpaoTile::size);
+        if (i >= SpaoTile::size - SpaoTile::slice - SpaoTile::row - 1) return;  // none looks there
+        SpaoTile& tile = tiles[item / SpaoTile::size];
+        tile.mean[level - 1][i] = halved((from_means ? tile.mean[0] : tile.opacity) + i);
+    }
+    /// Item i of [0, BlockPlace::cells): its answer.
+    template <bool at_cells>
+    CHIARO_INLINE void answer(std::int64_t item) const {
+        constexpr int edge = BlockPlace::edge, halo = SpaoTile::halo;
+        const std::int32_t i = std::int32_t(item % BlockPlace::cells), x = i % edge, y = i / edge % edge,
+                           z = i / edge / edge;
+        const BlockPlace& place = places[item / BlockPlace::cells];
+        const std::int32_t gx = place.first[0] + x, gy = place.first[1] + y, gz = place.first[2] + z;
+        if (gx >= to.nx || gy >= to.ny || gz >= to.nz) return;
+        if (!(place.pieces[z / 4][y / 4] >> (x / SpaoTile::piece) & 1)) return;
+        SpaoBlock its = block;
+        its.tile = tiles + item / BlockPlace::cells;
+        CoarseCorners around = coarse;
+        around.z = gz;
+        const std::int32_t in_tile = (z + halo) * SpaoTile::slice + (y + halo) * SpaoTile::row + halo + x;
+        spao_piece<at_cells, float, 1>(its, SpaoPiece<CoarseCorners>{in_tile, gx, gy, &around}, to,
+                                       gz * to.slice + gy * to.row + gx);
+    }
+};
+
+/// Cells of blocks from stored levels.
+struct StoredBatch {
+    StoredKernel kernel;
+    const BlockPlace* places;
+    GridTarget to;
+
+    CHIARO_INLINE void answer(std::int64_t item) const {
+        constexpr int edge = BlockPlace::edge;
+        const std::int32_t i = std::int32_t(item % BlockPlace::cells);
+        const BlockPlace& place = places[item / BlockPlace::cells];
+        const std::int32_t x = place.first[0] + i % edge, y = place.first[1] + i / edge % edge,
+                           z = place.first[2] + i / edge / edge;
+        if (x < to.count[0] && y < to.count[1] && z < to.count[2])
+            access_row<float>(kernel,
+                              SpaoCells{x, 1, y, z, to.to + std::int64_t(z) * to.slice + std::int64_t(y) * to.row + x});
+    }
+};
+
+// What fills a grid, cell by cell: besides OpacityGrid, which is copied, and EveryOther.
+
+/// Means of 2 × 2 × 2 cells; the first of all lies at `first` on each axis.
+struct MeanOfEight {
+    OpacityGrid from;
+    std::int32_t first;
+    CHIARO_INLINE std::uint16_t at(int x, int y, int z) const {
+        return EightCells(from, first + 2 * x, first + 2 * y, first + 2 * z).mean();
+    }
+};
+/// What crosses 2 × 2 × 2 cells.
+struct CrossingOfEight {
+    OpacityGrid from;
+    CHIARO_INLINE std::uint16_t at(int x, int y, int z) const {
+        return EightCells(from, 2 * x, 2 * y, 2 * z).crossing();
+    }
+};
+struct CornerWeights {
+    OpacityGrid finest;
+    CHIARO_INLINE std::uint16_t at(int x, int y, int z) const {
+        return corner_weight(EightCells(finest, 2 * x - 1, 2 * y - 1, 2 * z - 1).mean());
+    }
+};
+struct NextNBuffer {
+    OpacityGrid from;
+    std::int32_t distance;
+    CHIARO_INLINE std::uint16_t at(int x, int y, int z) const { return nbuffer_cell(from, distance, x, y, z); }
+};
+
+}  // namespace chiaro::kernel

@@ -1,0 +1,239 @@
+#include "illumination/spao/card.h"
+
+#include <optional>
+
+#include "illumination/cells/card.h"
+#include "illumination/spao/coarse.h"
+#include "illumination/spao/fused.h"
+#include "illumination/spao/launch_card.h"
+#include "illumination/spao/means.h"
+
+namespace chiaro {
+namespace {
+
+using Shorts = cuda::Array<std::uint16_t>;
+using Cells = std::array<int, 3>;
+
+kernel::GridTarget target_of(std::uint16_t* to, const Cells& n) { return {to, n[0], n[0] * n[1], {n[0], n[1], n[2]}}; }
+
+/// Opacities there, and what is found out of them.
+class CardAccess {
+public:
+    CardAccess(const Device& device, const CellOpacity& opacity, Progress& progress)
+        : stream_(*device.stream),
+          progress_(progress),
+          grid_(opacity.values.grid),
+          opacity_(on_card(stream_, opacity.values)),
+          access_(stream_, grid_) {}
+
+    cuda::Stream& stream() const { return stream_; }
+    const Cells& count() const { return grid_.count; }
+    kernel::OpacityGrid opacity() const { return opacity_grid(grid_.count, opacity_); }
+    kernel::GridTarget target() const { return target_of(access_.data(), grid_.count); }
+
+    template <class Work>
+    void for_blocks(const BlockMap& map, const Work& work) const {
+        chiaro::for_blocks(stream_, map, "spao", progress_, work);
+    }
+    void wait(double share) const {
+        stream_.wait();
+        progress_.report("spao", share);
+        progress_.check();
+    }
+    CellValues fetch() { return access_.fetch(); }
+
+private:
+    cuda::Stream& stream_;
+    Progress& progress_;
+    const CellGrid grid_;
+    const std::uint16_t* opacity_;
+    CardCells access_;
+};
+
+/// As CoarseGrid.
+struct CardCoarse {
+    CoarseShape shape;
+    Shorts opacity, open, weight;
+    BlockMap needed;
+
+    CardCoarse(cuda::Stream& stream, const Cells& finer, int octants, const BlockMap& asked)
+        : shape(finer),
+          opacity(stream, shape.cells_held()),
+          open(stream, shape.corners_held() * std::size_t(octants)),
+          weight(stream, octants > 1 ? shape.corners_held() : 1),
+          needed(shape.needed_by(asked)) {}
+
+    kernel::OpacityGrid cells() const { return opacity_grid(shape.count, opacity.data()); }
+    kernel::CoarseCorners corners() const {
+        const auto [nx, ny, nz] = shape.corners;
+        return {open.data(), weight.data(), {nx, ny, nz}, 0};
+    }
+    kernel::SpaoOutput output(int octants) const {
+        const auto [nx, ny, nz] = shape.corners;
+        kernel::SpaoOutput to{.row = nx, .slice = std::int64_t(nx) * ny, .nx = nx, .ny = ny, .nz = nz};
+        for (int s = 0; s < octants; ++s) to.at[s] = open.data() + s * shape.corners_held();
+        return to;
+    }
+};
+
+class CardSweep {
+public:
+    CardSweep(const CardAccess& access, const SpaoSettings& settings, const BlockMap& blocks)
+        : access_(access), settings_(settings), octants_(octants_of(settings.model)), blocks_(blocks) {}
+
+    void make_coarse_grids() {
+        for (int g = 1; g <= coarse_grids(settings_); ++g) {
+            const CardCoarse* finer = coarse_.empty() ? nullptr : &coarse_.back();
+            CardCoarse grid(access_.stream(), finer ? finer->shape.count : access_.count(), octants_,
+                            finer ? finer->needed : blocks_);
+            fill(grid, finer);
+            coarse_.push_back(std::move(grid));
+            access_.wait(double(g) / coarse_grids(settings_));
+        }
+    }
+
+    void sweep_corners(int g, const cuda::Array<kernel::SpaoTile>& tiles) const {
+        const CardCoarse& grid = coarse_[g - 1];
+        kernel::SpaoBatch batch = batch_on(g, grid.cells(), tiles);
+        batch.block.weight = octants_ > 1 ? grid.weight.data() : nullptr;
+        batch.to = grid.output(octants_);
+        access_.for_blocks(grid.needed, [&](const kernel::BlockPlace* places, std::int64_t count) {
+            batch.places = places;
+            kernel::answer_corners(access_.stream(), batch, count);
+        });
+    }
+
+    void sweep_cells(const cuda::Array<kernel::SpaoTile>& tiles) const {
+        const kernel::GridTarget to = access_.target();
+        kernel::SpaoBatch batch = batch_on(0, access_.opacity(), tiles);
+        batch.to = {{to.to}, to.row, to.slice, to.count[0], to.count[1], to.count[2], nullptr};
+        access_.for_blocks(blocks_, [&](const kernel::BlockPlace* places, std::int64_t count) {
+            batch.places = places;
+            kernel::answer_cells(access_.stream(), batch, count);
+        });
+    }
+
+    /// Blocks that any of the sweeps takes at a time.
+    std::size_t most_together() const {
+        std::size_t most = blocks_.held().size();
+        for (const CardCoarse& grid : coarse_) most = std::max(most, grid.needed.held().size());
+        return std::clamp<std::size_t>(most, 1, blocks_together);
+    }
+
+private:
+    /// `finer`: none for the first.
+    void fill(const CardCoarse& grid, const CardCoarse* finer) const {
+        cuda::Stream& stream = access_.stream();
+        const kernel::OpacityGrid from = finer ? finer->cells() : access_.opacity();
+        const kernel::GridTarget cells = target_of(grid.opacity.data(), grid.shape.count);
+        if (octants_ == 1) return kernel::fill_grid(stream, kernel::MeanOfEight{from, 0}, cells);
+        kernel::fill_grid(stream, kernel::CrossingOfEight{from}, cells);
+        const kernel::GridTarget weights = target_of(grid.weight.data(), grid.shape.corners);
+        if (!finer) return kernel::fill_grid(stream, kernel::CornerWeights{from}, weights);
+        const auto [nx, ny, nz] = finer->shape.corners;
+        kernel::fill_grid(stream, kernel::EveryOther{finer->weight.data(), {nx, ny, nz}}, weights);
+    }
+
+    kernel::SpaoBatch batch_on(int g, const kernel::OpacityGrid& opacity,
+                               const cuda::Array<kernel::SpaoTile>& tiles) const {
+        const bool has_coarser = g < int(coarse_.size());
+        kernel::SpaoBatch batch{};
+        batch.tiles = tiles.data();
+        batch.opacity = opacity;
+        batch.block = spao_block(settings_, has_coarser);
+        if (has_coarser) batch.coarse = coarse_[g].corners();
+        return batch;
+    }
+
+    const CardAccess& access_;
+    const SpaoSettings& settings_;
+    const int octants_;
+    const BlockMap& blocks_;
+    std::vector<CardCoarse> coarse_;
+};
+
+/// As SpaoLevels.
+class CardLevels {
+public:
+    CardLevels(const CardAccess& access, const LevelShape& finest) : access_(access) {
+        const kernel::GridTarget to = add(finest);
+        kernel::fill_grid(access_.stream(), access_.opacity(), within(to));
+    }
+
+    void add_mipmap() {
+        const kernel::MeanOfEight means{back(), 1};
+        const kernel::GridTarget to = add(levels_.back().shape.mipmap());
+        kernel::fill_grid(access_.stream(), means, within(to));
+    }
+    void add_nbuffer(int distance) {
+        const kernel::NextNBuffer next{back(), distance};
+        kernel::fill_grid(access_.stream(), next, add(levels_.back().shape.nbuffer(distance)));
+    }
+    kernel::StoredLevels view() const {
+        kernel::StoredLevels view{};
+        for (std::size_t l = 0; l < levels_.size(); ++l) view.at[l] = levels_[l].shape.view(levels_[l].cells.data());
+        return view;
+    }
+
+private:
+    struct Level {
+        LevelShape shape;
+        Shorts cells;
+    };
+    kernel::OpacityGrid back() const { return opacity_grid(levels_.back().shape.count, levels_.back().cells.data()); }
+    kernel::GridTarget add(const LevelShape& shape) {
+        levels_.push_back({shape, Shorts(access_.stream(), shape.size())});
+        levels_.back().cells.zero();
+        return target_of(levels_.back().cells.data(), shape.count);
+    }
+    /// Without the layer of zeros.
+    static kernel::GridTarget within(kernel::GridTarget to) {
+        to.to += to.slice + to.row + 1;
+        for (std::int32_t& n : to.count) n -= 2;
+        return to;
+    }
+
+    const CardAccess& access_;
+    std::vector<Level> levels_;
+};
+
+}  // namespace
+
+CellValues fused_on_card(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
+                         const BlockMap& blocks, Steps& steps, Progress& progress) {
+    CardAccess access(device, opacity, progress);
+    CardSweep sweep(access, settings, blocks);
+    steps("spao mipmaps", [&] { sweep.make_coarse_grids(); });
+    const cuda::Array<kernel::SpaoTile> tiles(access.stream(), sweep.most_together());
+    for (int g = coarse_grids(settings); g > 0; --g) steps(name_of_cells(g), [&] { sweep.sweep_corners(g, tiles); });
+    return steps(name_of_cells(0), [&] {
+        sweep.sweep_cells(tiles);
+        return access.fetch();
+    });
+}
+
+CellValues stored_on_card(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
+                          int mip_levels, const BlockMap& blocks, Steps& steps, Progress& progress) {
+    CardAccess access(device, opacity, progress);
+    std::optional<CardLevels> levels;
+    for (int level = 0; level <= settings.levels; ++level)
+        steps(name_of_level(level), [&] {
+            if (level == 0)
+                levels.emplace(access, LevelShape::of(opacity.values.grid));
+            else if (level <= mip_levels)
+                levels->add_mipmap();
+            else
+                levels->add_nbuffer(1 << (level - mip_levels - 1));
+            access.wait(double(level) / settings.levels);
+        });
+    return steps("spao combine", [&] {
+        kernel::StoredBatch batch{stored_kernel(levels->view(), settings), nullptr, access.target()};
+        access.for_blocks(blocks, [&](const kernel::BlockPlace* places, std::int64_t count) {
+            batch.places = places;
+            kernel::answer_stored(access.stream(), batch, count);
+        });
+        return access.fetch();
+    });
+}
+
+}  // namespace chiaro

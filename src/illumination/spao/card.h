@@ -1,0 +1,17 @@
+// SPAO on a card: opacities go there once, levels and coarser grids are made there, the answer stays and comes back.
+#pragma once
+#include "cuda/stream.h"
+#include "illumination/access.h"
+
+namespace chiaro {
+
+/// As fused_sweep on the device's card. Memory there: 6 bytes a cell, what fused_sweep keeps of coarser grids, 72 MB of
+/// tiles.
+CellValues fused_on_card(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
+                         const BlockMap& blocks, Steps& steps, Progress& progress);
+
+/// Of stored levels, the first `mip_levels` of them mipmaps. Memory there: 6 bytes a cell, and what SpaoLevels keeps.
+CellValues stored_on_card(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
+                          int mip_levels, const BlockMap& blocks, Steps& steps, Progress& progress);
+
+}  // namespace chiaro

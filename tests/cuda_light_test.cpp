@@ -1,0 +1,82 @@
+// What a card finds after an edit, number by number against the processor's.
+#include <random>
+
+#include "classify/medium.h"
+#include "cuda_case.h"
+#include "illumination/histogram/optics.h"
+
+using namespace chiaro;
+using namespace chiaro::testing;
+
+TEST_F(Cards, ClassifyAsTheProcessorDoes) {
+    const auto cells = [](const Device& device, const Volume& volume, const TransferFunction& tf, const Shape& shape) {
+        const Medium medium = classify(upload(device, volume), tf, shape);
+        return std::pair(medium.data().cells, medium.occupied_fraction());
+    };
+    std::mt19937 random(7);
+    const auto specks = [&](double, double, double) { return random() % 3000 == 0 ? 200.0 : 0.0; };
+    const auto blob = [](double x, double y, double z) { return x + y + z < 90 && x > 20 ? 150.0 : 20.0; };
+    const Shape surfaces{.mode = Mode::iso, .iso = {{.value = 90}, {.value = 180}}};
+    for (const Volume& volume : {sampled<std::uint8_t>({150, 61, 9}, specks), sampled<float>({700, 30, 40}, blob),
+                                 shells_of<std::uint16_t>(60), sampled<std::uint8_t>({5, 3, 2}, specks)})
+        for (const Shape& shape : {Shape{}, surfaces})
+            for (const TransferFunction& tf : {two_materials(), constant(0), constant(0.5)})
+                EXPECT_EQ(cells(card, volume, tf, shape), cells(processor(), volume, tf, shape));
+}
+
+TEST_F(Cards, OccludeAsTheProcessorDoes) {
+    IlluminationSettings light{.method = Method::spao};
+    const Medium medium = classify(upload(card, shells_of<std::uint8_t>(40)), two_materials(), {});
+    for (const SpaoModel model : {SpaoModel::paper, SpaoModel::thick, SpaoModel::corrected})
+        for (const SpaoFilter filter :
+             {SpaoFilter::automatic, SpaoFilter::nbuffer, SpaoFilter::mipmap, SpaoFilter::hybrid})
+            for (const double normal_factor : {0.0, 1.0}) {
+                light.spao.model = model, light.spao.filter = filter, light.spao.normal_factor = normal_factor;
+                const auto what = fmt::format("model {}, filter {}, F {}", int(model), int(filter), normal_factor);
+                expect_same_field(medium, light, what);
+            }
+    light.spao = {};
+    for (const int levels : {1, 2, 3}) {  // no coarser grid, one
+        light.spao.levels = levels;
+        expect_same_field(medium, light, fmt::format("{} levels", levels));
+    }
+}
+
+TEST_F(Cards, OccludeBlocksOfEverySort) {
+    IlluminationSettings light{.method = Method::spao};
+    const Volume longer = sampled<std::uint8_t>({131, 33, 17}, [](double x, double y, double z) {
+        return x > 70 && x < 90 ? 0 : 128 + 100 * std::sin(x / 5) * std::sin(y / 3) * std::cos(z / 4);
+    });
+    expect_same_field(classify(upload(card, longer), two_materials(), {}), light, "a long volume");
+    expect_same_field(classify(upload(card, longer), constant(0), {}), light, "nothing to see");
+    const Shape surface{.mode = Mode::iso, .iso = {{.value = 90, .opacity = 0.5}}};
+    expect_same_field(classify(upload(card, longer), two_materials(), surface), light, "a surface");
+    Shot shot = shaded();  // only pieces of blocks are seen
+    light.spao.filter = SpaoFilter::automatic;
+    expect_same(shot, shells_of<std::uint8_t>(70), light);
+}
+
+TEST_F(Cards, SumTheWordsOfLocalHistograms) {
+    std::mt19937 random(3);
+    const auto h = std::make_shared<LocalHistograms>();
+    h->words = 37, h->stride = 112, h->binning.count = 100;
+    for (int i = 0; i < h->words * h->stride; ++i) h->shares.push_back(std::uint16_t(random()));
+    for (int w = 0; w < h->words; ++w) h->scale.push_back(1e-6f * float(1 + w));
+    BinOptics optics;
+    for (int j = 0; j < h->binning.count; ++j) {
+        optics.alpha.push_back(j < 20 || j > 70 ? 0 : float(random() % 100) / 100);
+        optics.rgb.push_back({float(j) / 100, 0.5f, 1});
+    }
+    const auto expected = word_sums(processor(), *h, optics), found = word_sums(card, *h, optics);
+    ASSERT_EQ(found.size(), 37u);
+    for (std::size_t w = 0; w < found.size(); ++w)
+        for (std::size_t c = 0; c < 4; ++c) {
+            EXPECT_GT(expected[w][c], 0);
+            EXPECT_NEAR(found[w][c], expected[w][c], tolerance * expected[w][c]);
+        }
+    const auto copied = card.stream->mirror()->copied_bytes();
+    EXPECT_EQ(copied, h->shares.size() * sizeof h->shares[0]);
+    optics.alpha[50] = 1;  // an edit brings only its weights
+    word_sums(card, *h, optics);
+    EXPECT_EQ(card.stream->mirror()->copied_bytes(), copied);
+}
