@@ -77,7 +77,9 @@ std::vector<Row> measure_sweeps(const Setup& setup, const std::string& name, con
     const OpaqueCells opaque(cells, opaque_from);
     const SweptMedium swept(cells, opaque);
     const Geometry& geometry = medium.data().volume.data().geometry;
-    const auto first = [&] { first_light(setup.device, swept, Lighting(), up, geometry, 200, setup.progress); };
+    const auto first = [&] {
+        first_light(setup.device, swept, FirstDirections(Lighting(), up, geometry, 200), setup.progress);
+    };
     TransportSolver solver = solver_of(setup, medium, grid);
     const auto one = [&] { solver.iterate(setup.progress); };
     const std::size_t count = cells.extinction.grid.size();

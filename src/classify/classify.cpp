@@ -27,8 +27,8 @@ namespace {
 void find_occupancy(const RangeTest& is_visible, Medium::Data& data) {
     const DeviceVolume::Data& volume = data.volume.data();
     const auto on_card = [&] {
-        const CardOccupancy made = occupancy_on_card(volume, is_visible);
-        data.cells = made.codes;
+        CardOccupancy made = occupancy_on_card(volume, is_visible);
+        data.cells = std::move(made.codes);
         cuda::Stream& stream = *volume.device.stream;
         stream.mirror()->keep(HostArray::of(data.weak_from_this(), data.cells), made.on_card.data(), stream);
     };

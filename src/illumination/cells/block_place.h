@@ -2,6 +2,8 @@
 #pragma once
 #include <cstdint>
 
+#include "kernel/lanes.h"
+
 namespace chiaro::kernel {
 
 struct BlockPlace {
@@ -9,5 +11,32 @@ struct BlockPlace {
     std::int32_t first[3];                              ///< cell or corner
     std::uint8_t pieces[edge / height][edge / height];  ///< that are asked for: bit x of [z][y], 16 × 4 × 4 each
 };
+
+/// Whether the piece around a cell of a block is asked for.
+CHIARO_INLINE bool is_asked(const std::uint8_t (*pieces)[BlockPlace::edge / BlockPlace::height], std::int32_t x,
+                            std::int32_t y, std::int32_t z) {
+    return pieces[z / BlockPlace::height][y / BlockPlace::height] >> (x / BlockPlace::width) & 1;
+}
+
+/// One of the items of blocks side by side, `size` each: rows of so many, the first of all `halo` cells before its
+/// block.
+template <int row, int halo, int size>
+struct BlockItem {
+    const BlockPlace& place;
+    std::int64_t block;
+    std::int32_t i;  ///< in the block
+
+    CHIARO_INLINE BlockItem(const BlockPlace* places, std::int64_t item)
+        : place(places[item / size]), block(item / size), i(std::int32_t(item % size)) {}
+
+    CHIARO_INLINE std::int32_t x() const { return i % row; }
+    CHIARO_INLINE std::int32_t y() const { return i / row % row; }
+    CHIARO_INLINE std::int32_t z() const { return i / row / row; }
+    CHIARO_INLINE std::int32_t grid_x() const { return place.first[0] - halo + x(); }
+    CHIARO_INLINE std::int32_t grid_y() const { return place.first[1] - halo + y(); }
+    CHIARO_INLINE std::int32_t grid_z() const { return place.first[2] - halo + z(); }
+    CHIARO_INLINE bool is_asked() const { return kernel::is_asked(place.pieces, x(), y(), z()); }
+};
+using BlockCell = BlockItem<BlockPlace::edge, 0, BlockPlace::cells>;
 
 }  // namespace chiaro::kernel

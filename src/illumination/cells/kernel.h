@@ -62,7 +62,7 @@ CHIARO_INLINE void lift_block(float* access, const float* opacity, float normal_
     for (int z = 0; z < edge; ++z)
         for (int y = 0; y < edge; ++y, out += edge)
             for (int x = 0; x < edge; x += 16) {
-                if (!(pieces[z / 4][y / 4] >> (x / 16) & 1)) continue;
+                if (!is_asked(pieces, x, y, z)) continue;
                 const int at = (z + 2) * slice + (y + 2) * row + 2 + x;
                 lift_piece(access + at, opacity + at, out + x);
             }
@@ -79,16 +79,13 @@ struct LiftBatch {
 
     /// Item i of [0, LiftTile::size) of each block; beyond the grid the nearest cell's access, and no opacity.
     CHIARO_INLINE void load(std::int64_t item) const {
-        const std::int32_t i = std::int32_t(item % LiftTile::size);
-        const BlockPlace& place = places[item / LiftTile::size];
-        constexpr int row = LiftTile::row, halo = LiftTile::halo;
-        const std::int32_t x = place.first[0] - halo + i % row, y = place.first[1] - halo + i / row % row,
-                           z = place.first[2] - halo + i / row / row;
+        const BlockItem<LiftTile::row, LiftTile::halo, LiftTile::size> its(places, item);
+        const std::int32_t x = its.grid_x(), y = its.grid_y(), z = its.grid_z();
         const std::int32_t cx = within(x, 0), cy = within(y, 1), cz = within(z, 2);
         const std::int64_t at = (std::int64_t(cz) * count[1] + cy) * count[0] + cx;
-        float* tile = tile_of(item / LiftTile::size);
-        tile[i] = access[at] / 65535.0f;
-        tile[LiftTile::size + i] = x == cx && y == cy && z == cz ? opacity[at] / 65535.0f : 0;
+        float* tile = tile_of(its.block);
+        tile[its.i] = access[at] / 65535.0f;
+        tile[LiftTile::size + its.i] = x == cx && y == cy && z == cz ? opacity[at] / 65535.0f : 0;
     }
     CHIARO_INLINE void scale(std::int64_t item) const {
         const std::int32_t i = std::int32_t(item % LiftTile::size);
@@ -99,16 +96,13 @@ struct LiftBatch {
     }
     /// Item i of [0, BlockPlace::cells).
     CHIARO_INLINE void answer(std::int64_t item) const {
-        constexpr int edge = BlockPlace::edge, halo = LiftTile::halo;
-        const std::int32_t i = std::int32_t(item % BlockPlace::cells), x = i % edge, y = i / edge % edge,
-                           z = i / edge / edge;
-        const BlockPlace& place = places[item / BlockPlace::cells];
-        const std::int32_t gx = place.first[0] + x, gy = place.first[1] + y, gz = place.first[2] + z;
-        if (gx >= count[0] || gy >= count[1] || gz >= count[2]) return;
-        if (!(place.pieces[z / 4][y / 4] >> (x / 16) & 1)) return;
+        constexpr int halo = LiftTile::halo;
+        const BlockCell its(places, item);
+        const std::int32_t x = its.grid_x(), y = its.grid_y(), z = its.grid_z();
+        if (x >= count[0] || y >= count[1] || z >= count[2] || !its.is_asked()) return;
         const float* tile =
-            tile_of(item / BlockPlace::cells) + (z + halo) * LiftTile::slice + (y + halo) * LiftTile::row + halo + x;
-        out[(std::int64_t(gz) * count[1] + gy) * count[0] + gx] = lifted_value(tile, tile + LiftTile::size);
+            tile_of(its.block) + (its.z() + halo) * LiftTile::slice + (its.y() + halo) * LiftTile::row + halo + its.x();
+        out[(std::int64_t(z) * count[1] + y) * count[0] + x] = lifted_value(tile, tile + LiftTile::size);
     }
 
 private:

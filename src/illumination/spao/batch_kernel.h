@@ -25,12 +25,8 @@ struct SpaoBatch {
 
     /// The opacity of item i of [0, SpaoTile::size) of each block; beyond the grid nothing.
     CHIARO_INLINE void load(std::int64_t item) const {
-        const std::int32_t i = std::int32_t(item % SpaoTile::size);
-        const BlockPlace& place = places[item / SpaoTile::size];
-        constexpr int row = SpaoTile::row, halo = SpaoTile::halo;
-        tiles[item / SpaoTile::size].opacity[i] =
-            opacity.at(place.first[0] - halo + i % row, place.first[1] - halo + i / row % row,
-                       place.first[2] - halo + i / row / row);
+        const BlockItem<SpaoTile::row, SpaoTile::halo, SpaoTile::size> its(places, item);
+        tiles[its.block].opacity[its.i] = opacity.at(its.grid_x(), its.grid_y(), its.grid_z());
     }
     /// Its means: of level 1; of level 2, from those; on a coarser grid, where that is all, from opacities.
     CHIARO_INLINE void find_mean(std::int64_t item, int level, bool from_means) const {
@@ -42,20 +38,18 @@ struct SpaoBatch {
     /// Item i of [0, BlockPlace::cells): its answer.
     template <bool at_cells>
     CHIARO_INLINE void answer(std::int64_t item) const {
-        constexpr int edge = BlockPlace::edge, halo = SpaoTile::halo;
-        const std::int32_t i = std::int32_t(item % BlockPlace::cells), x = i % edge, y = i / edge % edge,
-                           z = i / edge / edge;
-        const BlockPlace& place = places[item / BlockPlace::cells];
-        const std::int32_t gx = place.first[0] + x, gy = place.first[1] + y, gz = place.first[2] + z;
-        if (gx >= to.nx || gy >= to.ny || gz >= to.nz) return;
-        if (!(place.pieces[z / 4][y / 4] >> (x / SpaoTile::piece) & 1)) return;
-        SpaoBlock its = block;
-        its.tile = tiles + item / BlockPlace::cells;
+        constexpr int halo = SpaoTile::halo;
+        const BlockCell its(places, item);
+        const std::int32_t x = its.grid_x(), y = its.grid_y(), z = its.grid_z();
+        if (x >= to.nx || y >= to.ny || z >= to.nz || !its.is_asked()) return;
+        SpaoBlock own = block;
+        own.tile = tiles + its.block;
         CoarseCorners around = coarse;
-        around.z = gz;
-        const std::int32_t in_tile = (z + halo) * SpaoTile::slice + (y + halo) * SpaoTile::row + halo + x;
-        spao_piece<at_cells, float, 1>(its, SpaoPiece<CoarseCorners>{in_tile, gx, gy, &around}, to,
-                                       gz * to.slice + gy * to.row + gx);
+        around.z = z;
+        const std::int32_t in_tile =
+            (its.z() + halo) * SpaoTile::slice + (its.y() + halo) * SpaoTile::row + halo + its.x();
+        spao_piece<at_cells, float, 1>(own, SpaoPiece<CoarseCorners>{in_tile, x, y, &around}, to,
+                                       z * to.slice + y * to.row + x);
     }
 };
 
@@ -66,11 +60,8 @@ struct StoredBatch {
     GridTarget to;
 
     CHIARO_INLINE void answer(std::int64_t item) const {
-        constexpr int edge = BlockPlace::edge;
-        const std::int32_t i = std::int32_t(item % BlockPlace::cells);
-        const BlockPlace& place = places[item / BlockPlace::cells];
-        const std::int32_t x = place.first[0] + i % edge, y = place.first[1] + i / edge % edge,
-                           z = place.first[2] + i / edge / edge;
+        const BlockCell its(places, item);
+        const std::int32_t x = its.grid_x(), y = its.grid_y(), z = its.grid_z();
         if (x < to.count[0] && y < to.count[1] && z < to.count[2])
             access_row<float>(kernel,
                               SpaoCells{x, 1, y, z, to.to + std::int64_t(z) * to.slice + std::int64_t(y) * to.row + x});

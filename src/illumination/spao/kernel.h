@@ -164,7 +164,7 @@ CHIARO_INLINE void spao_block(const SpaoBlock& b, const SpaoOutput& to) {
         if (b.weighs) coarse_plane<at_cells, F>(b.coarse->weight, z, planes.weight);
         for (std::int32_t y = 0; y < to.ny; ++y)
             for (std::int32_t x = 0; x < to.nx; x += SpaoTile::piece) {
-                if (!(to.pieces[z / 4][y / 4] >> (x / SpaoTile::piece) & 1)) continue;
+                if (!is_asked(to.pieces, x, y, z)) continue;
                 const std::int32_t in_tile = (z + halo) * SpaoTile::slice + (y + halo) * SpaoTile::row + halo + x;
                 const SpaoPiece<CoarsePlanes> piece{in_tile, x, y, &planes};
                 spao_piece<at_cells, F, SpaoTile::piece>(b, piece, to, z * to.slice + y * to.row + x);

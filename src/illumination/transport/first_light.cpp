@@ -205,9 +205,4 @@ FirstLight first_light(const Device& device, const SweptMedium& medium, const Fi
     return light;
 }
 
-FirstLight first_light(const Device& device, const SweptMedium& medium, const Lighting& lighting, Vec3 orbit_up,
-                       const Geometry& geometry, int first_directions, Progress& progress) {
-    return first_light(device, medium, FirstDirections(lighting, orbit_up, geometry, first_directions), progress);
-}
-
 }  // namespace chiaro

@@ -45,8 +45,5 @@ struct SunLight {
 /// Throws Error{interrupted}.
 FirstLight first_light(const Device& device, const SweptMedium& medium, const FirstDirections& first,
                        Progress& progress);
-/// Of so many directions.
-FirstLight first_light(const Device& device, const SweptMedium& medium, const Lighting& lighting, Vec3 orbit_up,
-                       const Geometry& geometry, int first_directions, Progress& progress);
 
 }  // namespace chiaro
