@@ -92,11 +92,12 @@ struct Transported {
         const Medium medium = classify(upload(device, volume), tf, {});
         TransportSolver first = solver(device, medium, nullptr);
         for (int i = 0; i < iterations; ++i) first.iterate(progress);
-        TransportSolver second = solver(device, medium, &first);
+        const TransportNodes warm = first.nodes();
+        TransportSolver second = solver(device, medium, &warm);
         for (int i = 0; i < iterations; ++i) second.iterate(progress);
         return second.nodes();
     }
-    TransportSolver solver(const Device& device, const Medium& medium, const TransportSolver* warm) const {
+    TransportSolver solver(const Device& device, const Medium& medium, const TransportNodes* warm) const {
         Progress progress;
         return {device, medium.data(), lighting, settings, scattering, {0, 0, 1}, progress, warm};
     }

@@ -85,7 +85,7 @@ void scatter(const Device& device, const Medium::Data& medium, const Lighting& l
     unexposed.probe.exposure_stops = 0;  // a factor, which needs no light to be found again
     Steps steps;
     // All fields of this call share it: each leaves the newest solver.
-    const auto memory = std::make_shared<TransportMemory>(warm.data().memory ? *warm.data().memory : nullptr);
+    const auto memory = std::make_shared<TransportMemory>(warm.data().memory ? *warm.data().memory : TransportMemory{});
     const Vec3 up = lighting.probe_up.value_or(Vec3{0, 0, 1});
     const Geometry& geometry = medium.volume.geometry();
     const std::array<float, 3> most = most_on_a_surface(unexposed, up, geometry);

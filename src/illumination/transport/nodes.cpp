@@ -45,32 +45,26 @@ void TransportSolver::State::gather(std::vector<float>& light, std::vector<float
             kernel.first_moment[c][axis] = first.moment[c][axis].data();
         }
     }
-    const auto [nx, ny, nz] = grid.extinction.grid.count;
+    const CellGrid& grid = matter->grid.extinction.grid;
+    const auto [nx, ny, nz] = grid.count;
     parallel_for(device.threads, nz, 1, [&, nx = nx, ny = ny](std::int64_t z, std::int64_t) {
         for (int y = 0; y < ny; ++y)
             for (int x = 0; x < nx; ++x)
-                kernel.gather(std::int64_t(grid.extinction.grid.index(x, y, int(z))),
+                kernel.gather(std::int64_t(grid.index(x, y, int(z))),
                               std::int64_t(medium.lattices.along_x.index(x, y, int(z))));
     });
 }
 
 TransportNodes TransportSolver::nodes() const {
     const State& s = *state_;
-    const CellGrid& grid = s.grid.extinction.grid;
-    TransportNodes out{grid, {}, s.weight, {}, {}, s.iterations, s.change};
-    out.light.resize(3 * grid.size()), out.moment.resize(9 * grid.size());
+    TransportNodes out = unlit_nodes(*s.matter);
+    out.iterations = s.iterations, out.change = s.change;
     s.gather(out.light, out.moment);
     const auto faces = s.card ? s.card->mean_faces() : s.mean_faces;
-    if (s.opaque.count() > 0) out.answer.resize(3 * grid.size());
     for (std::size_t cell = 0; cell < s.opaque.count(); ++cell) {
-        const auto at = std::ptrdiff_t(3 * s.opaque.nodes()[cell]);
         const auto seen = s.opaque.seen(cell, faces[cell]);
-        std::copy(seen.begin(), seen.end(), out.light.begin() + at);
-        std::copy_n(s.opaque.per_albedo(cell).begin(), 3, out.answer.begin() + at);
+        std::copy(seen.begin(), seen.end(), out.light.begin() + std::ptrdiff_t(3 * s.opaque.nodes()[cell]));
     }
-    if (!out.answer.empty())
-        for (const std::size_t node : s.grid.skins)
-            for (int c = 0; c < 3; ++c) out.answer[3 * node + c] = float(reflected_per_albedo(s.grid.albedo[c][node]));
     fill_behind(s.opaque, out);
     return out;
 }

@@ -39,43 +39,12 @@ double relative_change(const std::vector<float>& lanes) {
     return sums[1] > 0 ? std::sqrt(sums[0] / sums[1]) : 0;
 }
 
-/// Henyey and Greenstein's g by similarity: what goes on as if nothing had been, κ a g, is left out of the extinction.
-/// Exact for the first moment; grey, with the mean albedo.
-LightGrid similar(LightGrid grid, double g) {
-    if (g == 0) return grid;
-    float* extinction = grid.extinction.data();
-    for (std::size_t i = 0; i < grid.extinction.grid.size(); ++i) {
-        const double mean = (double(grid.albedo[0][i]) + grid.albedo[1][i] + grid.albedo[2][i]) / 3,
-                     kept = 1 - mean * g;
-        extinction[i] = float(extinction[i] * kept);
-        for (auto& channel : grid.albedo) channel[i] = float(std::max(1 - (1 - channel[i]) / kept, 0.0));
-    }
-    return grid;
-}
-
-LatticeField albedo_of(const LightGrid& grid, const OpaqueCells& opaque, int channel, const Lattice& lattice) {
-    std::vector<float> albedo = grid.albedo[channel];
-    for (std::size_t node = 0; node < albedo.size(); ++node)
-        if (opaque.is_opaque(node)) albedo[node] = 0;
-    return spread(grid.extinction.grid, albedo.data(), lattice);
-}
-
 }  // namespace
 
-TransportSolver::State::State(const Device& d, const Medium::Data& medium_data, const Lighting& lighting,
-                              const TransportSettings& s, const ScatteringSettings& sc, Vec3 orbit_up,
-                              Progress& progress)
-    : device(d),
-      settings(s),
-      scattering(sc),
-      grid(similar(light_grid(medium_data, s.grid, sc.albedo_max, d, progress), sc.anisotropy)),
-      opaque(grid, is_accelerated() ? opaque_from : std::numeric_limits<float>::infinity()),
-      medium(grid, opaque),
-      weight(grid.extinction.grid.size()) {
-    for (int c = 0; c < 3; ++c) albedo[c] = albedo_of(grid, opaque, c, medium.lattices.along_x);
-    for (std::size_t node = 0; node < weight.size(); ++node)
-        weight[node] = std::max(float(-std::expm1(-grid.extinction.data()[node])), 1e-3f);
-    const FirstDirections directions(lighting, orbit_up, medium_data.volume.data().geometry, s.first_directions);
+TransportSolver::State::State(const Device& d, SharedMatter m, const Lighting& lighting, const TransportSettings& s,
+                              const ScatteringSettings& sc, Vec3 orbit_up, Progress& progress)
+    : device(d), matter(std::move(m)), settings(s), scattering(sc) {
+    const FirstDirections directions(lighting, orbit_up, matter->geometry, s.first_directions);
     const auto on_card = [&] {
         auto started = std::make_unique<CardTransport>(device, medium, albedo);
         started->start(device, directions, progress);
@@ -236,7 +205,7 @@ void TransportSolver::State::turn_source() {
 /// Of a similar medium, perhaps on another grid: the nearest nodes' light.
 void TransportSolver::State::start_from(const TransportNodes& warm) {
     if (card) source = colour(medium.lattices.along_x), faces = card->faces();
-    const CellGrid &here = grid.extinction.grid, &there = warm.grid;
+    const CellGrid &here = matter->grid.extinction.grid, &there = warm.grid;
     const auto nearest = [&](int axis, int i) {
         const double voxel = (i + 0.5) * here.voxels_per_cell[axis];
         return std::clamp(int(voxel / there.voxels_per_cell[axis]), 0, there.count[axis] - 1);
@@ -267,16 +236,22 @@ void TransportSolver::State::start_from(const TransportNodes& warm) {
     turn_source();
 }
 
+TransportSolver::TransportSolver(const Device& device, SharedMatter matter, const Lighting& lighting,
+                                 const TransportSettings& settings, const ScatteringSettings& scattering, Vec3 orbit_up,
+                                 Progress& progress, const TransportNodes* warm)
+    : state_(std::make_unique<State>(device, std::move(matter), lighting, settings, scattering, orbit_up, progress)) {
+    if (warm && state_->is_accelerated() && warm->iterations > 0) state_->start_from(*warm);
+}
 TransportSolver::TransportSolver(const Device& device, const Medium::Data& medium, const Lighting& lighting,
                                  const TransportSettings& settings, const ScatteringSettings& scattering, Vec3 orbit_up,
-                                 Progress& progress, const TransportSolver* warm)
-    : state_(std::make_unique<State>(device, medium, lighting, settings, scattering, orbit_up, progress)) {
-    if (warm && state_->is_accelerated() && warm->iterations() > 0) state_->start_from(warm->nodes());
-}
+                                 Progress& progress, const TransportNodes* warm)
+    : TransportSolver(device, matter_of(device, medium, settings.grid, scattering, progress), lighting, settings,
+                      scattering, orbit_up, progress, warm) {}
 TransportSolver::TransportSolver(TransportSolver&&) noexcept = default;
 TransportSolver& TransportSolver::operator=(TransportSolver&&) noexcept = default;
 TransportSolver::~TransportSolver() = default;
 
+const SharedMatter& TransportSolver::matter() const { return state_->matter; }
 int TransportSolver::iterations() const { return state_->iterations; }
 double TransportSolver::change() const { return state_->change; }
 

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "classify/medium.h"
+#include "illumination/transport/matter.h"
 #include "illumination/transport/nodes.h"
 
 namespace chiaro {
@@ -14,11 +15,15 @@ namespace chiaro {
 /// Light on its way through a medium, one iteration after the other. Cheap to move, not to be copied.
 class TransportSolver {
 public:
-    /// Classifies the medium on the light grid and finds the light not yet scattered. `warm`: a solver of a similar
-    /// medium, of the same or another grid, whose light scattering starts from. Throws Error{interrupted}.
+    /// Finds the light not yet scattered. `warm`: light in a similar medium, of the same or another grid, from which
+    /// scattering starts. Throws Error{interrupted}.
+    TransportSolver(const Device& device, SharedMatter matter, const Lighting& lighting,
+                    const TransportSettings& settings, const ScatteringSettings& scattering, Vec3 orbit_up,
+                    Progress& progress, const TransportNodes* warm = nullptr);
+    /// Of a medium, on the light grid of the settings.
     TransportSolver(const Device& device, const Medium::Data& medium, const Lighting& lighting,
                     const TransportSettings& settings, const ScatteringSettings& scattering, Vec3 orbit_up,
-                    Progress& progress, const TransportSolver* warm = nullptr);
+                    Progress& progress, const TransportNodes* warm = nullptr);
     TransportSolver(TransportSolver&&) noexcept;
     TransportSolver& operator=(TransportSolver&&) noexcept;
     ~TransportSolver();
@@ -29,6 +34,7 @@ public:
     bool iterate(Progress& progress);
     TransportNodes nodes() const;
 
+    const SharedMatter& matter() const;
     int iterations() const;
     double change() const;  ///< of J by the last iteration: relative RMS
     struct State;

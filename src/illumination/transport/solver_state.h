@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "illumination/transport/card.h"
+#include "illumination/transport/matter.h"
 #include "illumination/transport/solver.h"
 
 namespace chiaro {
@@ -10,24 +11,23 @@ namespace chiaro {
 /// The light is on the card, or else here.
 struct TransportSolver::State : LightFields {
     Device device;
+    SharedMatter matter;
     TransportSettings settings;
     ScatteringSettings scattering;
-    LightGrid grid;
-    OpaqueCells opaque;
-    SweptMedium medium;
-    Colour albedo;               ///< rows along x
+    const OpaqueCells& opaque = matter->opaque;
+    const SweptMedium& medium = matter->swept;
+    const Colour& albedo = matter->albedo;
     Colour source_across;        ///< the same source, rows along y
     std::array<Colour, 6> sums;  ///< by the side that light comes from; those of x: rows along y
     LatticeField emission;
-    std::vector<float> weight;  ///< of each node (nodes.h)
     std::unique_ptr<CardTransport> card;
     int iterations = 0;
     double change = std::numeric_limits<double>::infinity();
 
-    State(const Device& d, const Medium::Data& medium_data, const Lighting& lighting, const TransportSettings& s,
+    State(const Device& d, SharedMatter m, const Lighting& lighting, const TransportSettings& s,
           const ScatteringSettings& sc, Vec3 orbit_up, Progress& progress);
 
-    bool is_accelerated() const { return !scattering.bounces.most; }
+    bool is_accelerated() const { return !matter->counts_bounces; }
     bool is_done() const;
     void start(const FirstDirections& directions, Progress& progress);
     void prepare();

@@ -1,49 +1,87 @@
 #include "illumination/transport/transport.h"
 
+#include "classify/medium.h"
+#include "illumination/transport/detail.h"
+
 namespace chiaro {
 namespace {
 
 constexpr int first_iterations = 4;  ///< before a field is shown
 constexpr int coarsest = 16;         ///< cells; what is as coarse as this comes at once
 
+/// What is found, left behind even where finding more is interrupted.
+class Found {
+public:
+    explicit Found(TransportMemory* memory) : memory_(memory) {}
+    ~Found() {
+        if (memory_ && now.fine && now.fine->iterations() > 0) *memory_ = std::move(now);
+    }
+    Found(const Found&) = delete;
+    Found& operator=(const Found&) = delete;
+
+    TransportMemory now;
+
+private:
+    TransportMemory* memory_;
+};
+
+/// Light from before, on this volume; `half` is empty where there was no coarse grid.
+std::optional<LightBefore> light_before(const TransportMemory* memory, const Medium::Data& medium) {
+    if (!memory || !memory->fine || memory->volume.lock().get() != &medium.volume.data()) return {};
+    return LightBefore{memory->fine->nodes(), memory->half ? memory->half->nodes() : TransportNodes{}};
+}
+
 }  // namespace
+
+bool TransportMemory::is_of(const Medium::Data& other, const TransportSettings& settings,
+                            const ScatteringSettings& how) const {
+    return fine && medium.lock().get() == &other && grid == settings.grid && scattering == how;
+}
 
 void refine_transport(const Device& device, const Medium::Data& medium, const Lighting& lighting,
                       const TransportSettings& settings, const ScatteringSettings& scattering, Vec3 orbit_up,
                       const std::function<void(TransportNodes, bool is_coarse)>& keep, Steps& steps, Progress& progress,
                       TransportMemory* memory) {
-    std::shared_ptr<TransportSolver> solver;
-    const auto start = [&](int grid, const TransportSolver* warm) {
-        TransportSettings on_grid = settings;
-        on_grid.grid = grid;
-        solver = steps("light", [&] {
-            return std::make_shared<TransportSolver>(device, medium, lighting, on_grid, scattering, orbit_up, progress,
+    const bool is_known = memory && memory->is_of(medium, settings, scattering);
+    const std::optional<LightBefore> before = light_before(memory, medium);
+    Found found(memory);
+    found.now = {{}, {}, medium.weak_from_this(), medium.volume.data().weak_from_this(), settings.grid, scattering};
+    const auto start = [&](const SharedMatter& matter, const TransportNodes* warm) {
+        return steps("light", [&] {
+            return std::make_shared<TransportSolver>(device, matter, lighting, settings, scattering, orbit_up, progress,
                                                      warm);
         });
     };
-    const auto iterate = [&](int most) {
+    const auto iterate = [&](TransportSolver& solver, int most) {
         return steps("scattering", [&] {
             int done = 0;
-            while (done < most && solver->iterate(progress)) ++done;
+            while (done < most && solver.iterate(progress)) ++done;
             return done;
         });
     };
-    const TransportMemory before = memory ? *memory : nullptr;
+    const SharedMatter matter =
+        is_known ? memory->fine->matter()
+                 : steps("light grid", [&] { return matter_of(device, medium, settings.grid, scattering, progress); });
+    std::optional<TransportNodes> first;
     if (settings.grid > coarsest) {
-        start(settings.grid / 2, before.get());
-        iterate(first_iterations);
-        keep(solver->nodes(), true);
+        const auto half = start(is_known && memory->half ? memory->half->matter() : halved(*matter, device, progress),
+                                before ? &before->fine : nullptr);
+        iterate(*half, first_iterations);
+        first = half->nodes();
+        if (before && has_detail_for(*before, matter->grid.extinction.grid, first->grid))
+            first = with_detail(*matter, *first, *before, device);
+        keep(*first, true);
+        found.now.half = half;
     }
-    const std::shared_ptr<TransportSolver> coarse = std::move(solver);
-    start(settings.grid, before ? before.get() : coarse.get());
-    iterate(first_iterations);
+    const auto fine = start(matter, first ? &*first : before ? &before->fine : nullptr);
+    iterate(*fine, first_iterations);
+    found.now.fine = fine;
     // The next is begun before this one is handed over, so that the last is known to be the last.
-    for (TransportNodes nodes = solver->nodes();; nodes = solver->nodes()) {
-        const bool more = iterate(1) > 0;
+    for (TransportNodes nodes = fine->nodes();; nodes = fine->nodes()) {
+        const bool more = iterate(*fine, 1) > 0;
         keep(std::move(nodes), more);
-        if (!more) break;
+        if (!more) return;
     }
-    if (memory) *memory = std::move(solver);
 }
 
 }  // namespace chiaro

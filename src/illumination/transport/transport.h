@@ -7,12 +7,21 @@
 
 namespace chiaro {
 
-/// What a change of the medium leaves to start from; empty at first. `refine_transport` renews it.
-using TransportMemory = std::shared_ptr<const TransportSolver>;
+/// What one change leaves for the next; nothing at first. `refine_transport` renews it.
+struct TransportMemory {
+    std::shared_ptr<const TransportSolver> fine, half;  ///< the same light on the grid asked for, and half as fine
+    std::weak_ptr<const Medium::Data> medium;
+    std::weak_ptr<const DeviceVolume::Data> volume;
+    int grid = 0;
+    ScatteringSettings scattering;
 
-/// Hands light to `keep`: of a grid half as fine after its first iterations, then of the grid asked for after the
-/// first few and after each further one; all but the last are coarse. Throws Error{interrupted}: what was kept before
-/// stays valid.
+    /// Whether its matter need not be found again, however it is lit.
+    bool is_of(const Medium::Data& medium, const TransportSettings& settings, const ScatteringSettings& how) const;
+};
+
+/// Hands light to `keep`: of a grid half as fine after its first iterations - where there was light before, with the
+/// detail that this had -, then of the grid asked for after the first few and after each further one; all but the last
+/// are coarse. Throws Error{interrupted}: what was kept before stays valid.
 void refine_transport(const Device& device, const Medium::Data& medium, const Lighting& lighting,
                       const TransportSettings& settings, const ScatteringSettings& scattering, Vec3 orbit_up,
                       const std::function<void(TransportNodes, bool is_coarse)>& keep, Steps& steps, Progress& progress,

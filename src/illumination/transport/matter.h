@@ -1,0 +1,31 @@
+// What light meets on its way: the medium on the light grid, found once and kept however it is lit.
+#pragma once
+#include "illumination/transport/light_fields.h"
+#include "illumination/transport/nodes.h"
+
+namespace chiaro {
+
+struct TransportMatter {
+    LightGrid grid;  ///< as light that scatters alike to all sides meets it
+    OpaqueCells opaque;
+    SweptMedium swept;
+    Colour albedo;              ///< rows along x; 0 in opaque cells
+    std::vector<float> weight;  ///< of each node (nodes.h)
+    Geometry geometry;          ///< of the volume
+    bool counts_bounces;        ///< no cell is opaque then, for what those answer is all bounces at once
+
+    TransportMatter(LightGrid light_grid, const Geometry& volume, bool counted);
+    TransportMatter(const TransportMatter&) = delete;
+    TransportMatter& operator=(const TransportMatter&) = delete;
+};
+using SharedMatter = std::shared_ptr<const TransportMatter>;
+
+/// On a grid of at most `cells`. Cost: that of `light_grid`. Throws Error{interrupted}, as `halved` does.
+SharedMatter matter_of(const Device& device, const Medium::Data& medium, int cells,
+                       const ScatteringSettings& scattering, Progress& progress);
+/// The same matter on a grid half as fine, each cell of 2³: κ as in visibility/density.h, albedo weighted by it.
+SharedMatter halved(const TransportMatter& finer, const Device& device, Progress& progress);
+/// All that nodes tell but light.
+TransportNodes unlit_nodes(const TransportMatter& matter);
+
+}  // namespace chiaro
