@@ -119,6 +119,13 @@ TEST(TransportPicture, SurfacesAreLitByTheHalfSpaceTheyFace) {
     }
 }
 
+/// Between a wall's bright far side and its near side, no light shines through: the second node looks at nothing.
+TEST(TransportPicture, NodesBesideNoAirCountWhereNothingElseDoes) {
+    const TransportLight light(Device::cpu(), row_of_nodes({0.9f, 0.9f, 0.05f, 0.1f}, {1, 1, 1, 1e-6f}), 1, {9, 9, 9});
+    EXPECT_NEAR(light_at(*light.shown(Look::flat, upright), 1.5f).x, 0.1, 3e-3);
+    EXPECT_NEAR(light_at(*light.shown(Look::flat, upright), 0.5f).x, 0.9, 1e-3);
+}
+
 /// Surfaces that an earlier light found are taken over where matter is the same, and nowhere else.
 TEST(TransportPicture, KeptSurfacesAreThoseOfTheSameMatter) {
     const std::vector<float> dark{0.01f, 0.02f, 0.1f, 0.1f}, bright{0.3f, 0.2f, 0.6f, 0.8f};

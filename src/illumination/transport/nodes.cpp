@@ -1,29 +1,33 @@
 #include "illumination/transport/nodes.h"
 
+#include <limits>
+
+#include "core/srgb.h"
 #include "core/threads.h"
 #include "illumination/transport/solver_state.h"
 
 namespace chiaro {
 namespace {
 
-/// Samples look between nodes: a cell behind the faces of others holds what those hold, on average.
+/// Samples look between nodes: a cell behind the faces of others holds what the darkest of those holds, for the
+/// others may lie on a wall's far side.
 void fill_behind(const OpaqueCells& opaque, TransportNodes& nodes) {
     const auto [nx, ny, nz] = nodes.grid.count;
     const auto fill = [&, nx = nx, ny = ny, nz = nz](int x, int y, int z) {
-        std::array<float, 12> sum{};
-        float count = 0;
+        std::size_t darkest = nodes.grid.size();
+        double least = std::numeric_limits<double>::infinity();
         for (int k = std::max(z - 1, 0); k <= std::min(z + 1, nz - 1); ++k)
             for (int j = std::max(y - 1, 0); j <= std::min(y + 1, ny - 1); ++j)
                 for (int i = std::max(x - 1, 0); i <= std::min(x + 1, nx - 1); ++i) {
                     const std::size_t node = nodes.grid.index(i, j, k);
                     if (!opaque.is_opaque(node) || opaque.is_buried(node)) continue;
-                    for (int c = 0; c < 3; ++c) sum[c] += nodes.light[3 * node + c];
-                    for (int m = 0; m < 9; ++m) sum[3 + m] += nodes.moment[9 * node + m];
-                    count += 1;
+                    const double light = luminance(&nodes.light[3 * node]);
+                    if (light < least) least = light, darkest = node;
                 }
         const std::size_t node = nodes.grid.index(x, y, z);
-        for (int c = 0; c < 3; ++c) nodes.light[3 * node + c] = count > 0 ? sum[c] / count : 0;
-        for (int m = 0; m < 9; ++m) nodes.moment[9 * node + m] = count > 0 ? sum[3 + m] / count : 0;
+        const bool is_known = darkest < nodes.grid.size();
+        for (std::size_t c = 0; c < 3; ++c) nodes.light[3 * node + c] = is_known ? nodes.light[3 * darkest + c] : 0;
+        for (std::size_t m = 0; m < 9; ++m) nodes.moment[9 * node + m] = is_known ? nodes.moment[9 * darkest + m] : 0;
     };
     for (int z = 0; z < nz; ++z)
         for (int y = 0; y < ny; ++y)

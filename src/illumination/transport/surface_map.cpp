@@ -1,21 +1,24 @@
 #include "illumination/transport/surface_map.h"
 
+#include <algorithm>
+
 #include "core/threads.h"
 
 namespace chiaro {
 namespace {
 
+/// Where no light is found beside a node, as under a ball on the floor, the node's own is all there is: perhaps that of
+/// a wall's far side, which counts only where nothing else does.
 SurfaceNode surface_at(const SurfaceNodes& surfaces, std::size_t node, float weight, bool as_particles, int x, int y,
                        int z) {
+    constexpr float hardly = 1e-6f, nothing = 0.01f;
     const NodeOutwards out = surfaces.outwards(x, y, z);
+    const LightBeside beside = surfaces.off(out, x, y, z);
+    const bool has_air = beside.sum > nothing;
     // Air that shares its cell with matter is as dark as that: there too the light is that one cell out.
     const float passes = surfaces.shows(node) ? 0 : 1 - surfaces.weight(node);
-    return {x,
-            weight,
-            passes * passes,
-            out.normal,
-            as_particles ? surfaces.answer(x, y, z) : Float3{},
-            surfaces.off(out, x, y, z)};
+    return {x,          has_air ? weight : std::min(weight, hardly),        has_air ? passes * passes : 1,
+            out.normal, as_particles ? surfaces.answer(x, y, z) : Float3{}, beside};
 }
 
 NodeRoles roles_at(const SurfaceNodes& surfaces, Reading reading, int x, int y, int z) {
