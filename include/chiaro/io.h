@@ -22,14 +22,14 @@ struct RawLayout {
 
 struct ReadOptions {
     RawLayout raw;
-    std::string
-        series;  ///< of a DICOM folder: its UID, or its number in the order of size (1 = largest); empty: the largest
+    /// Of a DICOM folder: its UID, or its number in the order of size (1 = largest); empty: the largest.
+    std::string series;
     std::optional<std::pair<double, double>> rescale;  ///< slope and intercept where a file lacks them
     double seconds = 120;                              ///< wall time allowed to decode
     double stall_seconds = 15;                         ///< allowed without any progress
     std::uint64_t max_bytes = 0;                       ///< largest decoded volume; 0: what the machine's memory allows
-    std::filesystem::path
-        spill{};  ///< a larger one is mapped from a nameless file in this folder; empty: it is refused
+    /// A larger one is mapped from a nameless file in this folder; empty: it is refused.
+    std::filesystem::path spill{};
 };
 
 /// Reads a file, a folder of DICOM slices, `sample:NAME[:SIZE]`, or `-` (NRRD on standard input).

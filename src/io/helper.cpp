@@ -146,7 +146,7 @@ Volume decode_into(const Place& place, const DecodeRequest& request, const ReadO
 }  // namespace
 
 Volume decode_isolated(const DecodeRequest& request, const ReadOptions& options, Progress& progress) {
-    const std::uint64_t max_bytes = options.max_bytes > 0 ? options.max_bytes : available_memory();
+    const std::uint64_t max_bytes = memory_within(options.max_bytes);
     try {
         return decode_into({make_memory_file("chiaro voxels"), true, max_bytes}, request, options, progress);
     } catch (const TooLarge&) {

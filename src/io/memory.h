@@ -8,4 +8,7 @@ namespace chiaro {
 /// its control group.
 std::uint64_t available_memory();
 
+/// `most` bytes where that is not 0, else what is available.
+inline std::uint64_t memory_within(std::uint64_t most) { return most > 0 ? most : available_memory(); }
+
 }  // namespace chiaro

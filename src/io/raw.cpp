@@ -116,7 +116,7 @@ Volume read_raw(const std::filesystem::path& path, const ReadOptions& options, P
         refuse(path, fmt::format("it has {} bytes, but {} x {} x {} {} voxels behind {} bytes of header need {}", size,
                                  volume.dimensions[0], volume.dimensions[1], volume.dimensions[2], name_of(volume.type),
                                  layout.offset, bytes + layout.offset));
-    const auto room = options.max_bytes > 0 ? options.max_bytes : available_memory();
+    const auto room = memory_within(options.max_bytes);
     if (bytes > room && bytes > room_on_disk(options.spill))
         refuse(path, fmt::format("its voxels take {} MiB, but at most {} MiB may be used", bytes >> 20, room >> 20));
     volume.voxels = bytes > room ? make_spilled_voxels(options.spill, bytes) : VoxelBuffer(bytes);

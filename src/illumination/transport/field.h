@@ -28,8 +28,8 @@ struct ScatteredLight {
                                        const ShadingView& shading) const {
         const auto place = light.locate(sample.p_voxel);
         const Four<F> j = light.four(light.nodes, place);
-        const F inverse = F(1) / max(j.d, F(1e-20f));
-        Vec3<F> e{j.a * inverse * F(light.scale.x), j.b * inverse * F(light.scale.y), j.c * inverse * F(light.scale.z)};
+        const F inverse = per_weight(j);
+        Vec3<F> e = mean(light, j, inverse);
         F shining(0);
         if (turned) {
             const Four<F> t = light.four(turned, place);
@@ -40,14 +40,23 @@ struct ScatteredLight {
         }
         if (skins && any(sample.solid > F(0))) {
             const Four<F> s = light.four(skins, place);
-            const F whole = F(1) / max(s.d, F(1e-20f));
-            const Vec3<F> skin{s.a * whole * F(light.scale.x), s.b * whole * F(light.scale.y),
-                               s.c * whole * F(light.scale.z)};
-            e = mad(sample.solid, skin - e, e);
+            e = mad(sample.solid, mean(light, s, per_weight(s)) - e, e);
         }
         e = mad(F(shown), e, Vec3<F>(clear));
         return {e, Vec3<F>(shining * e.x * F(shading.specular.x), shining * e.y * F(shading.specular.y),
                            shining * e.z * F(shading.specular.z))};
+    }
+
+private:
+    template <class F>
+    static CHIARO_INLINE F per_weight(const Four<F>& sums) {
+        return F(1) / max(sums.d, F(1e-20f));
+    }
+    /// Σ t w J / Σ t w of what was looked up.
+    template <class F>
+    static CHIARO_INLINE Vec3<F> mean(const NodeLight& light, const Four<F>& sums, F inverse) {
+        return {sums.a * inverse * F(light.scale.x), sums.b * inverse * F(light.scale.y),
+                sums.c * inverse * F(light.scale.z)};
     }
 };
 
