@@ -56,7 +56,7 @@ public:
         scene_.camera.azimuth_deg += 37;
         return 1e3 * wall_seconds([&] { session_.render(scene_, progress_); });
     }
-    /// Of the last frame, the ray caster's part, with the frame on its way to the host.
+    /// Of the last frame, the ray caster's part: the frame stays on the card, and developing brings the picture.
     double raycast_ms() const { return stage_ms("raycast"); }
     /// Of a frame after an edit of the transfer function, the steps whose names begin so, with what travels to and from
     /// the card.

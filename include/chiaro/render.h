@@ -58,6 +58,10 @@ struct Outcome {
 Outcome raycast(const Device& device, const Medium& medium, const IlluminationField& field, const Lighting& lighting,
                 const Camera& camera, const RaySettings& settings, Frame& frame, Progress& progress);
 
+/// The same; what a card made stays there until it is read.
+Outcome raycast(const Device& device, const Medium& medium, const IlluminationField& field, const Lighting& lighting,
+                const Camera& camera, const RaySettings& settings, DeviceFrame& frame, Progress& progress);
+
 /// Receives a frame that a better one follows, and how sure it is.
 using FramePreview = std::function<void(const Frame&, const PathStatistics&)>;
 

@@ -41,19 +41,45 @@ Outcome cast(const Device& device, const Kernel& kernel, const BoundingGeometry*
     return {complete, std::uint64_t(samples)};
 }
 
+/// Of what fills either a frame or, where a card does, `pixels` there.
+struct Filled {
+    Frame& frame;
+    std::shared_ptr<cuda::Pixels> pixels;
+
+    /// To the host, where the card has them.
+    void bring() {
+        if (pixels) pixels->bring_to(frame.rgba.data());
+        pixels.reset();
+    }
+};
+
 /// On the card where the device has one.
 template <class Kernel>
 Outcome cast(const Device& device, const Kernel& kernel, const HostArrays& arrays, const BoundingGeometry* geometry,
-             Frame& frame, Progress& progress) {
+             Filled& filled, Progress& progress) {
+    const auto [width, height] = std::pair(filled.frame.width, filled.frame.height);
     Outcome outcome;
-    const auto on_card = [&] { outcome = cast_on_card(*device.stream, kernel, arrays, frame, progress); };
-    return cuda::done_on_card(device, on_card) ? outcome : cast(device, kernel, geometry, frame, progress);
+    const auto on_card = [&] {
+        const auto pixels = std::make_shared<cuda::Pixels>(device.stream, std::size_t(width) * height);
+        outcome = cast_on_card(kernel, arrays, width, height, *pixels, progress);
+        filled.pixels = pixels;
+    };
+    return cuda::done_on_card(device, on_card) ? outcome : cast(device, kernel, geometry, filled.frame, progress);
 }
 
-}  // namespace
+/// Where the pixels are.
+bool put_probe_behind(const Device& device, const Lighting& lighting, const Camera& camera, ColorMode color,
+                      Filled& filled, Progress& progress) {
+    Frame& frame = filled.frame;
+    const auto on_card = [&] { put_probe_behind(*filled.pixels, lighting, camera, color, frame.width, frame.height); };
+    if (filled.pixels && cuda::done_on_card(device, on_card)) return !progress.cancelled();
+    filled.bring();
+    return put_probe_behind(device, lighting, camera, color, frame, progress);
+}
 
-Outcome raycast(const Device& device, const Medium& medium, const IlluminationField& field, const Lighting& lighting,
-                const Camera& camera, const RaySettings& settings, Frame& frame, Progress& progress) {
+Outcome fill(const Device& device, const Medium& medium, const IlluminationField& field, const Lighting& lighting,
+             const Camera& camera, const RaySettings& settings, Filled& filled, Progress& progress) {
+    Frame& frame = filled.frame;
     const Medium::Data& data = medium.data();
     const LitField lit = lit_field(field, lighting, camera, data);
     const RayTables tables = make_tables(data, settings, device.threads, lit.albedo_limit);
@@ -75,12 +101,30 @@ Outcome raycast(const Device& device, const Medium& medium, const IlluminationFi
                 if (lit.main) shine_from(*lit.main, lighting, camera, kernel.matter.shading);
                 if constexpr (decltype(view)::adds_opacity)
                     if (view.glows) kernel.matter.occupancy.cells = view.occupancy;
-                return cast(device, kernel, arrays, geometry ? &*geometry : nullptr, frame, progress);
+                return cast(device, kernel, arrays, geometry ? &*geometry : nullptr, filled, progress);
             });
         },
         lit.view);
     if (lighting.probe.background && outcome.complete)
-        outcome.complete = put_probe_behind(device, lighting, camera, data.shape.color, frame, progress);
+        outcome.complete = put_probe_behind(device, lighting, camera, data.shape.color, filled, progress);
+    return outcome;
+}
+
+}  // namespace
+
+Outcome raycast(const Device& device, const Medium& medium, const IlluminationField& field, const Lighting& lighting,
+                const Camera& camera, const RaySettings& settings, Frame& frame, Progress& progress) {
+    Filled filled{frame, nullptr};
+    const Outcome outcome = fill(device, medium, field, lighting, camera, settings, filled, progress);
+    filled.bring();
+    return outcome;
+}
+
+Outcome raycast(const Device& device, const Medium& medium, const IlluminationField& field, const Lighting& lighting,
+                const Camera& camera, const RaySettings& settings, DeviceFrame& frame, Progress& progress) {
+    Filled filled{frame.write(), nullptr};
+    const Outcome outcome = fill(device, medium, field, lighting, camera, settings, filled, progress);
+    frame.keep_on_card(std::move(filled.pixels));
     return outcome;
 }
 

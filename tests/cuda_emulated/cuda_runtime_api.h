@@ -80,9 +80,11 @@ struct Card {
     int count = 1;
     std::size_t memory_bytes = std::size_t(4) << 30;
     int driver_version = 13000;
-    cudaError_t next_wait = cudaSuccess;  ///< told by the next cudaStreamSynchronize: what a kernel did wrong
-    std::size_t held_bytes = 0;           ///< allocated and not yet freed
-    std::size_t uploaded_bytes = 0, launches = 0;
+    cudaError_t next_wait = cudaSuccess;    ///< told by the next cudaStreamSynchronize: what a kernel did wrong
+    cudaError_t next_launch = cudaSuccess;  ///< told by the next launch: what it had no room for
+    cudaError_t host_memory = cudaSuccess;  ///< told by cudaMallocHost
+    std::size_t held_bytes = 0;             ///< allocated and not yet freed
+    std::size_t uploaded_bytes = 0, downloaded_bytes = 0, launches = 0;
 };
 Card& card();
 

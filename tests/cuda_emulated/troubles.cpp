@@ -28,6 +28,7 @@ protected:
         cuda_emulated::Card& card = cuda_emulated::card();
         card.count = whole.count, card.memory_bytes = whole.memory_bytes;
         card.driver_version = whole.driver_version, card.next_wait = whole.next_wait;
+        card.next_launch = whole.next_launch, card.host_memory = whole.host_memory;
     }
 };
 
@@ -127,6 +128,41 @@ TEST_F(TroubledCards, GiveWayBeforeAnIterationAndWithinOne) {
         gave_way += !device.note().empty();
     }
     EXPECT_EQ(gave_way, 4);
+}
+
+TEST_F(TroubledCards, GiveWayWithFramesAndPathsHalfDone) {
+    const Volume volume = shells_of<std::uint8_t>(32);
+    const Medium medium = classify(upload(processor(), volume), two_materials(), {});
+    const Lighting lighting{.probe = {.source = "sky", .background = true}, .loaded_probe = load_probe("sky")};
+    const Camera camera = make_camera({}, volume.geometry, volume.dimensions);
+    Progress progress;
+    const auto seen_by = [&](const Device& device, auto&& then) {
+        DeviceFrame frame(45, 37);
+        raycast(device, medium, {}, lighting, camera, {}, frame, progress);
+        then();
+        return develop(frame, {}).pixels;
+    };
+    const auto traced_by = [&](const Device& device, auto&& then) {
+        IlluminationSettings light{.method = Method::reference};
+        light.reference.rays = 4;  // in passes of 1, 1, 2
+        Frame frame(45, 37);
+        trace_paths(device, medium, lighting, camera, {}, light, frame, progress,
+                    [&](const Frame&, const PathStatistics& paths) {
+                        if (paths.samples == 2) then();
+                    });
+        return frame.rgba;
+    };
+    const auto without_room = [&](auto&& picture) {
+        const Device device = choose_device(processor()).device;
+        const auto found = picture(device, [] { cuda_emulated::card().next_launch = cudaErrorMemoryAllocation; });
+        EXPECT_NE(device.note(), "");
+        EXPECT_EQ(found, picture(processor(), [] {}));
+    };
+    without_room(seen_by);
+    without_room(traced_by);
+    cuda_emulated::card().host_memory = cudaErrorMemoryAllocation;  // then pictures come straight
+    const Device device = Device::cuda(0, processor());
+    EXPECT_EQ(seen_by(device, [] {}), seen_by(processor(), [] {}));
 }
 
 TEST_F(TroubledCards, ThatAreLostAreTold) {
