@@ -189,14 +189,33 @@ TEST_F(Cards, AreTimedByTheBench) {
     Progress progress;
     const bench::Setup setup{.device = card, .quick = true, .runs = 2, .progress = progress};
     std::vector<bench::Row> rows;
-    bench::run(setup, {{"card"}, "copy|upload|download|words|transport|shells256-opaque.(none|classify)"},
-               [&](const bench::Row& row) { rows.push_back(row); });
-    ASSERT_EQ(rows.size(), 9u);
+    bench::run(
+        setup,
+        {{"card"}, "copy|upload|download|words|transport|card/(spao|visib|histogram)|shells256-opaque.(none|classify)"},
+        [&](const bench::Row& row) { rows.push_back(row); });
+    ASSERT_EQ(rows.size(), 18u);
     for (const bench::Row& row : rows) {
         EXPECT_EQ(row.value.runs, 2) << row.name << row.note;
         EXPECT_GT(row.value.min, 0) << row.name;
         EXPECT_EQ(row.ratio.has_value(), row.name != "card/copy") << row.name;
     }
+}
+
+TEST(RowsOfCards, StandBesideWhatThePapersMeasured) {
+    Progress progress;
+    const bench::Setup setup{.device = Device::cpu(1), .progress = progress};
+    int rows = 0;
+    for (const bench::Case& each : bench::card_cases(setup))
+        for (const std::string& name : each.names)
+            rows += !bench::beside(name).papers.empty() || bench::beside(name).target;
+    EXPECT_EQ(rows, 12);  // all there are
+    bench::Row row{"card/spao/fused/whole", "ms", {5, 4, 6, 3}};
+    row.beside = bench::beside(row.name);
+    EXPECT_NE(bench::line_of(row).find("; paper 332.1, N-buffers on a GTX TITAN; paper 149.2, "), std::string::npos);
+    EXPECT_NE(bench::line_of(row).find("; target 3"), std::string::npos);
+    const std::string json = bench::to_json(setup, {row});
+    for (const char* told : {"\"value\": 332.1", "\"of\": \"mipmaps on a GTX TITAN\"", "\"target\": 3.0"})
+        EXPECT_NE(json.find(told), std::string::npos) << told;
 }
 
 // The make-believe card must be one: what the tests rely on.
