@@ -119,7 +119,7 @@ struct Session::State {
         const Shape shape = shape_for(scene);
         redo("classify", classify, {upload.version, scene.transfer, shape}, [&](Classified& classified) {
             classified.tf = transfer_function_for(scene.transfer, subject);
-            classified.medium = chiaro::classify(upload.result, classified.tf, shape);
+            classified.medium = chiaro::classify(device, upload.result, classified.tf, shape);
         });
     }
 

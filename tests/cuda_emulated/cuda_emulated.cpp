@@ -202,7 +202,7 @@ void start(void* stream, dim3 grid, dim3 block, std::function<void()> thread) {
         return;
     }
     if (told(std::exchange(card().next_launch, cudaSuccess)) != cudaSuccess) return;
-    ++card().launches;
+    ++card().launches, card().last_stream = stream;
     later(static_cast<cudaStream_t>(stream), [=] {
         gridDim = grid, blockDim = block;
         for (unsigned b = 0; b < grid.x * grid.y * grid.z; ++b) {

@@ -83,6 +83,7 @@ struct Card {
     cudaError_t next_wait = cudaSuccess;    ///< told by the next cudaStreamSynchronize: what a kernel did wrong
     cudaError_t next_launch = cudaSuccess;  ///< told by the next launch: what it had no room for
     cudaError_t host_memory = cudaSuccess;  ///< told by cudaMallocHost
+    const void* last_stream = nullptr;      ///< of the last launch
     std::size_t held_bytes = 0;             ///< allocated and not yet freed
     std::size_t uploaded_bytes = 0, downloaded_bytes = 0, launches = 0;
 };
