@@ -63,8 +63,11 @@ void run(const Setup& setup, const Selection& selection, const std::function<voi
             const Case current = std::exchange(each, {});  // what cases share goes with the last that needs it
             if (std::none_of(current.names.begin(), current.names.end(), is_wanted)) continue;
             setup.progress.check();
-            for (const Row& row : current.measure())
-                if (is_wanted(row.name)) found(row);
+            for (Row& row : current.measure()) {
+                if (!is_wanted(row.name)) continue;
+                if (!setup.quick) row.beside = beside(row.name);
+                found(row);
+            }
         }
     }
 }

@@ -2,6 +2,7 @@
 #include <chiaro/samples.h>
 #include <fmt/format.h>
 
+#include "card.h"
 #include "classify/medium.h"
 #include "illumination/transport/card.h"
 #include "illumination/transport/solver.h"
@@ -10,10 +11,6 @@
 
 namespace chiaro::bench {
 namespace {
-
-constexpr const char* no_card = "skipped: no CUDA device (--device cuda)";
-
-Row skipped(const std::string& name, const char* unit, const char* why) { return {name, unit, {}, {}, {}, why}; }
 
 /// Moves `bytes` over and over, waiting at the end; bytes a second / 10⁹.
 double rate(cuda::Stream& stream, std::size_t bytes, const std::function<void()>& move) {
@@ -56,7 +53,7 @@ public:
         scene_.camera.azimuth_deg += 37;
         return 1e3 * wall_seconds([&] { session_.render(scene_, progress_); });
     }
-    /// Of the last frame, the ray caster's part, with the frame on its way to the host.
+    /// Of the last frame, the ray caster's part: the frame stays on the card, and developing brings the picture.
     double raycast_ms() const { return stage_ms("raycast"); }
     /// Of a frame after an edit of the transfer function, the steps whose names begin so, with what travels to and from
     /// the card.
@@ -79,13 +76,6 @@ private:
     Session session_;
     Scene scene_;
 };
-
-/// Reading the voxels once takes half of what copying them does.
-double pass_ms(const Setup& setup, std::size_t bytes) {
-    cuda::Stream& stream = *setup.device.stream;
-    const cuda::Array<std::byte> from(stream, bytes), to(stream, bytes);
-    return 0.5e-6 * double(bytes) / rate(stream, bytes, [&] { stream.copy(to.data(), from.data(), bytes); });
-}
 
 std::vector<Row> measure_scene(const Setup& setup, const std::vector<std::string>& names, const std::string& scene_name,
                                Method method) {
@@ -134,7 +124,8 @@ void add_scene(const Setup& setup, const std::string& scene, Method method, std:
     cases.push_back({names, [=, &setup] { return measure_scene(setup, names, scene, method); }});
 }
 
-/// Light in a box with walls: that not yet scattered, of 200 directions, and an iteration of 24.
+/// Light in a box with walls: that not yet scattered, of 200 directions, an iteration of 24, and the one with four of
+/// the other.
 std::vector<Row> measure_transport(const Setup& setup, const std::vector<std::string>& names) {
     std::vector<Row> rows;
     if (!setup.device.has_card()) {
@@ -154,21 +145,30 @@ std::vector<Row> measure_transport(const Setup& setup, const std::vector<std::st
     const auto first = [&] { CardTransport(device, swept, albedo).start(device, directions, setup.progress); };
     TransportSolver solver(device, medium.data(), {}, {.grid = size, .error = 1e-9}, {}, up, setup.progress);
     const auto iteration = [&] { solver.iterate(setup.progress); };
-    const auto series =
+    auto series =
         in_turns(setup.runs, {[&] { return 1e3 * wall_seconds(first); }, [&] { return 1e3 * wall_seconds(iteration); },
                               [&] { return pass_ms(setup, grid.extinction.grid.size() * sizeof(float[3])); }});
+    series.insert(series.begin() + 2, Series());  // with four iterations
+    for (std::size_t run = 0; run < series[0].size(); ++run) series[2].push_back(series[0][run] + 4 * series[1][run]);
     for (std::size_t i = 0; i < names.size(); ++i)
-        rows.push_back({names[i], "ms", spread_of(series[i]), median_ratio(series[i], series[2]), "a pass over J"});
+        rows.push_back({names[i], "ms", spread_of(series[i]), median_ratio(series[i], series[3]), "a pass over J"});
     return rows;
 }
 
 }  // namespace
 
+double pass_ms(const Setup& setup, std::size_t bytes) {
+    cuda::Stream& stream = *setup.device.stream;
+    const cuda::Array<std::byte> from(stream, bytes), to(stream, bytes);
+    return 0.5e-6 * double(bytes) / rate(stream, bytes, [&] { stream.copy(to.data(), from.data(), bytes); });
+}
+
 std::vector<Case> card_cases(const Setup& setup) {
     const std::vector<std::string> memory{"card/copy", "card/upload", "card/download"};
     std::vector<Case> cases{{memory, [=, &setup] { return measure_memory(setup, memory); }}};
     cases.push_back({{"card/words"}, [&setup] { return measure_words(setup, "card/words"); }});
-    const std::vector<std::string> transport{"card/transport/first", "card/transport/iteration"};
+    const std::vector<std::string> transport{"card/transport/first", "card/transport/iteration",
+                                             "card/transport/whole"};
     cases.push_back({transport, [=, &setup] { return measure_transport(setup, transport); }});
     for (const SceneText& text : scene_texts()) {
         for (const Method method : {Method::none, Method::reference}) add_scene(setup, text.name, method, cases);
@@ -177,6 +177,7 @@ std::vector<Case> card_cases(const Setup& setup) {
             cases.push_back({{name}, [=, &setup] { return measure_edit(setup, name, text.name, steps); }});
         }
     }
+    for (Case& light : card_light_cases(setup)) cases.push_back(std::move(light));
     return cases;
 }
 

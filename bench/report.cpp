@@ -25,6 +25,8 @@ nlohmann::ordered_json json_of(const Row& row) {
     if (row.value.runs > 0) json["value"] = row.value.median;
     if (row.ratio) json["ratio"] = *row.ratio;
     if (!row.note.empty()) json["note"] = row.note;
+    for (const auto& figure : row.beside.papers) json["papers"].push_back({{"value", figure.value}, {"of", figure.of}});
+    if (row.beside.target) json["target"] = *row.beside.target;
     return json;
 }
 
@@ -42,6 +44,8 @@ std::string line_of(const Row& row) {
                                    row.value.min, row.value.max, row.unit);
     if (row.ratio) line += fmt::format("; {:.3g} x {}", *row.ratio, row.to);
     if (!row.note.empty()) line += "; " + row.note;
+    for (const auto& figure : row.beside.papers) line += fmt::format("; paper {:.4g}, {}", figure.value, figure.of);
+    if (row.beside.target) line += fmt::format("; target {:.3g}", *row.beside.target);
     return line;
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "measure.h"
+#include "papers.h"
 
 namespace chiaro::bench {
 
@@ -22,6 +23,7 @@ struct Row {
     std::optional<double> ratio = {};  ///< to what `to` names, measured in turns with it
     std::string to = {};
     std::string note = {};  ///< "skipped: no data", "same picture", ...
+    Beside beside = {};
 };
 
 struct Setup {

@@ -24,6 +24,17 @@ TEST_F(Cards, ClassifyAsTheProcessorDoes) {
                 EXPECT_EQ(cells(card, volume, tf, shape), cells(processor(), volume, tf, shape));
 }
 
+#ifdef CHIARO_CUDA_EMULATED
+TEST_F(Cards, ClassifyOnTheStreamOfTheirOwnSession) {
+    const DeviceVolume voxels = upload(card, shells_of<std::uint8_t>(40));
+    const Device other = card.beside();
+    classify(other, voxels, two_materials(), {});
+    EXPECT_EQ(cuda_emulated::card().last_stream, other.stream->handle());
+    classify(voxels, two_materials(), {});
+    EXPECT_EQ(cuda_emulated::card().last_stream, card.stream->handle());
+}
+#endif
+
 TEST_F(Cards, OccludeAsTheProcessorDoes) {
     IlluminationSettings light{.method = Method::spao};
     const Medium medium = classify(upload(card, shells_of<std::uint8_t>(40)), two_materials(), {});

@@ -99,6 +99,9 @@ void describe(Visit&& visit, S& s) {
           .within(0, 0.99), s.early_termination);
     visit(Setting{"no-skip-empty", "sampling.no_skip_empty", "", "samples empty space too, as a check of the skipping"},
           s.skip_empty);
+    visit(Setting{"interpolation", "sampling.interpolation", "",
+                  "between voxels, where a card casts the rays: exact, or by its texture units, with weights of 8 fractional bits"},
+          s.interpolation);
 }
 
 template <class Visit, SettingsOf<CameraSettings> S>

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,39 @@ struct Frame {
 
     Frame() = default;
     Frame(int width, int height) : width(width), height(height), rgba(std::size_t(4) * width * height) {}
+};
+
+namespace cuda {
+class Pixels;  // src/cuda/pixels.h
+}
+
+/// A frame on the device that made it: a card keeps its pixels for `develop` until the host reads them. To move, not to
+/// copy: copies would share what the card holds.
+class DeviceFrame {
+public:
+    DeviceFrame() = default;
+    DeviceFrame(int width, int height) : frame_(width, height) {}
+    DeviceFrame(DeviceFrame&&) = default;
+    DeviceFrame& operator=(DeviceFrame&&) = default;
+
+    int width() const { return frame_.width; }
+    int height() const { return frame_.height; }
+    /// Nothing happens where it has that size.
+    void resize(int width, int height) {
+        if (width != frame_.width || height != frame_.height) *this = DeviceFrame(width, height);
+    }
+    /// The host's, brought from the card (16 bytes a pixel) when first asked for. Throws Error{output} for a card that
+    /// was lost.
+    const Frame& read() const;
+    /// The host's, to be filled: what a card holds is let go of.
+    Frame& write();
+
+    const std::shared_ptr<cuda::Pixels>& on_card() const { return on_card_; }  ///< none: the host has them
+    void keep_on_card(std::shared_ptr<cuda::Pixels> pixels) { on_card_ = std::move(pixels); }
+
+private:
+    mutable Frame frame_;
+    mutable std::shared_ptr<cuda::Pixels> on_card_;
 };
 
 /// 8 bit sRGB, row 0 on top, straight alpha.
@@ -42,6 +76,8 @@ struct ToneMap {
 /// background is shown as picked, and over any background a transparent picture looks as if made for it.
 /// With ColorMode::display exposure and curve apply to the display values as they are.
 Image develop(const Frame& frame, const ToneMap& tone);
+/// The same, on the card that holds the frame: 3 or 4 bytes a pixel come back.
+Image develop(const DeviceFrame& frame, const ToneMap& tone);
 
 /// The frame with its light multiplied by the exposure: what an .exr holds. Neither tone curve nor background.
 Frame expose(Frame frame, const ToneMap& tone);

@@ -25,6 +25,11 @@ enum class Compositing { front_to_back, back_to_front };
 /// are the same.
 enum class RaySetup { box, raster };
 
+/// Between voxels values are interpolated by the kernels, in single precision; or, where a card casts the rays, by its
+/// texture units, whose weights have 8 fractional bits: each is off by up to 1/256, a value by up to 3/256 of what the
+/// eight voxels around it span. A processor is always exact, and so are paths.
+enum class Interpolation { exact, texture };
+
 struct RaySettings {
     double step_voxels = 0.5;                              ///< distance of the samples, in smallest voxel edges
     Classification classification = Classification::post;  ///< for Mode::dvr
@@ -33,6 +38,7 @@ struct RaySettings {
     RaySetup ray_setup = RaySetup::box;
     double early_termination = 0.005;  ///< stop a ray at this remaining transmittance; 0: never
     bool skip_empty = true;            ///< jump over cells that the transfer function leaves empty
+    Interpolation interpolation = Interpolation::exact;
     bool operator==(const RaySettings&) const = default;
 };
 
@@ -57,6 +63,10 @@ struct Outcome {
 /// Cost: proportional to the samples in occupied cells; pre-integrated 4 to 20 core-ms for the table.
 Outcome raycast(const Device& device, const Medium& medium, const IlluminationField& field, const Lighting& lighting,
                 const Camera& camera, const RaySettings& settings, Frame& frame, Progress& progress);
+
+/// The same; what a card made stays there until it is read.
+Outcome raycast(const Device& device, const Medium& medium, const IlluminationField& field, const Lighting& lighting,
+                const Camera& camera, const RaySettings& settings, DeviceFrame& frame, Progress& progress);
 
 /// Receives a frame that a better one follows, and how sure it is.
 using FramePreview = std::function<void(const Frame&, const PathStatistics&)>;

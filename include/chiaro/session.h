@@ -38,7 +38,8 @@ public:
     /// What the scene's lighting method computes for the shown volume. Throws as chiaro::compute_field.
     ComputedField compute_field(const Scene& scene, Progress& progress);
 
-    const Frame& frame() const;  ///< of the last render; while `preview` is called with paths, theirs
+    /// Of the last render; while `preview` is called with paths, theirs. A card brings it when it is first asked for.
+    const Frame& frame() const;
     /// Of the last render or field, in order; a verb whose kept result served took 0. What a verb consists of follows
     /// it.
     const std::vector<Stage>& stages() const;

@@ -4,8 +4,7 @@
 
 namespace chiaro {
 
-CardOccupancy occupancy_on_card(const DeviceVolume::Data& volume, const RangeTest& is_visible) {
-    cuda::Stream& stream = *volume.device.stream;
+CardOccupancy occupancy_on_card(cuda::Stream& stream, const DeviceVolume::Data& volume, const RangeTest& is_visible) {
     const auto [nx, ny, nz] = volume.cells.count;
     const std::int64_t row = nx, slice = row * ny, cells = slice * nz;
     CardOccupancy made{std::vector<std::uint8_t>(std::size_t(cells) + 1), {stream, std::size_t(cells) + 1}};

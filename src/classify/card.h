@@ -11,8 +11,8 @@ struct CardOccupancy {
     cuda::Array<std::byte> on_card;
 };
 
-/// On the card of the volume's device. Cost: a thread a cell; memory 5 bytes a cell; four bytes go up for an entry of
+/// On the stream's card. Cost: a thread a cell; memory 5 bytes a cell; four bytes go up for an entry of
 /// the optical table, one a cell comes back.
-CardOccupancy occupancy_on_card(const DeviceVolume::Data& volume, const RangeTest& is_visible);
+CardOccupancy occupancy_on_card(cuda::Stream& stream, const DeviceVolume::Data& volume, const RangeTest& is_visible);
 
 }  // namespace chiaro

@@ -24,16 +24,16 @@ void validate(const Shape& shape) {
 namespace {
 
 /// On the card, which then holds it, or here.
-void find_occupancy(const RangeTest& is_visible, Medium::Data& data) {
+void find_occupancy(const Device& device, const RangeTest& is_visible, Medium::Data& data) {
     const DeviceVolume::Data& volume = data.volume.data();
     const auto on_card = [&] {
-        CardOccupancy made = occupancy_on_card(volume, is_visible);
+        cuda::Stream& stream = *device.stream;
+        CardOccupancy made = occupancy_on_card(stream, volume, is_visible);
         data.cells = std::move(made.codes);
-        cuda::Stream& stream = *volume.device.stream;
         stream.mirror()->keep(HostArray::of(data.weak_from_this(), data.cells), made.on_card.data(), stream);
     };
-    if (!cuda::done_on_card(volume.device, on_card))
-        data.cells = make_occupancy(volume.cells, std::cref(is_visible), volume.device.threads);
+    if (!cuda::done_on_card(device, on_card))
+        data.cells = make_occupancy(volume.cells, std::cref(is_visible), device.threads);
     std::size_t occupied = 0;
     for (const std::uint8_t code : data.cells) occupied += code & 1;
     data.occupied_fraction = double(occupied) / double(data.cells.size() - 1);
@@ -42,6 +42,10 @@ void find_occupancy(const RangeTest& is_visible, Medium::Data& data) {
 }  // namespace
 
 Medium classify(const DeviceVolume& volume, const TransferFunction& tf, const Shape& shape) {
+    return classify(volume.data().device, volume, tf, shape);
+}
+
+Medium classify(const Device& device, const DeviceVolume& volume, const TransferFunction& tf, const Shape& shape) {
     validate(tf);
     validate(shape);
     auto data = std::make_shared<Medium::Data>();
@@ -50,7 +54,7 @@ Medium classify(const DeviceVolume& volume, const TransferFunction& tf, const Sh
     data->table = make_optical_table(volume.data(), tf, shape);
     const RangeTest is_visible =
         shape.mode == Mode::iso ? crossed_range(volume.data(), shape.iso) : visible_range(data->table);
-    find_occupancy(is_visible, *data);
+    find_occupancy(device, is_visible, *data);
     return Medium(std::move(data));
 }
 

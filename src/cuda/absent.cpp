@@ -1,5 +1,5 @@
 // In the place of stream.cpp where there is no nvcc to compile kernels with: there are no cards.
-#include "cuda/stream.h"
+#include "cuda/texture.h"
 
 namespace chiaro::cuda {
 namespace {
@@ -26,5 +26,9 @@ std::byte* Stream::landing(std::size_t) { refuse(); }
 void Stream::launched() { refuse(); }
 void Stream::settle() noexcept {}
 void Stream::wait() { refuse(); }
+
+Texture::Texture(Stream&, Texel texel, std::array<int, 3>) : card_(0), texel_(texel) { refuse(); }
+Texture::~Texture() = default;
+void Texture::copy(Stream&, const Box&) { refuse(); }
 
 }  // namespace chiaro::cuda

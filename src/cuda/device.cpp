@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 
 #include "cuda/mirror.h"
 #include "cuda/stream.h"
@@ -21,6 +22,18 @@ Device with_card(const Device& host, const CardInfo& card, bool is_optional) {
 }  // namespace
 
 namespace cuda {
+
+void Stream::fetch(void* to, const void* from, std::size_t bytes) {
+    std::byte* landed = nullptr;
+    try {
+        landed = landing(bytes);
+    } catch (const OutOfMemory&) {
+        landed = static_cast<std::byte*>(to);
+    }
+    download(landed, from, bytes);
+    wait();
+    if (landed != to) std::memcpy(to, landed, bytes);
+}
 
 void Stream::give_up(const OutOfMemory& error) {
     if (!is_optional_) throw error;

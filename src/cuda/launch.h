@@ -21,6 +21,18 @@
 unsigned long long atomicAdd(unsigned long long* to, unsigned long long more);  // named, never called
 #endif
 
+namespace chiaro::kernel {
+
+#if defined(__CUDA_ARCH__) || defined(CHIARO_CUDA_EMULATED)
+CHIARO_INLINE float texel_at(std::uint64_t texture, float x, float y, float z) {
+    return tex3D<float>(texture, x, y, z);
+}
+#else
+CHIARO_INLINE float texel_at(std::uint64_t, float, float, float) { return 0; }  // named, never called
+#endif
+
+}  // namespace chiaro::kernel
+
 namespace chiaro::cuda {
 
 /// Adds for a pixel: those of a warp to one place.

@@ -31,6 +31,18 @@ void Mirror::keep(const HostArray& array, const void* made, Stream& stream) {
     add(array, stream, [&](std::byte* to) { stream.copy(to, made, array.bytes); });
 }
 
+std::uint64_t Mirror::texture(const HostArray& array, Stream& stream,
+                              const std::function<std::unique_ptr<Texture>()>& make) {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [of, texture] : textures_)
+        if (is_same(of, array)) return texture->handle();
+    let_go_of_orphans(stream);
+    auto made = make();
+    stream.wait();  // other streams read it too
+    textures_.emplace_back(array, std::move(made));
+    return textures_.back().second->handle();
+}
+
 /// fill(memory)
 template <class Fill>
 const std::byte* Mirror::add(const HostArray& array, Stream& stream, const Fill& fill) {
@@ -56,6 +68,7 @@ void Mirror::let_go_of_orphans(Stream& stream) {
         stream.release(copy.memory);
         return true;
     });
+    std::erase_if(textures_, [](const auto& texture) { return texture.first.owner.expired(); });
 }
 
 std::size_t Mirror::held_bytes() const {

@@ -1,11 +1,13 @@
 // What a card keeps of host memory: every array is copied there once, and stays as long as its owner on the host does.
 #pragma once
 #include <atomic>
+#include <functional>
 #include <mutex>
 #include <vector>
 
 #include "core/host_array.h"
 #include "cuda/stream.h"
+#include "cuda/texture.h"
 
 namespace chiaro::cuda {
 
@@ -22,6 +24,9 @@ public:
     const std::byte* of(const HostArray& array, Stream& stream);
     /// The array was made on the card, at `made`: a copy from there is kept, and none comes from the host.
     void keep(const HostArray& array, const void* made, Stream& stream);
+    /// The texture of an array, which `make` makes on the stream when it is first asked for; waits for that.
+    std::uint64_t texture(const HostArray& array, Stream& stream,
+                          const std::function<std::unique_ptr<Texture>()>& make);
     std::uint64_t copied_bytes() const { return copied_bytes_; }  ///< so far
     std::size_t held_bytes() const;
 
@@ -37,6 +42,7 @@ private:
     const int card_;
     mutable std::mutex mutex_;
     std::vector<Copy> copies_;
+    std::vector<std::pair<HostArray, std::unique_ptr<Texture>>> textures_;
     std::atomic<std::uint64_t> copied_bytes_{0};
 };
 

@@ -1,4 +1,4 @@
-#include "cuda/stream.h"
+#include "cuda/texture.h"
 
 #include <cuda_runtime_api.h>
 #include <fmt/format.h>
@@ -169,6 +169,67 @@ void Stream::settle() noexcept {
 void Stream::wait() {
     use();
     check(cudaStreamSynchronize(stream_of(handle_)), card_);
+}
+
+namespace {
+
+int bytes_of(Texel texel) { return texel == Texel::u8 ? 1 : texel == Texel::u16 ? 2 : 4; }
+
+cudaChannelFormatDesc format_of(Texel texel) {
+    return {8 * bytes_of(texel), 0, 0, 0,
+            texel == Texel::f32 ? cudaChannelFormatKindFloat : cudaChannelFormatKindUnsigned};
+}
+
+cudaTextureDesc lookup_of(Texel texel) {
+    cudaTextureDesc lookup{};
+    for (auto& mode : lookup.addressMode) mode = cudaAddressModeClamp;
+    lookup.filterMode = cudaFilterModeLinear;
+    lookup.readMode = texel == Texel::f32 ? cudaReadModeElementType : cudaReadModeNormalizedFloat;
+    return lookup;
+}
+
+}  // namespace
+
+Texture::Texture(Stream& stream, Texel texel, std::array<int, 3> size) : card_(stream.card().index), texel_(texel) {
+    const auto [x, y, z] = size;
+    const std::size_t bytes = std::size_t(x) * std::size_t(y) * std::size_t(z) * std::size_t(bytes_of(texel));
+    const cudaChannelFormatDesc format = format_of(texel);
+    cudaArray_t array{};
+    check(cudaSetDevice(card_), stream.card());
+    check(cudaMalloc3DArray(&array, &format, cudaExtent{std::size_t(x), std::size_t(y), std::size_t(z)}), stream.card(),
+          bytes);
+    array_ = array;
+    cudaResourceDesc resource{};
+    resource.resType = cudaResourceTypeArray;
+    resource.res.array.array = array;
+    const cudaTextureDesc lookup = lookup_of(texel);
+    cudaTextureObject_t handle{};
+    const cudaError_t made = cudaCreateTextureObject(&handle, &resource, &lookup, nullptr);
+    if (made != cudaSuccess) (void)cudaFreeArray(array);
+    check(made, stream.card(), bytes);
+    handle_ = handle;
+}
+
+Texture::~Texture() {
+    if (cudaSetDevice(card_) != cudaSuccess) return;
+    (void)cudaDestroyTextureObject(handle_);
+    (void)cudaFreeArray(static_cast<cudaArray_t>(array_));
+}
+
+void Texture::copy(Stream& stream, const Box& box) {
+    const auto elements = [](const std::array<int, 3>& a) {
+        return std::array{std::size_t(a[0]), std::size_t(a[1]), std::size_t(a[2])};
+    };
+    const auto to = elements(box.to), size = elements(box.size);
+    const std::size_t row = std::size_t(box.row);
+    cudaMemcpy3DParms copy{};
+    copy.srcPtr = {const_cast<std::byte*>(box.from), row * std::size_t(bytes_of(texel_)), row, row};
+    copy.dstArray = static_cast<cudaArray_t>(array_);
+    copy.dstPos = {to[0], to[1], to[2]};
+    copy.extent = {size[0], size[1], size[2]};
+    copy.kind = cudaMemcpyDeviceToDevice;
+    check(cudaSetDevice(card_), stream.card());
+    check(cudaMemcpy3DAsync(&copy, stream_of(stream.handle())), stream.card());
 }
 
 }  // namespace chiaro::cuda

@@ -43,6 +43,8 @@ public:
     void zero(void* memory, std::size_t bytes);
     /// Page-locked memory of the host that the card writes to at full speed: the same at each call, until it must grow.
     std::byte* landing(std::size_t bytes);
+    /// Waits until `bytes` have come to `to`, any memory: by the landing, or where there is no room for that straight.
+    void fetch(void* to, const void* from, std::size_t bytes);
     void launched();  ///< tells what went wrong in starting a kernel
     void wait();
     void settle() noexcept;  ///< waits, whatever happened: before what is still read or written goes
@@ -70,18 +72,22 @@ private:
 /// Whether the device has a card that has not given up.
 inline bool works(const Device& device) { return device.stream && device.stream->given_up().empty(); }
 
-/// Has the device's card do the work; false where none does: there is none, or one that was chosen by itself has no
-/// room and gives up.
+/// Has the card do the work; false where it was chosen by itself and has no room: it has given up, or does now.
 template <class Work>
-bool done_on_card(const Device& device, const Work& work) {
-    if (!works(device)) return false;
+bool done_on_card(Stream& stream, const Work& work) {
+    if (!stream.given_up().empty()) return false;
     try {
         work();
         return true;
     } catch (const OutOfMemory& error) {
-        device.stream->give_up(error);
+        stream.give_up(error);
         return false;
     }
+}
+/// False too where the device has none.
+template <class Work>
+bool done_on_card(const Device& device, const Work& work) {
+    return device.stream && done_on_card(*device.stream, work);
 }
 
 /// Nothing that is still copied goes before the copy is done, also when something fails.

@@ -7,61 +7,58 @@
 
 #include "core/srgb.h"
 #include "core/threads.h"
-#include "image/tone.h"
+#include "image/card.h"
 
 namespace chiaro {
 namespace {
 
-/// Linear light to 8 bit sRGB, rounded exactly: the curve is never steeper than 12.92 * 255 / 4096 < 1 code a cell, so
-/// the code at a cell's start is right or one too low.
-class SrgbTable {
-public:
+/// What SrgbCode reads.
+struct SrgbTable {
+    static constexpr int cells = kernel::SrgbCode::cells;
+    std::array<float, 257> lowest{};
+    std::array<std::uint8_t, cells + 1> code{};
+
     SrgbTable() {
-        for (int code = 1; code < 256; ++code) lowest_[code] = float(linear_from_srgb((code - 0.5) / 255));
-        lowest_[256] = std::numeric_limits<float>::infinity();
+        for (int c = 1; c < 256; ++c) lowest[c] = float(linear_from_srgb((c - 0.5) / 255));
+        lowest[256] = std::numeric_limits<float>::infinity();
         for (int cell = 0; cell <= cells; ++cell) {
-            const auto above = std::upper_bound(lowest_.begin() + 1, lowest_.end(), float(cell) / cells);
-            code_[cell] = std::uint8_t(above - lowest_.begin() - 1);
+            const auto above = std::upper_bound(lowest.begin() + 1, lowest.end(), float(cell) / cells);
+            code[cell] = std::uint8_t(above - lowest.begin() - 1);
         }
     }
-    std::uint8_t operator()(float linear) const {
-        const float x = linear > 0 ? std::min(linear, 1.0f) : 0.0f;  // NaN becomes 0
-        const int code = code_[int(x * cells)];
-        return std::uint8_t(code + (x >= lowest_[code + 1]));
-    }
-
-private:
-    static constexpr int cells = 4096;
-    std::array<float, 257> lowest_{};  ///< smallest linear value that rounds to the code
-    std::array<std::uint8_t, cells + 1> code_{};
 };
 
-std::uint8_t round_to_byte(float x) { return x > 0 ? std::uint8_t(std::min(x, 1.0f) * 255 + 0.5f) : std::uint8_t(0); }
+/// One for all frames, so that a card needs it once.
+const std::shared_ptr<const SrgbTable>& srgb_table() {
+    static const auto table = std::make_shared<const SrgbTable>();
+    return table;
+}
 
 template <class Encode>
-void develop_rows(const Frame& frame, const ToneMap& tone, const std::array<float, 3>& background, const Encode& encode,
-                  Image& image) {
-    const int channels = image.has_alpha ? 4 : 3;
-    const float gain = float(std::exp2(tone.exposure_stops));
-    const bool curved = tone.tone == Tone::aces;
-    parallel_for(frame.height, 16, [&](std::int64_t first, std::int64_t last) {
-        const float* in = frame.rgba.data() + std::size_t(4) * frame.width * first;
-        std::uint8_t* out = image.pixels.data() + std::size_t(channels) * frame.width * first;
-        for (auto left = (last - first) * frame.width; left > 0; --left, in += 4, out += channels) {
-            const float alpha = std::clamp(in[3], 0.0f, 1.0f);
-            const auto straight = [&](int c) {  // the premultiplied colour, divided out again
-                const float light = alpha > 0 ? gain * in[c] / alpha : 0;
-                return curved ? aces(light) : light;
-            };
-            if (tone.transparent) {
-                for (int c = 0; c < 3; ++c) out[c] = encode(straight(c));
-                out[3] = round_to_byte(alpha);
-            } else {
-                for (int c = 0; c < 3; ++c)
-                    out[c] = encode((curved ? alpha * straight(c) : gain * in[c]) + (1 - alpha) * background[c]);
-            }
-        }
-    });
+kernel::DevelopKernel<Encode> kernel_of(const ToneMap& tone, const Encode& encode) {
+    const bool linear = tone.color == ColorMode::linear;
+    const auto shown = [&](int c) { return float(linear ? linear_from_srgb(tone.background[c]) : tone.background[c]); };
+    return {.in = nullptr,
+            .out = nullptr,
+            .encode = encode,
+            .background = {shown(0), shown(1), shown(2)},
+            .gain = float(std::exp2(tone.exposure_stops)),
+            .curved = tone.tone == Tone::aces,
+            .transparent = tone.transparent};
+}
+
+/// run(kernel): its encoding is that of the tone's colours.
+template <class Run>
+void with_kernel(const ToneMap& tone, const Run& run) {
+    if (tone.color == ColorMode::linear)
+        run(kernel_of(tone, kernel::SrgbCode{srgb_table()->lowest.data(), srgb_table()->code.data()}));
+    else
+        run(kernel_of(tone, kernel::RoundToByte{}));
+}
+
+Image undeveloped(int width, int height, const ToneMap& tone) {
+    const std::size_t channels = tone.transparent ? 4 : 3;
+    return {width, height, tone.transparent, std::vector<std::uint8_t>(channels * width * height)};
 }
 
 }  // namespace
@@ -74,19 +71,29 @@ Frame expose(Frame frame, const ToneMap& tone) {
 }
 
 Image develop(const Frame& frame, const ToneMap& tone) {
-    const bool linear = tone.color == ColorMode::linear;
-    Image image{frame.width, frame.height, tone.transparent, {}};
-    image.pixels.resize(std::size_t(tone.transparent ? 4 : 3) * frame.width * frame.height);
-    std::array<float, 3> background{};
-    for (int c = 0; c < 3; ++c)
-        background[c] = float(linear ? linear_from_srgb(tone.background[c]) : tone.background[c]);
-    if (linear) {
-        static const SrgbTable table;
-        develop_rows(frame, tone, background, table, image);
-    } else {
-        develop_rows(frame, tone, background, round_to_byte, image);
-    }
+    Image image = undeveloped(frame.width, frame.height, tone);
+    with_kernel(tone, [&](auto kernel) {
+        kernel.in = reinterpret_cast<const kernel::Rgba*>(frame.rgba.data());
+        kernel.out = image.pixels.data();
+        const std::int64_t row = frame.width;
+        parallel_for(frame.height, 16, [&](std::int64_t first, std::int64_t last) {
+            for (std::int64_t i = first * row; i < last * row; ++i) kernel(i);
+        });
+    });
     return image;
+}
+
+Image develop(const DeviceFrame& frame, const ToneMap& tone) {
+    if (!frame.on_card()) return develop(frame.read(), tone);
+    const cuda::Pixels& pixels = *frame.on_card();
+    Image image = undeveloped(frame.width(), frame.height(), tone);
+    HostArrays arrays;
+    arrays.add(srgb_table(), srgb_table()->lowest);
+    arrays.add(srgb_table(), srgb_table()->code);
+    const bool done = cuda::done_on_card(pixels.stream(), [&] {
+        with_kernel(tone, [&](const auto& kernel) { develop_on_card(pixels, kernel, arrays, image.pixels); });
+    });
+    return done ? image : develop(frame.read(), tone);
 }
 
 }  // namespace chiaro

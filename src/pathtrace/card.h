@@ -58,7 +58,9 @@ public:
             if (progress.cancelled()) return;
             kernel::trace_frame(*stream_, kernel_, width_, height_, sample, sums_.data(), collisions_.data());
         }
-        collisions = collisions_.land(sums.data(), sums_.data(), sums.size() * sizeof(PixelSum));
+        const std::uint64_t counted = collisions_.sum();
+        stream_->fetch(sums.data(), sums_.data(), sums.size() * sizeof(PixelSum));
+        collisions = counted;
     }
 
 private:

@@ -89,7 +89,7 @@ void LightTable::make_bins() {
 }
 
 void LightTable::add_to(HostArrays& arrays) const {
-    arrays.add(probe_.data().picture.rgb);
+    arrays.add(probe_.data().weak_from_this(), probe_.data().picture.rgb);
     for (const auto* numbers :
          {&row_threshold_, &row_alias_, &column_threshold_, &column_alias_, &cosines_, &densities_})
         arrays.add(*numbers);

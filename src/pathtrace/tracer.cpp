@@ -211,12 +211,15 @@ std::int64_t PathTracer::trace(const kernel::Tile& tile, int first, int end, con
     return collisions;
 }
 
+/// Where a card gives way, the processor goes on from the sums that have come back.
 bool PathTracer::add(int samples, const Progress& progress) {
-    if (trace_on_card_) {
-        trace_on_card_(samples_, samples_ + samples, progress);
-        samples_ += samples;
-        return !progress.cancelled();
-    }
+    const auto on_card = [&] { trace_on_card_(samples_, samples_ + samples, progress); };
+    if (!trace_on_card_ || !cuda::done_on_card(device_, on_card)) add_here(samples, progress);
+    samples_ += samples;
+    return !progress.cancelled();
+}
+
+void PathTracer::add_here(int samples, const Progress& progress) {
     const int columns = (width_ + tile_edge - 1) / tile_edge, rows = (height_ + tile_edge - 1) / tile_edge;
     std::atomic<std::int64_t> collisions{0};
     parallel_for(device_.threads, std::int64_t(columns) * rows, 1, [&](std::int64_t t, std::int64_t) {
@@ -224,9 +227,7 @@ bool PathTracer::add(int samples, const Progress& progress) {
         collisions += trace({x, y, std::min(x + tile_edge, width_), std::min(y + tile_edge, height_)}, samples_,
                             samples_ + samples, progress);
     });
-    samples_ += samples;
     collisions_ += std::uint64_t(collisions);
-    return !progress.cancelled();
 }
 
 void PathTracer::show(Frame& frame) const {

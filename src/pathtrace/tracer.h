@@ -58,6 +58,7 @@ private:
     template <class Kernel>
     TraceOnCard card_tracer_of(const Kernel& kernel);
     void make_colours(const PathOptions& options);
+    void add_here(int samples, const Progress& progress);
     std::int64_t trace(const kernel::Tile& tile, int first, int end, const Progress& progress);
 
     const Device device_;

@@ -2,6 +2,7 @@
 #pragma once
 #include "cuda/counters.h"
 #include "raycast/kernel.h"
+#include "volume/texture_view.h"
 
 namespace chiaro::kernel {
 

@@ -28,6 +28,7 @@ void cast_pixels(cuda::Stream& stream, const Kernel& kernel, Tile tile, cuda::Co
 #define CHIARO_INSTANTIATE(Field)                                                                             \
     template void cast_pixels(cuda::Stream&, const RaycastKernel<std::uint8_t, Field>&, Tile, cuda::Count*);  \
     template void cast_pixels(cuda::Stream&, const RaycastKernel<std::uint16_t, Field>&, Tile, cuda::Count*); \
-    template void cast_pixels(cuda::Stream&, const RaycastKernel<float, Field>&, Tile, cuda::Count*);
+    template void cast_pixels(cuda::Stream&, const RaycastKernel<float, Field>&, Tile, cuda::Count*);         \
+    template void cast_pixels(cuda::Stream&, const RaycastKernel<Texel, Field>&, Tile, cuda::Count*);
 
 }  // namespace chiaro::kernel

@@ -53,9 +53,8 @@ struct Matter {
     }
 
     /// Light that arrives at a sample and leaves it towards the eye.
-    template <class F>
-    CHIARO_INLINE void light(const Location<F>& at, const Cut<F>& cut, SamplePoint<F> sample,
-                             RgbaLanes<F>& colour) const {
+    template <class At, class F>
+    CHIARO_INLINE void light(const At& at, const Cut<F>& cut, SamplePoint<F> sample, RgbaLanes<F>& colour) const {
         if (!shading.enabled && !modulates) return;
         if (shading.enabled) {
             Vec3<F> g = volume.gradient(at);

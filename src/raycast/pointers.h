@@ -5,6 +5,7 @@
 #include "illumination/none/field.h"
 #include "illumination/visibility/field.h"
 #include "raycast/kernel.h"
+#include "volume/texture_view.h"
 
 namespace chiaro {
 
@@ -25,11 +26,19 @@ void swap_pointers(Views& views, kernel::HistogramView& view) {
     views.swap(view.identifiers, view.words, view.side, view.albedo, view.glow_words, view.occupancy);
 }
 
+template <class Views, class Voxel>
+void swap_pointers(Views& views, kernel::VolumeView<Voxel>& view) {
+    views.swap(view.voxels);
+}
+template <class Views>
+void swap_pointers(Views&, kernel::VolumeView<kernel::Texel>&) {}
+
 /// But for the frame, which is written.
 template <class Views, class Voxel, class Field>
 void swap_pointers(Views& views, kernel::RaycastKernel<Voxel, Field>& kernel) {
-    views.swap(kernel.matter.volume.voxels, kernel.matter.occupancy.cells, kernel.matter.table.entries,
-               kernel.matter.segments.entries, kernel.matter.segments.visible_before);
+    swap_pointers(views, kernel.matter.volume);
+    views.swap(kernel.matter.occupancy.cells, kernel.matter.table.entries, kernel.matter.segments.entries,
+               kernel.matter.segments.visible_before);
     if (kernel.mode != kernel::March::maximum) kernel.maximum.cell_high = nullptr;  // not read
     views.swap(kernel.maximum.cell_high, kernel.bounds.near_mm, kernel.bounds.far_mm);
     swap_pointers(views, kernel.matter.field);

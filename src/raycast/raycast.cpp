@@ -11,6 +11,7 @@
 #include "raycast/bounds.h"
 #include "raycast/card.h"
 #include "raycast/launch.h"
+#include "raycast/texture.h"
 #include "raycast/views.h"
 
 namespace chiaro {
@@ -41,46 +42,127 @@ Outcome cast(const Device& device, const Kernel& kernel, const BoundingGeometry*
     return {complete, std::uint64_t(samples)};
 }
 
-/// On the card where the device has one.
-template <class Kernel>
-Outcome cast(const Device& device, const Kernel& kernel, const HostArrays& arrays, const BoundingGeometry* geometry,
-             Frame& frame, Progress& progress) {
-    Outcome outcome;
-    const auto on_card = [&] { outcome = cast_on_card(*device.stream, kernel, arrays, frame, progress); };
-    return cuda::done_on_card(device, on_card) ? outcome : cast(device, kernel, geometry, frame, progress);
+/// Of what fills either a frame or, where a card does, `pixels` there.
+struct Filled {
+    Frame& frame;
+    std::shared_ptr<cuda::Pixels> pixels;
+
+    /// To the host, where the card has them.
+    void bring() {
+        if (pixels) pixels->bring_to(frame.rgba.data());
+        pixels.reset();
+    }
+};
+
+/// Where the pixels are.
+bool put_probe_behind(const Device& device, const Lighting& lighting, const Camera& camera, ColorMode color,
+                      Filled& filled, Progress& progress) {
+    Frame& frame = filled.frame;
+    const auto on_card = [&] { put_probe_behind(*filled.pixels, lighting, camera, color, frame.width, frame.height); };
+    if (filled.pixels && cuda::done_on_card(device, on_card)) return !progress.cancelled();
+    filled.bring();
+    return put_probe_behind(device, lighting, camera, color, frame, progress);
+}
+
+/// Whether light shines where nothing is.
+template <class View>
+bool glows(const View& view) {
+    if constexpr (View::adds_opacity) return view.glows;
+    return false;
+}
+
+/// One call: what its kernels are made of, and where its pixels go.
+struct Caster {
+    const Device& device;
+    const Medium::Data& medium;
+    const LitField& lit;
+    const Lighting& lighting;
+    const Camera& camera;
+    const RaySettings& settings;
+    const RayTables& tables;
+    const HostArrays& arrays;
+    Filled& filled;
+    Progress& progress;
+
+    template <class View>
+    Outcome operator()(View view) const {
+        if constexpr (View::adds_opacity) view.step_edges = float(settings.step_voxels);
+        const DeviceVolume::Data& volume = medium.volume.data();
+        Outcome outcome;
+        const auto by_texture = [&] {
+            auto kernel = kernel_of(kernel::Texel(), view);
+            make_texture(volume, *device.stream, kernel.matter.volume);
+            return kernel;
+        };
+        if (settings.interpolation == Interpolation::texture && cast_there(by_texture, outcome)) return outcome;
+        return with_stored_voxel(volume, [&](auto voxel) {
+            const auto kernel = kernel_of(voxel, view);
+            return cast_there([&] { return kernel; }, outcome) ? outcome : cast_here(kernel);
+        });
+    }
+
+private:
+    template <class Voxel, class View>
+    auto kernel_of(Voxel, const View& view) const {
+        auto kernel =
+            make_kernel<Voxel>(medium, tables, view, lighting, camera, settings, filled.frame, lit.albedo_limit);
+        if (lit.main) shine_from(*lit.main, lighting, camera, kernel.matter.shading);
+        if constexpr (View::adds_opacity)
+            if (view.glows) kernel.matter.occupancy.cells = view.occupancy;
+        return kernel;
+    }
+
+    /// False where the device has no card that does it. make(): the kernel.
+    template <class Make>
+    bool cast_there(const Make& make, Outcome& outcome) const {
+        return cuda::done_on_card(device, [&] {
+            const auto [width, height] = std::pair(filled.frame.width, filled.frame.height);
+            const auto pixels = std::make_shared<cuda::Pixels>(device.stream, std::size_t(width) * height);
+            outcome = cast_on_card(make(), arrays, width, height, *pixels, progress);
+            if (outcome.complete) filled.pixels = pixels;
+        });
+    }
+
+    template <class Kernel>
+    Outcome cast_here(const Kernel& kernel) const {
+        std::optional<BoundingGeometry> geometry;  // the largest value is looked for everywhere
+        const Frame& frame = filled.frame;
+        if (settings.ray_setup == RaySetup::raster && medium.shape.mode != Mode::mip && !glows(kernel.matter.field))
+            geometry.emplace(medium, camera_view(camera, medium.volume.geometry(), frame.width, frame.height));
+        return cast(device, kernel, geometry ? &*geometry : nullptr, frame, progress);
+    }
+};
+
+Outcome fill(const Device& device, const Medium& medium, const IlluminationField& field, const Lighting& lighting,
+             const Camera& camera, const RaySettings& settings, Filled& filled, Progress& progress) {
+    const Medium::Data& data = medium.data();
+    const LitField lit = lit_field(field, lighting, camera, data);
+    const RayTables tables = make_tables(data, settings, device.threads, lit.albedo_limit);
+    HostArrays arrays = lit.arrays;
+    data.add_to(arrays);
+    tables.add_to(arrays);
+    const Caster cast{device, data, lit, lighting, camera, settings, tables, arrays, filled, progress};
+    Outcome outcome = std::visit(cast, lit.view);
+    if (lighting.probe.background && outcome.complete)
+        outcome.complete = put_probe_behind(device, lighting, camera, data.shape.color, filled, progress);
+    return outcome;
 }
 
 }  // namespace
 
 Outcome raycast(const Device& device, const Medium& medium, const IlluminationField& field, const Lighting& lighting,
                 const Camera& camera, const RaySettings& settings, Frame& frame, Progress& progress) {
-    const Medium::Data& data = medium.data();
-    const LitField lit = lit_field(field, lighting, camera, data);
-    const RayTables tables = make_tables(data, settings, device.threads, lit.albedo_limit);
-    std::optional<BoundingGeometry> geometry;  // the largest value is looked for everywhere; a card takes the box
-    if (settings.ray_setup == RaySetup::raster && data.shape.mode != Mode::mip && !cuda::works(device))
-        geometry.emplace(data, camera_view(camera, data.volume.geometry(), frame.width, frame.height));
-    HostArrays arrays = lit.arrays;
-    data.add_to(arrays);
-    tables.add_to(arrays);
-    Outcome outcome = std::visit(
-        [&](auto view) {
-            if constexpr (decltype(view)::adds_opacity) {
-                view.step_edges = float(settings.step_voxels);
-                if (view.glows) geometry.reset();  // light shines where nothing is
-            }
-            return with_stored_voxel(data.volume.data(), [&](auto voxel) {
-                auto kernel = make_kernel<decltype(voxel)>(data, tables, view, lighting, camera, settings, frame,
-                                                           lit.albedo_limit);
-                if (lit.main) shine_from(*lit.main, lighting, camera, kernel.matter.shading);
-                if constexpr (decltype(view)::adds_opacity)
-                    if (view.glows) kernel.matter.occupancy.cells = view.occupancy;
-                return cast(device, kernel, arrays, geometry ? &*geometry : nullptr, frame, progress);
-            });
-        },
-        lit.view);
-    if (lighting.probe.background && outcome.complete)
-        outcome.complete = put_probe_behind(device, lighting, camera, data.shape.color, frame, progress);
+    Filled filled{frame, nullptr};
+    const Outcome outcome = fill(device, medium, field, lighting, camera, settings, filled, progress);
+    filled.bring();
+    return outcome;
+}
+
+Outcome raycast(const Device& device, const Medium& medium, const IlluminationField& field, const Lighting& lighting,
+                const Camera& camera, const RaySettings& settings, DeviceFrame& frame, Progress& progress) {
+    Filled filled{frame.write(), nullptr};
+    const Outcome outcome = fill(device, medium, field, lighting, camera, settings, filled, progress);
+    frame.keep_on_card(std::move(filled.pixels));
     return outcome;
 }
 

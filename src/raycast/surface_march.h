@@ -25,7 +25,7 @@ template <class F, class Matter>
 CHIARO_APART void show_surface(const Matter& matter, const SurfacesView& surfaces, std::int32_t i, Vec3<F> p,
                                const Cut<F>& cut, const Mask<F>& hit, Composite<F>& ray) {
     p = matter.volume.clamp(p);
-    const Location<F> at = matter.volume.locate(p, matter.volume.voxel(p));
+    const auto at = matter.volume.locate(p, matter.volume.voxel(p));
     RgbaLanes<F> colour = load_rgba(surfaces.colours, Int<F>(i));
     matter.light(at, cut, {p, F(surfaces.values[i])}, colour);
     ray.add(surfaces.backwards, hit, colour, F(surfaces.colours[i].a));

@@ -66,7 +66,7 @@ CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& 
         c = classify_step(matter, lattice, way.backwards, sampled, k, known);
         p = matter.volume.clamp(lattice.position(k)), voxel = matter.volume.voxel(p);
     }
-    const Location<F> at = matter.volume.locate(p, voxel);
+    const auto at = matter.volume.locate(p, voxel);
     if (way.classification != Classification::preintegrated) c.value = matter.volume.value(at);
     if (way.classification == Classification::post) c.colour = matter.table.at(c.value);
     if (way.classification == Classification::pre)

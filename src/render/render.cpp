@@ -31,9 +31,9 @@ Image render_image(const Device& device, const Scene& scene, Progress& progress)
     progress.check();
 
     // What the camera sees of it.
-    Frame frame(scene.width, scene.height);
+    DeviceFrame frame(scene.width, scene.height);
     if (is_path_traced(scene.illumination))
-        trace_paths(device, medium, lighting, camera, scene.sampling, scene.illumination, frame, progress);
+        trace_paths(device, medium, lighting, camera, scene.sampling, scene.illumination, frame.write(), progress);
     else
         raycast(device, medium, field, lighting, camera, scene.sampling, frame, progress);
     progress.check();

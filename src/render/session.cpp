@@ -39,7 +39,7 @@ struct Classified {
 };
 
 struct Cast {
-    Frame frame;
+    DeviceFrame frame;
     Outcome outcome;
 };
 
@@ -119,7 +119,7 @@ struct Session::State {
         const Shape shape = shape_for(scene);
         redo("classify", classify, {upload.version, scene.transfer, shape}, [&](Classified& classified) {
             classified.tf = transfer_function_for(scene.transfer, subject);
-            classified.medium = chiaro::classify(upload.result, classified.tf, shape);
+            classified.medium = chiaro::classify(device, upload.result, classified.tf, shape);
         });
     }
 
@@ -181,7 +181,7 @@ const Image& Session::render(const Scene& scene, Progress& progress, const Previ
                const auto keep = [&](IlluminationField finer) {
                    field = std::move(finer);
                    if (!preview || !field.is_coarse()) return;
-                   Frame frame(scene.width, scene.height);
+                   DeviceFrame frame(scene.width, scene.height);
                    raycast(s.device, medium, field, lighting, camera, scene.sampling, frame, progress);
                    if (!progress.cancelled()) preview(develop(frame, scene.output));
                };
@@ -193,15 +193,15 @@ const Image& Session::render(const Scene& scene, Progress& progress, const Previ
     const std::pair size(scene.width, scene.height);
     s.redo("raycast", s.raycast, {s.classify.version, s.illuminate.version, lighting, camera, scene.sampling, size},
            [&](Cast& cast) {
-               Frame& frame = cast.frame;
-               if (std::pair(frame.width, frame.height) != size) frame = Frame(scene.width, scene.height);
+               DeviceFrame& frame = cast.frame;
+               frame.resize(scene.width, scene.height);
                const auto keep = [&](const Frame& better, const PathStatistics& paths) {
                    cast.outcome.paths = paths;
                    preview(develop(better, scene.output));
                };
                cast.outcome = is_path_traced(scene.illumination)
                                   ? trace_paths(s.device, medium, lighting, camera, scene.sampling, scene.illumination,
-                                                frame, progress, preview ? keep : FramePreview())
+                                                frame.write(), progress, preview ? keep : FramePreview())
                                   : raycast(s.device, medium, s.illuminate.result, lighting, camera, scene.sampling,
                                             frame, progress);
                progress.check();
@@ -219,15 +219,14 @@ const Image& Session::draft(const Scene& scene, Progress& progress) {
     const Medium& medium = s.classify.result.medium;
     const Camera camera = make_camera(scene.camera, volume().geometry(), volume().dimensions());
     const Lighting lighting = s.lighting_of(scene, camera);
-    Frame& frame = s.drafted.frame;
-    if (std::pair(frame.width, frame.height) != std::pair(scene.width, scene.height))
-        frame = Frame(scene.width, scene.height);
+    DeviceFrame& frame = s.drafted.frame;
+    frame.resize(scene.width, scene.height);
     s.timed("raycast", [&] {
         IlluminationSettings settings = scene.illumination;
         settings.reference.rays = 1;
         s.drafted.outcome =
             is_path_traced(settings)
-                ? trace_paths(s.device, medium, lighting, camera, scene.sampling, settings, frame, progress)
+                ? trace_paths(s.device, medium, lighting, camera, scene.sampling, settings, frame.write(), progress)
                 : raycast(s.device, medium, s.illuminate.result, lighting, camera, scene.sampling, frame, progress);
         progress.check();
     });
@@ -259,7 +258,7 @@ ComputedField Session::compute_field(const Scene& scene, Progress& progress) {
 const DeviceVolume& Session::volume() const { return state_->upload.result; }
 const Medium& Session::medium() const { return state_->classify.result.medium; }
 const IlluminationField& Session::light() const { return state_->illuminate.result; }
-const Frame& Session::frame() const { return state_->raycast.result.frame; }
+const Frame& Session::frame() const { return state_->raycast.result.frame.read(); }
 const std::vector<Stage>& Session::stages() const { return state_->stages; }
 Outcome Session::outcome() const { return state_->raycast.result.outcome; }
 std::size_t Session::light_bytes() const { return state_->prepare.result.bytes() + state_->illuminate.result.bytes(); }

@@ -147,6 +147,7 @@ cudaError_t cudaFree(void* memory) {
     return free_block(memory), cudaSuccess;
 }
 cudaError_t cudaMallocHost(void** memory, std::size_t bytes) {
+    if (cuda_emulated::card().host_memory != cudaSuccess) return told(cuda_emulated::card().host_memory);
     *memory = std::malloc(bytes);
     return *memory ? cudaSuccess : told(cudaErrorMemoryAllocation);
 }
@@ -158,6 +159,7 @@ cudaError_t cudaMemcpyAsync(void* to, const void* from, std::size_t bytes, cudaM
     if ((!up && !is_on_card(from, bytes)) || (!down && !is_on_card(to, bytes)))
         end("a copy that leaves the card's memory");
     if (up) cuda_emulated::card().uploaded_bytes += bytes;
+    if (down) cuda_emulated::card().downloaded_bytes += bytes;
     later(stream, [=] { std::memcpy(to, from, bytes); });
     return cudaSuccess;
 }
@@ -199,7 +201,8 @@ void start(void* stream, dim3 grid, dim3 block, std::function<void()> thread) {
         told(cudaErrorInvalidConfiguration);
         return;
     }
-    ++card().launches;
+    if (told(std::exchange(card().next_launch, cudaSuccess)) != cudaSuccess) return;
+    ++card().launches, card().last_stream = stream;
     later(static_cast<cudaStream_t>(stream), [=] {
         gridDim = grid, blockDim = block;
         for (unsigned b = 0; b < grid.x * grid.y * grid.z; ++b) {

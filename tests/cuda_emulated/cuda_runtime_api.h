@@ -66,6 +66,64 @@ cudaError_t cudaFreeHost(void* memory);
 cudaError_t cudaMemcpyAsync(void* to, const void* from, std::size_t bytes, cudaMemcpyKind kind, cudaStream_t stream);
 cudaError_t cudaMemsetAsync(void* memory, int value, std::size_t bytes, cudaStream_t stream);
 
+enum cudaChannelFormatKind { cudaChannelFormatKindUnsigned = 1, cudaChannelFormatKindFloat = 2 };
+enum cudaTextureAddressMode { cudaAddressModeWrap = 0, cudaAddressModeClamp = 1 };
+enum cudaTextureFilterMode { cudaFilterModePoint = 0, cudaFilterModeLinear = 1 };
+enum cudaTextureReadMode { cudaReadModeElementType = 0, cudaReadModeNormalizedFloat = 1 };
+enum cudaResourceType { cudaResourceTypeArray = 0 };
+struct cudaChannelFormatDesc {
+    int x, y, z, w;  ///< bits
+    cudaChannelFormatKind f;
+};
+struct cudaExtent {
+    std::size_t width, height, depth;
+};
+struct cudaPos {
+    std::size_t x, y, z;
+};
+struct cudaPitchedPtr {
+    void* ptr;
+    std::size_t pitch, xsize, ysize;
+};
+using cudaArray_t = struct EmulatedArray*;
+struct cudaMemcpy3DParms {
+    cudaArray_t srcArray;
+    cudaPos srcPos;
+    cudaPitchedPtr srcPtr;
+    cudaArray_t dstArray;
+    cudaPos dstPos;
+    cudaPitchedPtr dstPtr;
+    cudaExtent extent;
+    cudaMemcpyKind kind;
+};
+struct cudaResourceDesc {
+    cudaResourceType resType;
+    struct {
+        struct {
+            cudaArray_t array;
+        } array;
+    } res;
+};
+struct cudaTextureDesc {
+    cudaTextureAddressMode addressMode[3];
+    cudaTextureFilterMode filterMode;
+    cudaTextureReadMode readMode;
+    int normalizedCoords;
+};
+using cudaTextureObject_t = unsigned long long;
+
+cudaError_t cudaMalloc3DArray(cudaArray_t* array, const cudaChannelFormatDesc* format, cudaExtent extent,
+                              unsigned flags = 0);
+cudaError_t cudaFreeArray(cudaArray_t array);
+cudaError_t cudaMemcpy3DAsync(const cudaMemcpy3DParms* copy, cudaStream_t stream);
+cudaError_t cudaCreateTextureObject(cudaTextureObject_t* texture, const cudaResourceDesc* resource,
+                                    const cudaTextureDesc* lookup, const void* view);
+cudaError_t cudaDestroyTextureObject(cudaTextureObject_t texture);
+template <class T>
+T tex3D(cudaTextureObject_t texture, float x, float y, float z);
+template <>
+float tex3D<float>(cudaTextureObject_t texture, float x, float y, float z);
+
 inline thread_local dim3 blockIdx, threadIdx, blockDim, gridDim;
 
 template <class T>
@@ -80,9 +138,12 @@ struct Card {
     int count = 1;
     std::size_t memory_bytes = std::size_t(4) << 30;
     int driver_version = 13000;
-    cudaError_t next_wait = cudaSuccess;  ///< told by the next cudaStreamSynchronize: what a kernel did wrong
-    std::size_t held_bytes = 0;           ///< allocated and not yet freed
-    std::size_t uploaded_bytes = 0, launches = 0;
+    cudaError_t next_wait = cudaSuccess;    ///< told by the next cudaStreamSynchronize: what a kernel did wrong
+    cudaError_t next_launch = cudaSuccess;  ///< told by the next launch: what it had no room for
+    cudaError_t host_memory = cudaSuccess;  ///< told by cudaMallocHost
+    const void* last_stream = nullptr;      ///< of the last launch
+    std::size_t held_bytes = 0;             ///< allocated and not yet freed
+    std::size_t uploaded_bytes = 0, downloaded_bytes = 0, launches = 0;
 };
 Card& card();
 

@@ -28,6 +28,7 @@ protected:
         cuda_emulated::Card& card = cuda_emulated::card();
         card.count = whole.count, card.memory_bytes = whole.memory_bytes;
         card.driver_version = whole.driver_version, card.next_wait = whole.next_wait;
+        card.next_launch = whole.next_launch, card.host_memory = whole.host_memory;
     }
 };
 
@@ -129,6 +130,41 @@ TEST_F(TroubledCards, GiveWayBeforeAnIterationAndWithinOne) {
     EXPECT_EQ(gave_way, 4);
 }
 
+TEST_F(TroubledCards, GiveWayWithFramesAndPathsHalfDone) {
+    const Volume volume = shells_of<std::uint8_t>(32);
+    const Medium medium = classify(upload(processor(), volume), two_materials(), {});
+    const Lighting lighting{.probe = {.source = "sky", .background = true}, .loaded_probe = load_probe("sky")};
+    const Camera camera = make_camera({}, volume.geometry, volume.dimensions);
+    Progress progress;
+    const auto seen_by = [&](const Device& device, auto&& then) {
+        DeviceFrame frame(45, 37);
+        raycast(device, medium, {}, lighting, camera, {}, frame, progress);
+        then();
+        return develop(frame, {}).pixels;
+    };
+    const auto traced_by = [&](const Device& device, auto&& then) {
+        IlluminationSettings light{.method = Method::reference};
+        light.reference.rays = 4;  // in passes of 1, 1, 2
+        Frame frame(45, 37);
+        trace_paths(device, medium, lighting, camera, {}, light, frame, progress,
+                    [&](const Frame&, const PathStatistics& paths) {
+                        if (paths.samples == 2) then();
+                    });
+        return frame.rgba;
+    };
+    const auto without_room = [&](auto&& picture) {
+        const Device device = choose_device(processor()).device;
+        const auto found = picture(device, [] { cuda_emulated::card().next_launch = cudaErrorMemoryAllocation; });
+        EXPECT_NE(device.note(), "");
+        EXPECT_EQ(found, picture(processor(), [] {}));
+    };
+    without_room(seen_by);
+    without_room(traced_by);
+    cuda_emulated::card().host_memory = cudaErrorMemoryAllocation;  // then pictures come straight
+    const Device device = Device::cuda(0, processor());
+    EXPECT_EQ(seen_by(device, [] {}), seen_by(processor(), [] {}));
+}
+
 TEST_F(TroubledCards, ThatAreLostAreTold) {
     Shot shot = shaded();
     shot.device = card;
@@ -153,14 +189,33 @@ TEST_F(Cards, AreTimedByTheBench) {
     Progress progress;
     const bench::Setup setup{.device = card, .quick = true, .runs = 2, .progress = progress};
     std::vector<bench::Row> rows;
-    bench::run(setup, {{"card"}, "copy|upload|download|words|transport|shells256-opaque.(none|classify)"},
-               [&](const bench::Row& row) { rows.push_back(row); });
-    ASSERT_EQ(rows.size(), 9u);
+    bench::run(
+        setup,
+        {{"card"}, "copy|upload|download|words|transport|card/(spao|visib|histogram)|shells256-opaque.(none|classify)"},
+        [&](const bench::Row& row) { rows.push_back(row); });
+    ASSERT_EQ(rows.size(), 18u);
     for (const bench::Row& row : rows) {
         EXPECT_EQ(row.value.runs, 2) << row.name << row.note;
         EXPECT_GT(row.value.min, 0) << row.name;
         EXPECT_EQ(row.ratio.has_value(), row.name != "card/copy") << row.name;
     }
+}
+
+TEST(RowsOfCards, StandBesideWhatThePapersMeasured) {
+    Progress progress;
+    const bench::Setup setup{.device = Device::cpu(1), .progress = progress};
+    int rows = 0;
+    for (const bench::Case& each : bench::card_cases(setup))
+        for (const std::string& name : each.names)
+            rows += !bench::beside(name).papers.empty() || bench::beside(name).target;
+    EXPECT_EQ(rows, 12);  // all there are
+    bench::Row row{"card/spao/fused/whole", "ms", {5, 4, 6, 3}};
+    row.beside = bench::beside(row.name);
+    EXPECT_NE(bench::line_of(row).find("; paper 332.1, N-buffers on a GTX TITAN; paper 149.2, "), std::string::npos);
+    EXPECT_NE(bench::line_of(row).find("; target 3"), std::string::npos);
+    const std::string json = bench::to_json(setup, {row});
+    for (const char* told : {"\"value\": 332.1", "\"of\": \"mipmaps on a GTX TITAN\"", "\"target\": 3.0"})
+        EXPECT_NE(json.find(told), std::string::npos) << told;
 }
 
 // The make-believe card must be one: what the tests rely on.

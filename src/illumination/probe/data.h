@@ -59,7 +59,7 @@ private:
     mutable std::unique_ptr<const T> value_;
 };
 
-struct Probe::Data {
+struct Probe::Data : std::enable_shared_from_this<Data> {
     explicit Data(ProbePicture of) : picture(std::move(of)), sh(project(picture)) {}
 
     const ProbePicture picture;

@@ -1,0 +1,106 @@
+// Rays whose samples a card's texture units interpolate, against those that are exact.
+#include <random>
+
+#include "cuda_case.h"
+
+using namespace chiaro;
+using namespace chiaro::testing;
+
+namespace {
+
+constexpr double most_off = 3.0 / 256;  ///< of what eight voxels span: three weights of 8 fractional bits
+
+/// Values that have nothing to do with each other, from 0 to 255.
+template <class Voxel>
+Volume noise(std::array<int, 3> size) {
+    std::mt19937 random(11);
+    return sampled<Voxel>(size, [&](double, double, double) { return double(random() % 256); });
+}
+
+Shot by_texture(Shot shot) {
+    shot.rays.interpolation = Interpolation::texture;
+    return shot;
+}
+
+double rms(const Frame& a, const Frame& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.rgba.size(); ++i) sum += std::pow(double(a.rgba[i]) - b.rgba[i], 2);
+    return std::sqrt(sum / double(a.rgba.size()));
+}
+
+}  // namespace
+
+// Shown as they are, the largest values differ by no more than each value may.
+TEST_F(Cards, TextureUnitsKeepToTheirWeights) {
+    Shot shot{.device = card, .shape = {.mode = Mode::mip}};
+    shot.tf.rgb_space = RgbSpace::linear;
+    shot.tf.points = {{0, {0, 0, 0}, 1}, {255, {1, 1, 1}, 1}};
+    for (const auto size : {std::array{40, 43, 35}, std::array{33, 1, 65}, std::array{2, 64, 32}})
+        for (const Volume& volume : {noise<std::uint8_t>(size), noise<std::uint16_t>(size), noise<float>(size)}) {
+            const Difference found = difference(by_texture(shot)(volume), shot(volume), 0);
+            EXPECT_LT(found.max, most_off + 1.0 / 2048);  // and an entry of the table
+            EXPECT_GT(found.max, 1e-4);                   // it is another way
+        }
+}
+
+TEST_F(Cards, TextureUnitsShowTheSameThings) {
+    const Volume volume = shells_of<std::uint8_t>(40);
+    const auto expect_alike = [&](Shot shot, const IlluminationSettings& light, double least) {
+        shot.device = card;
+        const Frame exact = shot.lit(volume, light);
+        const double found = rms(by_texture(shot).lit(volume, light), exact);
+        EXPECT_LT(found, 0.004) << to_text(light.method) << ", " << to_text(shot.rays.classification);
+        EXPECT_GT(found, least);
+        EXPECT_GT(mean_alpha(exact), 0.02);
+    };
+    Shot shot = shaded();
+    for (const auto classification : {Classification::post, Classification::pre, Classification::preintegrated}) {
+        shot.rays.classification = classification;  // of voxels these, which the units give as they are
+        expect_alike(shot, {}, classification == Classification::pre ? 0 : 1e-6);
+    }
+    shot.rays.classification = Classification::post;
+    expect_alike(shot, {.method = Method::spao}, 1e-6);
+    expect_alike(shot, {.method = Method::visibility, .visibility = {.directions = 50}}, 1e-6);
+    shot.shape = {.mode = Mode::iso, .iso = {{.value = 90, .opacity = 0.5}, {.value = 180}}};
+    expect_alike(shot, {}, 1e-6);
+}
+
+TEST_F(Cards, AloneHaveTextureUnits) {
+    const Volume volume = shells_of<std::uint8_t>(40);
+    const Frame exact = expect_same(shaded(), volume);
+    Shot shot = by_texture(shaded());
+    shot.device = processor();
+    EXPECT_EQ(difference(shot(volume), exact, 0).max, 0);
+}
+
+#ifdef CHIARO_CUDA_EMULATED
+TEST_F(Cards, KeepATextureAsLongAsItsVolume) {
+    const auto held = [] { return cuda_emulated::card().held_bytes; };
+    Shot shot = by_texture(shaded());
+    shot.device = card;
+    const auto bytes_of = [&](const Volume& volume) {
+        const DeviceVolume voxels = upload(card, volume);
+        shot(voxels);
+        const auto once = held();
+        shot(voxels);
+        EXPECT_EQ(held(), once);
+        return once;
+    };
+    const auto first = bytes_of(shells_of<std::uint16_t>(40));
+    EXPECT_EQ(bytes_of(shells_of<std::uint16_t>(40)), first);
+}
+
+TEST_F(Cards, WithoutRoomForATextureGiveWay) {
+    const Volume volume = shells_of<std::uint16_t>(60);
+    Shot shot = by_texture(shaded());
+    shot.device = processor();
+    const Frame expected = shot(volume);
+    shot.device = choose_device(processor()).device;
+    const DeviceVolume voxels = upload(shot.device, volume);
+    cuda_emulated::card().memory_bytes = cuda_emulated::card().held_bytes + voxels.bytes() + (100 << 10);
+    const Frame found = shot(voxels);
+    cuda_emulated::card().memory_bytes = cuda_emulated::Card().memory_bytes;
+    EXPECT_EQ(difference(found, expected, 0).max, 0);
+    EXPECT_NE(shot.device.note(), "");
+}
+#endif
