@@ -40,11 +40,11 @@ private:
     cuda::Array<std::byte> made_;
 };
 
-/// work(places, how many blocks they are) for all blocks of a map, some at a time; reports and may be cancelled after
-/// each.
+/// work(places, how many blocks they are) for all blocks of a map in order, so many at a time; reports and may be
+/// cancelled after each.
 template <class Work>
-void for_blocks(cuda::Stream& stream, const BlockMap& map, std::string_view stage, Progress& progress,
-                const Work& work) {
+void for_blocks(cuda::Stream& stream, const BlockMap& map, std::string_view stage, Progress& progress, const Work& work,
+                std::size_t together = blocks_together) {
     std::vector<kernel::BlockPlace> places;
     for (const std::size_t b : map.held()) {
         const auto [x, y, z] = map.at(b);
@@ -55,8 +55,8 @@ void for_blocks(cuda::Stream& stream, const BlockMap& map, std::string_view stag
     const cuda::Array<kernel::BlockPlace> there(stream, places.size());
     stream.upload(there.data(), places.data(), places.size() * sizeof places[0]);
     stream.wait();
-    for (std::size_t first = 0; first < places.size(); first += blocks_together) {
-        const std::size_t count = std::min(blocks_together, places.size() - first);
+    for (std::size_t first = 0; first < places.size(); first += together) {
+        const std::size_t count = std::min(together, places.size() - first);
         work(there.data() + first, std::int64_t(count));
         stream.wait();
         progress.report(stage, double(first + count) / double(places.size()));
