@@ -21,6 +21,7 @@ const std::byte* Mirror::of(const HostArray& array, Stream& stream) {
     const auto kept =
         std::find_if(copies_.begin(), copies_.end(), [&](const Copy& copy) { return is_same(copy.of, array); });
     if (kept != copies_.end()) return kept->memory;
+    array.fetch();
     const std::byte* memory = add(array, stream, [&](std::byte* to) { stream.upload(to, array.data, array.bytes); });
     copied_bytes_ += array.bytes;
     return memory;

@@ -47,7 +47,9 @@ Outcome cast(const Device& device, const Kernel& kernel, const HostArrays& array
              Frame& frame, Progress& progress) {
     Outcome outcome;
     const auto on_card = [&] { outcome = cast_on_card(*device.stream, kernel, arrays, frame, progress); };
-    return cuda::done_on_card(device, on_card) ? outcome : cast(device, kernel, geometry, frame, progress);
+    if (cuda::done_on_card(device, on_card)) return outcome;
+    arrays.fetch();
+    return cast(device, kernel, geometry, frame, progress);
 }
 
 }  // namespace

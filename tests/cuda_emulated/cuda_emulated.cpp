@@ -158,6 +158,7 @@ cudaError_t cudaMemcpyAsync(void* to, const void* from, std::size_t bytes, cudaM
     if ((!up && !is_on_card(from, bytes)) || (!down && !is_on_card(to, bytes)))
         end("a copy that leaves the card's memory");
     if (up) cuda_emulated::card().uploaded_bytes += bytes;
+    if (down) cuda_emulated::card().downloaded_bytes += bytes;
     later(stream, [=] { std::memcpy(to, from, bytes); });
     return cudaSuccess;
 }

@@ -82,7 +82,7 @@ struct Card {
     int driver_version = 13000;
     cudaError_t next_wait = cudaSuccess;  ///< told by the next cudaStreamSynchronize: what a kernel did wrong
     std::size_t held_bytes = 0;           ///< allocated and not yet freed
-    std::size_t uploaded_bytes = 0, launches = 0;
+    std::size_t uploaded_bytes = 0, downloaded_bytes = 0, launches = 0;
 };
 Card& card();
 

@@ -20,6 +20,8 @@ std::string error_of(const std::function<void()>& act, ErrorCode code = ErrorCod
     return "";
 }
 
+std::size_t downloaded() { return cuda_emulated::card().downloaded_bytes; }
+
 /// As it was, once a test has made trouble.
 class TroubledCards : public Cards {
 protected:
@@ -127,6 +129,33 @@ TEST_F(TroubledCards, GiveWayBeforeAnIterationAndWithinOne) {
         gave_way += !device.note().empty();
     }
     EXPECT_EQ(gave_way, 4);
+}
+
+TEST_F(Cards, BringWhatTheyFoundToAHostThatReadsIt) {
+    const Volume volume = shells_of<std::uint8_t>(40);
+    const IlluminationSettings light{.method = Method::spao};
+    const Medium medium = classify(upload(card, volume), two_materials(), {});
+    Progress progress;
+    IlluminationField field;
+    const auto keep = [&](IlluminationField found) { field = std::move(found); };
+    const auto drawn = [&](const Device& device) {
+        Shot shot = shaded();
+        Frame frame(shot.width, shot.height);
+        raycast(device, medium, field, shot.lighting, make_camera({}, volume.geometry, volume.dimensions), shot.rays,
+                frame, progress);
+        return frame;
+    };
+    const std::size_t answer = volume.voxel_count() * sizeof(std::uint16_t), before = downloaded();
+    illuminate(card, medium, Prepared(), {}, light, keep, progress);
+    const Frame there = drawn(card);
+    EXPECT_LT(downloaded() - before, answer);
+    const std::size_t unread = downloaded();
+    EXPECT_EQ(difference(drawn(processor()), there, 0).pixels_beyond, 0);
+    EXPECT_GE(downloaded() - unread, answer);
+    EXPECT_LT(downloaded() - unread, 2 * answer) << "both answers";
+    const std::size_t read = downloaded();
+    drawn(processor());
+    EXPECT_EQ(downloaded(), read);
 }
 
 TEST_F(TroubledCards, ThatAreLostAreTold) {

@@ -24,7 +24,7 @@ public:
           progress_(progress),
           grid_(opacity.values.grid),
           opacity_(on_card(stream_, opacity.values)),
-          access_(stream_, grid_) {}
+          access_(device.stream, grid_) {}
 
     cuda::Stream& stream() const { return stream_; }
     const Cells& count() const { return grid_.count; }
@@ -40,7 +40,7 @@ public:
         progress_.report("spao", share);
         progress_.check();
     }
-    CellValues fetch() { return access_.fetch(); }
+    CellValues leave() { return access_.leave(); }
 
 private:
     cuda::Stream& stream_;
@@ -204,7 +204,7 @@ CellValues combine(CardAccess& access, const Kernel& kernel, const BlockMap& blo
         batch.places = places;
         kernel::answer_access(access.stream(), batch, count);
     });
-    return access.fetch();
+    return access.leave();
 }
 
 }  // namespace
@@ -218,7 +218,7 @@ CellValues fused_on_card(const Device& device, const CellOpacity& opacity, const
     for (int g = coarse_grids(settings); g > 0; --g) steps(name_of_cells(g), [&] { sweep.sweep_corners(g, tiles); });
     return steps(name_of_cells(0), [&] {
         sweep.sweep_cells(tiles);
-        return access.fetch();
+        return access.leave();
     });
 }
 

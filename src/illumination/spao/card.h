@@ -1,4 +1,4 @@
-// SPAO on a card: opacities go there once, levels and coarser grids are made there, the answer stays and comes back.
+// SPAO on a card: opacities go there once, levels and coarser grids are made there, the answer stays until it is read.
 #pragma once
 #include "cuda/stream.h"
 #include "illumination/access.h"
