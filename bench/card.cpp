@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "classify/medium.h"
+#include "illumination/histogram/histograms.h"
 #include "illumination/transport/card.h"
 #include "illumination/transport/solver.h"
 #include "turntable.h"
@@ -128,6 +129,21 @@ std::vector<Row> measure_words(const Setup& setup, const std::string& name) {
     return {{name, "ms", spread_of(series[0]), median_ratio(series[0], series[1]), "a pass over the words"}};
 }
 
+/// All that local histograms need before the first picture.
+std::vector<Row> measure_preparation(const Setup& setup, const std::string& name) {
+    if (!setup.device.has_card()) return {skipped(name, "ms", no_card)};
+    const DeviceVolume volume = upload(setup.device, make_sample("shells", setup.quick ? 24 : 256));
+    HistogramSettings settings;
+    if (setup.quick) settings.radius = 4, settings.clusters = 20, settings.packed_bins = 16;
+    const auto prepare = [&] {
+        Steps steps;
+        find_local_histograms(volume.data(), settings, steps, setup.progress);
+    };
+    const auto series = in_turns(setup.runs, {[&] { return 1e3 * wall_seconds(prepare); },
+                                              [&] { return pass_ms(setup, volume.data().bricks.size()); }});
+    return {{name, "ms", spread_of(series[0]), median_ratio(series[0], series[1]), "a pass over the voxels"}};
+}
+
 void add_scene(const Setup& setup, const std::string& scene, Method method, std::vector<Case>& cases) {
     const std::string of = fmt::format("{}/{}", scene, method == Method::reference ? "path" : "none");
     const std::vector<std::string> names{"card/frame/" + of, "card/raycast/" + of};
@@ -168,6 +184,7 @@ std::vector<Case> card_cases(const Setup& setup) {
     const std::vector<std::string> memory{"card/copy", "card/upload", "card/download"};
     std::vector<Case> cases{{memory, [=, &setup] { return measure_memory(setup, memory); }}};
     cases.push_back({{"card/words"}, [&setup] { return measure_words(setup, "card/words"); }});
+    cases.push_back({{"card/histograms"}, [&setup] { return measure_preparation(setup, "card/histograms"); }});
     const std::vector<std::string> transport{"card/transport/first", "card/transport/iteration"};
     cases.push_back({transport, [=, &setup] { return measure_transport(setup, transport); }});
     for (const SceneText& text : scene_texts()) {

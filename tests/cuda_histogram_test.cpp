@@ -31,7 +31,8 @@ std::size_t different_bytes(const VoxelBuffer& a, const VoxelBuffer& b) {
     return count;
 }
 
-void expect_same_histograms(const Device& card, const Volume& volume, const HistogramSettings& settings) {
+/// Returns how many words they are.
+int expect_same_histograms(const Device& card, const Volume& volume, const HistogramSettings& settings) {
     const LocalHistograms expected = prepared(processor(), volume, settings), found = prepared(card, volume, settings);
     EXPECT_EQ(found.words, expected.words);
     EXPECT_EQ(found.distortions, expected.distortions);
@@ -39,6 +40,7 @@ void expect_same_histograms(const Device& card, const Volume& volume, const Hist
     EXPECT_EQ(different_bytes(found.lifted, expected.lifted), 0u);
     EXPECT_EQ(found.shares, expected.shares);
     EXPECT_EQ(found.scale, expected.scale);
+    return found.words;
 }
 
 constexpr HistogramSettings small{.radius = 6, .clusters = 60, .packed_bins = 16};
@@ -66,6 +68,13 @@ TEST_F(Cards, PrepareLocalHistogramsOfEverySetting) {
     settings.clusters = 1;
     expect_same_histograms(card, clutter(), settings);
     expect_same_histograms(card, sampled<float>({5, 3, 4}, [](double, double, double) { return 0.0; }), small);
+}
+
+TEST_F(Cards, FindMoreWordsThanThereIsRoomForAtOnce) {
+    HistogramSettings settings = small;
+    settings.clusters = 600;  // of 4096 bins, half a MiB each
+    const auto slope = [](double x, double y, double z) { return 0.1 * x + std::sin(y) * z + (int(x + y) % 3); };
+    EXPECT_GT(expect_same_histograms(card, sampled<float>({9, 8, 7}, slope), settings), 512);
 }
 
 TEST_F(Cards, KeepTheIdentifiersThatTheyFound) {

@@ -182,9 +182,9 @@ TEST_F(Cards, AreTimedByTheBench) {
     Progress progress;
     const bench::Setup setup{.device = card, .quick = true, .runs = 2, .progress = progress};
     std::vector<bench::Row> rows;
-    bench::run(setup, {{"card"}, "copy|upload|download|words|transport|shells256-opaque.(none|classify)"},
+    bench::run(setup, {{"card"}, "copy|upload|download|words|histograms|transport|shells256-opaque.(none|classify)"},
                [&](const bench::Row& row) { rows.push_back(row); });
-    ASSERT_EQ(rows.size(), 9u);
+    ASSERT_EQ(rows.size(), 10u);
     for (const bench::Row& row : rows) {
         EXPECT_EQ(row.value.runs, 2) << row.name << row.note;
         EXPECT_GT(row.value.min, 0) << row.name;

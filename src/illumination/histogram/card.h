@@ -5,6 +5,7 @@
 #include "illumination/histogram/fast.h"
 #include "illumination/histogram/histograms.h"
 #include "illumination/histogram/launch_card.h"
+#include "illumination/histogram/members.h"
 
 namespace chiaro {
 
@@ -37,6 +38,10 @@ void assign_on_card(const Device& device, const HistogramData& data, const Codeb
 
 /// `lift` of every node, which stays there too.
 void lift_on_card(const Device& device, const BinnedCells& cells, kernel::LiftKernel lift, LocalHistograms& histograms);
+
+/// As find_words, from the members that were taken. Memory there: 16 bytes a bin of each, 1 GiB at most.
+void find_words_on_card(const Device& device, const BinnedCells& cells, const Ball& ball, const WordMembers& taken,
+                        LocalHistograms& histograms, Progress& progress);
 
 /// The histograms of cells of some blocks, in the order of `place`, where each of their cells has its own or -1.
 std::vector<PackedHistogram> sample_on_card(const Device& device, const HistogramData& data, const BlockMap& blocks,

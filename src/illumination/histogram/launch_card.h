@@ -4,6 +4,7 @@
 #include "illumination/histogram/lift_kernel.h"
 #include "illumination/histogram/plane_kernel.h"
 #include "illumination/histogram/table_kernel.h"
+#include "illumination/histogram/word_kernel.h"
 
 namespace chiaro::kernel {
 
@@ -27,6 +28,9 @@ void lift_nodes(cuda::Stream& stream, const LiftKernel& lift);
 /// bin of each.
 void assign_vectors(cuda::Stream& stream, const CodebookView& book, const WordedVectors& vectors);
 void add_up_vectors(cuda::Stream& stream, const WordedVectors& vectors, cuda::Count* sums);
+
+void count_members(cuda::Stream& stream, const CountMembers& count, std::int64_t members);
+void add_up_members(cuda::Stream& stream, const AddUpMembers& add_up, std::int64_t words);
 
 /// Sixteen threads a word, then four.
 void find_word_sums(cuda::Stream& stream, const WordTable& table);
