@@ -3,6 +3,7 @@
 
 #include "bench.h"
 #include "cuda_case.h"
+#include "illumination/histogram/histograms.h"
 #include "illumination/transport/solver.h"
 
 using namespace chiaro;
@@ -94,6 +95,29 @@ TEST_F(TroubledCards, GiveWayWhereverMemoryEnds) {
         EXPECT_GT(gave_way, 2);
         EXPECT_LT(gave_way, 8);
     }
+}
+
+TEST_F(TroubledCards, GiveWayAtAnyStepOfPreparingHistograms) {
+    const Volume volume = shells_of<std::uint8_t>(20);
+    const auto prepared = [&](const Device& device) {
+        Steps steps;
+        Progress progress;
+        const HistogramSettings settings{.radius = 4, .clusters = 20, .packed_bins = 16};
+        return find_local_histograms(upload(device, volume).data(), settings, steps, progress);
+    };
+    const LocalHistograms expected = prepared(processor());
+    int gave_way = 0;
+    for (const std::size_t more : {1 << 14, 1 << 17, 3 << 17, 1 << 20, 1 << 22, 1 << 23, 1 << 24, 1 << 26}) {
+        cuda_emulated::card().memory_bytes = std::size_t(4) << 30;
+        const Device device = choose_device(processor()).device;
+        cuda_emulated::card().memory_bytes = cuda_emulated::card().held_bytes + more;
+        const LocalHistograms found = prepared(device);
+        EXPECT_EQ(std::memcmp(found.lifted.data(), expected.lifted.data(), expected.lifted.size()), 0) << more;
+        EXPECT_EQ(found.shares, expected.shares) << more;
+        gave_way += !device.note().empty();
+    }
+    EXPECT_GT(gave_way, 3);
+    EXPECT_LT(gave_way, 8);
 }
 
 TEST_F(TroubledCards, GiveWayBeforeAnIterationAndWithinOne) {
