@@ -31,13 +31,18 @@ std::span<const std::uint16_t> words_of(const LocalHistograms& h) { return {&h.p
 std::vector<Member> candidates(const Device& device, const LocalHistograms& h) {
     const auto words = words_of(h);
     std::vector<std::uint64_t> count(std::size_t(h.words));
-    for (std::uint16_t w : words) ++count[w];
+    std::mutex joining;
+    parallel_for(device.threads, std::int64_t(words.size()), piece, [&](std::int64_t first, std::int64_t end) {
+        std::vector<std::uint32_t> found(count.size());
+        for (auto i = std::size_t(first); i < std::size_t(end); ++i) ++found[words[i]];
+        const std::lock_guard lock(joining);
+        for (std::size_t w = 0; w < count.size(); ++w) count[w] += found[w];
+    });
     std::vector<std::uint32_t> limit(count.size(), std::numeric_limits<std::uint32_t>::max());
     for (std::size_t w = 0; w < limit.size(); ++w)
         if (const double share = 2.0 * most_members / double(std::max<std::uint64_t>(count[w], 1)); share < 1)
             limit[w] = std::uint32_t(share * 4294967295.0);
     std::vector<Member> all;
-    std::mutex joining;
     parallel_for(device.threads, std::int64_t(words.size()), piece, [&](std::int64_t first, std::int64_t end) {
         std::vector<Member> found;
         for (auto i = std::size_t(first); i < std::size_t(end); ++i)
