@@ -63,7 +63,9 @@ private:
             kernels_.assign_each(book.view(), vectors_.data() + std::size_t(first) * bins_, std::int32_t(end - first),
                                  word_of_.data() + first, difference_.data() + first);
         };
-        if (!done_on_card([&] { card_->assign(book, word_of_, difference_); }))
+        if (done_on_card([&] { card_->assign(book, word_of_, difference_); }))
+            progress_.report("histogram training", 1);
+        else
             parallel_for(device_.threads, std::int64_t(count_), 1024, "histogram training", progress_, here);
         progress_.check();
         distortion_ = std::accumulate(difference_.begin(), difference_.end(), 0.0) / double(count_);
