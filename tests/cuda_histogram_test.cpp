@@ -37,6 +37,7 @@ int expect_same_histograms(const Device& card, const Volume& volume, const Histo
     EXPECT_EQ(found.words, expected.words);
     EXPECT_EQ(found.distortions, expected.distortions);
     EXPECT_EQ(different_bytes(found.identifiers, expected.identifiers), 0u);
+    found.lifted_array().fetch();
     EXPECT_EQ(different_bytes(found.lifted, expected.lifted), 0u);
     EXPECT_EQ(found.shares, expected.shares);
     EXPECT_EQ(found.scale, expected.scale);

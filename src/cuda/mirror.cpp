@@ -66,6 +66,15 @@ std::size_t Mirror::held_bytes() const {
     return bytes;
 }
 
+std::shared_ptr<const Late> leave_there(const std::shared_ptr<Stream>& stream, const HostArray& array, const void* made,
+                                        void* to) {
+    stream->mirror()->keep(array, made, *stream);
+    return std::make_shared<const Late>([stream, array, to] {
+        stream->download(to, stream->mirror()->of(array, *stream), array.bytes);
+        stream->wait();
+    });
+}
+
 const std::byte* Views::on_card(const void* pointer) {
     if (!pointer) return nullptr;
     const HostArray* array = arrays_.holding(pointer);

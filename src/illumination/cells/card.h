@@ -27,12 +27,7 @@ public:
     std::uint16_t* data() const { return reinterpret_cast<std::uint16_t*>(made_.data()); }
     /// The card keeps them; they come when the host first reads what is returned.
     CellValues leave() {
-        const HostArray kept = values_.array();
-        stream_->mirror()->keep(kept, made_.data(), *stream_);
-        values_.leave([stream = stream_, kept, to = values_.buffer.data()] {
-            stream->download(to, stream->mirror()->of(kept, *stream), kept.bytes);
-            stream->wait();
-        });
+        values_.late = cuda::leave_there(stream_, values_.array(), made_.data(), values_.buffer.data());
         return std::move(values_);
     }
 

@@ -53,6 +53,7 @@ struct CellValues {
     CellGrid grid;
     VoxelBuffer buffer;
     std::shared_ptr<const char> life = std::make_shared<const char>();  ///< by which a card knows them, once filled
+    std::shared_ptr<const Late> late = {};                              ///< fetches them, where they may be elsewhere
 
     explicit CellValues(const CellGrid& cells) : grid(cells), buffer((cells.size() + spare) * sizeof(std::uint16_t)) {}
     std::uint16_t* data() { return const_cast<std::uint16_t*>(std::as_const(*this).data()); }
@@ -67,11 +68,8 @@ struct CellValues {
         array.late = late;
         return array;
     }
-    /// From now on they are elsewhere; fetch() writes the buffer, whose address stays.
-    void leave(std::function<void()> fetch) { late = std::make_shared<const Late>(std::move(fetch)); }
 
 private:
-    std::shared_ptr<const Late> late;
     static constexpr std::size_t spare = 8;  ///< look-ups read two cells at a time
 };
 

@@ -13,13 +13,6 @@ const std::uint16_t* bins_on_card(cuda::Stream& stream, const BinnedCells& cells
     return reinterpret_cast<const std::uint16_t*>(stream.mirror()->of(HostArray::of(cells.life, cells.buffer), stream));
 }
 
-/// Identifiers that were made there, to the host and for pictures.
-void bring(cuda::Stream& stream, const cuda::Array<std::byte>& made, const LocalHistograms& h, VoxelBuffer& to) {
-    stream.download(to.data(), made.data(), made.size());
-    stream.wait();
-    stream.mirror()->keep(HostArray::of(h.life, to), made.data(), stream);
-}
-
 /// Of all rows and cells of a plane, so that rooms follow each other.
 std::size_t room_of(kernel::FastBlock& block, std::byte* memory) {
     return (give_room(block, block_edge, block_edge, memory) + 255) / 256 * 256;
@@ -94,7 +87,9 @@ void assign_on_card(const Device& device, const HistogramData& data, const Codeb
                         assign.plane = plane;
                         kernel::assign_plane(stream, assign, blocks);
                     });
-    bring(stream, words, out, out.identifiers);
+    stream.download(out.identifiers.data(), words.data(), words.size());
+    stream.wait();
+    stream.mirror()->keep(HostArray::of(out.life, out.identifiers), words.data(), stream);
 }
 
 void lift_on_card(const Device& device, const BinnedCells& cells, kernel::LiftKernel lift, LocalHistograms& h) {
@@ -106,7 +101,7 @@ void lift_on_card(const Device& device, const BinnedCells& cells, kernel::LiftKe
         reinterpret_cast<const std::uint16_t*>(stream.mirror()->of(HostArray::of(h.life, h.identifiers), stream));
     lift.lifted = reinterpret_cast<std::uint16_t*>(lifted.data());
     kernel::lift_nodes(stream, lift);
-    bring(stream, lifted, h, h.lifted);
+    h.late = cuda::leave_there(device.stream, h.lifted_array(), lifted.data(), h.lifted.data());
 }
 
 std::vector<PackedHistogram> sample_on_card(const Device& device, const HistogramData& data, const BlockMap& blocks,
