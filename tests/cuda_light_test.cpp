@@ -40,7 +40,7 @@ TEST_F(Cards, OccludeAsTheProcessorDoes) {
     const Medium medium = classify(upload(card, shells_of<std::uint8_t>(40)), two_materials(), {});
     for (const SpaoModel model : {SpaoModel::paper, SpaoModel::thick, SpaoModel::corrected})
         for (const SpaoFilter filter :
-             {SpaoFilter::automatic, SpaoFilter::nbuffer, SpaoFilter::mipmap, SpaoFilter::hybrid})
+             {SpaoFilter::automatic, SpaoFilter::nbuffer, SpaoFilter::mipmap, SpaoFilter::hybrid, SpaoFilter::exact})
             for (const double normal_factor : {0.0, 1.0}) {
                 light.spao.model = model, light.spao.filter = filter, light.spao.normal_factor = normal_factor;
                 const auto what = fmt::format("model {}, filter {}, F {}", int(model), int(filter), normal_factor);

@@ -21,6 +21,7 @@ const std::byte* Mirror::of(const HostArray& array, Stream& stream) {
     const auto kept =
         std::find_if(copies_.begin(), copies_.end(), [&](const Copy& copy) { return is_same(copy.of, array); });
     if (kept != copies_.end()) return kept->memory;
+    array.fetch();
     const std::byte* memory = add(array, stream, [&](std::byte* to) { stream.upload(to, array.data, array.bytes); });
     copied_bytes_ += array.bytes;
     return memory;
@@ -76,6 +77,15 @@ std::size_t Mirror::held_bytes() const {
     std::size_t bytes = 0;
     for (const Copy& copy : copies_) bytes += copy.of.bytes;
     return bytes;
+}
+
+std::shared_ptr<const Late> leave_there(const std::shared_ptr<Stream>& stream, const HostArray& array, const void* made,
+                                        void* to) {
+    stream->mirror()->keep(array, made, *stream);
+    return std::make_shared<const Late>([stream, array, to] {
+        stream->download(to, stream->mirror()->of(array, *stream), array.bytes);
+        stream->wait();
+    });
 }
 
 const std::byte* Views::on_card(const void* pointer) {

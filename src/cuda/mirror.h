@@ -46,6 +46,10 @@ private:
     std::atomic<std::uint64_t> copied_bytes_{0};
 };
 
+/// The card keeps what was `made` there as its copy of the array; what is returned fetches it to `to`.
+std::shared_ptr<const Late> leave_there(const std::shared_ptr<Stream>& stream, const HostArray& array, const void* made,
+                                        void* to);
+
 /// One call's kernels: turns their pointers into host arrays into pointers to the card's copies of those.
 class Views {
 public:

@@ -125,6 +125,7 @@ private:
 
     template <class Kernel>
     Outcome cast_here(const Kernel& kernel) const {
+        arrays.fetch();
         std::optional<BoundingGeometry> geometry;  // the largest value is looked for everywhere
         const Frame& frame = filled.frame;
         if (settings.ray_setup == RaySetup::raster && medium.shape.mode != Mode::mip && !glows(kernel.matter.field))

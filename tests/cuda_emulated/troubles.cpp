@@ -3,6 +3,7 @@
 
 #include "bench.h"
 #include "cuda_case.h"
+#include "illumination/histogram/histograms.h"
 #include "illumination/transport/solver.h"
 
 using namespace chiaro;
@@ -19,6 +20,8 @@ std::string error_of(const std::function<void()>& act, ErrorCode code = ErrorCod
     }
     return "";
 }
+
+std::size_t downloaded() { return cuda_emulated::card().downloaded_bytes; }
 
 /// As it was, once a test has made trouble.
 class TroubledCards : public Cards {
@@ -95,6 +98,30 @@ TEST_F(TroubledCards, GiveWayWhereverMemoryEnds) {
     }
 }
 
+TEST_F(TroubledCards, GiveWayAtAnyStepOfPreparingHistograms) {
+    const Volume volume = shells_of<std::uint8_t>(20);
+    const auto prepared = [&](const Device& device) {
+        Steps steps;
+        Progress progress;
+        const HistogramSettings settings{.radius = 4, .clusters = 20, .packed_bins = 16};
+        return find_local_histograms(upload(device, volume).data(), settings, steps, progress);
+    };
+    const LocalHistograms expected = prepared(processor());
+    int gave_way = 0;
+    for (const std::size_t more : {1 << 14, 1 << 17, 3 << 17, 1 << 20, 1 << 22, 1 << 23, 1 << 24, 1 << 26}) {
+        cuda_emulated::card().memory_bytes = std::size_t(4) << 30;
+        const Device device = choose_device(processor()).device;
+        cuda_emulated::card().memory_bytes = cuda_emulated::card().held_bytes + more;
+        const LocalHistograms found = prepared(device);
+        found.lifted_array().fetch();
+        EXPECT_EQ(std::memcmp(found.lifted.data(), expected.lifted.data(), expected.lifted.size()), 0) << more;
+        EXPECT_EQ(found.shares, expected.shares) << more;
+        gave_way += !device.note().empty();
+    }
+    EXPECT_GT(gave_way, 3);
+    EXPECT_LT(gave_way, 8);
+}
+
 TEST_F(TroubledCards, GiveWayBeforeAnIterationAndWithinOne) {
     const Volume volume = shells_of<std::uint8_t>(24);
     const Medium medium = classify(upload(processor(), volume), two_materials(), {});
@@ -165,6 +192,33 @@ TEST_F(TroubledCards, GiveWayWithFramesAndPathsHalfDone) {
     EXPECT_EQ(seen_by(device, [] {}), seen_by(processor(), [] {}));
 }
 
+TEST_F(Cards, BringWhatTheyFoundToAHostThatReadsIt) {
+    const Volume volume = shells_of<std::uint8_t>(40);
+    const IlluminationSettings light{.method = Method::spao};
+    const Medium medium = classify(upload(card, volume), two_materials(), {});
+    Progress progress;
+    IlluminationField field;
+    const auto keep = [&](IlluminationField found) { field = std::move(found); };
+    const auto drawn = [&](const Device& device) {
+        Shot shot = shaded();
+        Frame frame(shot.width, shot.height);
+        raycast(device, medium, field, shot.lighting, make_camera({}, volume.geometry, volume.dimensions), shot.rays,
+                frame, progress);
+        return frame;
+    };
+    const std::size_t answer = volume.voxel_count() * sizeof(std::uint16_t), before = downloaded();
+    illuminate(card, medium, Prepared(), {}, light, keep, progress);
+    const Frame there = drawn(card);
+    EXPECT_LT(downloaded() - before, answer);
+    const std::size_t unread = downloaded();
+    EXPECT_EQ(difference(drawn(processor()), there, 0).pixels_beyond, 0);
+    EXPECT_GE(downloaded() - unread, answer);
+    EXPECT_LT(downloaded() - unread, 2 * answer) << "both answers";
+    const std::size_t read = downloaded();
+    drawn(processor());
+    EXPECT_EQ(downloaded(), read);
+}
+
 TEST_F(TroubledCards, ThatAreLostAreTold) {
     Shot shot = shaded();
     shot.device = card;
@@ -194,6 +248,11 @@ TEST_F(Cards, AreTimedByTheBench) {
         {{"card"}, "copy|upload|download|words|transport|card/(spao|visib|histogram)|shells256-opaque.(none|classify)"},
         [&](const bench::Row& row) { rows.push_back(row); });
     ASSERT_EQ(rows.size(), 18u);
+}
+
+    bench::run(setup, {{"card"}, "copy|upload|download|words|histograms|transport|shells256-opaque.(none|classify)"},
+               [&](const bench::Row& row) { rows.push_back(row); });
+    ASSERT_EQ(rows.size(), 10u);
     for (const bench::Row& row : rows) {
         EXPECT_EQ(row.value.runs, 2) << row.name << row.note;
         EXPECT_GT(row.value.min, 0) << row.name;

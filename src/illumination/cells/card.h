@@ -14,37 +14,34 @@ inline constexpr std::size_t blocks_together = 256;  ///< 8 million threads, and
 
 /// The card's copy, made when first asked for.
 inline const std::uint16_t* on_card(cuda::Stream& stream, const CellValues& values) {
-    return reinterpret_cast<const std::uint16_t*>(
-        stream.mirror()->of(HostArray::of(values.life, values.buffer), stream));
+    return reinterpret_cast<const std::uint16_t*>(stream.mirror()->of(values.array(), stream));
 }
 
 /// Numbers of cells that are made on a card: 0 at first.
 class CardCells {
 public:
-    CardCells(cuda::Stream& stream, const CellGrid& grid)
-        : stream_(stream), values_(grid), made_(stream, values_.buffer.size()) {
+    CardCells(std::shared_ptr<cuda::Stream> stream, const CellGrid& grid)
+        : stream_(std::move(stream)), values_(grid), made_(*stream_, values_.buffer.size()) {
         made_.zero();
     }
     std::uint16_t* data() const { return reinterpret_cast<std::uint16_t*>(made_.data()); }
-    /// The card keeps a copy, as a mirror of what is returned.
-    CellValues fetch() {
-        stream_.download(values_.buffer.data(), made_.data(), made_.size());
-        stream_.wait();
-        stream_.mirror()->keep(HostArray::of(values_.life, values_.buffer), made_.data(), stream_);
+    /// The card keeps them; they come when the host first reads what is returned.
+    CellValues leave() {
+        values_.late = cuda::leave_there(stream_, values_.array(), made_.data(), values_.buffer.data());
         return std::move(values_);
     }
 
 private:
-    cuda::Stream& stream_;
+    std::shared_ptr<cuda::Stream> stream_;
     CellValues values_;
     cuda::Array<std::byte> made_;
 };
 
-/// work(places, how many blocks they are) for all blocks of a map, some at a time; reports and may be cancelled after
-/// each.
+/// work(places, how many blocks they are) for all blocks of a map in order, so many at a time; reports and may be
+/// cancelled after each.
 template <class Work>
-void for_blocks(cuda::Stream& stream, const BlockMap& map, std::string_view stage, Progress& progress,
-                const Work& work) {
+void for_blocks(cuda::Stream& stream, const BlockMap& map, std::string_view stage, Progress& progress, const Work& work,
+                std::size_t together = blocks_together) {
     std::vector<kernel::BlockPlace> places;
     for (const std::size_t b : map.held()) {
         const auto [x, y, z] = map.at(b);
@@ -55,8 +52,8 @@ void for_blocks(cuda::Stream& stream, const BlockMap& map, std::string_view stag
     const cuda::Array<kernel::BlockPlace> there(stream, places.size());
     stream.upload(there.data(), places.data(), places.size() * sizeof places[0]);
     stream.wait();
-    for (std::size_t first = 0; first < places.size(); first += blocks_together) {
-        const std::size_t count = std::min(blocks_together, places.size() - first);
+    for (std::size_t first = 0; first < places.size(); first += together) {
+        const std::size_t count = std::min(together, places.size() - first);
         work(there.data() + first, std::int64_t(count));
         stream.wait();
         progress.report(stage, double(first + count) / double(places.size()));

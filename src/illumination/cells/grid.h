@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <utility>
 
+#include "core/host_array.h"
 #include "illumination/cells/place.h"
 
 namespace chiaro {
@@ -46,14 +48,26 @@ inline constexpr float cell_one = 65535;
 inline std::uint16_t cell_value(double share) { return std::uint16_t(std::clamp(share, 0.0, 1.0) * cell_one + 0.5); }
 
 /// One number in [0, 1] for every cell, as 65535ths; x fastest. What was never written takes no memory and reads as 0.
+/// What a card made stays there until the host reads it.
 struct CellValues {
     CellGrid grid;
     VoxelBuffer buffer;
     std::shared_ptr<const char> life = std::make_shared<const char>();  ///< by which a card knows them, once filled
+    std::shared_ptr<const Late> late = {};                              ///< fetches them, where they may be elsewhere
 
     explicit CellValues(const CellGrid& cells) : grid(cells), buffer((cells.size() + spare) * sizeof(std::uint16_t)) {}
-    std::uint16_t* data() { return reinterpret_cast<std::uint16_t*>(buffer.data()); }
-    const std::uint16_t* data() const { return reinterpret_cast<const std::uint16_t*>(buffer.data()); }
+    std::uint16_t* data() { return const_cast<std::uint16_t*>(std::as_const(*this).data()); }
+    const std::uint16_t* data() const {
+        if (late) late->fetch();
+        return address();
+    }
+    /// For views, whose readers see to it that the numbers are where they read them (HostArrays::fetch).
+    const std::uint16_t* address() const { return reinterpret_cast<const std::uint16_t*>(buffer.data()); }
+    HostArray array() const {
+        HostArray array = HostArray::of(life, buffer);
+        array.late = late;
+        return array;
+    }
 
 private:
     static constexpr std::size_t spare = 8;  ///< look-ups read two cells at a time

@@ -14,6 +14,9 @@ struct BallView {
     const float* weights;  ///< of every cell, row after row
 };
 
+/// Forward is the half that ∇f points to.
+enum class BallPart : std::int32_t { forward, backward, whole };
+
 /// A cell's place in a histogram, those of its neighbours, and how far the volume goes before and behind it.
 struct CellPlaces {
     const std::uint16_t* here;

@@ -59,19 +59,6 @@ std::vector<std::uint64_t> BinnedCells::counts() const {
     return counts;
 }
 
-std::array<float, 3> BinnedCells::gradient(int x, int y, int z) const {
-    const std::array at{x, y, z};
-    const std::array<std::ptrdiff_t, 3> step{1, grid.count[0], std::ptrdiff_t(grid.count[0]) * grid.count[1]};
-    const std::uint16_t* cell = data() + grid.index(x, y, z);
-    std::array<float, 3> g{};
-    for (int axis = 0; axis < 3; ++axis) {
-        const std::ptrdiff_t before = at[axis] > 0 ? step[axis] : 0,
-                             behind = at[axis] + 1 < grid.count[axis] ? step[axis] : 0;
-        g[axis] = 0.5f * float(int(cell[behind]) - int(cell[-before]));
-    }
-    return g;
-}
-
 BinnedCells bin_cells(const DeviceVolume::Data& volume, Progress& progress) {
     BinnedCells out{make_cell_grid(volume.dimensions, volume.geometry), make_binning(volume), {}};
     out.buffer = VoxelBuffer(out.grid.size() * sizeof(std::uint16_t));

@@ -3,6 +3,7 @@
 #include <chiaro/progress.h>
 
 #include "illumination/cells/grid.h"
+#include "illumination/histogram/bin_grid.h"
 #include "volume/device_volume.h"
 
 namespace chiaro {
@@ -27,13 +28,17 @@ struct BinnedCells {
     CellGrid grid;
     Binning binning;
     VoxelBuffer buffer;
+    std::shared_ptr<const char> life = std::make_shared<const char>();  ///< by which a card knows them, once filled
 
     const std::uint16_t* data() const { return reinterpret_cast<const std::uint16_t*>(buffer.data()); }
     std::uint16_t* data() { return reinterpret_cast<std::uint16_t*>(buffer.data()); }
     std::vector<std::uint64_t> counts() const;  ///< cells in each bin: the global histogram
 
-    /// Bins per cell edge: differences of the neighbours, one-sided at the border; any cell of the grid.
-    std::array<float, 3> gradient(int x, int y, int z) const;
+    std::array<float, 3> gradient(int x, int y, int z) const {
+        const kernel::Float3 g = view().gradient(x, y, z);
+        return {g.x, g.y, g.z};
+    }
+    kernel::BinGrid view() const { return {data(), {grid.count[0], grid.count[1], grid.count[2]}}; }
 };
 
 /// Cost: one look-up a cell. Throws Error{interrupted} when cancelled.

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
+#include <span>
 
 #include "core/threads.h"
+#include "illumination/histogram/card_vectors.h"
 #include "illumination/histogram/launch.h"
 
 namespace chiaro {
@@ -23,7 +26,9 @@ public:
           training_(training),
           progress_(progress),
           word_of_(count_, 0),
-          difference_(count_, 0) {}
+          difference_(count_, 0) {
+        cuda::done_on_card(device, [&] { card_.emplace(device, vectors, bins); });
+    }
 
     Codebook train() {
         words_ = means({0, count_}, iota());
@@ -46,15 +51,22 @@ private:
         return all;
     }
 
+    template <class Work>
+    bool done_on_card(const Work& work) const {
+        return card_ && cuda::done_on_card(device_, work);
+    }
+
     /// Every vector to its nearest word.
     void assign() {
         const Codebook book = make_book();
-        parallel_for(device_.threads, std::int64_t(count_), 1024, "histogram training", progress_,
-                     [&](std::int64_t first, std::int64_t end) {
-                         kernels_.assign_each(book.view(), vectors_.data() + std::size_t(first) * bins_,
-                                              std::int32_t(end - first), word_of_.data() + first,
-                                              difference_.data() + first);
-                     });
+        const auto here = [&](std::int64_t first, std::int64_t end) {
+            kernels_.assign_each(book.view(), vectors_.data() + std::size_t(first) * bins_, std::int32_t(end - first),
+                                 word_of_.data() + first, difference_.data() + first);
+        };
+        if (done_on_card([&] { card_->assign(book, word_of_, difference_); }))
+            progress_.report("histogram training", 1);
+        else
+            parallel_for(device_.threads, std::int64_t(count_), 1024, "histogram training", progress_, here);
         progress_.check();
         distortion_ = std::accumulate(difference_.begin(), difference_.end(), 0.0) / double(count_);
         training_.distortions.push_back(distortion_ / (training_.metric == HistogramMetric::l2
@@ -77,25 +89,28 @@ private:
     std::vector<PackedHistogram> means(const std::vector<std::size_t>& begin,
                                        const std::vector<std::uint32_t>& order) const {
         const std::size_t n = begin.size() - 1;
+        std::vector<std::int64_t> sums(n * bins_);
+        if (!done_on_card([&] { card_->add_up(word_of_, sums); }))
+            parallel_for(device_.threads, std::int64_t(n), 16, [&](std::int64_t first, std::int64_t end) {
+                for (auto w = std::size_t(first); w < std::size_t(end); ++w)
+                    add_up({order.begin() + std::ptrdiff_t(begin[w]), order.begin() + std::ptrdiff_t(begin[w + 1])},
+                           sums.data() + w * bins_);
+            });
         std::vector<PackedHistogram> means(n * bins_);
-        parallel_for(device_.threads, std::int64_t(n), 16, [&](std::int64_t first, std::int64_t end) {
-            std::vector<std::int64_t> sum(bins_);
-            std::vector<std::int32_t> part(bins_);  // of as many members as fit
-            for (auto w = std::size_t(first); w < std::size_t(end); ++w) {
-                const auto members = std::int64_t(begin[w + 1] - begin[w]);
-                if (members == 0) continue;
-                std::fill(sum.begin(), sum.end(), 0);
-                for (std::size_t i = begin[w]; i < begin[w + 1];) {
-                    std::fill(part.begin(), part.end(), 0);
-                    for (const std::size_t last = std::min(i + 65535, begin[w + 1]); i < last; ++i)
-                        for (std::size_t k = 0; k < bins_; ++k) part[k] += vectors_[order[i] * bins_ + k];
-                    for (std::size_t k = 0; k < bins_; ++k) sum[k] += part[k];
-                }
-                for (std::size_t k = 0; k < bins_; ++k)
-                    means[w * bins_ + k] = PackedHistogram((sum[k] + members / 2) / members);
-            }
-        });
+        for (std::size_t w = 0; w < n; ++w)
+            if (const auto members = std::int64_t(begin[w + 1] - begin[w]))
+                for (std::size_t k = w * bins_; k < (w + 1) * bins_; ++k)
+                    means[k] = PackedHistogram((sums[k] + members / 2) / members);
         return means;
+    }
+    void add_up(std::span<const std::uint32_t> members, std::int64_t* sum) const {
+        std::vector<std::int32_t> part(bins_);  // of as many members as fit
+        for (std::size_t i = 0; i < members.size();) {
+            std::fill(part.begin(), part.end(), 0);
+            for (const std::size_t last = std::min(i + 65535, members.size()); i < last; ++i)
+                for (std::size_t k = 0; k < bins_; ++k) part[k] += vectors_[members[i] * bins_ + k];
+            for (std::size_t k = 0; k < bins_; ++k) sum[k] += part[k];
+        }
     }
 
     void refine() {
@@ -174,6 +189,7 @@ private:
     std::vector<std::uint16_t> word_of_;
     std::vector<std::int32_t> difference_;
     double distortion_ = 0;
+    std::optional<CardVectors> card_;
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "core/host_array.h"
 #include "illumination/histogram/codebook_view.h"
 
 namespace chiaro {
@@ -24,6 +25,11 @@ public:
     int bins() const { return bins_; }
     const std::vector<PackedHistogram>& words() const { return words_; }
     kernel::CodebookView view() const;
+    void add_to(HostArrays& arrays) const {
+        arrays.add(words_);
+        arrays.add(neighbours_);
+        arrays.add(distances_);
+    }
 
 private:
     static constexpr int most_listed = 256;

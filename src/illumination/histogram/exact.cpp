@@ -1,7 +1,6 @@
 #include "illumination/histogram/exact.h"
 
-#include <numeric>
-
+#include "illumination/histogram/exact_kernel.h"
 #include "illumination/histogram/launch.h"
 
 namespace chiaro {
@@ -19,18 +18,12 @@ ExactHistograms::ExactHistograms(const Device& device, const BinnedCells& cells,
 const float* ExactHistograms::count(int x, int y, int z, const std::array<float, 3>& gradient, bool whole) const {
     constexpr std::size_t copies = 4;
     thread_local std::vector<float> counts;
-    const auto [nx, ny, nz] = cells_.grid.count;
-    const kernel::CellPlaces cell{(own_.empty() ? cells_.data() : own_.data()) + cells_.grid.index(x, y, z),
-                                  nx,
-                                  nx * ny,
-                                  {x, y, z},
-                                  {nx - 1 - x, ny - 1 - y, nz - 1 - z}};
-    const auto n = std::size_t(places_);
-    counts.assign(copies * n, 0);
-    kernel::histogram_functions_for(isa_).count_ball(ball_.view(), cell, gradient.data(), whole, places_,
-                                                     counts.data());
-    for (std::size_t k = 0; k < n; ++k)
-        counts[k] = (counts[k] + counts[n + k]) + (counts[2 * n + k] + counts[3 * n + k]);
+    kernel::BinGrid grid = cells_.view();
+    if (!own_.empty()) grid.bins = own_.data();
+    counts.assign(copies * std::size_t(places_), 0);
+    kernel::histogram_functions_for(isa_).count_ball(ball_.view(), kernel::places_around(grid, x, y, z),
+                                                     gradient.data(), whole, places_, counts.data());
+    for (int k = 0; k < places_; ++k) counts[std::size_t(k)] = kernel::count_of(counts.data(), places_, k);
     return counts.data();
 }
 
@@ -51,8 +44,7 @@ void ExactHistograms::add(int x, int y, int z, Half half, float* histogram) cons
     if (half == Half::backward)
         for (float& component : gradient) component = -component;
     const float* counted = count(x, y, z, gradient, half == Half::whole);
-    const float scale = half == Half::whole ? 1 : 2;
-    for (int k = 0; k < places_; ++k) histogram[k] += scale * counted[k];
+    for (int k = 0; k < places_; ++k) histogram[k] += kernel::scale_of(half) * counted[k];
 }
 
 }  // namespace chiaro

@@ -26,7 +26,7 @@ public:
     /// ball.
     void find(int x, int y, int z, float* histograms) const;
 
-    enum class Half { forward, backward, whole };
+    using Half = kernel::BallPart;
     /// Adds the histogram of one cell, of one half ball or of the whole, to `histogram`.
     void add(int x, int y, int z, Half half, float* histogram) const;
 

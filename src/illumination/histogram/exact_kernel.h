@@ -2,9 +2,17 @@
 // turns into vectors; then each is counted.
 #pragma once
 #include "illumination/histogram/ball_view.h"
-#include "kernel/lanes.h"
+#include "illumination/histogram/bin_grid.h"
 
 namespace chiaro::kernel {
+
+CHIARO_INLINE float scale_of(BallPart part) { return part == BallPart::whole ? 1.0f : 2.0f; }
+
+/// Around a cell whose places are its bins.
+CHIARO_INLINE CellPlaces places_around(const BinGrid& grid, int x, int y, int z) {
+    const std::int32_t* n = grid.count;
+    return {grid.cell(x, y, z), n[0], n[0] * n[1], {x, y, z}, {n[0] - 1 - x, n[1] - 1 - y, n[2] - 1 - z}};
+}
 
 /// Adds weights to their places in four copies of a histogram in turn, because adding to the same number again and
 /// again would wait for itself.
@@ -46,6 +54,11 @@ CHIARO_INLINE void count_ball(const BallView& ball, const CellPlaces& cell, cons
         }
         count_row(places_there, weights, count, places, counts);
     }
+}
+
+/// The four copies of count `k` together.
+CHIARO_INLINE float count_of(const float* counts, std::int32_t places, std::int32_t k) {
+    return (counts[k] + counts[places + k]) + (counts[2 * places + k] + counts[3 * places + k]);
 }
 
 }  // namespace chiaro::kernel

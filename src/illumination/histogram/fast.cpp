@@ -1,5 +1,7 @@
 #include "illumination/histogram/fast.h"
 
+#include <utility>
+
 #include "illumination/histogram/ball.h"
 
 namespace chiaro {
@@ -8,36 +10,48 @@ namespace {
 using Block = kernel::FastBlock;
 static_assert(Block::edge == block_edge);
 
-/// What a thread needs for a block.
-struct Room {
-    std::vector<std::uint32_t> tile;
-    std::vector<std::int32_t> columns, rows, row_sum;
-    std::vector<float> mass, blur, plane, line, near_bins;
-};
-
 }  // namespace
 
-std::array<float, 3> normal_of(const BinnedCells& cells, int x, int y, int z) {
-    auto g = cells.gradient(x, y, z);
-    const float length = std::sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
-    for (float& component : g) component = length > 0 ? component / length : 0;
-    return g;
+FastShape::FastShape(const Packing& packing, int radius) {
+    const FilterFit fit = fit_filters(radius);
+    for (std::size_t j = 0; j < packing.low.size(); ++j)
+        code.push_back(packing.low[j] | std::uint32_t(packing.share[j]) << 8 |
+                       std::uint32_t(Packing::whole - packing.share[j]) << 17);
+    const int fine = 2 * (Block::nodes + 2 * fit.reach);
+    block.bins = padded_bins(packing.packed), block.reach = fit.reach;
+    block.tile_row = fine, block.tile_slice = fine * fine, block.fine_first = 4 + 2 * fit.reach;
+    block.boxes = int(fit.boxes.size());
+    std::copy(fit.boxes.begin(), fit.boxes.end(), block.box);
+    const Ball ball(radius, true);
+    for (const Ball::Row& row : ball.rows)
+        for (int dx = -row.reach; dx <= row.reach; ++dx)
+            if (const int square = row.dy * row.dy + row.dz * row.dz + dx * dx; square > 0 && square <= near_square)
+                block.near[block.near_count++] = {float(dx), float(row.dy), float(row.dz),
+                                                  2 * ball.weight[std::size_t(square)] / Packing::whole,
+                                                  dx + row.dy * block.tile_row + row.dz * block.tile_slice};
+}
+
+std::size_t give_room(Block& b, int rows, int cells, std::byte* memory) {
+    constexpr int n = Block::nodes;
+    const int wide = n + 2 * b.reach;
+    std::size_t bytes = 0;
+    const auto take = [&](int numbers) {
+        const std::size_t first = std::exchange(bytes, bytes + std::size_t(numbers) * sizeof(float));
+        return memory ? memory + first : nullptr;
+    };
+    const auto ints = [&](int vectors) { return reinterpret_cast<std::int32_t*>(take(vectors * b.bins)); };
+    const auto floats = [&](int vectors) { return reinterpret_cast<float*>(take(vectors * b.bins)); };
+    b.columns = ints(wide * wide), b.rows = ints(n * wide), b.row_sum = ints(n);
+    b.mass = floats(n * n * n), b.blur = floats(n * n * n);
+    b.plane = floats(3 * n * n), b.line = floats(4 * n * rows), b.near_bins = floats(2 * rows * cells);
+    b.tile = reinterpret_cast<std::uint32_t*>(take(b.tile_size()));
+    return bytes;
 }
 
 FastHistograms::FastHistograms(const Device& device, const BinnedCells& cells, const Packing& packing, int radius)
     : HistogramSource(cells, padded_bins(packing.packed)),
       kernels_(kernel::histogram_functions_for(device.isa)),
-      fit_(fit_filters(radius)) {
-    for (std::size_t j = 0; j < packing.low.size(); ++j)
-        code_.push_back(packing.low[j] | std::uint32_t(packing.share[j]) << 8 |
-                        std::uint32_t(Packing::whole - packing.share[j]) << 17);
-    const Ball ball(radius, true);
-    for (const Ball::Row& row : ball.rows)
-        for (int dx = -row.reach; dx <= row.reach; ++dx)
-            if (const int square = row.dy * row.dy + row.dz * row.dz + dx * dx; square > 0 && square <= near_square)
-                near_.push_back({float(dx), float(row.dy), float(row.dz),
-                                 2 * ball.weight[std::size_t(square)] / Packing::whole, 0});
-}
+      shape_(packing, radius) {}
 
 void FastHistograms::find(std::size_t block, int step, const Wanted& wanted, const UseRow& use_row) const {
     thread_local std::vector<float> normals(3 * Block::edge);
@@ -58,43 +72,29 @@ void FastHistograms::find(std::size_t block, int step, const Wanted& wanted, con
 }
 
 Block FastHistograms::load(const std::array<std::pair<int, int>, 3>& block) const {
-    thread_local Room room;
-    const int n = Block::nodes, wide = n + 2 * fit_.reach, fine = 2 * wide, first = 4 + 2 * fit_.reach;
-    room.tile.assign(std::size_t(fine) * fine * fine, 0);
+    thread_local std::vector<std::byte> room;
+    Block data = shape_.block;
+    room.resize(give_room(data, 1, 1, nullptr));
+    give_room(data, 1, 1, room.data());
+    std::fill_n(data.tile, data.tile_size(), 0);
     const auto [nx, ny, nz] = cells_.grid.count;
-    const int x0 = block[0].first - first, y0 = block[1].first - first, z0 = block[2].first - first;
+    const int fine = data.tile_row;
+    const int x0 = block[0].first - data.fine_first, y0 = block[1].first - data.fine_first,
+              z0 = block[2].first - data.fine_first;
     for (int z = std::max(-z0, 0); z < std::min(fine, nz - z0); ++z)
         for (int y = std::max(-y0, 0); y < std::min(fine, ny - y0); ++y) {
             const std::uint16_t* from = cells_.data() + cells_.grid.index(0, y + y0, z + z0);
-            std::uint32_t* to = room.tile.data() + (std::size_t(z) * fine + y) * fine;
-            for (int x = std::max(-x0, 0); x < std::min(fine, nx - x0); ++x) to[x] = code_[from[x + x0]];
+            std::uint32_t* to = data.tile + (std::size_t(z) * fine + y) * fine;
+            for (int x = std::max(-x0, 0); x < std::min(fine, nx - x0); ++x) to[x] = shape_.code[from[x + x0]];
         }
-    const std::size_t bins = std::size_t(bins_);
-    room.columns.resize(std::size_t(wide) * wide * bins), room.rows.resize(std::size_t(n) * wide * bins);
-    room.mass.resize(std::size_t(n) * n * n * bins), room.blur.resize(room.mass.size());
-    room.plane.resize(3 * std::size_t(n) * n * bins), room.line.resize(4 * std::size_t(n) * bins);
-    room.near_bins.resize(2 * bins), room.row_sum.resize(std::size_t(n) * bins);
-
-    Block data{};
-    data.bins = bins_, data.reach = fit_.reach;
-    data.tile = room.tile.data(), data.tile_row = fine, data.tile_slice = fine * fine, data.fine_first = first;
-    data.boxes = int(fit_.boxes.size()), data.near_count = int(near_.size());
-    std::copy(fit_.boxes.begin(), fit_.boxes.end(), data.box);
-    std::copy(near_.begin(), near_.end(), data.near);
-    for (int i = 0; i < data.near_count; ++i) {
-        kernel::NearCell& c = data.near[i];
-        c.distance = int(c.x) + int(c.y) * data.tile_row + int(c.z) * data.tile_slice;
-    }
-    data.columns = room.columns.data(), data.rows = room.rows.data(), data.row_sum = room.row_sum.data();
-    data.mass = room.mass.data(), data.blur = room.blur.data();
-    data.plane = room.plane.data(), data.line = room.line.data(), data.near_bins = room.near_bins.data();
     return data;
 }
 
 void FastHistograms::find_normals(int y, int z, const std::pair<int, int>& x, float* normals) const {
-    for (int i = x.first; i < x.second; ++i) {
-        const auto n = normal_of(cells_, i, y, z);
-        std::copy(n.begin(), n.end(), normals + 3 * (i - x.first));
+    const kernel::BinGrid cells = cells_.view();
+    for (int i = x.first; i < x.second; ++i, normals += 3) {
+        const kernel::Float3 n = cells.normal(i, y, z);
+        normals[0] = n.x, normals[1] = n.y, normals[2] = n.z;
     }
 }
 

@@ -8,8 +8,17 @@
 
 namespace chiaro {
 
-/// The unit vector of ∇f, or 0 where there is none.
-std::array<float, 3> normal_of(const BinnedCells& cells, int x, int y, int z);
+/// What all blocks have in common.
+struct FastShape {
+    kernel::FastBlock block{};        ///< without room
+    std::vector<std::uint32_t> code;  ///< of each bin, as FastBlock::tile
+
+    FastShape(const Packing& packing, int radius);
+};
+
+/// Gives a block its room, for `rows` rows of a plane and so many `cells` of each; the bytes it takes of `memory`,
+/// which may be null to ask for that.
+std::size_t give_room(kernel::FastBlock& block, int rows, int cells, std::byte* memory);
 
 /// LH = M0 ± M1 (3/2 + 2 q²) per packed bin, where M0 = Σ w / W over the ball, M1 = n · Σ w ω / W, n = ∇f / |∇f|, q =
 /// M1 / M0: exact for densities that do not depend on the direction, or are those of two half balls, and within .08 of
@@ -26,9 +35,7 @@ private:
     void find_normals(int y, int z, const std::pair<int, int>& x, float* normals) const;
 
     const kernel::HistogramFunctions kernels_;
-    const FilterFit fit_;
-    std::vector<std::uint32_t> code_;  ///< of each bin, as FastBlock::tile
-    std::vector<kernel::NearCell> near_;
+    const FastShape shape_;
 };
 
 }  // namespace chiaro

@@ -25,7 +25,7 @@ struct FastBlock {
     std::int32_t reach;  ///< coarse cells that the tile has around the nodes
     /// Cells of the block and around it, x fastest: packed bin, its share and the next one's in 256ths from bits 0, 8
     /// and 17 on; 0 outside the volume.
-    const std::uint32_t* tile;
+    std::uint32_t* tile;
     std::int32_t tile_row, tile_slice;
     std::int32_t fine_first;  ///< the block's first cell along each axis of the tile
 
@@ -38,8 +38,10 @@ struct FastBlock {
     std::int32_t* row_sum;         ///< nodes
     float *mass, *blur;            ///< nodes³
     float* plane;                  ///< 3 nodes²
-    float* line;                   ///< 4 nodes
-    float* near_bins;              ///< 2
+    float* line;                   ///< 4 nodes; on a card for each row of the plane
+    float* near_bins;              ///< 2; on a card for each cell of the plane
+
+    int tile_size() const { return tile_row * tile_slice; }
 };
 
 }  // namespace chiaro::kernel

@@ -43,12 +43,6 @@ CHIARO_INLINE void running_sums(const std::int32_t* in, int step, int count, int
     }
 }
 
-template <class F>
-CHIARO_INLINE void add_to_row(const std::int32_t* counts, int n, std::int32_t* sums) {
-    for (int i = 0; i < n; i += LaneTraits<F>::count)
-        store_counts(sums + i, load_counts<F>(sums + i) + load_counts<F>(counts + i));
-}
-
 /// Columns of coarse cells that several boxes share: how far they reach around the nodes.
 struct Columns {
     std::int32_t reach_x, reach_y, half_z;
@@ -56,58 +50,73 @@ struct Columns {
     CHIARO_INLINE int height() const { return FastBlock::nodes + 2 * reach_y; }
 };
 
-/// One plane of nodes: box sums of the columns over x and y, weighted into both filters.
+/// A column on to plane `z` of nodes from the one before; to the first from nothing.
+CHIARO_INLINE void move_column(const FastBlock& b, const Columns& columns, int x, int y, int z) {
+    std::int32_t* const column = b.columns + (y * columns.width() + x) * b.bins;
+    const int tile_x = b.reach - columns.reach_x + x, tile_y = b.reach - columns.reach_y + y,
+              first = b.reach - columns.half_z;
+    if (z == 0) {
+        for (int k = 0; k < b.bins; ++k) column[k] = 0;
+        for (int i = 0; i < 2 * columns.half_z; ++i) add_coarse_cell<1>(b, tile_x, tile_y, first + i, column);
+    } else {
+        add_coarse_cell<-1>(b, tile_x, tile_y, first + z - 1, column);
+    }
+    add_coarse_cell<1>(b, tile_x, tile_y, first + z + 2 * columns.half_z, column);
+}
+
+/// Sums of the columns along x for a row of nodes, of the bins from `g` on.
+template <class F>
+CHIARO_INLINE void sum_row(const FastBlock& b, const Columns& columns, const FastBox& box, int y, int g) {
+    const int bins = b.bins,
+              column = (y + columns.reach_y - box.half_y) * columns.width() + columns.reach_x - box.half_x;
+    std::int32_t* const out = b.rows + y * FastBlock::nodes * bins + g;
+    running_sums<F>(b.columns + column * bins + g, bins, FastBlock::nodes, box.half_x,
+                    [&](int i, Int<F> sum) CHIARO_INLINE_LAMBDA { store_counts(out + i * bins, sum); });
+}
+
+/// A box's sums, weighted into both filters; `at`: their place.
+template <class F>
+CHIARO_INLINE void add_weighted(const FastBlock& b, const FastBox& box, Int<F> sum, int at) {
+    store_row(b.mass + at, mad(F(box.mass), to_float(sum), load_row<F>(b.mass + at)));
+    store_row(b.blur + at, mad(F(box.blur), to_float(sum), load_row<F>(b.blur + at)));
+}
+
+template <class F>
+CHIARO_INLINE void add_to_row(const std::int32_t* counts, int n, std::int32_t* sums) {
+    for (int i = 0; i < n; i += LaneTraits<F>::count)
+        store_counts(sums + i, load_counts<F>(sums + i) + load_counts<F>(counts + i));
+}
+
+/// One plane of nodes: box sums of the columns over x and y.
 template <class F>
 CHIARO_INLINE void add_box_plane(const FastBlock& b, const Columns& columns, const FastBox& box, int z) {
     constexpr int nodes = FastBlock::nodes, lanes = LaneTraits<F>::count;
-    const int bins = b.bins, row = nodes * bins;
-    for (int y = 0; y < nodes + 2 * box.half_y; ++y) {
-        const int column = (y + columns.reach_y - box.half_y) * columns.width() + columns.reach_x - box.half_x;
-        for (int g = 0; g < bins; g += lanes) {
-            std::int32_t* const out = b.rows + y * row + g;
-            running_sums<F>(b.columns + column * bins + g, bins, nodes, box.half_x,
-                            [&](int i, Int<F> sum) CHIARO_INLINE_LAMBDA { store_counts(out + i * bins, sum); });
-        }
-    }
+    const int row = nodes * b.bins;
+    for (int y = 0; y < nodes + 2 * box.half_y; ++y)
+        for (int g = 0; g < b.bins; g += lanes) sum_row<F>(b, columns, box, y, g);
+    // Running sums along y for whole rows, as these lie in the cache.
     for (int i = 0; i < row; ++i) b.row_sum[i] = 0;
     for (int y = 0; y < 2 * box.half_y; ++y) add_to_row<F>(b.rows + y * row, row, b.row_sum);
-    const F of_mass(box.mass), of_blur(box.blur);
     for (int y = 0; y < nodes; ++y) {
         const std::int32_t *const ahead = b.rows + (y + 2 * box.half_y) * row, *const behind = b.rows + y * row;
-        float *const mass = b.mass + (z * nodes + y) * row, *const blur = b.blur + (z * nodes + y) * row;
         for (int i = 0; i < row; i += lanes) {
             const Int<F> sum = load_counts<F>(b.row_sum + i) + load_counts<F>(ahead + i);
-            store_row(mass + i, mad(of_mass, to_float(sum), load_row<F>(mass + i)));
-            store_row(blur + i, mad(of_blur, to_float(sum), load_row<F>(blur + i)));
+            add_weighted<F>(b, box, sum, (z * nodes + y) * row + i);
             store_counts(b.row_sum + i, sum - load_counts<F>(behind + i));
         }
     }
 }
 
-/// Adds plane `z` of the tile's coarse cells to the columns, or takes it away.
-template <int sign>
-CHIARO_INLINE void add_coarse_plane(const FastBlock& b, const Columns& columns, int z) {
-    std::int32_t* column = b.columns;
-    for (int y = 0; y < columns.height(); ++y)
-        for (int x = 0; x < columns.width(); ++x, column += b.bins)
-            add_coarse_cell<sign>(b, b.reach - columns.reach_x + x, b.reach - columns.reach_y + y, z, column);
-}
-
-/// The boxes of one half_z, [from, end).
-template <class F>
-CHIARO_INLINE void add_boxes(const FastBlock& b, int from, int end) {
-    Columns columns{0, 0, b.box[from].half_z};
-    for (int n = from; n < end; ++n) {
-        columns.reach_x = max(columns.reach_x, b.box[n].half_x);
-        columns.reach_y = max(columns.reach_y, b.box[n].half_y);
-    }
-    for (int i = 0; i < columns.width() * columns.height() * b.bins; ++i) b.columns[i] = 0;
-    const int first = b.reach - columns.half_z;
-    for (int z = 0; z < 2 * columns.half_z; ++z) add_coarse_plane<1>(b, columns, first + z);
-    for (int z = 0; z < FastBlock::nodes; ++z) {
-        add_coarse_plane<1>(b, columns, first + z + 2 * columns.half_z);
-        for (int n = from; n < end; ++n) add_box_plane<F>(b, columns, b.box[n], z);
-        add_coarse_plane<-1>(b, columns, first + z);
+/// use(columns, from, end) for the boxes of each half_z, which lie next to each other.
+template <class Use>
+CHIARO_INLINE void for_columns(const FastBlock& b, Use&& use) {
+    for (int from = 0, end = 0; from < b.boxes; from = end) {
+        Columns columns{0, 0, b.box[from].half_z};
+        for (; end < b.boxes && b.box[end].half_z == columns.half_z; ++end) {
+            columns.reach_x = max(columns.reach_x, b.box[end].half_x);
+            columns.reach_y = max(columns.reach_y, b.box[end].half_y);
+        }
+        use(columns, from, end);
     }
 }
 
@@ -116,10 +125,13 @@ template <class F>
 CHIARO_INLINE void fast_sums(const FastBlock& b) {
     constexpr int nodes = FastBlock::nodes;
     for (int i = 0; i < nodes * nodes * nodes * b.bins; ++i) b.mass[i] = 0, b.blur[i] = 0;
-    for (int from = 0, end = 0; from < b.boxes; from = end) {
-        while (end < b.boxes && b.box[end].half_z == b.box[from].half_z) ++end;
-        add_boxes<F>(b, from, end);
-    }
+    for_columns(b, [&](const Columns& columns, int from, int end) CHIARO_INLINE_LAMBDA {
+        for (int z = 0; z < nodes; ++z) {
+            for (int y = 0; y < columns.height(); ++y)
+                for (int x = 0; x < columns.width(); ++x) move_column(b, columns, x, y, z);
+            for (int n = from; n < end; ++n) add_box_plane<F>(b, columns, b.box[n], z);
+        }
+    });
 }
 
 /// Of a fine index: the node before it (nodes lie at 2 i + ½; two more come before the block) and the next one's share.
@@ -142,38 +154,39 @@ CHIARO_INLINE F blend_slope(F s, F t, const float* here, std::int64_t step) {
     return mad(t, behind - at, s * (next - before));
 }
 
-/// A plane of fine cells: M0, P and its difference along z, interpolated between planes of nodes.
+/// Numbers `i` on of a plane of fine cells: M0, P and its difference along z, interpolated between planes of nodes.
 template <class F>
-CHIARO_INLINE void fast_plane(const FastBlock& b, int fine_z) {
+CHIARO_INLINE void interpolate_planes(const FastBlock& b, Between z, std::int64_t i) {
     const std::int64_t plane = std::int64_t(FastBlock::nodes) * FastBlock::nodes * b.bins;
-    const Between at = between(fine_z);
-    const float *const m = b.mass + at.node * plane, *const p = b.blur + at.node * plane;
-    const F t(at.next), s(1 - at.next);
-    for (std::int64_t i = 0; i < plane; i += LaneTraits<F>::count) {
-        store_row(b.plane + i, blend(s, m + i, t, m + i + plane));
-        store_row(b.plane + plane + i, blend(s, p + i, t, p + i + plane));
-        store_row(b.plane + 2 * plane + i, blend_slope(s, t, p + i, plane));
-    }
+    const float *const m = b.mass + z.node * plane + i, *const p = b.blur + z.node * plane + i;
+    const F t(z.next), s(1 - z.next);
+    store_row(b.plane + i, blend(s, m, t, m + plane));
+    store_row(b.plane + plane + i, blend(s, p, t, p + plane));
+    store_row(b.plane + 2 * plane + i, blend_slope(s, t, p, plane));
 }
 
 /// The same for a row of the plane; differences along y and z.
 template <class F>
-CHIARO_INLINE void fast_row(const FastBlock& b, int fine_y) {
+CHIARO_INLINE void interpolate_rows(const FastBlock& b, Between y, std::int64_t i, float* line) {
     const std::int64_t row = std::int64_t(FastBlock::nodes) * b.bins, plane = FastBlock::nodes * row;
-    const Between at = between(fine_y);
-    const float *const m = b.plane + at.node * row, *const p = m + plane, *const dz = p + plane;
-    const F t(at.next), s(1 - at.next);
-    for (std::int64_t i = 0; i < row; i += LaneTraits<F>::count) {
-        store_row(b.line + i, blend(s, m + i, t, m + i + row));
-        store_row(b.line + row + i, blend(s, p + i, t, p + i + row));
-        store_row(b.line + 2 * row + i, blend_slope(s, t, p + i, row));
-        store_row(b.line + 3 * row + i, blend(s, dz + i, t, dz + i + row));
-    }
+    const float *const m = b.plane + y.node * row + i, *const p = m + plane, *const dz = p + plane;
+    const F t(y.next), s(1 - y.next);
+    store_row(line + i, blend(s, m, t, m + row));
+    store_row(line + row + i, blend(s, p, t, p + row));
+    store_row(line + 2 * row + i, blend_slope(s, t, p, row));
+    store_row(line + 3 * row + i, blend(s, dz, t, dz + row));
 }
 
-/// Counts the cells near one cell by their true side of it; `forward` and `backward` are zero at first.
-CHIARO_INLINE void count_near(const FastBlock& b, const std::uint32_t* cell, const float* n, float* forward,
-                              float* backward) {
+template <class F>
+CHIARO_INLINE void fast_plane(const FastBlock& b, int fine_z) {
+    const std::int64_t plane = std::int64_t(FastBlock::nodes) * FastBlock::nodes * b.bins;
+    for (std::int64_t i = 0; i < plane; i += LaneTraits<F>::count) interpolate_planes<F>(b, between(fine_z), i);
+}
+
+/// Counts the cells near one cell by their true side of it: forward, then backward.
+CHIARO_INLINE void count_near(const FastBlock& b, const std::uint32_t* cell, const float* n, float* near) {
+    float *const forward = near, *const backward = near + b.bins;
+    for (int k = 0; k < 2 * b.bins; ++k) near[k] = 0;
     float to_forward[FastBlock::most_near];
     for (int i = 0; i < b.near_count; ++i) {
         const NearCell& c = b.near[i];
@@ -196,38 +209,40 @@ CHIARO_INLINE void store_histogram(F share, std::int16_t* to) {
                 reinterpret_cast<std::uint16_t*>(to));
 }
 
-/// Both histograms of one cell of a row that is interpolated: M0 ± M1 (3/2 + 2 q²), q = n · M1 / M0, and what was
-/// counted near it; packed_one for 1. `n` is ∇f of length 1, or 0.
+/// The bins `k` on of both histograms of one cell of a row that is interpolated: M0 ± M1 (3/2 + 2 q²), q = n · M1 / M0,
+/// and what was counted near it; packed_one for 1. `n` is ∇f of length 1, or 0.
 template <class F>
-CHIARO_INLINE void finish_cell(const FastBlock& b, int fine_x, const float* n, std::int16_t* histograms) {
+CHIARO_INLINE void finish_bins(const FastBlock& b, const float* line, Between x, const float* n, const float* near,
+                               int k, std::int16_t* histograms) {
     const std::int64_t row = std::int64_t(FastBlock::nodes) * b.bins;
     const int bins = b.bins;
-    const Between at = between(fine_x);
-    const F t(at.next), s(1 - at.next), nx(n[0]), ny(n[1]), nz(n[2]);
-    const float *const m = b.line + at.node * bins, *const p = m + row, *const dy = p + row, *const dz = dy + row;
-    for (int k = 0; k < bins; k += LaneTraits<F>::count) {
-        const F mass = max(blend(s, m + k, t, m + k + bins), F(0));
-        const F moment = mad(nx, blend_slope(s, t, p + k, bins),
-                             mad(ny, blend(s, dy + k, t, dy + k + bins), nz * blend(s, dz + k, t, dz + k + bins)));
-        const F q = moment / max(mass, F(1e-12f));
-        const F half = min(max(moment * mad(F(2) * q, q, F(1.5f)), F(0) - mass), mass);
-        store_histogram(mass + half + load_row<F>(b.near_bins + k), histograms + k);
-        store_histogram(mass - half + load_row<F>(b.near_bins + bins + k), histograms + bins + k);
-    }
+    const F t(x.next), s(1 - x.next);
+    const float *const m = line + x.node * bins + k, *const p = m + row, *const dy = p + row, *const dz = dy + row;
+    const F mass = max(blend(s, m, t, m + bins), F(0));
+    const F moment = mad(F(n[0]), blend_slope(s, t, p, bins),
+                         mad(F(n[1]), blend(s, dy, t, dy + bins), F(n[2]) * blend(s, dz, t, dz + bins)));
+    const F q = moment / max(mass, F(1e-12f));
+    const F half = min(max(moment * mad(F(2) * q, q, F(1.5f)), F(0) - mass), mass);
+    store_histogram(mass + half + load_row<F>(near + k), histograms + k);
+    store_histogram(mass - half + load_row<F>(near + bins + k), histograms + bins + k);
+}
+
+CHIARO_INLINE const std::uint32_t* in_tile(const FastBlock& b, int fine_x, int fine_y, int fine_z) {
+    return b.tile + b.fine_first + fine_x + std::int64_t(b.fine_first + fine_y) * b.tile_row +
+           std::int64_t(b.fine_first + fine_z) * b.tile_slice;
 }
 
 /// Every `step`th cell of a fine row whose plane is interpolated; `normals` three numbers a cell of the row.
 template <class F>
 CHIARO_INLINE void fast_cells(const FastBlock& b, int fine_y, int fine_z, int count, int step, const float* normals,
                               std::int16_t* histograms) {
-    fast_row<F>(b, fine_y);
-    const std::uint32_t* row = b.tile + b.fine_first + std::int64_t(b.fine_first + fine_y) * b.tile_row +
-                               std::int64_t(b.fine_first + fine_z) * b.tile_slice;
+    constexpr int lanes = LaneTraits<F>::count;
+    for (std::int64_t i = 0; i < std::int64_t(FastBlock::nodes) * b.bins; i += lanes)
+        interpolate_rows<F>(b, between(fine_y), i, b.line);
     for (int x = 0; x < count; x += step, histograms += 2 * b.bins) {
-        for (int k = 0; k < 2 * b.bins; ++k) b.near_bins[k] = 0;
         const float* n = normals + 3 * x;
-        count_near(b, row + x, n, b.near_bins, b.near_bins + b.bins);
-        finish_cell<F>(b, x, n, histograms);
+        count_near(b, in_tile(b, x, fine_y, fine_z), n, b.near_bins);
+        for (int k = 0; k < b.bins; k += lanes) finish_bins<F>(b, b.line, between(x), n, b.near_bins, k, histograms);
     }
 }
 

@@ -3,9 +3,11 @@
 #include <numeric>
 
 #include "core/threads.h"
+#include "illumination/histogram/card.h"
 #include "illumination/histogram/exact.h"
 #include "illumination/histogram/fast.h"
 #include "illumination/histogram/launch.h"
+#include "illumination/histogram/lift_kernel.h"
 #include "illumination/histogram/members.h"
 #include "illumination/histogram/source.h"
 #include "illumination/histogram/training_set.h"
@@ -37,6 +39,12 @@ void assign(const Device& device, const HistogramSource& source, const Codebook&
     progress.check();
 }
 
+/// Cards make fast ones only.
+Device maker_of(Device device, HistogramPath path) {
+    if (path != HistogramPath::fast) device.stream = nullptr;
+    return device;
+}
+
 }  // namespace
 
 LocalHistograms find_local_histograms(const DeviceVolume::Data& volume, const HistogramSettings& settings, Steps& steps,
@@ -46,10 +54,10 @@ LocalHistograms find_local_histograms(const DeviceVolume::Data& volume, const Hi
     const CellGrid& grid = data.cells.grid;
     data.packing = make_packing(settings.packing, settings.packed_bins, data.cells.counts());
     const auto source = make_source(device, data, settings.path);
+    const Device maker = maker_of(device, settings.path);
 
-    const auto vectors = steps("histogram samples", [&] {
-        return sample_histograms(device, *source, data.cells, 32 * settings.clusters, progress);
-    });
+    const auto vectors = steps(
+        "histogram samples", [&] { return sample_histograms(maker, *source, data, 32 * settings.clusters, progress); });
     Training training{settings.clusters, settings.metric, 1e-3, {}};
     const Codebook book = steps("histogram training",
                                 [&] { return train_codebook(device, vectors, source->bins(), training, progress); });
@@ -59,7 +67,10 @@ LocalHistograms find_local_histograms(const DeviceVolume::Data& volume, const Hi
     for (int axis = 0; axis < 3; ++axis) out.nodes[axis] = (grid.count[axis] - 1) / out.subsample + 1;
     out.identifiers = VoxelBuffer((out.node_count() + 1) * sizeof(WordPair));
     out.words = book.count(), out.histograms = 2 * out.node_count(), out.distortions = training.distortions;
-    steps("histograms", [&] { assign(device, *source, book, grid, out, progress); });
+    steps("histograms", [&] {
+        const auto on_card = [&] { assign_on_card(maker, data, book, out, progress); };
+        if (!cuda::done_on_card(maker, on_card)) assign(device, *source, book, grid, out, progress);
+    });
     steps("histogram words", [&] {
         const Ball ball(settings.radius, settings.path != HistogramPath::sweep);
         find_words(device, data.cells, ball, settings.path == HistogramPath::sweep, out, progress);
@@ -71,30 +82,15 @@ LocalHistograms find_local_histograms(const DeviceVolume::Data& volume, const Hi
 void lift_identifiers(const Device& device, const BinnedCells& cells, LocalHistograms& h) {
     h.lifted = VoxelBuffer(h.identifiers.size());
     const auto [nx, ny, nz] = h.nodes;
-    const auto pairs = h.pairs();
-    auto* const lifted = reinterpret_cast<WordPair*>(h.lifted.data());
-    const auto normal = [&](int x, int y, int z) {
-        return normal_of(cells, x * h.subsample, y * h.subsample, z * h.subsample);
-    };
-    const auto lift_row = [&, nx = nx, ny = ny, nz = nz](std::int64_t row, std::int64_t) {
-        const int y = int(row % ny), z = int(row / ny);
-        for (int x = 0; x < nx; ++x) {
-            const std::size_t at = std::size_t(row) * std::size_t(nx) + std::size_t(x);
-            lifted[at] = pairs[at];
-            const auto n = normal(x, y, z);
-            const int dx = int(std::lround(n[0])), dy = int(std::lround(n[1])), dz = int(std::lround(n[2]));
-            if (dx == 0 && dy == 0 && dz == 0) continue;
-            for (const int side : {1, -1}) {
-                const int i = x + side * dx, j = y + side * dy, k = z + side * dz;
-                if (i < 0 || i >= nx || j < 0 || j >= ny || k < 0 || k >= nz) continue;
-                const auto there = normal(i, j, k);
-                if (n[0] * there[0] + n[1] * there[1] + n[2] * there[2] < 0.5f) continue;
-                const WordPair& other = pairs[(std::size_t(k) * ny + std::size_t(j)) * nx + std::size_t(i)];
-                (side > 0 ? lifted[at].forward : lifted[at].backward) = side > 0 ? other.forward : other.backward;
-            }
-        }
-    };
-    parallel_for(device.threads, std::int64_t(ny) * nz, 1, lift_row);
+    const kernel::LiftKernel lift{cells.view(),
+                                  &h.pairs()[0].forward,
+                                  reinterpret_cast<std::uint16_t*>(h.lifted.data()),
+                                  {nx, ny, nz},
+                                  h.subsample};
+    if (cuda::done_on_card(device, [&] { lift_on_card(device, cells, lift, h); })) return;
+    parallel_for(device.threads, std::int64_t(ny) * nz, 1, [&, nx = nx, ny = ny](std::int64_t row, std::int64_t) {
+        for (int x = 0; x < nx; ++x) lift(x, int(row % ny), int(row / ny));
+    });
 }
 
 }  // namespace chiaro

@@ -32,12 +32,20 @@ struct LocalHistograms : std::enable_shared_from_this<LocalHistograms> {
     std::vector<float> scale;              ///< of each word: LH_j = share × scale
     std::size_t histograms = 0;            ///< how many the words stand for
     std::vector<double> distortions = {};  ///< of training; empty when read from a cache
+    std::shared_ptr<const char> life = std::make_shared<const char>();  ///< by which a card knows the identifiers
+    std::shared_ptr<const Late> late =
+        {};  ///< fetches what is lifted, where a card made it and the host has not read it
 
     std::size_t node_count() const { return std::size_t(nodes[0]) * std::size_t(nodes[1]) * std::size_t(nodes[2]); }
     std::span<const WordPair> pairs() const {
         return {reinterpret_cast<const WordPair*>(identifiers.data()), node_count()};
     }
     std::span<WordPair> pairs() { return {reinterpret_cast<WordPair*>(identifiers.data()), node_count()}; }
+    HostArray lifted_array() const {
+        HostArray array = HostArray::of(life, lifted);
+        array.late = late;
+        return array;
+    }
     std::size_t bytes() const {
         return identifiers.size() + lifted.size() + shares.size() * sizeof shares[0] + scale.size() * sizeof scale[0];
     }

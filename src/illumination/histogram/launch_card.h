@@ -1,9 +1,36 @@
-// The table's kernels as a card has them, compiled by launch_words.cu; pointers are the card's.
+// The kernels of local histograms as a card has them, compiled by launch_*.cu; pointers are the card's.
 #pragma once
-#include "cuda/stream.h"
+#include "cuda/counters.h"
+#include "illumination/histogram/lift_kernel.h"
+#include "illumination/histogram/plane_kernel.h"
 #include "illumination/histogram/table_kernel.h"
+#include "illumination/histogram/word_kernel.h"
 
 namespace chiaro::kernel {
+
+/// Histograms and the words that they belong to.
+struct WordedVectors {
+    const std::int16_t* histograms;
+    std::int32_t count, bins;
+    std::uint16_t* words;
+    std::int32_t* differences;
+};
+
+/// M0 and P of blocks; then histograms of plane batch.z of each. `shape` is what the blocks have in common.
+void fast_sums(cuda::Stream& stream, FastBatch batch, const FastBlock& shape, std::int64_t blocks);
+void fast_cells(cuda::Stream& stream, const FastBatch& batch, std::int64_t blocks);
+
+void assign_plane(cuda::Stream& stream, const AssignPlane& assign, std::int64_t blocks);
+void take_from_plane(cuda::Stream& stream, const TakeFromPlane& take, std::int64_t blocks);
+void lift_nodes(cuda::Stream& stream, const LiftKernel& lift);
+
+/// assign_each, a thread for each of `count` histograms; then the sums of each word's, zero at first, a thread for each
+/// bin of each.
+void assign_vectors(cuda::Stream& stream, const CodebookView& book, const WordedVectors& vectors);
+void add_up_vectors(cuda::Stream& stream, const WordedVectors& vectors, cuda::Count* sums);
+
+void count_members(cuda::Stream& stream, const CountMembers& count, std::int64_t members);
+void add_up_members(cuda::Stream& stream, const AddUpMembers& add_up, std::int64_t words);
 
 /// Sixteen threads a word, then four.
 void find_word_sums(cuda::Stream& stream, const WordTable& table);

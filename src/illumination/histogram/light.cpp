@@ -70,6 +70,7 @@ std::shared_ptr<const HistogramLight> make_histogram_light(const Device& device,
     view.anisotropy = float(settings.anisotropy), view.scatters = effects.scattering;
     view.is_surface = medium.shape.mode == Mode::iso, view.is_paper = is_paper;
     if (!optics.glow.empty() && medium.shape.mode == Mode::dvr) {
+        h.lifted_array().fetch();
         light->glow = glow_of_words(device, h, optics, settings.model);
         view.glows = true, view.glow_words = light->glow.data();
         light->occupancy = glowing_occupancy(device, medium, h, view);

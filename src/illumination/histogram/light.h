@@ -23,8 +23,8 @@ struct HistogramLight {
         for (const auto* colours : {&words, &glow, &albedo}) arrays.add(owner, *colours);
         arrays.add(owner, side);
         arrays.add(owner, occupancy);
-        arrays.add(histograms, histograms->identifiers);
-        arrays.add(histograms, histograms->lifted);
+        arrays.add(histograms->life, histograms->identifiers);
+        arrays.add(histograms->lifted_array());
     }
     std::size_t bytes() const {
         return (words.size() + glow.size() + albedo.size()) * sizeof words[0] + side.size() * sizeof side[0] +

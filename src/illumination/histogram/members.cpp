@@ -5,6 +5,7 @@
 #include <mutex>
 
 #include "core/threads.h"
+#include "illumination/histogram/card.h"
 #include "illumination/histogram/exact.h"
 #include "illumination/histogram/random.h"
 
@@ -30,13 +31,18 @@ std::span<const std::uint16_t> words_of(const LocalHistograms& h) { return {&h.p
 std::vector<Member> candidates(const Device& device, const LocalHistograms& h) {
     const auto words = words_of(h);
     std::vector<std::uint64_t> count(std::size_t(h.words));
-    for (std::uint16_t w : words) ++count[w];
+    std::mutex joining;
+    parallel_for(device.threads, std::int64_t(words.size()), piece, [&](std::int64_t first, std::int64_t end) {
+        std::vector<std::uint32_t> found(count.size());
+        for (auto i = std::size_t(first); i < std::size_t(end); ++i) ++found[words[i]];
+        const std::lock_guard lock(joining);
+        for (std::size_t w = 0; w < count.size(); ++w) count[w] += found[w];
+    });
     std::vector<std::uint32_t> limit(count.size(), std::numeric_limits<std::uint32_t>::max());
     for (std::size_t w = 0; w < limit.size(); ++w)
         if (const double share = 2.0 * most_members / double(std::max<std::uint64_t>(count[w], 1)); share < 1)
             limit[w] = std::uint32_t(share * 4294967295.0);
     std::vector<Member> all;
-    std::mutex joining;
     parallel_for(device.threads, std::int64_t(words.size()), piece, [&](std::int64_t first, std::int64_t end) {
         std::vector<Member> found;
         for (auto i = std::size_t(first); i < std::size_t(end); ++i)
@@ -49,8 +55,30 @@ std::vector<Member> candidates(const Device& device, const LocalHistograms& h) {
     return all;
 }
 
-/// The mean as 16-bit shares of the largest, scaled so that rounding does not change the sum.
-void store(const std::vector<float>& histogram, int members, std::size_t word, LocalHistograms& to) {
+/// The first of each word.
+WordMembers members_of(const Device& device, const LocalHistograms& h, bool whole) {
+    const std::vector<Member> all = candidates(device, h);
+    const auto [nx, ny, nz] = h.nodes;
+    WordMembers taken{{0}, {}};
+    auto member = all.begin();
+    for (int w = 0; w < h.words; ++w) {
+        for (int count = 0; member != all.end() && member->word == w; ++member, ++count) {
+            if (count >= most_members) continue;
+            const std::size_t node = member->histogram / 2;
+            const int x = int(node % std::size_t(nx)), y = int(node / std::size_t(nx) % std::size_t(ny)),
+                      z = int(node / std::size_t(nx) / std::size_t(ny));
+            taken.members.push_back({x * h.subsample, y * h.subsample, z * h.subsample,
+                                     whole ? kernel::BallPart::whole : kernel::BallPart(member->histogram % 2)});
+        }
+        taken.begin.push_back(std::int32_t(taken.members.size()));
+    }
+    return taken;
+}
+
+}  // namespace
+
+void store_word(std::span<const float> histogram, int members, std::size_t word, LocalHistograms& to) {
+    if (members == 0) return;
     const float largest = *std::max_element(histogram.begin(), histogram.end());
     if (!(largest > 0)) return;
     double sum = 0, rounded = 0;
@@ -62,33 +90,22 @@ void store(const std::vector<float>& histogram, int members, std::size_t word, L
     to.scale[word] = float(sum / members / rounded);
 }
 
-}  // namespace
-
 void find_words(const Device& device, const BinnedCells& cells, const Ball& ball, bool whole, LocalHistograms& h,
                 Progress& progress) {
     const int bins = cells.binning.count;
     h.stride = (bins + 15) / 16 * 16;
     h.shares.assign(std::size_t(h.words) * std::size_t(h.stride), 0);
     h.scale.assign(std::size_t(h.words), 0);
+    const WordMembers taken = members_of(device, h, whole);
+    if (cuda::done_on_card(device, [&] { find_words_on_card(device, cells, ball, taken, h, progress); })) return;
     const ExactHistograms exact(device, cells, ball);
-    const std::vector<Member> members = candidates(device, h);
     parallel_for(device.threads, h.words, 4, "histogram words", progress, [&](std::int64_t first, std::int64_t end) {
         std::vector<float> histogram;
-        for (auto w = first; w < end; ++w) {
-            auto member = std::lower_bound(members.begin(), members.end(), Member{std::uint16_t(w), 0, 0});
+        for (auto w = std::size_t(first); w < std::size_t(end); ++w) {
             histogram.assign(std::size_t(bins), 0);
-            int taken = 0;
-            for (; member != members.end() && member->word == w && taken < most_members; ++member, ++taken) {
-                const std::size_t node = member->histogram / 2;
-                const auto [nx, ny, nz] = h.nodes;
-                const auto half = whole                        ? ExactHistograms::Half::whole
-                                  : member->histogram % 2 == 0 ? ExactHistograms::Half::forward
-                                                               : ExactHistograms::Half::backward;
-                exact.add(int(node % std::size_t(nx)) * h.subsample,
-                          int(node / std::size_t(nx) % std::size_t(ny)) * h.subsample,
-                          int(node / std::size_t(nx) / std::size_t(ny)) * h.subsample, half, histogram.data());
-            }
-            if (taken > 0) store(histogram, taken, std::size_t(w), h);
+            for (const kernel::WordMember& member : taken.of(w))
+                exact.add(member.x, member.y, member.z, member.part, histogram.data());
+            store_word(histogram, int(taken.of(w).size()), w, h);
         }
     });
     progress.check();

@@ -2,6 +2,7 @@
 #pragma once
 #include "illumination/histogram/codebook_view.h"
 #include "kernel/lanes.h"
+#include "kernel/shorts.h"
 
 namespace chiaro::kernel {
 
@@ -12,25 +13,23 @@ CHIARO_INLINE std::int32_t difference(const std::int16_t* a, const std::int16_t*
                                       std::int32_t enough = 0x7fffffff) {
     std::int32_t sum = 0;
     if constexpr (metric == CodebookMetric::l2) {
+        const auto add_square = [&](std::int16_t u, std::int16_t v) CHIARO_INLINE_LAMBDA {
+            const std::int16_t d = std::int16_t(u - v);
+            sum += std::int32_t(d) * std::int32_t(d);
+        };
         const int half = bins / 32 * 16;  // adding up costs as much as some bins: once on the way is enough
-        for (int k = 0; k < half; ++k) {
-            const std::int16_t d = std::int16_t(a[k] - b[k]);
-            sum += std::int32_t(d) * std::int32_t(d);
-        }
+        for_both(a, b, 0, half, add_square);
         if (sum > enough) return sum;
-        for (int k = half; k < bins; ++k) {
-            const std::int16_t d = std::int16_t(a[k] - b[k]);
-            sum += std::int32_t(d) * std::int32_t(d);
-        }
+        for_both(a, b, half, bins, add_square);
     } else {
         std::int16_t largest = 0;
-        for (int k = 0; k < bins; ++k) {
-            const std::int16_t d = std::int16_t(a[k] - b[k]), size = std::int16_t(d < 0 ? -d : d);
+        for_both(a, b, 0, bins, [&](std::int16_t u, std::int16_t v) CHIARO_INLINE_LAMBDA {
+            const std::int16_t d = std::int16_t(u - v), size = std::int16_t(d < 0 ? -d : d);
             if constexpr (metric == CodebookMetric::l1)
                 sum += size;
             else
                 largest = size > largest ? size : largest;
-        }
+        });
         if constexpr (metric == CodebookMetric::lmax) sum = largest;
     }
     return sum;

@@ -33,6 +33,8 @@ void check_settings(const HistogramSettings& settings) {
     check_within("hist-clusters", settings.clusters, 1, 4096);
     check_within("hist-packed-bins", settings.packed_bins, 2, 256);
     check_within("hist-subsample", settings.subsample, 1, 4);
+    if (settings.subsample == 3)  // nodes lie alike in every block
+        throw Error(ErrorCode::usage, "hist-subsample 3: must be 1, 2 or 4");
     if (settings.effects.glow && !settings.glow.empty()) GlowMapping{settings.glow};
 }
 

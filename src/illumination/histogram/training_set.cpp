@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "core/threads.h"
+#include "illumination/histogram/card.h"
 #include "illumination/histogram/random.h"
 
 namespace chiaro {
@@ -25,19 +26,30 @@ void for_cells(const Range& range, Visit&& visit) {
             for (int i = x.first; i < x.second; ++i) visit(i, j, k);
 }
 
-/// One byte for each cell of a block: whether it is chosen. Half of the choice falls on edges, where histograms differ
-/// most and light shows; half on all cells, which words must serve too.
-std::vector<std::uint8_t> choose(const BinnedCells& cells, const Range& range, double wanted) {
+/// Of a block, one byte for each cell: whether it is chosen.
+struct Chosen {
+    std::size_t block;
+    Range range;
+    std::vector<std::uint8_t> cells;
+
+    std::size_t width() const { return std::size_t(range[0].second - range[0].first); }
+    const std::uint8_t* row(int y, int z) const {
+        const auto height = std::size_t(range[1].second - range[1].first);
+        return cells.data() + (std::size_t(z - range[2].first) * height + std::size_t(y - range[1].first)) * width();
+    }
+};
+
+/// Half of the choice falls on edges, where histograms differ most and light shows; half on all cells, which words must
+/// serve too.
+void choose(const BinnedCells& cells, double wanted, Chosen& to) {
     std::vector<std::uint8_t> edge;
-    for_cells(range, [&](int i, int j, int k) { edge.push_back(is_at_edge(cells, i, j, k)); });
+    for_cells(to.range, [&](int i, int j, int k) { edge.push_back(is_at_edge(cells, i, j, k)); });
     const auto edges = double(std::accumulate(edge.begin(), edge.end(), 0));
     const double all = wanted / 2 / double(edge.size()), at_edges = edges > 0 ? wanted / 2 / edges : 0;
-    std::vector<std::uint8_t> chosen;
-    for_cells(range, [&](int i, int j, int k) {
+    for_cells(to.range, [&](int i, int j, int k) {
         const double share = random_share(cells.grid.index(i, j, k));
-        chosen.push_back(share < all + (edge[chosen.size()] ? at_edges : 0));
+        to.cells.push_back(share < all + (edge[to.cells.size()] ? at_edges : 0));
     });
-    return chosen;
 }
 
 /// Some of the blocks, in order.
@@ -50,39 +62,64 @@ std::vector<std::size_t> some_blocks(std::size_t all) {
     return blocks;
 }
 
-}  // namespace
-
-std::vector<PackedHistogram> sample_histograms(const Device& device, const HistogramSource& source,
-                                               const BinnedCells& cells, int cells_wanted, Progress& progress) {
-    const BlockMap map(cells.grid.count);
-    const auto blocks = some_blocks(map.holds.size());
+/// Both histograms of all that are chosen, block after block.
+std::vector<PackedHistogram> found_here(const Device& device, const HistogramSource& source,
+                                        const std::vector<Chosen>& chosen, Progress& progress) {
     const auto bins = std::size_t(source.bins());
-    std::vector<std::vector<PackedHistogram>> found(blocks.size());
-    parallel_for(
-        device.threads, std::int64_t(blocks.size()), 1, "histogram samples", progress,
-        [&](std::int64_t b, std::int64_t) {
-            auto& to = found[std::size_t(b)];
-            const Range range = map.cells(blocks[std::size_t(b)], cells.grid.count);
-            const auto chosen = choose(cells, range, double(cells_wanted) / double(blocks.size()));
-            const auto [x, y, z] = range;
-            const std::size_t width = std::size_t(x.second - x.first);
-            const auto row = [&, y = y, z = z](int j, int k) {
-                return chosen.begin() + std::ptrdiff_t((std::size_t(k - z.first) * std::size_t(y.second - y.first) +
-                                                        std::size_t(j - y.first)) *
-                                                       width);
-            };
-            const auto wanted = [&](int j, int k) {
-                return std::any_of(row(j, k), row(j, k) + std::ptrdiff_t(width), [](auto c) { return c != 0; });
-            };
-            source.find(blocks[std::size_t(b)], 1, wanted, [&](int j, int k, const PackedHistogram* h) {
-                for (std::size_t i = 0; i < width; ++i)
-                    if (row(j, k)[std::ptrdiff_t(i)]) to.insert(to.end(), h + 2 * i * bins, h + 2 * (i + 1) * bins);
-            });
+    std::vector<std::vector<PackedHistogram>> found(chosen.size());
+    const auto work = [&](std::int64_t b, std::int64_t) {
+        const Chosen& its = chosen[std::size_t(b)];
+        auto& to = found[std::size_t(b)];
+        const auto wanted = [&](int j, int k) {
+            return std::any_of(its.row(j, k), its.row(j, k) + its.width(), [](auto c) { return c != 0; });
+        };
+        source.find(its.block, 1, wanted, [&](int j, int k, const PackedHistogram* h) {
+            for (std::size_t i = 0; i < its.width(); ++i)
+                if (its.row(j, k)[i]) to.insert(to.end(), h + 2 * i * bins, h + 2 * (i + 1) * bins);
         });
+    };
+    parallel_for(device.threads, std::int64_t(chosen.size()), 1, "histogram samples", progress, work);
     progress.check();
     std::vector<PackedHistogram> all;
     for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
-    if (all.empty()) all.assign(bins, 0);  // a volume that has nothing to tell apart
+    return all;
+}
+
+/// The same, in the same order.
+std::vector<PackedHistogram> found_on_card(const Device& device, const HistogramData& data,
+                                           const std::vector<Chosen>& chosen, Progress& progress) {
+    using kernel::BlockPlace;
+    BlockMap blocks(data.cells.grid.count);
+    std::vector<std::int32_t> place(chosen.size() * BlockPlace::cells, -1);
+    std::int32_t cells = 0;
+    for (std::size_t b = 0; b < chosen.size(); ++b) {
+        const auto& [x, y, z] = chosen[b].range;
+        blocks.holds[chosen[b].block] = 1;
+        for_cells(chosen[b].range, [&, x = x.first, y = y.first, z = z.first, b](int i, int j, int k) {
+            if (chosen[b].row(j, k)[i - x])
+                place[b * BlockPlace::cells +
+                      std::size_t(((k - z) * BlockPlace::edge + j - y) * BlockPlace::edge + i - x)] = cells++;
+        });
+    }
+    if (cells == 0) return {};
+    return sample_on_card(device, data, blocks, place, std::size_t(cells), progress);
+}
+
+}  // namespace
+
+std::vector<PackedHistogram> sample_histograms(const Device& device, const HistogramSource& source,
+                                               const HistogramData& data, int cells_wanted, Progress& progress) {
+    const auto& count = data.cells.grid.count;
+    std::vector<Chosen> chosen;
+    for (const std::size_t block : some_blocks(BlockMap(count).holds.size()))
+        chosen.push_back({block, BlockMap(count).cells(block, count), {}});
+    parallel_for(device.threads, std::int64_t(chosen.size()), 1, [&](std::int64_t b, std::int64_t) {
+        choose(data.cells, double(cells_wanted) / double(chosen.size()), chosen[std::size_t(b)]);
+    });
+    std::vector<PackedHistogram> all;
+    if (!cuda::done_on_card(device, [&] { all = found_on_card(device, data, chosen, progress); }))
+        all = found_here(device, source, chosen, progress);
+    if (all.empty()) all.assign(std::size_t(source.bins()), 0);  // a volume that has nothing to tell apart
     return all;
 }
 

@@ -8,6 +8,6 @@ namespace chiaro {
 /// bins a cell (those elsewhere are much alike), the others anywhere; at random, from a quarter of all blocks (at least
 /// 64).
 std::vector<PackedHistogram> sample_histograms(const Device& device, const HistogramSource& source,
-                                               const BinnedCells& cells, int cells_wanted, Progress& progress);
+                                               const HistogramData& data, int cells_wanted, Progress& progress);
 
 }  // namespace chiaro

@@ -3,7 +3,7 @@
 #include "illumination/cells/block_place.h"
 #include "illumination/spao/kernel.h"
 #include "illumination/spao/levels.h"
-#include "illumination/spao/stored.h"
+#include "illumination/spao/sums.h"
 
 namespace chiaro::kernel {
 
@@ -53,9 +53,10 @@ struct SpaoBatch {
     }
 };
 
-/// Cells of blocks from stored levels.
-struct StoredBatch {
-    StoredKernel kernel;
+/// Cells of blocks from stored levels, or from sums.
+template <class Kernel>
+struct AccessBatch {
+    Kernel kernel;
     const BlockPlace* places;
     GridTarget to;
 
@@ -66,6 +67,23 @@ struct StoredBatch {
             access_row<float>(kernel,
                               SpaoCells{x, 1, y, z, to.to + std::int64_t(z) * to.slice + std::int64_t(y) * to.row + x});
     }
+};
+
+/// The table of OpacitySums, 0 at first, in three steps: a thread for each row of cells, then for each line along y,
+/// and along z.
+struct SumTable {
+    OpacityGrid opacity;
+    std::int64_t* sums;
+
+    CHIARO_INLINE std::int64_t row() const { return opacity.count[0] + 1; }
+    CHIARO_INLINE std::int64_t slice() const { return row() * (opacity.count[1] + 1); }
+    CHIARO_INLINE void along_x(std::int64_t item) const {
+        sum_cells(opacity, int(item % opacity.count[1]), int(item / opacity.count[1]), sums);
+    }
+    CHIARO_INLINE void along_y(std::int64_t item) const {
+        add_up(sums + item / row() * slice() + item % row(), opacity.count[1] + 1, row(), 1);
+    }
+    CHIARO_INLINE void along_z(std::int64_t item) const { add_up(sums + item, opacity.count[2] + 1, slice(), 1); }
 };
 
 // What fills a grid, cell by cell: besides OpacityGrid, which is copied, and EveryOther.

@@ -24,7 +24,7 @@ public:
           progress_(progress),
           grid_(opacity.values.grid),
           opacity_(on_card(stream_, opacity.values)),
-          access_(stream_, grid_) {}
+          access_(device.stream, grid_) {}
 
     cuda::Stream& stream() const { return stream_; }
     const Cells& count() const { return grid_.count; }
@@ -40,7 +40,7 @@ public:
         progress_.report("spao", share);
         progress_.check();
     }
-    CellValues fetch() { return access_.fetch(); }
+    CellValues leave() { return access_.leave(); }
 
 private:
     cuda::Stream& stream_;
@@ -197,6 +197,16 @@ private:
     std::vector<Level> levels_;
 };
 
+template <class Kernel>
+CellValues combine(CardAccess& access, const Kernel& kernel, const BlockMap& blocks) {
+    kernel::AccessBatch<Kernel> batch{kernel, nullptr, access.target()};
+    access.for_blocks(blocks, [&](const kernel::BlockPlace* places, std::int64_t count) {
+        batch.places = places;
+        kernel::answer_access(access.stream(), batch, count);
+    });
+    return access.leave();
+}
+
 }  // namespace
 
 CellValues fused_on_card(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
@@ -208,7 +218,7 @@ CellValues fused_on_card(const Device& device, const CellOpacity& opacity, const
     for (int g = coarse_grids(settings); g > 0; --g) steps(name_of_cells(g), [&] { sweep.sweep_corners(g, tiles); });
     return steps(name_of_cells(0), [&] {
         sweep.sweep_cells(tiles);
-        return access.fetch();
+        return access.leave();
     });
 }
 
@@ -226,14 +236,21 @@ CellValues stored_on_card(const Device& device, const CellOpacity& opacity, cons
                 levels->add_nbuffer(1 << (level - mip_levels - 1));
             access.wait(double(level) / settings.levels);
         });
-    return steps("spao combine", [&] {
-        kernel::StoredBatch batch{stored_kernel(levels->view(), settings), nullptr, access.target()};
-        access.for_blocks(blocks, [&](const kernel::BlockPlace* places, std::int64_t count) {
-            batch.places = places;
-            kernel::answer_stored(access.stream(), batch, count);
-        });
-        return access.fetch();
+    return steps("spao combine", [&] { return combine(access, stored_kernel(levels->view(), settings), blocks); });
+}
+
+CellValues exact_on_card(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
+                         const BlockMap& blocks, Steps& steps, Progress& progress) {
+    CardAccess access(device, opacity, progress);
+    const auto& n = access.count();
+    cuda::Array<std::int64_t> sums(access.stream(), sums_of(n));
+    steps("spao sums", [&] {
+        sums.zero();
+        kernel::sum_up(access.stream(), {access.opacity(), sums.data()});
+        access.wait(0);
     });
+    const kernel::OpacitySums view{sums.data(), {n[0], n[1], n[2]}};
+    return steps("spao combine", [&] { return combine(access, exact_kernel(view, settings), blocks); });
 }
 
 }  // namespace chiaro

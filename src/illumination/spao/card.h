@@ -1,4 +1,4 @@
-// SPAO on a card: opacities go there once, levels and coarser grids are made there, the answer stays and comes back.
+// SPAO on a card: opacities go there once, levels and coarser grids are made there, the answer stays until it is read.
 #pragma once
 #include "cuda/stream.h"
 #include "illumination/access.h"
@@ -13,5 +13,9 @@ CellValues fused_on_card(const Device& device, const CellOpacity& opacity, const
 /// Of stored levels, the first `mip_levels` of them mipmaps. Memory there: 6 bytes a cell, and what SpaoLevels keeps.
 CellValues stored_on_card(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
                           int mip_levels, const BlockMap& blocks, Steps& steps, Progress& progress);
+
+/// Of exact sums. Memory there: 14 bytes a cell.
+CellValues exact_on_card(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
+                         const BlockMap& blocks, Steps& steps, Progress& progress);
 
 }  // namespace chiaro

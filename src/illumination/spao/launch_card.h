@@ -12,6 +12,9 @@ void fill_grid(cuda::Stream& stream, const Source& source, const GridTarget& tar
 /// Tiles and their means, then answers: a thread for each cell, or corner of a coarser grid.
 void answer_cells(cuda::Stream& stream, const SpaoBatch& batch, std::int64_t blocks);
 void answer_corners(cuda::Stream& stream, const SpaoBatch& batch, std::int64_t blocks);
-void answer_stored(cuda::Stream& stream, const StoredBatch& batch, std::int64_t blocks);
+template <class Kernel>
+void answer_access(cuda::Stream& stream, const AccessBatch<Kernel>& batch, std::int64_t blocks);
+
+void sum_up(cuda::Stream& stream, const SumTable& table);
 
 }  // namespace chiaro::kernel

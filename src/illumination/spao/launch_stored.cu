@@ -1,4 +1,4 @@
-// Coarser grids and stored levels on cards: the same source, one thread a cell.
+// Coarser grids, stored levels and sums on cards: the same source, one thread a cell or line.
 #include "cuda/launch.h"
 #include "illumination/spao/launch_card.h"
 
@@ -18,9 +18,23 @@ struct FillCell {
     }
 };
 
-struct AnswerStored {
-    StoredBatch batch;
+template <class Kernel>
+struct AnswerAccess {
+    AccessBatch<Kernel> batch;
     CHIARO_ON_CARD void operator()(std::int64_t item) const { batch.answer(item); }
+};
+
+struct SumAlongX {
+    SumTable table;
+    CHIARO_ON_CARD void operator()(std::int64_t item) const { table.along_x(item); }
+};
+struct SumAlongY {
+    SumTable table;
+    CHIARO_ON_CARD void operator()(std::int64_t item) const { table.along_y(item); }
+};
+struct SumAlongZ {
+    SumTable table;
+    CHIARO_ON_CARD void operator()(std::int64_t item) const { table.along_z(item); }
 };
 
 }  // namespace
@@ -37,8 +51,18 @@ template void fill_grid(cuda::Stream&, const CrossingOfEight&, const GridTarget&
 template void fill_grid(cuda::Stream&, const CornerWeights&, const GridTarget&);
 template void fill_grid(cuda::Stream&, const NextNBuffer&, const GridTarget&);
 
-void answer_stored(cuda::Stream& stream, const StoredBatch& batch, std::int64_t blocks) {
-    cuda::launch_items(stream, blocks * BlockPlace::cells, AnswerStored{batch});
+template <class Kernel>
+void answer_access(cuda::Stream& stream, const AccessBatch<Kernel>& batch, std::int64_t blocks) {
+    cuda::launch_items(stream, blocks * BlockPlace::cells, AnswerAccess<Kernel>{batch});
+}
+template void answer_access(cuda::Stream&, const AccessBatch<StoredKernel>&, std::int64_t);
+template void answer_access(cuda::Stream&, const AccessBatch<ExactKernel>&, std::int64_t);
+
+void sum_up(cuda::Stream& stream, const SumTable& table) {
+    const std::int32_t* n = table.opacity.count;
+    cuda::launch_items(stream, std::int64_t(n[1]) * n[2], SumAlongX{table});
+    cuda::launch_items(stream, table.row() * (n[2] + 1), SumAlongY{table});
+    cuda::launch_items(stream, table.slice(), SumAlongZ{table});
 }
 
 }  // namespace chiaro::kernel

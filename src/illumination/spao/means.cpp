@@ -1,6 +1,6 @@
 #include "illumination/spao/means.h"
 
-#include <cmath>
+#include "illumination/spao/coarse.h"
 
 namespace chiaro {
 namespace {
@@ -11,6 +11,10 @@ constexpr int slab = 16;  ///< slices that one thread takes at a time
 
 kernel::StoredKernel stored_kernel(const kernel::StoredLevels& levels, const SpaoSettings& settings) {
     return {levels, settings.levels, kernel::SpaoProduct(settings.model), float(settings.normal_factor)};
+}
+
+kernel::ExactKernel exact_kernel(const kernel::OpacitySums& sums, const SpaoSettings& settings) {
+    return {sums, settings.levels, kernel::SpaoProduct(settings.model), float(settings.normal_factor)};
 }
 
 LevelShape LevelShape::of(const CellGrid& grid) { return {{grid.count[0] + 2, grid.count[1] + 2, grid.count[2] + 2}}; }
@@ -120,49 +124,19 @@ void SpaoLevels::add_nbuffer(int distance, Progress& progress) {
     levels_.push_back(std::move(level));
 }
 
-SummedOpacity::SummedOpacity(const CellValues& opacity, Progress& progress) : count_(opacity.grid.count) {
-    const auto [nx, ny, nz] = count_;
-    const std::size_t row = nx + 1, slice = row * (ny + 1);
-    sums_.assign(slice * (nz + 1), 0);
-    for (int z = 1; z <= nz; ++z) {
-        progress.check();
-        for (int y = 1; y <= ny; ++y) {
-            std::int64_t along = 0;
-            for (int x = 1; x <= nx; ++x) {
-                const std::size_t at = z * slice + y * row + x;
-                along += opacity.data()[opacity.grid.index(x - 1, y - 1, z - 1)];
-                sums_[at] = along + sums_[at - row] + sums_[at - slice] - sums_[at - row - slice];
-            }
-        }
-    }
-}
-
-double SummedOpacity::below(double x, double y, double z) const {
-    const auto split = [](double v, int n, std::size_t& first) {
-        v = std::clamp(v, 0.0, double(n));
-        first = std::size_t(std::min(int(v), n - 1));
-        return v - double(first);
-    };
-    std::size_t i, j, k;
-    const double t = split(x, count_[0], i), u = split(y, count_[1], j), v = split(z, count_[2], k);
-    const std::size_t row = count_[0] + 1, slice = row * (count_[1] + 1);
-    const std::int64_t* s = &sums_[k * slice + j * row + i];
-    const auto plane = [&](const std::int64_t* p) {
-        const double a = double(p[0]) + t * double(p[1] - p[0]), b = double(p[row]) + t * double(p[row + 1] - p[row]);
-        return a + u * (b - a);
-    };
-    const double a = plane(s), b = plane(s + slice);
-    return a + v * (b - a);
-}
-
-double SummedOpacity::mean(double width, Vec3 p) const {
-    double sum = 0;
-    for (int corner = 0; corner < 8; ++corner) {
-        const auto side = [&](int bit, double c) { return c + 0.5 + (corner & bit ? 0.5 : -0.5) * width; };
-        const int low_sides = !(corner & 1) + !(corner & 2) + !(corner & 4);
-        sum += (low_sides % 2 ? -1 : 1) * below(side(1, p.x), side(2, p.y), side(4, p.z));
-    }
-    return sum / (width * width * width);
+SummedOpacity::SummedOpacity(const Device& device, const CellValues& opacity, Progress& progress)
+    : count_(opacity.grid.count), sums_(sums_of(count_)) {
+    const kernel::OpacityGrid cells = opacity_grid(count_, opacity.data());
+    const int row = count_[0] + 1, ny = count_[1], nz = count_[2];
+    const std::int64_t slice = std::int64_t(row) * (ny + 1);
+    parallel_for(device.threads, nz, 1, "spao", progress, [&](std::int64_t z, std::int64_t) {
+        for (int y = 0; y < ny; ++y) kernel::sum_cells(cells, y, int(z), sums_.data());
+        kernel::add_up(sums_.data() + (z + 1) * slice, ny + 1, row, row);
+    });
+    progress.check();
+    parallel_for(device.threads, ny, 1, [&](std::int64_t y, std::int64_t) {
+        kernel::add_up(sums_.data() + (y + 1) * row, nz + 1, slice, row);
+    });
 }
 
 }  // namespace chiaro

@@ -3,6 +3,7 @@
 #include "core/threads.h"
 #include "illumination/access.h"
 #include "illumination/spao/launch.h"
+#include "illumination/spao/sums.h"
 
 namespace chiaro {
 
@@ -49,26 +50,19 @@ private:
     std::vector<Level> levels_;
 };
 
-/// Sums over [0, x) × [0, y) × [0, z): exact means of any box. For tests and small volumes: 8 bytes a cell.
+/// For tests and small volumes: 8 bytes a cell.
 class SummedOpacity {
 public:
-    SummedOpacity(const CellValues& opacity, Progress& progress);
-    /// Mean of 65535 α over the cube of the given width about p (cells); outside counts as 0.
-    double mean(double width, Vec3 p) const;
+    SummedOpacity(const Device& device, const CellValues& opacity, Progress& progress);
+    kernel::OpacitySums view() const { return {sums_.data(), {count_[0], count_[1], count_[2]}}; }
 
 private:
-    double below(double x, double y, double z) const;
     std::array<int, 3> count_;
     std::vector<std::int64_t> sums_;
 };
-
-/// As AccessKernel asks for means.
-struct ExactMeans {
-    const SummedOpacity* sums;
-    template <class F>
-    F mean(std::int32_t level, kernel::Vec3<F> p) const {
-        return F(sums->mean(std::ldexp(1.0, level), {p.x, p.y, p.z}));
-    }
-};
+kernel::ExactKernel exact_kernel(const kernel::OpacitySums& sums, const SpaoSettings& settings);
+inline std::size_t sums_of(const std::array<int, 3>& cells) {
+    return std::size_t(cells[0] + 1) * std::size_t(cells[1] + 1) * std::size_t(cells[2] + 1);
+}
 
 }  // namespace chiaro

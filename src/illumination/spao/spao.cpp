@@ -54,9 +54,8 @@ CellValues from_levels(const Device& device, const CellOpacity& opacity, const S
 
 CellValues from_sums(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
                      const BlockMap& blocks, Steps& steps, Progress& progress) {
-    const SummedOpacity sums = steps("spao sums", [&] { return SummedOpacity(opacity.values, progress); });
-    const kernel::AccessKernel<ExactMeans> kernel{
-        {&sums}, settings.levels, kernel::SpaoProduct(settings.model), float(settings.normal_factor)};
+    const SummedOpacity sums = steps("spao sums", [&] { return SummedOpacity(device, opacity.values, progress); });
+    const kernel::ExactKernel kernel = exact_kernel(sums.view(), settings);
     return steps("spao combine", [&] {
         return fill_rows(device, opacity.values.grid, blocks, progress,
                          [&](const kernel::SpaoCells& cells) { kernel::access_row<float>(kernel, cells); });
@@ -67,15 +66,17 @@ CellValues from_sums(const Device& device, const CellOpacity& opacity, const Spa
 
 CellValues spao_accessibility(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
                               const BlockMap& blocks, Steps& steps, Progress& progress) {
-    if (settings.filter == SpaoFilter::exact) return from_sums(device, opacity, settings, blocks, steps, progress);
+    const bool is_exact = settings.filter == SpaoFilter::exact;
     const bool is_stored = settings.filter != SpaoFilter::automatic || needs_levels(settings);
     std::optional<CellValues> access;
     const auto on_card = [&] {
-        access.emplace(is_stored
+        access.emplace(is_exact ? exact_on_card(device, opacity, settings, blocks, steps, progress)
+                       : is_stored
                            ? stored_on_card(device, opacity, settings, mip_levels(settings), blocks, steps, progress)
                            : fused_on_card(device, opacity, settings, blocks, steps, progress));
     };
     if (cuda::done_on_card(device, on_card)) return *std::move(access);
+    if (is_exact) return from_sums(device, opacity, settings, blocks, steps, progress);
     if (is_stored) return from_levels(device, opacity, settings, blocks, steps, progress);
     return fused_sweep(device, opacity, settings, blocks, steps, progress);
 }

@@ -117,8 +117,8 @@ TEST(Spao, HalfSpace) {
     }
     // On the plane itself exactly half of the octants are open.
     Progress progress;
-    const SummedOpacity sums(half.values, progress);
-    const kernel::AccessKernel<ExactMeans> kernel{{&sums}, 4, kernel::SpaoProduct::corrected, 0};
+    const SummedOpacity sums(Device::cpu(2), half.values, progress);
+    const kernel::ExactKernel kernel{sums.view(), 4, kernel::SpaoProduct::corrected, 0};
     EXPECT_NEAR(kernel(kernel::Vec3<float>(20, 20, 23.5f)), 0.5, 1e-6);
 }
 
@@ -127,14 +127,14 @@ TEST(Spao, MeansAreThoseOfBoxesAtAnyPositionAcrossTheBorderToo) {
     Steps steps;
     Progress progress;
     const SpaoLevels levels(Device::cpu(2), opacity, 0, 6, steps, progress);
-    const SummedOpacity sums(opacity.values, progress);
+    const SummedOpacity sums(Device::cpu(2), opacity.values, progress);
     const kernel::StoredLevels view = levels.view();
     std::mt19937 random(1);
     std::uniform_real_distribution<float> anywhere(-20, 45);
     for (int i = 0; i < 20000; ++i) {
         const int level = i % 7;
         const kernel::Vec3<float> p(anywhere(random), anywhere(random), anywhere(random));
-        const double box = sums.mean(std::exp2(level), {p.x, p.y, p.z});
+        const double box = sums.view().mean(std::exp2(level), p.x, p.y, p.z);
         ASSERT_NEAR(view.mean(level, p) / 65535, box / 65535, 1e-4) << "level " << level;
     }
 }
@@ -142,11 +142,11 @@ TEST(Spao, MeansAreThoseOfBoxesAtAnyPositionAcrossTheBorderToo) {
 TEST(Spao, SumsAreThoseOfEveryCell) {
     const CellOpacity opacity = clutter({7, 6, 5});
     Progress progress;
-    const SummedOpacity sums(opacity.values, progress);
+    const SummedOpacity sums(Device::cpu(2), opacity.values, progress);
     double all = 0;
     for (std::size_t i = 0; i < opacity.values.grid.size(); ++i) all += opacity.values.data()[i];
-    EXPECT_NEAR(sums.mean(8, {3, 2.5, 2}) * 512, all, 1e-6 * all);
-    EXPECT_NEAR(sums.mean(1, {2, 3, 4}), opacity.values.data()[opacity.values.grid.index(2, 3, 4)], 1e-6);
+    EXPECT_NEAR(sums.view().mean(8, 3, 2.5, 2) * 512, all, 1e-6 * all);
+    EXPECT_NEAR(sums.view().mean(1, 2, 3, 4), opacity.values.data()[opacity.values.grid.index(2, 3, 4)], 1e-6);
 }
 
 /// A row of cells, as drawn on paper: buffers of windows of 1, 2 and 4 cells that begin at each.

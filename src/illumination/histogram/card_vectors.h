@@ -1,0 +1,27 @@
+// The histograms of a training set on a card, which keeps them from one step of training to the next.
+#pragma once
+#include "illumination/histogram/codebook.h"
+#include "illumination/histogram/launch_card.h"
+
+namespace chiaro {
+
+class CardVectors {
+public:
+    CardVectors(const Device& device, const std::vector<PackedHistogram>& vectors, int bins);
+
+    /// The nearest word of each, and how far it is; `words` holds guesses.
+    void assign(const Codebook& book, std::vector<std::uint16_t>& words, std::vector<std::int32_t>& differences) const;
+    /// Adds up the histograms of each word.
+    void add_up(const std::vector<std::uint16_t>& words, std::vector<std::int64_t>& sums) const;
+
+private:
+    kernel::WordedVectors view() const;
+
+    std::shared_ptr<cuda::Stream> stream_;
+    int bins_;
+    cuda::Array<PackedHistogram> vectors_;
+    cuda::Array<std::uint16_t> words_;
+    cuda::Array<std::int32_t> differences_;
+};
+
+}  // namespace chiaro

@@ -1,0 +1,14 @@
+// Words from their members on cards: the same source, a thread a ball, then a bin of a word.
+#include "cuda/launch.h"
+#include "illumination/histogram/launch_card.h"
+
+namespace chiaro::kernel {
+
+void count_members(cuda::Stream& stream, const CountMembers& count, std::int64_t members) {
+    cuda::launch_items(stream, members, count);
+}
+void add_up_members(cuda::Stream& stream, const AddUpMembers& add_up, std::int64_t words) {
+    cuda::launch_items(stream, words * add_up.bins, add_up);
+}
+
+}  // namespace chiaro::kernel

@@ -1,0 +1,89 @@
+// What a card prepares of local histograms, number by number against the processor's.
+#include <cstring>
+
+#include "cuda_case.h"
+#include "illumination/histogram/histograms.h"
+
+using namespace chiaro;
+using namespace chiaro::testing;
+
+namespace {
+
+/// Blobs, a wall and some noise, over more blocks than one along x and z.
+Volume clutter() {
+    return sampled<std::uint8_t>({45, 21, 35}, [](double x, double y, double z) {
+        const double soft = 100 + 90 * std::sin(0.31 * x + 0.2) * std::sin(0.23 * y + 0.7) * std::sin(0.27 * z);
+        const int noise = (int(x) * 73 + int(y) * 151 + int(z) * 199) % 7;
+        return x > 30 && x < 33 ? 230 : soft > 110 ? soft + noise : 10;
+    });
+}
+
+LocalHistograms prepared(const Device& device, const Volume& volume, const HistogramSettings& settings) {
+    Steps steps;
+    Progress progress;
+    return find_local_histograms(upload(device, volume).data(), settings, steps, progress);
+}
+
+std::size_t different_bytes(const VoxelBuffer& a, const VoxelBuffer& b) {
+    EXPECT_EQ(a.size(), b.size());
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) count += a.data()[i] != b.data()[i];
+    return count;
+}
+
+/// Returns how many words they are.
+int expect_same_histograms(const Device& card, const Volume& volume, const HistogramSettings& settings) {
+    const LocalHistograms expected = prepared(processor(), volume, settings), found = prepared(card, volume, settings);
+    EXPECT_EQ(found.words, expected.words);
+    EXPECT_EQ(found.distortions, expected.distortions);
+    EXPECT_EQ(different_bytes(found.identifiers, expected.identifiers), 0u);
+    found.lifted_array().fetch();
+    EXPECT_EQ(different_bytes(found.lifted, expected.lifted), 0u);
+    EXPECT_EQ(found.shares, expected.shares);
+    EXPECT_EQ(found.scale, expected.scale);
+    return found.words;
+}
+
+constexpr HistogramSettings small{.radius = 6, .clusters = 60, .packed_bins = 16};
+
+}  // namespace
+
+TEST_F(Cards, PrepareLocalHistogramsAsTheProcessorDoes) {
+    HistogramSettings settings = small;
+    expect_same_histograms(card, clutter(), settings);
+    const auto ridge = [](double x, double y, double z) { return 20 * std::abs(x - 5) + y * z; };
+    for (const auto path : {HistogramPath::exact, HistogramPath::sweep}) {  // training and lifting alone
+        settings.path = path;
+        expect_same_histograms(card, sampled<std::uint8_t>({12, 9, 10}, ridge), settings);
+    }
+}
+
+TEST_F(Cards, PrepareLocalHistogramsOfEverySetting) {
+    HistogramSettings settings = small;
+    settings.packing = HistogramPacking::paper, settings.packed_bins = 21;
+    expect_same_histograms(card, clutter(), settings);
+    for (const auto metric : {HistogramMetric::l1, HistogramMetric::lmax}) {
+        settings.metric = metric, settings.subsample = metric == HistogramMetric::l1 ? 2 : 4;
+        expect_same_histograms(card, clutter(), settings);
+    }
+    settings.clusters = 1;
+    expect_same_histograms(card, clutter(), settings);
+    expect_same_histograms(card, sampled<float>({5, 3, 4}, [](double, double, double) { return 0.0; }), small);
+}
+
+TEST_F(Cards, FindMoreWordsThanThereIsRoomForAtOnce) {
+    HistogramSettings settings = small;
+    settings.clusters = 600;  // of 4096 bins, half a MiB each
+    const auto slope = [](double x, double y, double z) { return 0.1 * x + std::sin(y) * z + (int(x + y) % 3); };
+    EXPECT_GT(expect_same_histograms(card, sampled<float>({9, 8, 7}, slope), settings), 512);
+}
+
+TEST_F(Cards, KeepTheIdentifiersThatTheyFound) {
+    const auto& mirror = *card.stream->mirror();
+    const LocalHistograms h = prepared(card, clutter(), small);
+    const auto copied = mirror.copied_bytes();
+    for (const VoxelBuffer* made : {&h.identifiers, &h.lifted})
+        card.stream->mirror()->of(HostArray::of(h.life, *made), *card.stream);
+    EXPECT_EQ(mirror.copied_bytes(), copied) << "what was made there is copied again";
+    EXPECT_EQ(copied, h.grid.size() * sizeof(std::uint16_t)) << "more than the cells' bins";
+}
