@@ -1,8 +1,10 @@
 // What a card finds after an edit, number by number against the processor's.
+#include <cstring>
 #include <random>
 
 #include "classify/medium.h"
 #include "cuda_case.h"
+#include "illumination/cells/opacity.h"
 #include "illumination/histogram/optics.h"
 
 using namespace chiaro;
@@ -22,6 +24,30 @@ TEST_F(Cards, ClassifyAsTheProcessorDoes) {
         for (const Shape& shape : {Shape{}, surfaces})
             for (const TransferFunction& tf : {two_materials(), constant(0), constant(0.5)})
                 EXPECT_EQ(cells(card, volume, tf, shape), cells(processor(), volume, tf, shape));
+}
+
+TEST_F(Cards, StopLightInCellsAsTheProcessorDoes) {
+    const auto opacity = [](const Device& device, const Volume& volume, const Shape& shape) {
+        Progress progress;
+        return cell_opacity(classify(upload(device, volume), two_materials(), shape).data(), progress);
+    };
+    const Shape clipped{.clip = {.box = std::array{0.0, 0.5, 0.1, 1.0, 0.0, 1.0}, .planes = {{{1, 1, 0}, 40}}}};
+    const Shape surfaces{.mode = Mode::iso, .iso = {{.value = 90, .opacity = 0.5}, {.value = 180}}};
+    Volume thick = shells_of<std::uint8_t>(37), falling = shells_of<float>(36);
+    thick.geometry.spacing_mm = {1, 1.3, 2.5};
+    falling.slope = -1, falling.intercept = 255;
+    for (const Volume* volume : {&thick, &falling})
+        for (const Shape& shape : {Shape{}, clipped, surfaces}) {
+            const CellOpacity expected = opacity(processor(), *volume, shape), found = opacity(card, *volume, shape);
+            const std::size_t cells = expected.values.grid.size();
+            EXPECT_TRUE(std::equal(found.values.data(), found.values.data() + cells, expected.values.data()));
+            EXPECT_GT(std::count(expected.values.data(), expected.values.data() + cells, 0), 100);
+            EXPECT_GT(*std::max_element(expected.values.data(), expected.values.data() + cells), 10000);
+        }
+    const Volume words = shells_of<std::uint16_t>(34);  // a last voxel beyond the last brick
+    EXPECT_EQ(std::memcmp(opacity(processor(), words, {}).values.data(), opacity(card, words, {}).values.data(),
+                          2 * 34 * 37 * 29),
+              0);
 }
 
 TEST_F(Cards, OccludeAsTheProcessorDoes) {

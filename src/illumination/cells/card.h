@@ -12,30 +12,22 @@ namespace chiaro {
 
 inline constexpr std::size_t blocks_together = 256;  ///< 8 million threads, and room for their tiles
 
-/// The card's copy, made when first asked for.
-inline const std::uint16_t* on_card(cuda::Stream& stream, const CellValues& values) {
-    return reinterpret_cast<const std::uint16_t*>(
-        stream.mirror()->of(HostArray::of(values.life, values.buffer), stream));
-}
-
 /// Numbers of cells that are made on a card: 0 at first.
 class CardCells {
 public:
-    CardCells(cuda::Stream& stream, const CellGrid& grid)
-        : stream_(stream), values_(grid), made_(stream, values_.buffer.size()) {
+    CardCells(const Device& device, const CellGrid& grid)
+        : stream_(device.stream), values_(grid), made_(*stream_, values_.buffer.size()) {
         made_.zero();
     }
     std::uint16_t* data() const { return reinterpret_cast<std::uint16_t*>(made_.data()); }
-    /// The card keeps a copy, as a mirror of what is returned.
-    CellValues fetch() {
-        stream_.download(values_.buffer.data(), made_.data(), made_.size());
-        stream_.wait();
-        stream_.mirror()->keep(HostArray::of(values_.life, values_.buffer), made_.data(), stream_);
+    /// They stay there, and come when the host reads them.
+    CellValues take() {
+        values_.buffer.keep(stream_, made_.data());
         return std::move(values_);
     }
 
 private:
-    cuda::Stream& stream_;
+    const std::shared_ptr<cuda::Stream> stream_;
     CellValues values_;
     cuda::Array<std::byte> made_;
 };

@@ -23,8 +23,8 @@ public:
         : stream_(*device.stream),
           progress_(progress),
           grid_(opacity.values.grid),
-          opacity_(on_card(stream_, opacity.values)),
-          access_(stream_, grid_) {}
+          opacity_(opacity.values.on_card(stream_)),
+          access_(device, grid_) {}
 
     cuda::Stream& stream() const { return stream_; }
     const Cells& count() const { return grid_.count; }
@@ -40,7 +40,7 @@ public:
         progress_.report("spao", share);
         progress_.check();
     }
-    CellValues fetch() { return access_.fetch(); }
+    CellValues take() { return access_.take(); }
 
 private:
     cuda::Stream& stream_;
@@ -208,7 +208,7 @@ CellValues fused_on_card(const Device& device, const CellOpacity& opacity, const
     for (int g = coarse_grids(settings); g > 0; --g) steps(name_of_cells(g), [&] { sweep.sweep_corners(g, tiles); });
     return steps(name_of_cells(0), [&] {
         sweep.sweep_cells(tiles);
-        return access.fetch();
+        return access.take();
     });
 }
 
@@ -232,7 +232,7 @@ CellValues stored_on_card(const Device& device, const CellOpacity& opacity, cons
             batch.places = places;
             kernel::answer_stored(access.stream(), batch, count);
         });
-        return access.fetch();
+        return access.take();
     });
 }
 
