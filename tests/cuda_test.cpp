@@ -287,6 +287,26 @@ TEST_F(Cards, AreHandedOnlyWhatChanged) {
     EXPECT_EQ(copied(), second);  // another stream shares it
 }
 
+TEST_F(Cards, AreHandedThePreintegratedTableOnce) {
+    const Volume volume = shells_of<std::uint8_t>(40);
+    const Medium medium = classify(upload(card, volume), two_materials(), {});
+    Progress progress;
+    Frame frame(61, 47);
+    CameraSettings from;
+    const auto copied_for = [&](double azimuth_deg, double step_voxels) {
+        from.azimuth_deg = azimuth_deg;
+        const auto before = card.stream->mirror()->copied_bytes();
+        raycast(card, medium, {}, {}, make_camera(from, volume.geometry, volume.dimensions),
+                {.step_voxels = step_voxels, .classification = Classification::preintegrated}, frame, progress);
+        return card.stream->mirror()->copied_bytes() - before;
+    };
+    const std::size_t table = 128 * 128 * 4 * sizeof(float);  // at least
+    EXPECT_GT(copied_for(0, 0.5), volume.voxels.size() + table);
+    EXPECT_EQ(copied_for(80, 0.5), 0u);
+    EXPECT_GT(copied_for(80, 1), table);
+    EXPECT_GT(copied_for(80, 0.5), table);  // only the last is kept
+}
+
 // Light that was found on the card is there for its rays.
 TEST_F(Cards, KeepTheLightThatTheyFound) {
     const auto copied = [&] { return card.stream->mirror()->copied_bytes(); };
