@@ -52,7 +52,8 @@ Density thirded(const Density& finer, const Device& device, Progress& progress) 
                              for (int axis = 0; axis < 3; ++axis)
                                  for (double d : column[axis]) sum[axis] += std::exp(-d) / 9;
                              const double open = sum[0] * sum[1] * sum[2];
-                             out.data()[out.grid.index(x, y, z)] = float(-std::log(std::clamp(open, 1e-110, 1.0)) / 3);
+                             out.numbers()[out.grid.index(x, y, z)] =
+                                 float(-std::log(std::clamp(open, 1e-110, 1.0)) / 3);
                          }
                  });
     progress.check();

@@ -227,7 +227,7 @@ std::vector<std::size_t> open_skins(const Medium::Data& medium, const Device& de
         for (int y = 0; y < ny; ++y)
             for (int x = 0; x < nx; ++x)
                 if (const std::size_t node = grid.index(x, y, z); open[node]) {
-                    extinction.data()[node] = -std::log(1 - surface.fill(x, y, z).share);
+                    extinction.numbers()[node] = -std::log(1 - surface.fill(x, y, z).share);
                     skins.push_back(node);
                 }
     return skins;

@@ -1,5 +1,8 @@
 #include "illumination/visibility/card.h"
 
+#include <utility>
+
+#include "illumination/cells/card.h"
 #include "illumination/visibility/launch_card.h"
 
 namespace chiaro {
@@ -22,6 +25,27 @@ struct CardPlane {
 };
 
 }  // namespace
+
+void assemble_on_card(const Device& device, const BlockMap& blocks, int halvings, const BlockDepths& depths,
+                      Density& out, Progress& progress) {
+    cuda::Stream& stream = *device.stream;
+    const std::size_t together = std::clamp<std::size_t>(blocks.held().size(), 1, blocks_together);
+    const cuda::Array<float> tiles(stream, together * tile_size), halves(stream, halvings ? tiles.size() / 8 : 1);
+    cuda::Array<float> made(stream, out.grid.size());
+    made.zero();
+    const FillBlocks fill = depths.on_card(stream);
+    const auto [nx, ny, nz] = out.grid.count;
+    for_blocks(stream, blocks, "density", progress, [&](const kernel::BlockPlace* places, std::int64_t count) {
+        fill(places, count, tiles.data());
+        float *from = tiles.data(), *to = halves.data();
+        for (int i = 0; i < halvings; ++i, std::swap(from, to))
+            kernel::run_on_card(stream, count * (tile_size >> 3 * (i + 1)),
+                                kernel::HalveTiles{from, to, block_edge >> i});
+        kernel::run_on_card(stream, count * (tile_size >> 3 * halvings),
+                            kernel::KeepTiles{from, block_edge >> halvings, places, {nx, ny, nz}, made.data()});
+    });
+    out.buffer.keep(device.stream, made.data());
+}
 
 SweepPlanes::SweepPlanes(int nu, int nv, int directions) : row_(nu + 2), directions_(directions) {
     const std::size_t nodes = std::size_t(row_) * std::size_t(nv + 2);
@@ -48,9 +72,8 @@ CardSweep::CardSweep(const Device& device, const Density& density, int coefficie
     : stream_(device.stream),
       grid_(density.grid),
       coefficients_(coefficients),
-      density_(*stream_, density.grid.size()),
+      density_(density.on_card(*stream_)),
       field_(*stream_, density.grid.size() * std::size_t(coefficients)) {
-    stream_->upload(density_.data(), density.data(), density_.size() * sizeof(float));
     field_.zero();
 }
 
@@ -83,7 +106,7 @@ void CardSweep::pass(const SweepPass& pass, const SweepAxes& axes, std::span<con
                                        here.light.data(),     before.state.data(), here.state.data(),
                                        planes.row(),          packs.lanes()};
         kernel::sweep_plane(*stream_, {its_packs.data(), of_batch, view},
-                            {nu, nv, node_stride(axes.u), node_stride(axes.v), density_.data() + plane,
+                            {nu, nv, node_stride(axes.u), node_stride(axes.v), density_ + plane,
                              field_.data() + plane * pass.field.coefficients, scratch.data()});
     }
     stream_->wait();  // for what was copied from here
@@ -101,7 +124,7 @@ VisibilityNodes CardSweep::keep(const VisibilitySettings& settings) {
     const cuda::Array<std::byte> harmonics(*stream_, nodes.harmonics.size());
     const cuda::Array<kernel::NodeSurface> surfaces(*stream_, lifted ? grid_.size() : 1);
     const cuda::Array<float> opacity(*stream_, lifted ? grid_.size() : 1);
-    if (lifted) kernel::find_opacities(*stream_, {density_.data(), opacity.data()}, std::int64_t(grid_.size()));
+    if (lifted) kernel::find_opacities(*stream_, {density_, opacity.data()}, std::int64_t(grid_.size()));
     kernel::KeepKernel keep = keep_kernel(nodes, field_.data(), lifted ? opacity.data() : nullptr);
     keep.harmonics = harmonics.data(), keep.surfaces = surfaces.data();
     kernel::keep_all_nodes(*stream_, keep);

@@ -1,7 +1,9 @@
-// The sweep on a card: planes, packs of directions and coefficients stay there until all directions are done.
+// Density on a card, and the sweep: planes, packs of directions and coefficients stay there until all directions are
+// done.
 #pragma once
 #include "cuda/mirror.h"
 #include "illumination/visibility/nodes.h"
+#include "illumination/visibility/sub_voxel.h"
 #include "illumination/visibility/sweep_pass.h"
 
 namespace chiaro {
@@ -40,8 +42,14 @@ private:
     const std::shared_ptr<cuda::Stream> stream_;
     const CellGrid grid_;
     const int coefficients_;
-    cuda::Array<float> density_, field_;
+    const float* density_;
+    cuda::Array<float> field_;
 };
+
+/// Fills a density, which stays on the card: the cells of the blocks, halved so often. Memory there: 4 bytes a node,
+/// 144 KiB a block, of up to 256 at a time.
+void assemble_on_card(const Device& device, const BlockMap& blocks, int halvings, const BlockDepths& depths,
+                      Density& out, Progress& progress);
 
 /// LightKernel on the device's card: `kernel` as it is for the host, which gets the light.
 void light_on_card(const Device& device, const kernel::LightKernel& kernel, const HostArrays& arrays,

@@ -1,10 +1,16 @@
-// The kernels of sweeps and nodes as a card has them, compiled by launch_sweep.cu and launch_nodes.cu.
+// The kernels of density, sweeps and nodes as a card has them, compiled by launch_density.cu, launch_sweep.cu and
+// launch_nodes.cu.
 #pragma once
 #include "cuda/stream.h"
+#include "illumination/visibility/density_kernel.h"
 #include "illumination/visibility/node_kernel.h"
 #include "illumination/visibility/sweep_kernel.h"
 
 namespace chiaro::kernel {
+
+/// kernel(i) for each i of [0, count), a thread each; pointers are the card's.
+template <class Kernel>
+void run_on_card(cuda::Stream& stream, std::int64_t count, const Kernel& kernel);
 
 /// A plane of nodes; pointers are the card's.
 struct SweptPlane {
