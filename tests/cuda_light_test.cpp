@@ -86,6 +86,25 @@ TEST_F(Cards, MeetTheDensityThatTheProcessorMeets) {
             }
 }
 
+TEST_F(Cards, FindVisibilityByEveryTraversal) {
+    IlluminationSettings light{.method = Method::visibility};
+    const Volume volume = shells_of<std::uint8_t>(27);
+    const Medium medium = classify(upload(card, volume), two_materials(), {});
+    for (const auto traversal :
+         {VisibilityTraversal::sheared, VisibilityTraversal::hierarchical, VisibilityTraversal::full}) {
+        light.visibility = {.directions = 60, .traversal = traversal};
+        for (const int bands : {2, 4})
+            for (const bool jittered : {false, true}) {
+                light.visibility.bands = bands;
+                light.visibility.sampling = {.jittered = jittered, .sets = 3};
+                expect_same_field(medium, light, fmt::format("traversal {}, {} bands", int(traversal), bands));
+            }
+        expect_same(shaded(), volume, light);
+    }
+    light.visibility = {.directions = 300, .subsample = 1, .traversal = VisibilityTraversal::sheared};
+    expect_same_field(medium, light, "several batches");
+}
+
 TEST_F(Cards, OccludeAsTheProcessorDoes) {
     IlluminationSettings light{.method = Method::spao};
     const Medium medium = classify(upload(card, shells_of<std::uint8_t>(40)), two_materials(), {});

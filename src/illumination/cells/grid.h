@@ -60,7 +60,6 @@ struct CellValues {
         return reinterpret_cast<const std::uint16_t*>(buffer.on_card(stream));
     }
 
-private:
     static constexpr std::size_t spare = 8;  ///< look-ups read two cells at a time
 };
 

@@ -34,8 +34,8 @@ kernel::CoverageView coverage_view(const Medium::Data& medium, const CellGrid& g
 }
 
 template <class Voxel>
-kernel::OpacityKernel<Voxel> opacity_kernel(const Medium::Data& medium, const CellGrid& grid,
-                                            const std::vector<std::uint16_t>& entries) {
+kernel::CellOpacityKernel<Voxel> opacity_kernel(const Medium::Data& medium, const CellGrid& grid,
+                                                const std::vector<std::uint16_t>& entries) {
     return {.volume = view_of<Voxel>(medium.volume.data()),
             .cells = cell_centres(medium, grid),
             .is_voxel_grid = grid.is_voxel_grid,
@@ -88,7 +88,7 @@ private:
 
     CellValues& out_;
     const std::vector<std::uint16_t> entries_;
-    const kernel::OpacityKernel<Voxel> kernel_;
+    const kernel::CellOpacityKernel<Voxel> kernel_;
     std::vector<std::uint16_t> of_stored_;  ///< opacities by stored value
 };
 

@@ -29,7 +29,7 @@ struct CoverageView {
 };
 
 template <class Voxel>
-struct OpacityKernel {
+struct CellOpacityKernel {
     VolumeView<Voxel> volume;
     CellCentres cells;
     bool is_voxel_grid;
@@ -53,7 +53,7 @@ struct OpacityKernel {
 /// The same for many threads, a cell each of blocks side by side.
 template <class Voxel>
 struct OpacityBatch {
-    OpacityKernel<Voxel> kernel;
+    CellOpacityKernel<Voxel> kernel;
     const BlockPlace* places;
     std::int32_t count[3];
     bool near_surface;
