@@ -5,6 +5,7 @@
 #include "cuda_case.h"
 #include "illumination/cells/opacity.h"
 #include "illumination/histogram/optics.h"
+#include "illumination/transport/grid.h"
 #include "illumination/visibility/density.h"
 
 using namespace chiaro;
@@ -103,6 +104,26 @@ TEST_F(Cards, FindVisibilityByEveryTraversal) {
     }
     light.visibility = {.directions = 300, .subsample = 1, .traversal = VisibilityTraversal::sheared};
     expect_same_field(medium, light, "several batches");
+}
+
+TEST_F(Cards, LayOutTransportsGridAsTheProcessorDoes) {
+    Progress progress;
+    for (const Volume& volume : volumes_of_every_sort())
+        for (const Shape& shape : shapes_of_every_sort())
+            for (const int cells : {40, 20, 13, 5}) {  // a cell a node, 2, 3, many
+                const auto grid = [&](const Device& device) {
+                    const Medium medium = classify(upload(device, volume), two_materials(), shape);
+                    return light_grid(medium.data(), cells, 0.6, device, progress);
+                };
+                const LightGrid expected = grid(processor()), found = grid(card);
+                EXPECT_EQ(found.skins, expected.skins);
+                for (std::size_t i = 0; i < expected.extinction.grid.size(); ++i) {
+                    ASSERT_NEAR(found.extinction.data()[i], expected.extinction.data()[i], tolerance);
+                    for (std::size_t c = 0; c < 3; ++c)
+                        ASSERT_NEAR(found.albedo[c][i], expected.albedo[c][i], tolerance);
+                }
+                EXPECT_GT(*std::max_element(expected.albedo[0].begin(), expected.albedo[0].end()), 0.1f);
+            }
 }
 
 TEST_F(Cards, OccludeAsTheProcessorDoes) {

@@ -25,7 +25,7 @@ struct CellCentres {
     };
     double voxels_per_cell[3];
     Plane planes[most_planes];
-    std::int32_t plane_count;
+    std::int32_t plane_count, are_voxels;  ///< not 0: cells are voxels
 
     /// Voxel coordinate of a centre; cells and voxels both cover [-½, n - ½] of their index.
     CHIARO_INLINE double along(int axis, std::int32_t cell) const { return (cell + 0.5) * voxels_per_cell[axis] - 0.5; }

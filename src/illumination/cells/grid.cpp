@@ -87,6 +87,7 @@ kernel::CellCentres cell_centres(const Medium::Data& medium, const CellGrid& gri
     static_assert(6 + max_clip_planes <= kernel::CellCentres::most_planes);
     const DeviceVolume::Data& volume = medium.volume.data();
     kernel::CellCentres centres{};
+    centres.are_voxels = grid.is_voxel_grid;
     for (int axis = 0; axis < 3; ++axis) centres.voxels_per_cell[axis] = grid.voxels_per_cell[axis];
     for (const HalfSpace& kept : half_spaces(medium.shape.clip, volume.geometry, volume.dimensions))
         centres.planes[centres.plane_count++] = {kept.normal.x, kept.normal.y, kept.normal.z, kept.d};

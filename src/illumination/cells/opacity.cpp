@@ -38,7 +38,6 @@ kernel::CellOpacityKernel<Voxel> opacity_kernel(const Medium::Data& medium, cons
                                                 const std::vector<std::uint16_t>& entries) {
     return {.volume = view_of<Voxel>(medium.volume.data()),
             .cells = cell_centres(medium, grid),
-            .is_voxel_grid = grid.is_voxel_grid,
             .entries = entries.empty() ? nullptr : entries.data(),
             .scale = float(medium.table.index_scale),
             .offset = float(medium.table.index_offset + 0.5),
@@ -62,7 +61,7 @@ public:
     /// Cells [x0, x1) of a row.
     void fill(int x0, int x1, int y, int z, bool near_surface) {
         std::uint16_t* row = out_.data() + out_.grid.index(0, y, z);
-        if (kernel_.entries && kernel_.is_voxel_grid)
+        if (kernel_.entries && kernel_.cells.are_voxels)
             copy_row(x0, x1, y, z, row);
         else
             for (int x = x0; x < x1; ++x) row[x] = kernel_.unclipped(x, y, z, near_surface);

@@ -32,7 +32,6 @@ template <class Voxel>
 struct CellOpacityKernel {
     VolumeView<Voxel> volume;
     CellCentres cells;
-    bool is_voxel_grid;
     const std::uint16_t* entries;  ///< of the optical table; null: isosurfaces
     float scale, offset, last;     ///< index = stored * scale + offset, rounding included
     CoverageView surfaces;
@@ -42,7 +41,7 @@ struct CellOpacityKernel {
     }
     /// But for clipping. Nothing is seen inside a surface, but it is matter.
     CHIARO_INLINE std::uint16_t unclipped(std::int32_t x, std::int32_t y, std::int32_t z, bool near_surface) const {
-        if (entries && is_voxel_grid) return of_stored(float(*voxel_address(volume, x, y, z)));
+        if (entries && cells.are_voxels) return of_stored(float(*voxel_address(volume, x, y, z)));
         const Vec3<float> p = volume.clamp(cells.of(x, y, z));
         const Location<float> at = volume.locate(p, volume.voxel(p));
         if (entries) return of_stored(volume.value(at));
