@@ -126,6 +126,23 @@ TEST_F(Cards, LayOutTransportsGridAsTheProcessorDoes) {
             }
 }
 
+TEST_F(Cards, FollowTheRaysOfTheReference) {
+    using enum ReferenceQuantity;
+    IlluminationSettings light{.method = Method::reference};
+    Volume thick = shells_of<float>(20);
+    thick.geometry.spacing_mm = {1, 1.3, 2.5};
+    const Shape surface{.mode = Mode::iso, .iso = {{.value = 90, .opacity = 0.5}}};
+    const DeviceVolume cubes = upload(card, shells_of<std::uint8_t>(36)), others = upload(card, thick);
+    for (const Medium& medium : {classify(cubes, two_materials(), {}), classify(others, two_materials(), surface)})
+        for (const auto matter : {ReferenceMedium::voxels, ReferenceMedium::trilinear})
+            for (const auto quantity : {obscurance, ao, ao_cosine, visibility})
+                for (const int subsample : {1, 4}) {  // a last node off the rhythm of the others
+                    light.reference = {.rays = 20, .quantity = quantity, .medium = matter, .subsample = subsample};
+                    const auto what = fmt::format("quantity {}, medium {}", int(quantity), int(matter));
+                    expect_same_field(medium, light, what);
+                }
+}
+
 TEST_F(Cards, OccludeAsTheProcessorDoes) {
     IlluminationSettings light{.method = Method::spao};
     const Medium medium = classify(upload(card, shells_of<std::uint8_t>(40)), two_materials(), {});
