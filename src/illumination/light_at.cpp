@@ -7,6 +7,7 @@ namespace chiaro {
 std::vector<Rgb> light_at(const IlluminationField& field, const Lighting& lighting, const Camera& camera,
                           const Medium::Data& medium, std::span<const Vec3> points_voxel) {
     const LitField lit = lit_field(field, lighting, camera, medium);
+    lit.come();
     kernel::ShadingView unshaded{};
     unshaded.ambient = 1;
     std::vector<Rgb> found;

@@ -58,7 +58,7 @@ LitField lit_field(const IlluminationField& field, const Lighting& lighting, con
     const IlluminationField::Data& data = field.data();
     if (data.visibility) return lit_by_visibility(data, lighting, orbit_up, medium);
     if (data.transport) return lit_by_transport(data, lighting, camera, medium);
-    LitField lit{data.view, {}, {}, {}, {}};
+    LitField lit{data.view, {}, {}, {}, {}, data.access};
     if (data.access) data.access->buffer.add_to(lit.arrays);
     if (data.histogram) data.histogram->add_to(lit.arrays, data.histogram);
     std::visit(

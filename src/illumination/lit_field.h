@@ -9,10 +9,16 @@ namespace chiaro {
 
 struct LitField {
     FieldView view;
-    std::optional<MainLight> main;       ///< missing: the lighting's own light
-    std::shared_ptr<const void> keeps;   ///< what the view reads
-    std::optional<double> albedo_limit;  ///< of the colours that are seen; none: as they are
-    HostArrays arrays;                   ///< what the view points into
+    std::optional<MainLight> main;                  ///< missing: the lighting's own light
+    std::shared_ptr<const void> keeps;              ///< what the view reads
+    std::optional<double> albedo_limit;             ///< of the colours that are seen; none: as they are
+    HostArrays arrays;                              ///< what the view points into
+    std::shared_ptr<const CellValues> access = {};  ///< of that, what a card may have made
+
+    /// Before the host reads the view.
+    void come() const {
+        if (access) access->data();
+    }
 };
 
 /// Joins field and lighting; a probe is projected on the field where that holds no light of its own.

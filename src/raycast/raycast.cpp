@@ -41,13 +41,15 @@ Outcome cast(const Device& device, const Kernel& kernel, const BoundingGeometry*
     return {complete, std::uint64_t(samples)};
 }
 
-/// On the card where the device has one.
+/// On the card where the device has one. `arrays`: all that the kernel points into, the field's among them.
 template <class Kernel>
-Outcome cast(const Device& device, const Kernel& kernel, const HostArrays& arrays, const BoundingGeometry* geometry,
-             Frame& frame, Progress& progress) {
+Outcome cast(const Device& device, const Kernel& kernel, const HostArrays& arrays, const LitField& lit,
+             const BoundingGeometry* geometry, Frame& frame, Progress& progress) {
     Outcome outcome;
     const auto on_card = [&] { outcome = cast_on_card(*device.stream, kernel, arrays, frame, progress); };
-    return cuda::done_on_card(device, on_card) ? outcome : cast(device, kernel, geometry, frame, progress);
+    if (cuda::done_on_card(device, on_card)) return outcome;
+    lit.come();
+    return cast(device, kernel, geometry, frame, progress);
 }
 
 }  // namespace
@@ -75,7 +77,7 @@ Outcome raycast(const Device& device, const Medium& medium, const IlluminationFi
                 if (lit.main) shine_from(*lit.main, lighting, camera, kernel.matter.shading);
                 if constexpr (decltype(view)::adds_opacity)
                     if (view.glows) kernel.matter.occupancy.cells = view.occupancy;
-                return cast(device, kernel, arrays, geometry ? &*geometry : nullptr, frame, progress);
+                return cast(device, kernel, arrays, lit, geometry ? &*geometry : nullptr, frame, progress);
             });
         },
         lit.view);

@@ -56,6 +56,7 @@ struct CellValues {
     explicit CellValues(const CellGrid& cells) : grid(cells), buffer((cells.size() + spare) * sizeof(std::uint16_t)) {}
     std::uint16_t* data() { return reinterpret_cast<std::uint16_t*>(buffer.data()); }
     const std::uint16_t* data() const { return reinterpret_cast<const std::uint16_t*>(buffer.data()); }
+    const std::uint16_t* address() const { return reinterpret_cast<const std::uint16_t*>(buffer.address()); }
     const std::uint16_t* on_card(cuda::Stream& stream) const {
         return reinterpret_cast<const std::uint16_t*>(buffer.on_card(stream));
     }

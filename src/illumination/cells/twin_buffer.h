@@ -23,6 +23,8 @@ public:
         if (late_) forget_card();
         return here_.data();
     }
+    /// Where they are once they have come.
+    const std::byte* address() const { return here_.data(); }
     std::size_t size() const { return here_.size(); }
 
     /// The card's copy, made when first asked for.
