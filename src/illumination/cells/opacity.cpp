@@ -61,10 +61,12 @@ public:
     /// Cells [x0, x1) of a row.
     void fill(int x0, int x1, int y, int z, bool near_surface) {
         std::uint16_t* row = out_.data() + out_.grid.index(0, y, z);
-        if (kernel_.entries && kernel_.cells.are_voxels)
+        if (!kernel_.entries)
+            for (int x = x0; x < x1; ++x) row[x] = kernel_.inside(x, y, z, near_surface);
+        else if (kernel_.cells.are_voxels)
             copy_row(x0, x1, y, z, row);
         else
-            for (int x = x0; x < x1; ++x) row[x] = kernel_.unclipped(x, y, z, near_surface);
+            for (int x = x0; x < x1; ++x) row[x] = kernel_.between_voxels(x, y, z);
         for (int x = x0; kernel_.cells.plane_count > 0 && x < x1; ++x)
             if (kernel_.cells.is_clipped(x, y, z)) row[x] = 0;
     }

@@ -39,13 +39,27 @@ struct CellOpacityKernel {
     CHIARO_INLINE std::uint16_t of_stored(float stored) const {
         return entries[std::uint32_t(min(max(mad(stored, scale, offset), 0.0f), last))];
     }
-    /// But for clipping. Nothing is seen inside a surface, but it is matter.
-    CHIARO_INLINE std::uint16_t unclipped(std::int32_t x, std::int32_t y, std::int32_t z, bool near_surface) const {
-        if (entries && cells.are_voxels) return of_stored(float(*voxel_address(volume, x, y, z)));
-        const Vec3<float> p = volume.clamp(cells.of(x, y, z));
-        const Location<float> at = volume.locate(p, volume.voxel(p));
-        if (entries) return of_stored(volume.value(at));
+    // But for clipping:
+    CHIARO_INLINE std::uint16_t of_voxel(std::int32_t x, std::int32_t y, std::int32_t z) const {
+        return of_stored(float(*voxel_address(volume, x, y, z)));
+    }
+    CHIARO_INLINE std::uint16_t between_voxels(std::int32_t x, std::int32_t y, std::int32_t z) const {
+        return of_stored(volume.value(located(x, y, z)));
+    }
+    /// Nothing is seen inside a surface, but it is matter.
+    CHIARO_INLINE std::uint16_t inside(std::int32_t x, std::int32_t y, std::int32_t z, bool near_surface) const {
+        const Location<float> at = located(x, y, z);
         return surfaces.opacity(volume.value(at), near_surface ? surfaces.slope(volume.gradient(at)) : 0);
+    }
+    CHIARO_INLINE std::uint16_t unclipped(std::int32_t x, std::int32_t y, std::int32_t z, bool near_surface) const {
+        if (!entries) return inside(x, y, z, near_surface);
+        return cells.are_voxels ? of_voxel(x, y, z) : between_voxels(x, y, z);
+    }
+
+private:
+    CHIARO_INLINE Location<float> located(std::int32_t x, std::int32_t y, std::int32_t z) const {
+        const Vec3<float> p = volume.clamp(cells.of(x, y, z));
+        return volume.locate(p, volume.voxel(p));
     }
 };
 
