@@ -103,13 +103,6 @@ struct Transported {
     }
 };
 
-/// Shells that nothing passes through.
-TransferFunction walls() {
-    TransferFunction tf;
-    tf.points = {{0, {0, 0, 0}, 0}, {100, {0.9, 0.6, 0.3}, 0}, {101, {0.9, 0.6, 0.3}, 0.999}, {255, {0.3, 0.9, 1}, 1}};
-    return tf;
-}
-
 Probe with_a_sun() {
     std::vector<float> rgb(3 * 64 * 128, 0.1f);
     for (int x = 0; x < 4; ++x)

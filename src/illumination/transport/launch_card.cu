@@ -27,5 +27,11 @@ template void run_on_card(cuda::Stream&, std::int64_t, const ColourSums<StoredVa
 template void run_on_card(cuda::Stream&, std::int64_t, const ColourSums<StoredValues<float>>&);
 template void run_on_card(cuda::Stream&, std::int64_t, const AlbedoKernel&);
 template void run_on_card(cuda::Stream&, std::int64_t, const ThirdKernel&);
+template void run_on_card(cuda::Stream&, std::int64_t, const EachCell<MarkOpaque>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const EachCell<FindFillOf<std::uint8_t>>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const EachCell<FindFillOf<std::uint16_t>>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const EachCell<FindFillOf<float>>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const EachCell<FindThin>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const EachCell<OpenSkin>&);
 
 }  // namespace chiaro::kernel

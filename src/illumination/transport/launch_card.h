@@ -5,6 +5,7 @@
 #include "illumination/transport/colour_kernel.h"
 #include "illumination/transport/light_kernel.h"
 #include "illumination/transport/opaque_kernel.h"
+#include "illumination/transport/skin_kernel.h"
 #include "illumination/transport/third_kernel.h"
 
 namespace chiaro::kernel {
