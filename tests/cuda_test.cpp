@@ -318,6 +318,13 @@ TEST_F(Cards, KeepTheLightThatTheyFound) {
     EXPECT_EQ(copied(), before);  // cells' opacities were found there
     show(field);
     EXPECT_EQ(copied(), before);
+    const Device another = Device::cuda(0, processor());  // which knows nothing of that
+    Frame elsewhere(61, 47);
+    raycast(another, medium, field, {}, make_camera({}, volume.geometry, volume.dimensions), {}, elsewhere, progress);
+    EXPECT_EQ(elsewhere.rgba, frame.rgba);
+    raycast(processor(), medium, field, {}, make_camera({}, volume.geometry, volume.dimensions), {}, elsewhere,
+            progress);
+    EXPECT_EQ(difference(elsewhere, frame, tolerance).pixels_beyond, 0);
 }
 
 TEST_F(Cards, SessionsOfOneVolumeSideBySide) {

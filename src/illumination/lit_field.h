@@ -15,9 +15,12 @@ struct LitField {
     HostArrays arrays;                              ///< what the view points into
     std::shared_ptr<const CellValues> access = {};  ///< of that, what a card may have made
 
-    /// Before the host reads the view.
+    /// Before the host reads the view, or a card does, perhaps another than made it.
     void come() const {
         if (access) access->data();
+    }
+    void come_to(cuda::Stream& stream) const {
+        if (access) access->on_card(stream);
     }
 };
 

@@ -46,7 +46,10 @@ template <class Kernel>
 Outcome cast(const Device& device, const Kernel& kernel, const HostArrays& arrays, const LitField& lit,
              const BoundingGeometry* geometry, Frame& frame, Progress& progress) {
     Outcome outcome;
-    const auto on_card = [&] { outcome = cast_on_card(*device.stream, kernel, arrays, frame, progress); };
+    const auto on_card = [&] {
+        lit.come_to(*device.stream);
+        outcome = cast_on_card(*device.stream, kernel, arrays, frame, progress);
+    };
     if (cuda::done_on_card(device, on_card)) return outcome;
     lit.come();
     return cast(device, kernel, geometry, frame, progress);
