@@ -68,15 +68,14 @@ template <class Voxel>
 struct OpacityBatch {
     CellOpacityKernel<Voxel> kernel;
     const BlockPlace* places;
-    std::int32_t count[3];
-    bool near_surface;
+    std::int32_t count[3], near_surface;  ///< cells; not 0: something is seen near
     std::uint16_t* out;
 
     CHIARO_INLINE void operator()(std::int64_t item) const {
         const BlockCell its(places, item);
         const std::int32_t x = its.grid_x(), y = its.grid_y(), z = its.grid_z();
         if (x >= count[0] || y >= count[1] || z >= count[2] || kernel.cells.is_clipped(x, y, z)) return;
-        out[(std::int64_t(z) * count[1] + y) * count[0] + x] = kernel.unclipped(x, y, z, near_surface);
+        out[(std::int64_t(z) * count[1] + y) * count[0] + x] = kernel.unclipped(x, y, z, near_surface != 0);
     }
 };
 

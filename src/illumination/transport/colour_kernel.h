@@ -17,7 +17,7 @@ struct Tint {
 /// Over the optical table.
 struct TintView {
     const Tint* entries;
-    float scale, offset, last;
+    float scale, offset, last, unused;
 
     CHIARO_INLINE const Tint& of(float stored) const {
         return entries[std::uint32_t(min(max(stored * scale + offset, 0.0f), last))];
@@ -43,7 +43,7 @@ struct NodeColours {
     Values values;
     CellCentres centres;
     TintView tints;
-    std::int32_t count[3];  ///< cells
+    std::int32_t count[4];  ///< cells per axis; the last fills up
     std::int32_t edge, stride;
 
     CHIARO_INLINE std::int32_t end(int axis, std::int32_t node) const { return min((node + 1) * edge, count[axis]); }

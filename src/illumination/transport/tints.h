@@ -13,7 +13,7 @@ public:
     Tints(const Medium::Data& medium, double albedo_max);
 
     /// Of stored values; of isosurfaces that of the nearest one.
-    kernel::TintView view() const { return {entries_.data(), scale_, offset_, last_}; }
+    kernel::TintView view() const { return {entries_.data(), scale_, offset_, last_, 0}; }
     void add_to(HostArrays& arrays) const { arrays.add(entries_); }
     /// Over all values alike; of weight > 0.
     Tint mean() const;

@@ -66,7 +66,7 @@ struct DepthOfNodes {
 template <class Depth>
 struct FillTiles {
     Depth depth;
-    std::int32_t count[3];
+    std::int32_t count[4];  ///< cells per axis; the last fills up
     const BlockPlace* places;
     float* tiles;
 

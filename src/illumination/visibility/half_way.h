@@ -46,7 +46,7 @@ public:
     }
 
     kernel::HalfWayOfLevels view() const {
-        return {integral_.data(), inverse_.data(), sixth_.data(), per_unit_, low_, last_};
+        return {integral_.data(), inverse_.data(), sixth_.data(), per_unit_, low_, last_, 0};
     }
     void add_to(HostArrays& arrays) const { arrays.add(integral_), arrays.add(inverse_), arrays.add(sixth_); }
 
@@ -64,7 +64,7 @@ class VoxelIntegrals {
 public:
     VoxelIntegrals(const ExtinctionIntegral& of, const DeviceVolume::Data& volume)
         : low_(int(volume.stored_min)), levels_(of, volume, 1) {}
-    kernel::HalfWayOfVoxels<Voxel> view() const { return {levels_.view(), low_}; }
+    kernel::HalfWayOfVoxels<Voxel> view() const { return {levels_.view(), low_, 0}; }
     void add_to(HostArrays& arrays) const { levels_.add_to(arrays); }
 
 private:

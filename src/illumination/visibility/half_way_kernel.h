@@ -59,7 +59,7 @@ struct HalfWayOfLevels {
     const float* sixth;
     std::int32_t per_unit;
     float low;
-    std::int32_t last;
+    std::int32_t last, unused;
 
     CHIARO_INLINE Level level_of(float stored) const {
         return max(min(std::int32_t((stored - low) * float(per_unit) + 0.5f), last), 0);
@@ -83,7 +83,7 @@ struct HalfWayOfLevels {
 template <class Voxel>
 struct HalfWayOfVoxels {
     HalfWayOfLevels levels;
-    std::int32_t low;
+    std::int32_t low, unused;
 
     struct From {
         HalfWayOfLevels::From level;
