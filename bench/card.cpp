@@ -4,8 +4,11 @@
 
 #include "card.h"
 #include "classify/medium.h"
+#include "illumination/sh/directions.h"
 #include "illumination/transport/card.h"
 #include "illumination/transport/solver.h"
+#include "illumination/visibility/sweep.h"
+#include "illumination/visibility/walk.h"
 #include "turntable.h"
 #include "words.h"
 
@@ -101,7 +104,9 @@ std::vector<Row> measure_edit(const Setup& setup, const std::string& name, const
                               const std::string& steps) {
     auto scene = find_scene(setup, scene_name);
     if (!scene || !setup.device.has_card()) return {skipped(name, "ms", scene ? no_card : no_data)};
-    scene->illumination.method = steps == "spao" ? Method::spao : Method::none;
+    scene->illumination.method = steps == "density"    ? Method::visibility
+                                 : steps == "classify" ? Method::none
+                                                       : Method::spao;
     Turning turning(setup, *scene);
     const auto series = in_turns(
         setup.runs, {[&] { return turning.edited_ms(steps); }, [&] { return pass_ms(setup, turning.voxel_bytes()); }});
@@ -155,6 +160,35 @@ std::vector<Row> measure_transport(const Setup& setup, const std::vector<std::st
     return rows;
 }
 
+/// 16 coefficients of 400 directions, which stay there.
+std::vector<Row> measure_visibility(const Setup& setup, const std::vector<std::string>& names) {
+    std::vector<Row> rows;
+    if (!setup.device.has_card()) {
+        for (const auto& name : names) rows.push_back(skipped(name, "ms", no_card));
+        return rows;
+    }
+    const Device& device = setup.device;
+    const Medium medium = classify(upload(device, make_sample("tubes", setup.quick ? 24 : 128)),
+                                   sample_transfer_function("tubes"), Shape{});
+    const Density density = density_for(medium.data(), 1, device, setup.progress);
+    const auto directions = fibonacci_directions(400);
+    const auto swept = [&](SweepLattice lattice) {
+        return 1e3 *
+               wall_seconds([&] { sweep_on_card(device, density, directions, 16, 0.5, lattice, setup.progress); });
+    };
+    const auto walked = [&] {
+        Steps steps;
+        const VisibilitySettings settings{.subsample = 1, .traversal = VisibilityTraversal::hierarchical};
+        return 1e3 * wall_seconds([&] { walk_on_card(device, density, settings, 0.5, steps, setup.progress); });
+    };
+    const auto series =
+        in_turns(setup.runs, {[&] { return swept(SweepLattice::grid); }, [&] { return swept(SweepLattice::sheared); },
+                              walked, [&] { return pass_ms(setup, density.grid.size() * sizeof(float[16])); }});
+    for (std::size_t i = 0; i < names.size(); ++i)
+        rows.push_back({names[i], "ms", spread_of(series[i]), median_ratio(series[i], series[3]), "a pass over V"});
+    return rows;
+}
+
 }  // namespace
 
 double pass_ms(const Setup& setup, std::size_t bytes) {
@@ -170,9 +204,12 @@ std::vector<Case> card_cases(const Setup& setup) {
     const std::vector<std::string> transport{"card/transport/first", "card/transport/iteration",
                                              "card/transport/whole"};
     cases.push_back({transport, [=, &setup] { return measure_transport(setup, transport); }});
+    const std::vector<std::string> visibility{"card/visibility/sweep", "card/visibility/sheared",
+                                              "card/visibility/walk"};
+    cases.push_back({visibility, [=, &setup] { return measure_visibility(setup, visibility); }});
     for (const SceneText& text : scene_texts()) {
         for (const Method method : {Method::none, Method::reference}) add_scene(setup, text.name, method, cases);
-        for (const std::string steps : {"classify", "spao"}) {
+        for (const std::string steps : {"classify", "opacity", "spao", "density"}) {
             const std::string name = fmt::format("card/edit/{}/{}", text.name, steps);
             cases.push_back({{name}, [=, &setup] { return measure_edit(setup, name, text.name, steps); }});
         }

@@ -63,6 +63,13 @@ Volume shells_of(int n, double scale = 1) {
     return sampled<Voxel>({n, n + 3, n - 5}, [&](double x, double y, double z) { return scale * shells(x, y, z, n); });
 }
 
+/// Shells that nothing passes through.
+inline TransferFunction walls() {
+    TransferFunction tf;
+    tf.points = {{0, {0, 0, 0}, 0}, {100, {0.9, 0.6, 0.3}, 0}, {101, {0.9, 0.6, 0.3}, 0.999}, {255, {0.3, 0.9, 1}, 1}};
+    return tf;
+}
+
 inline Shot shaded() {
     Shot shot;
     shot.lighting.shading = Shading::phong;

@@ -3,7 +3,10 @@
 
 #include "classify/medium.h"
 #include "cuda_case.h"
+#include "illumination/cells/opacity.h"
 #include "illumination/histogram/optics.h"
+#include "illumination/transport/grid.h"
+#include "illumination/visibility/density.h"
 
 using namespace chiaro;
 using namespace chiaro::testing;
@@ -34,6 +37,128 @@ TEST_F(Cards, ClassifyOnTheStreamOfTheirOwnSession) {
     EXPECT_EQ(cuda_emulated::card().last_stream, card.stream->handle());
 }
 #endif
+
+namespace {
+
+/// Of every type, cubes and others, with a last voxel beyond the last brick and without.
+std::vector<Volume> volumes_of_every_sort() {
+    std::vector<Volume> volumes;
+    volumes.push_back(shells_of<std::uint8_t>(37));
+    volumes.push_back(shells_of<std::uint16_t>(34));
+    volumes.push_back(shells_of<float>(33));
+    for (std::size_t i = 0; i < 3; ++i) {
+        volumes.push_back(Volume());
+        Volume& thick = volumes.back();
+        thick = i == 0 ? shells_of<std::uint8_t>(30) : i == 1 ? shells_of<std::uint16_t>(30) : shells_of<float>(30);
+        thick.geometry.spacing_mm = {1, 1.3, 2.5};
+        thick.slope = -1, thick.intercept = 255;
+    }
+    return volumes;
+}
+
+std::vector<Shape> shapes_of_every_sort() {
+    return {{},
+            {.clip = {.box = std::array{0.0, 0.5, 0.1, 1.0, 0.0, 1.0}, .planes = {{{1, 1, 0}, 40}}}},
+            {.mode = Mode::iso, .iso = {{.value = 90, .opacity = 0.5}, {.value = 180}}}};
+}
+
+}  // namespace
+
+TEST_F(Cards, StopLightInCellsAsTheProcessorDoes) {
+    const auto opacity = [](const Device& device, const Volume& volume, const Shape& shape) {
+        Progress progress;
+        return cell_opacity(classify(upload(device, volume), two_materials(), shape).data(), progress);
+    };
+    for (const Volume& volume : volumes_of_every_sort())
+        for (const Shape& shape : shapes_of_every_sort()) {
+            const CellOpacity expected = opacity(processor(), volume, shape), found = opacity(card, volume, shape);
+            const std::size_t cells = expected.values.grid.size();
+            EXPECT_TRUE(std::equal(found.values.data(), found.values.data() + cells, expected.values.data()));
+            EXPECT_GT(std::count(expected.values.data(), expected.values.data() + cells, 0), 100);
+            EXPECT_GT(*std::max_element(expected.values.data(), expected.values.data() + cells), 10000);
+        }
+}
+
+TEST_F(Cards, MeetTheDensityThatTheProcessorMeets) {
+    Progress progress;
+    for (const Volume& volume : volumes_of_every_sort())
+        for (const Shape& shape : shapes_of_every_sort())
+            for (const int subsample : {1, 2, 8}) {
+                const auto density = [&](const Device& device) {
+                    const Medium medium = classify(upload(device, volume), two_materials(), shape);
+                    return density_for(medium.data(), subsample, device, progress);
+                };
+                const Density expected = density(processor()), found = density(card);
+                const std::span<const float> a(expected.data(), expected.grid.size());
+                for (std::size_t i = 0; i < a.size(); ++i) ASSERT_NEAR(found.data()[i], a[i], tolerance);
+                EXPECT_GT(*std::max_element(a.begin(), a.end()), 0.1);
+                const Density coarse = halved(expected, processor(), progress), on_card = halved(found, card, progress);
+                for (std::size_t i = 0; i < coarse.grid.size(); ++i)
+                    ASSERT_NEAR(on_card.data()[i], coarse.data()[i], tolerance);
+            }
+}
+
+TEST_F(Cards, FindVisibilityByEveryTraversal) {
+    IlluminationSettings light{.method = Method::visibility};
+    const Volume volume = shells_of<std::uint8_t>(27);
+    const Medium medium = classify(upload(card, volume), two_materials(), {});
+    for (const auto traversal :
+         {VisibilityTraversal::sheared, VisibilityTraversal::hierarchical, VisibilityTraversal::full}) {
+        light.visibility = {.directions = 60, .traversal = traversal};
+        for (const int bands : {2, 4})
+            for (const bool jittered : {false, true}) {
+                light.visibility.bands = bands;
+                light.visibility.sampling = {.jittered = jittered, .sets = 3};
+                expect_same_field(medium, light, fmt::format("traversal {}, {} bands", int(traversal), bands));
+            }
+        expect_same(shaded(), volume, light);
+    }
+    light.visibility = {.directions = 300, .subsample = 1, .traversal = VisibilityTraversal::sheared};
+    expect_same_field(medium, light, "several batches");
+}
+
+TEST_F(Cards, LayOutTransportsGridAsTheProcessorDoes) {
+    Progress progress;
+    std::size_t skins = 0;
+    auto volumes = volumes_of_every_sort();
+    volumes.push_back(sampled<std::uint8_t>({48, 40, 44}, [](double x, double, double) { return x > 17 ? 200 : 0; }));
+    for (const Volume& volume : volumes)
+        for (const Shape& shape : shapes_of_every_sort())
+            for (const int cells : {40, 20, 13, 5}) {  // a cell a node, 2, 3, many
+                const TransferFunction tf = &volume == &volumes.back() ? walls() : two_materials();
+                const auto grid = [&](const Device& device) {
+                    const Medium medium = classify(upload(device, volume), tf, shape);
+                    return light_grid(medium.data(), cells, 0.6, device, progress);
+                };
+                const LightGrid expected = grid(processor()), found = grid(card);
+                EXPECT_EQ(found.skins, expected.skins);
+                skins += expected.skins.size();
+                for (std::size_t i = 0; i < expected.extinction.grid.size(); ++i) {
+                    ASSERT_NEAR(found.extinction.data()[i], expected.extinction.data()[i], tolerance);
+                    for (std::size_t c = 0; c < 3; ++c)
+                        ASSERT_NEAR(found.albedo[c][i], expected.albedo[c][i], tolerance);
+                }
+                EXPECT_GT(*std::max_element(expected.albedo[0].begin(), expected.albedo[0].end()), 0.1f);
+            }
+    EXPECT_GT(skins, 50u);
+}
+
+TEST_F(Cards, FollowTheRaysOfTheReference) {
+    using enum ReferenceQuantity;
+    IlluminationSettings light{.method = Method::reference};
+    Volume thick = shells_of<float>(20);
+    thick.geometry.spacing_mm = {1, 1.3, 2.5};
+    const Shape surface{.mode = Mode::iso, .iso = {{.value = 90, .opacity = 0.5}}};
+    const DeviceVolume cubes = upload(card, shells_of<std::uint8_t>(20)), others = upload(card, thick);
+    for (const Medium& medium : {classify(cubes, two_materials(), {}), classify(others, two_materials(), surface)})
+        for (const auto matter : {ReferenceMedium::voxels, ReferenceMedium::trilinear})
+            for (const auto quantity : {obscurance, ao, ao_cosine, visibility})
+                for (const int subsample : {1, 4}) {  // a last node off the rhythm of the others
+                    light.reference = {.rays = 8, .quantity = quantity, .medium = matter, .subsample = subsample};
+                    const auto what = fmt::format("quantity {}, medium {}", int(quantity), int(matter));
+                    expect_same_field(medium, light, what);
+                }
+}
 
 TEST_F(Cards, OccludeAsTheProcessorDoes) {
     IlluminationSettings light{.method = Method::spao};

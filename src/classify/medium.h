@@ -4,6 +4,8 @@
 
 #include <functional>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <vector>
 
 #include "classify/occupancy_kernel.h"
@@ -24,12 +26,23 @@ struct OpticalTable {
     double index_of(double stored) const { return stored * index_scale + index_offset; }
 };
 
+struct SegmentTable;
+
+/// The pre-integrated table that was last asked for (classify/segments.h).
+struct LastSegments {
+    std::mutex mutex;
+    double step_mm = 0;
+    std::optional<double> albedo_limit;
+    std::shared_ptr<const SegmentTable> table;
+};
+
 struct Medium::Data : std::enable_shared_from_this<Data> {
     DeviceVolume volume;
     OpticalTable table;
     Shape shape;
     std::vector<std::uint8_t> cells;  ///< as volume/occupancy.h reads them
     double occupied_fraction = 0;
+    mutable LastSegments last_segments;
 
     void add_to(HostArrays& arrays) const {
         volume.data().add_to(arrays);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "classify/albedo.h"
 #include "core/threads.h"
 
 namespace chiaro {
@@ -146,6 +147,17 @@ SegmentTable make_segment_table(const DeviceVolume::Data& volume, const OpticalT
         for (auto length = int(first) + 1; length <= int(last); ++length) fill_diagonals(means, length, step_mm, table);
     });
     return table;
+}
+
+std::shared_ptr<const SegmentTable> segment_table(const Medium::Data& medium, double step_mm,
+                                                  std::optional<double> albedo_limit, int threads) {
+    LastSegments& last = medium.last_segments;
+    const std::lock_guard lock(last.mutex);
+    if (last.table && last.step_mm == step_mm && last.albedo_limit == albedo_limit) return last.table;
+    last.table = std::make_shared<const SegmentTable>(
+        make_segment_table(medium.volume.data(), with_albedos(medium.table, albedo_limit), step_mm, threads));
+    last.step_mm = step_mm, last.albedo_limit = albedo_limit;
+    return last.table;
 }
 
 }  // namespace chiaro

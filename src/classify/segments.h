@@ -23,4 +23,9 @@ inline constexpr int byte_intervals = 256, wide_intervals = 512;
 SegmentTable make_segment_table(const DeviceVolume::Data& volume, const OpticalTable& table, double step_mm,
                                 int threads);
 
+/// The medium's, its colours scaled down to `albedo_limit`; it keeps the last one, so that frames of the same steps
+/// share it, and a card knows it.
+std::shared_ptr<const SegmentTable> segment_table(const Medium::Data& medium, double step_mm,
+                                                  std::optional<double> albedo_limit, int threads);
+
 }  // namespace chiaro

@@ -59,7 +59,7 @@ LitField lit_field(const IlluminationField& field, const Lighting& lighting, con
     if (data.visibility) return lit_by_visibility(data, lighting, orbit_up, medium);
     if (data.transport) return lit_by_transport(data, lighting, camera, medium);
     LitField lit{data.view, {}, {}, {}, {}};
-    if (data.access) lit.arrays.add(data.access->array());
+    if (data.access) lit.arrays.add(data.access->buffer.array());
     if (data.histogram) data.histogram->add_to(lit.arrays, data.histogram);
     std::visit(
         [&](auto& view) {

@@ -136,7 +136,7 @@ RayTables make_tables(const Medium::Data& medium, const RaySettings& settings, i
     const OpticalTable table = with_albedos(medium.table, albedo_limit);
     RayTables tables{step_table(table, integrated ? step_mm : table.unit_mm), {}};
     if (medium.shape.mode == Mode::dvr && settings.classification == Classification::preintegrated)
-        tables.segments = make_segment_table(medium.volume.data(), table, step_mm, threads);
+        tables.segments = segment_table(medium, step_mm, albedo_limit, threads);
     return tables;
 }
 
@@ -145,8 +145,10 @@ kernel::StepTableView step_table_view(const OpticalTable& table, const RayTables
             float(tables.steps.size() - 1)};
 }
 
-kernel::SegmentTableView segment_table_view(const SegmentTable& table) {
-    return {table.entries.data(), table.visible_before.data(), float(table.scale), float(table.offset), table.nodes};
+kernel::SegmentTableView segment_table_view(const SegmentTable* table) {
+    if (!table) return {};
+    return {table->entries.data(), table->visible_before.data(), float(table->scale), float(table->offset),
+            table->nodes};
 }
 
 }  // namespace chiaro

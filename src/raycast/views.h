@@ -25,19 +25,21 @@ std::vector<kernel::Rgba> step_table(const OpticalTable& table, double step_mm);
 /// What the kernel looks colours up in.
 struct RayTables {
     std::vector<kernel::Rgba> steps;
-    SegmentTable segments;  ///< empty unless needed
+    std::shared_ptr<const SegmentTable> segments;  ///< null unless needed
 
     void add_to(HostArrays& arrays) const {
         arrays.add(steps);
-        arrays.add(segments.entries);
-        arrays.add(segments.visible_before);
+        if (!segments) return;
+        arrays.add(segments, segments->entries);
+        arrays.add(segments, segments->visible_before);
     }
 };
 /// `albedo_limit`: colours are scaled down to it (LitField).
 RayTables make_tables(const Medium::Data& medium, const RaySettings& settings, int threads,
                       std::optional<double> albedo_limit = {});
 kernel::StepTableView step_table_view(const OpticalTable& table, const RayTables& tables);
-kernel::SegmentTableView segment_table_view(const SegmentTable& table);
+/// `table`: may be null.
+kernel::SegmentTableView segment_table_view(const SegmentTable* table);
 
 kernel::ClipView clip_view(const Clip& clip, const Geometry& geometry, const std::array<int, 3>& dimensions);
 /// By steps of so many smallest voxel edges.
@@ -60,7 +62,7 @@ kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, cons
         .matter = {.volume = view_of<Voxel>(volume),
                    .occupancy = {medium.cells.data(), cell_count(nx), cell_count(ny)},
                    .table = step_table_view(medium.table, tables),
-                   .segments = segment_table_view(tables.segments),
+                   .segments = segment_table_view(tables.segments.get()),
                    .shading = shading_view(lighting, camera, volume, medium.shape.color),
                    .field = field,
                    .cutoff = float(settings.early_termination),

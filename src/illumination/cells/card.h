@@ -12,27 +12,22 @@ namespace chiaro {
 
 inline constexpr std::size_t blocks_together = 256;  ///< 8 million threads, and room for their tiles
 
-/// The card's copy, made when first asked for.
-inline const std::uint16_t* on_card(cuda::Stream& stream, const CellValues& values) {
-    return reinterpret_cast<const std::uint16_t*>(stream.mirror()->of(values.array(), stream));
-}
-
 /// Numbers of cells that are made on a card: 0 at first.
 class CardCells {
 public:
-    CardCells(std::shared_ptr<cuda::Stream> stream, const CellGrid& grid)
-        : stream_(std::move(stream)), values_(grid), made_(*stream_, values_.buffer.size()) {
+    CardCells(const Device& device, const CellGrid& grid)
+        : stream_(device.stream), values_(grid), made_(*stream_, values_.buffer.size()) {
         made_.zero();
     }
     std::uint16_t* data() const { return reinterpret_cast<std::uint16_t*>(made_.data()); }
     /// The card keeps them; they come when the host first reads what is returned.
     CellValues leave() {
-        values_.late = cuda::leave_there(stream_, values_.array(), made_.data(), values_.buffer.data());
+        values_.buffer.keep(stream_, made_.data());
         return std::move(values_);
     }
 
 private:
-    std::shared_ptr<cuda::Stream> stream_;
+    const std::shared_ptr<cuda::Stream> stream_;
     CellValues values_;
     cuda::Array<std::byte> made_;
 };

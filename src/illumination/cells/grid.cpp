@@ -1,5 +1,6 @@
 #include "illumination/cells/grid.h"
 
+#include "classify/clip.h"
 #include "classify/medium.h"
 
 namespace chiaro {
@@ -80,6 +81,17 @@ Geometry geometry_of(const CellGrid& cells, const Geometry& voxels) {
     geometry.origin_mm = voxels.world_from_voxel(cells.voxel_of(0, 0, 0));
     for (int axis = 0; axis < 3; ++axis) geometry.spacing_mm[axis] *= cells.voxels_per_cell[axis];
     return geometry;
+}
+
+kernel::CellCentres cell_centres(const Medium::Data& medium, const CellGrid& grid) {
+    static_assert(6 + max_clip_planes <= kernel::CellCentres::most_planes);
+    const DeviceVolume::Data& volume = medium.volume.data();
+    kernel::CellCentres centres{};
+    centres.are_voxels = grid.is_voxel_grid;
+    for (int axis = 0; axis < 3; ++axis) centres.voxels_per_cell[axis] = grid.voxels_per_cell[axis];
+    for (const HalfSpace& kept : half_spaces(medium.shape.clip, volume.geometry, volume.dimensions))
+        centres.planes[centres.plane_count++] = {kept.normal.x, kept.normal.y, kept.normal.z, kept.d};
+    return centres;
 }
 
 CellGrid make_cell_grid(const std::array<int, 3>& dimensions, const Geometry& geometry) {

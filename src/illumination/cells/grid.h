@@ -6,11 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
-#include <utility>
-
-#include "core/host_array.h"
+#include "illumination/cells/cell_kernel.h"
 #include "illumination/cells/place.h"
+#include "illumination/cells/twin_buffer.h"
 
 namespace chiaro {
 
@@ -40,36 +38,30 @@ Geometry geometry_of(const CellGrid& cells, const Geometry& voxels);
 
 kernel::GridView view_of(const CellGrid& grid);
 
+/// The grid's cells among the medium's voxels.
+kernel::CellCentres cell_centres(const Medium::Data& medium, const CellGrid& grid);
+
 /// Of the smallest spacing, or wider where that would make more than 64 cells a voxel, or 2^28 and more cells
 /// than voxels.
 CellGrid make_cell_grid(const std::array<int, 3>& dimensions, const Geometry& geometry);
 
 inline constexpr float cell_one = 65535;
-inline std::uint16_t cell_value(double share) { return std::uint16_t(std::clamp(share, 0.0, 1.0) * cell_one + 0.5); }
+inline std::uint16_t cell_value(double share) { return kernel::share_value(share); }
 
 /// One number in [0, 1] for every cell, as 65535ths; x fastest. What was never written takes no memory and reads as 0.
 /// What a card made stays there until the host reads it.
 struct CellValues {
     CellGrid grid;
-    VoxelBuffer buffer;
-    std::shared_ptr<const char> life = std::make_shared<const char>();  ///< by which a card knows them, once filled
-    std::shared_ptr<const Late> late = {};                              ///< fetches them, where they may be elsewhere
+    TwinBuffer buffer;
 
     explicit CellValues(const CellGrid& cells) : grid(cells), buffer((cells.size() + spare) * sizeof(std::uint16_t)) {}
-    std::uint16_t* data() { return const_cast<std::uint16_t*>(std::as_const(*this).data()); }
-    const std::uint16_t* data() const {
-        if (late) late->fetch();
-        return address();
-    }
-    /// For views, whose readers see to it that the numbers are where they read them (HostArrays::fetch).
-    const std::uint16_t* address() const { return reinterpret_cast<const std::uint16_t*>(buffer.data()); }
-    HostArray array() const {
-        HostArray array = HostArray::of(life, buffer);
-        array.late = late;
-        return array;
+    std::uint16_t* data() { return reinterpret_cast<std::uint16_t*>(buffer.data()); }
+    const std::uint16_t* data() const { return reinterpret_cast<const std::uint16_t*>(buffer.data()); }
+    const std::uint16_t* address() const { return reinterpret_cast<const std::uint16_t*>(buffer.address()); }
+    const std::uint16_t* on_card(cuda::Stream& stream) const {
+        return reinterpret_cast<const std::uint16_t*>(buffer.on_card(stream));
     }
 
-private:
     static constexpr std::size_t spare = 8;  ///< look-ups read two cells at a time
 };
 

@@ -1,9 +1,14 @@
-// Lifting as a card has it, compiled by launch_lift.cu; pointers are the card's.
+// Opacity and lifting as a card has them, compiled by launch_opacity.cu and launch_lift.cu; pointers are the card's.
 #pragma once
 #include "cuda/stream.h"
 #include "illumination/cells/kernel.h"
+#include "illumination/cells/opacity_kernel.h"
 
 namespace chiaro::kernel {
+
+/// A thread for each cell.
+template <class Voxel>
+void fill_opacities(cuda::Stream& stream, const OpacityBatch<Voxel>& batch, std::int64_t blocks);
 
 /// Tiles, then answers: a thread for each cell.
 void lift_blocks(cuda::Stream& stream, const LiftBatch& batch, std::int64_t blocks);

@@ -39,12 +39,12 @@ CellValues lift_on_card(const Device& device, const CellValues& access, const Ce
                         const BlockMap& map, Progress& progress) {
     cuda::Stream& stream = *device.stream;
     const auto [nx, ny, nz] = access.grid.count;
-    CardCells out(device.stream, access.grid);
+    CardCells out(device, access.grid);
     const std::size_t together = std::clamp<std::size_t>(map.held().size(), 1, blocks_together);
     const cuda::Array<float> tiles(stream, together * 2 * Tile::size);
     kernel::LiftBatch batch{.tiles = tiles.data(),
-                            .access = on_card(stream, access),
-                            .opacity = on_card(stream, opacity),
+                            .access = access.on_card(stream),
+                            .opacity = opacity.on_card(stream),
                             .count = {nx, ny, nz},
                             .normal_factor = float(normal_factor),
                             .out = out.data()};

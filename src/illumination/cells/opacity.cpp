@@ -1,128 +1,101 @@
 #include "illumination/cells/opacity.h"
 
-#include "classify/clip.h"
 #include "classify/medium.h"
 #include "core/threads.h"
+#include "illumination/cells/card.h"
+#include "illumination/cells/launch_card.h"
 #include "volume/device_view.h"
+#include "volume/float3.h"
 
 namespace chiaro {
 namespace {
 
-using Point = kernel::Vec3<float>;
+/// Opacities by entry of the optical table; none of isosurfaces.
+std::vector<std::uint16_t> opacity_entries(const Medium::Data& medium, const CellGrid& grid) {
+    std::vector<std::uint16_t> entries;
+    if (medium.shape.mode == Mode::iso) return entries;
+    for (float kappa : extinction_per_edge(medium, grid)) entries.push_back(cell_value(-std::expm1(-kappa)));
+    return entries;
+}
+
+kernel::CoverageView coverage_view(const Medium::Data& medium, const CellGrid& grid) {
+    static_assert(max_isosurfaces <= kernel::CoverageView::most_surfaces);
+    const DeviceVolume::Data& volume = medium.volume.data();
+    kernel::CoverageView view{.values = {},
+                              .opacities = {},
+                              .count = 0,
+                              .inwards = volume.scale < 0 ? -1.0f : 1.0f,
+                              .per_edge = float3(grid.voxels_per_cell)};
+    for (const IsoSurface& s : medium.shape.iso) {
+        view.values[view.count] = float((s.value - volume.offset) / volume.scale);
+        view.opacities[view.count++] = float(s.opacity);
+    }
+    return view;
+}
+
+template <class Voxel>
+kernel::CellOpacityKernel<Voxel> opacity_kernel(const Medium::Data& medium, const CellGrid& grid,
+                                                const std::vector<std::uint16_t>& entries) {
+    return {.volume = view_of<Voxel>(medium.volume.data()),
+            .cells = cell_centres(medium, grid),
+            .entries = entries.empty() ? nullptr : entries.data(),
+            .scale = float(medium.table.index_scale),
+            .offset = float(medium.table.index_offset + 0.5),
+            .last = float(entries.size()) - 1,
+            .surfaces = coverage_view(medium, grid)};
+}
 
 /// Fills rows of cells from a volume of one stored type.
 template <class Voxel>
 class CellClassifier {
 public:
     CellClassifier(const Medium::Data& medium, CellValues& out)
-        : medium_(medium),
-          volume_(medium.volume.data()),
-          out_(out),
-          view_(view_of<Voxel>(volume_)),
-          kept_(half_spaces(medium.shape.clip, volume_.geometry, volume_.dimensions)),
-          is_iso_(medium.shape.mode == Mode::iso) {
-        is_iso_ ? list_surfaces() : tabulate();
+        : out_(out),
+          entries_(opacity_entries(medium, out.grid)),
+          kernel_(opacity_kernel<Voxel>(medium, out.grid, entries_)) {
+        if (!entries_.empty() && sizeof(Voxel) <= 2)
+            for (std::size_t v = 0; v < std::size_t(1) << (8 * sizeof(Voxel)); ++v)
+                of_stored_.push_back(kernel_.of_stored(float(v)));
     }
 
     /// Cells [x0, x1) of a row.
     void fill(int x0, int x1, int y, int z, bool near_surface) {
         std::uint16_t* row = out_.data() + out_.grid.index(0, y, z);
-        if (is_iso_)
-            for (int x = x0; x < x1; ++x) row[x] = coverage(centre(x, y, z), near_surface);
-        else if (out_.grid.is_voxel_grid)
+        if (!kernel_.entries)
+            for (int x = x0; x < x1; ++x) row[x] = kernel_.inside(x, y, z, near_surface);
+        else if (kernel_.cells.are_voxels)
             copy_row(x0, x1, y, z, row);
         else
-            for (int x = x0; x < x1; ++x) row[x] = opacity_of(value_at(centre(x, y, z)));
-        if (!kept_.empty()) clip_row(x0, x1, y, z, row);
+            for (int x = x0; x < x1; ++x) row[x] = kernel_.between_voxels(x, y, z);
+        for (int x = x0; kernel_.cells.plane_count > 0 && x < x1; ++x)
+            if (kernel_.cells.is_clipped(x, y, z)) row[x] = 0;
     }
 
 private:
-    Point centre(int x, int y, int z) const {
-        const Vec3 p = out_.grid.voxel_of(x, y, z);
-        return view_.clamp(Point(float(p.x), float(p.y), float(p.z)));
-    }
-    kernel::Location<float> locate(Point p) const { return view_.locate(p, view_.voxel(p)); }
-    float value_at(Point p) const { return view_.value(locate(p)); }
-
-    void tabulate() {
-        for (float kappa : extinction_per_edge(medium_, out_.grid)) entries_.push_back(cell_value(-std::expm1(-kappa)));
-        scale_ = float(medium_.table.index_scale), offset_ = float(medium_.table.index_offset + 0.5);
-        if constexpr (sizeof(Voxel) <= 2)
-            for (std::size_t v = 0; v < std::size_t(1) << (8 * sizeof(Voxel)); ++v)
-                of_stored_.push_back(opacity_of(float(v)));
-    }
-    std::uint16_t opacity_of(float stored) const {
-        const float index = kernel::mad(stored, scale_, offset_);
-        return entries_[std::size_t(std::clamp(index, 0.0f, float(entries_.size() - 1)))];
-    }
-
     /// Straight through the bricks: voxel i lies in the brick of interval min(i, n - 2).
     void copy_row(int x0, int x1, int y, int z, std::uint16_t* row) const {
         while (x0 < x1) {
-            const Point p{float(x0), float(y), float(z)};
-            const auto voxel = view_.voxel(p);
-            const auto at = view_.locate(p, voxel);
-            // The last voxel of an axis lies behind its last interval.
-            const Voxel* from = view_.voxels + std::uint32_t(at.index) + (x0 - voxel.x) + (y - voxel.y) * brick_row +
-                                (z - voxel.z) * brick_slice;
-            const int in_brick = voxel.x == view_.last_x ? x1 - x0 : brick_edge - (voxel.x & (brick_edge - 1));
+            const Voxel* from = voxel_address(kernel_.volume, x0, y, z);
+            const int in_brick = x0 >= kernel_.volume.last_x ? x1 - x0 : brick_edge - (x0 & (brick_edge - 1));
             const int count = std::min(x1 - x0, in_brick);
             for (int i = 0; i < count; ++i)
                 if constexpr (sizeof(Voxel) <= 2)
                     row[x0 + i] = of_stored_[from[i]];
                 else
-                    row[x0 + i] = opacity_of(from[i]);
+                    row[x0 + i] = kernel_.of_stored(from[i]);
             x0 += count;
         }
     }
 
-    void clip_row(int x0, int x1, int y, int z, std::uint16_t* row) const {
-        for (int x = x0; x < x1; ++x)
-            for (const HalfSpace& half : kept_)
-                if (dot(half.normal, out_.grid.voxel_of(x, y, z)) > half.d) row[x] = 0;
-    }
-
-    void list_surfaces() {
-        for (const IsoSurface& s : medium_.shape.iso)
-            surfaces_.push_back({float((s.value - volume_.offset) / volume_.scale), float(s.opacity)});
-        for (int axis = 0; axis < 3; ++axis) per_edge_[axis] = float(out_.grid.voxels_per_cell[axis]);
-    }
-    std::uint16_t coverage(Point p, bool near_surface) const {
-        const auto at = locate(p);
-        const float value = view_.value(at), sign = volume_.scale < 0 ? -1.0f : 1.0f;
-        float slope = 0;
-        if (near_surface) {
-            const Point g = view_.gradient(at);
-            const Point per_edge{g.x * per_edge_[0], g.y * per_edge_[1], g.z * per_edge_[2]};
-            slope = std::sqrt(kernel::dot(per_edge, per_edge));
-        }
-        float clear = 1;
-        for (const auto& [iso, opacity] : surfaces_) {
-            const float above = sign * (value - iso);
-            const float inside = slope > 0 ? std::clamp(0.5f + above / slope, 0.0f, 1.0f) : float(above >= 0);
-            clear *= 1 - opacity * inside;
-        }
-        return cell_value(1 - clear);
-    }
-
-    const Medium::Data& medium_;
-    const DeviceVolume::Data& volume_;
     CellValues& out_;
-    const kernel::VolumeView<Voxel> view_;
-    const std::vector<HalfSpace> kept_;
-    const bool is_iso_;
-    std::vector<std::uint16_t> entries_, of_stored_;  ///< opacities by table entry, and by stored value
-    float scale_ = 1, offset_ = 0;
-    std::vector<std::pair<float, float>> surfaces_;  ///< stored value, opacity
-    std::array<float, 3> per_edge_{1, 1, 1};
+    const std::vector<std::uint16_t> entries_;
+    const kernel::CellOpacityKernel<Voxel> kernel_;
+    std::vector<std::uint16_t> of_stored_;  ///< opacities by stored value
 };
 
 template <class Voxel>
 void classify_cells(const Medium::Data& medium, CellOpacity& out, Progress& progress) {
     CellClassifier<Voxel> classifier(medium, out.values);
-    out.visible = visible_blocks(medium, out.values.grid, 1);
-    // Nothing is seen inside a surface, but it is matter.
-    if (medium.shape.mode != Mode::iso) out.matter = out.visible;
     const auto blocks = out.matter.held();
     parallel_for(medium.volume.data().device.threads, std::int64_t(blocks.size()), 1, "opacity", progress,
                  [&](std::int64_t b, std::int64_t) {
@@ -132,6 +105,34 @@ void classify_cells(const Medium::Data& medium, CellOpacity& out, Progress& prog
                              classifier.fill(x.first, x.second, j, k, out.visible.holds[blocks[b]]);
                  });
     progress.check();
+}
+
+/// Where voxels and occupancy are, the opacities stay too.
+template <class Voxel>
+CellValues classify_on_card(const Medium::Data& medium, const CellOpacity& out, Progress& progress) {
+    const DeviceVolume::Data& volume = medium.volume.data();
+    cuda::Stream& stream = *volume.device.stream;
+    const CellGrid& grid = out.values.grid;
+    CardCells made(volume.device, grid);
+    const auto entries = opacity_entries(medium, grid);
+    HostArrays arrays;
+    volume.add_to(arrays), arrays.add(entries);
+    cuda::Views views(stream, std::move(arrays));
+    const auto [nx, ny, nz] = grid.count;
+    kernel::OpacityBatch<Voxel> batch{
+        opacity_kernel<Voxel>(medium, grid, entries), nullptr, {nx, ny, nz}, false, made.data()};
+    views.swap(batch.kernel.volume.voxels, batch.kernel.entries);
+    const auto fill = [&](const BlockMap& map, bool near_surface) {
+        batch.near_surface = near_surface;
+        for_blocks(stream, map, "opacity", progress, [&](const kernel::BlockPlace* places, std::int64_t blocks) {
+            batch.places = places;
+            kernel::fill_opacities(stream, batch, blocks);
+        });
+    };
+    BlockMap hidden = out.matter;
+    for (std::size_t b = 0; b < hidden.holds.size(); ++b) hidden.holds[b] &= !out.visible.holds[b];
+    fill(hidden, false), fill(out.visible, true);
+    return made.leave();
 }
 
 }  // namespace
@@ -146,8 +147,14 @@ std::vector<float> extinction_per_edge(const Medium::Data& medium, const CellGri
 CellOpacity cell_opacity(const Medium::Data& medium, Progress& progress) {
     const DeviceVolume::Data& volume = medium.volume.data();
     const CellGrid grid = make_cell_grid(volume.dimensions, volume.geometry);
-    CellOpacity out{CellValues(grid), BlockMap(grid.count, true)};
-    with_stored_voxel(volume, [&](auto voxel) { classify_cells<decltype(voxel)>(medium, out, progress); });
+    CellOpacity out{CellValues(grid), BlockMap(grid.count, true), visible_blocks(medium, grid, 1)};
+    // Nothing is seen inside a surface, but it is matter.
+    if (medium.shape.mode != Mode::iso) out.matter = out.visible;
+    with_stored_voxel(volume, [&](auto voxel) {
+        using Voxel = decltype(voxel);
+        const auto on_card = [&] { out.values = classify_on_card<Voxel>(medium, out, progress); };
+        if (!cuda::done_on_card(volume.device, on_card)) classify_cells<Voxel>(medium, out, progress);
+    });
     return out;
 }
 

@@ -16,6 +16,13 @@ public:
     /// cell's centre. Returns what the kernel reads; it is valid until the next call.
     kernel::CellRays along(Vec3 direction, int x, double start_half_edges, Vec3 offset = {});
 
+    /// What the last call's answer points into, but for the cells.
+    void add_to(HostArrays& arrays) const {
+        arrays.add(list_);
+        for (const auto& beyond : beyond_) arrays.add(beyond);
+    }
+    const ExtinctionCells& cells() const { return cells_; }
+
 private:
     const ExtinctionCells& cells_;
     std::vector<kernel::Crossing> list_;

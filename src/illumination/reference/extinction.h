@@ -33,6 +33,7 @@ public:
     ExtinctionCells(const Density& density, int stride, const Device& device, Progress& progress);
 
     const float* data() const { return reinterpret_cast<const float*>(buffer_.data()) + gap; }
+    void add_to(HostArrays& arrays) const { arrays.add(buffer_); }
     int row() const { return row_; }
     int slice() const { return slice_; }
     /// Rounded up to whole strides.

@@ -12,7 +12,8 @@ class InterpolatedMedium {
 public:
     /// `step` in cell edges.
     InterpolatedMedium(const Medium::Data& medium, const CellGrid& grid, double step)
-        : view_(view_of<Voxel>(medium.volume.data())),
+        : volume_(medium.volume.data()),
+          view_(view_of<Voxel>(volume_)),
           grid_(grid),
           table_(extinction_table(medium, grid)),
           kept_(half_spaces(medium.shape.clip, medium.volume.data().geometry, medium.volume.data().dimensions)),
@@ -51,7 +52,11 @@ public:
                 .step = float(step_)};
     }
 
+    /// What that points into, but for the planes.
+    void add_to(HostArrays& arrays) const { volume_.add_to(arrays), arrays.add(table_.per_edge); }
+
 private:
+    const DeviceVolume::Data& volume_;
     const kernel::VolumeView<Voxel> view_;
     const CellGrid grid_;
     const ExtinctionTable table_;

@@ -1,34 +1,53 @@
-// The rays as CUDA sees them: the same source, one thread a node. Compiled wherever nvcc exists.
-#include "illumination/reference/harmonics.h"
+// The reference's rays on cards: the same source, one thread a node, or a run of sixteen.
+#include "cuda/launch.h"
+#include "illumination/reference/launch_card.h"
 
 namespace chiaro::kernel {
+namespace {
 
 template <class Rays>
-__global__ void trace_nodes(RayKernel<Rays> kernel, NodeColumn nodes) {
-    const std::int32_t lane = std::int32_t(threadIdx.x), j = std::int32_t(blockIdx.x), k = std::int32_t(blockIdx.y);
-    if (lane < NodeColumn::width && j < nodes.rows_y && k < nodes.rows_z)
-        kernel.template operator()<float>(nodes, lane, j, k);
-}
+struct TraceNode {
+    RayKernel<Rays> kernel;
+    const NodeColumn* columns;
+    CHIARO_ON_CARD void operator()(std::int64_t item) const {
+        const NodeColumn& column = columns[item / column_nodes];
+        const std::int32_t i = std::int32_t(item % column_nodes), row = i / NodeColumn::width;
+        const std::int32_t j = row % column_rows, k = row / column_rows;
+        if (j < column.rows_y && k < column.rows_z)
+            kernel.template operator()<float>(column, i % NodeColumn::width, j, k);
+    }
+};
 
-template __global__ void trace_nodes(RayKernel<CellRays>, NodeColumn);
-template __global__ void trace_nodes(RayKernel<InterpolatedRays<std::uint8_t>>, NodeColumn);
-template __global__ void trace_nodes(RayKernel<InterpolatedRays<std::uint16_t>>, NodeColumn);
-template __global__ void trace_nodes(RayKernel<InterpolatedRays<float>>, NodeColumn);
-
-/// One thread a run: its sums are its own.
 template <class Rays>
-__global__ void trace_harmonics(HarmonicsKernel<Rays> kernel, const NodeRun* runs, std::int32_t count,
-                                HarmonicSums* sums) {
-    const std::int32_t i = std::int32_t(blockIdx.x * blockDim.x + threadIdx.x);
-    if (i < count) kernel.template operator()<float>(runs[i], sums[i]);
+struct TraceRun {
+    HarmonicsKernel<Rays> kernel;
+    const NodeRun* runs;
+    HarmonicSums* sums;
+    CHIARO_ON_CARD void operator()(std::int64_t item) const {
+        kernel.template operator()<float>(runs[item], sums[item]);
+    }
+};
+
+}  // namespace
+
+template <class Rays>
+void trace_columns(cuda::Stream& stream, const RayKernel<Rays>& kernel, const NodeColumn* columns, std::int64_t count) {
+    cuda::launch_items(stream, count * column_nodes, TraceNode<Rays>{kernel, columns});
+}
+template <class Rays>
+void trace_harmonics(cuda::Stream& stream, const HarmonicsKernel<Rays>& kernel, const NodeRun* runs, std::int64_t count,
+                     HarmonicSums* sums) {
+    cuda::launch_items(stream, count, TraceRun<Rays>{kernel, runs, sums});
 }
 
-template __global__ void trace_harmonics(HarmonicsKernel<CellRays>, const NodeRun*, std::int32_t, HarmonicSums*);
-template __global__ void trace_harmonics(HarmonicsKernel<InterpolatedRays<std::uint8_t>>, const NodeRun*, std::int32_t,
-                                         HarmonicSums*);
-template __global__ void trace_harmonics(HarmonicsKernel<InterpolatedRays<std::uint16_t>>, const NodeRun*, std::int32_t,
-                                         HarmonicSums*);
-template __global__ void trace_harmonics(HarmonicsKernel<InterpolatedRays<float>>, const NodeRun*, std::int32_t,
-                                         HarmonicSums*);
+#define CHIARO_INSTANTIATE(Rays)                                                                             \
+    template void trace_columns(cuda::Stream&, const RayKernel<Rays>&, const NodeColumn*, std::int64_t);     \
+    template void trace_harmonics(cuda::Stream&, const HarmonicsKernel<Rays>&, const NodeRun*, std::int64_t, \
+                                  HarmonicSums*);
+CHIARO_INSTANTIATE(CellRays)
+CHIARO_INSTANTIATE(InterpolatedRays<std::uint8_t>)
+CHIARO_INSTANTIATE(InterpolatedRays<std::uint16_t>)
+CHIARO_INSTANTIATE(InterpolatedRays<float>)
+#undef CHIARO_INSTANTIATE
 
 }  // namespace chiaro::kernel

@@ -1,6 +1,9 @@
 #include "illumination/reference/reference.h"
 
+#include <algorithm>
+
 #include "core/threads.h"
+#include "illumination/reference/card.h"
 #include "illumination/reference/crossings.h"
 #include "illumination/reference/interpolated.h"
 #include "illumination/reference/launch.h"
@@ -23,6 +26,7 @@ Lobe lobe_of(ReferenceQuantity quantity) {
 struct Column {
     int first, nodes;
     std::pair<int, int> y, z;
+    bool is_irregular;
 };
 
 /// An irregular last node lies off the rhythm of the others: it is a column of its own.
@@ -32,9 +36,10 @@ std::vector<Column> columns_of(const NodeGrid& grid, const BlockMap& blocks) {
         const auto [x, y, z] = blocks.cells(b, grid.nodes().count);
         const int irregular = grid.is_irregular(0, x.second - 1);
         for (int first = x.first; first < x.second - irregular; first += NodeColumn::width)
-            columns.push_back({first, std::min(NodeColumn::width, x.second - irregular - first), y, z});
-        if (irregular) columns.push_back({x.second - 1, 1, y, z});
+            columns.push_back({first, std::min(NodeColumn::width, x.second - irregular - first), y, z, false});
+        if (irregular) columns.push_back({x.second - 1, 1, y, z, true});
     }
+    std::stable_partition(columns.begin(), columns.end(), [](const Column& c) { return !c.is_irregular; });
     return columns;
 }
 
@@ -76,6 +81,16 @@ public:
                 .weight = weight_.data()};
     }
 
+    void add_to(HostArrays& arrays) const {
+        arrays.add(y_), arrays.add(z_), arrays.add(cell_x_), arrays.add(light_), arrays.add(weight_);
+        for (const auto& component : outward_) arrays.add(component);
+    }
+    /// Sums that a card added to its copies.
+    void land(cuda::Stream& stream, const NodeColumn& there) {
+        stream.download(light_.data(), there.light, light_.size() * sizeof(double));
+        if (!weight_.empty()) stream.download(weight_.data(), there.weight, weight_.size() * sizeof(double));
+    }
+
     void keep(CellValues& at_nodes, int rays) const {
         std::size_t row = 0;
         for (int k = column_.z.first; k < column_.z.second; ++k)
@@ -107,6 +122,39 @@ private:
     std::vector<double> light_, weight_;
 };
 
+/// A call's own copies, which a kernel may write.
+NodeColumn on_card(cuda::Views& views, NodeColumn column) {
+    const double *light = column.light, *weight = column.weight;
+    views.swap(column.y, column.z, column.cell_x, column.normal_x, column.normal_y, column.normal_z, column.share,
+               light, weight);
+    column.light = const_cast<double*>(light), column.weight = const_cast<double*>(weight);
+    return column;
+}
+
+constexpr std::size_t columns_together = 64;  ///< on a card: a million threads, 32 MB
+
+/// The columns' sums, all of them with the same list of crossings.
+template <class Follower>
+void trace_on_card(cuda::Stream& stream, cuda::Views& medium, std::vector<Tracing>& columns, Lobe lobe,
+                   const Follower& follower, const std::vector<Vec3>& directions, Progress& progress) {
+    HostArrays arrays;
+    for (const Tracing& column : columns) column.add_to(arrays);
+    cuda::Views views(stream, std::move(arrays));
+    std::vector<NodeColumn> there;
+    for (Tracing& column : columns) there.push_back(on_card(views, column.view(follower(column.x()).place)));
+    const cuda::Array<NodeColumn> their_columns(stream, there.size());
+    const cuda::Settled settled{stream};
+    stream.upload(their_columns.data(), there.data(), there.size() * sizeof there[0]);
+    auto follow = follower(columns[0].x());
+    follow_on_card(stream, medium, follow, directions, progress, [&](const auto& rays, Vec3 d) {
+        using Rays = std::remove_cvref_t<decltype(rays)>;
+        const kernel::RayKernel<Rays> kernel{rays, {float(d.x), float(d.y), float(d.z)}, lobe};
+        kernel::trace_columns(stream, kernel, their_columns.data(), std::int64_t(there.size()));
+    });
+    for (std::size_t c = 0; c < columns.size(); ++c) columns[c].land(stream, there[c]);
+    stream.wait();
+}
+
 /// Rays in all directions from all nodes. `follower(column)` makes, for a thread's column, the function from a
 /// direction to the rays that the kernel follows.
 template <class Rays, class Follower>
@@ -116,6 +164,23 @@ CellValues trace(const Device& device, const NodeGrid& grid, const ReferenceSett
     const Lobe lobe = lobe_of(settings.quantity.value_or(ReferenceQuantity::obscurance));
     const auto directions = fibonacci_directions(settings.rays);
     const auto columns = columns_of(grid, grid.blocks_for(blocks));
+    const auto on_card = [&] {
+        cuda::Stream& stream = *device.stream;
+        HostArrays arrays;
+        follower(0).add_medium(arrays);
+        cuda::Views medium(stream, std::move(arrays));
+        for (std::size_t first = 0, end; first < columns.size(); first = end) {
+            std::vector<Tracing> together;
+            for (end = first; end < std::min(first + columns_together, columns.size()) &&
+                              columns[end].is_irregular == columns[first].is_irregular;
+                 ++end)
+                together.emplace_back(grid, columns[end], lobe, opacity.values);
+            trace_on_card(stream, medium, together, lobe, follower, directions, progress);
+            for (const Tracing& column : together) column.keep(at_nodes, settings.rays);
+            progress.report("rays", double(end) / double(columns.size()));
+        }
+    };
+    if (cuda::done_on_card(device, on_card)) return at_nodes;
     const auto trace_column = kernel::trace_column_for<Rays>(device.isa);
     const auto work = [&](std::int64_t c, std::int64_t) {
         Tracing tracing(grid, columns[c], lobe, opacity.values);
@@ -137,6 +202,8 @@ struct CellFollower {
     int x, place;
     double start;
     kernel::CellRays operator()(Vec3 direction) { return crossings.along(direction, x, start); }
+    void add_medium(HostArrays& arrays) const { crossings.cells().add_to(arrays); }
+    void add_way(HostArrays& arrays) const { crossings.add_to(arrays); }
 };
 
 /// Rays through the interpolated medium.
@@ -147,6 +214,8 @@ struct InterpolatedFollower {
     int place = 0;
     std::vector<kernel::HalfSpaceView> planes = {};
     kernel::InterpolatedRays<Voxel> operator()(Vec3 direction) { return medium.along(direction, start, planes); }
+    void add_medium(HostArrays& arrays) const { medium.add_to(arrays); }
+    void add_way(HostArrays& arrays) const { arrays.add(planes); }
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "core/threads.h"
+#include "illumination/reference/card.h"
 #include "illumination/reference/crossings.h"
 #include "illumination/reference/interpolated.h"
 #include "illumination/reference/launch.h"
@@ -26,21 +27,59 @@ Vec3 offset_of(int stride) {
     return {offset, offset, offset};
 }
 
+template <class Rays>
+kernel::HarmonicsKernel<Rays> kernel_of(const Rays& rays, int stride, Vec3 direction) {
+    kernel::HarmonicsKernel<Rays> kernel{rays, stride, {}};
+    const auto y = spherical_harmonics(direction);
+    std::copy(y.begin(), y.end(), kernel.harmonics);
+    return kernel;
+}
+
+constexpr std::size_t runs_on_card = 1 << 16;  ///< 128 MB of sums
+
+template <class Rays, class Follower, class Found>
+void trace_on_card(cuda::Stream& stream, const std::vector<NodeRun>& runs, int stride,
+                   const std::vector<Vec3>& directions, const Follower& follower, Progress& progress,
+                   const Found& found) {
+    auto follow = follower();
+    HostArrays arrays;
+    follow.add_medium(arrays), arrays.add(runs);
+    cuda::Views medium(stream, std::move(arrays));
+    const NodeRun* there = runs.data();
+    medium.swap(there);
+    cuda::Array<HarmonicSums> sums(stream, std::min(runs_on_card, runs.size()));
+    std::vector<HarmonicSums> landed(sums.size());
+    for (std::size_t first = 0; first < runs.size(); first += sums.size()) {
+        const std::size_t count = std::min(sums.size(), runs.size() - first);
+        sums.zero();
+        follow_on_card(stream, medium, follow, directions, progress, [&](const Rays& rays, Vec3 d) {
+            kernel::trace_harmonics(stream, kernel_of(rays, stride, d), there + first, std::int64_t(count),
+                                    sums.data());
+        });
+        stream.download(landed.data(), sums.data(), count * sizeof landed[0]);
+        stream.wait();
+        for (std::size_t i = 0; i < count; ++i) found(std::int64_t(first + i), landed[i]);
+        progress.report("rays", double(first + count) / double(runs.size()));
+    }
+}
+
 /// `follower()` makes, for a thread, the function from a direction to the rays that the kernel follows; `found(i,
 /// sums)` receives Σ V Y of the runs.
 template <class Rays, class Follower, class Found>
 void trace(const Device& device, const std::vector<NodeRun>& runs, int stride, int rays, const Follower& follower,
            Progress& progress, const Found& found) {
     const auto directions = fibonacci_directions(rays);
+    const auto on_card = [&] {
+        trace_on_card<Rays>(*device.stream, runs, stride, directions, follower, progress, found);
+    };
+    if (cuda::done_on_card(device, on_card)) return;
     const auto trace_runs = kernel::trace_runs_for<Rays>(device.isa);
     const auto work = [&](std::int64_t first, std::int64_t end) {
         auto follow = follower();
         std::vector<HarmonicSums> sums(std::size_t(end - first));
         for (const Vec3& d : directions) {
             if (progress.cancelled()) return;
-            kernel::HarmonicsKernel<Rays> kernel{follow(d), stride, {}};
-            const auto y = spherical_harmonics(d);
-            std::copy(y.begin(), y.end(), kernel.harmonics);
+            const auto kernel = kernel_of(follow(d), stride, d);
             trace_runs(kernel, runs.data() + first, int(end - first), sums.data());
         }
         for (auto i = first; i < end; ++i) found(i, sums[std::size_t(i - first)]);
@@ -61,6 +100,8 @@ struct CellFollower {
     kernel::CellRays operator()(Vec3 direction) {
         return crossings.along(direction, cell_of(0, stride), start, offset_of(stride));
     }
+    void add_medium(HostArrays& arrays) const { crossings.cells().add_to(arrays); }
+    void add_way(HostArrays& arrays) const { crossings.add_to(arrays); }
 };
 auto follower_of(const ExtinctionCells& cells, int stride, double start) {
     return [&cells, stride, start] { return CellFollower{Crossings(cells), stride, start}; };
@@ -76,6 +117,8 @@ struct InterpolatedFollower {
     kernel::InterpolatedRays<Voxel> operator()(Vec3 direction) {
         return medium.along(direction, start, planes, offset_of(stride));
     }
+    void add_medium(HostArrays& arrays) const { medium.add_to(arrays); }
+    void add_way(HostArrays& arrays) const { arrays.add(planes); }
 };
 
 /// Every node of the field, sixteen at a time.

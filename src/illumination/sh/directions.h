@@ -6,6 +6,8 @@
 #include <numbers>
 #include <vector>
 
+#include "illumination/sh/scrambled.h"
+
 namespace chiaro {
 
 /// The Fibonacci set: z = 1 - 2 (i + ½) / N, φ = (i + ½) π (3 - √5).
@@ -23,11 +25,6 @@ inline std::vector<Vec3> fibonacci_directions(int count) {
 /// for.
 std::vector<Vec3> jittered_directions(int count, int set);
 
-/// Well mixed bits of a counter.
-inline std::uint64_t scrambled(std::uint64_t counter) {
-    std::uint64_t bits = (counter + 1) * 0x9e3779b97f4a7c15u;
-    for (int shift : {30, 27}) bits = (bits ^ bits >> shift) * 0xbf58476d1ce4e5b9u;
-    return bits ^ bits >> 31;
-}
+using kernel::scrambled;
 
 }  // namespace chiaro

@@ -23,8 +23,8 @@ public:
         : stream_(*device.stream),
           progress_(progress),
           grid_(opacity.values.grid),
-          opacity_(on_card(stream_, opacity.values)),
-          access_(device.stream, grid_) {}
+          opacity_(opacity.values.on_card(stream_)),
+          access_(device, grid_) {}
 
     cuda::Stream& stream() const { return stream_; }
     const Cells& count() const { return grid_.count; }

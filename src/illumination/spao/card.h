@@ -1,4 +1,4 @@
-// SPAO on a card: opacities go there once, levels and coarser grids are made there, the answer stays until it is read.
+// SPAO on a card: from opacities there, by levels and coarser grids that are made there; the answer stays.
 #pragma once
 #include "cuda/stream.h"
 #include "illumination/access.h"

@@ -1,10 +1,10 @@
 #include "illumination/transport/grid.h"
 
-#include "classify/clip.h"
 #include "classify/medium.h"
-#include "core/srgb.h"
 #include "core/threads.h"
+#include "cuda/mirror.h"
 #include "illumination/transport/axis_places.h"
+#include "illumination/transport/launch_card.h"
 #include "illumination/transport/skin.h"
 #include "illumination/transport/tints.h"
 
@@ -32,29 +32,21 @@ Blocks blocks_for(const CellGrid& cells, int most) {
 /// Of blocks of 3³: as `halved` of 2³.
 Density thirded(const Density& finer, const Device& device, Progress& progress) {
     Density out(coarser(finer.grid, 3));
-    const auto& fine = finer.grid;
-    const auto depth = [&](int x, int y, int z) {
-        const bool inside = x < fine.count[0] && y < fine.count[1] && z < fine.count[2];
-        return inside ? finer.data()[fine.index(x, y, z)] : 0.0f;
+    const auto [nx, ny, nz] = finer.grid.count;
+    const auto nodes = std::int64_t(out.grid.size());
+    kernel::ThirdKernel third{nullptr, {nx, ny, nz}, nullptr, out.grid.count[0], out.grid.count[1]};
+    const auto on_card = [&] {
+        cuda::Stream& stream = *device.stream;
+        const cuda::Array<float> made(stream, out.grid.size());
+        third.finer = finer.on_card(stream), third.to = made.data();
+        kernel::run_on_card(stream, nodes, third);
+        out.buffer.keep(device.stream, made.data());
     };
-    const auto [nx, ny, nz] = out.grid.count;
-    parallel_for(device.threads, std::int64_t(ny) * nz, 4, "density", progress,
-                 [&, nx = nx, ny = ny](std::int64_t first, std::int64_t end) {
-                     for (auto row = first; row < end; ++row)
-                         for (int x = 0; x < nx; ++x) {
-                             const int y = int(row % ny), z = int(row / ny);
-                             double column[3][9]{}, sum[3]{};
-                             for (int i = 0; i < 27; ++i) {
-                                 const int a = i % 3, b = i / 3 % 3, c = i / 9;
-                                 const double d = depth(3 * x + a, 3 * y + b, 3 * z + c);
-                                 column[0][3 * c + b] += d, column[1][3 * c + a] += d, column[2][3 * b + a] += d;
-                             }
-                             for (int axis = 0; axis < 3; ++axis)
-                                 for (double d : column[axis]) sum[axis] += std::exp(-d) / 9;
-                             const double open = sum[0] * sum[1] * sum[2];
-                             out.data()[out.grid.index(x, y, z)] = float(-std::log(std::clamp(open, 1e-110, 1.0)) / 3);
-                         }
-                 });
+    if (cuda::done_on_card(device, on_card)) return out;
+    third.finer = finer.data(), third.to = out.numbers();
+    parallel_for(device.threads, nodes, 256, "density", progress, [&](std::int64_t first, std::int64_t end) {
+        for (auto node = first; node < end; ++node) third(node);
+    });
     progress.check();
     return out;
 }
@@ -64,69 +56,112 @@ Density density_of_nodes(const Medium::Data& medium, Blocks blocks, const Device
     return blocks.by_three ? thirded(density, device, progress) : std::move(density);
 }
 
-/// Sums of colour over the cells of a node.
+/// As StoredValues, by places found once for each coordinate.
 template <class Voxel>
-class NodeColours {
-public:
-    NodeColours(const Medium::Data& medium, double albedo_max, const Density& nodes, int edge)
-        : cells_(make_cell_grid(medium.volume.data().dimensions, medium.volume.data().geometry)),
-          nodes_(nodes),
-          edge_(edge),
-          stride_(edge >= 4 ? 2 : 1),
-          places_(view_of<Voxel>(medium.volume.data()), centres_of(cells_)),
-          tints_(medium, albedo_max),
-          kept_(half_spaces(medium.shape.clip, medium.volume.data().geometry, medium.volume.data().dimensions)) {}
+struct PlacedValues {
+    const AxisPlaces<Voxel>& places;
+    bool are_voxels;
+    float at(int x, int y, int z) const { return are_voxels ? float(places.voxel(x, y, z)) : places.value(x, y, z); }
+};
 
-    /// Of a row of nodes; nothing where there is no matter.
-    void add_row(int y, int z, Tint* sums) const {
-        const float* depths = nodes_.data() + nodes_.grid.index(0, y, z);
-        const auto end = [&](int axis, int node) { return std::min((node + 1) * edge_, cells_.count[axis]); };
-        for (int k = z * edge_; k < end(2, z); k += stride_)
-            for (int j = y * edge_; j < end(1, y); j += stride_)
-                for (int x = 0; x < nodes_.grid.count[0]; ++x)
-                    for (int i = x * edge_; depths[x] > 0 && i < end(0, x); i += stride_) add(i, j, k, sums[x]);
+std::array<std::vector<double>, 3> centres_of(const CellGrid& cells) {
+    std::array<std::vector<double>, 3> centres;
+    for (int axis = 0; axis < 3; ++axis)
+        for (int i = 0; i < cells.count[axis]; ++i)
+            centres[axis].push_back(cells.is_voxel_grid ? i : cells.voxel_of(i, i, i)[axis]);
+    return centres;
+}
+
+/// The colours of a grid's nodes, each of edge³ cells.
+class Colouring {
+public:
+    Colouring(const Medium::Data& medium, double albedo_max, int edge, const Device& device, Progress& progress)
+        : medium_(medium),
+          cells_(make_cell_grid(medium.volume.data().dimensions, medium.volume.data().geometry)),
+          tints_(medium, albedo_max),
+          edge_(edge),
+          device_(device),
+          progress_(progress) {}
+
+    void fill(LightGrid& grid) const {
+        for (auto& channel : grid.albedo) channel.resize(grid.extinction.grid.size());
+        if (!cuda::done_on_card(device_, [&] { fill_on_card(grid); })) fill_here(grid);
     }
 
 private:
-    static std::array<std::vector<double>, 3> centres_of(const CellGrid& cells) {
-        std::array<std::vector<double>, 3> centres;
-        for (int axis = 0; axis < 3; ++axis)
-            for (int i = 0; i < cells.count[axis]; ++i)
-                centres[axis].push_back(cells.is_voxel_grid ? i : cells.voxel_of(i, i, i)[axis]);
-        return centres;
+    template <class Values>
+    kernel::NodeColours<Values> colours(const Values& values) const {
+        const auto [nx, ny, nz] = cells_.count;
+        return {values, cell_centres(medium_, cells_), tints_.view(), {nx, ny, nz}, edge_, edge_ >= 4 ? 2 : 1};
     }
-    void add(int x, int y, int z, Tint& sum) const {
-        const Tint& tint = tints_.of(cells_.is_voxel_grid ? float(places_.voxel(x, y, z)) : places_.value(x, y, z));
-        if (tint.weight == 0 || is_clipped(x, y, z)) return;
-        sum.weight += tint.weight;
-        for (int c = 0; c < 3; ++c) sum.colour[c] += tint.colour[c];
-    }
-    bool is_clipped(int x, int y, int z) const {
-        for (const HalfSpace& half : kept_)
-            if (dot(half.normal, cells_.voxel_of(x, y, z)) > half.d) return true;
-        return false;
+    kernel::AlbedoKernel albedo(const CellGrid& nodes, const float* depths, const kernel::Tint* sums) const {
+        return {depths, sums, nodes.count[0], nodes.count[1], nodes.count[2], tints_.mean(), {}};
     }
 
-    CellGrid cells_;
-    const Density& nodes_;
-    int edge_, stride_;
-    AxisPlaces<Voxel> places_;
-    Tints tints_;
-    std::vector<HalfSpace> kept_;
+    void fill_here(LightGrid& grid) const {
+        const Density& density = grid.extinction;
+        const auto [nx, ny, nz] = density.grid.count;
+        std::vector<Tint> sums(density.grid.size());
+        const auto each_row = [&, ny = ny, nz = nz](const auto& body) {
+            parallel_for(device_.threads, std::int64_t(ny) * nz, 8, "albedo", progress_,
+                         [&](std::int64_t first, std::int64_t end) {
+                             for (auto row = first; row < end; ++row) body(int(row % ny), int(row / ny));
+                         });
+            progress_.check();
+        };
+        with_stored_voxel(medium_.volume.data(), [&, nx = nx](auto voxel) {
+            using Voxel = decltype(voxel);
+            const AxisPlaces<Voxel> places(view_of<Voxel>(medium_.volume.data()), centres_of(cells_));
+            const auto of = colours(PlacedValues<Voxel>{places, cells_.is_voxel_grid});
+            each_row([&](int y, int z) {
+                const std::size_t row = density.grid.index(0, y, z);
+                for (int k = z * edge_; k < of.end(2, z); k += of.stride)
+                    for (int j = y * edge_; j < of.end(1, y); j += of.stride)
+                        for (int x = 0; x < nx; ++x)
+                            if (density.data()[row + x] > 0) of.add_row(x, j, k, sums[row + x]);
+            });
+        });
+        kernel::AlbedoKernel albedos = albedo(density.grid, density.data(), sums.data());
+        for (int c = 0; c < 3; ++c) albedos.albedo[c] = grid.albedo[c].data();
+        each_row([&, nx = nx](int y, int z) {
+            for (int x = 0; x < nx; ++x) albedos(std::int64_t(density.grid.index(x, y, z)));
+        });
+    }
+
+    void fill_on_card(LightGrid& grid) const {
+        cuda::Stream& stream = *device_.stream;
+        const CellGrid& nodes = grid.extinction.grid;
+        const float* depths = std::as_const(grid).extinction.on_card(stream);
+        const cuda::Array<kernel::Tint> sums(stream, nodes.size());
+        const cuda::Array<float> made(stream, 3 * nodes.size());
+        HostArrays arrays;
+        medium_.volume.data().add_to(arrays), tints_.add_to(arrays);
+        cuda::Views views(stream, std::move(arrays));
+        with_stored_voxel(medium_.volume.data(), [&](auto voxel) {
+            using Values = kernel::StoredValues<decltype(voxel)>;
+            kernel::ColourSums<Values> add{
+                colours(Values{view_of<decltype(voxel)>(medium_.volume.data()), cell_centres(medium_, cells_)}), depths,
+                nodes.count[0], nodes.count[1], sums.data()};
+            views.swap(add.colours.values.volume.voxels, add.colours.tints.entries);
+            kernel::run_on_card(stream, std::int64_t(nodes.size()), add);
+        });
+        kernel::AlbedoKernel albedos = albedo(nodes, depths, sums.data());
+        const cuda::Settled settled{stream};
+        for (std::size_t c = 0; c < 3; ++c) albedos.albedo[c] = made.data() + c * nodes.size();
+        kernel::run_on_card(stream, std::int64_t(nodes.size()), albedos);
+        for (std::size_t c = 0; c < 3; ++c)
+            stream.download(grid.albedo[c].data(), albedos.albedo[c], nodes.size() * sizeof(float));
+        stream.wait();
+        progress_.check();
+    }
+
+    const Medium::Data& medium_;
+    const CellGrid cells_;
+    const Tints tints_;
+    const int edge_;
+    const Device& device_;
+    Progress& progress_;
 };
-
-/// Where matter lies between the places that were looked at: as around it, else as everywhere.
-Tint around(const std::vector<Tint>& sums, const CellGrid& grid, int x, int y, int z) {
-    Tint sum;
-    for (int k = std::max(z - 1, 0); k <= std::min(z + 1, grid.count[2] - 1); ++k)
-        for (int j = std::max(y - 1, 0); j <= std::min(y + 1, grid.count[1] - 1); ++j)
-            for (int i = std::max(x - 1, 0); i <= std::min(x + 1, grid.count[0] - 1); ++i) {
-                const Tint& tint = sums[grid.index(i, j, k)];
-                sum.weight += tint.weight;
-                for (int c = 0; c < 3; ++c) sum.colour[c] += tint.colour[c];
-            }
-    return sum;
-}
 
 }  // namespace
 
@@ -136,31 +171,7 @@ LightGrid light_grid(const Medium::Data& medium, int cells, double albedo_max, c
     const Blocks blocks = blocks_for(make_cell_grid(volume.dimensions, volume.geometry), cells);
     LightGrid out{density_of_nodes(medium, blocks, device, progress), {}, medium.shape.mode == Mode::iso, {}};
     if (!out.is_surface) out.skins = open_skins(medium, device, progress, out.extinction);
-    const CellGrid& grid = out.extinction.grid;
-    for (auto& channel : out.albedo) channel.resize(grid.size());
-    std::vector<Tint> sums(grid.size());
-    const auto [nx, ny, nz] = grid.count;
-    const auto each_row = [&, ny = ny, nz = nz](const auto& body) {
-        parallel_for(device.threads, std::int64_t(ny) * nz, 8, "albedo", progress,
-                     [&](std::int64_t first, std::int64_t end) {
-                         for (auto row = first; row < end; ++row) body(int(row % ny), int(row / ny));
-                     });
-        progress.check();
-    };
-    with_stored_voxel(volume, [&](auto voxel) {
-        const NodeColours<decltype(voxel)> colours(medium, albedo_max, out.extinction, blocks.edge());
-        each_row([&](int y, int z) { colours.add_row(y, z, sums.data() + grid.index(0, y, z)); });
-    });
-    const Tint fallback = Tints(medium, albedo_max).mean();
-    each_row([&, nx = nx](int y, int z) {
-        for (int x = 0; x < nx; ++x) {
-            const std::size_t node = grid.index(x, y, z);
-            if (!(out.extinction.data()[node] > 0)) continue;
-            Tint tint = sums[node].weight > 0 ? sums[node] : around(sums, grid, x, y, z);
-            if (!(tint.weight > 0)) tint = fallback;
-            for (int c = 0; c < 3; ++c) out.albedo[c][node] = tint.colour[c] / tint.weight;
-        }
-    });
+    Colouring(medium, albedo_max, blocks.edge(), device, progress).fill(out);
     return out;
 }
 

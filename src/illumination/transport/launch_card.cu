@@ -22,5 +22,16 @@ template void run_on_card(cuda::Stream&, std::int64_t, const FaceKernel&);
 template void run_on_card(cuda::Stream&, std::int64_t, const ReflectKernel&);
 template void run_on_card(cuda::Stream&, std::int64_t, const CoverKernel&);
 template void run_on_card(cuda::Stream&, std::int64_t, const NodeKernel&);
+template void run_on_card(cuda::Stream&, std::int64_t, const ColourSums<StoredValues<std::uint8_t>>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const ColourSums<StoredValues<std::uint16_t>>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const ColourSums<StoredValues<float>>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const AlbedoKernel&);
+template void run_on_card(cuda::Stream&, std::int64_t, const ThirdKernel&);
+template void run_on_card(cuda::Stream&, std::int64_t, const EachCell<MarkOpaque>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const EachCell<FindFillOf<std::uint8_t>>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const EachCell<FindFillOf<std::uint16_t>>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const EachCell<FindFillOf<float>>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const EachCell<FindThin>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const EachCell<OpenSkin>&);
 
 }  // namespace chiaro::kernel

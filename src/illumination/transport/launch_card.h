@@ -2,8 +2,11 @@
 #pragma once
 #include "cuda/stream.h"
 #include "illumination/transport/card_kernel.h"
+#include "illumination/transport/colour_kernel.h"
 #include "illumination/transport/light_kernel.h"
 #include "illumination/transport/opaque_kernel.h"
+#include "illumination/transport/skin_kernel.h"
+#include "illumination/transport/third_kernel.h"
 
 namespace chiaro::kernel {
 

@@ -12,7 +12,7 @@ namespace {
 /// Exact for the first moment; grey, with the mean albedo.
 LightGrid similar(LightGrid grid, double g) {
     if (g == 0) return grid;
-    float* extinction = grid.extinction.data();
+    float* extinction = grid.extinction.numbers();
     for (std::size_t i = 0; i < grid.extinction.grid.size(); ++i) {
         const double mean = (double(grid.albedo[0][i]) + grid.albedo[1][i] + grid.albedo[2][i]) / 3,
                      kept = 1 - mean * g;

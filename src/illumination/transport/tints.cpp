@@ -1,5 +1,7 @@
 #include "illumination/transport/tints.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/srgb.h"
@@ -10,8 +12,9 @@ namespace {
 Tint capped(float weight, std::array<float, 3> colour, double albedo_max) {
     const float most = std::max({colour[0], colour[1], colour[2]});
     const float factor = most > albedo_max ? float(albedo_max / most) : 1.0f;
-    for (float& c : colour) c *= factor * weight;
-    return {weight, colour};
+    Tint tint{.weight = weight};
+    for (std::size_t c = 0; c < 3; ++c) tint.colour[c] = colour[c] * (factor * weight);
+    return tint;
 }
 
 std::array<float, 3> colour_of(const OpticalTable::Entry& entry) { return {entry.r, entry.g, entry.b}; }
@@ -54,10 +57,7 @@ Tints::Tints(const Medium::Data& medium, double albedo_max)
 
 Tint Tints::mean() const {
     Tint sum;
-    for (const Tint& tint : entries_) {
-        sum.weight += tint.weight;
-        for (int c = 0; c < 3; ++c) sum.colour[c] += tint.colour[c];
-    }
+    for (const Tint& tint : entries_) sum.add(tint);
     if (!(sum.weight > 0)) sum.weight = 1;
     return sum;
 }

@@ -1,26 +1,20 @@
 // What colour a stored value scatters, and how much it weighs.
 #pragma once
-#include <algorithm>
-#include <array>
-
 #include "classify/medium.h"
+#include "illumination/transport/colour_kernel.h"
 
 namespace chiaro {
 
-struct Tint {
-    float weight = 0;               ///< extinction; of isosurfaces 1
-    std::array<float, 3> colour{};  ///< albedo × weight
-};
+using kernel::Tint;
 
 class Tints {
 public:
     /// Each colour is scaled down to `albedo_max` where a channel is above.
     Tints(const Medium::Data& medium, double albedo_max);
 
-    /// Of a stored value; of isosurfaces that of the nearest one.
-    const Tint& of(float stored) const {
-        return entries_[std::size_t(std::clamp(stored * scale_ + offset_, 0.0f, last_))];
-    }
+    /// Of stored values; of isosurfaces that of the nearest one.
+    kernel::TintView view() const { return {entries_.data(), scale_, offset_, last_, 0}; }
+    void add_to(HostArrays& arrays) const { arrays.add(entries_); }
     /// Over all values alike; of weight > 0.
     Tint mean() const;
 

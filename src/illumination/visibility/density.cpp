@@ -2,6 +2,7 @@
 
 #include "classify/medium.h"
 #include "core/threads.h"
+#include "illumination/visibility/card.h"
 #include "illumination/visibility/launch_density.h"
 #include "illumination/visibility/sub_voxel.h"
 
@@ -34,18 +35,20 @@ void keep(const Tile& tile, int edge, const std::array<int, 3>& block, Density& 
     for (int k = z.first; k < z.second; ++k)
         for (int j = y.first; j < y.second; ++j)
             std::copy_n(tile.data() + ((k - z.first) * edge + j - y.first) * edge, x.second - x.first,
-                        out.data() + out.grid.index(x.first, j, k));
+                        out.numbers() + out.grid.index(x.first, j, k));
 }
 
 /// Block by block, halved in the cache as often as asked: blocks of 32³ end in whole nodes.
-Density assemble(const CellGrid& cells, const BlockMap& blocks, int halvings, const FillBlock& fill,
+Density assemble(const CellGrid& cells, const BlockMap& blocks, int halvings, const BlockDepths& depths,
                  const Device& device, Progress& progress) {
     Density out(coarser(cells, 1 << halvings));
+    const auto on_card = [&] { assemble_on_card(device, blocks, halvings, depths, out, progress); };
+    if (cuda::done_on_card(device, on_card)) return out;
     const auto rows = kernel::density_rows_for(device.isa);
     const auto held = blocks.held();
     parallel_for(device.threads, std::int64_t(held.size()), 1, "density", progress, [&](std::int64_t b, std::int64_t) {
         Tile tile(tile_size);
-        fill(held[b], tile.data());
+        depths.here(held[b], tile.data());
         for (int i = 0; i < halvings; ++i) tile = halved(tile, block_edge >> i, rows);
         keep(tile, block_edge >> halvings, blocks.at(held[b]), out);
     });
@@ -61,14 +64,7 @@ CellGrid halved(const CellGrid& grid) { return coarser(grid, 2); }
 
 Density halved(const Density& finer, const Device& device, Progress& progress) {
     const BlockMap all(finer.grid.count, true);
-    const auto fill = [&](std::size_t block, float* tile) {
-        const auto [x, y, z] = all.cells(block, finer.grid.count);
-        for (int k = z.first; k < z.second; ++k)
-            for (int j = y.first; j < y.second; ++j)
-                std::copy_n(finer.data() + finer.grid.index(x.first, j, k), x.second - x.first,
-                            tile + ((k - z.first) * block_edge + j - y.first) * block_edge);
-    };
-    return assemble(finer.grid, all, 1, fill, device, progress);
+    return assemble(finer.grid, all, 1, block_depths(finer, all), device, progress);
 }
 
 Density density_for(const Medium::Data& medium, int subsample, const Device& device, Progress& progress) {

@@ -1,40 +1,41 @@
-// Half way from a cell's value to its neighbour's the cell ends: a sixth of the mean of κ over the values passed on the
-// way, so that six of them are a cell's κ. Three ways to the same number, by how many values there are.
+// The numbers that half_way_kernel.h looks up.
 #pragma once
-#include "illumination/visibility/integral.h"
+#include <algorithm>
+#include <vector>
+
+#include "classify/medium.h"
+#include "illumination/cells/opacity.h"
+#include "illumination/visibility/half_way_kernel.h"
 
 namespace chiaro {
 
-/// Of any value: two places in the table, and a quotient.
-class HalfWayOfAny {
+/// ∫ κ df of the optical table, so that a step from one value to another meets all that lies between them.
+class ExtinctionIntegral {
 public:
-    using Level = float;
-    Level level_of(float stored) const { return stored; }
+    ExtinctionIntegral(const Medium::Data& medium, const CellGrid& grid)
+        : extinction_(extinction_per_edge(medium, grid)),
+          scale_(medium.table.index_scale),
+          offset_(medium.table.index_offset + 0.5) {
+        for (float kappa : extinction_) before_.push_back(before_.back() + double(kappa));
+    }
+    kernel::IntegralView integral() const {
+        return {extinction_.data(), before_.data(), scale_, offset_, double(extinction_.size() - 1)};
+    }
 
-    explicit HalfWayOfAny(const ExtinctionIntegral& integral) : integral_(integral) {}
-
-    struct From {
-        const ExtinctionIntegral& integral;
-        ExtinctionIntegral::Place place;
-        float value;
-        float to(float neighbour) const {
-            if (neighbour == value) return integral.at(place) * (1.0f / 6);
-            return integral.mean(place, integral.place(0.5 * (double(value) + double(neighbour)))) * (1.0f / 6);
-        }
-    };
-    From from(float value) const { return {integral_, integral_.place(double(value)), value}; }
+    kernel::HalfWayOfAny view() const { return {integral()}; }
+    void add_to(HostArrays& arrays) const { arrays.add(extinction_), arrays.add(before_); }
 
 private:
-    ExtinctionIntegral integral_;
+    std::vector<float> extinction_;
+    std::vector<double> before_{0};
+    double scale_, offset_;
 };
 
-/// Of whole levels of the stored value, `per_unit` a unit: the integral at every half level.
-class HalfWayOfLevels {
+class LevelIntegrals {
 public:
-    using Level = int;
-
-    HalfWayOfLevels(const ExtinctionIntegral& integral, const DeviceVolume::Data& volume, int per_unit)
+    LevelIntegrals(const ExtinctionIntegral& of, const DeviceVolume::Data& volume, int per_unit)
         : per_unit_(per_unit), low_(volume.stored_min), last_(int((volume.stored_max - low_) * float(per_unit))) {
+        const kernel::IntegralView integral = of.integral();
         const double index_per_level = integral.place(low_ + 1.0 / per_unit).index - integral.place(low_).index;
         for (int half = 0; half <= 2 * last_; ++half) {
             const auto place = integral.place(low_ + 0.5 * half / per_unit);
@@ -44,20 +45,10 @@ public:
         for (int way = -last_; way <= last_; ++way) inverse_.push_back(way == 0 ? 0 : 1.0 / way);
     }
 
-    int level_of(float stored) const { return std::clamp(int((stored - low_) * float(per_unit_) + 0.5f), 0, last_); }
-
-    struct From {
-        const double *integral, *inverse;  ///< K at this level; 1 / way
-        float sixth;
-        int level;
-        float to(int neighbour) const {
-            const int way = neighbour - level;
-            return way == 0 ? sixth : float((integral[way] - *integral) * inverse[way]);
-        }
-    };
-    From from(int level) const {
-        return {&integral_[2 * std::size_t(level)], &inverse_[std::size_t(last_)], sixth_[std::size_t(level)], level};
+    kernel::HalfWayOfLevels view() const {
+        return {integral_.data(), inverse_.data(), sixth_.data(), per_unit_, low_, last_, 0};
     }
+    void add_to(HostArrays& arrays) const { arrays.add(integral_), arrays.add(inverse_), arrays.add(sixth_); }
 
 private:
     int per_unit_;
@@ -69,37 +60,30 @@ private:
 
 /// Of stored whole numbers.
 template <class Voxel>
-class HalfWayOfVoxels {
+class VoxelIntegrals {
 public:
-    HalfWayOfVoxels(const ExtinctionIntegral& integral, const DeviceVolume::Data& volume)
-        : low_(int(volume.stored_min)), levels_(integral, volume, 1) {}
-    struct From {
-        HalfWayOfLevels::From level;
-        int low;
-        float to(Voxel neighbour) const { return level.to(int(neighbour) - low); }
-    };
-    From from(Voxel value) const { return {levels_.from(int(value) - low_), low_}; }
+    VoxelIntegrals(const ExtinctionIntegral& of, const DeviceVolume::Data& volume)
+        : low_(int(volume.stored_min)), levels_(of, volume, 1) {}
+    kernel::HalfWayOfVoxels<Voxel> view() const { return {levels_.view(), low_, 0}; }
+    void add_to(HostArrays& arrays) const { levels_.add_to(arrays); }
 
 private:
     int low_;
-    HalfWayOfLevels levels_;
+    LevelIntegrals levels_;
 };
 
-/// Of 8 bits: all pairs in a table.
+/// Of 8 bits.
 template <>
-class HalfWayOfVoxels<std::uint8_t> {
+class VoxelIntegrals<std::uint8_t> {
 public:
-    HalfWayOfVoxels(const ExtinctionIntegral& integral, const DeviceVolume::Data& volume) : pairs_(256 * 256) {
-        const HalfWayOfAny any(integral);
+    VoxelIntegrals(const ExtinctionIntegral& of, const DeviceVolume::Data& volume) : pairs_(256 * 256) {
+        const kernel::HalfWayOfAny any = of.view();
         for (int value = int(volume.stored_min); value <= int(volume.stored_max); ++value)
             for (int other = int(volume.stored_min); other <= int(volume.stored_max); ++other)
                 pairs_[std::size_t(256 * value + other)] = any.from(float(value)).to(float(other));
     }
-    struct From {
-        const float* pairs;
-        float to(std::uint8_t neighbour) const { return pairs[neighbour]; }
-    };
-    From from(std::uint8_t value) const { return {&pairs_[256 * std::size_t(value)]}; }
+    kernel::HalfWayOfVoxels<std::uint8_t> view() const { return {pairs_.data()}; }
+    void add_to(HostArrays& arrays) const { arrays.add(pairs_); }
 
 private:
     std::vector<float> pairs_;

@@ -1,20 +1,28 @@
-// Halving density as CUDA sees it: the same source, one thread a row. Compiled wherever nvcc exists.
-#include "illumination/visibility/rows.h"
+// Density on cards: one thread a cell, or a node.
+#include "cuda/launch.h"
+#include "illumination/visibility/launch_card.h"
 
 namespace chiaro::kernel {
 
-__global__ void transmittance_of(const float* depth, std::int32_t count, float* to) {
-    const std::int32_t first = std::int32_t(blockIdx.x * blockDim.x + threadIdx.x) * most_nodes;
-    if (first < count) transmittance_row<float>(depth + first, most_nodes, to + first);
+template <class Kernel>
+void run_on_card(cuda::Stream& stream, std::int64_t count, const Kernel& kernel) {
+    cuda::launch_items(stream, count, kernel);
 }
 
-/// The rows of a tile of edge³ cells.
-__global__ void halve_tile(const float* open, std::int32_t edge, float* nodes) {
-    const std::int32_t half = edge / 2, y = std::int32_t(threadIdx.x), z = std::int32_t(blockIdx.x);
-    if (y >= half || z >= half) return;
-    const float* first = open + (2 * z * edge + 2 * y) * edge;
-    const FourRows rows{{first, first + edge, first + edge * edge, first + edge * edge + edge}};
-    halve_row<float>(rows, half, nodes + (z * half + y) * half);
-}
+template <class Voxel>
+using VoxelTiles = FillTiles<DepthOfVoxels<Voxel, HalfWayOfVoxels<Voxel>>>;
+template <class Voxel>
+using LevelTiles = FillTiles<DepthBetweenVoxels<Voxel, HalfWayOfLevels>>;
+
+template void run_on_card(cuda::Stream&, std::int64_t, const VoxelTiles<std::uint8_t>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const VoxelTiles<std::uint16_t>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const FillTiles<DepthOfVoxels<float, HalfWayOfAny>>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const LevelTiles<std::uint8_t>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const LevelTiles<std::uint16_t>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const FillTiles<DepthBetweenVoxels<float, HalfWayOfAny>>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const FillTiles<DepthOfOpacity>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const FillTiles<DepthOfNodes>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const HalveTiles&);
+template void run_on_card(cuda::Stream&, std::int64_t, const KeepTiles&);
 
 }  // namespace chiaro::kernel

@@ -3,61 +3,59 @@
 #include <cmath>
 
 #include "core/threads.h"
+#include "illumination/visibility/card.h"
+#include "illumination/visibility/launch_card.h"
 
 namespace chiaro {
 namespace {
 
-template <class FillRow>
-void for_each_row(const CellGrid& grid, int threads, Progress& progress, const FillRow& fill) {
-    const auto [nx, ny, nz] = grid.count;
-    parallel_for(threads, std::int64_t(ny) * nz, 64, "pyramid", progress,
-                 [&, ny = ny](std::int64_t first, std::int64_t end) {
-                     for (auto row = first; row < end; ++row) fill(int(row % ny), int(row / ny));
-                 });
-    progress.check();
-}
-
-CellValues finest(const Density& density, int threads, Progress& progress) {
-    CellValues level(density.grid);
-    for_each_row(density.grid, threads, progress, [&](int y, int z) {
-        const std::size_t row = density.grid.index(0, y, z);
-        for (int x = 0; x < density.grid.count[0]; ++x)
-            level.data()[row + x] = cell_value(std::exp(-double(density.data()[row + x])));
-    });
-    return level;
-}
-
-CellValues next_level(const CellValues& finer, int threads, Progress& progress) {
-    CellValues level(halved(finer.grid));
-    const auto [nx, ny, nz] = finer.grid.count;
-    const auto child = [&, nx = nx, ny = ny, nz = nz](int x, int y, int z) {
-        return x < nx && y < ny && z < nz ? int(finer.data()[finer.grid.index(x, y, z)]) : int(cell_one);
-    };
-    for_each_row(level.grid, threads, progress, [&](int y, int z) {
-        std::uint16_t* row = level.data() + level.grid.index(0, y, z);
-        for (int x = 0; x < level.grid.count[0]; ++x) {
-            int sum = 0;
-            for (int i = 0; i < 8; ++i) sum += child(2 * x + (i & 1), 2 * y + (i >> 1 & 1), 2 * z + (i >> 2));
-            const double mean = sum / (8.0 * cell_one);
-            row[x] = cell_value(mean * mean);
-        }
-    });
-    return level;
-}
-
-kernel::PyramidLevel view_of(const CellValues& level, int number) {
-    CellGrid in_nodes = level.grid;
-    const double edge = std::exp2(number);
-    in_nodes.voxels_per_cell = {edge, edge, edge};
-    return {level.data(), view_of(in_nodes), float(1 / edge)};
+kernel::NextLevel next_kernel(const CellGrid& finer, const CellGrid& grid, const std::uint16_t* from,
+                              std::uint16_t* to) {
+    return {from, {finer.count[0], finer.count[1], finer.count[2]}, to, grid.count[0], grid.count[1]};
 }
 
 }  // namespace
 
+std::vector<CellGrid> pyramid_grids(const CellGrid& nodes) {
+    std::vector<CellGrid> grids{nodes};
+    while (grids.back().size() > 1) grids.push_back(halved(grids.back()));
+    return grids;
+}
+
+kernel::PyramidLevel pyramid_level(const CellGrid& grid, int number, const std::uint16_t* values) {
+    CellGrid in_nodes = grid;
+    const double edge = std::exp2(number);
+    in_nodes.voxels_per_cell = {edge, edge, edge};
+    return {values, view_of(in_nodes), float(1 / edge)};
+}
+
 TransparencyPyramid::TransparencyPyramid(const Density& density, int threads, Progress& progress) {
-    levels_.push_back(finest(density, threads, progress));
-    while (levels_.back().grid.size() > 1) levels_.push_back(next_level(levels_.back(), threads, progress));
-    for (const CellValues& level : levels_) views_.push_back(view_of(level, int(views_.size())));
+    for (const CellGrid& grid : pyramid_grids(density.grid)) levels_.emplace_back(grid);
+    const auto fill = [&](CellValues& level, const auto& kernel) {
+        parallel_for(threads, std::int64_t(level.grid.size()), 1 << 14, "pyramid", progress,
+                     [&](std::int64_t first, std::int64_t end) {
+                         for (auto node = first; node < end; ++node) kernel(node);
+                     });
+        progress.check();
+        views_.push_back(pyramid_level(level.grid, int(views_.size()), level.data()));
+    };
+    fill(levels_[0], kernel::FinestLevel{density.data(), levels_[0].data()});
+    for (std::size_t l = 1; l < levels_.size(); ++l)
+        fill(levels_[l], next_kernel(levels_[l - 1].grid, levels_[l].grid, levels_[l - 1].data(), levels_[l].data()));
+}
+
+CardPyramid::CardPyramid(cuda::Stream& stream, const Density& density) {
+    const std::vector<CellGrid> grids = pyramid_grids(density.grid);
+    for (const CellGrid& grid : grids) {
+        levels_.emplace_back(stream, grid.size() + CellValues::spare);
+        levels_.back().zero();
+        views_.push_back(pyramid_level(grid, int(views_.size()), levels_.back().data()));
+    }
+    kernel::run_on_card(stream, std::int64_t(grids[0].size()),
+                        kernel::FinestLevel{density.on_card(stream), levels_[0].data()});
+    for (std::size_t l = 1; l < grids.size(); ++l)
+        kernel::run_on_card(stream, std::int64_t(grids[l].size()),
+                            next_kernel(grids[l - 1], grids[l], levels_[l - 1].data(), levels_[l].data()));
 }
 
 }  // namespace chiaro

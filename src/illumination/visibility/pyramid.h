@@ -3,9 +3,16 @@
 #include <vector>
 
 #include "illumination/visibility/density.h"
+#include "illumination/visibility/pyramid_kernel.h"
 #include "illumination/visibility/walk_kernel.h"
 
 namespace chiaro {
+
+/// From the nodes to a single one.
+std::vector<CellGrid> pyramid_grids(const CellGrid& nodes);
+
+/// As the walk reads one.
+kernel::PyramidLevel pyramid_level(const CellGrid& grid, int number, const std::uint16_t* values);
 
 /// Level 0 is exp(-κ) of the nodes. T_{l+1} = (mean of the 8 T_l)²: two voxels one behind the other, each as open as
 /// the eight are on average; missing ones are open. 65535ths.
@@ -20,6 +27,17 @@ public:
 
 private:
     std::vector<CellValues> levels_;
+    std::vector<kernel::PyramidLevel> views_;
+};
+
+/// The same there, made there; its work may still be under way.
+class CardPyramid {
+public:
+    CardPyramid(cuda::Stream& stream, const Density& density);
+    const std::vector<kernel::PyramidLevel>& views() const { return views_; }
+
+private:
+    std::vector<cuda::Array<std::uint16_t>> levels_;
     std::vector<kernel::PyramidLevel> views_;
 };
 

@@ -40,7 +40,7 @@ CHIARO_INLINE void halve_row(const FourRows& rows, std::int32_t nodes, float* to
     ColumnSums sums{};
     add_columns(rows, nodes, sums);
     float depth[most_nodes];
-    for (std::int32_t x = 0; x < most_nodes; x += LaneTraits<F>::count) {
+    for (std::int32_t x = 0; x < nodes; x += LaneTraits<F>::count) {
         // κ stays finite: at most 87
         const auto log_of = [&](int axis) CHIARO_INLINE_LAMBDA {
             return log2(max(load_row<F>(sums.along[axis] + x) * F(0.25f), F(1e-38f)));

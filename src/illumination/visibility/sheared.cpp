@@ -3,38 +3,11 @@
 #include <numbers>
 
 #include "core/threads.h"
+#include "illumination/visibility/card_pass.h"
 #include "illumination/visibility/launch.h"
-#include "illumination/visibility/sweep_pass.h"
 
 namespace chiaro {
 namespace {
-
-using kernel::ShearedDirection;
-
-/// Planes of one batch; padded, so that sixteen numbers can be read and written from any point on.
-class Planes {
-public:
-    Planes(int nu, int nv, int directions)
-        : density_row_(nu + 2 + padding),
-          row_(nu + 3 + padding),
-          direction_(std::int64_t(row_) * (nv + 3) + padding),
-          density_(std::size_t(density_row_) * std::size_t(nv + 2) + padding) {
-        for (auto& light : light_) light.assign(std::size_t(direction_) * std::size_t(directions), 1);
-    }
-    int row() const { return row_; }
-    float* density() { return density_.data() + density_row_ + 1; }
-    int density_row() const { return density_row_; }
-    kernel::ShearedPlanes view(int k) {
-        const auto origin = [&](int which) { return light_[which].data() + 2 * row_ + 2; };
-        return {density(), density_row_, origin((k + 1) & 1), origin(k & 1), row_, direction_};
-    }
-
-private:
-    static constexpr int padding = kernel::ShearedKernel::width;
-    int density_row_, row_;
-    std::int64_t direction_;
-    std::vector<float> density_, light_[2];
-};
 
 /// The lattice of a direction on its way from plane to plane.
 struct Lattice {
@@ -53,30 +26,51 @@ private:
 
 }  // namespace
 
+ShearedPlanes::ShearedPlanes(int nu, int nv, int directions)
+    : density_row_(nu + 2 + padding),
+      row_(nu + 3 + padding),
+      direction_(std::int64_t(row_) * (nv + 3) + padding),
+      density_(std::size_t(density_row_) * std::size_t(nv + 2) + padding) {
+    for (auto& light : light_) light.assign(std::size_t(direction_) * std::size_t(directions), 1);
+}
+
+kernel::ShearedPlanes ShearedPlanes::view(int k, float* density, float* even, float* odd) const {
+    const int origin = 2 * row_ + 2;
+    float *here = (k & 1 ? odd : even) + origin, *before = (k & 1 ? even : odd) + origin;
+    return {density + density_row_ + 1, density_row_, before, here, row_, direction_};
+}
+
+std::vector<kernel::ShearedDirection> sheared_rays(std::span<const SweepDirection> batch, int planes, int row,
+                                                   double start) {
+    std::vector<Lattice> lattices;
+    for (const SweepDirection& d : batch) lattices.push_back({d.du, d.dv});
+    std::vector<kernel::ShearedDirection> rays;
+    for (int k = 0; k < planes; ++k)
+        for (std::size_t d = 0; d < batch.size(); ++d) {
+            const auto [su, sv] = lattices[d].step();
+            const double edges = -std::numbers::log2e * batch[d].length;
+            rays.push_back({float(lattices[d].a), float(lattices[d].b), sv * row + su, float(edges),
+                            float(edges * std::max(0.5 - start, 0.0))});
+        }
+    return rays;
+}
+
 void sheared_pass(const SweepPass& pass, const SweepAxes& axes, std::span<const SweepDirection> batch,
                   const std::function<void(double)>& tell) {
     const CellGrid& grid = pass.density.grid;
     const int nu = grid.count[axes.u], nv = grid.count[axes.v], steps = grid.count[axes.major];
     const BatchHarmonics harmonics(pass.directions, batch, pass.field.coefficients);
     const auto run = kernel::visibility_functions_for(pass.device.isa).sheared_row;
-    Planes planes(nu, nv, int(batch.size()));
-    std::vector<Lattice> lattices;
-    for (const SweepDirection& d : batch) lattices.push_back({d.du, d.dv});
-    std::vector<ShearedDirection> rays(batch.size());
+    ShearedPlanes planes(nu, nv, int(batch.size()));
+    const std::vector<kernel::ShearedDirection> rays = sheared_rays(batch, steps, planes.row(), pass.start);
     for (int k = 0; k < steps; ++k) {
         const std::size_t plane = std::size_t(axes.sign > 0 ? steps - 1 - k : k) * pass.stride(axes.major);
-        for (std::size_t d = 0; d < batch.size(); ++d) {
-            const auto [su, sv] = lattices[d].step();
-            const double edges = -std::numbers::log2e * batch[d].length;
-            rays[d] = {float(lattices[d].a), float(lattices[d].b), sv * planes.row() + su, float(edges),
-                       float(edges * std::max(0.5 - pass.start, 0.0))};
-        }
         for (int v = 0; v < nv; ++v)
             for (int u = 0; u < nu; ++u)
                 planes.density()[std::int64_t(v) * planes.density_row() + u] =
                     pass.density
                         .data()[plane + std::size_t(v) * pass.stride(axes.v) + std::size_t(u) * pass.stride(axes.u)];
-        const kernel::ShearedKernel kernel{rays.data(), harmonics.view(), planes.view(k)};
+        const kernel::ShearedKernel kernel{rays.data() + k * batch.size(), harmonics.view(), planes.view(k)};
         const auto rows = [&](std::int64_t first, std::int64_t end) {
             std::vector<float> scratch(batch.size() * kernel::ShearedKernel::width);
             for (auto r = first; r < end; ++r) {

@@ -58,6 +58,12 @@ struct ShearedKernel {
         }
     }
 
+    /// For many threads: the ray of direction d through point (i, j), and what arrives there if that is a node.
+    CHIARO_INLINE void point(std::int32_t d, std::int32_t i, std::int32_t j, float* seen) const {
+        follow<float>(directions[d], d, i, j);
+        if (i >= 0 && j >= 0) *seen = visible<float>(directions[d], d, i, j);
+    }
+
 private:
     CHIARO_INLINE std::int64_t at(std::int32_t d, std::int32_t i, std::int32_t j) const {
         return d * planes.direction + std::int64_t(j) * planes.row + i;

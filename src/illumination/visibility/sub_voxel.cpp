@@ -2,8 +2,10 @@
 
 #include <memory>
 
-#include "classify/clip.h"
+#include "cuda/mirror.h"
+#include "illumination/visibility/density.h"
 #include "illumination/visibility/half_way.h"
+#include "illumination/visibility/launch_card.h"
 #include "volume/device_view.h"
 
 namespace chiaro {
@@ -12,11 +14,7 @@ namespace {
 /// A row of cells among its neighbours, `row` and `slice` apart.
 template <class HalfWay, class Value>
 void depth_row(const HalfWay& half_way, const Value* at, int row, int slice, int count, float* to) {
-    for (int x = 0; x < count; ++x, ++at) {
-        const auto here = half_way.from(*at);
-        to[x] = (here.to(at[-1]) + here.to(at[1])) + (here.to(at[-row]) + here.to(at[row])) +
-                (here.to(at[-slice]) + here.to(at[slice]));
-    }
+    for (int x = 0; x < count; ++x) to[x] = kernel::depth_among(half_way, at + x, row, slice);
 }
 
 using Ranges = std::array<std::pair<int, int>, 3>;
@@ -50,15 +48,19 @@ public:
         : grid_(grid),
           matter_(matter),
           view_(view_of<Voxel>(medium.volume.data())),
-          kept_(half_spaces(medium.shape.clip, medium.volume.data().geometry, medium.volume.data().dimensions)) {}
+          centres_(cell_centres(medium, grid)) {}
 
-    /// Where cells are voxels.
+    const CellGrid& grid() const { return grid_; }
+    const kernel::VolumeView<Voxel>& view() const { return view_; }
+    const kernel::CellCentres& centres() const { return centres_; }
+
+    /// Where cells are voxels: a block's row lies in one brick, and its neighbours with it.
     template <class HalfWay>
     void fill_from_voxels(const HalfWay& half_way, std::size_t block, float* tile) const {
         const Ranges cells = matter_.cells(block, grid_.count);
         const InTile in{tile, cells};
         for_each_piece(cells, matter_.pieces_of(block), [&](int x, int end, int y, int z) {
-            depth_row(half_way, voxels_at(x, y, z), brick_row, brick_slice, end - x, in.at(x, y, z));
+            depth_row(half_way, voxel_address(view_, x, y, z), brick_row, brick_slice, end - x, in.at(x, y, z));
             clip_row(x, end, y, z, in.at(x, y, z));
         });
     }
@@ -89,17 +91,8 @@ public:
     }
 
 private:
-    /// A block's row lies in one brick, and its neighbours with it.
-    const Voxel* voxels_at(int x, int y, int z) const {
-        const kernel::Vec3<float> p{float(x), float(y), float(z)};
-        const auto voxel = view_.voxel(p);
-        // The last voxel of an axis lies behind its last interval.
-        return view_.voxels + std::uint32_t(view_.locate(p, voxel).index) + (x - voxel.x) + (y - voxel.y) * brick_row +
-               (z - voxel.z) * brick_slice;
-    }
     float value_at(int x, int y, int z) const {
-        const Vec3 p = grid_.voxel_of(x, y, z);
-        const auto at = view_.clamp(kernel::Vec3<float>(float(p.x), float(p.y), float(p.z)));
+        const auto at = view_.clamp(centres_.of(x, y, z));
         return view_.value(view_.locate(at, view_.voxel(at)));
     }
     /// Which of the two pieces along x a row of the block, or one beside it, belongs to or is a neighbour of.
@@ -111,26 +104,70 @@ private:
         return bits(y, z) | bits(y - 1, z) | bits(y + 1, z) | bits(y, z - 1) | bits(y, z + 1);
     }
     void clip_row(int x0, int x1, int y, int z, float* row) const {
-        for (const HalfSpace& half : kept_)
-            for (int x = x0; x < x1; ++x)
-                if (dot(half.normal, grid_.voxel_of(x, y, z)) > half.d) row[x - x0] = 0;
+        for (int x = x0; centres_.plane_count > 0 && x < x1; ++x)
+            if (centres_.is_clipped(x, y, z)) row[x - x0] = 0;
     }
 
     const CellGrid& grid_;
     const BlockMap& matter_;
     const kernel::VolumeView<Voxel> view_;
-    const std::vector<HalfSpace> kept_;
+    const kernel::CellCentres centres_;
 };
 
-template <class HalfWay, class Voxel, class... Arguments>
-FillBlock from_voxels(const std::shared_ptr<const Cells<Voxel>>& cells, Arguments&&... arguments) {
-    const auto half_way = std::make_shared<const HalfWay>(std::forward<Arguments>(arguments)...);
-    return [=](std::size_t block, float* tile) { cells->fill_from_voxels(*half_way, block, tile); };
+/// With pointers of the card's into `arrays`; `swap_pointers(views, depth)` names them.
+template <class Depth, class SwapPointers>
+FillBlocks on_card(cuda::Stream& stream, HostArrays arrays, const CellGrid& grid, Depth depth,
+                   const SwapPointers& swap_pointers) {
+    const auto views = std::make_shared<cuda::Views>(stream, std::move(arrays));
+    swap_pointers(*views, depth);
+    const auto [nx, ny, nz] = grid.count;
+    return [views, &stream, fill = kernel::FillTiles<Depth>{depth, {nx, ny, nz}, nullptr, nullptr}](
+               const kernel::BlockPlace* places, std::int64_t blocks, float* tiles) mutable {
+        fill.places = places, fill.tiles = tiles;
+        kernel::run_on_card(stream, blocks * tile_size, fill);
+    };
 }
-template <class HalfWay, class Voxel, class... Arguments>
-FillBlock between_voxels(const std::shared_ptr<const Cells<Voxel>>& cells, Arguments&&... arguments) {
-    const auto half_way = std::make_shared<const HalfWay>(std::forward<Arguments>(arguments)...);
-    return [=](std::size_t block, float* tile) { cells->fill_between_voxels(*half_way, block, tile); };
+
+void swap_pointers(cuda::Views& views, kernel::HalfWayOfAny& half_way) {
+    views.swap(half_way.integral.extinction, half_way.integral.before);
+}
+void swap_pointers(cuda::Views& views, kernel::HalfWayOfLevels& half_way) {
+    views.swap(half_way.integral, half_way.inverse, half_way.sixth);
+}
+template <class Voxel>
+void swap_pointers(cuda::Views& views, kernel::HalfWayOfVoxels<Voxel>& half_way) {
+    swap_pointers(views, half_way.levels);
+}
+void swap_pointers(cuda::Views& views, kernel::HalfWayOfVoxels<std::uint8_t>& half_way) { views.swap(half_way.pairs); }
+
+/// `Depth`: as a card finds it.
+template <template <class, class> class Depth, class Voxel, class Tables>
+std::function<FillBlocks(cuda::Stream&)> depths_on_card(const DeviceVolume::Data& volume,
+                                                        const std::shared_ptr<const Cells<Voxel>>& cells,
+                                                        const std::shared_ptr<const Tables>& tables) {
+    return [&volume, cells, tables](cuda::Stream& stream) {
+        HostArrays arrays;
+        volume.add_to(arrays), tables->add_to(arrays);
+        auto half_way = tables->view();
+        const Depth<Voxel, decltype(half_way)> depth{cells->view(), cells->centres(), half_way};
+        return on_card(stream, std::move(arrays), cells->grid(), depth, [](cuda::Views& views, auto& of) {
+            views.swap(of.volume.voxels);
+            swap_pointers(views, of.half_way);
+        });
+    };
+}
+
+template <class Voxel, class Tables>
+BlockDepths from_voxels(const DeviceVolume::Data& volume, const std::shared_ptr<const Cells<Voxel>>& cells,
+                        const std::shared_ptr<const Tables>& tables) {
+    return {[=](std::size_t block, float* tile) { cells->fill_from_voxels(tables->view(), block, tile); },
+            depths_on_card<kernel::DepthOfVoxels>(volume, cells, tables)};
+}
+template <class Voxel, class Tables>
+BlockDepths between_voxels(const DeviceVolume::Data& volume, const std::shared_ptr<const Cells<Voxel>>& cells,
+                           const std::shared_ptr<const Tables>& tables) {
+    return {[=](std::size_t block, float* tile) { cells->fill_between_voxels(tables->view(), block, tile); },
+            depths_on_card<kernel::DepthBetweenVoxels>(volume, cells, tables)};
 }
 
 /// Levels a unit of stored whole numbers that are interpolated: as fine as single precision is there.
@@ -141,36 +178,63 @@ int levels_per_unit(const DeviceVolume::Data& volume) {
 
 }  // namespace
 
-FillBlock block_depths(const Medium::Data& medium, const CellGrid& grid, const BlockMap& matter) {
+BlockDepths block_depths(const Medium::Data& medium, const CellGrid& grid, const BlockMap& matter) {
     const DeviceVolume::Data& volume = medium.volume.data();
-    const ExtinctionIntegral integral(medium, grid);
-    return with_stored_voxel(volume, [&](auto voxel) -> FillBlock {
+    const auto integral = std::make_shared<const ExtinctionIntegral>(medium, grid);
+    return with_stored_voxel(volume, [&](auto voxel) {
         using Voxel = decltype(voxel);
         const auto cells = std::make_shared<const Cells<Voxel>>(medium, grid, matter);
         if constexpr (sizeof(Voxel) <= 2) {
-            if (grid.is_voxel_grid) return from_voxels<HalfWayOfVoxels<Voxel>>(cells, integral, volume);
-            return between_voxels<HalfWayOfLevels>(cells, integral, volume, levels_per_unit(volume));
+            if (grid.is_voxel_grid)
+                return from_voxels(volume, cells, std::make_shared<const VoxelIntegrals<Voxel>>(*integral, volume));
+            return between_voxels(volume, cells,
+                                  std::make_shared<const LevelIntegrals>(*integral, volume, levels_per_unit(volume)));
         } else {
-            if (grid.is_voxel_grid) return from_voxels<HalfWayOfAny>(cells, integral);
-            return between_voxels<HalfWayOfAny>(cells, integral);
+            return grid.is_voxel_grid ? from_voxels(volume, cells, integral) : between_voxels(volume, cells, integral);
         }
     });
 }
 
-FillBlock block_depths(const CellOpacity& opacity) {
-    std::vector<float> depth_of;
+BlockDepths block_depths(const CellOpacity& opacity) {
+    std::vector<float> depths;
     for (int v = 0; v <= int(cell_one); ++v)
-        depth_of.push_back(float(-std::log1p(-std::min(v / double(cell_one), 1 - 1e-7))));
-    return [depth_of = std::move(depth_of), &opacity](std::size_t block, float* tile) {
+        depths.push_back(float(-std::log1p(-std::min(v / double(cell_one), 1 - 1e-7))));
+    const auto depth_of = std::make_shared<const std::vector<float>>(std::move(depths));
+    const auto here = [depth_of, &opacity](std::size_t block, float* tile) {
         const CellGrid& grid = opacity.values.grid;
         const auto [x, y, z] = opacity.matter.cells(block, grid.count);
         for (int k = z.first; k < z.second; ++k)
             for (int j = y.first; j < y.second; ++j) {
                 const std::uint16_t* from = opacity.values.data() + grid.index(x.first, j, k);
                 float* to = tile + ((k - z.first) * block_edge + j - y.first) * block_edge;
-                for (int i = 0; i < x.second - x.first; ++i) to[i] = depth_of[from[i]];
+                for (int i = 0; i < x.second - x.first; ++i) to[i] = (*depth_of)[from[i]];
             }
     };
+    const auto there = [depth_of, &opacity](cuda::Stream& stream) {
+        const CellGrid& grid = opacity.values.grid;
+        HostArrays arrays;
+        arrays.add(*depth_of);
+        const kernel::DepthOfOpacity depth{opacity.values.on_card(stream), depth_of->data(), grid.count[0],
+                                           grid.count[1]};
+        return on_card(stream, std::move(arrays), grid, depth,
+                       [](cuda::Views& views, auto& of) { views.swap(of.depth_of); });
+    };
+    return {here, there};
+}
+
+BlockDepths block_depths(const Density& density, const BlockMap& all) {
+    const auto here = [&](std::size_t block, float* tile) {
+        const auto [x, y, z] = all.cells(block, density.grid.count);
+        for (int k = z.first; k < z.second; ++k)
+            for (int j = y.first; j < y.second; ++j)
+                std::copy_n(density.data() + density.grid.index(x.first, j, k), x.second - x.first,
+                            tile + ((k - z.first) * block_edge + j - y.first) * block_edge);
+    };
+    const auto there = [&](cuda::Stream& stream) {
+        const kernel::DepthOfNodes depth{density.on_card(stream), density.grid.count[0], density.grid.count[1]};
+        return on_card(stream, {}, density.grid, depth, [](cuda::Views&, auto&) {});
+    };
+    return {here, there};
 }
 
 }  // namespace chiaro

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/threads.h"
-#include "illumination/visibility/card.h"
+#include "illumination/visibility/card_pass.h"
 #include "illumination/visibility/launch.h"
 #include "illumination/visibility/sweep_pass.h"
 
@@ -28,13 +28,6 @@ void sweep_batches(const SweepPass& pass, const PassBatch& pass_batch, Progress&
             pass_batch(pass, group.axes, batch, tell);
             done += batch.size();
         }
-}
-
-CardSweep swept_on_card(const SweepPass& pass, Progress& progress) {
-    CardSweep card(pass.device, pass.density, pass.field.coefficients);
-    const auto on_card = [&](const auto&... of_batch) { card.pass(of_batch...); };
-    sweep_batches(pass, on_card, progress);
-    return card;
 }
 
 }  // namespace
@@ -67,25 +60,24 @@ void grid_pass(const SweepPass& pass, const SweepAxes& axes, std::span<const Swe
 ShField sweep_visibility(const Device& device, const Density& density, const std::vector<Vec3>& directions,
                          int coefficients, double start, SweepLattice lattice, Progress& progress) {
     ShField field(density.grid, coefficients);
+    const auto on_card = [&] {
+        sweep_on_card(device, density, directions, coefficients, start, lattice, progress).fetch(field);
+    };
+    if (cuda::done_on_card(device, on_card)) return field;
     const SweepPass pass{device, density, directions, start, field};
-    const auto on_card = [&] { swept_on_card(pass, progress).fetch(field); };
-    if (lattice == SweepLattice::grid && cuda::done_on_card(device, on_card)) return field;
     sweep_batches(pass, lattice == SweepLattice::grid ? grid_pass : sheared_pass, progress);
     return field;
 }
 
-std::optional<VisibilityNodes> sweep_and_keep_on_card(const Device& device, const Density& density,
-                                                      const std::vector<Vec3>& directions, int coefficients,
-                                                      double start, const VisibilitySettings& settings, Steps& steps,
-                                                      Progress& progress) {
-    std::optional<VisibilityNodes> nodes;
-    cuda::done_on_card(device, [&] {
-        ShField none(density.grid, coefficients);  // its pages are never touched
-        const SweepPass pass{device, density, directions, start, none};
-        CardSweep card = steps("visibility", [&] { return swept_on_card(pass, progress); });
-        nodes.emplace(steps("keep", [&] { return card.keep(settings); }));
-    });
-    return nodes;
+CardField sweep_on_card(const Device& device, const Density& density, const std::vector<Vec3>& directions,
+                        int coefficients, double start, SweepLattice lattice, Progress& progress) {
+    CardField field(device, density, coefficients);
+    ShField none(density.grid, coefficients);  // its pages are never touched
+    const SweepPass pass{device, density, directions, start, none};
+    const auto pass_batch = lattice == SweepLattice::grid ? grid_pass_on_card : sheared_pass_on_card;
+    sweep_batches(
+        pass, [&](const auto&... of_batch) { pass_batch(field, of_batch...); }, progress);
+    return field;
 }
 
 }  // namespace chiaro

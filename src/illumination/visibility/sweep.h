@@ -3,11 +3,8 @@
 #include <chiaro/device.h>
 #include <chiaro/lighting.h>
 
-#include <optional>
-
-#include "illumination/steps.h"
+#include "illumination/visibility/card.h"
 #include "illumination/visibility/density.h"
-#include "illumination/visibility/nodes.h"
 #include "illumination/visibility/sh_field.h"
 
 namespace chiaro {
@@ -25,10 +22,8 @@ inline SweepLattice lattice_of(VisibilityTraversal traversal) {
 ShField sweep_visibility(const Device& device, const Density& density, const std::vector<Vec3>& directions,
                          int coefficients, double start, SweepLattice lattice, Progress& progress);
 
-/// Swept on the device's card and kept from there, as keep_nodes keeps it; nothing where it has no card that works.
-std::optional<VisibilityNodes> sweep_and_keep_on_card(const Device& device, const Density& density,
-                                                      const std::vector<Vec3>& directions, int coefficients,
-                                                      double start, const VisibilitySettings& settings, Steps& steps,
-                                                      Progress& progress);
+/// On the device's card, where the field stays.
+CardField sweep_on_card(const Device& device, const Density& density, const std::vector<Vec3>& directions,
+                        int coefficients, double start, SweepLattice lattice, Progress& progress);
 
 }  // namespace chiaro

@@ -32,7 +32,7 @@ Density density_where(const CellGrid& grid, const Kappa& kappa) {
     Density d(grid);
     for (int z = 0; z < grid.count[2]; ++z)
         for (int y = 0; y < grid.count[1]; ++y)
-            for (int x = 0; x < grid.count[0]; ++x) d.data()[grid.index(x, y, z)] = float(kappa(x, y, z));
+            for (int x = 0; x < grid.count[0]; ++x) d.numbers()[grid.index(x, y, z)] = float(kappa(x, y, z));
     return d;
 }
 
@@ -166,7 +166,8 @@ TEST(Sweep, FourCoefficientsAreTheFirstOfSixteen) {
 
 TEST(Sweep, GivesTheSameBitsOnEveryInstructionSetAndThreadCount) {
     Density d = clumps(23, 18, 14);
-    for (int i = 0; i < 400; ++i) d.data()[(i * 131) % d.grid.size()] = 30;  // some opaque cells, and what lies behind
+    for (int i = 0; i < 400; ++i)
+        d.numbers()[(i * 131) % d.grid.size()] = 30;  // some opaque cells, and what lies behind
     for (SweepLattice lattice : {SweepLattice::grid, SweepLattice::sheared}) {
         const ShField expected = swept(d, 130, 0.25, Device::cpu(1, Isa::scalar), 16, lattice);
         for (Isa isa : {Isa::x86_64_v2, Isa::x86_64_v3, Isa::x86_64_v4}) {

@@ -1,5 +1,7 @@
 #include "illumination/visibility/visibility.h"
 
+#include <optional>
+
 #include "illumination/sh/directions.h"
 #include "illumination/visibility/sweep.h"
 #include "illumination/visibility/walk.h"
@@ -13,13 +15,16 @@ std::vector<Vec3> directions_of(const VisibilitySettings& settings) {
                                       : fibonacci_directions(settings.directions);
 }
 
+bool is_walk(const VisibilitySettings& settings) {
+    return settings.traversal == VisibilityTraversal::hierarchical || settings.traversal == VisibilityTraversal::full;
+}
+
 }  // namespace
 
 ShField find_visibility(const Device& device, const Density& density, const VisibilitySettings& settings, Steps& steps,
                         Progress& progress) {
     const double start = 0.5 / settings.subsample;
-    if (settings.traversal == VisibilityTraversal::hierarchical || settings.traversal == VisibilityTraversal::full)
-        return walk_visibility(device, density, settings, start, steps, progress);
+    if (is_walk(settings)) return walk_visibility(device, density, settings, start, steps, progress);
     return steps("visibility", [&] {
         return sweep_visibility(device, density, directions_of(settings), settings.bands * settings.bands, start,
                                 lattice_of(settings.traversal), progress);
@@ -28,13 +33,25 @@ ShField find_visibility(const Device& device, const Density& density, const Visi
 
 namespace {
 
+CardField find_on_card(const Device& device, const Density& density, const VisibilitySettings& settings, Steps& steps,
+                       Progress& progress) {
+    const double start = 0.5 / settings.subsample;
+    if (is_walk(settings)) return walk_on_card(device, density, settings, start, steps, progress);
+    return steps("visibility", [&] {
+        return sweep_on_card(device, density, directions_of(settings), settings.bands * settings.bands, start,
+                             lattice_of(settings.traversal), progress);
+    });
+}
+
 /// As `settings` are kept, as `found` is found.
 VisibilityNodes nodes_of(const Device& device, const Density& density, const VisibilitySettings& found,
                          const VisibilitySettings& settings, Steps& steps, Progress& progress) {
-    if (found.traversal == VisibilityTraversal::sweep)
-        if (auto nodes = sweep_and_keep_on_card(device, density, directions_of(found), found.bands * found.bands,
-                                                0.5 / found.subsample, settings, steps, progress))
-            return std::move(*nodes);
+    std::optional<VisibilityNodes> nodes;
+    const auto on_card = [&] {
+        const CardField field = find_on_card(device, density, found, steps, progress);
+        nodes.emplace(steps("keep", [&] { return field.keep(settings); }));
+    };
+    if (cuda::done_on_card(device, on_card)) return *std::move(nodes);
     const ShField field = find_visibility(device, density, found, steps, progress);
     return steps("keep", [&] { return keep_nodes(device, field, density, settings, progress); });
 }

@@ -5,7 +5,9 @@
 #include "core/threads.h"
 #include "illumination/sh/basis.h"
 #include "illumination/sh/directions.h"
+#include "illumination/visibility/launch_card.h"
 #include "illumination/visibility/launch_walk.h"
+#include "volume/float3.h"
 
 namespace chiaro {
 namespace {
@@ -13,7 +15,8 @@ namespace {
 using kernel::LaneDirections;
 using kernel::WalkStep;
 
-constexpr double growth = 0.2;  ///< s = max(1, g t)
+constexpr double growth = 0.2;                    ///< s = max(1, g t)
+constexpr std::int64_t nodes_together = 1 << 18;  ///< on a card; after which it may be cancelled
 
 /// Steps of one node edge, of the finest level.
 std::vector<WalkStep> even_steps(double reach) {
@@ -49,51 +52,98 @@ void look(const std::vector<Vec3>& directions, int lane, LaneDirections* to) {
 
 }  // namespace
 
+WalkPlan::WalkPlan(const CellGrid& nodes, const VisibilitySettings& settings, double the_start)
+    : grid(nodes), start(the_start) {
+    const double reach = diagonal(grid);
+    const int last_level = int(pyramid_grids(grid).size()) - 1;
+    steps = settings.traversal == VisibilityTraversal::full ? even_steps(reach)
+                                                            : growing_steps(start, reach, last_level, settings.model);
+    const auto& sampling = settings.sampling;
+    for (int set = 0; sampling.jittered && set < sampling.sets; ++set)
+        sets.push_back(jittered_directions(settings.directions, set));
+    if (!sampling.jittered) sets.push_back(fibonacci_directions(settings.directions));
+}
+
+kernel::WalkKernel WalkPlan::kernel(const kernel::PyramidLevel* levels, const kernel::WalkStep* its_steps) const {
+    return {levels,
+            its_steps,
+            int(steps.size()),
+            {float(grid.count[0]), float(grid.count[1]), float(grid.count[2])},
+            float(start)};
+}
+
+float WalkPlan::weight() const { return float(4 * std::numbers::pi / double(sets[0].size())); }
+
 VisibilityWalk::VisibilityWalk(const Device& device, const Density& density, const VisibilitySettings& settings,
                                double start, Progress& progress)
     : device_(device),
-      grid_(density.grid),
       coefficients_(settings.bands * settings.bands),
+      plan_(density.grid, settings, start),
       pyramid_(density, device.threads, progress) {
-    const double reach = diagonal(grid_);
-    const int last_level = int(pyramid_.levels().size()) - 1;
-    steps_ = settings.traversal == VisibilityTraversal::full ? even_steps(reach)
-                                                             : growing_steps(start, reach, last_level, settings.model);
-    const auto& sampling = settings.sampling;
-    for (int set = 0; sampling.jittered && set < sampling.sets; ++set)
-        sets_.push_back(jittered_directions(settings.directions, set));
-    if (!sampling.jittered) {
-        sets_.push_back(fibonacci_directions(settings.directions));
-        for_all_.resize(sets_[0].size());
-        for (int lane = 0; lane < LaneDirections::width; ++lane) look(sets_[0], lane, for_all_.data());
-    }
-    kernel_ = {pyramid_.views().data(),
-               steps_.data(),
-               int(steps_.size()),
-               {float(grid_.count[0]), float(grid_.count[1]), float(grid_.count[2])},
-               float(start)};
+    if (settings.sampling.jittered) return;
+    for_all_.resize(plan_.sets[0].size());
+    for (int lane = 0; lane < LaneDirections::width; ++lane) look(plan_.sets[0], lane, for_all_.data());
 }
 
 void VisibilityWalk::operator()(int first, int y, int z, Run& harmonics) const {
+    const auto& sets = plan_.sets;
     std::vector<LaneDirections> own;
     if (for_all_.empty()) {
-        own.resize(sets_[0].size());
+        own.resize(sets[0].size());
         for (int lane = 0; lane < LaneDirections::width; ++lane)
-            look(sets_[scrambled(grid_.index(first + lane, y, z)) % sets_.size()], lane, own.data());
+            look(sets[scrambled(plan_.grid.index(first + lane, y, z)) % sets.size()], lane, own.data());
     }
     const auto& directions = own.empty() ? for_all_ : own;
-    kernel::walk_for(device_.isa)(kernel_, {float(first), float(y), float(z)}, directions.data(),
-                                  int(directions.size()), coefficients_, harmonics);
-    const float weight = float(4 * std::numbers::pi / double(directions.size()));
+    kernel::walk_for(device_.isa)(plan_.kernel(pyramid_.views().data(), plan_.steps.data()),
+                                  {float(first), float(y), float(z)}, directions.data(), int(directions.size()),
+                                  coefficients_, harmonics);
     for (int c = 0; c < coefficients_; ++c)
-        for (float& sum : harmonics[c]) sum *= weight;
+        for (float& sum : harmonics[c]) sum *= plan_.weight();
+}
+
+CardField walk_on_card(const Device& device, const Density& density, const VisibilitySettings& settings, double start,
+                       Steps& steps, Progress& progress) {
+    cuda::Stream& stream = *device.stream;
+    const int coefficients = settings.bands * settings.bands;
+    CardField field(device, density, coefficients);
+    const CardPyramid pyramid(stream, density);
+    const WalkPlan plan(density.grid, settings, start);
+    std::vector<kernel::Float3> directions;
+    for (const auto& set : plan.sets)
+        for (const Vec3 direction : set) directions.push_back(float3(direction));
+    HostArrays arrays;
+    arrays.add(pyramid.views()), arrays.add(plan.steps), arrays.add(directions);
+    cuda::Views views(stream, std::move(arrays));
+    kernel::WalkNode walk{plan.kernel(pyramid.views().data(), plan.steps.data()),
+                          density.grid.count[0],
+                          density.grid.count[1],
+                          directions.data(),
+                          int(plan.sets.size()),
+                          int(plan.sets[0].size()),
+                          coefficients,
+                          plan.weight(),
+                          field.data(),
+                          0};
+    views.swap(walk.kernel.levels, walk.kernel.steps, walk.directions);
+    const auto nodes = std::int64_t(density.grid.size());
+    steps("walk", [&] {
+        for (; walk.first < nodes; walk.first += nodes_together) {
+            kernel::run_on_card(stream, std::min(nodes_together, nodes - walk.first), walk);
+            stream.wait();
+            progress.report("visibility", double(walk.first) / double(nodes));
+            progress.check();
+        }
+    });
+    return field;
 }
 
 ShField walk_visibility(const Device& device, const Density& density, const VisibilitySettings& settings, double start,
                         Steps& steps, Progress& progress) {
+    ShField field(density.grid, settings.bands * settings.bands);
+    const auto on_card = [&] { walk_on_card(device, density, settings, start, steps, progress).fetch(field); };
+    if (cuda::done_on_card(device, on_card)) return field;
     const VisibilityWalk walk =
         steps("pyramid", [&] { return VisibilityWalk(device, density, settings, start, progress); });
-    ShField field(density.grid, settings.bands * settings.bands);
     const auto [nx, ny, nz] = density.grid.count;
     const int per_row = (nx + LaneDirections::width - 1) / LaneDirections::width;
     const auto work = [&, nx = nx, ny = ny](std::int64_t run, std::int64_t) {

@@ -5,6 +5,7 @@
 
 #include "illumination/sh/basis.h"
 #include "illumination/steps.h"
+#include "illumination/visibility/card.h"
 #include "illumination/visibility/pyramid.h"
 #include "illumination/visibility/sh_field.h"
 
@@ -16,6 +17,22 @@ namespace chiaro {
 /// and 2.3 bytes a node. Throws Error{interrupted}.
 ShField walk_visibility(const Device& device, const Density& density, const VisibilitySettings& settings, double start,
                         Steps& steps, Progress& progress);
+
+/// On the device's card, where the field stays. Memory there: also the field and 2.3 bytes a node.
+CardField walk_on_card(const Device& device, const Density& density, const VisibilitySettings& settings, double start,
+                       Steps& steps, Progress& progress);
+
+/// Which way rays go, and how far at a time: the same for all nodes.
+struct WalkPlan {
+    CellGrid grid;
+    double start;
+    std::vector<kernel::WalkStep> steps;
+    std::vector<std::vector<Vec3>> sets;  ///< of directions
+
+    WalkPlan(const CellGrid& nodes, const VisibilitySettings& settings, double start);
+    kernel::WalkKernel kernel(const kernel::PyramidLevel* levels, const kernel::WalkStep* steps) const;
+    float weight() const;  ///< of a direction
+};
 
 /// The same for any nodes: the pyramid, the steps and the directions are made once.
 class VisibilityWalk {
@@ -30,13 +47,10 @@ public:
 
 private:
     const Device device_;
-    const CellGrid grid_;
     const int coefficients_;
+    const WalkPlan plan_;
     const TransparencyPyramid pyramid_;
-    std::vector<kernel::WalkStep> steps_;
-    std::vector<std::vector<Vec3>> sets_;          ///< of directions
     std::vector<kernel::LaneDirections> for_all_;  ///< where there is one set
-    kernel::WalkKernel kernel_;
 };
 
 }  // namespace chiaro

@@ -3,6 +3,7 @@
 #pragma once
 #include "illumination/cells/place.h"
 #include "illumination/sh/kernel.h"
+#include "illumination/sh/scrambled.h"
 #include "kernel/math.h"
 #include "kernel/row.h"
 
@@ -80,6 +81,20 @@ private:
     }
 };
 
+/// Σ V Y over directions look(i).
+template <class F, class Look>
+CHIARO_INLINE void walk_directions(const WalkKernel& kernel, Vec3<F> p, const Look& look, std::int32_t direction_count,
+                                   std::int32_t coefficients, F* sum) {
+    F y[16];
+    for (std::int32_t c = 0; c < coefficients; ++c) sum[c] = F(0);
+    for (std::int32_t i = 0; i < direction_count; ++i) {
+        const Vec3<F> d = look(i);
+        spherical_harmonics(d, coefficients, y);
+        const F open = kernel.transmittance(p, d);
+        for (std::int32_t c = 0; c < coefficients; ++c) sum[c] = mad(open, y[c], sum[c]);
+    }
+}
+
 /// Σ V Y of sixteen nodes from x on, in `directions`: by coefficient, 4 or 16.
 template <class F>
 CHIARO_INLINE void walk_run(const WalkKernel& kernel, Float3 first_node, const LaneDirections* directions,
@@ -89,18 +104,37 @@ CHIARO_INLINE void walk_run(const WalkKernel& kernel, Float3 first_node, const L
     for (std::int32_t i = 0; i < LaneDirections::width; ++i) ahead[i] = first_node.x + float(i);
     for (std::int32_t lane = 0; lane < LaneDirections::width; lane += LaneTraits<F>::count) {
         const Vec3<F> p{load_row<F>(ahead + lane), F(first_node.y), F(first_node.z)};
-        F sum[16], y[16];
-        for (std::int32_t c = 0; c < coefficients; ++c) sum[c] = F(0);
-        for (std::int32_t i = 0; i < direction_count; ++i) {
-            const Vec3<F> d{load_row<F>(directions[i].x + lane), load_row<F>(directions[i].y + lane),
-                            load_row<F>(directions[i].z + lane)};
-            spherical_harmonics(d, coefficients, y);
-            const F open = kernel.transmittance(p, d);
-            for (std::int32_t c = 0; c < coefficients; ++c) sum[c] = mad(open, y[c], sum[c]);
-        }
+        const auto look = [&](std::int32_t i) CHIARO_INLINE_LAMBDA {
+            return Vec3<F>{load_row<F>(directions[i].x + lane), load_row<F>(directions[i].y + lane),
+                           load_row<F>(directions[i].z + lane)};
+        };
+        F sum[16];
+        walk_directions(kernel, p, look, direction_count, coefficients, sum);
         for (std::int32_t c = 0; c < coefficients; ++c) store_row(sums[c] + lane, sum[c]);
     }
 }
+
+/// A thread for each node, which looks in the directions of a set of its own.
+struct WalkNode {
+    WalkKernel kernel;
+    std::int32_t nx, ny;
+    const Float3* directions;  ///< [set][direction]
+    std::int32_t sets, direction_count, coefficients;
+    float weight;  ///< of a direction
+    float* field;  ///< [node][coefficient]
+    std::int64_t first;
+
+    CHIARO_INLINE void operator()(std::int64_t item) const {
+        const std::int64_t node = first + item;
+        const Vec3<float> p{float(node % nx), float(node / nx % ny), float(node / nx / ny)};
+        const std::uint64_t set = sets == 1 ? 0 : scrambled(std::uint64_t(node)) % std::uint64_t(sets);
+        const Float3* own = directions + std::int64_t(set) * direction_count;
+        const auto look = [&](std::int32_t i) CHIARO_INLINE_LAMBDA { return Vec3<float>(own[i]); };
+        float sum[16];
+        walk_directions(kernel, p, look, direction_count, coefficients, sum);
+        for (std::int32_t c = 0; c < coefficients; ++c) field[node * coefficients + c] = sum[c] * weight;
+    }
+};
 
 using WalkFunction = void (*)(const WalkKernel&, Float3, const LaneDirections*, std::int32_t, std::int32_t,
                               float (*)[LaneDirections::width]);

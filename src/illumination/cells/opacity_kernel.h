@@ -1,0 +1,82 @@
+// How much light one cell stops: one item is a cell.
+#pragma once
+#include "illumination/cells/block_place.h"
+#include "illumination/cells/cell_kernel.h"
+
+namespace chiaro::kernel {
+
+/// Of isosurfaces: how much of a cell lies inside.
+struct CoverageView {
+    static constexpr int most_surfaces = 8;
+    float values[most_surfaces], opacities[most_surfaces];  ///< stored values
+    std::int32_t count;
+    float inwards;    ///< -1 where stored values fall as values rise
+    Float3 per_edge;  ///< voxels
+    CHIARO_INLINE float slope(Vec3<float> gradient) const {
+        const Vec3<float> g{gradient.x * per_edge.x, gradient.y * per_edge.y, gradient.z * per_edge.z};
+        return sqrt(dot(g, g));
+    }
+    /// α = clamp(½ + (f - iso) / (|∇f| e), 0, 1), times the surface's opacity.
+    CHIARO_INLINE std::uint16_t opacity(float value, float slope) const {
+        float clear = 1;
+        for (std::int32_t s = 0; s < count; ++s) {
+            const float above = inwards * (value - values[s]);
+            const float inside = slope > 0 ? max(min(0.5f + above / slope, 1.0f), 0.0f) : float(above >= 0);
+            clear *= 1 - opacities[s] * inside;
+        }
+        return share_value(1 - clear);
+    }
+};
+
+template <class Voxel>
+struct CellOpacityKernel {
+    VolumeView<Voxel> volume;
+    CellCentres cells;
+    const std::uint16_t* entries;  ///< of the optical table; null: isosurfaces
+    float scale, offset, last;     ///< index = stored * scale + offset, rounding included
+    CoverageView surfaces;
+
+    CHIARO_INLINE std::uint16_t of_stored(float stored) const {
+        return entries[std::uint32_t(min(max(mad(stored, scale, offset), 0.0f), last))];
+    }
+    // But for clipping:
+    CHIARO_INLINE std::uint16_t of_voxel(std::int32_t x, std::int32_t y, std::int32_t z) const {
+        return of_stored(float(*voxel_address(volume, x, y, z)));
+    }
+    CHIARO_INLINE std::uint16_t between_voxels(std::int32_t x, std::int32_t y, std::int32_t z) const {
+        return of_stored(volume.value(located(x, y, z)));
+    }
+    /// Nothing is seen inside a surface, but it is matter.
+    CHIARO_INLINE std::uint16_t inside(std::int32_t x, std::int32_t y, std::int32_t z, bool near_surface) const {
+        const Location<float> at = located(x, y, z);
+        return surfaces.opacity(volume.value(at), near_surface ? surfaces.slope(volume.gradient(at)) : 0);
+    }
+    CHIARO_INLINE std::uint16_t unclipped(std::int32_t x, std::int32_t y, std::int32_t z, bool near_surface) const {
+        if (!entries) return inside(x, y, z, near_surface);
+        return cells.are_voxels ? of_voxel(x, y, z) : between_voxels(x, y, z);
+    }
+
+private:
+    CHIARO_INLINE Location<float> located(std::int32_t x, std::int32_t y, std::int32_t z) const {
+        const Vec3<float> p = volume.clamp(cells.of(x, y, z));
+        return volume.locate(p, volume.voxel(p));
+    }
+};
+
+/// The same for many threads, a cell each of blocks side by side.
+template <class Voxel>
+struct OpacityBatch {
+    CellOpacityKernel<Voxel> kernel;
+    const BlockPlace* places;
+    std::int32_t count[3], near_surface;  ///< cells; not 0: something is seen near
+    std::uint16_t* out;
+
+    CHIARO_INLINE void operator()(std::int64_t item) const {
+        const BlockCell its(places, item);
+        const std::int32_t x = its.grid_x(), y = its.grid_y(), z = its.grid_z();
+        if (x >= count[0] || y >= count[1] || z >= count[2] || kernel.cells.is_clipped(x, y, z)) return;
+        out[(std::int64_t(z) * count[1] + y) * count[0] + x] = kernel.unclipped(x, y, z, near_surface != 0);
+    }
+};
+
+}  // namespace chiaro::kernel

@@ -1,0 +1,109 @@
+// The colours of the light grid's nodes: sums over their cells, and albedos from those.
+#pragma once
+#include "illumination/cells/cell_kernel.h"
+
+namespace chiaro::kernel {
+
+struct Tint {
+    float weight = 0;   ///< extinction; of isosurfaces 1
+    float colour[3]{};  ///< albedo × weight
+
+    CHIARO_INLINE void add(const Tint& other) {
+        weight += other.weight;
+        for (int c = 0; c < 3; ++c) colour[c] += other.colour[c];
+    }
+};
+
+/// Over the optical table.
+struct TintView {
+    const Tint* entries;
+    float scale, offset, last, unused;
+
+    CHIARO_INLINE const Tint& of(float stored) const {
+        return entries[std::uint32_t(min(max(stored * scale + offset, 0.0f), last))];
+    }
+};
+
+/// The stored values of cells, straight from the volume.
+template <class Voxel>
+struct StoredValues {
+    VolumeView<Voxel> volume;
+    CellCentres centres;
+
+    CHIARO_INLINE float at(std::int32_t x, std::int32_t y, std::int32_t z) const {
+        if (centres.are_voxels) return float(*voxel_address(volume, x, y, z));
+        const Vec3<float> p = volume.clamp(centres.of(x, y, z));
+        return volume.value(volume.locate(p, volume.voxel(p)));
+    }
+};
+
+/// Sums over nodes of edge³ cells, every `stride`-th per axis. `Values`: at(x, y, z) of a cell.
+template <class Values>
+struct NodeColours {
+    Values values;
+    CellCentres centres;
+    TintView tints;
+    std::int32_t count[4];  ///< cells per axis; the last fills up
+    std::int32_t edge, stride;
+
+    CHIARO_INLINE std::int32_t end(int axis, std::int32_t node) const { return min((node + 1) * edge, count[axis]); }
+    /// Those of node x in a row of cells.
+    CHIARO_INLINE void add_row(std::int32_t x, std::int32_t y, std::int32_t z, Tint& sum) const {
+        for (std::int32_t i = x * edge; i < end(0, x); i += stride) {
+            const Tint& tint = tints.of(values.at(i, y, z));
+            if (tint.weight != 0 && !centres.is_clipped(i, y, z)) sum.add(tint);
+        }
+    }
+};
+
+/// A thread for each node; nothing where there is no matter.
+template <class Values>
+struct ColourSums {
+    NodeColours<Values> colours;
+    const float* depths;
+    std::int32_t nx, ny;
+    Tint* sums;
+
+    CHIARO_INLINE void operator()(std::int64_t node) const {
+        const std::int32_t x = std::int32_t(node % nx), y = std::int32_t(node / nx % ny),
+                           z = std::int32_t(node / nx / ny);
+        Tint sum;
+        for (std::int32_t k = z * colours.edge; depths[node] > 0 && k < colours.end(2, z); k += colours.stride)
+            for (std::int32_t j = y * colours.edge; j < colours.end(1, y); j += colours.stride)
+                colours.add_row(x, j, k, sum);
+        sums[node] = sum;
+    }
+};
+
+/// Where matter lies between the places that were looked at: as around it, else as everywhere.
+struct AlbedoKernel {
+    const float* depths;
+    const Tint* sums;
+    std::int32_t nx, ny, nz;
+    Tint everywhere;
+    float* albedo[3];
+
+    CHIARO_INLINE void operator()(std::int64_t node) const {
+        Tint tint;
+        if (depths[node] > 0) {
+            tint = sums[node];
+            if (!(tint.weight > 0)) tint = around(node);
+            if (!(tint.weight > 0)) tint = everywhere;
+        }
+        for (int c = 0; c < 3; ++c) albedo[c][node] = tint.weight > 0 ? tint.colour[c] / tint.weight : 0;
+    }
+
+private:
+    CHIARO_INLINE Tint around(std::int64_t node) const {
+        const std::int32_t x = std::int32_t(node % nx), y = std::int32_t(node / nx % ny),
+                           z = std::int32_t(node / nx / ny);
+        Tint sum;
+        for (std::int32_t k = max(z - 1, 0); k <= min(z + 1, nz - 1); ++k)
+            for (std::int32_t j = max(y - 1, 0); j <= min(y + 1, ny - 1); ++j)
+                for (std::int32_t i = max(x - 1, 0); i <= min(x + 1, nx - 1); ++i)
+                    sum.add(sums[(std::int64_t(k) * ny + j) * nx + i]);
+        return sum;
+    }
+};
+
+}  // namespace chiaro::kernel
