@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "cuda/counters.h"
+#include "cuda/run.h"
 #include "kernel/lanes.h"
 
 #if defined(__CUDACC__)
@@ -89,3 +90,12 @@ void launch_pixels(Stream& stream, std::int32_t, std::int32_t, const Body&) {
 #endif
 
 }  // namespace chiaro::cuda
+
+namespace chiaro::kernel {
+
+template <class Kernel>
+void run_on_card(cuda::Stream& stream, std::int64_t count, const Kernel& kernel) {
+    cuda::launch_items(stream, count, kernel);
+}
+
+}  // namespace chiaro::kernel

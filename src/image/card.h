@@ -2,7 +2,8 @@
 #pragma once
 #include "cuda/mirror.h"
 #include "cuda/pixels.h"
-#include "image/launch_card.h"
+#include "cuda/run.h"
+#include "image/develop_kernel.h"
 
 namespace chiaro {
 
@@ -18,7 +19,7 @@ void develop_on_card(const cuda::Pixels& pixels, kernel::DevelopKernel<Encode> k
     swap_pointers(views, kernel.encode);
     const cuda::Array<std::uint8_t> codes(stream, out.size());
     kernel.in = pixels.data(), kernel.out = codes.data();
-    kernel::develop_pixels(stream, kernel, pixels.size());
+    kernel::run_on_card(stream, std::int64_t(pixels.size()), kernel);
     stream.fetch(out.data(), codes.data(), out.size());
 }
 

@@ -1,15 +1,10 @@
 // Developing on cards: the same source, a thread a pixel.
 #include "cuda/launch.h"
-#include "image/launch_card.h"
+#include "image/develop_kernel.h"
 
 namespace chiaro::kernel {
 
-template <class Encode>
-void develop_pixels(cuda::Stream& stream, const DevelopKernel<Encode>& kernel, std::int64_t count) {
-    cuda::launch_items(stream, count, kernel);
-}
-
-template void develop_pixels(cuda::Stream&, const DevelopKernel<SrgbCode>&, std::int64_t);
-template void develop_pixels(cuda::Stream&, const DevelopKernel<RoundToByte>&, std::int64_t);
+template void run_on_card(cuda::Stream&, std::int64_t, const DevelopKernel<SrgbCode>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const DevelopKernel<RoundToByte>&);
 
 }  // namespace chiaro::kernel

@@ -4,11 +4,6 @@
 
 namespace chiaro::kernel {
 
-template <class Kernel>
-void run_on_card(cuda::Stream& stream, std::int64_t count, const Kernel& kernel) {
-    cuda::launch_items(stream, count, kernel);
-}
-
 template void run_on_card(cuda::Stream&, std::int64_t, const FillKernel&);
 template void run_on_card(cuda::Stream&, std::int64_t, const SweepPlaneKernel<FirstSide>&);
 template void run_on_card(cuda::Stream&, std::int64_t, const SweepPlaneKernel<SourceSide>&);

@@ -1,6 +1,6 @@
 // The kernels of visibility as a card has them, compiled by launch_*.cu.
 #pragma once
-#include "cuda/stream.h"
+#include "cuda/run.h"
 #include "illumination/visibility/density_kernel.h"
 #include "illumination/visibility/node_kernel.h"
 #include "illumination/visibility/pyramid_kernel.h"
@@ -9,10 +9,6 @@
 #include "illumination/visibility/walk_kernel.h"
 
 namespace chiaro::kernel {
-
-/// kernel(i) for each i of [0, count), a thread each; pointers are the card's.
-template <class Kernel>
-void run_on_card(cuda::Stream& stream, std::int64_t count, const Kernel& kernel);
 
 /// A plane of nodes; pointers are the card's.
 struct SweptPlane {

@@ -4,11 +4,6 @@
 
 namespace chiaro::kernel {
 
-template <class Kernel>
-void run_on_card(cuda::Stream& stream, std::int64_t count, const Kernel& kernel) {
-    cuda::launch_items(stream, count, kernel);
-}
-
 template <class Voxel>
 using VoxelTiles = FillTiles<DepthOfVoxels<Voxel, HalfWayOfVoxels<Voxel>>>;
 template <class Voxel>

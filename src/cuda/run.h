@@ -1,0 +1,11 @@
+// Kernels of one item, as hosts start them; a launch*.cu names those that there are.
+#pragma once
+#include "cuda/stream.h"
+
+namespace chiaro::kernel {
+
+/// kernel(i) for each i of [0, count), a thread each; pointers are the card's.
+template <class Kernel>
+void run_on_card(cuda::Stream& stream, std::int64_t count, const Kernel& kernel);
+
+}  // namespace chiaro::kernel
