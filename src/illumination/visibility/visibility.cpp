@@ -19,27 +19,15 @@ bool is_walk(const VisibilitySettings& settings) {
     return settings.traversal == VisibilityTraversal::hierarchical || settings.traversal == VisibilityTraversal::full;
 }
 
-}  // namespace
-
-ShField find_visibility(const Device& device, const Density& density, const VisibilitySettings& settings, Steps& steps,
-                        Progress& progress) {
+/// By rays or by sweeps: walk_visibility and sweep_visibility, or those whose field stays on the card.
+template <class Walk, class Sweep>
+auto traverse(const Walk& walk, const Sweep& sweep, const Device& device, const Density& density,
+              const VisibilitySettings& settings, Steps& steps, Progress& progress) {
     const double start = 0.5 / settings.subsample;
-    if (is_walk(settings)) return walk_visibility(device, density, settings, start, steps, progress);
+    if (is_walk(settings)) return walk(device, density, settings, start, steps, progress);
     return steps("visibility", [&] {
-        return sweep_visibility(device, density, directions_of(settings), settings.bands * settings.bands, start,
-                                lattice_of(settings.traversal), progress);
-    });
-}
-
-namespace {
-
-CardField find_on_card(const Device& device, const Density& density, const VisibilitySettings& settings, Steps& steps,
-                       Progress& progress) {
-    const double start = 0.5 / settings.subsample;
-    if (is_walk(settings)) return walk_on_card(device, density, settings, start, steps, progress);
-    return steps("visibility", [&] {
-        return sweep_on_card(device, density, directions_of(settings), settings.bands * settings.bands, start,
-                             lattice_of(settings.traversal), progress);
+        return sweep(device, density, directions_of(settings), settings.bands * settings.bands, start,
+                     lattice_of(settings.traversal), progress);
     });
 }
 
@@ -48,7 +36,7 @@ VisibilityNodes nodes_of(const Device& device, const Density& density, const Vis
                          const VisibilitySettings& settings, Steps& steps, Progress& progress) {
     std::optional<VisibilityNodes> nodes;
     const auto on_card = [&] {
-        const CardField field = find_on_card(device, density, found, steps, progress);
+        const CardField field = traverse(walk_on_card, sweep_on_card, device, density, found, steps, progress);
         nodes.emplace(steps("keep", [&] { return field.keep(settings); }));
     };
     if (cuda::done_on_card(device, on_card)) return *std::move(nodes);
@@ -57,6 +45,11 @@ VisibilityNodes nodes_of(const Device& device, const Density& density, const Vis
 }
 
 }  // namespace
+
+ShField find_visibility(const Device& device, const Density& density, const VisibilitySettings& settings, Steps& steps,
+                        Progress& progress) {
+    return traverse(walk_visibility, sweep_visibility, device, density, settings, steps, progress);
+}
 
 void refine_visibility(const Device& device, const Medium::Data& medium, const VisibilitySettings& settings,
                        const std::function<void(VisibilityNodes, bool is_coarse)>& keep, Steps& steps,
