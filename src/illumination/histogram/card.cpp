@@ -101,7 +101,7 @@ void lift_on_card(const Device& device, const BinnedCells& cells, kernel::LiftKe
         reinterpret_cast<const std::uint16_t*>(stream.mirror()->of(HostArray::of(h.life, h.identifiers), stream));
     lift.lifted = reinterpret_cast<std::uint16_t*>(lifted.data());
     kernel::lift_nodes(stream, lift);
-    h.late = cuda::leave_there(device.stream, h.lifted_array(), lifted.data(), h.lifted.data());
+    h.lifted.keep(device.stream, lifted.data());
 }
 
 std::vector<PackedHistogram> sample_on_card(const Device& device, const HistogramData& data, const BlockMap& blocks,

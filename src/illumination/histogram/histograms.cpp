@@ -80,7 +80,7 @@ LocalHistograms find_local_histograms(const DeviceVolume::Data& volume, const Hi
 }
 
 void lift_identifiers(const Device& device, const BinnedCells& cells, LocalHistograms& h) {
-    h.lifted = VoxelBuffer(h.identifiers.size());
+    h.lifted = TwinBuffer(h.identifiers.size());
     const auto [nx, ny, nz] = h.nodes;
     const kernel::LiftKernel lift{cells.view(),
                                   &h.pairs()[0].forward,

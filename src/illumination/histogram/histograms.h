@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "illumination/cells/twin_buffer.h"
 #include "illumination/histogram/cells.h"
 #include "illumination/steps.h"
 
@@ -26,26 +27,19 @@ struct LocalHistograms : std::enable_shared_from_this<LocalHistograms> {
     VoxelBuffer identifiers;  ///< WordPair a node, x fastest, and a spare one
     /// The same for pictures: forward from the node one further along ∇f, backward from the one before, where the
     /// gradient there is much the same; so a surface's own cells are not in its way.
-    VoxelBuffer lifted;
+    TwinBuffer lifted{0};
     int words = 0, stride = 0;             ///< numbers from one word to the next: the bins, and up to 15 more
     std::vector<std::uint16_t> shares;     ///< LH_j of each word as parts of its scale; the largest is 65535
     std::vector<float> scale;              ///< of each word: LH_j = share × scale
     std::size_t histograms = 0;            ///< how many the words stand for
     std::vector<double> distortions = {};  ///< of training; empty when read from a cache
     std::shared_ptr<const char> life = std::make_shared<const char>();  ///< by which a card knows the identifiers
-    std::shared_ptr<const Late> late =
-        {};  ///< fetches what is lifted, where a card made it and the host has not read it
 
     std::size_t node_count() const { return std::size_t(nodes[0]) * std::size_t(nodes[1]) * std::size_t(nodes[2]); }
     std::span<const WordPair> pairs() const {
         return {reinterpret_cast<const WordPair*>(identifiers.data()), node_count()};
     }
     std::span<WordPair> pairs() { return {reinterpret_cast<WordPair*>(identifiers.data()), node_count()}; }
-    HostArray lifted_array() const {
-        HostArray array = HostArray::of(life, lifted);
-        array.late = late;
-        return array;
-    }
     std::size_t bytes() const {
         return identifiers.size() + lifted.size() + shares.size() * sizeof shares[0] + scale.size() * sizeof scale[0];
     }

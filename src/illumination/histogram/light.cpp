@@ -32,9 +32,9 @@ kernel::GridView view_of_nodes(const LocalHistograms& h) {
     return grid;
 }
 
-kernel::HistogramView view_over(const LocalHistograms& h, const VoxelBuffer& identifiers, const Medium::Data& medium) {
+kernel::HistogramView view_over(const LocalHistograms& h, const std::byte* identifiers, const Medium::Data& medium) {
     kernel::HistogramView view{};
-    view.identifiers = reinterpret_cast<const float*>(identifiers.data());
+    view.identifiers = reinterpret_cast<const float*>(identifiers);
     view.grid = view_of_nodes(h);
     view.scale = float(medium.table.index_scale), view.offset = float(medium.table.index_offset + 0.5);
     view.highest = float(medium.table.entries.size() - 1);
@@ -63,14 +63,14 @@ std::shared_ptr<const HistogramLight> make_histogram_light(const Device& device,
     for (const auto& sums : word_sums(device, h, optics)) light->words.push_back(word_light(sums, h, settings.model));
     light->side = outward_sides(medium, h.grid.edge_mm);
     for (const auto& entry : medium.table.entries) light->albedo.push_back({entry.r, entry.g, entry.b, 1});
-    light->view = view_over(h, is_paper ? h.identifiers : h.lifted, medium);
+    light->view = view_over(h, is_paper ? h.identifiers.data() : h.lifted.address(), medium);
     kernel::HistogramView& view = light->view;
     view.words = light->words.data(), view.side = light->side.data(), view.albedo = light->albedo.data();
     view.shows_ao = effects.ao, view.shows_bleeding = effects.bleeding;
     view.anisotropy = float(settings.anisotropy), view.scatters = effects.scattering;
     view.is_surface = medium.shape.mode == Mode::iso, view.is_paper = is_paper;
     if (!optics.glow.empty() && medium.shape.mode == Mode::dvr) {
-        h.lifted_array().fetch();
+        h.lifted.array().fetch();
         light->glow = glow_of_words(device, h, optics, settings.model);
         view.glows = true, view.glow_words = light->glow.data();
         light->occupancy = glowing_occupancy(device, medium, h, view);
@@ -101,7 +101,7 @@ Volume histogram_field(const Device& device, const Medium::Data& medium, const L
     for (const auto& s : word_sums(device, h, optics_of_bins(medium, h, settings.effects.glow ? settings.glow : "")))
         words.push_back({s[0], s[1], s[2], std::min(s[3], 1.0f)});
     const std::vector<float> side = outward_sides(medium, h.grid.edge_mm);
-    kernel::HistogramView view = view_over(h, h.identifiers, medium);
+    kernel::HistogramView view = view_over(h, h.identifiers.data(), medium);
     view.words = words.data(), view.side = side.data(), view.is_paper = true;  // of both halves the mean
 
     const bool is_colour = settings.effects.bleeding;

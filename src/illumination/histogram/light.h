@@ -24,7 +24,7 @@ struct HistogramLight {
         arrays.add(owner, side);
         arrays.add(owner, occupancy);
         arrays.add(histograms->life, histograms->identifiers);
-        arrays.add(histograms->lifted_array());
+        arrays.add(histograms->lifted.array());
     }
     std::size_t bytes() const {
         return (words.size() + glow.size() + albedo.size()) * sizeof words[0] + side.size() * sizeof side[0] +
