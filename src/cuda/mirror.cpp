@@ -17,14 +17,21 @@ Mirror::~Mirror() {
 }
 
 const std::byte* Mirror::of(const HostArray& array, Stream& stream) {
-    const std::lock_guard lock(mutex_);
-    const auto kept =
-        std::find_if(copies_.begin(), copies_.end(), [&](const Copy& copy) { return is_same(copy.of, array); });
-    if (kept != copies_.end()) return kept->memory;
-    array.fetch();
+    std::unique_lock lock(mutex_);
+    if (const std::byte* memory = kept(array)) return memory;
+    lock.unlock();
+    array.fetch();  // from another card, perhaps, whose mirror may be waiting for this one
+    lock.lock();
+    if (const std::byte* memory = kept(array)) return memory;
     const std::byte* memory = add(array, stream, [&](std::byte* to) { stream.upload(to, array.data, array.bytes); });
     copied_bytes_ += array.bytes;
     return memory;
+}
+
+const std::byte* Mirror::kept(const HostArray& array) const {
+    const auto copy =
+        std::find_if(copies_.begin(), copies_.end(), [&](const Copy& each) { return is_same(each.of, array); });
+    return copy == copies_.end() ? nullptr : copy->memory;
 }
 
 void Mirror::keep(const HostArray& array, const void* made, Stream& stream) {

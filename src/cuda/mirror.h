@@ -37,6 +37,8 @@ private:
     };
     template <class Fill>
     const std::byte* add(const HostArray& array, Stream& stream, const Fill& fill);
+    /// nullptr: none.
+    const std::byte* kept(const HostArray& array) const;
     void let_go_of_orphans(Stream& stream);
 
     const int card_;
