@@ -28,7 +28,7 @@ TransferFunction steep(double scale = 1) {
 /// Smooth bodies: some fifteen values a voxel, so that a step of one voxel passes a skin unseen.
 template <class T>
 DeviceVolume waves(double scale = 1) {
-    return upload(Device::cpu(), sampled<T>({64, 64, 64}, [&](double x, double y, double z) {
+    return upload(tested_device(), sampled<T>({64, 64, 64}, [&](double x, double y, double z) {
                       return scale * (128 + 110 * std::sin(0.15 * x) * std::sin(0.13 * y + 1) * std::cos(0.14 * z));
                   }));
 }
@@ -77,7 +77,7 @@ TEST(Preintegration, ConvergesToThePictureOfFineSteps) {
 // Along a ramp each step runs evenly from one value to another, so a few long steps give the whole integral.
 TEST(Preintegration, OfARampIsExactAtAnyStep) {
     const DeviceVolume ramp =
-        upload(Device::cpu(), sampled<float>({64, 9, 9}, [](double x, double, double) { return 4 * x; }));
+        upload(tested_device(), sampled<float>({64, 9, 9}, [](double x, double, double) { return 4 * x; }));
     Shot shot;
     shot.tf.points = {{0, {1, 0, 0}, 0.05}, {100, {0, 1, 0}, 0.1}, {120, {0, 0, 1}, 0.5}, {252, {1, 1, 1}, 0.02}};
     shot.camera = {.azimuth_deg = 0, .elevation_deg = 0, .projection = Projection::orthographic};
@@ -90,8 +90,9 @@ TEST(Preintegration, OfARampIsExactAtAnyStep) {
 
 // A peak that lies between the values of two neighbours is met by every ray.
 TEST(Preintegration, MissesNoPeak) {
-    const DeviceVolume edge = upload(
-        Device::cpu(), sampled<std::uint8_t>({40, 40, 40}, [](double x, double, double) { return x < 20 ? 0 : 200; }));
+    const DeviceVolume edge =
+        upload(tested_device(),
+               sampled<std::uint8_t>({40, 40, 40}, [](double x, double, double) { return x < 20 ? 0 : 200; }));
     Shot shot;
     shot.tf.points = {{58, {1, 1, 1}, 0}, {60, {1, 1, 1}, 0.9999}, {62, {1, 1, 1}, 0}};
     shot.tf.opacity_unit = 0.01;
@@ -104,7 +105,7 @@ TEST(Preintegration, MissesNoPeak) {
 // Between an empty and a full voxel the opacity of a step grows evenly: 1 - (1 - t α)^n.
 TEST(Preclassification, InterpolatesOpacities) {
     const DeviceVolume edge = upload(
-        Device::cpu(), sampled<std::uint8_t>({2, 9, 2}, [](double x, double, double) { return x < 1 ? 0 : 200; }));
+        tested_device(), sampled<std::uint8_t>({2, 9, 2}, [](double x, double, double) { return x < 1 ? 0 : 200; }));
     Shot shot;
     shot.tf.points = {{195, {1, 1, 1}, 0}, {196, {1, 1, 1}, 0.2}, {255, {1, 1, 1}, 0.2}};
     shot.camera = {.azimuth_deg = -90, .elevation_deg = 0, .zoom = 3, .projection = Projection::orthographic};
@@ -123,7 +124,7 @@ TEST(Preclassification, InterpolatesOpacities) {
 // On the way from a blue ball to the air around it post-classification meets the values of everything in between.
 TEST(Preclassification, HasNoHalos) {
     const DeviceVolume cornell =
-        upload(Device::cpu(), sampled<std::uint8_t>({48, 48, 48}, [](double x, double y, double z) {
+        upload(tested_device(), sampled<std::uint8_t>({48, 48, 48}, [](double x, double y, double z) {
                    return length(Vec3{x, y, z} - Vec3{24, 24, 24}) < 15 ? 200 : 0;
                }));
     Shot shot;
@@ -142,7 +143,7 @@ TEST(Preclassification, HasNoHalos) {
 
 TEST(Compositing, BothOrdersGiveTheSamePicture) {
     const DeviceVolume volume =
-        upload(Device::cpu(),
+        upload(tested_device(),
                sampled<std::uint8_t>({50, 50, 50}, [](double x, double y, double z) { return shells(x, y, z, 50); }));
     for (Mode mode : {Mode::dvr, Mode::iso, Mode::mip})
         for (Classification classification :

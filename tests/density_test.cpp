@@ -13,6 +13,7 @@
 using namespace chiaro;
 using chiaro::testing::constant;
 using chiaro::testing::sampled;
+using chiaro::testing::tested_device;
 using chiaro::testing::two_materials;
 
 namespace {
@@ -23,8 +24,8 @@ struct Lit {
     CellOpacity opacity;
 
     Lit(const Volume& volume, const TransferFunction& tf, const Shape& shape = {})
-        : medium(classify(upload(Device::cpu(2), volume), tf, shape)), opacity(cell_opacity(medium.data(), quiet())) {}
-    Density density(int subsample = 1, const Device& device = Device::cpu(2)) const {
+        : medium(classify(upload(tested_device(), volume), tf, shape)), opacity(cell_opacity(medium.data(), quiet())) {}
+    Density density(int subsample = 1, const Device& device = tested_device()) const {
         return density_for(medium.data(), subsample, device, quiet());
     }
     static Progress& quiet() {
@@ -93,7 +94,7 @@ TYPED_TEST(DensityOf, CellsIsTheIntegralAcrossThem) {
 TEST(Density, APeakBetweenTwoVoxelsIsNotMissed) {
     const Volume step = sampled<std::uint8_t>({16, 8, 8}, [](double x, double, double) { return x < 8 ? 100 : 150; });
     const Lit lit(step, thin_peak());
-    const Density points = density_of(lit.opacity, 1, Device::cpu(1), Lit::quiet()), across = lit.density();
+    const Density points = density_of(lit.opacity, 1, tested_device(), Lit::quiet()), across = lit.density();
     const double crossed = mean_extinction(thin_peak(), 100, 150);
     EXPECT_GT(crossed, 0.1);
     EXPECT_EQ(at(points, 7, 4, 4) + at(points, 8, 4, 4), 0);
@@ -117,7 +118,7 @@ TEST(Density, IsThatOfPointsWhereValuesChangeSlowly) {
     TransferFunction ramp;
     ramp.points = {{0, {1, 1, 1}, 0}, {255, {1, 1, 1}, 0.5}};
     const Lit lit(sampled<float>({40, 33, 21}, soft), ramp);
-    const Density points = density_of(lit.opacity, 1, Device::cpu(1), Lit::quiet()), across = lit.density();
+    const Density points = density_of(lit.opacity, 1, tested_device(), Lit::quiet()), across = lit.density();
     for (std::size_t i = 0; i < points.grid.size(); ++i) ASSERT_NEAR(across.data()[i], points.data()[i], 3e-3);
 }
 
@@ -139,7 +140,7 @@ TEST(Density, OfSurfacesIsTheirCoverage) {
     const Volume ball = make_sample("ball", 40);
     Shape shape{.mode = Mode::iso, .iso = {{100}}};
     const Lit lit(ball, two_materials(), shape);
-    EXPECT_TRUE(same(lit.density(2), density_of(lit.opacity, 2, Device::cpu(2), Lit::quiet())));
+    EXPECT_TRUE(same(lit.density(2), density_of(lit.opacity, 2, tested_device(), Lit::quiet())));
     EXPECT_GT(at(lit.density(), 20, 20, 20), 15);
 }
 
@@ -206,8 +207,8 @@ TEST(Density, HalvesAsColumnsLetLightThrough) {
         for (int y = 0; y < 34; ++y)
             for (int x = 0; x < 18; ++x)
                 ASSERT_NEAR(at(half, x, y, z), halved_depth(fine, x, y, z), 3e-6 + 3e-6 * at(half, x, y, z));
-    EXPECT_TRUE(same(half, halved(fine, Device::cpu(2), Lit::quiet())));
-    EXPECT_TRUE(same(lit.density(8), halved(lit.density(4), Device::cpu(1), Lit::quiet())));
+    EXPECT_TRUE(same(half, halved(fine, tested_device(), Lit::quiet())));
+    EXPECT_TRUE(same(lit.density(8), halved(lit.density(4), tested_device(), Lit::quiet())));
 }
 
 TEST(Density, ThreadsAndInstructionSetsGiveTheSameBits) {
@@ -223,7 +224,7 @@ TEST(Density, StopsWhenCancelled) {
     const Lit lit(noise<std::uint8_t>({40, 40, 40}, 1), two_materials());
     Progress progress;
     progress.cancel();
-    EXPECT_THROW(density_for(lit.medium.data(), 2, Device::cpu(2), progress), Error);
+    EXPECT_THROW(density_for(lit.medium.data(), 2, tested_device(), progress), Error);
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <functional>
 
+#include "devices.h"
+
 namespace chiaro::testing {
 
 using Field = std::function<double(double x, double y, double z)>;
@@ -49,7 +51,7 @@ inline TransferFunction two_materials() {
 
 /// Everything a ray-cast picture depends on, with plain defaults: no shading, no termination.
 struct Shot {
-    Device device = Device::cpu(2);
+    Device device = tested_device();
     TransferFunction tf = two_materials();
     Shape shape;
     Lighting lighting{.shading = Shading::none};

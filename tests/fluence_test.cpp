@@ -13,7 +13,7 @@ namespace {
 
 /// Everything that J at points depends on.
 struct Points {
-    Device device = Device::cpu(2);
+    Device device = tested_device();
     TransferFunction tf = two_materials();
     Shape shape;
     Lighting lighting;
@@ -229,7 +229,7 @@ TEST(Fluence, StopsAtErrorOrTimeAndWhenCancelled) {
 
 TEST(Fluence, IsAFieldOfThreeComponents) {
     Progress progress;
-    Session session(Device::cpu(2));
+    Session session(tested_device());
     session.show(make_sample("ball", 16), progress);
     Scene scene;
     scene.volume = "sample:ball:16";

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <random>
 
+#include "devices.h"
 #include "illumination/histogram/codebook.h"
 #include "illumination/histogram/exact.h"
 #include "illumination/histogram/launch.h"
@@ -12,6 +13,8 @@
 
 namespace chiaro {
 namespace {
+
+using testing::tested_device;
 
 /// Vectors in a few groups, none of them equal.
 std::vector<PackedHistogram> vectors(std::size_t count, int bins = 32) {
@@ -26,7 +29,7 @@ std::vector<PackedHistogram> vectors(std::size_t count, int bins = 32) {
 TEST(Codebook, FindsTheNearestWordOfAll) {
     const auto words = vectors(700), some = vectors(333);
     for (const auto metric : {HistogramMetric::l2, HistogramMetric::l1, HistogramMetric::lmax}) {
-        const Codebook book(Device::cpu(1), 32, metric, words);
+        const Codebook book(tested_device(), 32, metric, words);
         std::vector<std::int32_t> all(700), found(333);
         for (const Isa isa : available_isas()) {
             const auto kernels = kernel::histogram_functions_for(isa);
@@ -47,7 +50,7 @@ TEST(Codebook, TellsPureVectorsApart) {
     std::vector<PackedHistogram> words(2 * 16, 0), pure(16, 0);
     words[3] = words[16 + 9] = pure[9] = packed_one;
     for (const auto metric : {HistogramMetric::l2, HistogramMetric::l1, HistogramMetric::lmax}) {
-        const Codebook book(Device::cpu(1), 16, metric, words);
+        const Codebook book(tested_device(), 16, metric, words);
         for (const Isa isa : available_isas()) {
             const auto kernels = kernel::histogram_functions_for(isa);
             std::int32_t to[2], found;
@@ -67,7 +70,7 @@ TEST(Codebook, MeasuresByItsMetric) {
     words[0] = 300, words[17] = 400;
     std::int32_t to[2];
     const auto difference = [&](HistogramMetric metric) {
-        const Codebook book(Device::cpu(1), 16, metric, words);
+        const Codebook book(tested_device(), 16, metric, words);
         kernel::histogram_functions_for(best_isa()).differences_to(book.view(), words.data(), to);
         EXPECT_EQ(to[0], 0);
         return to[1];
@@ -82,7 +85,7 @@ TEST(Codebook, DistortionNeverRises) {
     Progress progress;
     for (const auto metric : {HistogramMetric::l2, HistogramMetric::l1, HistogramMetric::lmax}) {
         Training training{37, metric, 1e-3, {}};
-        const Codebook book = train_codebook(Device::cpu(2), all, 32, training, progress);
+        const Codebook book = train_codebook(tested_device(), all, 32, training, progress);
         EXPECT_EQ(book.count(), 37);
         EXPECT_TRUE(std::is_sorted(training.distortions.rbegin(), training.distortions.rend()));
         EXPECT_LT(training.distortions.back(), 0.5 * training.distortions.front());
@@ -95,7 +98,7 @@ TEST(Codebook, HasNoMoreWordsThanThereAreVectors) {
     const auto few = vectors(20);
     Training training{64, HistogramMetric::l2, 1e-3, {}};
     Progress progress;
-    const Codebook book = train_codebook(Device::cpu(1), few, 32, training, progress);
+    const Codebook book = train_codebook(tested_device(), few, 32, training, progress);
     EXPECT_EQ(book.count(), 20);
     EXPECT_EQ(training.distortions.back(), 0);
 }

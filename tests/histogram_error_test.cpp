@@ -5,9 +5,11 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "devices.h"
 #include "occlusion_error.h"
 
 using namespace chiaro;
+using chiaro::testing::tested_device;
 
 namespace {
 
@@ -36,7 +38,7 @@ TEST_P(HistogramErrorTest, OcclusionIsNearDirectSums) {
     const Volume volume =
         halved(read_volume((std::filesystem::path(folder) / "volumes" / GetParam()).string(), {}, progress));
     const Statistics statistics = measure(volume);
-    const DeviceVolume voxels = upload(Device::cpu(0), volume);
+    const DeviceVolume voxels = upload(tested_device(), volume);
     Steps steps;
     const LocalHistograms h = find_local_histograms(voxels.data(), {.radius = 16, .cache = "none"}, steps, progress);
     const auto functions = bench::four_functions(statistics.min, statistics.p999);

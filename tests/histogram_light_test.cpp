@@ -12,6 +12,7 @@
 #include "fixtures.h"
 
 using namespace chiaro;
+using chiaro::testing::tested_device;
 
 namespace {
 
@@ -30,7 +31,7 @@ Volume soft_shells(int n = 40) {
         {n, n, n}, [n](double x, double y, double z) { return chiaro::testing::shells(x, y, z, n); });
 }
 
-Session session_with(Volume volume, const Device& device = Device::cpu(2)) {
+Session session_with(Volume volume, const Device& device = tested_device()) {
     Session session(device);
     Progress progress;
     session.show(std::move(volume), progress);
@@ -42,7 +43,7 @@ std::vector<float> picture(Session& session, const Scene& scene) {
     session.render(scene, progress);
     return session.frame().rgba;
 }
-std::vector<float> picture(Volume volume, const Scene& scene, const Device& device = Device::cpu(2)) {
+std::vector<float> picture(Volume volume, const Scene& scene, const Device& device = tested_device()) {
     Session session = session_with(std::move(volume), device);
     return picture(session, scene);
 }
@@ -333,7 +334,7 @@ TEST(HistogramLight, BleedsTheColoursOfTheCornellBox) {
 ComputedField field_of(const Volume& volume, const TransferFunction& tf, const HistogramSettings& histogram) {
     const IlluminationSettings settings{.method = Method::histogram, .histogram = histogram};
     Progress progress;
-    const Device device = Device::cpu(2);
+    const Device device = tested_device();
     const DeviceVolume voxels = upload(device, volume);
     return compute_field(device, classify(voxels, tf, {}), prepare(voxels, settings, progress), {}, settings, progress);
 }
@@ -363,7 +364,7 @@ TEST(HistogramRadius, IsProposedFromTheData) {
             chiaro::testing::sampled<std::uint8_t>({96, 96, 96}, [distance](double x, double y, double z) {
                 return (int(x) / distance + int(y) / distance + int(z) / distance) % 2 ? 250 : 60;
             });
-        return proposed_radius(upload(Device::cpu(1), volume));
+        return proposed_radius(upload(tested_device(), volume));
     };
     EXPECT_LT(boxes(8), boxes(24));
     EXPECT_GE(boxes(8), 4);

@@ -11,6 +11,7 @@
 namespace {
 
 using namespace chiaro;
+using chiaro::testing::tested_device;
 using chiaro::testing::two_materials;
 
 constexpr const char* by_rays = "--lighting reference --reference-rays 8 ";
@@ -27,7 +28,7 @@ Volume thick_ball() {
 
 ComputedField field_of(const Volume& volume, const IlluminationSettings& settings, const Shape& shape = {}) {
     Progress progress;
-    const Device device = Device::cpu(2);
+    const Device device = tested_device();
     const DeviceVolume voxels = upload(device, volume);
     return compute_field(device, classify(voxels, two_materials(), shape), prepare(voxels, settings, progress), {},
                          settings, progress);
@@ -92,7 +93,7 @@ TEST(ComputeField, RefusesWhatHasNoField) {
 
 TEST(ComputeField, ASessionGivesTheSame) {
     Progress progress;
-    Session session(Device::cpu(2));
+    Session session(tested_device());
     session.show(thick_ball(), progress);
     Scene scene;
     scene.illumination = reference({.rays = 8});
@@ -112,7 +113,7 @@ TEST(ComputeField, ASessionGivesTheSame) {
 
 TEST(SessionStages, TellTheStepsOfTheLight) {
     Progress progress;
-    Session session(Device::cpu(2));
+    Session session(tested_device());
     session.show(make_sample("ball", 24), progress);
     Scene scene;
     scene.volume = "sample:ball:24", scene.width = 40, scene.height = 30;

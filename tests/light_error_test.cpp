@@ -16,7 +16,7 @@ namespace {
 /// A sample that a method lights.
 struct Lit {
     Progress progress;
-    Session session{Device::cpu(2)};
+    Session session{tested_device()};
     Scene scene;
 
     explicit Lit(Method method, const std::string& sample = "shells", int size = 48) {
@@ -77,7 +77,7 @@ TEST(LightError, IsWhatADirectComputationFinds) {
         IlluminationSettings settings{.method = Method::reference};
         settings.reference.rays = 4096, settings.scattering.bounces.most = 0;
         const Fluence truth =
-            trace_fluence(Device::cpu(2), medium, {}, camera.orbit_up, points, settings, subject.progress);
+            trace_fluence(tested_device(), medium, {}, camera.orbit_up, points, settings, subject.progress);
         const Volume field = subject.session.compute_field(scene, subject.progress).volume;
         double squares = 0, mean = 0;
         for (std::size_t i = 0; i < points.size(); ++i) {

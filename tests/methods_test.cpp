@@ -7,6 +7,7 @@
 #include "tool_case.h"
 
 using namespace chiaro;
+using chiaro::testing::tested_device;
 
 namespace {
 
@@ -32,9 +33,10 @@ Scene haze() {
     return scene;
 }
 
-MethodComparison compared(const Scene& scene, const std::vector<Method>& methods, int threads = 2) {
+MethodComparison compared(const Scene& scene, const std::vector<Method>& methods,
+                          const Device& device = tested_device()) {
     Progress progress;
-    Session session(Device::cpu(threads));
+    Session session(device);
     session.show(read_volume(scene, progress), progress);
     return compare_methods(session, scene, methods, progress);
 }
@@ -144,7 +146,7 @@ TEST(CompareMethods, NaturalLightIsNearerTheTruthThanNone) {
     EXPECT_LT(c.pictures[2].distance.rmse, 0.8 * c.pictures[1].distance.rmse);
     EXPECT_GT(c.pictures[2].light_bytes, 0u);
     EXPECT_GT(c.pictures[1].light_seconds, 0);
-    const MethodComparison alone = compared(scene, {Method::visibility}, 1);
+    const MethodComparison alone = compared(scene, {Method::visibility}, Device::cpu(1));
     EXPECT_EQ(alone.pictures[0].distance.rmse, c.pictures[2].distance.rmse);
 }
 

@@ -23,7 +23,7 @@ struct PositionView {
 
 /// Where each pixel's first surface lies, in voxels; alpha 0 where there is none.
 Frame positions(const Volume& volume, const Shape& shape, const CameraSettings& settings, double step) {
-    const Medium medium = classify(upload(Device::cpu(), volume), constant(1), shape);
+    const Medium medium = classify(upload(tested_device(), volume), constant(1), shape);
     const RaySettings rays{.step_voxels = step, .early_termination = 0};
     const RayTables tables = make_tables(medium.data(), rays, 1);
     Frame frame(64, 64);
@@ -184,7 +184,7 @@ TEST(Clipping, CutFacesHaveThePlanesNormal) {
 }
 
 TEST(Clipping, RefusesWhatShowsNothing) {
-    const DeviceVolume volume = upload(Device::cpu(), shells_volume(8));
+    const DeviceVolume volume = upload(tested_device(), shells_volume(8));
     EXPECT_THROW(classify(volume, two_materials(), {.clip = {.box = std::array{0.5, 0.5, 0.0, 1.0, 0.0, 1.0}}}), Error);
     EXPECT_THROW(classify(volume, two_materials(), {.clip = {.planes = std::vector<ClipPlane>(7)}}), Error);
     EXPECT_THROW(classify(volume, two_materials(), {.mode = Mode::iso}), Error);
@@ -237,7 +237,7 @@ void expect_same_everywhere(const DeviceVolume& volume, Shot shot) {
 TYPED_TEST(EveryMode, GivesTheSameBitsEverywhere) {
     Volume volume = sampled<TypeParam>({40, 36, 44}, [](double x, double y, double z) { return shells(x, y, z, 42); });
     volume.geometry.spacing_mm = {1, 1.2, 0.8};
-    const DeviceVolume on_device = upload(Device::cpu(), volume);
+    const DeviceVolume on_device = upload(tested_device(), volume);
     for (const auto& [mode, rays] : ways())
         for (Projection projection : {Projection::perspective, Projection::orthographic})
             for (bool clipped : {false, true}) {

@@ -14,7 +14,7 @@ inline constexpr double pi = std::numbers::pi;
 
 /// Everything a path-traced picture depends on.
 struct Subject {
-    Device device = Device::cpu(2);
+    Device device = tested_device();
     TransferFunction tf = two_materials();
     Shape shape;
     Lighting lighting;

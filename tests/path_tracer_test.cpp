@@ -183,7 +183,7 @@ namespace {
 
 struct Call {
     Volume volume = small_shells();
-    Device device = Device::cpu(2);
+    Device device = tested_device();
     IlluminationSettings settings{.method = Method::reference};
     Shape shape;
     Frame frame{20, 15};
@@ -250,7 +250,7 @@ TEST(TracePaths, RefusesMaximaAlongRays) {
 
 TEST(TracePaths, TakesTheRayCastersPlaceInASession) {
     Progress progress;
-    Session session(Device::cpu(2));
+    Session session(tested_device());
     session.show(make_sample("ball", 16), progress);
     Scene scene;
     scene.volume = "sample:ball:16", scene.width = 24, scene.height = 18;

@@ -12,6 +12,7 @@
 #include "tool_case.h"
 
 using namespace chiaro;
+using chiaro::testing::tested_device;
 namespace shots = chiaro::testing;
 
 namespace {
@@ -186,7 +187,7 @@ TEST(ProbeScene, KeepsFilesAndNames) {
 
 TEST(ProbeScene, IsLoadedOnceByASession) {
     Progress progress;
-    Session session(Device::cpu(2));
+    Session session(tested_device());
     session.show(make_sample("ball", 8), progress);
     Scene scene;
     scene.width = scene.height = 8;
@@ -297,7 +298,7 @@ TEST(Background, LiesBehindTheVolume) {
     const Frame sky = shot(any_volume());
     shot.tf = shots::constant(0.05, {0.5, 0.2, 0.1});
     const Frame both = shot(any_volume());
-    shot.device = Device::cpu(1);
+    shot.device = tested_device();
     EXPECT_EQ(shot(any_volume()).rgba, both.rgba);  // whatever the number of threads
     shot.lighting.probe.background = false;
     const Frame volume = shot(any_volume());

@@ -43,7 +43,7 @@ const Placed cameras[] = {
 }  // namespace
 
 TEST(RaySetup, BothGiveTheSamePicture) {
-    const DeviceVolume volume = upload(Device::cpu(), sampled<std::uint8_t>({86, 84, 81}, balls));
+    const DeviceVolume volume = upload(tested_device(), sampled<std::uint8_t>({86, 84, 81}, balls));
     for (const auto& [name, camera] : cameras)
         for (Mode mode : {Mode::dvr, Mode::iso, Mode::mip})
             for (int rays : {1, 5}) {
@@ -62,7 +62,7 @@ TEST(RaySetup, BothGiveTheSamePicture) {
 TEST(RaySetup, WorksForOneSliceAndOneVoxel) {
     for (const std::array<int, 3> n : {std::array{40, 33, 1}, std::array{1, 1, 1}, std::array{1, 50, 2}}) {
         const DeviceVolume volume =
-            upload(Device::cpu(), sampled<std::uint8_t>(n, [](double, double, double) { return 200; }));
+            upload(tested_device(), sampled<std::uint8_t>(n, [](double, double, double) { return 200; }));
         Shot shot;
         const Frame box = shot(volume);
         shot.rays.ray_setup = RaySetup::raster;
@@ -72,7 +72,7 @@ TEST(RaySetup, WorksForOneSliceAndOneVoxel) {
 }
 
 TEST(RaySetup, RasterisingLeavesEmptySpaceOut) {
-    const Device device = Device::cpu();
+    const Device device = Device::cpu(2);  // cards set rays up at the box
     const DeviceVolume volume = upload(device, sampled<std::uint8_t>({86, 84, 81}, balls));
     const Medium medium = classify(volume, two_materials(), {});
     Progress progress;
@@ -109,7 +109,7 @@ TEST(SamplesPerPixel, LieEvenlyInThePixel) {
 
 // A pixel of many rays is the mean of the pixels of a larger picture, premultiplied.
 TEST(SamplesPerPixel, AverageWhatALargerPictureShows) {
-    const DeviceVolume volume = upload(Device::cpu(), sampled<std::uint8_t>({86, 84, 81}, balls));
+    const DeviceVolume volume = upload(tested_device(), sampled<std::uint8_t>({86, 84, 81}, balls));
     Shot shot{.width = 40, .height = 30};
     shot.lighting.shading = Shading::phong;
     shot.rays.samples_per_pixel = 64;

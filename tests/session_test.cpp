@@ -6,13 +6,16 @@
 
 #include <cmath>
 
+#include "devices.h"
+
 using namespace chiaro;
+using chiaro::testing::tested_device;
 
 namespace {
 
-struct SessionTest : testing::Test {
+struct SessionTest : ::testing::Test {
     Progress progress;
-    Session session{Device::cpu(2)};
+    Session session{tested_device()};
     Scene scene;
 
     void SetUp() override {
@@ -211,7 +214,7 @@ TEST_F(TransportSession, OtherMethodsFindNoLightForAProbe) {
 /// What an iteration still changes, by 8 bits: warm light starts elsewhere and ends there too.
 TEST_F(TransportSession, WarmAndColdLightAgree) {
     const auto cold = [&] {
-        Session fresh(Device::cpu(2));
+        Session fresh(tested_device());
         fresh.show(make_sample("ball", 24), progress);
         return fresh.render(scene, progress).pixels;
     };

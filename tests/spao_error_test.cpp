@@ -5,9 +5,11 @@
 #include <cstdlib>
 
 #include "access_error.h"
+#include "devices.h"
 
 using namespace chiaro;
 using namespace chiaro::bench;
+using chiaro::testing::tested_device;
 
 namespace {
 
@@ -22,7 +24,7 @@ protected:
     void SetUp() override {
         const char* data = std::getenv("CHIARO_DATA_DIR");
         const std::filesystem::path volumes = data ? std::filesystem::path(data) / "volumes" : "";
-        subject_ = find_lit_subject(Device::cpu(2), volumes, GetParam(), 64, 48, progress_);
+        subject_ = find_lit_subject(tested_device(), volumes, GetParam(), 64, 48, progress_);
         if (!subject_) GTEST_SKIP() << "skipped: no data";
     }
 

@@ -53,7 +53,7 @@ protected:
         return std::sqrt(errors / squares);
     }
 
-    Device device_ = Device::cpu(2);
+    Device device_ = tested_device();
     DeviceVolume volume_ = upload(device_, slab_in_fog());
     TransferFunction tf_;
     Lighting lighting_;

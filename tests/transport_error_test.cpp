@@ -3,10 +3,12 @@
 
 #include <cstdlib>
 
+#include "devices.h"
 #include "transport_judge.h"
 
 using namespace chiaro;
 using namespace chiaro::bench;
+using chiaro::testing::tested_device;
 
 namespace {
 
@@ -26,7 +28,7 @@ protected:
     void SetUp() override {
         const char* data = std::getenv("CHIARO_DATA_DIR");
         const std::filesystem::path volumes = data ? std::filesystem::path(data) / "volumes" : "";
-        subject_ = find_scattering_subject(Device::cpu(2), volumes, GetParam().name, progress_);
+        subject_ = find_scattering_subject(tested_device(), volumes, GetParam().name, progress_);
         if (!subject_) GTEST_SKIP() << "skipped: no data";
     }
 

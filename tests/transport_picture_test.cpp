@@ -12,6 +12,7 @@
 using namespace chiaro;
 using chiaro::testing::sampled;
 using chiaro::testing::Shot;
+using chiaro::testing::tested_device;
 
 namespace {
 
@@ -71,7 +72,7 @@ double relative_difference(const Frame& a, const Frame& b, double factor = 1) {
 TEST(TransportPicture, NodesWeighAsTheirMatter) {
     for (const float thin : {1e-4f, 0.02f, 1.0f}) {
         const std::vector<float> light{1, 0.01f, 0.02f, 4}, weight{thin, 1, thin, thin};
-        const TransportLight nodes(Device::cpu(), row_of_nodes(light, weight), 1, {9, 9, 9});
+        const TransportLight nodes(tested_device(), row_of_nodes(light, weight), 1, {9, 9, 9});
         const auto shown = nodes.shown(Look::particles, upright);
         for (float x = 0; x <= 3; x += 0.0625f) {
             const int i = std::min(int(x), 2);
@@ -91,7 +92,7 @@ TEST(TransportPicture, SolidSamplesReadTheLightOfSurfaces) {
     TransportNodes nodes = row_of_nodes({0.4f, 0.4f, 0.1f, 0.6f, 0.6f}, {1, 1, 0.5f, 1e-6f, 1e-6f});
     nodes.answer.assign(15, 0);
     for (int c = 0; c < 3; ++c) nodes.answer[3 + c] = 0.42f;
-    const TransportLight light(Device::cpu(), std::move(nodes), 1, {9, 9, 9});
+    const TransportLight light(tested_device(), std::move(nodes), 1, {9, 9, 9});
     const auto shown = light.shown(Look::particles, upright);
     const float thin = light_at(*shown, 2).x, solid = light_at(*shown, 2, 1).x;
     EXPECT_NEAR(thin, 0.1, 1e-4);
@@ -106,7 +107,7 @@ TEST(TransportPicture, SurfacesAreLitByTheHalfSpaceTheyFace) {
     TransportNodes nodes = row_of_nodes({0.01f, 0.01f, 0.6f, 0.6f}, {1, 1, 1e-6f, 1e-6f});
     for (int i = 0; i < 4; ++i)
         for (int c = 0; c < 3; ++c) nodes.moment[9 * i + 3 * c] = 0.2f * nodes.light[3 * i + c] / 0.6f;
-    const TransportLight light(Device::cpu(), std::move(nodes), 1, {9, 9, 9});
+    const TransportLight light(tested_device(), std::move(nodes), 1, {9, 9, 9});
     EXPECT_NEAR(light_at(*light.shown(Look::particles, upright), 1).x, 0.01, 1e-4);
     EXPECT_NEAR(light_at(*light.shown(Look::flat, upright), 1).x, 1, 2e-3);  // J + 2 M = 1, J - 2 M = .2
 
@@ -121,7 +122,8 @@ TEST(TransportPicture, SurfacesAreLitByTheHalfSpaceTheyFace) {
 
 /// Between a wall's bright far side and its near side, no light shines through: the second node looks at nothing.
 TEST(TransportPicture, NodesBesideNoAirCountWhereNothingElseDoes) {
-    const TransportLight light(Device::cpu(), row_of_nodes({0.9f, 0.9f, 0.05f, 0.1f}, {1, 1, 1, 1e-6f}), 1, {9, 9, 9});
+    const TransportLight light(tested_device(), row_of_nodes({0.9f, 0.9f, 0.05f, 0.1f}, {1, 1, 1, 1e-6f}), 1,
+                               {9, 9, 9});
     EXPECT_NEAR(light_at(*light.shown(Look::flat, upright), 1.5f).x, 0.1, 3e-3);
     EXPECT_NEAR(light_at(*light.shown(Look::flat, upright), 0.5f).x, 0.9, 1e-3);
 }
@@ -129,13 +131,13 @@ TEST(TransportPicture, NodesBesideNoAirCountWhereNothingElseDoes) {
 /// Surfaces that an earlier light found are taken over where matter is the same, and nowhere else.
 TEST(TransportPicture, KeptSurfacesAreThoseOfTheSameMatter) {
     const std::vector<float> dark{0.01f, 0.02f, 0.1f, 0.1f}, bright{0.3f, 0.2f, 0.6f, 0.8f};
-    const TransportLight before(Device::cpu(), row_of_nodes(dark, {1, 1, 1e-3f, 1e-3f}), 1, {9, 9, 9});
+    const TransportLight before(tested_device(), row_of_nodes(dark, {1, 1, 1e-3f, 1e-3f}), 1, {9, 9, 9});
     before.shown(Look::flat, upright), before.shown(Look::particles, upright);
     for (const std::vector<float>& weight :
          {std::vector{1.0f, 1.0f, 1e-3f, 1e-3f}, std::vector{1.0f, 1e-3f, 1e-3f, 1.0f}})
         for (const Look look : {Look::flat, Look::turned, Look::particles}) {
-            const TransportLight warm(Device::cpu(), row_of_nodes(bright, weight), 1, {9, 9, 9}, &before);
-            const TransportLight cold(Device::cpu(), row_of_nodes(bright, weight), 1, {9, 9, 9});
+            const TransportLight warm(tested_device(), row_of_nodes(bright, weight), 1, {9, 9, 9}, &before);
+            const TransportLight cold(tested_device(), row_of_nodes(bright, weight), 1, {9, 9, 9});
             const auto a = warm.shown(look, upright), b = cold.shown(look, upright);
             for (float x = 0; x <= 3; x += 0.25f) EXPECT_EQ(light_at(*a, x).x, light_at(*b, x).x) << x;
         }

@@ -3,10 +3,12 @@
 
 #include <cstdlib>
 
+#include "devices.h"
 #include "visibility_judge.h"
 
 using namespace chiaro;
 using namespace chiaro::bench;
+using chiaro::testing::tested_device;
 
 namespace {
 
@@ -27,7 +29,7 @@ protected:
     void SetUp() override {
         const char* data = std::getenv("CHIARO_DATA_DIR");
         volumes_ = data ? std::filesystem::path(data) / "volumes" : "";
-        subject_ = find_lit_subject(Device::cpu(2), volumes_, GetParam().name, 64, 64, progress_);
+        subject_ = find_lit_subject(tested_device(), volumes_, GetParam().name, 64, 64, progress_);
         if (!subject_) GTEST_SKIP() << "skipped: no data";
         judge_.emplace(*subject_, 1, 100, 2048, progress_);
     }

@@ -16,6 +16,7 @@ namespace {
 using namespace chiaro;
 using chiaro::testing::constant;
 using chiaro::testing::sampled;
+using chiaro::testing::tested_device;
 using chiaro::testing::two_materials;
 
 constexpr double pi = std::numbers::pi;
@@ -24,7 +25,7 @@ constexpr double pi = std::numbers::pi;
 struct Rays {
     TransferFunction tf = two_materials();
     ReferenceSettings settings{.rays = 1024};
-    Device device = Device::cpu(2);
+    Device device = tested_device();
     Shape shape = {};
 
     ShField operator()(const Volume& volume) const {
@@ -71,10 +72,10 @@ TEST(ReferenceVisibility, OnAnOpaqueHalfSpace) {
             node[axis] = 2;
             Progress progress;
             Steps steps;
-            const Medium medium = classify(upload(Device::cpu(2), ground), opaque(), {});
+            const Medium medium = classify(upload(tested_device(), ground), opaque(), {});
             const CellOpacity opacity = cell_opacity(medium.data(), progress);
             const ExtinctionCells cells(medium.data(), opacity, 1, progress);
-            const RunHarmonics found = trace_harmonics(Device::cpu(2), cells, 1, 1, 4096, {node}, progress)[0];
+            const RunHarmonics found = trace_harmonics(tested_device(), cells, 1, 1, 4096, {node}, progress)[0];
             // Y_l0 about z; about x and y the bands keep their lengths, and the first points there.
             EXPECT_NEAR(found[0][0], want[0], 0.02);
             const int first = axis == 0 ? 3 : axis == 1 ? 1 : 2;
@@ -100,10 +101,10 @@ TEST(ReferenceVisibility, ThroughARoundWindow) {
         return above || beside ? 255 : 0;
     });
     Progress progress;
-    const Medium medium = classify(upload(Device::cpu(2), screen), opaque(), {});
+    const Medium medium = classify(upload(tested_device(), screen), opaque(), {});
     const CellOpacity opacity = cell_opacity(medium.data(), progress);
     const ExtinctionCells cells(medium.data(), opacity, 1, progress);
-    const RunHarmonics found = trace_harmonics(Device::cpu(2), cells, 1, 1, 4096, {{80, 80, 2}}, progress)[0];
+    const RunHarmonics found = trace_harmonics(tested_device(), cells, 1, 1, 4096, {{80, 80, 2}}, progress)[0];
     // Y_l0 over the cap: c_00 = √π (1 - cos θ), c_10 = √(3π)/2 sin² θ
     EXPECT_NEAR(found[0][0], std::sqrt(pi) * (1 - std::cos(theta)), 0.02);
     EXPECT_NEAR(found[2][0], std::sqrt(3 * pi) / 2 * std::pow(std::sin(theta), 2), 0.03);

@@ -15,6 +15,7 @@
 using namespace chiaro;
 using chiaro::testing::constant;
 using chiaro::testing::sampled;
+using chiaro::testing::tested_device;
 using chiaro::testing::two_materials;
 
 namespace {
@@ -28,11 +29,11 @@ Progress& quiet() {
 }
 
 Density density_of_volume(const Volume& volume, const TransferFunction& tf, int subsample = 1) {
-    return density_for(classify(upload(Device::cpu(2), volume), tf, {}).data(), subsample, Device::cpu(2), quiet());
+    return density_for(classify(upload(tested_device(), volume), tf, {}).data(), subsample, tested_device(), quiet());
 }
 
 ShField walked(const Density& density, const VisibilitySettings& settings, double start = 0.5,
-               const Device& device = Device::cpu(2)) {
+               const Device& device = tested_device()) {
     Steps steps;
     return walk_visibility(device, density, settings, start, steps, quiet());
 }
@@ -51,12 +52,12 @@ struct Truth {
         for (int z = 0; z < nz; z += 7)
             for (int y = z % 5; y < ny; y += 5)
                 for (int x = 0; x < nx; x += 16) first.push_back({x, y, z});
-        const ExtinctionCells cells(density, 1, Device::cpu(2), quiet());
-        by_rays = trace_harmonics(Device::cpu(2), cells, 1, 2 * start, rays, first, quiet());
+        const ExtinctionCells cells(density, 1, tested_device(), quiet());
+        by_rays = trace_harmonics(tested_device(), cells, 1, 2 * start, rays, first, quiet());
     }
     /// Relative L2 distance of all coefficients.
     double error_of(const VisibilitySettings& settings) const {
-        const VisibilityWalk walk(Device::cpu(1), density, settings, start, quiet());
+        const VisibilityWalk walk(tested_device(), density, settings, start, quiet());
         double errors = 0, squares = 0;
         for (std::size_t r = 0; r < first.size(); ++r) {
             VisibilityWalk::Run found;
@@ -91,8 +92,8 @@ TEST(TransparencyPyramid, TwoOpaqueOfFourCellsLeaveAQuarter) {
             {8, 8, 8}, [&](double x, double y, double) { return (behind ? int(y) : int(x)) % 2 ? 255 : 0; });
         TransferFunction tf;
         tf.points = {{254, {1, 1, 1}, 0}, {255, {1, 1, 1}, 1}};
-        const CellOpacity opacity = cell_opacity(classify(upload(Device::cpu(1), volume), tf, {}).data(), quiet());
-        const TransparencyPyramid pyramid(density_of(opacity, 1, Device::cpu(1), quiet()), 1, quiet());
+        const CellOpacity opacity = cell_opacity(classify(upload(tested_device(), volume), tf, {}).data(), quiet());
+        const TransparencyPyramid pyramid(density_of(opacity, 1, tested_device(), quiet()), 1, quiet());
         EXPECT_NEAR(pyramid.levels()[1].data()[0] / cell_one, 0.25, 1e-4);
     }
 }
@@ -112,10 +113,10 @@ TEST(Walk, OnAnOpaqueHalfSpace) {
     tf.points = {{254, {1, 1, 1}, 0}, {255, {1, 1, 1}, 1}};
     const Volume ground =
         sampled<std::uint8_t>({129, 129, 9}, [](double, double, double z) { return z < 4 ? 255 : 0; });
-    const CellOpacity opacity = cell_opacity(classify(upload(Device::cpu(1), ground), tf, {}).data(), quiet());
-    const Density density = density_of(opacity, 1, Device::cpu(1), quiet());
+    const CellOpacity opacity = cell_opacity(classify(upload(tested_device(), ground), tf, {}).data(), quiet());
+    const Density density = density_of(opacity, 1, tested_device(), quiet());
     VisibilityWalk::Run found;
-    VisibilityWalk(Device::cpu(1), density, {.directions = 4096, .traversal = full}, 0.5, quiet())(64, 64, 5, found);
+    VisibilityWalk(tested_device(), density, {.directions = 4096, .traversal = full}, 0.5, quiet())(64, 64, 5, found);
     // Two nodes above the ground's last; trilinear transparency begins half a node above its surface.
     EXPECT_NEAR(found[0][0], std::sqrt(pi), 0.1);
     EXPECT_NEAR(found[2][0], std::sqrt(3 * pi) / 2, 0.03);
@@ -142,7 +143,7 @@ TEST(Walk, OfAHomogeneousMediumIsExact) {
         }
         for (auto traversal : {hierarchical, full}) {
             VisibilityWalk::Run found;
-            VisibilityWalk(Device::cpu(1), density, {.directions = 400, .traversal = traversal}, start, quiet())(
+            VisibilityWalk(tested_device(), density, {.directions = 400, .traversal = traversal}, start, quiet())(
                 5, 5, 5, found);
             for (int c = 0; c < 16; ++c) EXPECT_NEAR(found[c][0], want[c], 3e-3) << c << int(traversal);
         }
@@ -248,7 +249,7 @@ TEST(Walk, StopsWhenCancelled) {
     Progress progress;
     progress.cancel();
     Steps steps;
-    EXPECT_THROW(walk_visibility(Device::cpu(2), density, {.traversal = full}, 0.5, steps, progress), Error);
+    EXPECT_THROW(walk_visibility(tested_device(), density, {.traversal = full}, 0.5, steps, progress), Error);
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ const OpticalTable::Entry& entry_at(const Medium& medium, double value) {
 }
 
 DeviceVolume ramp() {
-    return upload(Device::cpu(), sampled<std::uint8_t>({256, 2, 2}, [](double x, double, double) { return x; }));
+    return upload(tested_device(), sampled<std::uint8_t>({256, 2, 2}, [](double x, double, double) { return x; }));
 }
 
 }  // namespace
@@ -38,7 +38,7 @@ TEST(OpticalTable, HoldsTheExtinctionOfEveryStoredValue) {
 TEST(OpticalTable, OpacityBelongsToItsUnit) {
     Volume thick = sampled<std::uint8_t>({4, 4, 4}, [](double x, double, double) { return 80 * x; });
     thick.geometry.spacing_mm = {2, 3, 4};
-    const DeviceVolume volume = upload(Device::cpu(), thick);
+    const DeviceVolume volume = upload(tested_device(), thick);
     TransferFunction tf = constant(0.5);
     EXPECT_NEAR(entry_at(classify(volume, tf, {}), 100).extinction_per_mm, std::log(2) / 2, 1e-6);  // a voxel is 2 mm
     tf.opacity_unit = 5;
@@ -88,7 +88,7 @@ template <class T>
 void expect_integrals(double scale) {
     std::mt19937 random(7);
     const DeviceVolume volume =
-        upload(Device::cpu(), sampled<T>({256, 2, 2}, [&](double x, double, double) { return scale * x; }));
+        upload(tested_device(), sampled<T>({256, 2, 2}, [&](double x, double, double) { return scale * x; }));
     TransferFunction tf = two_materials();
     for (auto& point : tf.points) point.value *= scale;
     const Medium medium = classify(volume, tf, {});
@@ -118,7 +118,7 @@ TEST(Occupancy, CubesAreAsLargeAsTheyCanBe) {
     const std::array<int, 3> n{45, 61, 38};
     Volume volume = make_volume(n, VoxelType::u8);
     for (int i = 0; i < 25; ++i) volume.as<std::uint8_t>()[random() % volume.voxel_count()] = 200;
-    const DeviceVolume device_volume = upload(Device::cpu(), volume);
+    const DeviceVolume device_volume = upload(tested_device(), volume);
     const Medium medium = classify(device_volume, two_materials(), {});
     const auto count = device_volume.data().cells.count;
     const auto code = [&](int x, int y, int z) {

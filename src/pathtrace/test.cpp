@@ -40,7 +40,7 @@ struct Slab {
 class Marched {
 public:
     Marched(const Volume& volume, const TransferFunction& tf, const Shape& shape)
-        : volume_(volume), voxels_(upload(Device::cpu(1), volume)), medium_(classify(voxels_, tf, shape)) {}
+        : volume_(volume), voxels_(upload(tested_device(), volume)), medium_(classify(voxels_, tf, shape)) {}
 
     const Medium& medium() const { return medium_; }
 

@@ -135,7 +135,7 @@ TEST(RayCaster, SkippingEmptySpaceChangesNoBit) {
 }
 
 TEST(RayCaster, SkippingTakesFewerSamples) {
-    const Device device = Device::cpu();
+    const Device device = tested_device();
     const DeviceVolume volume = upload(
         device, sampled<std::uint8_t>({96, 96, 96}, [](double x, double y, double z) { return shells(x, y, z, 96); }));
     const Medium medium = classify(volume, two_materials(), {});
@@ -307,7 +307,7 @@ TEST(Shading, OfARampIsItsClosedForm) {
 
 TEST(RayCaster, CancelsBetweenTiles) {
     const Volume volume = sampled<std::uint8_t>({20, 20, 20}, [](double, double, double) { return 100; });
-    const Device device = Device::cpu(1);
+    const Device device = tested_device();
     const DeviceVolume on_device = upload(device, volume);
     Progress progress;
     progress.cancel();

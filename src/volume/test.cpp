@@ -34,7 +34,7 @@ double multilinear(double x, double y, double z) {
 
 TEST(Sampling, ReproducesXyzExactlyAcrossBricks) {
     const Volume volume = sampled<float>({70, 41, 37}, multilinear);
-    const DeviceVolume device_volume = upload(Device::cpu(), volume);
+    const DeviceVolume device_volume = upload(tested_device(), volume);
     const auto view = view_of<float>(device_volume);
     std::mt19937 random(1);
     std::uniform_real_distribution<float> u(0, 1);
@@ -54,7 +54,7 @@ TEST(Sampling, ReproducesXyzExactlyAcrossBricks) {
 
 TEST(Sampling, GradientsAtTheBorderUseTheBorderVoxelItself) {
     const DeviceVolume volume =
-        upload(Device::cpu(), sampled<float>({5, 5, 5}, [](double x, double, double) { return 2 * x; }));
+        upload(tested_device(), sampled<float>({5, 5, 5}, [](double x, double, double) { return 2 * x; }));
     const auto view = view_of<float>(volume);
     const kernel::Vec3<float> p{0, 2, 2};
     EXPECT_FLOAT_EQ(view.gradient(view.locate(p, view.voxel(p))).x, 1);  // (f(1) - f(0)) / 2
@@ -73,7 +73,7 @@ TYPED_TEST(StoredTypes, ValuesAndCellRangesSurviveBricking) {
     Volume volume = sampled<TypeParam>(n, [&](double, double, double) { return int(random() % 120); });
     volume.slope = 0.5;
     volume.intercept = -20;
-    const DeviceVolume device_volume = upload(Device::cpu(), volume);
+    const DeviceVolume device_volume = upload(tested_device(), volume);
     const auto& d = device_volume.data();
     const auto stored = [&](int x, int y, int z) -> double {
         const kernel::Vec3<float> p{float(x), float(y), float(z)};
@@ -108,7 +108,7 @@ TYPED_TEST(StoredTypes, ValuesAndCellRangesSurviveBricking) {
 TEST(Upload, KeepsBytesAndShortsAndNarrowsWideIntegers) {
     const auto stored = [](auto zero, double top) {
         using T = decltype(zero);
-        return upload(Device::cpu(), sampled<T>({4, 4, 4}, [&](double x, double, double) { return x / 3 * top; }))
+        return upload(tested_device(), sampled<T>({4, 4, 4}, [&](double x, double, double) { return x / 3 * top; }))
             .data()
             .stored;
     };
@@ -124,11 +124,11 @@ TEST(Upload, ReplacesWhatIsNotFinite) {
     Volume volume = sampled<float>({3, 1, 1}, [](double, double, double) { return 5; });
     auto v = volume.as<float>();
     v[0] = NAN, v[2] = INFINITY;
-    const DeviceVolume device_volume = upload(Device::cpu(), volume);
+    const DeviceVolume device_volume = upload(tested_device(), volume);
     EXPECT_EQ(device_volume.data().stored_min, 5);
     EXPECT_EQ(device_volume.data().stored_max, 5);
     v[1] = -INFINITY;
-    EXPECT_THROW(upload(Device::cpu(), volume), Error);
+    EXPECT_THROW(upload(tested_device(), volume), Error);
 }
 
 TEST(Upload, TakesTheVolumeApartWithoutChangingTheBricks) {
@@ -136,9 +136,9 @@ TEST(Upload, TakesTheVolumeApartWithoutChangingTheBricks) {
         return sampled<std::uint16_t>({130, 70, 90},
                                       [](double x, double y, double z) { return 3 * x + 5 * y + 7 * z; });
     };
-    const DeviceVolume kept = upload(Device::cpu(), make());
+    const DeviceVolume kept = upload(tested_device(), make());
     const Volume whole = make();
-    const DeviceVolume copied = upload(Device::cpu(), whole);
+    const DeviceVolume copied = upload(tested_device(), whole);
     ASSERT_EQ(kept.data().bricks.size(), copied.data().bricks.size());
     EXPECT_EQ(std::memcmp(kept.data().bricks.data(), copied.data().bricks.data(), kept.data().bricks.size()), 0);
 }
@@ -146,5 +146,5 @@ TEST(Upload, TakesTheVolumeApartWithoutChangingTheBricks) {
 TEST(Upload, RefusesColourVolumes) {
     Volume volume = make_volume({4, 4, 4}, VoxelType::u8);
     volume.components = 3;
-    EXPECT_THROW(upload(Device::cpu(), volume), Error);
+    EXPECT_THROW(upload(tested_device(), volume), Error);
 }

@@ -17,6 +17,7 @@ namespace chiaro {
 namespace {
 
 using testing::sampled;
+using testing::tested_device;
 using Histogram = std::vector<double>;
 
 /// Blobs, a wall and some noise.
@@ -30,7 +31,7 @@ Volume clutter(std::array<int, 3> n = {45, 41, 47}) {
 
 BinnedCells binned(const Volume& volume) {
     Progress progress;
-    return bin_cells(upload(Device::cpu(2), volume).data(), progress);
+    return bin_cells(upload(tested_device(), volume).data(), progress);
 }
 
 /// Spec 3.1, word for word, in double.
@@ -62,7 +63,7 @@ struct CellRun {
 };
 /// Both histograms of each by ExactHistograms.
 std::vector<float> exact(const BinnedCells& cells, const CellRun& run, int radius,
-                         const Device& device = Device::cpu(1)) {
+                         const Device& device = tested_device()) {
     const Ball ball(radius, true);
     const ExactHistograms histograms(device, cells, ball);
     std::vector<float> found(std::size_t(2 * run.count * cells.binning.count));
@@ -138,7 +139,7 @@ TEST(LocalHistograms, OfOneHalfAreThoseOfBoth) {
     const BinnedCells cells = binned(clutter());
     const int bins = cells.binning.count;
     const Ball ball(6, true);
-    const ExactHistograms histograms(Device::cpu(1), cells, ball);
+    const ExactHistograms histograms(tested_device(), cells, ball);
     for (const CellRun& run : {CellRun{9, 20, 22, 5}, {0, 1, 40, 5}}) {
         const auto found = exact(cells, run, 6);
         for (int i = 0; i < run.count; ++i) {
@@ -187,10 +188,10 @@ TEST(LocalHistograms, AreTheSameOnEveryInstructionSet) {
 TEST(LocalHistograms, SweptEqualBruteForceInTheirQuantity) {
     for (const auto packing : {HistogramPacking::uniform, HistogramPacking::paper}) {
         const HistogramData data = data_of(clutter({37, 35, 9}), 5, 16, packing);
-        const auto swept = all_histograms(Device::cpu(1), data, HistogramPath::sweep);
+        const auto swept = all_histograms(tested_device(), data, HistogramPath::sweep);
         const Ball ball(5, false);
         const int bins = data.cells.binning.count;
-        const ExactHistograms truth(Device::cpu(1), data.cells, ball);
+        const ExactHistograms truth(tested_device(), data.cells, ball);
         for (const auto& [x, y, z] : {std::array{0, 0, 0}, {36, 34, 8}, {20, 17, 4}, {32, 3, 7}}) {
             std::vector<float> full(std::size_t(bins), 0), packed(std::size_t(data.packing.packed));
             truth.add(x, y, z, ExactHistograms::Half::whole, full.data());
@@ -208,8 +209,8 @@ TEST(LocalHistograms, SweptEqualBruteForceInTheirQuantity) {
 TEST(LocalHistograms, FastOnesAreNearExactOnes) {
     for (const auto& [radius, most] : {std::pair{4, 0.045}, {8, 0.03}, {12, 0.025}}) {
         const HistogramData data = data_of(clutter(), radius);
-        const auto fast = all_histograms(Device::cpu(2), data, HistogramPath::fast),
-                   exact = all_histograms(Device::cpu(2), data, HistogramPath::exact);
+        const auto fast = all_histograms(tested_device(), data, HistogramPath::fast),
+                   exact = all_histograms(tested_device(), data, HistogramPath::exact);
         double squares = 0, worst_sum = 0;
         for (std::size_t i = 0; i < fast.size(); i += 16) {
             double o = 0, o_fast = 0, of_ball = 0;  // opaque: the upper half of the bins
@@ -277,7 +278,8 @@ TEST(Packing, CumulativeKeepsTheCumulativeHistogram) {
               0.05 * error(make_packing(HistogramPacking::uniform, 16, counts)));
 }
 
-LocalHistograms histograms_of(const Volume& volume, HistogramSettings settings, const Device& device = Device::cpu(2)) {
+LocalHistograms histograms_of(const Volume& volume, HistogramSettings settings,
+                              const Device& device = tested_device()) {
     Steps steps;
     Progress progress;
     return find_local_histograms(upload(device, volume).data(), settings, steps, progress);
@@ -318,13 +320,13 @@ TEST(LocalHistograms, AreTheSameForAnyNumberOfThreadsAndInstructionSet) {
 }
 
 Medium medium_of(const Volume& volume, const TransferFunction& tf, const Shape& shape = {}) {
-    return classify(upload(Device::cpu(2), volume), tf, shape);
+    return classify(upload(tested_device(), volume), tf, shape);
 }
 
 TEST(WordSums, AreOneForOpaqueMatterAndNothingForClear) {
     const LocalHistograms h = histograms_of(clutter(), small);
     const auto sums = [&](const TransferFunction& tf) {
-        return word_sums(Device::cpu(2), h, optics_of_bins(medium_of(clutter(), tf).data(), h, ""));
+        return word_sums(tested_device(), h, optics_of_bins(medium_of(clutter(), tf).data(), h, ""));
     };
     double largest = 0;
     for (const auto& s : sums(testing::constant(1))) largest = std::max(largest, double(s[3]));

@@ -22,7 +22,7 @@ struct Rays {
     TransferFunction tf = constant(0);
     Shape shape = {};
     ReferenceSettings settings = {};
-    Device device = Device::cpu(2);
+    Device device = tested_device();
     double step = reference_step;
     std::vector<std::array<int, 3>> only = {};  ///< of the blocks; empty: all
 
@@ -300,7 +300,7 @@ TEST(Reference, SubsamplingTracesEveryNthCellAndTheLast) {
 
 TEST(Reference, StopsWhenCancelled) {
     using namespace std::chrono;
-    const Device device = Device::cpu(2);
+    const Device device = tested_device();
     const Medium medium = classify(upload(device, blobs({64, 64, 64}, 4)), ramp(), {});
     Progress progress;
     const CellOpacity opacity = cell_opacity(medium.data(), progress);

@@ -11,6 +11,7 @@
 namespace chiaro {
 namespace {
 
+using testing::tested_device;
 using Cells = std::array<int, 3>;
 using Opacity = std::function<double(int x, int y, int z)>;
 
@@ -39,7 +40,7 @@ struct Occlusion {
     double operator()(int x, int y, int z) const { return access[grid.index(x, y, z)]; }
 };
 
-Occlusion occlusion(const CellOpacity& opacity, const SpaoSettings& settings, const Device& device = Device::cpu(2)) {
+Occlusion occlusion(const CellOpacity& opacity, const SpaoSettings& settings, const Device& device = tested_device()) {
     Steps steps;
     Progress progress;
     const BlockMap all(opacity.values.grid.count, true);
@@ -117,7 +118,7 @@ TEST(Spao, HalfSpace) {
     }
     // On the plane itself exactly half of the octants are open.
     Progress progress;
-    const SummedOpacity sums(Device::cpu(2), half.values, progress);
+    const SummedOpacity sums(tested_device(), half.values, progress);
     const kernel::ExactKernel kernel{sums.view(), 4, kernel::SpaoProduct::corrected, 0};
     EXPECT_NEAR(kernel(kernel::Vec3<float>(20, 20, 23.5f)), 0.5, 1e-6);
 }
@@ -126,8 +127,8 @@ TEST(Spao, MeansAreThoseOfBoxesAtAnyPositionAcrossTheBorderToo) {
     const CellOpacity opacity = clutter({23, 18, 29});
     Steps steps;
     Progress progress;
-    const SpaoLevels levels(Device::cpu(2), opacity, 0, 6, steps, progress);
-    const SummedOpacity sums(Device::cpu(2), opacity.values, progress);
+    const SpaoLevels levels(tested_device(), opacity, 0, 6, steps, progress);
+    const SummedOpacity sums(tested_device(), opacity.values, progress);
     const kernel::StoredLevels view = levels.view();
     std::mt19937 random(1);
     std::uniform_real_distribution<float> anywhere(-20, 45);
@@ -142,7 +143,7 @@ TEST(Spao, MeansAreThoseOfBoxesAtAnyPositionAcrossTheBorderToo) {
 TEST(Spao, SumsAreThoseOfEveryCell) {
     const CellOpacity opacity = clutter({7, 6, 5});
     Progress progress;
-    const SummedOpacity sums(Device::cpu(2), opacity.values, progress);
+    const SummedOpacity sums(tested_device(), opacity.values, progress);
     double all = 0;
     for (std::size_t i = 0; i < opacity.values.grid.size(); ++i) all += opacity.values.data()[i];
     EXPECT_NEAR(sums.view().mean(8, 3, 2.5, 2) * 512, all, 1e-6 * all);
@@ -155,7 +156,7 @@ TEST(Spao, NBuffersOfARowByHand) {
     const CellOpacity opacity = opacity_from({8, 1, 1}, [&](int x, int, int) { return row[x]; });
     Steps steps;
     Progress progress;
-    const SpaoLevels levels(Device::cpu(1), opacity, 0, 2, steps, progress);
+    const SpaoLevels levels(tested_device(), opacity, 0, 2, steps, progress);
     const double two[] = {0.5, 1, 0.5, 0, 0, 0.5, 0.5, 0}, four[] = {0.5, 0.5, 0.25, 0.25, 0.25, 0.25, 0.25, 0};
     for (int x = 0; x < 8; ++x) {
         // Of one row in an empty space, a window of 2 or 4 cells holds half or a quarter along y and along z.
@@ -238,7 +239,7 @@ TEST(Spao, OnlyTheAskedBlocksAreFilledAndTheyAreTheSame) {
     some(1, 0, 1) = 1;
     Steps steps;
     Progress progress;
-    const CellValues part = spao_accessibility(Device::cpu(2), opacity, settings, some, steps, progress);
+    const CellValues part = spao_accessibility(tested_device(), opacity, settings, some, steps, progress);
     for (int z = 32; z < 64; ++z)
         for (int y = 0; y < 32; ++y)
             for (int x = 32; x < 64; ++x)
@@ -251,7 +252,7 @@ TEST(Spao, CancelsAndNamesItsSteps) {
     Steps steps;
     Progress progress;
     const BlockMap all(opacity.values.grid.count, true);
-    spao_accessibility(Device::cpu(2), opacity, with(SpaoFilter::nbuffer, SpaoModel::paper, 3), all, steps, progress);
+    spao_accessibility(tested_device(), opacity, with(SpaoFilter::nbuffer, SpaoModel::paper, 3), all, steps, progress);
     std::vector<std::string> names;
     for (const Stage& stage : steps.take()) names.push_back(stage.name);
     EXPECT_EQ(names, (std::vector<std::string>{"spao level 0", "spao level 1", "spao level 2", "spao level 3",
@@ -259,7 +260,7 @@ TEST(Spao, CancelsAndNamesItsSteps) {
     progress.cancel();
     for (const SpaoFilter filter : all_filters)
         EXPECT_THROW(
-            spao_accessibility(Device::cpu(2), opacity, with(filter, SpaoModel::paper, 5), all, steps, progress),
+            spao_accessibility(tested_device(), opacity, with(filter, SpaoModel::paper, 5), all, steps, progress),
             Error);
 }
 
@@ -329,7 +330,7 @@ TEST(Spao, ThickSlicesAreLitAsTheCubicVoxelsTheyStandFor) {
     thick.geometry.spacing_mm = {1, 1, 2};
     const auto access = [&](const Volume& volume) {
         Progress progress;
-        const Medium medium = classify(upload(Device::cpu(2), volume), opaque_above(100), {});
+        const Medium medium = classify(upload(tested_device(), volume), opaque_above(100), {});
         return occlusion(cell_opacity(medium.data(), progress),
                          with(SpaoFilter::automatic, SpaoModel::corrected, 6, 0));
     };

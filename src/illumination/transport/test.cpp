@@ -28,7 +28,7 @@ TransferFunction matter(double depth, Rgb rgb = {1, 1, 1}) {
 }
 
 struct Scene3 {
-    Device device = Device::cpu(2);
+    Device device = tested_device();
     TransferFunction tf = matter(1);
     Shape shape;
     Lighting lighting;

@@ -15,6 +15,7 @@
 #include "illumination/visibility/sweep.h"
 
 using namespace chiaro;
+using chiaro::testing::tested_device;
 
 namespace {
 
@@ -45,7 +46,7 @@ Density clumps(int nx, int ny, int nz) {
     });
 }
 
-ShField swept(const Density& density, int directions, double start = 0.5, Device device = Device::cpu(),
+ShField swept(const Density& density, int directions, double start = 0.5, Device device = tested_device(),
               int coefficients = 16, SweepLattice lattice = SweepLattice::grid) {
     Progress progress;
     return sweep_visibility(device, density, fibonacci_directions(directions), coefficients, start, lattice, progress);
@@ -101,8 +102,8 @@ double error_of(const ShField& field, const Density& d, int directions, double s
 
 TEST(Sweep, NothingStopsTheLightOfAnEmptyVolume) {
     for (SweepLattice lattice : {SweepLattice::grid, SweepLattice::sheared}) {
-        const ShField field =
-            swept(density_where(cubic(9, 7, 5), [](int, int, int) { return 0; }), 400, 0.5, Device::cpu(), 16, lattice);
+        const ShField field = swept(density_where(cubic(9, 7, 5), [](int, int, int) { return 0; }), 400, 0.5,
+                                    tested_device(), 16, lattice);
         for (std::size_t i = 0; i < field.grid.size(); ++i) {
             EXPECT_NEAR(field.node(i)[0], std::sqrt(4 * pi), 1e-5);
             for (int c = 1; c < 16; ++c) EXPECT_NEAR(field.node(i)[c], 0, 0.01);
@@ -137,7 +138,7 @@ TEST(Sweep, MeetsBruteForceInAFog) {
     const Density d = clumps(34, 29, 25);
     EXPECT_LT(error_of(swept(d, 400), d, 4096), 0.015);
     EXPECT_LT(error_of(swept(d, 400, 0.25), d, 4096, 0.25), 0.015);
-    EXPECT_LT(error_of(swept(d, 400, 0.5, Device::cpu(), 16, SweepLattice::sheared), d, 4096), 0.015);
+    EXPECT_LT(error_of(swept(d, 400, 0.5, tested_device(), 16, SweepLattice::sheared), d, 4096), 0.015);
 }
 
 TEST(Sweep, ATurnedVolumeHasATurnedField) {
@@ -159,7 +160,7 @@ TEST(Sweep, ATurnedVolumeHasATurnedField) {
 
 TEST(Sweep, FourCoefficientsAreTheFirstOfSixteen) {
     const Density d = clumps(17, 9, 12);
-    const ShField all = swept(d, 100), few = swept(d, 100, 0.5, Device::cpu(), 4);
+    const ShField all = swept(d, 100), few = swept(d, 100, 0.5, tested_device(), 4);
     for (std::size_t i = 0; i < d.grid.size(); ++i)
         for (int c = 0; c < 4; ++c) EXPECT_EQ(few.node(i)[c], all.node(i)[c]);
 }
@@ -171,7 +172,7 @@ TEST(Sweep, GivesTheSameBitsOnEveryInstructionSetAndThreadCount) {
     for (SweepLattice lattice : {SweepLattice::grid, SweepLattice::sheared}) {
         const ShField expected = swept(d, 130, 0.25, Device::cpu(1, Isa::scalar), 16, lattice);
         for (Isa isa : {Isa::x86_64_v2, Isa::x86_64_v3, Isa::x86_64_v4}) {
-            if (isa > Device::cpu().isa) continue;
+            if (isa > tested_device().isa) continue;
             for (int threads : {1, 3}) {
                 const ShField found = swept(d, 130, 0.25, Device::cpu(threads, isa), 16, lattice);
                 EXPECT_EQ(std::memcmp(found.buffer.data(), expected.buffer.data(), expected.buffer.size()), 0)
@@ -184,8 +185,8 @@ TEST(Sweep, GivesTheSameBitsOnEveryInstructionSetAndThreadCount) {
 TEST(Sweep, CanBeCancelled) {
     Progress progress([](std::string_view, double) {});
     progress.cancel();
-    EXPECT_THROW(sweep_visibility(Device::cpu(), clumps(8, 8, 8), fibonacci_directions(40), 16, 0.5, SweepLattice::grid,
-                                  progress),
+    EXPECT_THROW(sweep_visibility(tested_device(), clumps(8, 8, 8), fibonacci_directions(40), 16, 0.5,
+                                  SweepLattice::grid, progress),
                  Error);
 }
 
@@ -206,7 +207,7 @@ TEST(Nodes, AreKeptWithinHalfAStep) {
     Progress progress;
     for (ShStorage storage : {ShStorage::u8, ShStorage::f16, ShStorage::f32}) {
         VisibilitySettings settings{.model = VisibilityModel::paper, .storage = storage};
-        const VisibilityNodes nodes = keep_nodes(Device::cpu(), field, d, settings, progress);
+        const VisibilityNodes nodes = keep_nodes(tested_device(), field, d, settings, progress);
         for (std::size_t i = 0; i < d.grid.size(); ++i) {
             float kept[16];
             nodes.view().load(std::int64_t(i), kept);
@@ -225,7 +226,7 @@ TEST(Nodes, AllLightOfAWhiteProbeArrivesInEmptySpace) {
     const ShField field = swept(d, 400);
     Progress progress;
     for (VisibilityModel model : {VisibilityModel::corrected, VisibilityModel::paper}) {
-        const LitNodes nodes(Device::cpu(), keep_nodes(Device::cpu(), field, d, {.model = model}, progress));
+        const LitNodes nodes(tested_device(), keep_nodes(tested_device(), field, d, {.model = model}, progress));
         for (double strength : {0.0, 0.5, 1.0}) {
             const Lighting lighting{.strength = strength};
             const auto lit = nodes.light({lighting, {0, 0, 1}, Geometry{}, false});
@@ -238,7 +239,7 @@ TEST(Nodes, AllLightOfAWhiteProbeArrivesInEmptySpace) {
 TEST(Nodes, TheLightIsFoundAgainOnlyWhereItChanged) {
     const Density d = clumps(8, 8, 8);
     Progress progress;
-    const LitNodes nodes(Device::cpu(), keep_nodes(Device::cpu(), swept(d, 100), d, {}, progress));
+    const LitNodes nodes(tested_device(), keep_nodes(tested_device(), swept(d, 100), d, {}, progress));
     Lighting lighting;
     const auto first = nodes.light({lighting, {0, 0, 1}, Geometry{}, false});
     EXPECT_EQ(nodes.light({lighting, {0, 0, 1}, Geometry{}, false}), first);

@@ -1,0 +1,38 @@
+# What is true of the processor is true of a card: the same tests there (cuda/NAME, "skipped" without one), and on the
+# card of make-believe (emulated/NAME). CHIARO_DEVICE_TESTS: programs that ask devices.h where to work.
+add_custom_target(device_tests DEPENDS ${CHIARO_DEVICE_TESTS})
+foreach(name ${CHIARO_DEVICE_TESTS})
+  add_test(NAME cuda/${name} COMMAND ${name})
+  set_tests_properties(cuda/${name} PROPERTIES LABELS cuda TIMEOUT ${CHIARO_TEST_TIMEOUT} SKIP_RETURN_CODE 77 ENVIRONMENT CHIARO_TEST_DEVICE=cuda)
+endforeach()
+
+# That card is the same units, compiled for the processor. It watches its memory itself; under the sanitizers it would be
+# minutes of compiling.
+if(CHIARO_SANITIZE)
+  return()
+endif()
+add_library(cuda_emulated OBJECT ${CHIARO_CUDA_LAUNCHERS} ${PROJECT_SOURCE_DIR}/src/cuda/stream.cpp cuda_emulated/cuda_emulated.cpp cuda_emulated/textures.cpp)
+chiaro_cuda_as_cpp()
+target_include_directories(cuda_emulated PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/cuda_emulated ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/include)
+target_compile_definitions(cuda_emulated PRIVATE CHIARO_CUDA_EMULATED)
+target_link_libraries(cuda_emulated PRIVATE fmt::fmt chiaro_warnings)
+
+add_executable(cuda_emulated_test cuda_test.cpp cuda_light_test.cpp cuda_histogram_test.cpp cuda_frame_test.cpp cuda_texture_test.cpp cuda_emulated/troubles.cpp $<TARGET_OBJECTS:cuda_emulated>) # these before the library's own
+target_include_directories(cuda_emulated_test PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/cuda_emulated ${PROJECT_SOURCE_DIR}/src ${CMAKE_CURRENT_SOURCE_DIR})
+target_compile_definitions(cuda_emulated_test PRIVATE CHIARO_CUDA_EMULATED)
+target_link_libraries(cuda_emulated_test PRIVATE chiaro_bench chiaro GTest::gtest_main fmt::fmt chiaro_warnings)
+gtest_discover_tests(cuda_emulated_test NO_PRETTY_VALUES TEST_PREFIX Emulated DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT ${CHIARO_TEST_TIMEOUT})
+
+# But for what takes ten seconds and more of make-believe, and goes through the same kernels as quicker tests: some, and all
+# of the volumes at full size. Tests of the tool, which has another card or none, are left out too.
+set(slow Transport.AHalfSpace* Spao.AnyNumber* TransportEdit.ATurned* TransportEdit.TheFirst* TransportEdit.Another* Reference.Interpolated* Reference.MidPlane*
+         HistogramCache.ThatIsDamaged* HistogramLight.ShowsInEvery* HistogramLight.Bleeds* *Tool.*)
+list(JOIN slow : slow)
+set(small_tests ${CHIARO_DEVICE_TESTS})
+list(FILTER small_tests EXCLUDE REGEX "^(histogram|spao|transport|visibility)_error_test$|^real_views_test$")
+foreach(name ${small_tests})
+  add_executable(${name}_emulated $<TARGET_OBJECTS:${name}> $<TARGET_OBJECTS:cuda_emulated>)
+  target_link_libraries(${name}_emulated PRIVATE $<TARGET_PROPERTY:${name},LINK_LIBRARIES>)
+  add_test(NAME emulated/${name} COMMAND ${name}_emulated --gtest_filter=-${slow})
+  set_tests_properties(emulated/${name} PROPERTIES LABELS emulated TIMEOUT ${CHIARO_TEST_TIMEOUT} ENVIRONMENT CHIARO_TEST_DEVICE=cuda)
+endforeach()
