@@ -35,10 +35,12 @@ std::string refusal(std::span<const std::byte> bytes) {
     return "";
 }
 
-class Exr : public ToolTest {
+class Exr : public FolderTest {
 protected:
     const std::string file = folder / "a.exr";
 };
+
+class ExrTool : public ToolTest {};
 
 /// Channels of `frame` as another program might write them: another type, order, window, tiles.
 template <class Output>
@@ -127,7 +129,7 @@ TEST_F(Exr, RefusesAHugeClaim) {
     EXPECT_FALSE(refusal(bytes).empty());
 }
 
-TEST_F(Exr, TheToolWritesLight) {
+TEST_F(ExrTool, WritesLight) {
     const std::string render = "render sample:menger:16 --size 24x16 --quiet --transfer viridis ";
     EXPECT_EQ(tool(render + "-o a.exr --tone aces --background white").code, 0);
     EXPECT_EQ(tool(render + "-o b.exr --exposure 1").code, 0);

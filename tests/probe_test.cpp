@@ -85,7 +85,8 @@ Rgb mean_of(const Probe& probe) {
     return mean;
 }
 
-class ProbeFile : public ToolTest {};
+class ProbeFile : public FolderTest {};
+class ProbeTool : public ToolTest {};
 
 }  // namespace
 
@@ -148,7 +149,7 @@ TEST_F(ProbeFile, IsReadFromHdrAndExr) {
     EXPECT_EQ(probe.rgb()[4], 1.25f);
 }
 
-TEST_F(ProbeFile, RefusalsAreOneSentenceWithTheRightCode) {
+TEST_F(ProbeTool, RefusalsAreOneSentenceWithTheRightCode) {
     const auto said = [&](const std::string& source) {
         const Said s = tool("render sample:ball:8 -o a.png --size 8x8 --quiet --probe " + source);
         return std::to_string(s.code) + " " + s.err;

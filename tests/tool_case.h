@@ -19,13 +19,40 @@ struct Said {
     std::string out, err;
 };
 
-/// A test that runs the tool in a folder of its own.
-class ToolTest : public testing::Test {
+/// A test with a folder of its own.
+class FolderTest : public testing::Test {
 protected:
     std::filesystem::path folder = std::filesystem::temp_directory_path() / ("chiaro-tool-" + std::to_string(getpid()));
 
     void SetUp() override { std::filesystem::create_directories(folder); }
     void TearDown() override { std::filesystem::remove_all(folder); }
+
+    std::string read(const std::string& name) const {
+        std::ifstream stream(folder / name, std::ios::binary);
+        return {std::istreambuf_iterator<char>(stream), {}};
+    }
+
+    nlohmann::json json(const std::string& name) const { return nlohmann::json::parse(read(name)); }
+
+    void write(const std::string& name, const std::string& text) const { std::ofstream(folder / name) << text; }
+
+    /// The files in the folder, sorted.
+    std::string files() const {
+        std::set<std::string> names;
+        for (const auto& entry : std::filesystem::directory_iterator(folder)) names.insert(entry.path().filename());
+        std::string list;
+        for (const auto& name : names) list += (list.empty() ? "" : " ") + name;
+        return list;
+    }
+};
+
+/// A test that runs the tool there.
+class ToolTest : public FolderTest {
+protected:
+    void SetUp() override {
+        FolderTest::SetUp();
+        if (!std::filesystem::exists(CHIARO_BIN "/chiaro")) GTEST_SKIP() << "skipped: the tool was not built";
+    }
 
     /// Runs `chiaro ARGUMENTS`, as a shell reads them, in the folder. A signal is sent, where given, after that time.
     Said tool(const std::string& arguments, int signal = 0, std::chrono::milliseconds after = {}) {
@@ -45,23 +72,5 @@ protected:
         const Said said{WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), read(".out"), read(".err")};
         std::filesystem::remove(out), std::filesystem::remove(err);
         return said;
-    }
-
-    std::string read(const std::string& name) const {
-        std::ifstream stream(folder / name, std::ios::binary);
-        return {std::istreambuf_iterator<char>(stream), {}};
-    }
-
-    nlohmann::json json(const std::string& name) const { return nlohmann::json::parse(read(name)); }
-
-    void write(const std::string& name, const std::string& text) const { std::ofstream(folder / name) << text; }
-
-    /// The files in the folder, sorted.
-    std::string files() const {
-        std::set<std::string> names;
-        for (const auto& entry : std::filesystem::directory_iterator(folder)) names.insert(entry.path().filename());
-        std::string list;
-        for (const auto& name : names) list += (list.empty() ? "" : " ") + name;
-        return list;
     }
 };
