@@ -23,6 +23,11 @@ target_compile_definitions(cuda_emulated_test PRIVATE CHIARO_CUDA_EMULATED)
 target_link_libraries(cuda_emulated_test PRIVATE chiaro_bench chiaro GTest::gtest_main fmt::fmt chiaro_warnings)
 gtest_discover_tests(cuda_emulated_test NO_PRETTY_VALUES TEST_PREFIX Emulated DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT ${CHIARO_TEST_TIMEOUT})
 
+# The tool with that card: scripts/gallery --devices.
+find_package(CLI11 REQUIRED)
+add_executable(chiaro_emulated EXCLUDE_FROM_ALL $<TARGET_OBJECTS:chiaro-cli> $<TARGET_OBJECTS:cuda_emulated>)
+target_link_libraries(chiaro_emulated PRIVATE $<TARGET_PROPERTY:chiaro-cli,LINK_LIBRARIES>)
+
 # But for what takes ten seconds and more of make-believe, and goes through the same kernels as quicker tests: some, and all
 # of the volumes at full size. Tests of the tool, which has another card or none, are left out too.
 set(slow Transport.AHalfSpace* Spao.AnyNumber* TransportEdit.ATurned* TransportEdit.TheFirst* TransportEdit.Another* Reference.Interpolated* Reference.MidPlane*
