@@ -48,13 +48,16 @@ constexpr HistogramSettings small{.radius = 6, .clusters = 60, .packed_bins = 16
 
 }  // namespace
 
-TEST_F(Cards, PrepareLocalHistogramsAsTheProcessorDoes) {
+TEST_F(Cards, PrepareLocalHistogramsAsTheProcessorDoes) { expect_same_histograms(card, clutter(), small); }
+
+TEST_F(Cards, PrepareLocalHistogramsByEveryPath) {
     HistogramSettings settings = small;
-    expect_same_histograms(card, clutter(), settings);
-    const auto ridge = [](double x, double y, double z) { return 20 * std::abs(x - 5) + y * z; };
-    for (const auto path : {HistogramPath::exact, HistogramPath::sweep}) {  // training and lifting alone
-        settings.path = path;
-        expect_same_histograms(card, sampled<std::uint8_t>({12, 9, 10}, ridge), settings);
+    settings.clusters = 30;
+    for (const auto path : {HistogramPath::exact, HistogramPath::sweep}) {
+        settings.path = path, settings.packing = HistogramPacking::uniform, settings.subsample = 1;
+        expect_same_histograms(card, clutter(), settings);
+        settings.packing = HistogramPacking::paper, settings.packed_bins = 21, settings.subsample = 4;
+        expect_same_histograms(card, clutter(), settings);
     }
 }
 

@@ -121,6 +121,35 @@ TEST_F(TroubledCards, GiveWayAtAnyStepOfPreparingHistograms) {
     EXPECT_LT(gave_way, 8);
 }
 
+TEST_F(TroubledCards, PrepareHistogramsPlaneByPlaneWhereTheyHaveLittleMemory) {
+    const Volume volume = shells_of<std::uint8_t>(36);
+    for (const HistogramPath path : {HistogramPath::fast, HistogramPath::exact, HistogramPath::sweep}) {
+        const HistogramSettings settings{.radius = 3, .clusters = 20, .packed_bins = 16, .path = path};
+        const auto prepared = [&](const Device& device) {
+            Steps steps;
+            Progress progress;
+            return find_local_histograms(upload(device, volume).data(), settings, steps, progress);
+        };
+        const auto on_card_of = [&](std::size_t memory, std::size_t& launches) {
+            cuda_emulated::card().memory_bytes = cuda_emulated::card().held_bytes + memory;
+            const Device device = Device::cuda(0, processor());
+            cuda_emulated::card().memory_bytes = std::size_t(4) << 30;
+            const std::size_t before = cuda_emulated::card().launches;
+            LocalHistograms found = prepared(device);
+            launches = cuda_emulated::card().launches - before;
+            return found;
+        };
+        const LocalHistograms expected = prepared(processor());
+        std::size_t few = 0, many = 0;
+        for (const auto& [memory, launches] : {std::pair(std::size_t(2) << 30, &few), {std::size_t(4) << 20, &many}}) {
+            const LocalHistograms found = on_card_of(memory, *launches);
+            EXPECT_EQ(std::memcmp(found.lifted.data(), expected.lifted.data(), expected.lifted.size()), 0);
+            EXPECT_EQ(found.shares, expected.shares);
+        }
+        EXPECT_GT(many, few + 20);
+    }
+}
+
 TEST_F(TroubledCards, GiveWayBeforeAnIterationAndWithinOne) {
     const Volume volume = shells_of<std::uint8_t>(24);
     const Medium medium = classify(upload(processor(), volume), two_materials(), {});

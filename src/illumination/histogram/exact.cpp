@@ -34,8 +34,8 @@ void ExactHistograms::find(int x, int y, int z, float* histograms) const {
     std::copy_n(counted, places_, forward);
     counted = count(x, y, z, gradient, true);
     for (int k = 0; k < places_; ++k) {
-        backward[k] = 2 * std::max(counted[k] - forward[k], 0.0f);
-        forward[k] *= 2;
+        backward[k] = kernel::half_of(forward[k], counted[k], true);
+        forward[k] = kernel::half_of(forward[k], counted[k], false);
     }
 }
 

@@ -3,8 +3,18 @@
 #pragma once
 #include "illumination/histogram/ball_view.h"
 #include "illumination/histogram/bin_grid.h"
+#include "illumination/histogram/codebook_view.h"
 
 namespace chiaro::kernel {
+
+/// A half ball's share of what was counted ahead of the gradient and in the whole ball.
+CHIARO_INLINE float half_of(float ahead, float all, bool backward) {
+    return 2 * (backward ? max(all - ahead, 0.0f) : ahead);
+}
+/// packed_one for 1
+CHIARO_INLINE std::int16_t packed_share(float share) {
+    return std::int16_t(min(max(share, 0.0f), 1.0f) * float(packed_one) + 0.5f);
+}
 
 CHIARO_INLINE float scale_of(BallPart part) { return part == BallPart::whole ? 1.0f : 2.0f; }
 

@@ -31,20 +31,23 @@ FastShape::FastShape(const Packing& packing, int radius) {
                                                   dx + row.dy * block.tile_row + row.dz * block.tile_slice};
 }
 
-std::size_t give_room(Block& b, int rows, int cells, std::byte* memory) {
+std::size_t give_room(Block& b, const FastRoom& room, std::byte* memory) {
     constexpr int n = Block::nodes;
     const int wide = n + 2 * b.reach;
     std::size_t bytes = 0;
-    const auto take = [&](int numbers) {
-        const std::size_t first = std::exchange(bytes, bytes + std::size_t(numbers) * sizeof(float));
+    const auto take = [&](std::size_t numbers) {
+        const std::size_t first = std::exchange(bytes, bytes + numbers * sizeof(float));
         return memory ? memory + first : nullptr;
     };
-    const auto ints = [&](int vectors) { return reinterpret_cast<std::int32_t*>(take(vectors * b.bins)); };
-    const auto floats = [&](int vectors) { return reinterpret_cast<float*>(take(vectors * b.bins)); };
-    b.columns = ints(wide * wide), b.rows = ints(n * wide), b.row_sum = ints(n);
+    const auto vectors = [&](int count) { return take(std::size_t(count) * std::size_t(b.bins)); };
+    const auto ints = [&](int count) { return reinterpret_cast<std::int32_t*>(vectors(count)); };
+    const auto floats = [&](int count) { return reinterpret_cast<float*>(vectors(count)); };
+    const int rows = room.planes * room.rows;
+    b.columns = ints(room.depths * wide * wide), b.rows = ints(room.depths * n * wide), b.row_sum = ints(n);
     b.mass = floats(n * n * n), b.blur = floats(n * n * n);
-    b.plane = floats(3 * n * n), b.line = floats(4 * n * rows), b.near_bins = floats(2 * rows * cells);
-    b.tile = reinterpret_cast<std::uint32_t*>(take(b.tile_size()));
+    b.plane = floats(room.planes * 3 * n * n), b.line = floats(4 * n * rows),
+    b.near_bins = floats(2 * rows * room.cells);
+    b.tile = reinterpret_cast<std::uint32_t*>(take(std::size_t(b.tile_size())));
     return bytes;
 }
 
@@ -74,8 +77,8 @@ void FastHistograms::find(std::size_t block, int step, const Wanted& wanted, con
 Block FastHistograms::load(const std::array<std::pair<int, int>, 3>& block) const {
     thread_local std::vector<std::byte> room;
     Block data = shape_.block;
-    room.resize(give_room(data, 1, 1, nullptr));
-    give_room(data, 1, 1, room.data());
+    room.resize(give_room(data, {}, nullptr));
+    give_room(data, {}, room.data());
     std::fill_n(data.tile, data.tile_size(), 0);
     const auto [nx, ny, nz] = cells_.grid.count;
     const int fine = data.tile_row;

@@ -1,140 +1,128 @@
 // The same kernels as a card's threads call them: a column, a bin of a row or a cell each, of many blocks side by side.
 #pragma once
-#include "illumination/cells/block_place.h"
-#include "illumination/histogram/bin_grid.h"
 #include "illumination/histogram/fast_kernel.h"
+#include "illumination/histogram/slab.h"
 
 namespace chiaro::kernel {
 
-/// Packed histograms of a plane of cells of each of many blocks.
-struct HistogramPlane {
-    static constexpr int cells = FastBlock::edge * FastBlock::edge;
-    const BlockPlace* places;
-    std::int32_t first_block;        ///< of all that are asked for
-    std::int32_t z;                  ///< in the block
-    std::int32_t bins;               ///< of a vector
-    const std::int16_t* histograms;  ///< forward, backward of each cell of each block, x fastest
-};
+static_assert(FastBlock::edge == HistogramSlab::edge);
 
-/// One of the items of blocks side by side, `size` each.
-struct FastItem {
-    std::uint32_t block;
-    std::int32_t i;
-    CHIARO_INLINE FastItem(std::int64_t item, std::int32_t size)
-        : block(std::uint32_t(item) / std::uint32_t(size)), i(std::int32_t(item - std::int64_t(block) * size)) {}
-};
-static_assert(FastBlock::edge == BlockPlace::edge);
-
-/// Blocks whose room, zero at first, is in memory at the same time. The steps below take so many items() of each.
+/// Blocks whose room, zero at first, is in memory at the same time: of all planes of nodes, and of a slab. The steps
+/// below take so many items() of each.
 struct FastBatch {
     static constexpr int nodes = FastBlock::nodes, edge = FastBlock::edge;
-    const FastBlock* blocks;  ///< with room for all rows and cells of a plane
-    const BlockPlace* places;
-    BinGrid grid;
-    const std::uint32_t* code;           ///< of each bin, as FastBlock::tile
-    std::int32_t bins, tile_size, step;  ///< of a vector; of a block; cells from one node to the next
-    float* normals;                      ///< of each cell of a plane of each block
-    std::int16_t* histograms;            ///< as HistogramPlane
+    const FastBlock* blocks;
+    const std::uint32_t* code;  ///< of each bin, as FastBlock::tile
+    std::int32_t tile_size;     ///< of a block
+    float* normals;             ///< of each cell of a slab
+    HistogramSlab slab;
     // Of one launch:
     Columns columns;
     FastBox box;
-    std::int32_t z;  ///< of nodes or cells
-
-    CHIARO_INLINE std::int32_t row() const { return nodes * bins; }
 
 protected:
-    CHIARO_INLINE float* line_of(const FastBlock& b, int y) const { return b.line + 4 * y * row(); }
-    CHIARO_INLINE float* near_of(const FastBlock& b, int cell) const { return b.near_bins + 2 * cell * bins; }
-    CHIARO_INLINE bool is_node(std::uint32_t block, int x, int y) const {
-        const std::int32_t* first = places[block].first;
-        const int at[] = {first[0] + x, first[1] + y, first[2] + z};
-        return grid.holds(at[0], at[1], at[2]) && at[0] % step == 0 && at[1] % step == 0 && at[2] % step == 0;
+    CHIARO_INLINE std::int32_t row() const { return nodes * slab.bins; }
+    CHIARO_INLINE std::int32_t rows() const { return nodes + 2 * box.half_y; }  ///< whose sums a plane of nodes needs
+    CHIARO_INLINE std::int32_t* columns_of(const FastBlock& b, int node_z) const {
+        return b.columns + node_z * columns.width() * columns.height() * slab.bins;
     }
+    CHIARO_INLINE float* plane_of(const FastBlock& b, int plane) const { return b.plane + plane * 3 * nodes * row(); }
+    CHIARO_INLINE float* line_of(const FastBlock& b, int line) const { return b.line + line * 4 * row(); }
+    CHIARO_INLINE float* near_of(const FastBlock& b, int cell) const { return b.near_bins + cell * 2 * slab.bins; }
 };
 
 struct LoadTile : FastBatch {
     CHIARO_INLINE std::int32_t items() const { return tile_size; }
     CHIARO_INLINE void operator()(std::int64_t item) const {
-        const FastItem its(item, tile_size);
+        const BlockShare its(item, tile_size);
         const FastBlock& b = blocks[its.block];
-        const std::int32_t* first = places[its.block].first;
+        const std::int32_t* first = slab.places[its.block].first;
         const int x_there = first[0] - b.fine_first + its.i % b.tile_row,
                   y_there = first[1] - b.fine_first + its.i / b.tile_row % b.tile_row,
                   z_there = first[2] - b.fine_first + its.i / b.tile_slice;
+        const BinGrid& grid = slab.grid;
         b.tile[its.i] = grid.holds(x_there, y_there, z_there) ? code[*grid.cell(x_there, y_there, z_there)] : 0;
     }
 };
 
-struct MoveColumns : FastBatch {
-    CHIARO_INLINE std::int32_t items() const { return columns.width() * columns.height(); }
+struct FillColumns : FastBatch {
+    CHIARO_INLINE std::int32_t items() const { return nodes * columns.width() * columns.height(); }
     CHIARO_INLINE void operator()(std::int64_t item) const {
-        const FastItem its(item, items());
-        move_column(blocks[its.block], columns, its.i % columns.width(), its.i / columns.width(), z);
+        const BlockShare its(item, items());
+        const FastBlock& b = blocks[its.block];
+        const int x = its.i % columns.width(), y = its.i / columns.width() % columns.height(),
+                  z = its.i / columns.width() / columns.height();
+        fill_column(b, columns, x, y, z, b.columns + its.i * slab.bins);
     }
 };
 
 struct SumColumns : FastBatch {
-    CHIARO_INLINE std::int32_t items() const { return (nodes + 2 * box.half_y) * bins; }
+    CHIARO_INLINE std::int32_t items() const { return nodes * rows() * slab.bins; }
     CHIARO_INLINE void operator()(std::int64_t item) const {
-        const FastItem its(item, items());
-        sum_row<float>(blocks[its.block], columns, box, its.i / bins, its.i % bins);
+        const BlockShare its(item, items());
+        const FastBlock& b = blocks[its.block];
+        const int line = its.i / slab.bins, z = line / rows();
+        sum_row<float>(columns, box, slab.bins, line % rows(), its.i % slab.bins, columns_of(b, z),
+                       b.rows + z * rows() * row());
     }
 };
 
 struct SumRows : FastBatch {
-    CHIARO_INLINE std::int32_t items() const { return row(); }
+    CHIARO_INLINE std::int32_t items() const { return nodes * row(); }
     CHIARO_INLINE void operator()(std::int64_t item) const {
-        const FastItem its(item, items());
+        const BlockShare its(item, items());
         const FastBlock& b = blocks[its.block];
-        running_sums<float>(b.rows + its.i, row(), nodes, box.half_y, [&](int y, std::int32_t sum) {
-            add_weighted<float>(b, box, sum, (z * nodes + y) * row() + its.i);
+        const int z = its.i / row(), i = its.i % row();
+        running_sums<float>(b.rows + z * rows() * row() + i, row(), nodes, box.half_y, [&](int y, std::int32_t sum) {
+            add_weighted<float>(b, box, sum, (z * nodes + y) * row() + i);
         });
     }
 };
 
 struct InterpolatePlanes : FastBatch {
-    CHIARO_INLINE std::int32_t items() const { return nodes * row(); }
+    CHIARO_INLINE std::int32_t items() const { return slab.planes * nodes * row(); }
     CHIARO_INLINE void operator()(std::int64_t item) const {
-        const FastItem its(item, items());
-        interpolate_planes<float>(blocks[its.block], between(z), its.i);
+        const BlockShare its(item, items());
+        const FastBlock& b = blocks[its.block];
+        const int plane = its.i / (nodes * row());
+        interpolate_planes<float>(b, between(slab.z + plane), its.i % (nodes * row()), plane_of(b, plane));
     }
 };
 
 struct InterpolateRows : FastBatch {
-    CHIARO_INLINE std::int32_t items() const { return edge * row(); }
+    CHIARO_INLINE std::int32_t items() const { return slab.planes * edge * row(); }
     CHIARO_INLINE void operator()(std::int64_t item) const {
-        const FastItem its(item, items());
+        const BlockShare its(item, items());
         const FastBlock& b = blocks[its.block];
-        const int y = its.i / row();
-        interpolate_rows<float>(b, between(y), its.i % row(), line_of(b, y));
+        const int line = its.i / row();
+        interpolate_rows<float>(slab.bins, plane_of(b, line / edge), between(line % edge), its.i % row(),
+                                line_of(b, line));
     }
 };
 
 struct CountNear : FastBatch {
-    CHIARO_INLINE std::int32_t items() const { return HistogramPlane::cells; }
+    CHIARO_INLINE std::int32_t items() const { return slab.cells(); }
     CHIARO_INLINE void operator()(std::int64_t item) const {
-        const FastItem its(item, items());
-        const FastBlock& b = blocks[its.block];
-        const int x = its.i % edge, y = its.i / edge;
-        if (!is_node(its.block, x, y)) return;
-        const std::int32_t* first = places[its.block].first;
-        const Float3 n = grid.normal(first[0] + x, first[1] + y, first[2] + z);
+        const SlabCell cell(slab, item);
+        if (!cell.is_node(slab)) return;
+        const FastBlock& b = blocks[cell.block];
+        const Float3 n = slab.grid.normal(cell.at[0], cell.at[1], cell.at[2]);
         float* const normal = normals + 3 * item;
         normal[0] = n.x, normal[1] = n.y, normal[2] = n.z;
-        count_near(b, in_tile(b, x, y, z), normal, near_of(b, its.i));
+        count_near(b, in_tile(b, cell.x, cell.y, cell.z), normal, near_of(b, cell.i));
     }
 };
 
 struct FinishCells : FastBatch {
-    CHIARO_INLINE std::int32_t items() const { return HistogramPlane::cells * bins; }
+    CHIARO_INLINE std::int32_t items() const { return slab.cells() * slab.bins; }
     CHIARO_INLINE void operator()(std::int64_t item) const {
-        const FastItem its(item, items());
-        const FastBlock& b = blocks[its.block];
-        const int cell = its.i / bins, x = cell % edge, y = cell / edge;
-        if (!is_node(its.block, x, y)) return;
-        const std::int64_t at = std::int64_t(its.block) * HistogramPlane::cells + cell;
-        finish_bins<float>(b, line_of(b, y), between(x), normals + 3 * at, near_of(b, cell), its.i % bins,
-                           histograms + 2 * at * bins);
+        const BlockShare its(item, items());
+        const std::int64_t at = std::int64_t(its.block) * slab.cells() + its.i / slab.bins;
+        const SlabCell cell(slab, at);
+        if (!cell.is_node(slab)) return;
+        const FastBlock& b = blocks[cell.block];
+        finish_bins<float>(b, line_of(b, cell.i / edge), between(cell.x), normals + 3 * at, near_of(b, cell.i),
+                           its.i % slab.bins, slab.histograms + 2 * at * slab.bins);
     }
 };
 

@@ -33,13 +33,14 @@ struct FastBlock {
     NearCell near[most_near];
     std::int32_t boxes, near_count;
 
-    // Room, vectors of `bins` numbers:
+    // Room, vectors of `bins` numbers; on a card of columns and rows for each plane of nodes:
     std::int32_t *columns, *rows;  ///< (nodes + 2 reach)² and nodes (nodes + 2 reach)
     std::int32_t* row_sum;         ///< nodes
     float *mass, *blur;            ///< nodes³
-    float* plane;                  ///< 3 nodes²
-    float* line;                   ///< 4 nodes; on a card for each row of the plane
-    float* near_bins;              ///< 2; on a card for each cell of the plane
+    // On a card for each plane of a slab, of that for each row, of that for each cell:
+    float* plane;      ///< 3 nodes²
+    float* line;       ///< 4 nodes
+    float* near_bins;  ///< 2
 
     int tile_size() const { return tile_row * tile_slice; }
 };

@@ -50,27 +50,31 @@ struct Columns {
     CHIARO_INLINE int height() const { return FastBlock::nodes + 2 * reach_y; }
 };
 
-/// A column on to plane `z` of nodes from the one before; to the first from nothing.
-CHIARO_INLINE void move_column(const FastBlock& b, const Columns& columns, int x, int y, int z) {
-    std::int32_t* const column = b.columns + (y * columns.width() + x) * b.bins;
-    const int tile_x = b.reach - columns.reach_x + x, tile_y = b.reach - columns.reach_y + y,
-              first = b.reach - columns.half_z;
-    if (z == 0) {
-        for (int k = 0; k < b.bins; ++k) column[k] = 0;
-        for (int i = 0; i < 2 * columns.half_z; ++i) add_coarse_cell<1>(b, tile_x, tile_y, first + i, column);
-    } else {
-        add_coarse_cell<-1>(b, tile_x, tile_y, first + z - 1, column);
-    }
-    add_coarse_cell<1>(b, tile_x, tile_y, first + z + 2 * columns.half_z, column);
+/// Adds the coarse cell at depth `z` of the columns to one.
+template <int sign>
+CHIARO_INLINE void add_to_column(const FastBlock& b, const Columns& columns, int x, int y, int z,
+                                 std::int32_t* column) {
+    add_coarse_cell<sign>(b, b.reach - columns.reach_x + x, b.reach - columns.reach_y + y, b.reach - columns.half_z + z,
+                          column);
+}
+/// A column around plane `z` of nodes, from nothing.
+CHIARO_INLINE void fill_column(const FastBlock& b, const Columns& columns, int x, int y, int z, std::int32_t* column) {
+    for (int k = 0; k < b.bins; ++k) column[k] = 0;
+    for (int i = 0; i <= 2 * columns.half_z; ++i) add_to_column<1>(b, columns, x, y, z + i, column);
+}
+/// On to plane `z` from the one before.
+CHIARO_INLINE void move_column(const FastBlock& b, const Columns& columns, int x, int y, int z, std::int32_t* column) {
+    add_to_column<-1>(b, columns, x, y, z - 1, column);
+    add_to_column<1>(b, columns, x, y, z + 2 * columns.half_z, column);
 }
 
-/// Sums of the columns along x for a row of nodes, of the bins from `g` on.
+/// Sums of the columns of a plane along x for a row of nodes, of the bins from `g` on.
 template <class F>
-CHIARO_INLINE void sum_row(const FastBlock& b, const Columns& columns, const FastBox& box, int y, int g) {
-    const int bins = b.bins,
-              column = (y + columns.reach_y - box.half_y) * columns.width() + columns.reach_x - box.half_x;
-    std::int32_t* const out = b.rows + y * FastBlock::nodes * bins + g;
-    running_sums<F>(b.columns + column * bins + g, bins, FastBlock::nodes, box.half_x,
+CHIARO_INLINE void sum_row(const Columns& columns, const FastBox& box, int bins, int y, int g, const std::int32_t* from,
+                           std::int32_t* rows) {
+    const int column = (y + columns.reach_y - box.half_y) * columns.width() + columns.reach_x - box.half_x;
+    std::int32_t* const out = rows + y * FastBlock::nodes * bins + g;
+    running_sums<F>(from + column * bins + g, bins, FastBlock::nodes, box.half_x,
                     [&](int i, Int<F> sum) CHIARO_INLINE_LAMBDA { store_counts(out + i * bins, sum); });
 }
 
@@ -93,7 +97,7 @@ CHIARO_INLINE void add_box_plane(const FastBlock& b, const Columns& columns, con
     constexpr int nodes = FastBlock::nodes, lanes = LaneTraits<F>::count;
     const int row = nodes * b.bins;
     for (int y = 0; y < nodes + 2 * box.half_y; ++y)
-        for (int g = 0; g < b.bins; g += lanes) sum_row<F>(b, columns, box, y, g);
+        for (int g = 0; g < b.bins; g += lanes) sum_row<F>(columns, box, b.bins, y, g, b.columns, b.rows);
     // Running sums along y for whole rows, as these lie in the cache.
     for (int i = 0; i < row; ++i) b.row_sum[i] = 0;
     for (int y = 0; y < 2 * box.half_y; ++y) add_to_row<F>(b.rows + y * row, row, b.row_sum);
@@ -127,8 +131,10 @@ CHIARO_INLINE void fast_sums(const FastBlock& b) {
     for (int i = 0; i < nodes * nodes * nodes * b.bins; ++i) b.mass[i] = 0, b.blur[i] = 0;
     for_columns(b, [&](const Columns& columns, int from, int end) CHIARO_INLINE_LAMBDA {
         for (int z = 0; z < nodes; ++z) {
+            std::int32_t* column = b.columns;
             for (int y = 0; y < columns.height(); ++y)
-                for (int x = 0; x < columns.width(); ++x) move_column(b, columns, x, y, z);
+                for (int x = 0; x < columns.width(); ++x, column += b.bins)
+                    z == 0 ? fill_column(b, columns, x, y, z, column) : move_column(b, columns, x, y, z, column);
             for (int n = from; n < end; ++n) add_box_plane<F>(b, columns, b.box[n], z);
         }
     });
@@ -156,20 +162,20 @@ CHIARO_INLINE F blend_slope(F s, F t, const float* here, std::int64_t step) {
 
 /// Numbers `i` on of a plane of fine cells: M0, P and its difference along z, interpolated between planes of nodes.
 template <class F>
-CHIARO_INLINE void interpolate_planes(const FastBlock& b, Between z, std::int64_t i) {
+CHIARO_INLINE void interpolate_planes(const FastBlock& b, Between z, std::int64_t i, float* out) {
     const std::int64_t plane = std::int64_t(FastBlock::nodes) * FastBlock::nodes * b.bins;
     const float *const m = b.mass + z.node * plane + i, *const p = b.blur + z.node * plane + i;
     const F t(z.next), s(1 - z.next);
-    store_row(b.plane + i, blend(s, m, t, m + plane));
-    store_row(b.plane + plane + i, blend(s, p, t, p + plane));
-    store_row(b.plane + 2 * plane + i, blend_slope(s, t, p, plane));
+    store_row(out + i, blend(s, m, t, m + plane));
+    store_row(out + plane + i, blend(s, p, t, p + plane));
+    store_row(out + 2 * plane + i, blend_slope(s, t, p, plane));
 }
 
 /// The same for a row of the plane; differences along y and z.
 template <class F>
-CHIARO_INLINE void interpolate_rows(const FastBlock& b, Between y, std::int64_t i, float* line) {
-    const std::int64_t row = std::int64_t(FastBlock::nodes) * b.bins, plane = FastBlock::nodes * row;
-    const float *const m = b.plane + y.node * row + i, *const p = m + plane, *const dz = p + plane;
+CHIARO_INLINE void interpolate_rows(int bins, const float* from, Between y, std::int64_t i, float* line) {
+    const std::int64_t row = std::int64_t(FastBlock::nodes) * bins, plane = FastBlock::nodes * row;
+    const float *const m = from + y.node * row + i, *const p = m + plane, *const dz = p + plane;
     const F t(y.next), s(1 - y.next);
     store_row(line + i, blend(s, m, t, m + row));
     store_row(line + row + i, blend(s, p, t, p + row));
@@ -180,7 +186,8 @@ CHIARO_INLINE void interpolate_rows(const FastBlock& b, Between y, std::int64_t 
 template <class F>
 CHIARO_INLINE void fast_plane(const FastBlock& b, int fine_z) {
     const std::int64_t plane = std::int64_t(FastBlock::nodes) * FastBlock::nodes * b.bins;
-    for (std::int64_t i = 0; i < plane; i += LaneTraits<F>::count) interpolate_planes<F>(b, between(fine_z), i);
+    for (std::int64_t i = 0; i < plane; i += LaneTraits<F>::count)
+        interpolate_planes<F>(b, between(fine_z), i, b.plane);
 }
 
 /// Counts the cells near one cell by their true side of it: forward, then backward.
@@ -238,7 +245,7 @@ CHIARO_INLINE void fast_cells(const FastBlock& b, int fine_y, int fine_z, int co
                               std::int16_t* histograms) {
     constexpr int lanes = LaneTraits<F>::count;
     for (std::int64_t i = 0; i < std::int64_t(FastBlock::nodes) * b.bins; i += lanes)
-        interpolate_rows<F>(b, between(fine_y), i, b.line);
+        interpolate_rows<F>(b.bins, b.plane, between(fine_y), i, b.line);
     for (int x = 0; x < count; x += step, histograms += 2 * b.bins) {
         const float* n = normals + 3 * x;
         count_near(b, in_tile(b, x, fine_y, fine_z), n, b.near_bins);

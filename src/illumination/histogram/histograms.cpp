@@ -39,12 +39,6 @@ void assign(const Device& device, const HistogramSource& source, const Codebook&
     progress.check();
 }
 
-/// Cards make fast ones only.
-Device maker_of(Device device, HistogramPath path) {
-    if (path != HistogramPath::fast) device.stream = nullptr;
-    return device;
-}
-
 }  // namespace
 
 LocalHistograms find_local_histograms(const DeviceVolume::Data& volume, const HistogramSettings& settings, Steps& steps,
@@ -54,10 +48,10 @@ LocalHistograms find_local_histograms(const DeviceVolume::Data& volume, const Hi
     const CellGrid& grid = data.cells.grid;
     data.packing = make_packing(settings.packing, settings.packed_bins, data.cells.counts());
     const auto source = make_source(device, data, settings.path);
-    const Device maker = maker_of(device, settings.path);
 
-    const auto vectors = steps(
-        "histogram samples", [&] { return sample_histograms(maker, *source, data, 32 * settings.clusters, progress); });
+    const auto vectors = steps("histogram samples", [&] {
+        return sample_histograms(device, *source, data, settings.path, 32 * settings.clusters, progress);
+    });
     Training training{settings.clusters, settings.metric, 1e-3, {}};
     const Codebook book = steps("histogram training",
                                 [&] { return train_codebook(device, vectors, source->bins(), training, progress); });
@@ -68,8 +62,8 @@ LocalHistograms find_local_histograms(const DeviceVolume::Data& volume, const Hi
     out.identifiers = VoxelBuffer((out.node_count() + 1) * sizeof(WordPair));
     out.words = book.count(), out.histograms = 2 * out.node_count(), out.distortions = training.distortions;
     steps("histograms", [&] {
-        const auto on_card = [&] { assign_on_card(maker, data, book, out, progress); };
-        if (!cuda::done_on_card(maker, on_card)) assign(device, *source, book, grid, out, progress);
+        const auto on_card = [&] { assign_on_card(device, data, settings.path, book, out, progress); };
+        if (!cuda::done_on_card(device, on_card)) assign(device, *source, book, grid, out, progress);
     });
     steps("histogram words", [&] {
         const Ball ball(settings.radius, settings.path != HistogramPath::sweep);

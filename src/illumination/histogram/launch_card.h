@@ -1,8 +1,9 @@
 // The kernels of local histograms as a card has them, compiled by launch_*.cu; pointers are the card's.
 #pragma once
 #include "cuda/counters.h"
+#include "illumination/histogram/fast_batch.h"
 #include "illumination/histogram/lift_kernel.h"
-#include "illumination/histogram/plane_kernel.h"
+#include "illumination/histogram/slab_kernel.h"
 #include "illumination/histogram/table_kernel.h"
 #include "illumination/histogram/word_kernel.h"
 
@@ -16,12 +17,10 @@ struct WordedVectors {
     std::int32_t* differences;
 };
 
-/// M0 and P of blocks; then histograms of plane batch.z of each. `shape` is what the blocks have in common.
+/// M0 and P of blocks; then histograms of a slab of each. `shape` is what the blocks have in common.
 void fast_sums(cuda::Stream& stream, FastBatch batch, const FastBlock& shape, std::int64_t blocks);
 void fast_cells(cuda::Stream& stream, const FastBatch& batch, std::int64_t blocks);
 
-void assign_plane(cuda::Stream& stream, const AssignPlane& assign, std::int64_t blocks);
-void take_from_plane(cuda::Stream& stream, const TakeFromPlane& take, std::int64_t blocks);
 void lift_nodes(cuda::Stream& stream, const LiftKernel& lift);
 
 /// assign_each, a thread for each of `count` histograms; then the sums of each word's, zero at first, a thread for each

@@ -17,13 +17,11 @@ void fast_sums(cuda::Stream& stream, FastBatch batch, const FastBlock& shape, st
     launch<LoadTile>(stream, batch, blocks);
     for_columns(shape, [&](const Columns& columns, int from, int end) {
         batch.columns = columns;
-        for (batch.z = 0; batch.z < FastBlock::nodes; ++batch.z) {
-            launch<MoveColumns>(stream, batch, blocks);
-            for (int n = from; n < end; ++n) {
-                batch.box = shape.box[n];
-                launch<SumColumns>(stream, batch, blocks);
-                launch<SumRows>(stream, batch, blocks);
-            }
+        launch<FillColumns>(stream, batch, blocks);
+        for (int n = from; n < end; ++n) {
+            batch.box = shape.box[n];
+            launch<SumColumns>(stream, batch, blocks);
+            launch<SumRows>(stream, batch, blocks);
         }
     });
 }

@@ -84,17 +84,27 @@ CHIARO_INLINE std::int32_t nearest_word(const CodebookView& book, const std::int
     return nearest_word<CodebookMetric::l2>(book, x, guess, found);
 }
 
+/// Of a histogram beside another (`beside`, null where there is none) whose word is a good guess, and the answer where
+/// both are the same.
+CHIARO_INLINE std::int32_t word_beside(const CodebookView& book, const std::int16_t* beside, const std::int16_t* x,
+                                       std::int32_t word) {
+    if (beside && difference<CodebookMetric::lmax>(x, beside, book.bins) == 0) return word;
+    std::int32_t difference;
+    return nearest_word(book, x, word, difference);
+}
+
 /// Identifiers of a row of cells, two histograms each. A cell's guesses are the words of the one before; the first
-/// one's are in `words`. Histograms that are the same as the one before get its word.
+/// one's are in `words`.
 CHIARO_INLINE void assign_row(const CodebookView& book, const std::int16_t* histograms, std::int32_t count,
                               std::uint16_t* words) {
     for (int side = 0; side < 2; ++side) {
-        std::int32_t word = words[side], d = -1;
+        std::int32_t word = words[side];
+        const std::int16_t* before = nullptr;
         for (int i = 0; i < count; ++i) {
             const std::int16_t* x = histograms + (2 * i + side) * book.bins;
-            if (d < 0 || difference<CodebookMetric::lmax>(x, x - 2 * book.bins, book.bins) != 0)
-                word = nearest_word(book, x, word, d);
+            word = word_beside(book, before, x, word);
             words[2 * i + side] = std::uint16_t(word);
+            before = x;
         }
     }
 }

@@ -156,10 +156,8 @@ bool Packing::is_one_to_one() const {
 
 void Packing::pack(std::span<const float> histogram, std::span<float> packed_histogram) const {
     std::fill(packed_histogram.begin(), packed_histogram.end(), 0.0f);
-    for (std::size_t j = 0; j < histogram.size(); ++j) {
-        packed_histogram[low[j]] += histogram[j] * float(share[j]) / whole;
-        if (share[j] < whole) packed_histogram[low[j] + 1] += histogram[j] * float(whole - share[j]) / whole;
-    }
+    for (std::size_t j = 0; j < histogram.size(); ++j)
+        view().add(std::int32_t(j), histogram[j], packed_histogram.data());
 }
 
 Packing make_packing(HistogramPacking kind, int packed_bins, std::span<const std::uint64_t> counts) {

@@ -6,18 +6,21 @@
 #include <span>
 #include <vector>
 
+#include "illumination/histogram/packing_view.h"
+
 namespace chiaro {
 
 /// Bin j goes to packed bin low[j] with share[j] / 256, and to the next with the rest. (Two are enough for the paper's
 /// rule too: what a removed bin held lies in the nearest that remain on either side.)
 struct Packing {
-    static constexpr int whole = 256;
+    static constexpr int whole = kernel::PackingView::whole;
     int packed = 1;
     std::vector<std::uint16_t> low, share;
 
     bool is_one_to_one() const;  ///< every bin goes to a single packed bin
     /// Joins the bins of a histogram.
     void pack(std::span<const float> histogram, std::span<float> packed_histogram) const;
+    kernel::PackingView view() const { return {low.data(), share.data()}; }
 };
 
 /// `counts` is the volume's histogram. At most as many packed bins as there are bins.

@@ -1,6 +1,7 @@
 #include "illumination/histogram/source.h"
 
 #include "illumination/histogram/exact.h"
+#include "illumination/histogram/exact_kernel.h"
 #include "illumination/histogram/fast.h"
 #include "illumination/histogram/sweep.h"
 
@@ -39,8 +40,7 @@ private:
                 else
                     packing_.pack(histogram, packed);
                 std::fill_n(to, bins_, PackedHistogram(0));
-                for (std::size_t k = 0; k < packed.size(); ++k)
-                    to[k] = PackedHistogram(std::clamp(packed[k], 0.0f, 1.0f) * packed_one + 0.5f);
+                for (std::size_t k = 0; k < packed.size(); ++k) to[k] = kernel::packed_share(packed[k]);
                 to += bins_;
             }
         }

@@ -2,8 +2,12 @@
 #pragma once
 #include "illumination/histogram/ball.h"
 #include "illumination/histogram/source.h"
+#include "illumination/histogram/sweep_kernel.h"
 
 namespace chiaro {
+
+/// The moving ball of a row, which points to what it is made of; the ball's cells weigh the same.
+kernel::SweptRow swept_row(const BinnedCells& cells, const Packing& packing, const Ball& ball);
 
 /// What a ball that moves by one cell can keep exactly: LH_k(x) = Σ [f(x') = k] / N over 0 < d <= r, N the number of
 /// cells in the ball; cells weigh the same, and the ball is one, not two halves. (Weights 1/d² all change at every
@@ -16,13 +20,8 @@ public:
     void find(std::size_t block, int step, const Wanted& wanted, const UseRow& use_row) const override;
 
 private:
-    void find_row(const std::pair<int, int>& x, int y, int z, int step, PackedHistogram* histograms) const;
-    template <int sign>
-    void add(int x, int y, int z, std::vector<std::int32_t>& counts) const;
-
-    const Packing& packing_;
     const Ball ball_;
-    std::int64_t in_ball_ = 0;
+    const kernel::SweptRow row_;
 };
 
 }  // namespace chiaro

@@ -86,7 +86,7 @@ std::vector<PackedHistogram> found_here(const Device& device, const HistogramSou
 }
 
 /// The same, in the same order.
-std::vector<PackedHistogram> found_on_card(const Device& device, const HistogramData& data,
+std::vector<PackedHistogram> found_on_card(const Device& device, const HistogramData& data, HistogramPath path,
                                            const std::vector<Chosen>& chosen, Progress& progress) {
     using kernel::BlockPlace;
     BlockMap blocks(data.cells.grid.count);
@@ -102,13 +102,14 @@ std::vector<PackedHistogram> found_on_card(const Device& device, const Histogram
         });
     }
     if (cells == 0) return {};
-    return sample_on_card(device, data, blocks, place, std::size_t(cells), progress);
+    return sample_on_card(device, data, path, blocks, place, std::size_t(cells), progress);
 }
 
 }  // namespace
 
 std::vector<PackedHistogram> sample_histograms(const Device& device, const HistogramSource& source,
-                                               const HistogramData& data, int cells_wanted, Progress& progress) {
+                                               const HistogramData& data, HistogramPath path, int cells_wanted,
+                                               Progress& progress) {
     const auto& count = data.cells.grid.count;
     std::vector<Chosen> chosen;
     for (const std::size_t block : some_blocks(BlockMap(count).holds.size()))
@@ -117,7 +118,7 @@ std::vector<PackedHistogram> sample_histograms(const Device& device, const Histo
         choose(data.cells, double(cells_wanted) / double(chosen.size()), chosen[std::size_t(b)]);
     });
     std::vector<PackedHistogram> all;
-    if (!cuda::done_on_card(device, [&] { all = found_on_card(device, data, chosen, progress); }))
+    if (!cuda::done_on_card(device, [&] { all = found_on_card(device, data, path, chosen, progress); }))
         all = found_here(device, source, chosen, progress);
     if (all.empty()) all.assign(std::size_t(source.bins()), 0);  // a volume that has nothing to tell apart
     return all;

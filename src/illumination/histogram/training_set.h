@@ -8,6 +8,7 @@ namespace chiaro {
 /// bins a cell (those elsewhere are much alike), the others anywhere; at random, from a quarter of all blocks (at least
 /// 64).
 std::vector<PackedHistogram> sample_histograms(const Device& device, const HistogramSource& source,
-                                               const HistogramData& data, int cells_wanted, Progress& progress);
+                                               const HistogramData& data, HistogramPath path, int cells_wanted,
+                                               Progress& progress);
 
 }  // namespace chiaro

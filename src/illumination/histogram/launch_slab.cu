@@ -1,4 +1,4 @@
-// Planes of histograms, and identifiers, on cards: the same source, one thread a cell or half of it.
+// Slabs of histograms, and identifiers, on cards: the same source.
 #include "cuda/launch.h"
 #include "illumination/histogram/launch_card.h"
 
@@ -15,12 +15,9 @@ struct LiftNode {
 
 }  // namespace
 
-void assign_plane(cuda::Stream& stream, const AssignPlane& assign, std::int64_t blocks) {
-    cuda::launch_items(stream, blocks * HistogramPlane::cells * 2, assign);
-}
-void take_from_plane(cuda::Stream& stream, const TakeFromPlane& take, std::int64_t blocks) {
-    cuda::launch_items(stream, blocks * HistogramPlane::cells, take);
-}
+template void run_on_card(cuda::Stream&, std::int64_t, const AssignSlab&);
+template void run_on_card(cuda::Stream&, std::int64_t, const TakeFromSlab&);
+
 void lift_nodes(cuda::Stream& stream, const LiftKernel& lift) {
     cuda::launch_items(stream, std::int64_t(lift.nodes[0]) * lift.nodes[1] * lift.nodes[2], LiftNode{lift});
 }

@@ -1,0 +1,48 @@
+// Packed histograms on a card, where they are made, used and forgotten: one class for each path.
+#pragma once
+#include "cuda/run.h"
+#include "illumination/cells/card.h"
+#include "illumination/histogram/launch_card.h"
+#include "illumination/histogram/source.h"
+
+namespace chiaro {
+
+/// As HistogramSource, on the device's card: slabs of many blocks at a time. Memory there: cells' bins, and a quarter
+/// of what was free, 8 GiB at most.
+class CardHistograms {
+public:
+    virtual ~CardHistograms() = default;
+    int bins() const { return slab_.bins; }
+
+    using UseSlab = std::function<void(const kernel::HistogramSlab&, std::int64_t blocks)>;
+    /// Calls use(slab, how many blocks) for all cells of the blocks that are held: nodes among them have histograms. A
+    /// block comes before those above it, and from below its slabs.
+    void find(const BlockMap& map, std::string_view stage, Progress& progress, const UseSlab& use);
+
+protected:
+    /// `step`: cells from one node to the next; bytes_of(planes): what a block needs beside its histograms.
+    CardHistograms(const Device& device, const HistogramData& data, int step,
+                   const std::function<std::size_t(int)>& bytes_of);
+
+    /// What blocks need before their slabs; then the histograms of one.
+    virtual void begin(const kernel::HistogramSlab&, std::int64_t) {}
+    virtual void fill(const kernel::HistogramSlab& slab, std::int64_t blocks) = 0;
+
+    std::size_t cells_together() const { return together_ * std::size_t(slab_.cells()); }
+
+    cuda::Stream& stream_;
+    std::size_t together_;        ///< blocks
+    kernel::HistogramSlab slab_;  ///< as they all are
+
+private:
+    void share_out(std::size_t memory, const std::function<std::size_t(int)>& bytes_of);
+    std::optional<cuda::Array<PackedHistogram>> histograms_;
+};
+
+std::unique_ptr<CardHistograms> make_card_histograms(const Device& device, const HistogramData& data,
+                                                     HistogramPath path, int step);
+
+/// Where the card has the bins of cells.
+const std::uint16_t* bins_on_card(cuda::Stream& stream, const BinnedCells& cells);
+
+}  // namespace chiaro

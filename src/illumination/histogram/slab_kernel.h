@@ -1,0 +1,59 @@
+// What threads of a card do with slabs of histograms, which nobody keeps.
+#pragma once
+#include "illumination/histogram/nearest_kernel.h"
+#include "illumination/histogram/slab.h"
+
+namespace chiaro::kernel {
+
+/// Identifiers of nodes: a thread for each half of those above each other, so that the word of one is the next one's
+/// guess. The first one's is the word of the node below where that is known, else 0: the nearest word is the same
+/// whatever the guess.
+struct AssignSlab {
+    HistogramSlab slab;
+    CodebookView book;
+    std::uint16_t* words;  ///< two a node, x fastest; zero at first
+    std::int32_t nodes[3];
+
+    CHIARO_INLINE void operator()(std::int64_t item) const {
+        const BlockShare its(item / 2, HistogramSlab::plane);
+        const std::int64_t first = std::int64_t(its.block) * slab.cells() + its.i;
+        std::int32_t word = word_below(SlabCell(slab, first).at, item % 2);
+        const std::int16_t* below = nullptr;
+        for (std::int32_t p = 0; p < slab.planes; ++p) {
+            const std::int64_t at = first + p * HistogramSlab::plane;
+            const SlabCell cell(slab, at);
+            if (!cell.is_node(slab)) continue;
+            const std::int16_t* const x = slab.histograms + (2 * at + item % 2) * slab.bins;
+            word = word_beside(book, below, x, word);
+            words[index(cell.at[0], cell.at[1], cell.at[2]) + item % 2] = std::uint16_t(word);
+            below = x;
+        }
+    }
+
+private:
+    CHIARO_INLINE std::int64_t index(std::int32_t x, std::int32_t y, std::int32_t z) const {
+        return 2 * ((std::int64_t(z / slab.step) * nodes[1] + y / slab.step) * nodes[0] + x / slab.step);
+    }
+    CHIARO_INLINE std::int32_t word_below(const std::int32_t (&at)[3], std::int64_t half) const {
+        const bool is_known = slab.grid.holds(at[0], at[1], at[2]) && at[2] > 0;
+        return is_known ? words[index(at[0], at[1], at[2] - 1) + half] : 0;
+    }
+};
+
+/// Some cells' histograms to a list of them: a thread for each cell.
+struct TakeFromSlab {
+    HistogramSlab slab;
+    const std::int32_t* place;  ///< in the list, of each cell of each block that is asked for; -1: not there
+    std::int16_t* list;
+
+    CHIARO_INLINE void operator()(std::int64_t item) const {
+        const BlockShare its(item, slab.cells());
+        const std::int32_t to = place[(slab.first_block + its.block) * std::int64_t(BlockPlace::cells) +
+                                      slab.z * HistogramSlab::plane + its.i];
+        if (to < 0) return;
+        for (int k = 0; k < 2 * slab.bins; ++k)
+            list[2 * std::int64_t(to) * slab.bins + k] = slab.histograms[2 * item * slab.bins + k];
+    }
+};
+
+}  // namespace chiaro::kernel
