@@ -61,6 +61,24 @@ TEST_F(Cards, PrepareLocalHistogramsByEveryPath) {
     }
 }
 
+TEST_F(Cards, FindTheBinsOfCells) {
+    const auto expect_same_bins = [&](Volume volume) {
+        for (const Vec3 spacing_mm : {Vec3{1, 1, 1}, Vec3{1, 1.4, 2.3}}) {
+            volume.geometry.spacing_mm = spacing_mm;
+            Progress progress;
+            const BinnedCells expected = bin_cells(upload(processor(), volume).data(), progress),
+                              found = bin_cells(upload(card, volume).data(), progress);
+            EXPECT_EQ(found.binning, expected.binning);
+            EXPECT_EQ(different_bytes(found.buffer, expected.buffer), 0u);
+            EXPECT_EQ(found.counts(), expected.counts());
+        }
+    };
+    const auto slope = [](double x, double y, double z) { return 900 * x + 70 * std::sin(y) * z; };
+    expect_same_bins(clutter());
+    expect_same_bins(sampled<std::uint16_t>({33, 9, 6}, slope));
+    expect_same_bins(sampled<float>({2, 40, 7}, slope));
+}
+
 TEST_F(Cards, PrepareLocalHistogramsOfEverySetting) {
     HistogramSettings settings = small;
     settings.packing = HistogramPacking::paper, settings.packed_bins = 21;
@@ -83,10 +101,13 @@ TEST_F(Cards, FindMoreWordsThanThereIsRoomForAtOnce) {
 
 TEST_F(Cards, KeepTheIdentifiersThatTheyFound) {
     const auto& mirror = *card.stream->mirror();
-    const LocalHistograms h = prepared(card, clutter(), small);
+    const DeviceVolume volume = upload(card, clutter());
+    Steps steps;
+    Progress progress;
+    const LocalHistograms h = find_local_histograms(volume.data(), small, steps, progress);
     const auto copied = mirror.copied_bytes();
     for (const HostArray& made : {HostArray::of(h.life, h.identifiers), h.lifted.array()})
         card.stream->mirror()->of(made, *card.stream);
     EXPECT_EQ(mirror.copied_bytes(), copied) << "what was made there is copied again";
-    EXPECT_EQ(copied, h.grid.size() * sizeof(std::uint16_t)) << "more than the cells' bins";
+    EXPECT_EQ(copied, volume.data().bricks.size()) << "more than the voxels";
 }

@@ -83,12 +83,16 @@ Geometry geometry_of(const CellGrid& cells, const Geometry& voxels) {
     return geometry;
 }
 
+kernel::CellCentres cell_centres(const CellGrid& grid) {
+    const Vec3& step = grid.voxels_per_cell;
+    return {
+        .voxels_per_cell = {step.x, step.y, step.z}, .planes = {}, .plane_count = 0, .are_voxels = grid.is_voxel_grid};
+}
+
 kernel::CellCentres cell_centres(const Medium::Data& medium, const CellGrid& grid) {
     static_assert(6 + max_clip_planes <= kernel::CellCentres::most_planes);
     const DeviceVolume::Data& volume = medium.volume.data();
-    kernel::CellCentres centres{};
-    centres.are_voxels = grid.is_voxel_grid;
-    for (int axis = 0; axis < 3; ++axis) centres.voxels_per_cell[axis] = grid.voxels_per_cell[axis];
+    kernel::CellCentres centres = cell_centres(grid);
     for (const HalfSpace& kept : half_spaces(medium.shape.clip, volume.geometry, volume.dimensions))
         centres.planes[centres.plane_count++] = {kept.normal.x, kept.normal.y, kept.normal.z, kept.d};
     return centres;

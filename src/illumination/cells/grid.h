@@ -38,7 +38,8 @@ Geometry geometry_of(const CellGrid& cells, const Geometry& voxels);
 
 kernel::GridView view_of(const CellGrid& grid);
 
-/// The grid's cells among the medium's voxels.
+/// The grid's cells among the voxels, none clipped; then those of a medium.
+kernel::CellCentres cell_centres(const CellGrid& grid);
 kernel::CellCentres cell_centres(const Medium::Data& medium, const CellGrid& grid);
 
 /// Of the smallest spacing, or wider where that would make more than 64 cells a voxel, or 2^28 and more cells

@@ -30,7 +30,7 @@ void lift_on_card(const Device& device, const BinnedCells& cells, kernel::LiftKe
     cuda::Stream& stream = *device.stream;
     cuda::Array<std::byte> lifted(stream, h.lifted.size());
     lifted.zero();
-    lift.cells.bins = bins_on_card(stream, cells);
+    lift.cells = cells.view_on_card(stream);
     lift.words =
         reinterpret_cast<const std::uint16_t*>(stream.mirror()->of(HostArray::of(h.life, h.identifiers), stream));
     lift.lifted = reinterpret_cast<std::uint16_t*>(lifted.data());

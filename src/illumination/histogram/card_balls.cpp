@@ -59,9 +59,9 @@ CardSweptHistograms::CardSweptHistograms(const Device& device, const HistogramDa
       ball_(data.radius, false),
       counts_(stream_, cells_together() / HistogramSlab::edge * std::size_t(bins())),
       views_(stream_, arrays_of(ball_, data.packing)) {
-    sweep_.row = swept_row(data.cells, data.packing, ball_);
+    sweep_.row = swept_row(slab_.grid, data.packing, ball_);
     views_.swap(sweep_.row.ball.row, sweep_.row.ball.weights, sweep_.row.packing.low, sweep_.row.packing.share);
-    sweep_.row.cells = slab_.grid, sweep_.counts = counts_.data();
+    sweep_.counts = counts_.data();
 }
 
 void CardSweptHistograms::fill(const HistogramSlab& slab, std::int64_t blocks) {

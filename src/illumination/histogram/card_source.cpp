@@ -15,7 +15,7 @@ constexpr std::size_t most_room = std::size_t(8) << 30;
 CardHistograms::CardHistograms(const Device& device, const HistogramData& data, int step,
                                const std::function<std::size_t(int)>& bytes_of)
     : stream_(*device.stream), slab_{} {
-    slab_.grid = data.cells.view(), slab_.grid.bins = bins_on_card(stream_, data.cells);
+    slab_.grid = data.cells.view_on_card(stream_);
     slab_.step = step, slab_.bins = padded_bins(data.packing.packed);
     share_out(std::min(stream_.card().free_bytes / 4, most_room), [&](int planes) {
         return bytes_of(planes) + std::size_t(planes) * HistogramSlab::plane * 2 * bins() * sizeof(PackedHistogram);
@@ -56,10 +56,6 @@ std::unique_ptr<CardHistograms> make_card_histograms(const Device& device, const
         default:
             return std::make_unique<CardFastHistograms>(device, data, step);
     }
-}
-
-const std::uint16_t* bins_on_card(cuda::Stream& stream, const BinnedCells& cells) {
-    return reinterpret_cast<const std::uint16_t*>(stream.mirror()->of(HostArray::of(cells.life, cells.buffer), stream));
 }
 
 }  // namespace chiaro

@@ -42,7 +42,4 @@ private:
 std::unique_ptr<CardHistograms> make_card_histograms(const Device& device, const HistogramData& data,
                                                      HistogramPath path, int step);
 
-/// Where the card has the bins of cells.
-const std::uint16_t* bins_on_card(cuda::Stream& stream, const BinnedCells& cells);
-
 }  // namespace chiaro

@@ -53,13 +53,12 @@ void find_words_on_card(const Device& device, const BinnedCells& cells, const Ba
     cuda::Stream& stream = *device.stream;
     const int bins = cells.binning.count;
     HostArrays arrays;
-    arrays.add(cells.life, cells.buffer);
     arrays.add(ball.rows);
     arrays.add(ball.weights);
     cuda::Views views(stream, std::move(arrays));
     kernel::CountMembers count{
-        .ball = ball.view(), .cells = cells.view(), .members = nullptr, .bins = bins, .counts = nullptr};
-    views.swap(count.ball.row, count.ball.weights, count.cells.bins);
+        .ball = ball.view(), .cells = cells.view_on_card(stream), .members = nullptr, .bins = bins, .counts = nullptr};
+    views.swap(count.ball.row, count.ball.weights);
     const std::size_t words = std::size_t(h.words), together = std::clamp<std::size_t>(
                                                         most_counts / (4 * most_members * std::size_t(bins)), 1, words);
     CardWords card(stream, taken, bins, together);

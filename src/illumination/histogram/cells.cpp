@@ -1,48 +1,52 @@
 #include "illumination/histogram/cells.h"
 
 #include "core/threads.h"
+#include "cuda/run.h"
 #include "volume/device_view.h"
 
 namespace chiaro {
 namespace {
 
-/// Fills rows of bins from a volume of one stored type.
 template <class Voxel>
-class CellBinner {
-public:
-    CellBinner(const DeviceVolume::Data& volume, BinnedCells& out)
-        : view_(view_of<Voxel>(volume)), out_(out), binning_(out.binning) {
-        if constexpr (sizeof(Voxel) <= 2)
-            for (std::size_t v = 0; v < std::size_t(1) << (8 * sizeof(Voxel)); ++v)
-                of_stored_.push_back(binning_.bin_of(double(v)));
-    }
+kernel::BinKernel<Voxel> bin_kernel(const DeviceVolume::Data& volume, const BinnedCells& cells, std::uint16_t* out) {
+    const auto [nx, ny, nz] = cells.grid.count;
+    return {view_of<Voxel>(volume), cell_centres(cells.grid), cells.binning.scale(), {nx, ny, nz}, out};
+}
 
-    void fill(int y, int z) const {
-        std::uint16_t* row = out_.data() + out_.grid.index(0, y, z);
-        for (int x = 0; x < out_.grid.count[0]; ++x) row[x] = bin_at(x, y, z);
-    }
+template <class Voxel>
+void bin_here(const DeviceVolume::Data& volume, BinnedCells& out, Progress& progress) {
+    const kernel::BinKernel<Voxel> kernel = bin_kernel<Voxel>(volume, out, out.data());
+    std::vector<std::uint16_t> of_stored;
+    if (sizeof(Voxel) <= 2 && kernel.cells.are_voxels)
+        for (std::size_t v = 0; v < std::size_t(1) << (8 * sizeof(Voxel)); ++v)
+            of_stored.push_back(out.binning.bin_of(double(v)));
+    const auto [nx, ny, nz] = out.grid.count;
+    parallel_for(volume.device.threads, std::int64_t(ny) * nz, 16, "histogram bins", progress,
+                 [&, nx = nx, ny = ny](std::int64_t first, std::int64_t end) {
+                     for (auto row = first; row < end; ++row)
+                         for (int x = 0; x < nx; ++x)
+                             if (of_stored.empty())
+                                 kernel(row * nx + x);
+                             else
+                                 kernel.out[row * nx + x] =
+                                     of_stored[std::size_t(kernel.of_voxel(x, int(row % ny), int(row / ny)))];
+                 });
+    progress.check();
+}
 
-private:
-    std::uint16_t bin_at(int x, int y, int z) const {
-        const Vec3 centre = out_.grid.voxel_of(x, y, z);
-        const auto p = view_.clamp(kernel::Vec3<float>(float(centre.x), float(centre.y), float(centre.z)));
-        const auto voxel = view_.voxel(p);
-        const auto at = view_.locate(p, voxel);
-        if (!out_.grid.is_voxel_grid) return binning_.bin_of(view_.value(at));
-        // The last voxel of an axis lies behind its last interval.
-        const Voxel stored = view_.voxels[std::uint32_t(at.index) + (x - voxel.x) + (y - voxel.y) * brick_row +
-                                          (z - voxel.z) * brick_slice];
-        if constexpr (sizeof(Voxel) <= 2)
-            return of_stored_[stored];
-        else
-            return binning_.bin_of(stored);
-    }
-
-    const kernel::VolumeView<Voxel> view_;
-    BinnedCells& out_;
-    const Binning& binning_;
-    std::vector<std::uint16_t> of_stored_;
-};
+/// Where the voxels are, their bins stay.
+template <class Voxel>
+void bin_on_card(const DeviceVolume::Data& volume, BinnedCells& out) {
+    cuda::Stream& stream = *volume.device.stream;
+    const cuda::Array<std::uint16_t> made(stream, out.grid.size());
+    kernel::BinKernel<Voxel> kernel = bin_kernel<Voxel>(volume, out, made.data());
+    HostArrays arrays;
+    volume.add_to(arrays);
+    cuda::Views views(stream, std::move(arrays));
+    views.swap(kernel.volume.voxels);
+    kernel::run_on_card(stream, std::int64_t(made.size()), kernel);
+    out.buffer.keep(volume.device.stream, made.data());
+}
 
 }  // namespace
 
@@ -55,22 +59,23 @@ Binning make_binning(const DeviceVolume::Data& volume) {
 
 std::vector<std::uint64_t> BinnedCells::counts() const {
     std::vector<std::uint64_t> counts(std::size_t(binning.count));
-    for (std::size_t i = 0; i < grid.size(); ++i) ++counts[data()[i]];
+    const std::uint16_t* bins = data();
+    for (std::size_t i = 0; i < grid.size(); ++i) ++counts[bins[i]];
     return counts;
 }
 
+kernel::BinGrid BinnedCells::view_on_card(cuda::Stream& stream) const {
+    return {reinterpret_cast<const std::uint16_t*>(buffer.on_card(stream)),
+            {grid.count[0], grid.count[1], grid.count[2]}};
+}
+
 BinnedCells bin_cells(const DeviceVolume::Data& volume, Progress& progress) {
-    BinnedCells out{make_cell_grid(volume.dimensions, volume.geometry), make_binning(volume), {}};
-    out.buffer = VoxelBuffer(out.grid.size() * sizeof(std::uint16_t));
+    BinnedCells out(make_cell_grid(volume.dimensions, volume.geometry), make_binning(volume));
     with_stored_voxel(volume, [&](auto voxel) {
-        const CellBinner<decltype(voxel)> binner(volume, out);
-        const auto [nx, ny, nz] = out.grid.count;
-        parallel_for(volume.device.threads, std::int64_t(ny) * nz, 16, "histogram bins", progress,
-                     [&, ny = ny](std::int64_t first, std::int64_t end) {
-                         for (auto row = first; row < end; ++row) binner.fill(int(row % ny), int(row / ny));
-                     });
+        using Voxel = decltype(voxel);
+        if (!cuda::done_on_card(volume.device, [&] { bin_on_card<Voxel>(volume, out); }))
+            bin_here<Voxel>(volume, out, progress);
     });
-    progress.check();
     return out;
 }
 

@@ -4,6 +4,7 @@
 
 #include "illumination/cells/grid.h"
 #include "illumination/histogram/bin_grid.h"
+#include "illumination/histogram/bin_kernel.h"
 #include "volume/device_volume.h"
 
 namespace chiaro {
@@ -16,9 +17,8 @@ struct Binning {
     double low = 0, width = 1;  ///< bin j holds the stored values about low + j width
 
     double stored_of(int bin) const { return low + bin * width; }
-    std::uint16_t bin_of(double stored) const {
-        return std::uint16_t(std::clamp(std::floor((stored - low) / width + 0.5), 0.0, double(count - 1)));
-    }
+    std::uint16_t bin_of(double stored) const { return scale().bin_of(stored); }
+    kernel::BinScale scale() const { return {low, width, count}; }
     bool operator==(const Binning&) const = default;
 };
 Binning make_binning(const DeviceVolume::Data& volume);
@@ -27,9 +27,10 @@ Binning make_binning(const DeviceVolume::Data& volume);
 struct BinnedCells {
     CellGrid grid;
     Binning binning;
-    VoxelBuffer buffer;
-    std::shared_ptr<const char> life = std::make_shared<const char>();  ///< by which a card knows them, once filled
+    TwinBuffer buffer;
 
+    BinnedCells(const CellGrid& cells, const Binning& bins)
+        : grid(cells), binning(bins), buffer(cells.size() * sizeof(std::uint16_t)) {}
     const std::uint16_t* data() const { return reinterpret_cast<const std::uint16_t*>(buffer.data()); }
     std::uint16_t* data() { return reinterpret_cast<std::uint16_t*>(buffer.data()); }
     std::vector<std::uint64_t> counts() const;  ///< cells in each bin: the global histogram
@@ -39,9 +40,10 @@ struct BinnedCells {
         return {g.x, g.y, g.z};
     }
     kernel::BinGrid view() const { return {data(), {grid.count[0], grid.count[1], grid.count[2]}}; }
+    kernel::BinGrid view_on_card(cuda::Stream& stream) const;
 };
 
-/// Cost: one look-up a cell. Throws Error{interrupted} when cancelled.
+/// Cost: one look-up a cell. A card keeps them until the host reads them. Throws Error{interrupted} when cancelled.
 BinnedCells bin_cells(const DeviceVolume::Data& volume, Progress& progress);
 
 }  // namespace chiaro

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <mutex>
 
 #include "illumination/histogram/ball.h"
 #include "illumination/histogram/packing.h"
@@ -90,9 +92,7 @@ Along along(int o, int h) {
     return {0.25 * in_box(-1) + 0.75 * in_box(0), 0.25 * (in_box(0) - in_box(-2)) + 0.75 * (in_box(1) - in_box(-1))};
 }
 
-}  // namespace
-
-FilterFit fit_filters(int radius) {
+FilterFit fitted(int radius) {
     const std::vector<Box> boxes = chosen_boxes(radius);
     const Ball ball(radius, true);
     int reach = 0;
@@ -133,6 +133,16 @@ FilterFit fit_filters(int radius) {
     std::stable_sort(fit.boxes.begin(), fit.boxes.end(),
                      [](const auto& a, const auto& b) { return a.half_z < b.half_z; });
     return fit;
+}
+
+}  // namespace
+
+FilterFit fit_filters(int radius) {
+    static std::mutex mutex;
+    static std::map<int, FilterFit> known;
+    const std::lock_guard lock(mutex);
+    const auto at = known.find(radius);
+    return at != known.end() ? at->second : known.emplace(radius, fitted(radius)).first->second;
 }
 
 }  // namespace chiaro

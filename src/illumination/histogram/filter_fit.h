@@ -17,7 +17,8 @@ inline constexpr int near_square = 4;
 
 /// Least squares over the cells of the ball, weighted by distance, of what interpolation between the centres of coarse
 /// cells makes of the boxes; so that the far cells' sum, and that of their cosines over a half space, are exact.
-/// ∫ f ω / d² = ∇ ∫ f (1/d - 1/r): M1 is the gradient of one blurred number, not three more sums.
+/// Found once for a radius: 20 ms for 16, 0.7 s for 64. ∫ f ω / d² = ∇ ∫ f (1/d - 1/r): M1 is the gradient of one
+/// blurred number, not three more sums.
 FilterFit fit_filters(int radius);
 
 }  // namespace chiaro

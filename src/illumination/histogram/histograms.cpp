@@ -16,8 +16,10 @@ namespace chiaro {
 namespace {
 
 /// Identifiers of every node: histograms come a row at a time, and go.
-void assign(const Device& device, const HistogramSource& source, const Codebook& book, const CellGrid& grid,
+void assign(const Device& device, const HistogramData& data, HistogramPath path, const Codebook& book,
             LocalHistograms& out, Progress& progress) {
+    const CellGrid& grid = data.cells.grid;
+    const auto source = make_source(device, data, path);
     const auto kernels = kernel::histogram_functions_for(device.isa);
     const BlockMap blocks(grid.count);
     parallel_for(device.threads, std::int64_t(blocks.holds.size()), 1, "histograms", progress,
@@ -33,10 +35,17 @@ void assign(const Device& device, const HistogramSource& source, const Codebook&
                          kernels.assign_row(book.view(), histograms, count, &to->forward);
                          guess = *to;
                      };
-                     source.find(
+                     source->find(
                          std::size_t(b), step, [](int, int) { return true; }, row);
                  });
     progress.check();
+}
+
+/// How many cells are in each bin need not be known for bins of equal width.
+Packing packing_of(const BinnedCells& cells, const HistogramSettings& settings) {
+    const bool needs_counts = settings.packing != HistogramPacking::uniform;
+    const std::vector<std::uint64_t> none(std::size_t(cells.binning.count));
+    return make_packing(settings.packing, settings.packed_bins, needs_counts ? cells.counts() : none);
 }
 
 }  // namespace
@@ -46,15 +55,15 @@ LocalHistograms find_local_histograms(const DeviceVolume::Data& volume, const Hi
     const Device& device = volume.device;
     HistogramData data{steps("histogram bins", [&] { return bin_cells(volume, progress); }), {}, settings.radius};
     const CellGrid& grid = data.cells.grid;
-    data.packing = make_packing(settings.packing, settings.packed_bins, data.cells.counts());
-    const auto source = make_source(device, data, settings.path);
+    data.packing = packing_of(data.cells, settings);
+    const int bins = padded_bins(data.packing.packed);
 
     const auto vectors = steps("histogram samples", [&] {
-        return sample_histograms(device, *source, data, settings.path, 32 * settings.clusters, progress);
+        return sample_histograms(device, data, settings.path, 32 * settings.clusters, progress);
     });
     Training training{settings.clusters, settings.metric, 1e-3, {}};
-    const Codebook book = steps("histogram training",
-                                [&] { return train_codebook(device, vectors, source->bins(), training, progress); });
+    const Codebook book =
+        steps("histogram training", [&] { return train_codebook(device, vectors, bins, training, progress); });
 
     LocalHistograms out;
     out.grid = grid, out.binning = data.cells.binning, out.radius = settings.radius, out.subsample = settings.subsample;
@@ -63,7 +72,7 @@ LocalHistograms find_local_histograms(const DeviceVolume::Data& volume, const Hi
     out.words = book.count(), out.histograms = 2 * out.node_count(), out.distortions = training.distortions;
     steps("histograms", [&] {
         const auto on_card = [&] { assign_on_card(device, data, settings.path, book, out, progress); };
-        if (!cuda::done_on_card(device, on_card)) assign(device, *source, book, grid, out, progress);
+        if (!cuda::done_on_card(device, on_card)) assign(device, data, settings.path, book, out, progress);
     });
     steps("histogram words", [&] {
         const Ball ball(settings.radius, settings.path != HistogramPath::sweep);
@@ -76,12 +85,10 @@ LocalHistograms find_local_histograms(const DeviceVolume::Data& volume, const Hi
 void lift_identifiers(const Device& device, const BinnedCells& cells, LocalHistograms& h) {
     h.lifted = TwinBuffer(h.identifiers.size());
     const auto [nx, ny, nz] = h.nodes;
-    const kernel::LiftKernel lift{cells.view(),
-                                  &h.pairs()[0].forward,
-                                  reinterpret_cast<std::uint16_t*>(h.lifted.data()),
-                                  {nx, ny, nz},
-                                  h.subsample};
+    kernel::LiftKernel lift{{}, nullptr, nullptr, {nx, ny, nz}, h.subsample};
     if (cuda::done_on_card(device, [&] { lift_on_card(device, cells, lift, h); })) return;
+    lift.cells = cells.view(), lift.words = &h.pairs()[0].forward;
+    lift.lifted = reinterpret_cast<std::uint16_t*>(h.lifted.data());
     parallel_for(device.threads, std::int64_t(ny) * nz, 1, [&, nx = nx, ny = ny](std::int64_t row, std::int64_t) {
         for (int x = 0; x < nx; ++x) lift(x, int(row % ny), int(row / ny));
     });

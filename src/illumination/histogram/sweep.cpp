@@ -2,11 +2,11 @@
 
 namespace chiaro {
 
-kernel::SweptRow swept_row(const BinnedCells& cells, const Packing& packing, const Ball& ball) {
+kernel::SweptRow swept_row(const kernel::BinGrid& cells, const Packing& packing, const Ball& ball) {
     std::int64_t in_ball = -1;  // but for the middle
     for (const Ball::Row& row : ball.rows) in_ball += 2 * row.reach + 1;
     return {.ball = ball.view(),
-            .cells = cells.view(),
+            .cells = cells,
             .packing = packing.view(),
             .bins = padded_bins(packing.packed),
             .scale = double(packed_one) / (double(in_ball) * Packing::whole)};
@@ -15,7 +15,7 @@ kernel::SweptRow swept_row(const BinnedCells& cells, const Packing& packing, con
 SweptHistograms::SweptHistograms(const BinnedCells& cells, const Packing& packing, int radius)
     : HistogramSource(cells, padded_bins(packing.packed)),
       ball_(radius, false),
-      row_(swept_row(cells, packing, ball_)) {}
+      row_(swept_row(cells.view(), packing, ball_)) {}
 
 void SweptHistograms::find(std::size_t block, int step, const Wanted& wanted, const UseRow& use_row) const {
     std::vector<PackedHistogram> histograms(std::size_t(2 * block_edge * bins_));

@@ -7,7 +7,7 @@
 namespace chiaro {
 
 /// The moving ball of a row, which points to what it is made of; the ball's cells weigh the same.
-kernel::SweptRow swept_row(const BinnedCells& cells, const Packing& packing, const Ball& ball);
+kernel::SweptRow swept_row(const kernel::BinGrid& cells, const Packing& packing, const Ball& ball);
 
 /// What a ball that moves by one cell can keep exactly: LH_k(x) = Σ [f(x') = k] / N over 0 < d <= r, N the number of
 /// cells in the ball; cells weigh the same, and the ball is one, not two halves. (Weights 1/d² all change at every

@@ -63,9 +63,10 @@ std::vector<std::size_t> some_blocks(std::size_t all) {
 }
 
 /// Both histograms of all that are chosen, block after block.
-std::vector<PackedHistogram> found_here(const Device& device, const HistogramSource& source,
+std::vector<PackedHistogram> found_here(const Device& device, const HistogramData& data, HistogramPath path,
                                         const std::vector<Chosen>& chosen, Progress& progress) {
-    const auto bins = std::size_t(source.bins());
+    const auto source = make_source(device, data, path);
+    const auto bins = std::size_t(source->bins());
     std::vector<std::vector<PackedHistogram>> found(chosen.size());
     const auto work = [&](std::int64_t b, std::int64_t) {
         const Chosen& its = chosen[std::size_t(b)];
@@ -73,7 +74,7 @@ std::vector<PackedHistogram> found_here(const Device& device, const HistogramSou
         const auto wanted = [&](int j, int k) {
             return std::any_of(its.row(j, k), its.row(j, k) + its.width(), [](auto c) { return c != 0; });
         };
-        source.find(its.block, 1, wanted, [&](int j, int k, const PackedHistogram* h) {
+        source->find(its.block, 1, wanted, [&](int j, int k, const PackedHistogram* h) {
             for (std::size_t i = 0; i < its.width(); ++i)
                 if (its.row(j, k)[i]) to.insert(to.end(), h + 2 * i * bins, h + 2 * (i + 1) * bins);
         });
@@ -107,9 +108,8 @@ std::vector<PackedHistogram> found_on_card(const Device& device, const Histogram
 
 }  // namespace
 
-std::vector<PackedHistogram> sample_histograms(const Device& device, const HistogramSource& source,
-                                               const HistogramData& data, HistogramPath path, int cells_wanted,
-                                               Progress& progress) {
+std::vector<PackedHistogram> sample_histograms(const Device& device, const HistogramData& data, HistogramPath path,
+                                               int cells_wanted, Progress& progress) {
     const auto& count = data.cells.grid.count;
     std::vector<Chosen> chosen;
     for (const std::size_t block : some_blocks(BlockMap(count).holds.size()))
@@ -119,8 +119,9 @@ std::vector<PackedHistogram> sample_histograms(const Device& device, const Histo
     });
     std::vector<PackedHistogram> all;
     if (!cuda::done_on_card(device, [&] { all = found_on_card(device, data, path, chosen, progress); }))
-        all = found_here(device, source, chosen, progress);
-    if (all.empty()) all.assign(std::size_t(source.bins()), 0);  // a volume that has nothing to tell apart
+        all = found_here(device, data, path, chosen, progress);
+    if (all.empty())
+        all.assign(std::size_t(padded_bins(data.packing.packed)), 0);  // a volume that has nothing to tell apart
     return all;
 }
 
