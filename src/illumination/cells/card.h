@@ -32,17 +32,23 @@ private:
     cuda::Array<std::byte> made_;
 };
 
-/// work(places, how many blocks they are) for all blocks of a map in order, so many at a time; reports and may be
-/// cancelled after each.
-template <class Work>
-void for_blocks(cuda::Stream& stream, const BlockMap& map, std::string_view stage, Progress& progress, const Work& work,
-                std::size_t together = blocks_together) {
+/// The blocks of a map in order.
+inline std::vector<kernel::BlockPlace> places_of(const BlockMap& map) {
     std::vector<kernel::BlockPlace> places;
     for (const std::size_t b : map.held()) {
         const auto [x, y, z] = map.at(b);
         places.push_back({{x * block_edge, y * block_edge, z * block_edge}, {}});
         std::memcpy(places.back().pieces, map.pieces_of(b).bits, sizeof places.back().pieces);
     }
+    return places;
+}
+
+/// work(places, how many blocks they are) for all blocks of a map in order, so many at a time; reports and may be
+/// cancelled after each.
+template <class Work>
+void for_blocks(cuda::Stream& stream, const BlockMap& map, std::string_view stage, Progress& progress, const Work& work,
+                std::size_t together = blocks_together) {
+    const std::vector<kernel::BlockPlace> places = places_of(map);
     if (places.empty()) return;
     const cuda::Array<kernel::BlockPlace> there(stream, places.size());
     stream.upload(there.data(), places.data(), places.size() * sizeof places[0]);

@@ -18,9 +18,8 @@ void lift_on_card(const Device& device, const BinnedCells& cells, kernel::LiftKe
 void find_words_on_card(const Device& device, const BinnedCells& cells, const Ball& ball, const WordMembers& taken,
                         LocalHistograms& histograms, Progress& progress);
 
-/// The histograms of cells of some blocks, in the order of `place`, where each of their cells has its own or -1.
-std::vector<PackedHistogram> sample_on_card(const Device& device, const HistogramData& data, HistogramPath path,
-                                            const BlockMap& blocks, const std::vector<std::int32_t>& place,
-                                            std::size_t cells, Progress& progress);
+/// Both histograms of about `wanted` cells of each block that is held, which stay there.
+PackedHistograms sample_on_card(const Device& device, const HistogramData& data, HistogramPath path,
+                                const BlockMap& blocks, double wanted, Progress& progress);
 
 }  // namespace chiaro

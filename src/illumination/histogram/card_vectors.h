@@ -7,10 +7,12 @@ namespace chiaro {
 
 class CardVectors {
 public:
-    CardVectors(const Device& device, const std::vector<PackedHistogram>& vectors, int bins);
+    CardVectors(const Device& device, const PackedHistograms& vectors, int bins);
 
     /// The nearest word of each, and how far it is; `words` holds guesses.
     void assign(const Codebook& book, std::vector<std::uint16_t>& words, std::vector<std::int32_t>& differences) const;
+    /// Some of them, which come.
+    void pick(const std::vector<std::uint32_t>& which, std::vector<PackedHistogram>& found) const;
     /// Adds up the histograms of each word.
     void add_up(const std::vector<std::uint16_t>& words, std::vector<std::int64_t>& sums) const;
 
@@ -19,7 +21,7 @@ private:
 
     std::shared_ptr<cuda::Stream> stream_;
     int bins_;
-    cuda::Array<PackedHistogram> vectors_;
+    const PackedHistogram* vectors_;
     cuda::Array<std::uint16_t> words_;
     cuda::Array<std::int32_t> differences_;
 };

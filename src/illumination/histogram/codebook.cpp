@@ -16,8 +16,7 @@ namespace {
 /// Vectors and the words they belong to.
 class Trainer {
 public:
-    Trainer(const Device& device, const std::vector<PackedHistogram>& vectors, int bins, Training& training,
-            Progress& progress)
+    Trainer(const Device& device, const PackedHistograms& vectors, int bins, Training& training, Progress& progress)
         : device_(device),
           kernels_(kernel::histogram_functions_for(device.isa)),
           vectors_(vectors),
@@ -31,7 +30,7 @@ public:
     }
 
     Codebook train() {
-        words_ = means({0, count_}, iota());
+        words_ = means({0, count_});
         assign();
         while (true) {
             refine();
@@ -45,11 +44,6 @@ public:
 private:
     std::size_t words() const { return words_.size() / bins_; }
     Codebook make_book() const { return {device_, int(bins_), training_.metric, words_}; }
-    std::vector<std::uint32_t> iota() const {
-        std::vector<std::uint32_t> all(count_);
-        std::iota(all.begin(), all.end(), 0u);
-        return all;
-    }
 
     template <class Work>
     bool done_on_card(const Work& work) const {
@@ -68,17 +62,20 @@ private:
         else
             parallel_for(device_.threads, std::int64_t(count_), 1024, "histogram training", progress_, here);
         progress_.check();
-        distortion_ = std::accumulate(difference_.begin(), difference_.end(), 0.0) / double(count_);
+        distortion_ = double(std::accumulate(difference_.begin(), difference_.end(), std::int64_t(0))) / double(count_);
         training_.distortions.push_back(distortion_ / (training_.metric == HistogramMetric::l2
                                                            ? double(packed_one) * packed_one
                                                            : double(packed_one)));
     }
 
-    /// Vectors in the order of their words: those of word w are [begin[w], begin[w + 1]).
-    std::vector<std::uint32_t> members(std::vector<std::size_t>& begin) const {
-        begin.assign(words() + 1, 0);
+    /// In the order of their words the vectors of word w are [begin[w], begin[w + 1]).
+    std::vector<std::size_t> begins() const {
+        std::vector<std::size_t> begin(words() + 1, 0);
         for (std::uint16_t w : word_of_) ++begin[w + 1u];
         std::partial_sum(begin.begin(), begin.end(), begin.begin());
+        return begin;
+    }
+    std::vector<std::uint32_t> in_order(const std::vector<std::size_t>& begin) const {
         std::vector<std::uint32_t> order(count_);
         std::vector<std::size_t> next = begin;
         for (std::size_t i = 0; i < count_; ++i) order[next[word_of_[i]]++] = std::uint32_t(i);
@@ -86,16 +83,17 @@ private:
     }
 
     /// Rounded; a word without members keeps its place empty (see fill_empty).
-    std::vector<PackedHistogram> means(const std::vector<std::size_t>& begin,
-                                       const std::vector<std::uint32_t>& order) const {
+    std::vector<PackedHistogram> means(const std::vector<std::size_t>& begin) const {
         const std::size_t n = begin.size() - 1;
         std::vector<std::int64_t> sums(n * bins_);
-        if (!done_on_card([&] { card_->add_up(word_of_, sums); }))
+        if (!done_on_card([&] { card_->add_up(word_of_, sums); })) {
+            const auto order = in_order(begin);
             parallel_for(device_.threads, std::int64_t(n), 16, [&](std::int64_t first, std::int64_t end) {
                 for (auto w = std::size_t(first); w < std::size_t(end); ++w)
                     add_up({order.begin() + std::ptrdiff_t(begin[w]), order.begin() + std::ptrdiff_t(begin[w + 1])},
                            sums.data() + w * bins_);
             });
+        }
         std::vector<PackedHistogram> means(n * bins_);
         for (std::size_t w = 0; w < n; ++w)
             if (const auto members = std::int64_t(begin[w + 1] - begin[w]))
@@ -104,11 +102,12 @@ private:
         return means;
     }
     void add_up(std::span<const std::uint32_t> members, std::int64_t* sum) const {
+        const PackedHistogram* const all = vectors_.data();
         std::vector<std::int32_t> part(bins_);  // of as many members as fit
         for (std::size_t i = 0; i < members.size();) {
             std::fill(part.begin(), part.end(), 0);
             for (const std::size_t last = std::min(i + 65535, members.size()); i < last; ++i)
-                for (std::size_t k = 0; k < bins_; ++k) part[k] += vectors_[members[i] * bins_ + k];
+                for (std::size_t k = 0; k < bins_; ++k) part[k] += all[members[i] * bins_ + k];
             for (std::size_t k = 0; k < bins_; ++k) sum[k] += part[k];
         }
     }
@@ -116,16 +115,13 @@ private:
     void refine() {
         for (int step = 0; step < most_steps && distortion_ > 0; ++step) {
             const double before = distortion_;
-            const auto kept_words = words_;
-            const auto kept_of = word_of_;
-            const auto kept_difference = difference_;
-            std::vector<std::size_t> begin;
-            const auto order = members(begin);
-            words_ = means(begin, order);
+            kept_words_ = words_, kept_of_ = word_of_, kept_difference_ = difference_;
+            const auto begin = begins();
+            words_ = means(begin);
             fill_empty(begin);
             assign();
             if (distortion_ > before) {
-                words_ = kept_words, word_of_ = kept_of, difference_ = kept_difference, distortion_ = before;
+                words_ = kept_words_, word_of_ = kept_of_, difference_ = kept_difference_, distortion_ = before;
                 training_.distortions.pop_back();
                 return;
             }
@@ -138,11 +134,14 @@ private:
         std::vector<std::size_t> empty;
         for (std::size_t w = 0; w + 1 < begin.size(); ++w)
             if (begin[w] == begin[w + 1]) empty.push_back(w);
-        const auto farthest = farthest_vectors(empty.size());
-        for (std::size_t i = 0; i < empty.size(); ++i) copy_vector(farthest[i], empty[i]);
+        const auto farthest = picked(farthest_vectors(empty.size()));
+        for (std::size_t i = 0; i < empty.size(); ++i)
+            std::copy_n(farthest.data() + i * bins_, bins_, words_.data() + empty[i] * bins_);
     }
     std::vector<std::uint32_t> farthest_vectors(std::size_t n) const {
-        auto order = iota();
+        if (n == 0) return {};
+        std::vector<std::uint32_t> order(count_);
+        std::iota(order.begin(), order.end(), 0u);
         const auto farther = [&](std::uint32_t a, std::uint32_t b) {
             return difference_[a] != difference_[b] ? difference_[a] > difference_[b] : a < b;
         };
@@ -150,9 +149,13 @@ private:
         order.resize(n);
         return order;
     }
-    void copy_vector(std::size_t vector, std::size_t word) {
-        std::copy_n(vectors_.begin() + std::ptrdiff_t(vector * bins_), bins_,
-                    words_.begin() + std::ptrdiff_t(word * bins_));
+    /// Some of the vectors.
+    std::vector<PackedHistogram> picked(const std::vector<std::uint32_t>& which) const {
+        std::vector<PackedHistogram> found(which.size() * bins_);
+        if (which.empty() || done_on_card([&] { card_->pick(which, found); })) return found;
+        for (std::size_t i = 0; i < which.size(); ++i)
+            std::copy_n(vectors_.data() + which[i] * bins_, bins_, found.data() + i * bins_);
+        return found;
     }
 
     void split() {
@@ -168,67 +171,37 @@ private:
         std::iota(order.begin(), order.end(), std::size_t(0));
         std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return total[a] > total[b]; });
         order.resize(std::min(order.size(), std::size_t(training_.words) - words()));
-        for (const std::size_t w : order) {
-            if (total[w] == 0) break;
-            const std::size_t next = words();
-            words_.resize(words_.size() + bins_);
+        std::erase_if(order, [&](std::size_t w) { return total[w] == 0; });
+        std::vector<std::uint32_t> far(order.size());
+        std::transform(order.begin(), order.end(), far.begin(), [&](std::size_t w) { return farthest[w]; });
+        const auto beside = picked(far);
+        words_.reserve(words_.size() + beside.size());
+        for (std::size_t i = 0; i < order.size(); ++i)
             for (std::size_t k = 0; k < bins_; ++k)
-                words_[next * bins_ + k] =
-                    PackedHistogram((int(words_[w * bins_ + k]) + int(vectors_[farthest[w] * bins_ + k]) + 1) / 2);
-        }
+                words_.push_back(
+                    PackedHistogram((int(words_[order[i] * bins_ + k]) + int(beside[i * bins_ + k]) + 1) / 2));
     }
 
     static constexpr int most_steps = 50;
     const Device& device_;
     const kernel::HistogramFunctions kernels_;
-    const std::vector<PackedHistogram>& vectors_;
+    const PackedHistograms& vectors_;
     const std::size_t bins_, count_;
     Training& training_;
     Progress& progress_;
     std::vector<PackedHistogram> words_;
     std::vector<std::uint16_t> word_of_;
     std::vector<std::int32_t> difference_;
+    std::vector<PackedHistogram> kept_words_;  ///< what they were before a step
+    std::vector<std::uint16_t> kept_of_;
+    std::vector<std::int32_t> kept_difference_;
     double distortion_ = 0;
     std::optional<CardVectors> card_;
 };
 
 }  // namespace
 
-Codebook::Codebook(const Device& device, int bins, HistogramMetric metric, std::vector<PackedHistogram> words)
-    : bins_(bins), metric_(metric), words_(std::move(words)) {
-    listed_ = std::min(count() - 1, most_listed);
-    neighbours_.resize(std::size_t(count()) * std::size_t(listed_)), distances_.resize(neighbours_.size());
-    const auto kernels = kernel::histogram_functions_for(device.isa);
-    parallel_for(device.threads, count(), 32, [&](std::int64_t first, std::int64_t end) {
-        std::vector<std::int32_t> difference(std::size_t(count()), 0);
-        std::vector<std::uint16_t> order;
-        for (auto w = first; w < end; ++w) {
-            kernels.differences_to(view(), words_.data() + w * bins_, difference.data());
-            order.resize(std::size_t(count()));
-            std::iota(order.begin(), order.end(), std::uint16_t(0));
-            order.erase(order.begin() + w);
-            const auto nearer = [&](std::uint16_t a, std::uint16_t b) {
-                return difference[a] != difference[b] ? difference[a] < difference[b] : a < b;
-            };
-            std::nth_element(order.begin(), order.begin() + listed_, order.end(), nearer);
-            std::sort(order.begin(), order.begin() + listed_, nearer);
-            for (int i = 0; i < listed_; ++i) {
-                const std::size_t at = std::size_t(w) * std::size_t(listed_) + std::size_t(i);
-                neighbours_[at] = order[std::size_t(i)];
-                const auto d = float(difference[order[std::size_t(i)]]);
-                distances_[at] = metric_ == HistogramMetric::l2 ? std::sqrt(d) : d;
-            }
-        }
-    });
-}
-
-kernel::CodebookView Codebook::view() const {
-    return {
-        words_.data(),        count(), bins_, kernel::CodebookMetric(metric_), neighbours_.data(), distances_.data(),
-        std::int32_t(listed_)};
-}
-
-Codebook train_codebook(const Device& device, const std::vector<PackedHistogram>& vectors, int bins, Training& training,
+Codebook train_codebook(const Device& device, const PackedHistograms& vectors, int bins, Training& training,
                         Progress& progress) {
     training.distortions.clear();
     return Trainer(device, vectors, bins, training, progress).train();

@@ -6,15 +6,9 @@
 
 #include <vector>
 
-#include "core/host_array.h"
-#include "illumination/histogram/codebook_view.h"
+#include "illumination/histogram/packed_histograms.h"
 
 namespace chiaro {
-
-/// Packed histograms are vectors of 16-bit numbers, packed_one for 1, as long as a multiple of 16.
-using PackedHistogram = std::int16_t;
-using kernel::packed_one;
-constexpr int padded_bins(int packed) { return (packed + 15) / 16 * 16; }
 
 /// Words, and for each its nearest others, which is what makes the search for the nearest word short.
 class Codebook {
@@ -25,19 +19,21 @@ public:
     int bins() const { return bins_; }
     const std::vector<PackedHistogram>& words() const { return words_; }
     kernel::CodebookView view() const;
-    void add_to(HostArrays& arrays) const {
-        arrays.add(words_);
-        arrays.add(neighbours_);
-        arrays.add(distances_);
-    }
+    kernel::CodebookView view_on_card(cuda::Stream& stream) const;
 
 private:
+    kernel::CodebookView view_of(const PackedHistogram* words, const std::byte* neighbours,
+                                 const std::byte* distances) const;
+    const PackedHistogram* words_on_card(cuda::Stream& stream) const;
+    void list_neighbours(const Device& device);
+    void list_on_card(const Device& device);
+
     static constexpr int most_listed = 256;
     int bins_, listed_ = 0;
     HistogramMetric metric_;
     std::vector<PackedHistogram> words_;
-    std::vector<std::uint16_t> neighbours_;
-    std::vector<float> distances_;
+    std::shared_ptr<const char> life_ = std::make_shared<const char>();  ///< by which a card knows the words
+    TwinBuffer neighbours_{0}, distances_{0};
 };
 
 /// What a codebook is trained with, and how it went.
@@ -53,7 +49,7 @@ struct Training {
 /// refines them (each becomes the mean of its members; one without takes the vector farthest from its own) until there
 /// are as many as wanted, or every vector is a word. A step that rounding made worse is taken back, so the distortion
 /// never rises under L2. The result does not depend on the number of threads. Cost: some 50 assignments of all vectors.
-Codebook train_codebook(const Device& device, const std::vector<PackedHistogram>& vectors, int bins, Training& training,
+Codebook train_codebook(const Device& device, const PackedHistograms& vectors, int bins, Training& training,
                         Progress& progress);
 
 }  // namespace chiaro

@@ -1,8 +1,10 @@
 // The kernels of local histograms as a card has them, compiled by launch_*.cu; pointers are the card's.
 #pragma once
 #include "cuda/counters.h"
+#include "illumination/histogram/choice_kernel.h"
 #include "illumination/histogram/fast_batch.h"
 #include "illumination/histogram/lift_kernel.h"
+#include "illumination/histogram/neighbour_kernel.h"
 #include "illumination/histogram/slab_kernel.h"
 #include "illumination/histogram/table_kernel.h"
 #include "illumination/histogram/word_kernel.h"
@@ -15,6 +17,17 @@ struct WordedVectors {
     std::int32_t count, bins;
     std::uint16_t* words;
     std::int32_t* differences;
+};
+
+struct PickVectors {
+    const std::int16_t* vectors;
+    std::int32_t bins;
+    const std::uint32_t* which;
+    std::int16_t* list;
+
+    CHIARO_INLINE void operator()(std::int64_t item) const {
+        list[item] = vectors[which[item / bins] * std::int64_t(bins) + item % bins];
+    }
 };
 
 /// M0 and P of blocks; then histograms of a slab of each. `shape` is what the blocks have in common.

@@ -24,6 +24,13 @@ struct AddUpVector {
 
 }  // namespace
 
+template void run_on_card(cuda::Stream&, std::int64_t, const CountEdges&);
+template void run_on_card(cuda::Stream&, std::int64_t, const CountChosen&);
+template void run_on_card(cuda::Stream&, std::int64_t, const PlaceChosen&);
+template void run_on_card(cuda::Stream&, std::int64_t, const PickVectors&);
+template void run_on_card(cuda::Stream&, std::int64_t, const WordDifferences&);
+template void run_on_card(cuda::Stream&, std::int64_t, const RankNeighbours&);
+
 void assign_vectors(cuda::Stream& stream, const CodebookView& book, const WordedVectors& vectors) {
     cuda::launch_items(stream, vectors.count, AssignVector{book, vectors});
 }

@@ -116,14 +116,19 @@ CHIARO_INLINE void assign_each(const CodebookView& book, const std::int16_t* his
         words[i] = std::uint16_t(nearest_word(book, histograms + i * book.bins, words[i], differences[i]));
 }
 
+CHIARO_INLINE std::int32_t difference_of(const CodebookView& book, const std::int16_t* a, const std::int16_t* b) {
+    return book.metric == CodebookMetric::l1     ? difference<CodebookMetric::l1>(a, b, book.bins)
+           : book.metric == CodebookMetric::lmax ? difference<CodebookMetric::lmax>(a, b, book.bins)
+                                                 : difference<CodebookMetric::l2>(a, b, book.bins);
+}
+CHIARO_INLINE float distance_of(const CodebookView& book, std::int32_t difference) {
+    return book.metric == CodebookMetric::l2 ? distance_of<CodebookMetric::l2>(difference) : float(difference);
+}
+
 /// Differences of one word to all.
 CHIARO_INLINE void differences_to(const CodebookView& book, const std::int16_t* x, std::int32_t* out) {
-    for (std::int32_t c = 0; c < book.count; ++c) {
-        const std::int16_t* word = book.words + std::int64_t(c) * book.bins;
-        out[c] = book.metric == CodebookMetric::l1     ? difference<CodebookMetric::l1>(x, word, book.bins)
-                 : book.metric == CodebookMetric::lmax ? difference<CodebookMetric::lmax>(x, word, book.bins)
-                                                       : difference<CodebookMetric::l2>(x, word, book.bins);
-    }
+    for (std::int32_t c = 0; c < book.count; ++c)
+        out[c] = difference_of(book, x, book.words + std::int64_t(c) * book.bins);
 }
 
 }  // namespace chiaro::kernel

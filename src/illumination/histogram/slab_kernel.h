@@ -43,16 +43,16 @@ private:
 /// Some cells' histograms to a list of them: a thread for each cell.
 struct TakeFromSlab {
     HistogramSlab slab;
-    const std::int32_t* place;  ///< in the list, of each cell of each block that is asked for; -1: not there
+    const std::int32_t* place;  ///< in the list, from 1 on, of each cell of each block that is asked for; 0: not there
     std::int16_t* list;
 
     CHIARO_INLINE void operator()(std::int64_t item) const {
         const BlockShare its(item, slab.cells());
         const std::int32_t to = place[(slab.first_block + its.block) * std::int64_t(BlockPlace::cells) +
                                       slab.z * HistogramSlab::plane + its.i];
-        if (to < 0) return;
+        if (to == 0) return;
         for (int k = 0; k < 2 * slab.bins; ++k)
-            list[2 * std::int64_t(to) * slab.bins + k] = slab.histograms[2 * item * slab.bins + k];
+            list[2 * std::int64_t(to - 1) * slab.bins + k] = slab.histograms[2 * item * slab.bins + k];
     }
 };
 

@@ -5,18 +5,11 @@
 
 #include "core/threads.h"
 #include "illumination/histogram/card.h"
-#include "illumination/histogram/random.h"
 
 namespace chiaro {
 namespace {
 
 using Range = std::array<std::pair<int, int>, 3>;
-
-bool is_at_edge(const BinnedCells& cells, int x, int y, int z) {
-    const auto g = cells.gradient(x, y, z);
-    const float least = std::max(1.0f, float(cells.binning.count) / 200);
-    return g[0] * g[0] + g[1] * g[1] + g[2] * g[2] > least * least;
-}
 
 template <class Visit>
 void for_cells(const Range& range, Visit&& visit) {
@@ -39,16 +32,14 @@ struct Chosen {
     }
 };
 
-/// Half of the choice falls on edges, where histograms differ most and light shows; half on all cells, which words must
-/// serve too.
 void choose(const BinnedCells& cells, double wanted, Chosen& to) {
+    const kernel::EdgeTest is_at_edge = edge_test(cells.view(), cells.binning);
     std::vector<std::uint8_t> edge;
-    for_cells(to.range, [&](int i, int j, int k) { edge.push_back(is_at_edge(cells, i, j, k)); });
-    const auto edges = double(std::accumulate(edge.begin(), edge.end(), 0));
-    const double all = wanted / 2 / double(edge.size()), at_edges = edges > 0 ? wanted / 2 / edges : 0;
+    for_cells(to.range, [&](int i, int j, int k) { edge.push_back(is_at_edge(i, j, k)); });
+    const auto shares =
+        kernel::ChoiceShares::of(wanted, double(edge.size()), std::accumulate(edge.begin(), edge.end(), 0));
     for_cells(to.range, [&](int i, int j, int k) {
-        const double share = random_share(cells.grid.index(i, j, k));
-        to.cells.push_back(share < all + (edge[to.cells.size()] ? at_edges : 0));
+        to.cells.push_back(shares.takes(cells.grid.index(i, j, k), edge[to.cells.size()] != 0));
     });
 }
 
@@ -64,12 +55,15 @@ std::vector<std::size_t> some_blocks(std::size_t all) {
 
 /// Both histograms of all that are chosen, block after block.
 std::vector<PackedHistogram> found_here(const Device& device, const HistogramData& data, HistogramPath path,
-                                        const std::vector<Chosen>& chosen, Progress& progress) {
+                                        const std::vector<std::size_t>& blocks, double wanted_cells,
+                                        Progress& progress) {
     const auto source = make_source(device, data, path);
     const auto bins = std::size_t(source->bins());
-    std::vector<std::vector<PackedHistogram>> found(chosen.size());
+    const auto& count = data.cells.grid.count;
+    std::vector<std::vector<PackedHistogram>> found(blocks.size());
     const auto work = [&](std::int64_t b, std::int64_t) {
-        const Chosen& its = chosen[std::size_t(b)];
+        Chosen its{blocks[std::size_t(b)], BlockMap(count).cells(blocks[std::size_t(b)], count), {}};
+        choose(data.cells, wanted_cells, its);
         auto& to = found[std::size_t(b)];
         const auto wanted = [&](int j, int k) {
             return std::any_of(its.row(j, k), its.row(j, k) + its.width(), [](auto c) { return c != 0; });
@@ -79,50 +73,26 @@ std::vector<PackedHistogram> found_here(const Device& device, const HistogramDat
                 if (its.row(j, k)[i]) to.insert(to.end(), h + 2 * i * bins, h + 2 * (i + 1) * bins);
         });
     };
-    parallel_for(device.threads, std::int64_t(chosen.size()), 1, "histogram samples", progress, work);
+    parallel_for(device.threads, std::int64_t(blocks.size()), 1, "histogram samples", progress, work);
     progress.check();
     std::vector<PackedHistogram> all;
     for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
     return all;
 }
 
-/// The same, in the same order.
-std::vector<PackedHistogram> found_on_card(const Device& device, const HistogramData& data, HistogramPath path,
-                                           const std::vector<Chosen>& chosen, Progress& progress) {
-    using kernel::BlockPlace;
-    BlockMap blocks(data.cells.grid.count);
-    std::vector<std::int32_t> place(chosen.size() * BlockPlace::cells, -1);
-    std::int32_t cells = 0;
-    for (std::size_t b = 0; b < chosen.size(); ++b) {
-        const auto& [x, y, z] = chosen[b].range;
-        blocks.holds[chosen[b].block] = 1;
-        for_cells(chosen[b].range, [&, x = x.first, y = y.first, z = z.first, b](int i, int j, int k) {
-            if (chosen[b].row(j, k)[i - x])
-                place[b * BlockPlace::cells +
-                      std::size_t(((k - z) * BlockPlace::edge + j - y) * BlockPlace::edge + i - x)] = cells++;
-        });
-    }
-    if (cells == 0) return {};
-    return sample_on_card(device, data, path, blocks, place, std::size_t(cells), progress);
-}
-
 }  // namespace
 
-std::vector<PackedHistogram> sample_histograms(const Device& device, const HistogramData& data, HistogramPath path,
-                                               int cells_wanted, Progress& progress) {
-    const auto& count = data.cells.grid.count;
-    std::vector<Chosen> chosen;
-    for (const std::size_t block : some_blocks(BlockMap(count).holds.size()))
-        chosen.push_back({block, BlockMap(count).cells(block, count), {}});
-    parallel_for(device.threads, std::int64_t(chosen.size()), 1, [&](std::int64_t b, std::int64_t) {
-        choose(data.cells, double(cells_wanted) / double(chosen.size()), chosen[std::size_t(b)]);
-    });
-    std::vector<PackedHistogram> all;
-    if (!cuda::done_on_card(device, [&] { all = found_on_card(device, data, path, chosen, progress); }))
-        all = found_here(device, data, path, chosen, progress);
-    if (all.empty())
-        all.assign(std::size_t(padded_bins(data.packing.packed)), 0);  // a volume that has nothing to tell apart
-    return all;
+PackedHistograms sample_histograms(const Device& device, const HistogramData& data, HistogramPath path,
+                                   int cells_wanted, Progress& progress) {
+    BlockMap map(data.cells.grid.count);
+    const std::vector<std::size_t> blocks = some_blocks(map.holds.size());
+    for (const std::size_t block : blocks) map.holds[block] = 1;
+    const double wanted = double(cells_wanted) / double(blocks.size());
+    PackedHistograms found(0);
+    if (!cuda::done_on_card(device, [&] { found = sample_on_card(device, data, path, map, wanted, progress); }))
+        found = found_here(device, data, path, blocks, wanted, progress);
+    if (found.size() > 0) return found;
+    return std::vector<PackedHistogram>(std::size_t(padded_bins(data.packing.packed)));  // nothing to tell apart
 }
 
 }  // namespace chiaro
