@@ -1,11 +1,14 @@
 #include "illumination/histogram/card.h"
 
+#include "illumination/histogram/card_left_over.h"
+
 namespace chiaro {
 
 void assign_on_card(const Device& device, const HistogramData& data, HistogramPath path, const Codebook& book,
                     LocalHistograms& out, Progress& progress) {
     cuda::Stream& stream = *device.stream;
     const auto histograms = make_card_histograms(device, data, path, out.subsample);
+    CardLeftOver left_over(stream, 2 * histograms->cells_together());
     cuda::Array<std::byte> words(stream, out.identifiers.size());
     words.zero();
     kernel::AssignSlab assign{.slab = {},
@@ -15,7 +18,7 @@ void assign_on_card(const Device& device, const HistogramData& data, HistogramPa
     histograms->find(BlockMap(data.cells.grid.count, true), "histograms", progress,
                      [&](const kernel::HistogramSlab& slab, std::int64_t blocks) {
                          assign.slab = slab;
-                         kernel::run_on_card(stream, blocks * kernel::HistogramSlab::plane * 2, assign);
+                         kernel::assign_slab(stream, assign, left_over.none(), blocks);
                      });
     stream.download(out.identifiers.data(), words.data(), words.size());
     stream.wait();

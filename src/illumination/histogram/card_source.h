@@ -13,6 +13,7 @@ class CardHistograms {
 public:
     virtual ~CardHistograms() = default;
     int bins() const { return slab_.bins; }
+    std::size_t cells_together() const { return together_ * std::size_t(slab_.cells()); }  ///< of a slab
 
     using UseSlab = std::function<void(const kernel::HistogramSlab&, std::int64_t blocks)>;
     /// Calls use(slab, how many blocks) for all cells of the blocks that are held: nodes among them have histograms. A
@@ -27,8 +28,6 @@ protected:
     /// What blocks need before their slabs; then the histograms of one.
     virtual void begin(const kernel::HistogramSlab&, std::int64_t) {}
     virtual void fill(const kernel::HistogramSlab& slab, std::int64_t blocks) = 0;
-
-    std::size_t cells_together() const { return together_ * std::size_t(slab_.cells()); }
 
     cuda::Stream& stream_;
     std::size_t together_;        ///< blocks

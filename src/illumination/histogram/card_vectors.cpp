@@ -9,7 +9,8 @@ CardVectors::CardVectors(const Device& device, const PackedHistograms& vectors, 
       bins_(bins),
       vectors_(vectors.on_card(*stream_)),
       words_(*stream_, vectors.size() / std::size_t(bins)),
-      differences_(*stream_, words_.size()) {}
+      differences_(*stream_, words_.size()),
+      left_over_(*stream_, words_.size()) {}
 
 kernel::WordedVectors CardVectors::view() const {
     return {vectors_, std::int32_t(words_.size()), bins_, words_.data(), differences_.data()};
@@ -18,7 +19,7 @@ kernel::WordedVectors CardVectors::view() const {
 void CardVectors::assign(const Codebook& book, std::vector<std::uint16_t>& words,
                          std::vector<std::int32_t>& differences) const {
     stream_->upload(words_.data(), words.data(), words.size() * sizeof words[0]);
-    kernel::assign_vectors(*stream_, book.view_on_card(*stream_), view());
+    kernel::assign_vectors(*stream_, book.view_on_card(*stream_), view(), left_over_.none());
     stream_->download(words.data(), words_.data(), words.size() * sizeof words[0]);
     stream_->download(differences.data(), differences_.data(), differences.size() * sizeof differences[0]);
     stream_->wait();

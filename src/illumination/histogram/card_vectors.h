@@ -1,7 +1,7 @@
 // The histograms of a training set on a card, which keeps them from one step of training to the next.
 #pragma once
+#include "illumination/histogram/card_left_over.h"
 #include "illumination/histogram/codebook.h"
-#include "illumination/histogram/launch_card.h"
 
 namespace chiaro {
 
@@ -24,6 +24,7 @@ private:
     const PackedHistogram* vectors_;
     cuda::Array<std::uint16_t> words_;
     cuda::Array<std::int32_t> differences_;
+    mutable CardLeftOver left_over_;
 };
 
 }  // namespace chiaro

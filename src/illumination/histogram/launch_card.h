@@ -19,6 +19,13 @@ struct WordedVectors {
     std::int32_t* differences;
 };
 
+/// Histograms whose words' neighbours did not tell the nearest, in any order: those are sought side by side, as one
+/// thread that tries all words keeps its neighbours waiting.
+struct LeftOver {
+    cuda::Count* count;  ///< 0 at first
+    std::uint32_t* which;
+};
+
 struct PickVectors {
     const std::int16_t* vectors;
     std::int32_t bins;
@@ -36,9 +43,12 @@ void fast_cells(cuda::Stream& stream, const FastBatch& batch, std::int64_t block
 
 void lift_nodes(cuda::Stream& stream, const LiftKernel& lift);
 
+/// The nearest word of each of a slab's nodes.
+void assign_slab(cuda::Stream& stream, const AssignSlab& assign, const LeftOver& left, std::int64_t blocks);
+
 /// assign_each, a thread for each of `count` histograms; then the sums of each word's, zero at first, a thread for each
 /// bin of each.
-void assign_vectors(cuda::Stream& stream, const CodebookView& book, const WordedVectors& vectors);
+void assign_vectors(cuda::Stream& stream, const CodebookView& book, const WordedVectors& vectors, const LeftOver& left);
 void add_up_vectors(cuda::Stream& stream, const WordedVectors& vectors, cuda::Count* sums);
 
 void count_members(cuda::Stream& stream, const CountMembers& count, std::int64_t members);

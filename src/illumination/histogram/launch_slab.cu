@@ -1,6 +1,5 @@
 // Slabs of histograms, and identifiers, on cards: the same source.
-#include "cuda/launch.h"
-#include "illumination/histogram/launch_card.h"
+#include "illumination/histogram/left_over.h"
 
 namespace chiaro::kernel {
 namespace {
@@ -13,9 +12,28 @@ struct LiftNode {
     }
 };
 
+struct FindNear {
+    AssignSlab assign;
+    LeftOver left;
+    CHIARO_ON_CARD void operator()(std::int64_t item) const {
+        assign.find_near(item, [&](std::int64_t i) { leave_over(left, i); });
+    }
+};
+struct TryAll {
+    AssignSlab assign;
+    LeftOver left;
+    CHIARO_ON_CARD void operator()(std::int64_t item) const {
+        if (item < std::int64_t(*left.count)) assign.try_all(left.which[item]);
+    }
+};
+
 }  // namespace
 
-template void run_on_card(cuda::Stream&, std::int64_t, const AssignSlab&);
+void assign_slab(cuda::Stream& stream, const AssignSlab& assign, const LeftOver& left, std::int64_t blocks) {
+    cuda::launch_items(stream, blocks * HistogramSlab::plane * 2, FindNear{assign, left});
+    cuda::launch_items(stream, blocks * assign.slab.cells() * 2, TryAll{assign, left});
+}
+
 template void run_on_card(cuda::Stream&, std::int64_t, const TakeFromSlab&);
 
 void lift_nodes(cuda::Stream& stream, const LiftKernel& lift) {

@@ -41,12 +41,17 @@ CHIARO_INLINE float distance_of(std::int32_t difference) {
     return metric == CodebookMetric::l2 ? sqrt(float(difference)) : float(difference);
 }
 
-/// The nearest word to x, of equals the first. A word c can be nearer than the best known only where
-/// d(s, c) <= d(x, s) + d(x, best) for a word s (triangle inequality), so the neighbours of a good guess s are tried in
-/// order until they are too far. Where the list of neighbours ends before that all words are tried.
+/// A word, how far it is, and whether none is nearer.
+struct FoundWord {
+    std::int32_t word, difference;
+    bool is_nearest;
+};
+
+/// The nearest word to x, of equals the first, where the neighbours tell. A word c can be nearer than the best known
+/// only where d(s, c) <= d(x, s) + d(x, best) for a word s (triangle inequality), so the neighbours of a good guess s
+/// are tried in order until they are too far. Where the list of neighbours ends before that any word may be nearer.
 template <CodebookMetric metric>
-CHIARO_INLINE std::int32_t nearest_word(const CodebookView& book, const std::int16_t* x, std::int32_t guess,
-                                        std::int32_t& found) {
+CHIARO_INLINE FoundWord near_word(const CodebookView& book, const std::int16_t* x, std::int32_t guess) {
     std::int32_t best = guess, least = difference<metric>(x, book.words + std::int64_t(guess) * book.bins, book.bins);
     for (;;) {
         const std::int32_t start = best;
@@ -65,32 +70,50 @@ CHIARO_INLINE std::int32_t nearest_word(const CodebookView& book, const std::int
             reach = (from_start + to_best) * 1.00001f + 0.01f;
             is_far_off = to_best < 0.7f * from_start;  // its own neighbours are fewer
         }
-        if (is_far_off) continue;
-        if (i == book.listed && book.listed < book.count - 1)
-            for (std::int32_t c = 0; c < book.count; ++c) {
-                const std::int32_t d =
-                    difference<metric>(x, book.words + std::int64_t(c) * book.bins, book.bins, least);
-                if (d < least || (d == least && c < best)) best = c, least = d;
-            }
-        found = least;
-        return best;
+        if (!is_far_off) return {best, least, i < book.listed || book.listed == book.count - 1};
     }
 }
-
-CHIARO_INLINE std::int32_t nearest_word(const CodebookView& book, const std::int16_t* x, std::int32_t guess,
-                                        std::int32_t& found) {
-    if (book.metric == CodebookMetric::l1) return nearest_word<CodebookMetric::l1>(book, x, guess, found);
-    if (book.metric == CodebookMetric::lmax) return nearest_word<CodebookMetric::lmax>(book, x, guess, found);
-    return nearest_word<CodebookMetric::l2>(book, x, guess, found);
+/// The nearest of all words, `found` being one.
+template <CodebookMetric metric>
+CHIARO_INLINE FoundWord word_of_all(const CodebookView& book, const std::int16_t* x, FoundWord found) {
+    for (std::int32_t c = 0; c < book.count; ++c) {
+        const std::int32_t d =
+            difference<metric>(x, book.words + std::int64_t(c) * book.bins, book.bins, found.difference);
+        if (d < found.difference || (d == found.difference && c < found.word)) found.word = c, found.difference = d;
+    }
+    return {found.word, found.difference, true};
+}
+template <CodebookMetric metric>
+CHIARO_INLINE FoundWord nearest_word(const CodebookView& book, const std::int16_t* x, std::int32_t guess) {
+    const FoundWord near = near_word<metric>(book, x, guess);
+    return near.is_nearest ? near : word_of_all<metric>(book, x, near);
 }
 
-/// Of a histogram beside another (`beside`, null where there is none) whose word is a good guess, and the answer where
-/// both are the same.
-CHIARO_INLINE std::int32_t word_beside(const CodebookView& book, const std::int16_t* beside, const std::int16_t* x,
-                                       std::int32_t word) {
-    if (beside && difference<CodebookMetric::lmax>(x, beside, book.bins) == 0) return word;
-    std::int32_t difference;
-    return nearest_word(book, x, word, difference);
+/// The same for the book's metric.
+CHIARO_INLINE std::int32_t difference_of(const CodebookView& book, const std::int16_t* a, const std::int16_t* b) {
+    return book.metric == CodebookMetric::l1     ? difference<CodebookMetric::l1>(a, b, book.bins)
+           : book.metric == CodebookMetric::lmax ? difference<CodebookMetric::lmax>(a, b, book.bins)
+                                                 : difference<CodebookMetric::l2>(a, b, book.bins);
+}
+CHIARO_INLINE FoundWord near_word(const CodebookView& book, const std::int16_t* x, std::int32_t guess) {
+    return book.metric == CodebookMetric::l1     ? near_word<CodebookMetric::l1>(book, x, guess)
+           : book.metric == CodebookMetric::lmax ? near_word<CodebookMetric::lmax>(book, x, guess)
+                                                 : near_word<CodebookMetric::l2>(book, x, guess);
+}
+CHIARO_INLINE FoundWord word_of_all(const CodebookView& book, const std::int16_t* x, FoundWord found) {
+    return book.metric == CodebookMetric::l1     ? word_of_all<CodebookMetric::l1>(book, x, found)
+           : book.metric == CodebookMetric::lmax ? word_of_all<CodebookMetric::lmax>(book, x, found)
+                                                 : word_of_all<CodebookMetric::l2>(book, x, found);
+}
+CHIARO_INLINE FoundWord nearest_word(const CodebookView& book, const std::int16_t* x, std::int32_t guess) {
+    return book.metric == CodebookMetric::l1     ? nearest_word<CodebookMetric::l1>(book, x, guess)
+           : book.metric == CodebookMetric::lmax ? nearest_word<CodebookMetric::lmax>(book, x, guess)
+                                                 : nearest_word<CodebookMetric::l2>(book, x, guess);
+}
+
+/// Whether `x` is what lies `beside` it (null: nothing does), so that its word is too.
+CHIARO_INLINE bool is_same(const CodebookView& book, const std::int16_t* beside, const std::int16_t* x) {
+    return beside && difference<CodebookMetric::lmax>(x, beside, book.bins) == 0;
 }
 
 /// Identifiers of a row of cells, two histograms each. A cell's guesses are the words of the one before; the first
@@ -102,7 +125,7 @@ CHIARO_INLINE void assign_row(const CodebookView& book, const std::int16_t* hist
         const std::int16_t* before = nullptr;
         for (int i = 0; i < count; ++i) {
             const std::int16_t* x = histograms + (2 * i + side) * book.bins;
-            word = word_beside(book, before, x, word);
+            if (!is_same(book, before, x)) word = nearest_word(book, x, word).word;
             words[2 * i + side] = std::uint16_t(word);
             before = x;
         }
@@ -112,15 +135,12 @@ CHIARO_INLINE void assign_row(const CodebookView& book, const std::int16_t* hist
 /// Words of single histograms, and how far they are; `words` holds the guesses.
 CHIARO_INLINE void assign_each(const CodebookView& book, const std::int16_t* histograms, std::int32_t count,
                                std::uint16_t* words, std::int32_t* differences) {
-    for (int i = 0; i < count; ++i)
-        words[i] = std::uint16_t(nearest_word(book, histograms + i * book.bins, words[i], differences[i]));
+    for (int i = 0; i < count; ++i) {
+        const FoundWord found = nearest_word(book, histograms + i * book.bins, words[i]);
+        words[i] = std::uint16_t(found.word), differences[i] = found.difference;
+    }
 }
 
-CHIARO_INLINE std::int32_t difference_of(const CodebookView& book, const std::int16_t* a, const std::int16_t* b) {
-    return book.metric == CodebookMetric::l1     ? difference<CodebookMetric::l1>(a, b, book.bins)
-           : book.metric == CodebookMetric::lmax ? difference<CodebookMetric::lmax>(a, b, book.bins)
-                                                 : difference<CodebookMetric::l2>(a, b, book.bins);
-}
 CHIARO_INLINE float distance_of(const CodebookView& book, std::int32_t difference) {
     return book.metric == CodebookMetric::l2 ? distance_of<CodebookMetric::l2>(difference) : float(difference);
 }
