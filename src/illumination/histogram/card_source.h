@@ -1,5 +1,7 @@
 // Packed histograms on a card, where they are made, used and forgotten: one class for each path.
 #pragma once
+#include <optional>
+
 #include "cuda/run.h"
 #include "illumination/cells/card.h"
 #include "illumination/histogram/launch_card.h"

@@ -31,7 +31,6 @@ void bin_here(const DeviceVolume::Data& volume, BinnedCells& out, Progress& prog
                                  kernel.out[row * nx + x] =
                                      of_stored[std::size_t(kernel.of_voxel(x, int(row % ny), int(row / ny)))];
                  });
-    progress.check();
 }
 
 /// Where the voxels are, their bins stay.
@@ -76,6 +75,7 @@ BinnedCells bin_cells(const DeviceVolume::Data& volume, Progress& progress) {
         if (!cuda::done_on_card(volume.device, [&] { bin_on_card<Voxel>(volume, out); }))
             bin_here<Voxel>(volume, out, progress);
     });
+    progress.check();
     return out;
 }
 
