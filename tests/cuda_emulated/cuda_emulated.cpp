@@ -118,6 +118,7 @@ cudaError_t cudaStreamDestroy(cudaStream_t stream) {
 cudaError_t cudaStreamSynchronize(cudaStream_t stream) {
     const std::lock_guard lock(guard);
     if (!stream->work.empty()) {
+        ++cuda_emulated::card().waits;
         const Opened opened;
         for (const auto& work : std::exchange(stream->work, {})) work();
     }
@@ -158,7 +159,7 @@ cudaError_t cudaMemcpyAsync(void* to, const void* from, std::size_t bytes, cudaM
     const bool up = kind == cudaMemcpyHostToDevice, down = kind == cudaMemcpyDeviceToHost;
     if ((!up && !is_on_card(from, bytes)) || (!down && !is_on_card(to, bytes)))
         end("a copy that leaves the card's memory");
-    if (up) cuda_emulated::card().uploaded_bytes += bytes;
+    if (up) ++cuda_emulated::card().uploads, cuda_emulated::card().uploaded_bytes += bytes;
     if (down) cuda_emulated::card().downloaded_bytes += bytes;
     later(stream, [=] { std::memcpy(to, from, bytes); });
     return cudaSuccess;
@@ -202,7 +203,7 @@ void start(void* stream, dim3 grid, dim3 block, std::function<void()> thread) {
         return;
     }
     if (told(std::exchange(card().next_launch, cudaSuccess)) != cudaSuccess) return;
-    ++card().launches, card().last_stream = stream;
+    ++card().launches, card().threads += std::size_t(grid.x) * grid.y * grid.z * threads, card().last_stream = stream;
     later(static_cast<cudaStream_t>(stream), [=] {
         gridDim = grid, blockDim = block;
         for (unsigned b = 0; b < grid.x * grid.y * grid.z; ++b) {

@@ -1,0 +1,78 @@
+// How much of a card its work can keep busy, counted where there is none to measure it (docs/gpu.md: the census). The
+// bounds are what was counted, and a little more: a launch or a wait that comes back is noticed.
+#include "cuda_case.h"
+#include "illumination/sh/directions.h"
+#include "illumination/spao/spao.h"
+#include "illumination/transport/solver.h"
+#include "illumination/visibility/sweep.h"
+
+using namespace chiaro;
+using namespace chiaro::testing;
+
+namespace {
+
+using cuda_emulated::Census;
+
+Census census_of(const std::function<void()>& work) {
+    const Census before = cuda_emulated::card();
+    work();
+    return cuda_emulated::card().since(before);
+}
+
+/// `bytes`: in both directions.
+struct Bounds {
+    std::size_t launches, threads_each, waits, uploads, bytes;
+};
+
+void expect_within(const Census& found, const Bounds& bounds, const std::string& what) {
+    const std::size_t each = found.threads / found.launches, bytes = found.uploaded_bytes + found.downloaded_bytes;
+    SCOPED_TRACE(fmt::format("{}: {} launches of {} threads, {} waits, {} uploads, {} bytes", what, found.launches,
+                             each, found.waits, found.uploads, bytes));
+    EXPECT_LE(found.launches, bounds.launches);
+    EXPECT_GE(each, bounds.threads_each);
+    EXPECT_LE(found.waits, bounds.waits);
+    EXPECT_LE(found.uploads, bounds.uploads);
+    EXPECT_LE(bytes, bounds.bytes);
+}
+
+Volume cube(int n) {
+    return sampled<std::uint8_t>({n, n, n}, [&](double x, double y, double z) { return shells(x, y, z, n); });
+}
+
+}  // namespace
+
+TEST_F(Cards, AreKeptBusyByVisibility) {
+    constexpr int n = 24;
+    Progress progress;
+    const Medium medium = classify(upload(card, cube(n)), two_materials(), {});
+    const Density density = density_for(medium.data(), 1, card, progress);
+    density.on_card(*card.stream);
+    const auto swept = [&](SweepLattice lattice) {
+        return census_of([&] { sweep_on_card(card, density, fibonacci_directions(400), 16, 0.5, lattice, progress); });
+    };
+    expect_within(swept(SweepLattice::grid), {144, 700, 18, 60, 2700000}, "grid");
+    expect_within(swept(SweepLattice::sheared), {432, 14000, 12, 36, 4020000}, "sheared");
+}
+
+TEST_F(Cards, AreKeptBusyByTransport) {
+    Progress progress;
+    const Medium medium = classify(upload(card, cube(24)), two_materials(), {});
+    const SharedMatter matter = matter_of(card, medium.data(), 24, {}, progress);
+    std::optional<TransportSolver> solver;
+    const Census first = census_of([&] {
+        solver.emplace(card, matter, Lighting(), TransportSettings{.grid = 24}, ScatteringSettings(), Vec3{0, 0, 1},
+                       progress);
+    });
+    expect_within(first, {53, 9000, 5, 69, 510000}, "first");
+    expect_within(census_of([&] { solver->iterate(progress); }), {28, 9000, 3, 25, 18000}, "iteration");
+}
+
+TEST_F(Cards, AreKeptBusyBySpao) {
+    Progress progress;
+    Steps steps;
+    const Medium medium = classify(upload(card, cube(64)), two_materials(), {});
+    const CellOpacity opacity = cell_opacity(medium.data(), progress);
+    const Census found = census_of(
+        [&] { spao_accessibility(card, opacity, {}, BlockMap(opacity.values.grid.count, true), steps, progress); });
+    expect_within(found, {29, 110000, 18, 6, 1600}, "spao");
+}
