@@ -1,5 +1,7 @@
 // How much of a card its work can keep busy, counted where there is none to measure it (docs/gpu.md: the census). The
 // bounds are what was counted, and a little more: a launch or a wait that comes back is noticed.
+#include <cstring>
+
 #include "cuda_case.h"
 #include "illumination/sh/directions.h"
 #include "illumination/spao/spao.h"
@@ -39,6 +41,11 @@ Volume cube(int n) {
     return sampled<std::uint8_t>({n, n, n}, [&](double x, double y, double z) { return shells(x, y, z, n); });
 }
 
+void expect_equal(const ShField& found, const ShField& expected) {
+    ASSERT_EQ(found.buffer.size(), expected.buffer.size());
+    EXPECT_EQ(std::memcmp(found.buffer.data(), expected.buffer.data(), found.buffer.size()), 0);
+}
+
 }  // namespace
 
 TEST_F(Cards, AreKeptBusyByVisibility) {
@@ -50,8 +57,30 @@ TEST_F(Cards, AreKeptBusyByVisibility) {
     const auto swept = [&](SweepLattice lattice) {
         return census_of([&] { sweep_on_card(card, density, fibonacci_directions(400), 16, 0.5, lattice, progress); });
     };
-    expect_within(swept(SweepLattice::grid), {144, 700, 18, 60, 2700000}, "grid");
-    expect_within(swept(SweepLattice::sheared), {432, 14000, 12, 36, 4020000}, "sheared");
+    expect_within(swept(SweepLattice::grid), {50, 170000, 2, 25, 53000}, "grid");
+    expect_within(swept(SweepLattice::sheared), {52, 155000, 2, 19, 220000}, "sheared");
+}
+
+TEST_F(Cards, SweepFewerDirectionsSideBySideWhereRoomIsLittle) {
+    Progress progress;
+    const Medium medium = classify(upload(card, cube(24)), two_materials(), {});
+    const Density density = density_for(medium.data(), 1, card, progress);
+    density.on_card(*card.stream);
+    for (const SweepLattice lattice : {SweepLattice::grid, SweepLattice::sheared}) {
+        const auto swept = [&](const Device& device) {
+            return sweep_visibility(device, density, fibonacci_directions(520), 4, 0.5, lattice, progress);
+        };
+        const ShField expected = swept(processor());
+        std::size_t most = 0, least = 1000;
+        for (const std::size_t mib : {2, 5, 100}) {
+            cuda_emulated::card().memory_bytes = cuda_emulated::card().held_bytes + (mib << 20);
+            const Census found = census_of([&] { expect_equal(swept(card), expected); });
+            most = std::max(most, found.launches), least = std::min(least, found.launches);
+            cuda_emulated::card().memory_bytes = std::size_t(4) << 30;
+        }
+        EXPECT_LT(least, 60u);
+        EXPECT_GT(most, 6 * 48u);
+    }
 }
 
 TEST_F(Cards, AreKeptBusyByTransport) {

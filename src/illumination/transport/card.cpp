@@ -19,14 +19,6 @@ void swap_pointers(cuda::Views& views, kernel::SourceSweepKernel& kernel) {
     views.swap(kernel.rays, kernel.octants, kernel.open_weight, kernel.cosine);
 }
 
-/// From a cell to the next along a row of a sweep's planes, and to that of the next plane.
-kernel::SweptPlaces places_of(const SweepAxes& axes, int steps, const std::array<std::int64_t, 3>& strides,
-                              std::int64_t origin) {
-    const std::int64_t plane = strides[std::size_t(axes.major)];
-    return {origin + (axes.sign > 0 ? (steps - 1) * plane : 0), axes.sign > 0 ? -plane : plane,
-            strides[std::size_t(axes.v)], strides[std::size_t(axes.u)]};
-}
-
 /// Numbers in a row of a travelling plane, with its halo.
 int pitch_of(const SweptMedium& medium, const SweepAxes& axes) { return medium.lattices.along_x.count()[axes.u] + 2; }
 
@@ -108,7 +100,7 @@ kernel::SweptCells CardTransport::cells_of(const SweepAxes& axes) const {
     const auto to = [&](int x, int y, int z) { return std::int64_t(lattice.index(x, y, z)); };
     kernel::SweptCells cells{};
     cells.nu = n[axes.u], cells.nv = n[axes.v], cells.steps = n[axes.major];
-    cells.in_field = places_of(axes, cells.steps, {to(1, 0, 0), to(0, 1, 0), to(0, 0, 1)}, 0);
+    cells.in_field = places_of(axes, cells.steps, {to(1, 0, 0), to(0, 1, 0), to(0, 0, 1)});
     cells.in_halo =
         places_of(axes, cells.steps, {opaque.stride(0), opaque.stride(1), opaque.stride(2)}, opaque.bit_index(0, 0, 0));
     cells.extinction = field(extinction_, lattice.along_y());

@@ -1,18 +1,9 @@
 // A sweep as a card's threads do it: a thread for each cell of a plane, for each group of directions.
 #pragma once
 #include "illumination/transport/sweep_kernel.h"
+#include "illumination/visibility/swept_places.h"
 
 namespace chiaro::kernel {
-
-/// Where a number for each cell lies: of a sweep's first cell, and so far on from plane to plane, row to row, cell to
-/// cell.
-struct SweptPlaces {
-    std::int64_t first, plane, row, cell;
-
-    CHIARO_INLINE std::int64_t at(std::int32_t k, std::int32_t v, std::int32_t u) const {
-        return first + k * plane + v * row + u * cell;
-    }
-};
 
 /// The cells as one group of directions meets them. Pointers are the card's.
 struct SweptCells {
