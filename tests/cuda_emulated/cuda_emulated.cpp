@@ -12,6 +12,7 @@
 
 struct EmulatedStream {
     std::vector<std::function<void()>> work;
+    bool is_busy = false;  ///< with more than memory that is let go of
 };
 
 namespace {
@@ -65,6 +66,7 @@ void free_block(void* memory) {
 void later(cudaStream_t stream, std::function<void()> work) {
     const std::lock_guard lock(guard);
     stream->work.push_back(std::move(work));
+    stream->is_busy = true;
 }
 
 }  // namespace
@@ -118,7 +120,7 @@ cudaError_t cudaStreamDestroy(cudaStream_t stream) {
 cudaError_t cudaStreamSynchronize(cudaStream_t stream) {
     const std::lock_guard lock(guard);
     if (!stream->work.empty()) {
-        ++cuda_emulated::card().waits;
+        cuda_emulated::card().waits += std::exchange(stream->is_busy, false);
         const Opened opened;
         for (const auto& work : std::exchange(stream->work, {})) work();
     }
@@ -141,7 +143,8 @@ cudaError_t cudaMallocAsync(void** memory, std::size_t bytes, cudaStream_t) {
     return *memory = first, cudaSuccess;
 }
 cudaError_t cudaFreeAsync(void* memory, cudaStream_t stream) {
-    return later(stream, [=] { free_block(memory); }), cudaSuccess;
+    const std::lock_guard lock(guard);
+    return stream->work.push_back([=] { free_block(memory); }), cudaSuccess;
 }
 cudaError_t cudaFree(void* memory) {
     const std::lock_guard lock(guard);
