@@ -123,5 +123,5 @@ TEST_F(Cards, AreKeptBusyBySpao) {
     const CellOpacity opacity = cell_opacity(medium.data(), progress);
     const Census found = census_of(
         [&] { spao_accessibility(card, opacity, {}, BlockMap(opacity.values.grid.count, true), steps, progress); });
-    expect_within(found, {29, 110000, 18, 6, 1600}, "spao");
+    expect_within(found, {29, 110000, 8, 6, 1600}, "spao");
 }
