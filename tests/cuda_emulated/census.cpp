@@ -83,6 +83,27 @@ TEST_F(Cards, SweepFewerDirectionsSideBySideWhereRoomIsLittle) {
     }
 }
 
+TEST_F(Cards, EndASweepThatIsCancelledBetweenItsPlanes) {
+    const Volume column = sampled<std::uint8_t>({5, 6, 150}, [](double, double, double z) { return z; });
+    Progress progress;
+    const Medium medium = classify(upload(card, column), two_materials(), {});
+    const Density density = density_for(medium.data(), 1, card, progress);
+    for (const SweepLattice lattice : {SweepLattice::grid, SweepLattice::sheared}) {
+        int reports = 0;
+        const auto swept = [&](Progress& watched) {
+            sweep_on_card(card, density, fibonacci_directions(60), 4, 0.5, lattice, watched);
+        };
+        Progress cancelling([&](std::string_view, double share) {
+            EXPECT_LT(share, 0.5);
+            if (++reports == 1) cancelling.cancel();
+        });
+        const Census all = census_of([&] { swept(progress); });
+        const Census some = census_of([&] { EXPECT_THROW(swept(cancelling), Error); });
+        EXPECT_LT(some.launches, all.launches / 2);
+        EXPECT_EQ(reports, 1);
+    }
+}
+
 TEST_F(Cards, AreKeptBusyByTransport) {
     Progress progress;
     const Medium medium = classify(upload(card, cube(24)), two_materials(), {});
