@@ -30,7 +30,7 @@ target_link_libraries(chiaro_emulated PRIVATE $<TARGET_PROPERTY:chiaro-cli,LINK_
 
 # But for what takes ten seconds and more of make-believe, and goes through the same kernels as quicker tests: some, and all
 # of the volumes at full size. Tests of the tool, which has another card or none, are left out too.
-set(slow Transport.AHalfSpace* Spao.AnyNumber* TransportEdit.ATurned* TransportEdit.TheFirst* TransportEdit.Another* Reference.Interpolated* Reference.MidPlane*
+set(slow Transport.AHalfSpace* Sweep.OnAnOpaque* Spao.AnyNumber* TransportEdit.ATurned* TransportEdit.TheFirst* TransportEdit.Another* Reference.Interpolated* Reference.MidPlane*
          HistogramCache.ThatIsDamaged* HistogramLight.ShowsInEvery* HistogramLight.Bleeds* *Tool.*)
 list(JOIN slow : slow)
 set(small_tests ${CHIARO_DEVICE_TESTS})

@@ -7,14 +7,17 @@
 
 namespace chiaro::kernel {
 
+enum SideWork : std::int32_t { starting, travelling, projecting, kinds_of_work };
+
 /// The nodes as a batch of directions meets them. Pointers are the card's.
 struct SweptNodes {
     std::int32_t nu, nv, steps;
     SweptPlaces places;
     const float* density;  ///< of the grid
     Harmonics harmonics;
-    float* field;  ///< of the grid: coefficients, to be added to
-    float* seen;   ///< by the directions, from the nodes of a plane
+    float* field;                       ///< of the grid: coefficients, to be added to
+    float* seen;                        ///< by the directions, from the nodes of a plane
+    std::int32_t first[kinds_of_work];  ///< thread, of the batches side by side
 
     CHIARO_INLINE float* field_at(std::int32_t k, std::int32_t v, std::int32_t u) const {
         return field + places.at(k, v, u) * harmonics.coefficients;
@@ -26,34 +29,38 @@ struct GridSide {
     SweptNodes nodes;
     const SweepPack* packs;
     float *density[2], *light[2];
-    std::uint8_t* state[2];
+    std::uint8_t *state[2], *is_lit[2];  ///< by any direction (all who write write the same): to be projected
     std::int32_t row, lanes;
 
     /// Threads that a plane takes, and numbers of `light`.
     CHIARO_INLINE std::int32_t threads() const { return nodes.nu * nodes.nv * lanes; }
     CHIARO_INLINE std::int32_t numbers() const { return row * (nodes.nv + 2) * lanes; }
     /// What it needs room for, and takes: floats.
-    std::int64_t room() const { return std::int64_t(numbers()) * 2 + threads() + numbers() / lanes * 5 / 2 + 1; }
+    std::int64_t room() const { return std::int64_t(numbers()) * 2 + threads() + numbers() / lanes * 3; }
     void take(float* memory) {
         const std::int64_t plane = numbers(), places = plane / lanes;
         light[0] = memory, light[1] = memory + plane, nodes.seen = memory + 2 * plane;
         density[0] = nodes.seen + threads(), density[1] = density[0] + places;
         state[0] = reinterpret_cast<std::uint8_t*>(density[1] + places), state[1] = state[0] + places;
+        is_lit[0] = state[1] + places, is_lit[1] = is_lit[0] + places;
     }
 
     /// Before the first plane there is nothing, and all light arrives.
     CHIARO_INLINE void start(std::int32_t i) const {
         for (int p = 0; p < 2; ++p) {
             light[p][i] = 1;
-            if (i < numbers() / lanes) density[p][i] = 0, state[p][i] = clear | empty;
+            if (i < numbers() / lanes) density[p][i] = 0, state[p][i] = clear | empty, is_lit[p][i] = 0;
         }
     }
     CHIARO_INLINE void travel(std::int32_t k, std::int32_t i) const {
         const std::int32_t d = i % lanes, node = i / lanes, u = node % nodes.nu, v = node / nodes.nu;
-        if (d < nodes.harmonics.directions)
-            at(k).at(place(v, u), d, nodes.density[nodes.places.at(k, v, u)], nodes.seen + i);
+        if (d == 0) is_lit[1 - (k & 1)][place(v, u)] = 0;  // for the next plane
+        if (d < nodes.harmonics.directions &&
+            at(k).at(place(v, u), d, nodes.density[nodes.places.at(k, v, u)], nodes.seen + i))
+            is_lit[k & 1][place(v, u)] = 1;
     }
     CHIARO_INLINE void project(std::int32_t k, std::int32_t v, std::int32_t u, std::int32_t c) const {
+        if (!is_lit[k & 1][place(v, u)]) return;
         at(k).project_at(place(v, u), c, nodes.seen + std::int64_t(v * nodes.nu + u) * lanes, nodes.field_at(k, v, u));
     }
 
@@ -104,39 +111,48 @@ private:
     }
 };
 
-/// Each side `items` threads.
+/// Sides next to each other, each with as many threads as it needs: `first` of them is told for each kind of work.
+template <class Side>
+struct Sides {
+    const Side* at;
+    std::int32_t count;
+
+    CHIARO_INLINE const Side& holding(SideWork work, std::int32_t item) const {
+        std::int32_t s = count - 1;
+        while (item < at[s].nodes.first[work]) --s;
+        return at[s];
+    }
+};
+
 template <class Side>
 struct StartSides {
-    const Side* sides;
-    std::int32_t items;
+    Sides<Side> sides;
 
     CHIARO_INLINE void operator()(std::int64_t i) const {
-        const Side& side = sides[std::int32_t(i) / items];
-        if (std::int32_t(i) % items < side.numbers()) side.start(std::int32_t(i) % items);
+        const Side& side = sides.holding(starting, std::int32_t(i));
+        side.start(std::int32_t(i) - side.nodes.first[starting]);
     }
 };
 template <class Side>
 struct TravelSides {
-    const Side* sides;
-    std::int32_t items, k;
+    Sides<Side> sides;
+    std::int32_t k;
 
     CHIARO_INLINE void operator()(std::int64_t i) const {
-        const Side& side = sides[std::int32_t(i) / items];
-        const std::int32_t item = std::int32_t(i) % items;
-        if (k < side.nodes.steps && item < side.threads()) side.travel(k, item);
+        const Side& side = sides.holding(travelling, std::int32_t(i));
+        side.travel(k, std::int32_t(i) - side.nodes.first[travelling]);
     }
 };
 template <class Side>
 struct ProjectSides {
-    const Side* sides;
-    std::int32_t items, k;
+    Sides<Side> sides;
+    std::int32_t k;
 
     CHIARO_INLINE void operator()(std::int64_t i) const {
-        const Side& side = sides[std::int32_t(i) / items];
-        const SweptNodes& nodes = side.nodes;
-        const std::int32_t item = std::int32_t(i) % items, node = item / nodes.harmonics.coefficients;
-        const std::int32_t u = node % nodes.nu, v = node / nodes.nu;
-        if (k < nodes.steps && v < nodes.nv) side.project(k, v, u, item % nodes.harmonics.coefficients);
+        const Side& side = sides.holding(projecting, std::int32_t(i));
+        const std::int32_t item = std::int32_t(i) - side.nodes.first[projecting],
+                           node = item / side.nodes.harmonics.coefficients;
+        side.project(k, node / side.nodes.nu, node % side.nodes.nu, item % side.nodes.harmonics.coefficients);
     }
 };
 

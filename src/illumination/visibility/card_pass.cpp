@@ -21,7 +21,8 @@ kernel::SweptNodes nodes_of(const CellGrid& grid, const SweepAxes& axes, const k
             .density = nullptr,
             .harmonics = harmonics,
             .field = nullptr,
-            .seen = nullptr};
+            .seen = nullptr,
+            .first = {}};
 }
 
 /// What the kernels read of a batch, as it is on the host.
@@ -118,44 +119,61 @@ private:
     BatchHarmonics harmonics_;
 };
 
+/// Threads of a side, by the kind of work.
+template <class Side>
+std::array<std::int32_t, kernel::kinds_of_work> threads_of(const Side& side) {
+    const kernel::SweptNodes& nodes = side.nodes;
+    return {side.numbers(), side.threads(), nodes.nu * nodes.nv * nodes.harmonics.coefficients};
+}
+
 /// The most that any of the sides needs.
 template <class Side>
 struct Extent {
-    std::int32_t steps = 0, numbers = 0, threads = 0, nodes = 0;
+    std::int32_t threads = 0;
     std::size_t room = 0;
 
     explicit Extent(const std::vector<Side>& sides) {
         for (const Side& side : sides) {
-            steps = std::max(steps, side.nodes.steps);
-            numbers = std::max(numbers, side.numbers()), threads = std::max(threads, side.threads());
-            nodes = std::max(nodes, side.nodes.nu * side.nodes.nv);
+            const auto its = threads_of(side);
+            threads = std::max(threads, *std::max_element(its.begin(), its.end()));
             room = std::max(room, (std::size_t(side.room()) + 31) / 32 * 32);  // whole lines of memory
         }
     }
-    /// How many are swept side by side: see card_pass.h. Items of a launch are counted with 31 bits.
+    /// How many are swept side by side: see card_pass.h. Threads of a launch are counted with 31 bits.
     std::size_t together(const CardField& field, std::size_t sides) const {
-        const std::size_t each = (room + field.size()) * sizeof(float), most = std::size_t(field.stream().room()) / 2;
-        const std::size_t items = std::size_t(std::max({numbers, threads, nodes * field.coefficients()}));
-        return std::max<std::size_t>(1, std::min({sides, most / each, (std::size_t(1) << 31) / (items + 1)}));
+        const std::size_t each = (room + field.size()) * sizeof(float), most = field.stream().room() / 2;
+        const std::size_t counted = (std::size_t(1) << 31) / (std::size_t(threads) + 1);
+        return std::max<std::size_t>(1, std::min({sides, most / each, counted}));
     }
 };
 
-/// Sides next to each other, plane by plane; waits at the end, and so often that few planes are ever in flight.
+/// Sides next to each other, plane by plane, those with most planes first. The host waits so often that few planes are
+/// ever in flight.
 template <class Side>
-void pass_planes(const CardField& field, const Side* sides, std::size_t count, const Extent<Side>& extent,
+void pass_planes(const CardField& field, std::span<Side> sides, const cuda::Array<Side>& there,
                  const std::function<void(double)>& tell) {
     cuda::Stream& stream = field.stream();
-    const auto run = [&](std::int32_t items, const auto& kernel) {
-        kernel::run_on_card(stream, std::int64_t(count) * items, kernel);
-    };
-    run(extent.numbers, kernel::StartSides<Side>{sides, extent.numbers});
-    const std::int32_t coefficients = extent.nodes * field.coefficients();
-    for (std::int32_t k = 0; k < extent.steps; ++k) {
-        run(extent.threads, kernel::TravelSides<Side>{sides, extent.threads, k});
-        run(coefficients, kernel::ProjectSides<Side>{sides, coefficients, k});
+    std::ranges::stable_sort(sides, [](const Side& a, const Side& b) { return a.nodes.steps > b.nodes.steps; });
+    std::vector<std::array<std::int32_t, kernel::kinds_of_work>> ends(1);
+    for (Side& side : sides) {
+        ends.push_back(threads_of(side));
+        for (int work = 0; work < kernel::kinds_of_work; ++work) {
+            side.nodes.first[work] = ends[ends.size() - 2][work];
+            ends.back()[work] += side.nodes.first[work];
+        }
+    }
+    stream.upload(there.data(), sides.data(), sides.size() * sizeof(Side));
+    const auto all = [&](std::size_t count) { return kernel::Sides<Side>{there.data(), std::int32_t(count)}; };
+    kernel::run_on_card(stream, ends.back()[kernel::starting], kernel::StartSides<Side>{all(sides.size())});
+    const std::int32_t steps = sides[0].nodes.steps;
+    std::size_t count = sides.size();
+    for (std::int32_t k = 0; k < steps; ++k) {
+        while (sides[count - 1].nodes.steps <= k) --count;
+        kernel::run_on_card(stream, ends[count][kernel::travelling], kernel::TravelSides<Side>{all(count), k});
+        kernel::run_on_card(stream, ends[count][kernel::projecting], kernel::ProjectSides<Side>{all(count), k});
         if ((k + 1) % planes_in_flight != 0) continue;
         stream.wait();
-        tell(double(k + 1) / extent.steps);
+        tell(double(k + 1) / steps);
     }
 }
 
@@ -186,9 +204,8 @@ void sweep(const CardField& field, const std::vector<Vec3>& directions, double s
             side.take(planes.data() + i * extent.room);
             side.nodes.field = i == 0 ? field.data() : parts.data() + (i - 1) * field.size();
         }
-        stream.upload(there.data(), &sides[first], count * sizeof(Side));
         parts.zero();
-        pass_planes(field, there.data(), count, extent, [&](double share) {
+        pass_planes<Side>(field, std::span(sides).subspan(first, count), there, [&](double share) {
             progress.report("visibility", (double(first) + share * double(count)) / double(sides.size()));
             progress.check();
         });

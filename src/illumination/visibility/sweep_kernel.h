@@ -74,20 +74,21 @@ struct SweepKernel {
         projection.template flush<F>();
     }
 
-    /// For many threads: one direction's way to a node; `seen`: what arrives there, unless all light does. That no
-    /// light is left is not noted, for it makes no difference.
-    CHIARO_INLINE void at(std::int32_t node, std::int32_t d, float density, float* seen) const {
+    /// For many threads: one direction's way to a node; `seen`: what arrives there, unless all light does. Returns
+    /// whether any does. That no light is left is not noted, for it makes no difference.
+    CHIARO_INLINE bool at(std::int32_t node, std::int32_t d, float density, float* seen) const {
         const std::uint8_t around = state_around(node), own = density > 0 ? 0 : empty;
         const bool is_clear = stays_clear(around, own);
         if (d == 0) planes.density[node] = density, planes.state[node] = is_clear ? clear | own : own;
         float* light = planes.light + std::int64_t(node) * planes.directions + d;
         if (is_clear) {
             *light = 1;
-            return;
+            return true;
         }
         const SweepPack& pack = packs[d / SweepPack::width];
         const std::int32_t lane = d % SweepPack::width;
         pass<float>(pack, lane, density, arriving<float>(pack, lane, d, node, !(around & empty)), seen, light);
+        return *seen > 0;
     }
     /// Then: coefficient c of what all directions saw from the node.
     CHIARO_INLINE void project_at(std::int32_t node, std::int32_t c, const float* seen, float* field) const {
