@@ -17,7 +17,7 @@ target_include_directories(cuda_emulated PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/cud
 target_compile_definitions(cuda_emulated PRIVATE CHIARO_CUDA_EMULATED)
 target_link_libraries(cuda_emulated PRIVATE fmt::fmt chiaro_warnings)
 
-add_executable(cuda_emulated_test cuda_test.cpp cuda_light_test.cpp cuda_histogram_test.cpp cuda_frame_test.cpp cuda_texture_test.cpp cuda_emulated/troubles.cpp $<TARGET_OBJECTS:cuda_emulated>) # these before the library's own
+add_executable(cuda_emulated_test cuda_test.cpp cuda_light_test.cpp cuda_histogram_test.cpp cuda_frame_test.cpp cuda_texture_test.cpp cuda_emulated/troubles.cpp cuda_emulated/census.cpp $<TARGET_OBJECTS:cuda_emulated>) # these before the library's own
 target_include_directories(cuda_emulated_test PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/cuda_emulated ${PROJECT_SOURCE_DIR}/src ${CMAKE_CURRENT_SOURCE_DIR})
 target_compile_definitions(cuda_emulated_test PRIVATE CHIARO_CUDA_EMULATED)
 target_link_libraries(cuda_emulated_test PRIVATE chiaro_bench chiaro GTest::gtest_main fmt::fmt chiaro_warnings)
@@ -30,7 +30,7 @@ target_link_libraries(chiaro_emulated PRIVATE $<TARGET_PROPERTY:chiaro-cli,LINK_
 
 # But for what takes ten seconds and more of make-believe, and goes through the same kernels as quicker tests: some, and all
 # of the volumes at full size. Tests of the tool, which has another card or none, are left out too.
-set(slow Transport.AHalfSpace* Spao.AnyNumber* TransportEdit.ATurned* TransportEdit.TheFirst* TransportEdit.Another* Reference.Interpolated* Reference.MidPlane*
+set(slow Transport.AHalfSpace* Sweep.OnAnOpaque* Spao.AnyNumber* TransportEdit.ATurned* TransportEdit.TheFirst* TransportEdit.Another* Reference.Interpolated* Reference.MidPlane*
          HistogramCache.ThatIsDamaged* HistogramLight.ShowsInEvery* HistogramLight.Bleeds* *Tool.*)
 list(JOIN slow : slow)
 set(small_tests ${CHIARO_DEVICE_TESTS})

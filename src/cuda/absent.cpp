@@ -17,6 +17,7 @@ Stream::Stream(CardInfo, std::shared_ptr<Mirror>, bool) : is_optional_(false) { 
 Stream::~Stream() = default;
 void* Stream::allocate(std::size_t) { refuse(); }
 void Stream::release(void*) noexcept {}
+std::size_t Stream::room() const { refuse(); }
 void Stream::release_at_once(int, void*) noexcept {}
 void Stream::upload(void*, const void*, std::size_t) { refuse(); }
 void Stream::download(void*, const void*, std::size_t) { refuse(); }

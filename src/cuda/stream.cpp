@@ -129,6 +129,13 @@ void Stream::release_at_once(int card, void* memory) noexcept {
     if (cudaSetDevice(card) == cudaSuccess) (void)cudaFree(memory);
 }
 
+std::size_t Stream::room() const {
+    use();
+    std::size_t free = 0, all = 0;
+    check(cudaMemGetInfo(&free, &all), card_);
+    return free;
+}
+
 void Stream::upload(void* to, const void* from, std::size_t bytes) {
     use();
     check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyHostToDevice, stream_of(handle_)), card_);

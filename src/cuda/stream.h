@@ -37,6 +37,7 @@ public:
 
     void* allocate(std::size_t bytes);  ///< for what is done later on this stream
     void release(void* memory) noexcept;
+    std::size_t room() const;                                      ///< bytes that are free now
     void upload(void* to, const void* from, std::size_t bytes);    ///< `from` stays as it is until the host has waited
     void download(void* to, const void* from, std::size_t bytes);  ///< `to` is there when the host has waited
     void copy(void* to, const void* from, std::size_t bytes);      ///< on the card

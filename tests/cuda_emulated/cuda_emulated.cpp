@@ -12,6 +12,7 @@
 
 struct EmulatedStream {
     std::vector<std::function<void()>> work;
+    bool is_busy = false;  ///< with more than memory that is let go of
 };
 
 namespace {
@@ -65,6 +66,7 @@ void free_block(void* memory) {
 void later(cudaStream_t stream, std::function<void()> work) {
     const std::lock_guard lock(guard);
     stream->work.push_back(std::move(work));
+    stream->is_busy = true;
 }
 
 }  // namespace
@@ -118,6 +120,7 @@ cudaError_t cudaStreamDestroy(cudaStream_t stream) {
 cudaError_t cudaStreamSynchronize(cudaStream_t stream) {
     const std::lock_guard lock(guard);
     if (!stream->work.empty()) {
+        cuda_emulated::card().waits += std::exchange(stream->is_busy, false);
         const Opened opened;
         for (const auto& work : std::exchange(stream->work, {})) work();
     }
@@ -140,7 +143,8 @@ cudaError_t cudaMallocAsync(void** memory, std::size_t bytes, cudaStream_t) {
     return *memory = first, cudaSuccess;
 }
 cudaError_t cudaFreeAsync(void* memory, cudaStream_t stream) {
-    return later(stream, [=] { free_block(memory); }), cudaSuccess;
+    const std::lock_guard lock(guard);
+    return stream->work.push_back([=] { free_block(memory); }), cudaSuccess;
 }
 cudaError_t cudaFree(void* memory) {
     const std::lock_guard lock(guard);
@@ -158,7 +162,7 @@ cudaError_t cudaMemcpyAsync(void* to, const void* from, std::size_t bytes, cudaM
     const bool up = kind == cudaMemcpyHostToDevice, down = kind == cudaMemcpyDeviceToHost;
     if ((!up && !is_on_card(from, bytes)) || (!down && !is_on_card(to, bytes)))
         end("a copy that leaves the card's memory");
-    if (up) cuda_emulated::card().uploaded_bytes += bytes;
+    if (up) ++cuda_emulated::card().uploads, cuda_emulated::card().uploaded_bytes += bytes;
     if (down) cuda_emulated::card().downloaded_bytes += bytes;
     later(stream, [=] { std::memcpy(to, from, bytes); });
     return cudaSuccess;
@@ -202,7 +206,7 @@ void start(void* stream, dim3 grid, dim3 block, std::function<void()> thread) {
         return;
     }
     if (told(std::exchange(card().next_launch, cudaSuccess)) != cudaSuccess) return;
-    ++card().launches, card().last_stream = stream;
+    ++card().launches, card().threads += std::size_t(grid.x) * grid.y * grid.z * threads, card().last_stream = stream;
     later(static_cast<cudaStream_t>(stream), [=] {
         gridDim = grid, blockDim = block;
         for (unsigned b = 0; b < grid.x * grid.y * grid.z; ++b) {

@@ -133,8 +133,25 @@ T atomicAdd(T* to, T more) {
 
 namespace cuda_emulated {
 
+/// What a card was asked to do so far. Where there is no card to measure, this says how far a real one would be kept
+/// busy: launches that wait for each other, threads to share them, and how often the host stands in between.
+struct Census {
+    std::size_t launches = 0, threads = 0;  ///< threads: of whole blocks
+    std::size_t waits = 0;                  ///< of the host, for work that it had asked for
+    std::size_t uploads = 0, uploaded_bytes = 0, downloaded_bytes = 0;
+
+    Census since(const Census& before) const {
+        return {launches - before.launches,
+                threads - before.threads,
+                waits - before.waits,
+                uploads - before.uploads,
+                uploaded_bytes - before.uploaded_bytes,
+                downloaded_bytes - before.downloaded_bytes};
+    }
+};
+
 /// What tests set and see.
-struct Card {
+struct Card : Census {
     int count = 1;
     std::size_t memory_bytes = std::size_t(4) << 30;
     int driver_version = 13000;
@@ -143,7 +160,6 @@ struct Card {
     cudaError_t host_memory = cudaSuccess;  ///< told by cudaMallocHost
     const void* last_stream = nullptr;      ///< of the last launch
     std::size_t held_bytes = 0;             ///< allocated and not yet freed
-    std::size_t uploaded_bytes = 0, downloaded_bytes = 0, launches = 0;
 };
 Card& card();
 

@@ -12,6 +12,15 @@ namespace chiaro {
 
 inline constexpr std::size_t blocks_together = 256;  ///< 8 million threads, and room for their tiles
 
+/// Blocks that are taken at a time, and how many times before the host waits: work that is cancelled ends after these.
+struct Turns {
+    std::size_t blocks = blocks_together;
+    int in_flight = 8;
+
+    Turns() = default;
+    Turns(std::size_t blocks_of_long_work) : blocks(blocks_of_long_work), in_flight(1) {}
+};
+
 /// Numbers of cells that are made on a card: 0 at first.
 class CardCells {
 public:
@@ -44,22 +53,24 @@ inline std::vector<kernel::BlockPlace> places_of(const BlockMap& map) {
 }
 
 /// work(places, how many blocks they are) for all blocks of a map in order, so many at a time; reports and may be
-/// cancelled after each.
+/// cancelled when each is on its way. Waits at the end at the latest.
 template <class Work>
 void for_blocks(cuda::Stream& stream, const BlockMap& map, std::string_view stage, Progress& progress, const Work& work,
-                std::size_t together = blocks_together) {
+                const Turns& turns = {}) {
     const std::vector<kernel::BlockPlace> places = places_of(map);
     if (places.empty()) return;
+    const cuda::Settled settled{stream};
     const cuda::Array<kernel::BlockPlace> there(stream, places.size());
     stream.upload(there.data(), places.data(), places.size() * sizeof places[0]);
-    stream.wait();
-    for (std::size_t first = 0; first < places.size(); first += together) {
-        const std::size_t count = std::min(together, places.size() - first);
+    int in_flight = 0;
+    for (std::size_t first = 0; first < places.size(); first += turns.blocks) {
+        const std::size_t count = std::min(turns.blocks, places.size() - first);
         work(there.data() + first, std::int64_t(count));
-        stream.wait();
+        if (++in_flight % turns.in_flight == 0) stream.wait();
         progress.report(stage, double(first + count) / double(places.size()));
         progress.check();
     }
+    stream.wait();
 }
 
 }  // namespace chiaro

@@ -19,9 +19,10 @@ struct SpaoBatch {
     const BlockPlace* places;
     SpaoTile* tiles;
     OpacityGrid opacity;
-    SpaoBlock block;       ///< but for its tile; `weight` from the grid's first corner on
-    CoarseCorners coarse;  ///< but for its z
-    SpaoOutput to;         ///< of the whole grid; but for the pieces
+    SpaoBlock block;        ///< but for its tile; `weight` from the grid's first corner on
+    CoarseCorners coarse;   ///< where it goes on
+    GridTarget to;          ///< the whole grid; null: to `octants`
+    EightOctants* octants;  ///< of the grid's corners
 
     /// The opacity of item i of [0, SpaoTile::size) of each block; beyond the grid nothing.
     CHIARO_INLINE void load(std::int64_t item) const {
@@ -41,15 +42,20 @@ struct SpaoBatch {
         constexpr int halo = SpaoTile::halo;
         const BlockCell its(places, item);
         const std::int32_t x = its.grid_x(), y = its.grid_y(), z = its.grid_z();
-        if (x >= to.nx || y >= to.ny || z >= to.nz || !its.is_asked()) return;
+        if (x >= to.count[0] || y >= to.count[1] || z >= to.count[2] || !its.is_asked()) return;
         SpaoBlock own = block;
         own.tile = tiles + its.block;
-        CoarseCorners around = coarse;
-        around.z = z;
+        CoarseAround around;
+        if (block.goes_on) around = coarse.around<at_cells>(x, y, z);
         const std::int32_t in_tile =
             (its.z() + halo) * SpaoTile::slice + (its.y() + halo) * SpaoTile::row + halo + its.x();
-        spao_piece<at_cells, float, 1>(own, SpaoPiece<CoarseCorners>{in_tile, x, y, &around}, to,
-                                       z * to.slice + y * to.row + x);
+        const std::int64_t at = std::int64_t(z) * to.slice + y * to.row + x;
+        std::uint16_t out[8][1];
+        find_piece<at_cells, float, 1>(own, SpaoPiece<CoarseAround>{in_tile, x, y, &around}, at, out);
+        if (to.to)
+            to.to[at] = out[0][0];
+        else
+            octants[at] = {{out[0][0], out[1][0], out[2][0], out[3][0], out[4][0], out[5][0], out[6][0], out[7][0]}};
     }
 };
 

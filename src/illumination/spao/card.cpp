@@ -50,7 +50,7 @@ private:
     CardCells access_;
 };
 
-/// As CoarseGrid.
+/// As CoarseGrid, but that the octants of a corner lie side by side.
 struct CardCoarse {
     CoarseShape shape;
     Shorts opacity, open, weight;
@@ -64,15 +64,13 @@ struct CardCoarse {
           needed(shape.needed_by(asked)) {}
 
     kernel::OpacityGrid cells() const { return opacity_grid(shape.count, opacity.data()); }
+    /// Null where a corner has one number.
+    kernel::EightOctants* octants() const {
+        return weight.size() > 1 ? static_cast<kernel::EightOctants*>(static_cast<void*>(open.data())) : nullptr;
+    }
     kernel::CoarseCorners corners() const {
         const auto [nx, ny, nz] = shape.corners;
-        return {open.data(), weight.data(), {nx, ny, nz}, 0};
-    }
-    kernel::SpaoOutput output(int octants) const {
-        const auto [nx, ny, nz] = shape.corners;
-        kernel::SpaoOutput to{.row = nx, .slice = std::int64_t(nx) * ny, .nx = nx, .ny = ny, .nz = nz};
-        for (int s = 0; s < octants; ++s) to.at[s] = open.data() + s * shape.corners_held();
-        return to;
+        return {octants(), open.data(), weight.data(), {nx, ny, nz}};
     }
 };
 
@@ -88,15 +86,16 @@ public:
                             finer ? finer->needed : blocks_);
             fill(grid, finer);
             coarse_.push_back(std::move(grid));
-            access_.wait(double(g) / coarse_grids(settings_));
         }
+        access_.wait(1);
     }
 
     void sweep_corners(int g, const cuda::Array<kernel::SpaoTile>& tiles) const {
         const CardCoarse& grid = coarse_[g - 1];
         kernel::SpaoBatch batch = batch_on(g, grid.cells(), tiles);
         batch.block.weight = octants_ > 1 ? grid.weight.data() : nullptr;
-        batch.to = grid.output(octants_);
+        batch.octants = grid.octants();
+        batch.to = target_of(batch.octants ? nullptr : grid.open.data(), grid.shape.corners);
         access_.for_blocks(grid.needed, [&](const kernel::BlockPlace* places, std::int64_t count) {
             batch.places = places;
             kernel::answer_corners(access_.stream(), batch, count);
@@ -104,9 +103,8 @@ public:
     }
 
     void sweep_cells(const cuda::Array<kernel::SpaoTile>& tiles) const {
-        const kernel::GridTarget to = access_.target();
         kernel::SpaoBatch batch = batch_on(0, access_.opacity(), tiles);
-        batch.to = {{to.to}, to.row, to.slice, to.count[0], to.count[1], to.count[2], nullptr};
+        batch.to = access_.target();
         access_.for_blocks(blocks_, [&](const kernel::BlockPlace* places, std::int64_t count) {
             batch.places = places;
             kernel::answer_cells(access_.stream(), batch, count);

@@ -47,7 +47,7 @@ struct SpaoBlock {
 };
 
 /// A piece of a row: where it begins in the tile and the block, and what lies further out (CoarsePlanes,
-/// CoarseCorners).
+/// CoarseAround).
 template <class Coarse>
 struct SpaoPiece {
     std::int32_t at, x, y;
@@ -138,14 +138,20 @@ struct SpaoOutput {
 };
 
 template <bool at_cells, class F, int width, class Coarse>
-CHIARO_INLINE void spao_piece(const SpaoBlock& b, const SpaoPiece<Coarse>& p, const SpaoOutput& to, std::int64_t at) {
-    std::uint16_t out[8][width];
+CHIARO_INLINE void find_piece(const SpaoBlock& b, const SpaoPiece<Coarse>& p, std::int64_t at,
+                              std::uint16_t (*out)[width]) {
     if (b.product == SpaoProduct::corrected)
         octants_piece<at_cells, F, width>(b, p, b.weight ? b.weight + at : nullptr, out);
     else if (b.product == SpaoProduct::thick)
         cubes_piece<SpaoProduct::thick, at_cells, F, width>(b, p, out);
     else
         cubes_piece<SpaoProduct::paper, at_cells, F, width>(b, p, out);
+}
+
+template <bool at_cells, class F, int width, class Coarse>
+CHIARO_INLINE void spao_piece(const SpaoBlock& b, const SpaoPiece<Coarse>& p, const SpaoOutput& to, std::int64_t at) {
+    std::uint16_t out[8][width];
+    find_piece<at_cells, F, width>(b, p, at, out);
     const std::int32_t count = min(to.nx - p.x, width);
     for (std::int32_t s = 0; s < (at_cells ? 1 : b.octants); ++s)
         if (count == width)

@@ -97,36 +97,61 @@ private:
     }
 };
 
-/// The same of one cell, straight from the coarser grid's corners: along z, x and y, as planes are made and read.
-struct CoarseCorners {
-    const std::uint16_t *open, *weight;  ///< [octant] of all corners; x fastest
-    std::int32_t count[3];
-    std::int32_t z;  ///< the slice of the finer grid that is asked for
+/// The same of one cell.
+struct CoarseAround {
+    float open[8], weight;
 
     template <bool at_cells, class F>
-    CHIARO_INLINE F open_at(int s, int x, int y) const {
-        return blend<at_cells>(open + s * (std::int64_t(count[0]) * count[1] * count[2]), x, y);
+    CHIARO_INLINE F open_at(int s, int, int) const {
+        return open[s];
     }
     template <bool at_cells, class F>
-    CHIARO_INLINE F weight_at(int x, int y) const {
-        return blend<at_cells>(weight, x, y);
+    CHIARO_INLINE F weight_at(int, int) const {
+        return weight;
+    }
+};
+
+/// What is known at a corner, one load or store.
+struct alignas(16) EightOctants {
+    std::uint16_t of[8];
+};
+
+/// A coarser grid's corners, x fastest, from which each cell takes what lies around it: along z, x and y, as planes are
+/// made and read.
+struct CoarseCorners {
+    const EightOctants* octants;  ///< null: one number each, in `cubes`
+    const std::uint16_t *cubes, *weight;
+    std::int32_t count[3];
+
+    template <bool at_cells>
+    CHIARO_INLINE CoarseAround around(int x, int y, int z) const {
+        std::int64_t at[8];
+        for (int c = 0; c < 8; ++c) at[c] = corner((x >> 1) + (c & 1), (y >> 1) + (c >> 1 & 1), (z >> 1) + (c >> 2));
+        const auto blend = [&](const auto& value) CHIARO_INLINE_LAMBDA {
+            const auto along_z = [&](int c)
+                                     CHIARO_INLINE_LAMBDA { return between<at_cells>(value(c), value(c | 4), z & 1); };
+            const auto along_x = [&](int c) CHIARO_INLINE_LAMBDA {
+                return between<at_cells>(along_z(c), along_z(c | 1), x & 1);
+            };
+            return to_float(between<at_cells>(along_x(0), along_x(2), y & 1));
+        };
+        CoarseAround found{};
+        if (!octants) {
+            found.open[0] = blend([&](int c) CHIARO_INLINE_LAMBDA { return cubes[at[c]]; });
+            return found;
+        }
+        EightOctants corners[8];
+        for (int c = 0; c < 8; ++c) corners[c] = octants[at[c]];
+        for (int s = 0; s < 8; ++s) found.open[s] = blend([&](int c) CHIARO_INLINE_LAMBDA { return corners[c].of[s]; });
+        found.weight = blend([&](int c) CHIARO_INLINE_LAMBDA { return weight[at[c]]; });
+        return found;
     }
 
 private:
-    template <bool at_cells>
-    CHIARO_INLINE float blend(const std::uint16_t* from, int x, int y) const {
-        const auto along_z = [&](int i, int j) CHIARO_INLINE_LAMBDA {
-            return between<at_cells>(corner(from, i, j, z >> 1), corner(from, i, j, (z >> 1) + 1), z & 1);
-        };
-        const auto along_x = [&](int j) CHIARO_INLINE_LAMBDA {
-            return between<at_cells>(along_z(x >> 1, j), along_z((x >> 1) + 1, j), x & 1);
-        };
-        return to_float(between<at_cells>(along_x(y >> 1), along_x((y >> 1) + 1), y & 1));
-    }
     /// Past the last corner lies no cell that asks.
-    CHIARO_INLINE std::uint16_t corner(const std::uint16_t* from, int i, int j, int k) const {
+    CHIARO_INLINE std::int64_t corner(int i, int j, int k) const {
         i = min(i, count[0] - 1), j = min(j, count[1] - 1), k = min(k, count[2] - 1);
-        return from[(std::int64_t(k) * count[1] + j) * count[0] + i];
+        return (std::int64_t(k) * count[1] + j) * count[0] + i;
     }
 };
 

@@ -19,14 +19,6 @@ void swap_pointers(cuda::Views& views, kernel::SourceSweepKernel& kernel) {
     views.swap(kernel.rays, kernel.octants, kernel.open_weight, kernel.cosine);
 }
 
-/// From a cell to the next along a row of a sweep's planes, and to that of the next plane.
-kernel::SweptPlaces places_of(const SweepAxes& axes, int steps, const std::array<std::int64_t, 3>& strides,
-                              std::int64_t origin) {
-    const std::int64_t plane = strides[std::size_t(axes.major)];
-    return {origin + (axes.sign > 0 ? (steps - 1) * plane : 0), axes.sign > 0 ? -plane : plane,
-            strides[std::size_t(axes.v)], strides[std::size_t(axes.u)]};
-}
-
 /// Numbers in a row of a travelling plane, with its halo.
 int pitch_of(const SweptMedium& medium, const SweepAxes& axes) { return medium.lattices.along_x.count()[axes.u] + 2; }
 
@@ -108,7 +100,7 @@ kernel::SweptCells CardTransport::cells_of(const SweepAxes& axes) const {
     const auto to = [&](int x, int y, int z) { return std::int64_t(lattice.index(x, y, z)); };
     kernel::SweptCells cells{};
     cells.nu = n[axes.u], cells.nv = n[axes.v], cells.steps = n[axes.major];
-    cells.in_field = places_of(axes, cells.steps, {to(1, 0, 0), to(0, 1, 0), to(0, 0, 1)}, 0);
+    cells.in_field = places_of(axes, cells.steps, {to(1, 0, 0), to(0, 1, 0), to(0, 0, 1)});
     cells.in_halo =
         places_of(axes, cells.steps, {opaque.stride(0), opaque.stride(1), opaque.stride(2)}, opaque.bit_index(0, 0, 0));
     cells.extinction = field(extinction_, lattice.along_y());
@@ -125,50 +117,67 @@ kernel::SweptCells CardTransport::cells_of(const SweepAxes& axes) const {
     return cells;
 }
 
-/// Groups side by side, batches of a group one after the other. make_side(g, batch, is_first) tells all but what
-/// travels.
-template <class Batch, class MakeSide>
-void CardTransport::sweep(const std::vector<SweepGroup>& groups, const std::vector<std::vector<Batch>>& batches,
-                          const MakeSide& make_side, const SweepTerms& terms, Progress& progress) {
-    std::size_t rounds = 0, room = 0;
-    HostArrays arrays;
+/// Batches of a group that are on their way at once: as many as half of the free memory holds planes for, one at least.
+template <class Batch>
+CardTransport::Rounds CardTransport::rounds_of(const std::vector<SweepGroup>& groups,
+                                               const std::vector<std::vector<Batch>>& batches, int per_ray) const {
+    Rounds rounds{};
     for (std::size_t g = 0; g < groups.size(); ++g) {
         const kernel::SweptCells of = cells_of(groups[g].axes);
-        room = std::max(room, std::size_t(of.pitch) * (of.nv + 2) * terms.per_ray * Batch::Kernel::most_rays);
-        rounds = std::max(rounds, batches[g].size());
-        for (const Batch& batch : batches[g]) batch.add_to(arrays);
+        rounds.plane = std::max(rounds.plane, std::size_t(of.pitch) * (of.nv + 2) * per_ray * Batch::Kernel::most_rays);
+        rounds.all = std::max(rounds.all, batches[g].size());
     }
-    std::vector<std::vector<decltype(make_side(0, batches[0][0], true))>> sides(rounds);
-    cuda::Views views(*stream_, std::move(arrays));  // settles before `sides` go
-    const Numbers planes(*stream_, 2 * room * groups.size());
-    for (std::size_t g = 0; g < groups.size(); ++g)
-        for (std::size_t round = 0; round < batches[g].size(); ++round) {
-            auto& side = sides[round].emplace_back(make_side(g, batches[g][round], round == 0));
-            swap_pointers(views, side.kernel);
-            side.cells.numbers = terms.per_ray * batches[g][round].count();
-            side.cells.opaque.arriving = arriving_.data() + g * medium_.opaque.count() * kernel::cell_floats;
-            for (std::size_t i = 0; i < 2; ++i) side.cells.planes[i] = planes.data() + (2 * g + i) * room;
-        }
-    arriving_.zero();
-    for (std::size_t round = 0; round < rounds; ++round) {
-        run(planes.size(), kernel::FillKernel{planes.data(), terms.outside});
-        pass_planes(sides[round]);
-        progress.report(terms.stage, double(round + 1) / double(rounds));
-        progress.check();
-    }
+    rounds.planes = 2 * rounds.plane * groups.size();
+    rounds.together = std::clamp<std::size_t>(stream_->room() / 2 / (rounds.planes * sizeof(float)), 1, rounds.all);
+    return rounds;
 }
 
-/// Plane by plane, waiting at the end.
+/// Groups side by side, and batches of a group each a plane behind the one whose sums it adds to. make_side(g, batch,
+/// is_first) tells all but what travels; `then` starts what reads the sums, unless the sweep is cancelled. Waits once.
+template <class Batch, class MakeSide, class Then>
+void CardTransport::sweep(const std::vector<SweepGroup>& groups, const std::vector<std::vector<Batch>>& batches,
+                          const MakeSide& make_side, const SweepTerms& terms, const Then& then, Progress& progress) {
+    const Rounds rounds = rounds_of(groups, batches, terms.per_ray);
+    HostArrays arrays;
+    for (const auto& of_group : batches)
+        for (const Batch& batch : of_group) batch.add_to(arrays);
+    std::vector<std::vector<decltype(make_side(0, batches[0][0], true))>> passes((rounds.all - 1) / rounds.together +
+                                                                                 1);
+    cuda::Views views(*stream_, std::move(arrays));  // settles before `passes` go
+    const Numbers planes(*stream_, rounds.together * rounds.planes);
+    for (std::size_t g = 0; g < groups.size(); ++g)
+        for (std::size_t round = 0; round < batches[g].size(); ++round) {
+            auto& side = passes[round / rounds.together].emplace_back(make_side(g, batches[g][round], round == 0));
+            const std::size_t behind = round % rounds.together;
+            swap_pointers(views, side.kernel);
+            side.cells.behind = std::int32_t(behind);
+            side.cells.numbers = terms.per_ray * batches[g][round].count();
+            side.cells.opaque.arriving = arriving_.data() + g * medium_.opaque.count() * kernel::cell_floats;
+            for (std::size_t i = 0; i < 2; ++i)
+                side.cells.planes[i] = planes.data() + behind * rounds.planes + (2 * g + i) * rounds.plane;
+        }
+    arriving_.zero();
+    for (std::size_t pass = 0; pass < passes.size(); ++pass) {
+        run(planes.size(), kernel::FillKernel{planes.data(), terms.outside});
+        pass_planes(passes[pass]);
+        progress.report(terms.stage, double(pass + 1) / double(passes.size()));
+        progress.check();
+    }
+    then();
+    stream_->wait();
+}
+
 template <class Side>
 void CardTransport::pass_planes(const std::vector<Side>& sides) {
     const cuda::Array<Side> on_card(*stream_, sides.size());
     stream_->upload(on_card.data(), sides.data(), sides.size() * sizeof sides[0]);
-    std::int32_t widest = 0, steps = 0;
-    for (const Side& side : sides)
-        widest = std::max(widest, side.cells.nu * side.cells.nv), steps = std::max(steps, side.cells.steps);
-    for (std::int32_t k = 0; k < steps; ++k)
+    std::int32_t widest = 0, launches = 0;
+    for (const Side& side : sides) {
+        widest = std::max(widest, side.cells.nu * side.cells.nv);
+        launches = std::max(launches, side.cells.steps + side.cells.behind);
+    }
+    for (std::int32_t k = 0; k < launches; ++k)
         run(sides.size() * std::size_t(widest), kernel::SweepPlaneKernel<Side>{on_card.data(), widest, k});
-    stream_->wait();
 }
 
 void CardTransport::find_first(const FirstDirections& first, Progress& progress) {
@@ -185,13 +194,15 @@ void CardTransport::find_first(const FirstDirections& first, Progress& progress)
         for (int s = 0; s < sums; ++s) made.sums[s] = field(parts, int(g) * sums + s);
         return made;
     };
-    sweep(groups, batches, side, {1, 1, "light"}, progress);
     kernel::AddUpKernel add{places_, parts.data(), std::int64_t(field_), std::int32_t(groups.size()),
                             0,       {},           first_light_.data(),  first_moment_.data()};
     for (std::size_t g = 0; g < groups.size(); ++g) add.across |= int(groups[g].axes.major == 0) << g;
     for (int c = 0; c < 3; ++c) add.luminance[c] = float(luminance_weights[c]);
-    run(cells(), add);
-    meet_faces(groups.size(), first_faces_, nullptr, nullptr, 0);
+    const auto add_up = [&] {
+        run(cells(), add);
+        meet_faces(groups.size(), first_faces_, nullptr, nullptr, 0);
+    };
+    sweep(groups, batches, side, {1, 1, "light"}, add_up, progress);
 }
 
 void CardTransport::add_sun(const SunLight& sun) {
@@ -231,7 +242,8 @@ void CardTransport::start_from(const Colour& source, const Faces& faces) {
     stream_->wait();
 }
 
-std::size_t CardTransport::scatter(const std::vector<Vec3>& directions, Progress& progress) {
+template <class Then>
+void CardTransport::scatter(const std::vector<Vec3>& directions, const Then& then, Progress& progress) {
     constexpr int channels = SourceBatch::Kernel::channels;
     const std::vector<SweepGroup> groups = sweep_groups(directions);
     std::vector<std::vector<SourceBatch>> batches(groups.size());
@@ -249,8 +261,8 @@ std::size_t CardTransport::scatter(const std::vector<Vec3>& directions, Progress
         return made;
     };
     if (groups.size() < sides) sums_.zero();  // few directions: no light came from some sides
-    sweep(groups, batches, side, {channels, 0, "scattering"}, progress);
-    return groups.size();
+    const auto with_groups = [&] { then(groups.size()); };
+    sweep(groups, batches, side, {channels, 0, "scattering"}, with_groups, progress);
 }
 
 void CardTransport::meet_faces(std::size_t groups, const Numbers& faces, const Numbers* first, const Numbers* mean,
@@ -270,17 +282,18 @@ void CardTransport::turn_and_reflect() {
 
 std::vector<float> CardTransport::iterate(const std::vector<Vec3>& directions, const kernel::UpdateKernel& update,
                                           Progress& progress) {
-    const std::size_t groups = scatter(directions, progress);
-    run(cells(), kernel::UpdateCellKernel{places_, update, std::int64_t(field_), extinction_.data(), albedo_.data(),
-                                          first_light_.data(), sums_.data(), source_.data(), mean_.data(),
-                                          moment_.data(), change_.data()});
-    run(change_sums_.size(), kernel::ChangeKernel{places_, change_.data(), change_sums_.data()});
-    meet_faces(groups, faces_, &first_faces_, &mean_faces_, update.share);
-    turn_and_reflect();
     std::vector<float> sums(change_sums_.size());
     const cuda::Settled settled{*stream_};
-    stream_->download(sums.data(), change_sums_.data(), sums.size() * sizeof(float));
-    stream_->wait();
+    const auto follow = [&](std::size_t groups) {
+        run(cells(), kernel::UpdateCellKernel{places_, update, std::int64_t(field_), extinction_.data(), albedo_.data(),
+                                              first_light_.data(), sums_.data(), source_.data(), mean_.data(),
+                                              moment_.data(), change_.data()});
+        run(change_sums_.size(), kernel::ChangeKernel{places_, change_.data(), change_sums_.data()});
+        meet_faces(groups, faces_, &first_faces_, &mean_faces_, update.share);
+        turn_and_reflect();
+        stream_->download(sums.data(), change_sums_.data(), sums.size() * sizeof(float));
+    };
+    scatter(directions, follow, progress);
     return sums;
 }
 

@@ -39,9 +39,16 @@ private:
         float outside;  ///< what comes in there
         const char* stage;
     };
-    template <class Batch, class MakeSide>
+    struct Rounds {
+        std::size_t all, together;
+        std::size_t plane, planes;  ///< numbers: of a side, of a round
+    };
+    template <class Batch>
+    Rounds rounds_of(const std::vector<SweepGroup>& groups, const std::vector<std::vector<Batch>>& batches,
+                     int per_ray) const;
+    template <class Batch, class MakeSide, class Then>
     void sweep(const std::vector<SweepGroup>& groups, const std::vector<std::vector<Batch>>& batches,
-               const MakeSide& make_side, const SweepTerms& terms, Progress& progress);
+               const MakeSide& make_side, const SweepTerms& terms, const Then& then, Progress& progress);
     template <class Side>
     void pass_planes(const std::vector<Side>& sides);
     template <class Kernel>
@@ -49,8 +56,9 @@ private:
 
     void find_first(const FirstDirections& first, Progress& progress);
     void add_sun(const SunLight& sun);
-    /// Returns how many groups there were.
-    std::size_t scatter(const std::vector<Vec3>& directions, Progress& progress);
+    /// then(groups) starts what follows. Waits once.
+    template <class Then>
+    void scatter(const std::vector<Vec3>& directions, const Then& then, Progress& progress);
     void meet_faces(std::size_t groups, const Numbers& faces, const Numbers* first, const Numbers* mean, float share);
     void turn_and_reflect();
 

@@ -1,18 +1,9 @@
 // A sweep as a card's threads do it: a thread for each cell of a plane, for each group of directions.
 #pragma once
 #include "illumination/transport/sweep_kernel.h"
+#include "illumination/visibility/swept_places.h"
 
 namespace chiaro::kernel {
-
-/// Where a number for each cell lies: of a sweep's first cell, and so far on from plane to plane, row to row, cell to
-/// cell.
-struct SweptPlaces {
-    std::int64_t first, plane, row, cell;
-
-    CHIARO_INLINE std::int64_t at(std::int32_t k, std::int32_t v, std::int32_t u) const {
-        return first + k * plane + v * row + u * cell;
-    }
-};
 
 /// The cells as one group of directions meets them. Pointers are the card's.
 struct SweptCells {
@@ -23,6 +14,7 @@ struct SweptCells {
     OpaqueRow opaque;             ///< of the first cell with its halo
     float* planes[2];             ///< what travels, with a halo of one
     std::int32_t pitch, numbers;  ///< of a row; rows of one v
+    std::int32_t behind;          ///< the first batch of the group, planes: its sums in this one are there
 
     CHIARO_INLINE SweepPlane plane(std::int32_t k) const { return {planes[k & 1], planes[(k + 1) & 1], pitch}; }
     CHIARO_INLINE std::int32_t place(std::int32_t v) const { return (v + 1) * pitch * numbers + 1; }
@@ -69,7 +61,7 @@ struct SourceSide {
     }
 };
 
-/// One plane of all groups, each `cells` threads.
+/// One plane of all sides, each `cells` threads; plane k of those that are not behind.
 template <class Side>
 struct SweepPlaneKernel {
     const Side* sides;
@@ -79,7 +71,8 @@ struct SweepPlaneKernel {
         const Side& side = sides[std::int32_t(i) / cells];
         const std::int32_t cell = std::int32_t(i) % cells;
         const std::int32_t u = cell % side.cells.nu, v = cell / side.cells.nu;
-        if (k < side.cells.steps && v < side.cells.nv) side(k, v, u);
+        const std::int32_t own = k - side.cells.behind;
+        if (own >= 0 && own < side.cells.steps && v < side.cells.nv) side(own, v, u);
     }
 };
 

@@ -14,7 +14,10 @@ public:
     CardField(const Device& device, const Density& density, int coefficients);
 
     cuda::Stream& stream() const { return *stream_; }
+    const CellGrid& grid() const { return grid_; }
+    int coefficients() const { return coefficients_; }
     const float* density() const { return density_; }
+    std::size_t size() const { return field_.size(); }  ///< all coefficients
     float* data() const { return field_.data(); }
     void fetch(ShField& field) const;
     /// As keep_nodes.

@@ -1,117 +1,237 @@
 #include "illumination/visibility/card_pass.h"
 
+#include <algorithm>
+
 #include "illumination/visibility/launch_card.h"
+#include "illumination/visibility/sweep_pass.h"
 
 namespace chiaro {
 namespace {
 
-template <class T>
-cuda::Array<T> copied(cuda::Stream& stream, const std::vector<T>& from) {
-    cuda::Array<T> array(stream, from.size());
-    stream.upload(array.data(), from.data(), from.size() * sizeof(T));
-    return array;
+constexpr std::int32_t planes_in_flight = 64;  ///< a sweep that is cancelled ends after these
+
+/// But for density, what is seen and where it goes.
+kernel::SweptNodes nodes_of(const CellGrid& grid, const SweepAxes& axes, const kernel::Harmonics& harmonics) {
+    const auto [nx, ny, nz] = grid.count;
+    const int steps = grid.count[axes.major];
+    return {.nu = grid.count[axes.u],
+            .nv = grid.count[axes.v],
+            .steps = steps,
+            .places = places_of(axes, steps, {1, nx, std::int64_t(nx) * ny}),
+            .density = nullptr,
+            .harmonics = harmonics,
+            .field = nullptr,
+            .seen = nullptr,
+            .first = {}};
 }
 
-/// A plane as it is on the host, copied to be written.
-struct CardPlane {
-    cuda::Array<float> density, light;
-    cuda::Array<std::uint8_t> state;
+/// What the kernels read of a batch, as it is on the host.
+class GridTables {
+public:
+    GridTables(const CardField& field, const DirectionBatch& batch, const std::vector<Vec3>& all, double start)
+        : axes_(batch.axes),
+          row_(field.grid().count[batch.axes.u] + 2),
+          packs_(batch.directions, row_, start),
+          there_(packs_.data(), packs_.data() + packs_.lanes() / kernel::SweepPack::width),
+          harmonics_(all, batch.directions, field.coefficients()) {}
 
-    CardPlane(cuda::Stream& stream, const SweepPlanes::Plane& from)
-        : density(copied(stream, from.density)), light(copied(stream, from.light)), state(copied(stream, from.state)) {}
+    void add_to(HostArrays& arrays) const { packs_.add_to(arrays), arrays.add(there_), harmonics_.add_to(arrays); }
+    kernel::GridSide side(const CardField& field, cuda::Views& views) {
+        for (kernel::SweepPack& pack : there_) views.swap(pack.weights, pack.before, pack.outer, pack.inner);
+        kernel::GridSide side{};
+        side.nodes = nodes_of(field.grid(), axes_, harmonics_.view());
+        side.nodes.density = field.density();
+        side.packs = there_.data(), side.row = row_, side.lanes = packs_.lanes();
+        views.swap(side.packs, side.nodes.harmonics.of_direction, side.nodes.harmonics.sum);
+        return side;
+    }
+
+private:
+    SweepAxes axes_;
+    int row_;
+    SweepPacks packs_;
+    std::vector<kernel::SweepPack> there_;  ///< of pointers into the card's memory
+    BatchHarmonics harmonics_;
 };
+
+/// The density with a halo of one node, rows along x (for sweeps along y and z) or along y.
+class HaloDensity {
+public:
+    explicit HaloDensity(const CardField& field)
+        : count_(field.grid().count),
+          size_((count_[0] + 2) * std::int64_t(count_[1] + 2) * (count_[2] + 2)),
+          numbers_(field.stream(), std::size_t(2 * size_)) {
+        numbers_.zero();
+        for (const bool across : {false, true}) {
+            const Strides s = strides(across);
+            kernel::run_on_card(
+                field.stream(), std::int64_t(field.grid().size()),
+                kernel::SpreadKernel{
+                    count_[0], count_[1], {s[0], s[1], s[2]}, field.density(), numbers_.data() + origin(across)});
+        }
+    }
+    const float* data() const { return numbers_.data(); }
+    kernel::SweptPlaces places(const SweepAxes& axes) const {
+        const bool across = axes.major == 0;
+        return places_of(axes, count_[axes.major], strides(across), origin(across));
+    }
+
+private:
+    using Strides = std::array<std::int64_t, 3>;
+    Strides strides(bool across) const {
+        const std::int64_t nx = count_[0] + 2, ny = count_[1] + 2, nz = count_[2] + 2;
+        return across ? Strides{ny * nz, 1, ny} : Strides{1, nx, nx * ny};
+    }
+    std::int64_t origin(bool across) const {
+        const Strides s = strides(across);
+        return across * size_ + s[0] + s[1] + s[2];
+    }
+
+    const std::array<int, 3> count_;
+    const std::int64_t size_;
+    cuda::Array<float> numbers_;
+};
+
+class ShearedTables {
+public:
+    ShearedTables(const CardField& field, const DirectionBatch& batch, const std::vector<Vec3>& all, double start)
+        : axes_(batch.axes),
+          shape_(field.grid().count[axes_.u], field.grid().count[axes_.v]),
+          rays_(sheared_rays(batch.directions, field.grid().count[axes_.major], shape_.row, start)),
+          harmonics_(all, batch.directions, field.coefficients()) {}
+
+    void add_to(HostArrays& arrays) const { arrays.add(rays_), harmonics_.add_to(arrays); }
+    kernel::ShearedSide side(const CardField& field, const HaloDensity& density, cuda::Views& views) const {
+        kernel::ShearedSide side{};
+        side.nodes = nodes_of(field.grid(), axes_, harmonics_.view());
+        side.nodes.density = density.data();
+        side.with_halo = density.places(axes_);
+        side.rays = rays_.data();
+        side.row = shape_.row, side.origin = shape_.origin(), side.direction = shape_.direction;
+        views.swap(side.rays, side.nodes.harmonics.of_direction, side.nodes.harmonics.sum);
+        return side;
+    }
+
+private:
+    SweepAxes axes_;
+    ShearedShape shape_;
+    std::vector<kernel::ShearedDirection> rays_;
+    BatchHarmonics harmonics_;
+};
+
+/// Threads of a side, by the kind of work.
+template <class Side>
+std::array<std::int32_t, kernel::kinds_of_work> threads_of(const Side& side) {
+    const kernel::SweptNodes& nodes = side.nodes;
+    return {side.numbers(), side.threads(), nodes.nu * nodes.nv * nodes.harmonics.coefficients};
+}
+
+/// The most that any of the sides needs.
+template <class Side>
+struct Extent {
+    std::int32_t threads = 0;
+    std::size_t room = 0;
+
+    explicit Extent(const std::vector<Side>& sides) {
+        for (const Side& side : sides) {
+            const auto its = threads_of(side);
+            threads = std::max(threads, *std::max_element(its.begin(), its.end()));
+            room = std::max(room, (std::size_t(side.room()) + 31) / 32 * 32);  // whole lines of memory
+        }
+    }
+    /// How many are swept side by side: see card_pass.h. Threads of a launch are counted with 31 bits.
+    std::size_t together(const CardField& field, std::size_t sides) const {
+        const std::size_t each = (room + field.size()) * sizeof(float), most = field.stream().room() / 2;
+        const std::size_t counted = (std::size_t(1) << 31) / (std::size_t(threads) + 1);
+        return std::max<std::size_t>(1, std::min({sides, most / each, counted}));
+    }
+};
+
+/// Sides next to each other, plane by plane, those with most planes first. The host waits so often that few planes are
+/// ever in flight.
+template <class Side>
+void pass_planes(const CardField& field, std::span<Side> sides, const cuda::Array<Side>& there,
+                 const std::function<void(double)>& tell) {
+    cuda::Stream& stream = field.stream();
+    std::ranges::stable_sort(sides, [](const Side& a, const Side& b) { return a.nodes.steps > b.nodes.steps; });
+    std::vector<std::array<std::int32_t, kernel::kinds_of_work>> ends(1);
+    for (Side& side : sides) {
+        ends.push_back(threads_of(side));
+        for (int work = 0; work < kernel::kinds_of_work; ++work) {
+            side.nodes.first[work] = ends[ends.size() - 2][work];
+            ends.back()[work] += side.nodes.first[work];
+        }
+    }
+    stream.upload(there.data(), sides.data(), sides.size() * sizeof(Side));
+    const auto all = [&](std::size_t count) { return kernel::Sides<Side>{there.data(), std::int32_t(count)}; };
+    kernel::run_on_card(stream, ends.back()[kernel::starting], kernel::StartSides<Side>{all(sides.size())});
+    const std::int32_t steps = sides[0].nodes.steps;
+    std::size_t count = sides.size();
+    for (std::int32_t k = 0; k < steps; ++k) {
+        while (sides[count - 1].nodes.steps <= k) --count;
+        kernel::run_on_card(stream, ends[count][kernel::travelling], kernel::TravelSides<Side>{all(count), k});
+        kernel::run_on_card(stream, ends[count][kernel::projecting], kernel::ProjectSides<Side>{all(count), k});
+        if ((k + 1) % planes_in_flight != 0) continue;
+        stream.wait();
+        tell(double(k + 1) / steps);
+    }
+}
+
+/// make_side(tables, views) of each batch. Each adds to numbers of its own, but for the first; these are added up in
+/// the order of batches, as the processor adds them.
+template <class Tables, class MakeSide>
+void sweep(const CardField& field, const std::vector<Vec3>& directions, double start, Progress& progress,
+           const MakeSide& make_side) {
+    using Side = std::invoke_result_t<MakeSide, Tables&, cuda::Views&>;
+    cuda::Stream& stream = field.stream();
+    const std::vector<SweepGroup> groups = sweep_groups(directions);
+    std::vector<Tables> tables;
+    for (const DirectionBatch& batch : direction_batches(groups)) tables.emplace_back(field, batch, directions, start);
+    HostArrays arrays;
+    for (const Tables& each : tables) each.add_to(arrays);
+    std::vector<Side> sides;
+    cuda::Views views(stream, std::move(arrays));  // settles before what it copies from goes
+    for (Tables& each : tables) sides.push_back(make_side(each, views));
+    const Extent<Side> extent(sides);
+    const std::size_t together = extent.together(field, sides.size());
+    const cuda::Array<Side> there(stream, together);
+    const cuda::Array<float> planes(stream, together * extent.room);
+    cuda::Array<float> parts(stream, std::max<std::size_t>(1, (together - 1) * field.size()));
+    for (std::size_t first = 0; first < sides.size(); first += together) {
+        const std::size_t count = std::min(together, sides.size() - first);
+        for (std::size_t i = 0; i < count; ++i) {
+            Side& side = sides[first + i];
+            side.take(planes.data() + i * extent.room);
+            side.nodes.field = i == 0 ? field.data() : parts.data() + (i - 1) * field.size();
+        }
+        parts.zero();
+        pass_planes<Side>(field, std::span(sides).subspan(first, count), there, [&](double share) {
+            progress.report("visibility", (double(first) + share * double(count)) / double(sides.size()));
+            progress.check();
+        });
+        if (count > 1)
+            kernel::run_on_card(
+                stream, std::int64_t(field.size()),
+                kernel::AddParts{field.data(), parts.data(), std::int64_t(field.size()), std::int32_t(count - 1)});
+        progress.check();
+    }
+    stream.wait();
+    progress.report("visibility", 1);
+}
 
 }  // namespace
 
-SweepPlanes::SweepPlanes(int nu, int nv, int directions) : row_(nu + 2), directions_(directions) {
-    const std::size_t nodes = std::size_t(row_) * std::size_t(nv + 2);
-    for (Plane& plane : planes_) {
-        plane.density.assign(nodes, 0);
-        plane.light.assign(nodes * std::size_t(directions), 1);
-        plane.state.assign(nodes, kernel::clear | kernel::empty);
-    }
+void grid_sweep_on_card(const CardField& field, const std::vector<Vec3>& directions, double start, Progress& progress) {
+    sweep<GridTables>(field, directions, start, progress,
+                      [&](GridTables& tables, cuda::Views& views) { return tables.side(field, views); });
 }
 
-kernel::SweepPlanes SweepPlanes::view(int k) {
-    Plane &last = before(k), &next = here(k);
-    return {last.density.data(),
-            next.density.data(),
-            last.light.data(),
-            next.light.data(),
-            last.state.data(),
-            next.state.data(),
-            row_,
-            directions_};
-}
-
-void grid_pass_on_card(const CardField& field, const SweepPass& pass, const SweepAxes& axes,
-                       std::span<const SweepDirection> batch, const std::function<void(double)>& tell) {
-    cuda::Stream& stream = field.stream();
-    const auto& n = pass.density.grid.count;
-    const int nu = n[axes.u], nv = n[axes.v], steps = n[axes.major];
-    const SweepPacks packs(batch, nu + 2, pass.start);
-    const BatchHarmonics harmonics(pass.directions, batch, pass.field.coefficients);
-    SweepPlanes planes(nu, nv, packs.lanes());
-    std::vector<kernel::SweepPack> on_card(packs.data(), packs.data() + packs.lanes() / kernel::SweepPack::width);
-    const cuda::Settled settled{stream};
-    const CardPlane first(stream, planes.here(0)), second(stream, planes.here(1));
-    const cuda::Array<float> scratch(stream, std::size_t(nu) * nv * packs.lanes());
-
-    HostArrays arrays;
-    packs.add_to(arrays);
-    harmonics.add_to(arrays);
-    cuda::Views views(stream, std::move(arrays));
-    kernel::Harmonics of_batch = harmonics.view();
-    views.swap(of_batch.of_direction, of_batch.sum);
-    for (kernel::SweepPack& pack : on_card) views.swap(pack.weights, pack.before, pack.outer, pack.inner);
-    const cuda::Array<kernel::SweepPack> its_packs = copied(stream, on_card);
-
-    const auto node_stride = [&](int axis) { return std::int64_t(pass.stride(axis)); };
-    for (int k = 0; k < steps; ++k) {
-        const CardPlane &before = k & 1 ? first : second, &here = k & 1 ? second : first;
-        const std::int64_t plane = (axes.sign > 0 ? steps - 1 - k : k) * node_stride(axes.major);
-        const kernel::SweepPlanes view{before.density.data(), here.density.data(), before.light.data(),
-                                       here.light.data(),     before.state.data(), here.state.data(),
-                                       planes.row(),          packs.lanes()};
-        kernel::sweep_plane(stream, {its_packs.data(), of_batch, view},
-                            {nu, nv, node_stride(axes.u), node_stride(axes.v), field.density() + plane,
-                             field.data() + plane * pass.field.coefficients, scratch.data()});
-    }
-    stream.wait();  // for what was copied from here
-    tell(1);
-}
-
-/// All points of a plane at once: what arrives and what goes on are found from the plane before.
-void sheared_pass_on_card(const CardField& field, const SweepPass& pass, const SweepAxes& axes,
-                          std::span<const SweepDirection> batch, const std::function<void(double)>& tell) {
-    cuda::Stream& stream = field.stream();
-    const auto& n = pass.density.grid.count;
-    const int nu = n[axes.u], nv = n[axes.v], steps = n[axes.major], directions = int(batch.size());
-    const BatchHarmonics harmonics(pass.directions, batch, pass.field.coefficients);
-    const ShearedPlanes planes(nu, nv, directions);
-    const std::vector<kernel::ShearedDirection> rays = sheared_rays(batch, steps, planes.row(), pass.start);
-    const cuda::Settled settled{stream};
-    const auto density = copied(stream, planes.densities()), even = copied(stream, planes.light()),
-               odd = copied(stream, planes.light());
-    const auto its_rays = copied(stream, rays);
-    const cuda::Array<float> seen(stream, std::size_t(nu) * nv * batch.size());
-    HostArrays arrays;
-    harmonics.add_to(arrays);
-    cuda::Views views(stream, std::move(arrays));
-    kernel::Harmonics of_batch = harmonics.view();
-    views.swap(of_batch.of_direction, of_batch.sum);
-    const auto node_stride = [&](int axis) { return std::int64_t(pass.stride(axis)); };
-    for (int k = 0; k < steps; ++k) {
-        const std::int64_t plane = (axes.sign > 0 ? steps - 1 - k : k) * node_stride(axes.major);
-        const kernel::ShearedKernel kernel{its_rays.data() + std::ptrdiff_t(k) * directions, of_batch,
-                                           planes.view(k, density.data(), even.data(), odd.data())};
-        kernel::sweep_sheared_plane(stream, kernel,
-                                    {nu, nv, node_stride(axes.u), node_stride(axes.v), field.density() + plane,
-                                     field.data() + plane * pass.field.coefficients, seen.data()},
-                                    density.data() + planes.density_row() + 1);
-    }
-    stream.wait();  // for what was copied from here
-    tell(1);
+void sheared_sweep_on_card(const CardField& field, const std::vector<Vec3>& directions, double start,
+                           Progress& progress) {
+    const HaloDensity density(field);
+    sweep<ShearedTables>(field, directions, start, progress, [&](const ShearedTables& tables, cuda::Views& views) {
+        return tables.side(field, density, views);
+    });
 }
 
 }  // namespace chiaro

@@ -1,27 +1,16 @@
-// The sweep on cards: the same source, one thread a node, which is a row of one.
+// Sweeps on cards: the same source, one thread a node and direction, then one a node and coefficient.
 #include "cuda/launch.h"
 #include "illumination/visibility/launch_card.h"
 
 namespace chiaro::kernel {
-namespace {
 
-struct SweepNode {
-    SweepKernel kernel;
-    SweptPlane plane;
-
-    CHIARO_ON_CARD void operator()(std::int32_t u, std::int32_t v) const {
-        const std::int64_t node = v * plane.stride_v + u * plane.stride_u;
-        const std::int64_t item = std::int64_t(v) * plane.nu + u;
-        kernel.operator()<float>(SweepRow{(v + 1) * kernel.planes.row + u + 1, 1, plane.density + node, 0,
-                                          plane.field + node * kernel.harmonics.coefficients, 0,
-                                          plane.scratch + item * kernel.planes.directions});
-    }
-};
-
-}  // namespace
-
-void sweep_plane(cuda::Stream& stream, const SweepKernel& kernel, const SweptPlane& plane) {
-    cuda::launch_pixels(stream, plane.nu, plane.nv, SweepNode{kernel, plane});
-}
+template void run_on_card(cuda::Stream&, std::int64_t, const StartSides<GridSide>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const TravelSides<GridSide>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const ProjectSides<GridSide>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const StartSides<ShearedSide>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const TravelSides<ShearedSide>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const ProjectSides<ShearedSide>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const AddParts&);
+template void run_on_card(cuda::Stream&, std::int64_t, const SpreadKernel&);
 
 }  // namespace chiaro::kernel

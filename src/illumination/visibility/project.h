@@ -23,14 +23,20 @@ struct Harmonics {
     CHIARO_INLINE void project(const float* const* visibility, std::int32_t stride, float* const* field) const {
         for (std::int32_t c = 0; c < width; c += LaneTraits<F>::count) {
             if (c >= coefficients) return;
-            F sums[count];
-            for (std::int32_t n = 0; n < count; ++n) sums[n] = F(0);
-            for (std::int32_t d = 0; d < directions; ++d) {
-                const F y = load_row<F>(of_direction + d * width + c);
-                for (std::int32_t n = 0; n < count; ++n) sums[n] = mad(F(visibility[n][d * stride]), y, sums[n]);
-            }
-            for (std::int32_t n = 0; n < count; ++n) add(sums[n], field[n] + c);
+            project_at<F, count>(c, visibility, stride, field);
         }
+    }
+    /// Of coefficient c and those beside it that F holds.
+    template <class F, std::int32_t count>
+    CHIARO_INLINE void project_at(std::int32_t c, const float* const* visibility, std::int32_t stride,
+                                  float* const* field) const {
+        F sums[count];
+        for (std::int32_t n = 0; n < count; ++n) sums[n] = F(0);
+        for (std::int32_t d = 0; d < directions; ++d) {
+            const F y = load_row<F>(of_direction + d * width + c);
+            for (std::int32_t n = 0; n < count; ++n) sums[n] = mad(F(visibility[n][d * stride]), y, sums[n]);
+        }
+        for (std::int32_t n = 0; n < count; ++n) add(sums[n], field[n] + c);
     }
 
 private:

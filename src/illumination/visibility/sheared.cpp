@@ -3,8 +3,8 @@
 #include <numbers>
 
 #include "core/threads.h"
-#include "illumination/visibility/card_pass.h"
 #include "illumination/visibility/launch.h"
+#include "illumination/visibility/sweep_pass.h"
 
 namespace chiaro {
 namespace {
@@ -24,21 +24,31 @@ private:
     }
 };
 
+/// What travels from plane to plane.
+class ShearedPlanes {
+public:
+    ShearedPlanes(int nu, int nv, int directions)
+        : density_row_(nu + 2 + ShearedShape::padding),
+          shape_(nu, nv),
+          density_(std::size_t(density_row_) * std::size_t(nv + 2) + ShearedShape::padding) {
+        for (auto& light : light_) light.assign(std::size_t(shape_.direction) * std::size_t(directions), 1);
+    }
+
+    int row() const { return shape_.row; }
+    int density_row() const { return density_row_; }
+    float* density() { return density_.data() + density_row_ + 1; }
+    kernel::ShearedPlanes view(int k) {
+        float *here = light_[k & 1].data() + shape_.origin(), *before = light_[(k + 1) & 1].data() + shape_.origin();
+        return {density(), density_row_, before, here, shape_.row, shape_.direction};
+    }
+
+private:
+    const int density_row_;
+    const ShearedShape shape_;
+    std::vector<float> density_, light_[2];
+};
+
 }  // namespace
-
-ShearedPlanes::ShearedPlanes(int nu, int nv, int directions)
-    : density_row_(nu + 2 + padding),
-      row_(nu + 3 + padding),
-      direction_(std::int64_t(row_) * (nv + 3) + padding),
-      density_(std::size_t(density_row_) * std::size_t(nv + 2) + padding) {
-    for (auto& light : light_) light.assign(std::size_t(direction_) * std::size_t(directions), 1);
-}
-
-kernel::ShearedPlanes ShearedPlanes::view(int k, float* density, float* even, float* odd) const {
-    const int origin = 2 * row_ + 2;
-    float *here = (k & 1 ? odd : even) + origin, *before = (k & 1 ? even : odd) + origin;
-    return {density + density_row_ + 1, density_row_, before, here, row_, direction_};
-}
 
 std::vector<kernel::ShearedDirection> sheared_rays(std::span<const SweepDirection> batch, int planes, int row,
                                                    double start) {
@@ -55,8 +65,8 @@ std::vector<kernel::ShearedDirection> sheared_rays(std::span<const SweepDirectio
     return rays;
 }
 
-void sheared_pass(const SweepPass& pass, const SweepAxes& axes, std::span<const SweepDirection> batch,
-                  const std::function<void(double)>& tell) {
+void sheared_pass(const SweepPass& pass, const DirectionBatch& of, const std::function<void(double)>& tell) {
+    const auto& [axes, batch] = of;
     const CellGrid& grid = pass.density.grid;
     const int nu = grid.count[axes.u], nv = grid.count[axes.v], steps = grid.count[axes.major];
     const BatchHarmonics harmonics(pass.directions, batch, pass.field.coefficients);

@@ -10,30 +10,43 @@
 namespace chiaro {
 namespace {
 
-constexpr std::size_t most_together = 80;
-
-/// pass_batch(pass, axes, batch, tell) of all directions.
-template <class PassBatch>
-void sweep_batches(const SweepPass& pass, const PassBatch& pass_batch, Progress& progress) {
-    std::size_t done = 0;
-    for (const SweepGroup& group : sweep_groups(pass.directions))
-        for (std::size_t first = 0; first < group.directions.size(); first += most_together) {
-            const auto batch =
-                std::span(group.directions).subspan(first, std::min(most_together, group.directions.size() - first));
-            const auto tell = [&](double share) {
-                progress.report("visibility",
-                                (double(done) + share * double(batch.size())) / double(pass.directions.size()));
-                progress.check();
-            };
-            pass_batch(pass, group.axes, batch, tell);
-            done += batch.size();
+/// What travels from plane to plane: two planes of nodes with a halo of one, where all light arrives.
+class SweepPlanes {
+public:
+    SweepPlanes(int nu, int nv, int directions) : row_(nu + 2), directions_(directions) {
+        const std::size_t nodes = std::size_t(row_) * std::size_t(nv + 2);
+        for (Plane& plane : planes_) {
+            plane.density.assign(nodes, 0);
+            plane.light.assign(nodes * std::size_t(directions), 1);
+            plane.state.assign(nodes, kernel::clear | kernel::empty);
         }
-}
+    }
+    int row() const { return row_; }
+    kernel::SweepPlanes view(int k) {
+        Plane &last = planes_[(k + 1) & 1], &next = planes_[k & 1];
+        return {last.density.data(),
+                next.density.data(),
+                last.light.data(),
+                next.light.data(),
+                last.state.data(),
+                next.state.data(),
+                row_,
+                directions_};
+    }
+
+private:
+    struct Plane {
+        std::vector<float> density, light;
+        std::vector<std::uint8_t> state;
+    };
+    Plane planes_[2];
+    int row_, directions_;
+};
 
 }  // namespace
 
-void grid_pass(const SweepPass& pass, const SweepAxes& axes, std::span<const SweepDirection> batch,
-               const std::function<void(double)>& tell) {
+void grid_pass(const SweepPass& pass, const DirectionBatch& of, const std::function<void(double)>& tell) {
+    const auto& [axes, batch] = of;
     const CellGrid& grid = pass.density.grid;
     const int nu = grid.count[axes.u], nv = grid.count[axes.v], steps = grid.count[axes.major];
     const SweepPacks packs(batch, nu + 2, pass.start);
@@ -65,18 +78,25 @@ ShField sweep_visibility(const Device& device, const Density& density, const std
     };
     if (cuda::done_on_card(device, on_card)) return field;
     const SweepPass pass{device, density, directions, start, field};
-    sweep_batches(pass, lattice == SweepLattice::grid ? grid_pass : sheared_pass, progress);
+    const auto pass_batch = lattice == SweepLattice::grid ? grid_pass : sheared_pass;
+    const std::vector<SweepGroup> groups = sweep_groups(directions);
+    std::size_t done = 0;
+    for (const DirectionBatch& batch : direction_batches(groups)) {
+        const double count = double(batch.directions.size());
+        pass_batch(pass, batch, [&](double share) {
+            progress.report("visibility", (double(done) + share * count) / double(directions.size()));
+            progress.check();
+        });
+        done += batch.directions.size();
+    }
     return field;
 }
 
 CardField sweep_on_card(const Device& device, const Density& density, const std::vector<Vec3>& directions,
                         int coefficients, double start, SweepLattice lattice, Progress& progress) {
     CardField field(device, density, coefficients);
-    ShField none(density.grid, coefficients);  // its pages are never touched
-    const SweepPass pass{device, density, directions, start, none};
-    const auto pass_batch = lattice == SweepLattice::grid ? grid_pass_on_card : sheared_pass_on_card;
-    sweep_batches(
-        pass, [&](const auto&... of_batch) { pass_batch(field, of_batch...); }, progress);
+    const auto sweep = lattice == SweepLattice::grid ? grid_sweep_on_card : sheared_sweep_on_card;
+    sweep(field, directions, start, progress);
     return field;
 }
 

@@ -57,7 +57,7 @@ struct SweepKernel {
             const std::uint8_t around = state_around(node), own = density > 0 ? 0 : empty;
             float* field = row.field + i * row.field_stride;
             planes.density[node] = density;
-            if (own && (around & clear) && (around & empty)) {
+            if (stays_clear(around, own)) {
                 fill(node, 1);
                 planes.state[node] = clear | own;
                 harmonics.add_all(field);
@@ -74,7 +74,34 @@ struct SweepKernel {
         projection.template flush<F>();
     }
 
+    /// For many threads: one direction's way to a node; `seen`: what arrives there, unless all light does. Returns
+    /// whether any does. That no light is left is not noted, for it makes no difference.
+    CHIARO_INLINE bool at(std::int32_t node, std::int32_t d, float density, float* seen) const {
+        const std::uint8_t around = state_around(node), own = density > 0 ? 0 : empty;
+        const bool is_clear = stays_clear(around, own);
+        if (d == 0) planes.density[node] = density, planes.state[node] = is_clear ? clear | own : own;
+        float* light = planes.light + std::int64_t(node) * planes.directions + d;
+        if (is_clear) {
+            *light = 1;
+            return true;
+        }
+        const SweepPack& pack = packs[d / SweepPack::width];
+        const std::int32_t lane = d % SweepPack::width;
+        pass<float>(pack, lane, density, arriving<float>(pack, lane, d, node, !(around & empty)), seen, light);
+        return *seen > 0;
+    }
+    /// Then: coefficient c of what all directions saw from the node.
+    CHIARO_INLINE void project_at(std::int32_t node, std::int32_t c, const float* seen, float* field) const {
+        if (planes.state[node] & clear)
+            field[c] += harmonics.sum[c];
+        else
+            harmonics.template project_at<float, 1>(c, &seen, 1, &field);
+    }
+
 private:
+    static CHIARO_INLINE bool stays_clear(std::uint8_t around, std::uint8_t own) {
+        return own && (around & clear) && (around & empty);
+    }
     /// What all the nodes that the directions' points lie between have in common.
     CHIARO_INLINE std::uint8_t state_around(std::int32_t node) const {
         std::uint8_t common = clear | dark | empty;
@@ -97,18 +124,23 @@ private:
         for (std::int32_t p = 0; p < packs_count; ++p)
             for (std::int32_t lane = 0; lane < SweepPack::width; lane += LaneTraits<F>::count) {
                 const std::int32_t first = p * SweepPack::width + lane;
-                const F visible = packs[p].taps == 4 ? arriving<F, 4>(packs[p], lane, first, node, matter_before)
-                                                     : arriving<F, 0>(packs[p], lane, first, node, matter_before);
+                const F visible = arriving<F>(packs[p], lane, first, node, matter_before);
                 lit |= pass<F>(packs[p], lane, density, visible, visibility + first,
                                planes.light + std::int64_t(node) * planes.directions + first);
             }
         return lit;
     }
 
-    /// Σ w T' exp(-½ℓ Σ w κ'), ' one plane back, w bilinear: what arrives at the own cell's border.
-    template <class F, std::int32_t known_taps>
+    template <class F>
     CHIARO_INLINE F arriving(const SweepPack& pack, std::int32_t lane, std::int32_t first, std::int32_t node,
                              bool matter_before) const {
+        return pack.taps == 4 ? arriving_by<F, 4>(pack, lane, first, node, matter_before)
+                              : arriving_by<F, 0>(pack, lane, first, node, matter_before);
+    }
+    /// Σ w T' exp(-½ℓ Σ w κ'), ' one plane back, w bilinear: what arrives at the own cell's border.
+    template <class F, std::int32_t known_taps>
+    CHIARO_INLINE F arriving_by(const SweepPack& pack, std::int32_t lane, std::int32_t first, std::int32_t node,
+                                bool matter_before) const {
         const std::int32_t taps = known_taps ? known_taps : pack.taps;
         const float* weights = pack.weights + lane;
         F light(0), density(0);

@@ -2,6 +2,7 @@
 #pragma once
 #include <functional>
 
+#include "illumination/visibility/sheared_kernel.h"
 #include "illumination/visibility/sweep.h"
 #include "illumination/visibility/sweep_plan.h"
 
@@ -21,9 +22,22 @@ struct SweepPass {
 };
 
 /// Adds what arrives from the batch; `tell` hears of the share of planes done after each, and may throw.
-void grid_pass(const SweepPass& pass, const SweepAxes& axes, std::span<const SweepDirection> batch,
-               const std::function<void(double)>& tell);
-void sheared_pass(const SweepPass& pass, const SweepAxes& axes, std::span<const SweepDirection> batch,
-                  const std::function<void(double)>& tell);
+void grid_pass(const SweepPass& pass, const DirectionBatch& batch, const std::function<void(double)>& tell);
+void sheared_pass(const SweepPass& pass, const DirectionBatch& batch, const std::function<void(double)>& tell);
+
+/// How the points of a batch's lattices lie in memory: padded, so that sixteen numbers can be read and written from any
+/// point on.
+struct ShearedShape {
+    static constexpr int padding = kernel::ShearedKernel::width;
+    int row;
+    std::int64_t direction;  ///< from one direction's points to the next one's
+
+    ShearedShape(int nu, int nv) : row(nu + 3 + padding), direction(std::int64_t(row) * (nv + 3) + padding) {}
+    int origin() const { return 2 * row + 2; }  ///< point (0, 0)
+};
+
+/// Where the rays of a batch lie in each plane: [plane][direction].
+std::vector<kernel::ShearedDirection> sheared_rays(std::span<const SweepDirection> batch, int planes, int row,
+                                                   double start);
 
 }  // namespace chiaro

@@ -12,6 +12,7 @@ namespace {
 using kernel::SweepPack;
 
 constexpr double log2_e = std::numbers::log2e;
+constexpr std::size_t most_together = 80;
 
 SweepAxes axes_of(Vec3 d) {
     const double x = std::abs(d.x), y = std::abs(d.y), z = std::abs(d.z);
@@ -37,6 +38,13 @@ void order(std::vector<SweepDirection>& directions) {
 
 }  // namespace
 
+kernel::SweptPlaces places_of(const SweepAxes& axes, int steps, const std::array<std::int64_t, 3>& strides,
+                              std::int64_t origin) {
+    const std::int64_t plane = strides[std::size_t(axes.major)];
+    return {origin + (axes.sign > 0 ? (steps - 1) * plane : 0), axes.sign > 0 ? -plane : plane,
+            strides[std::size_t(axes.v)], strides[std::size_t(axes.u)]};
+}
+
 std::vector<SweepGroup> sweep_groups(const std::vector<Vec3>& directions) {
     std::vector<SweepGroup> groups;
     for (std::size_t i = 0; i < directions.size(); ++i) {
@@ -50,6 +58,16 @@ std::vector<SweepGroup> sweep_groups(const std::vector<Vec3>& directions) {
     }
     for (SweepGroup& group : groups) order(group.directions);
     return groups;
+}
+
+std::vector<DirectionBatch> direction_batches(const std::vector<SweepGroup>& groups) {
+    std::vector<DirectionBatch> batches;
+    for (const SweepGroup& group : groups)
+        for (std::size_t first = 0; first < group.directions.size(); first += most_together) {
+            const std::size_t count = std::min(most_together, group.directions.size() - first);
+            batches.push_back({group.axes, std::span(group.directions).subspan(first, count)});
+        }
+    return batches;
 }
 
 BatchHarmonics::BatchHarmonics(const std::vector<Vec3>& all, std::span<const SweepDirection> chosen, int coefficients)

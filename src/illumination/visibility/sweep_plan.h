@@ -2,11 +2,13 @@
 #pragma once
 #include <chiaro/geometry.h>
 
+#include <array>
 #include <span>
 #include <vector>
 
 #include "core/host_array.h"
 #include "illumination/visibility/sweep_kernel.h"
+#include "illumination/visibility/swept_places.h"
 
 namespace chiaro {
 
@@ -15,6 +17,10 @@ struct SweepAxes {
     int major, u, v;
     int sign;  ///< of the directions' major component: the light comes from that end
 };
+
+/// Where cells lie that are `strides` apart along x, y and z, the first of all at `origin`.
+kernel::SweptPlaces places_of(const SweepAxes& axes, int steps, const std::array<std::int64_t, 3>& strides,
+                              std::int64_t origin = 0);
 
 /// A direction as a sweep sees it, per step from one plane to the next.
 struct SweepDirection {
@@ -29,6 +35,13 @@ struct SweepGroup {
     std::vector<SweepDirection> directions;
 };
 std::vector<SweepGroup> sweep_groups(const std::vector<Vec3>& directions);
+
+/// Directions of a group that visibility takes together.
+struct DirectionBatch {
+    SweepAxes axes;
+    std::span<const SweepDirection> directions;  ///< of the group
+};
+std::vector<DirectionBatch> direction_batches(const std::vector<SweepGroup>& groups);
 
 /// w Y_lm of some directions, each weighing 4π / N, for the kernel.
 class BatchHarmonics {

@@ -1,0 +1,148 @@
+// How much of a card its work can keep busy, counted where there is none to measure it (docs/gpu.md: the census). The
+// bounds are what was counted, and a little more: a launch or a wait that comes back is noticed.
+#include <cstring>
+
+#include "cuda_case.h"
+#include "illumination/sh/directions.h"
+#include "illumination/spao/spao.h"
+#include "illumination/transport/solver.h"
+#include "illumination/visibility/sweep.h"
+
+using namespace chiaro;
+using namespace chiaro::testing;
+
+namespace {
+
+using cuda_emulated::Census;
+
+Census census_of(const std::function<void()>& work) {
+    const Census before = cuda_emulated::card();
+    work();
+    return cuda_emulated::card().since(before);
+}
+
+/// `bytes`: in both directions.
+struct Bounds {
+    std::size_t launches, threads_each, waits, uploads, bytes;
+};
+
+void expect_within(const Census& found, const Bounds& bounds, const std::string& what) {
+    const std::size_t each = found.threads / found.launches, bytes = found.uploaded_bytes + found.downloaded_bytes;
+    SCOPED_TRACE(fmt::format("{}: {} launches of {} threads, {} waits, {} uploads, {} bytes", what, found.launches,
+                             each, found.waits, found.uploads, bytes));
+    EXPECT_LE(found.launches, bounds.launches);
+    EXPECT_GE(each, bounds.threads_each);
+    EXPECT_LE(found.waits, bounds.waits);
+    EXPECT_LE(found.uploads, bounds.uploads);
+    EXPECT_LE(bytes, bounds.bytes);
+}
+
+Volume cube(int n) {
+    return sampled<std::uint8_t>({n, n, n}, [&](double x, double y, double z) { return shells(x, y, z, n); });
+}
+
+void expect_equal(const ShField& found, const ShField& expected) {
+    ASSERT_EQ(found.buffer.size(), expected.buffer.size());
+    EXPECT_EQ(std::memcmp(found.buffer.data(), expected.buffer.data(), found.buffer.size()), 0);
+}
+
+}  // namespace
+
+TEST_F(Cards, AreKeptBusyByVisibility) {
+    constexpr int n = 24;
+    Progress progress;
+    const Medium medium = classify(upload(card, cube(n)), two_materials(), {});
+    const Density density = density_for(medium.data(), 1, card, progress);
+    density.on_card(*card.stream);
+    const auto swept = [&](SweepLattice lattice) {
+        return census_of([&] { sweep_on_card(card, density, fibonacci_directions(400), 16, 0.5, lattice, progress); });
+    };
+    expect_within(swept(SweepLattice::grid), {50, 170000, 1, 25, 53000}, "grid");
+    expect_within(swept(SweepLattice::sheared), {52, 150000, 1, 19, 220000}, "sheared");
+}
+
+TEST_F(Cards, SweepFewerDirectionsSideBySideWhereRoomIsLittle) {
+    Progress progress;
+    const Medium medium = classify(upload(card, cube(24)), two_materials(), {});
+    const Density density = density_for(medium.data(), 1, card, progress);
+    density.on_card(*card.stream);
+    for (const SweepLattice lattice : {SweepLattice::grid, SweepLattice::sheared}) {
+        const auto swept = [&](const Device& device) {
+            return sweep_visibility(device, density, fibonacci_directions(520), 4, 0.5, lattice, progress);
+        };
+        const ShField expected = swept(processor());
+        std::size_t most = 0, least = 1000;
+        for (const std::size_t mib : {2, 5, 100}) {
+            cuda_emulated::card().memory_bytes = cuda_emulated::card().held_bytes + (mib << 20);
+            const Census found = census_of([&] { expect_equal(swept(card), expected); });
+            most = std::max(most, found.launches), least = std::min(least, found.launches);
+            cuda_emulated::card().memory_bytes = std::size_t(4) << 30;
+        }
+        EXPECT_LT(least, 60u);
+        EXPECT_GT(most, 6 * 48u);
+    }
+}
+
+TEST_F(Cards, EndASweepThatIsCancelledBetweenItsPlanes) {
+    const Volume column = sampled<std::uint8_t>({5, 6, 150}, [](double, double, double z) { return z; });
+    Progress progress;
+    const Medium medium = classify(upload(card, column), two_materials(), {});
+    const Density density = density_for(medium.data(), 1, card, progress);
+    for (const SweepLattice lattice : {SweepLattice::grid, SweepLattice::sheared}) {
+        int reports = 0;
+        const auto swept = [&](Progress& watched) {
+            sweep_on_card(card, density, fibonacci_directions(60), 4, 0.5, lattice, watched);
+        };
+        Progress cancelling([&](std::string_view, double share) {
+            EXPECT_LT(share, 0.5);
+            if (++reports == 1) cancelling.cancel();
+        });
+        const Census all = census_of([&] { swept(progress); });
+        const Census some = census_of([&] { EXPECT_THROW(swept(cancelling), Error); });
+        EXPECT_LT(some.launches, all.launches / 2);
+        EXPECT_EQ(reports, 1);
+    }
+}
+
+TEST_F(Cards, AreKeptBusyByTransport) {
+    Progress progress;
+    const Medium medium = classify(upload(card, cube(24)), two_materials(), {});
+    const SharedMatter matter = matter_of(card, medium.data(), 24, {}, progress);
+    std::optional<TransportSolver> solver;
+    const Census first = census_of([&] {
+        solver.emplace(card, matter, Lighting(), TransportSettings{.grid = 24}, ScatteringSettings(), Vec3{0, 0, 1},
+                       progress);
+    });
+    expect_within(first, {29, 17000, 3, 68, 510000}, "first");
+    expect_within(census_of([&] { solver->iterate(progress); }), {28, 9000, 1, 25, 18000}, "iteration");
+}
+
+TEST_F(Cards, TransportFewerDirectionsAtOnceWhereRoomIsLittle) {
+    Progress progress;
+    const Medium medium = classify(upload(card, cube(24)), two_materials(), {});
+    const SharedMatter matter = matter_of(card, medium.data(), 24, {}, progress);
+    const auto light = [&](const Device& device) {
+        TransportSolver solver(device, matter, {}, {.grid = 24, .first_directions = 600}, {}, {0, 0, 1}, progress);
+        return solver.nodes().moment;
+    };
+    const auto expected = light(processor());
+    std::size_t most = 0, least = 1000;
+    for (const std::size_t mib : {8, 9, 10, 12, 100}) {
+        cuda_emulated::card().memory_bytes = cuda_emulated::card().held_bytes + (mib << 20);
+        const Census found = census_of([&] { EXPECT_EQ(light(card), expected) << mib; });
+        most = std::max(most, found.launches), least = std::min(least, found.launches);
+        cuda_emulated::card().memory_bytes = std::size_t(4) << 30;
+    }
+    EXPECT_LT(least, 24 + 16u);
+    EXPECT_GT(most, 3 * 24u);
+}
+
+TEST_F(Cards, AreKeptBusyBySpao) {
+    Progress progress;
+    Steps steps;
+    const Medium medium = classify(upload(card, cube(64)), two_materials(), {});
+    const CellOpacity opacity = cell_opacity(medium.data(), progress);
+    const Census found = census_of(
+        [&] { spao_accessibility(card, opacity, {}, BlockMap(opacity.values.grid.count, true), steps, progress); });
+    expect_within(found, {29, 110000, 8, 6, 1600}, "spao");
+}
