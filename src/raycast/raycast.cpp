@@ -42,28 +42,6 @@ Outcome cast(const Device& device, const Kernel& kernel, const BoundingGeometry*
     return {complete, std::uint64_t(samples)};
 }
 
-/// Of what fills either a frame or, where a card does, `pixels` there.
-struct Filled {
-    Frame& frame;
-    std::shared_ptr<cuda::Pixels> pixels;
-
-    /// To the host, where the card has them.
-    void bring() {
-        if (pixels) pixels->bring_to(frame.rgba.data());
-        pixels.reset();
-    }
-};
-
-/// Where the pixels are.
-bool put_probe_behind(const Device& device, const Lighting& lighting, const Camera& camera, ColorMode color,
-                      Filled& filled, Progress& progress) {
-    Frame& frame = filled.frame;
-    const auto on_card = [&] { put_probe_behind(*filled.pixels, lighting, camera, color, frame.width, frame.height); };
-    if (filled.pixels && cuda::done_on_card(device, on_card)) return !progress.cancelled();
-    filled.bring();
-    return put_probe_behind(device, lighting, camera, color, frame, progress);
-}
-
 /// Whether light shines where nothing is.
 template <class View>
 bool glows(const View& view) {
@@ -153,7 +131,7 @@ Outcome fill(const Device& device, const Medium& medium, const IlluminationField
 
 Outcome raycast(const Device& device, const Medium& medium, const IlluminationField& field, const Lighting& lighting,
                 const Camera& camera, const RaySettings& settings, Frame& frame, Progress& progress) {
-    Filled filled{frame, nullptr};
+    Filled filled{frame};
     const Outcome outcome = fill(device, medium, field, lighting, camera, settings, filled, progress);
     filled.bring();
     return outcome;
@@ -161,7 +139,7 @@ Outcome raycast(const Device& device, const Medium& medium, const IlluminationFi
 
 Outcome raycast(const Device& device, const Medium& medium, const IlluminationField& field, const Lighting& lighting,
                 const Camera& camera, const RaySettings& settings, DeviceFrame& frame, Progress& progress) {
-    Filled filled{frame.write(), nullptr};
+    Filled filled{frame.write()};
     const Outcome outcome = fill(device, medium, field, lighting, camera, settings, filled, progress);
     frame.keep_on_card(std::move(filled.pixels));
     return outcome;

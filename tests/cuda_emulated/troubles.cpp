@@ -179,10 +179,15 @@ TEST_F(TroubledCards, GiveWayWithFramesAndPathsHalfDone) {
         return frame.rgba;
     };
     const auto without_room = [&](auto&& picture) {
-        const Device device = choose_device(processor()).device;
-        const auto found = picture(device, [] { cuda_emulated::card().next_launch = cudaErrorMemoryAllocation; });
-        EXPECT_NE(device.note(), "");
-        EXPECT_EQ(found, picture(processor(), [] {}));
+        const auto no_launch = [] { cuda_emulated::card().next_launch = cudaErrorMemoryAllocation; };
+        const auto no_memory = [] { cuda_emulated::card().memory_bytes = cuda_emulated::card().held_bytes; };
+        for (const std::function<void()>& then : {std::function<void()>(no_launch), {no_memory}}) {
+            const Device device = choose_device(processor()).device;
+            const auto found = picture(device, then);
+            cuda_emulated::card().memory_bytes = std::size_t(4) << 30;
+            EXPECT_NE(device.note(), "");
+            EXPECT_EQ(found, picture(processor(), [] {}));
+        }
     };
     without_room(seen_by);
     without_room(traced_by);
