@@ -5,6 +5,7 @@
 #include "cuda_case.h"
 #include "illumination/cells/opacity.h"
 #include "illumination/histogram/optics.h"
+#include "illumination/reference/extinction.h"
 #include "illumination/transport/grid.h"
 #include "illumination/visibility/density.h"
 
@@ -141,6 +142,40 @@ TEST_F(Cards, LayOutTransportsGridAsTheProcessorDoes) {
                 EXPECT_GT(*std::max_element(expected.albedo[0].begin(), expected.albedo[0].end()), 0.1f);
             }
     EXPECT_GT(skins, 50u);
+}
+
+TEST_F(Cards, FindWhatStopsTheReferencesRays) {
+    Progress progress;
+    const auto expect_same = [&](const auto& cells_by) {
+        const ExtinctionCells expected = cells_by(processor()), found = cells_by(card);
+        HostArrays arrays;
+        found.add_to(arrays), arrays.fetch();
+        for (int axis = 0; axis < 3; ++axis) {
+            EXPECT_EQ(found.low(axis), expected.low(axis));
+            EXPECT_EQ(found.high(axis), expected.high(axis));
+        }
+        EXPECT_GT(expected.high(0), expected.low(0));
+        const std::size_t count = std::size_t(expected.slice()) * expected.count()[2];
+        double worst = 0;
+        for (std::size_t i = 0; i < count; ++i)
+            worst = std::max(worst, std::abs(double(found.address()[i]) - expected.address()[i]));
+        EXPECT_LE(worst, tolerance);
+    };
+    Volume thick = shells_of<float>(40);
+    thick.geometry.spacing_mm = {1, 1.3, 2.5};
+    const Shape clipped{.clip = {.planes = {{{1, 2, 1}, 70}}}};
+    const Shape surface{.mode = Mode::iso, .iso = {{.value = 90, .opacity = 0.5}}};
+    const DeviceVolume cubes = upload(card, shells_of<std::uint8_t>(40)), others = upload(card, thick);
+    for (const Medium& medium : {classify(cubes, two_materials(), {}), classify(others, two_materials(), clipped),
+                                 classify(others, two_materials(), surface)})
+        for (const int stride : {1, 3}) {
+            const CellOpacity opacity = cell_opacity(medium.data(), progress);
+            expect_same([&](const Device& device) {
+                return ExtinctionCells(medium.data(), opacity, stride, device, progress);
+            });
+            const Density density = density_for(medium.data(), 2, card, progress);
+            expect_same([&](const Device& device) { return ExtinctionCells(density, stride, device, progress); });
+        }
 }
 
 TEST_F(Cards, FollowTheRaysOfTheReference) {
