@@ -6,7 +6,9 @@
 #include "illumination/cells/opacity.h"
 #include "illumination/histogram/optics.h"
 #include "illumination/reference/extinction.h"
+#include "illumination/transport/card.h"
 #include "illumination/transport/grid.h"
+#include "illumination/transport/matter.h"
 #include "illumination/visibility/density.h"
 
 using namespace chiaro;
@@ -139,10 +141,52 @@ TEST_F(Cards, LayOutTransportsGridAsTheProcessorDoes) {
                     for (std::size_t c = 0; c < 3; ++c)
                         ASSERT_NEAR(found.albedo[c][i], expected.albedo[c][i], tolerance);
                 }
-                EXPECT_GT(*std::max_element(expected.albedo[0].begin(), expected.albedo[0].end()), 0.1f);
+                EXPECT_GT(*std::max_element(expected.albedo[0], expected.albedo[0] + expected.albedo.nodes), 0.1f);
             }
     EXPECT_GT(skins, 50u);
 }
+
+TEST_F(Cards, KnowTheMatterThatTransportMeets) {
+    Progress progress;
+    const Volume volume = shells_of<std::uint8_t>(30);
+    const auto expect_near = [](const auto& found, const auto& expected) {
+        ASSERT_EQ(found.size(), expected.size());
+        for (std::size_t i = 0; i < expected.size(); ++i) ASSERT_NEAR(found[i], expected[i], tolerance);
+    };
+    for (const TransferFunction& tf : {two_materials(), walls()}) {
+        const auto matter = [&](const Device& device) {
+            const Medium medium = classify(upload(device, volume), tf, {});
+            return matter_of(device, medium.data(), 40, {}, progress);
+        };
+        const SharedMatter whole[]{matter(processor()), matter(card)};
+        const SharedMatter half[]{halved(*whole[0], processor(), progress), halved(*whole[1], card, progress)};
+        for (const SharedMatter* both : {whole, half}) {
+            const TransportMatter &expected = *both[0], &found = *both[1];
+            EXPECT_EQ(found.opaque.nodes(), expected.opaque.nodes());
+            expect_near(found.weight, expected.weight);
+            expect_near(unlit_nodes(found).answer, unlit_nodes(expected).answer);
+            for (std::size_t c = 0; c < 3; ++c) expect_near(found.albedo()[c], expected.albedo()[c]);
+            expect_near(found.swept.extinction().along_x, expected.swept.extinction().along_x);
+            expect_near(found.swept.extinction().along_y, expected.swept.extinction().along_y);
+        }
+    }
+}
+
+#ifdef CHIARO_CUDA_EMULATED
+TEST_F(Cards, KeepTheColoursOfTransportsGrid) {
+    Progress progress;
+    const Medium medium = classify(upload(card, shells_of<std::uint8_t>(50)), walls(), {});
+    const cuda_emulated::Card& emulated = cuda_emulated::card();
+    const std::size_t before = emulated.downloaded_bytes;
+    const SharedMatter matter = matter_of(card, medium.data(), 60, {}, progress);
+    const std::size_t nodes = matter->weight.size(), shown = matter->opaque.count() + matter->grid.skins.size();
+    EXPECT_GT(shown, 0u);
+    EXPECT_LE(emulated.downloaded_bytes - before, 5 * nodes + 12 * shown) << "density, and where skins are";
+    const std::size_t sent = emulated.uploaded_bytes;
+    const CardTransport transport(card, matter->swept);
+    EXPECT_LE(emulated.uploaded_bytes - sent, 7 * nodes + 200 * shown) << "opaque cells, with a halo";
+}
+#endif
 
 TEST_F(Cards, FindWhatStopsTheReferencesRays) {
     Progress progress;

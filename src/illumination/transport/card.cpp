@@ -6,6 +6,7 @@
 #include "cuda/mirror.h"
 #include "illumination/transport/batches.h"
 #include "illumination/transport/launch_card.h"
+#include "illumination/transport/matter_kernel.h"
 
 namespace chiaro {
 namespace {
@@ -32,7 +33,7 @@ int pitch_of(const SweptMedium& medium, const SweepAxes& axes) { return medium.l
 
 }  // namespace
 
-CardTransport::CardTransport(const Device& device, const SweptMedium& medium, const Colour& albedo)
+CardTransport::CardTransport(const Device& device, const SweptMedium& medium)
     : stream_(device.stream),
       medium_(medium),
       places_(cell_places(medium.lattices.along_x, medium.lattices.along_y)),
@@ -63,12 +64,12 @@ CardTransport::CardTransport(const Device& device, const SweptMedium& medium, co
     tables_ = std::make_unique<cuda::Views>(*stream_, std::move(arrays));
     clear_ = medium.opaque.clear_cells(), ids_ = ids.data();
     tables_->swap(clear_, ids_, reflect_.open, reflect_.reflectance, cover_.covers);
-    const LatticeField* both[]{&medium.extinction.along_x, &medium.extinction.along_y};
-    for (int i = 0; i < 2; ++i)
-        stream_->upload(field(extinction_, i), both[i]->data(), both[i]->size() * sizeof(float));
-    for (int c = 0; c < 3; ++c) upload(albedo_, c, albedo[std::size_t(c)]);
-    for (Numbers* zero : {&emission_, &moment_, &first_light_, &first_moment_, &source_, &mean_, &first_faces_})
+    for (Numbers* zero :
+         {&extinction_, &albedo_, &emission_, &moment_, &first_light_, &first_moment_, &source_, &mean_, &first_faces_})
         zero->zero();  // beside the cells, where the host's fields are zero
+    run(cells(),
+        kernel::LatticeKernel{places_, medium.grid.extinction.on_card(*stream_), medium.grid.albedo.on_card(*stream_),
+                              clear_, ids_, std::int64_t(field_), extinction_.data(), albedo_.data()});
     stream_->wait();
 }
 
@@ -223,10 +224,11 @@ void CardTransport::start(const Device& device, const FirstDirections& first, Pr
     stream_->wait();
 }
 
-void CardTransport::start_from(const Colour& source, const Faces& faces) {
+void CardTransport::start_from(const Colour& light, const Faces& faces) {
     const cuda::Settled settled{*stream_};
-    for (int c = 0; c < 3; ++c) upload(source_, c, source[std::size_t(c)]);
+    for (int c = 0; c < 3; ++c) upload(source_, c, light[std::size_t(c)]);
     upload(faces_, faces);
+    run(cells(), kernel::SourceKernel{places_, std::int64_t(field_), albedo_.data(), source_.data()});
     turn_and_reflect();
     stream_->wait();
 }

@@ -13,12 +13,12 @@ public:
     using Faces = std::vector<OpaqueCells::Faces>;
 
     /// `medium` must outlive it.
-    CardTransport(const Device& device, const SweptMedium& medium, const Colour& albedo);
+    CardTransport(const Device& device, const SweptMedium& medium);
 
     /// Light not yet scattered, from which iterations start. Throws Error{interrupted}.
     void start(const Device& device, const FirstDirections& first, Progress& progress);
-    /// From other light.
-    void start_from(const Colour& source, const Faces& faces);
+    /// From other light: rows along x, and on faces.
+    void start_from(const Colour& light, const Faces& faces);
     /// One sweep of scattered light and what follows; [z][2][16] as relative_change takes them. Throws
     /// Error{interrupted} and cuda::OutOfMemory before anything has changed.
     std::vector<float> iterate(const std::vector<Vec3>& directions, const kernel::UpdateKernel& update,

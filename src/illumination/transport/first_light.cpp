@@ -8,6 +8,7 @@
 #include "illumination/sh/directions.h"
 #include "illumination/transport/batches.h"
 #include "illumination/transport/launch.h"
+#include "illumination/transport/matter_kernel.h"
 #include "illumination/visibility/sweep.h"
 
 namespace chiaro {
@@ -16,9 +17,6 @@ namespace {
 using Kernel = kernel::FirstSweepKernel;
 using Sums = std::array<LatticeField, Kernel::sums>;
 using Arriving = std::span<float>;  ///< [cell][face][4]
-
-/// Deeper cells let no more through than this one does, 2e-9; what the kernels raise two to stays above -126.
-constexpr float most_depth = 20;
 
 /// All directions of one group, in batches whose planes stay in the cache.
 class GroupSweep {
@@ -49,19 +47,22 @@ private:
         const Lattice& lattice = medium_.lattices.of(axes);
         Kernel kernel = batch.kernel(is_first);
         planes.start(batch.count(), 1);
-        for_each_row(
-            lattice, axes, medium_.opaque, nullptr, arriving.data(), progress_, planes,
-            [&](const kernel::SweepPlane& plane, const SweptRow& row) {
-                kernel.plane = plane;
-                kernel::FirstSweepRow to{
-                    planes.place(row.v), lattice.count()[axes.u], medium_.extinction.of(axes) + row.at, {}, row.opaque};
-                ask_for(row.opaque, batch.octants), ask_for(medium_.extinction.of(axes) + row.next, to.count);
-                for (int s = 0; s < Kernel::sums; ++s) {
-                    to.sums[s] = sums[s].data() + row.at;
-                    ask_for(sums[s].data() + row.next, to.count);
-                }
-                run_(kernel, to);
-            });
+        for_each_row(lattice, axes, medium_.opaque, nullptr, arriving.data(), progress_, planes,
+                     [&](const kernel::SweepPlane& plane, const SweptRow& row) {
+                         kernel.plane = plane;
+                         kernel::FirstSweepRow to{planes.place(row.v),
+                                                  lattice.count()[axes.u],
+                                                  medium_.extinction().of(axes) + row.at,
+                                                  {},
+                                                  row.opaque};
+                         ask_for(row.opaque, batch.octants),
+                             ask_for(medium_.extinction().of(axes) + row.next, to.count);
+                         for (int s = 0; s < Kernel::sums; ++s) {
+                             to.sums[s] = sums[s].data() + row.at;
+                             ask_for(sums[s].data() + row.next, to.count);
+                         }
+                         run_(kernel, to);
+                     });
     }
 
     void (*run_)(const Kernel&, const kernel::FirstSweepRow&);
@@ -118,16 +119,12 @@ void add_up(const Device& device, const Lattices& lattices, const std::vector<Sw
 
 }  // namespace
 
-SweptMedium::SweptMedium(const LightGrid& light_grid, const OpaqueCells& cells)
-    : grid(light_grid), opaque(cells), lattices(light_grid.extinction.grid.count) {
+BothWays SweptMedium::find_extinction() const {
     const CellGrid& nodes = grid.extinction.grid;
     std::vector<float> swept(grid.extinction.data(), grid.extinction.data() + nodes.size());
     for (std::size_t node = 0; node < swept.size(); ++node)
-        if (opaque.is_opaque(node))
-            swept[node] = opaque.is_listed(node) ? 0 : most_depth;
-        else
-            swept[node] = std::min(swept[node], most_depth);
-    extinction = {spread(nodes, swept.data(), lattices.along_x), spread(nodes, swept.data(), lattices.along_y)};
+        swept[node] = kernel::swept_depth(swept[node], opaque.is_opaque(node), opaque.is_listed(node));
+    return {spread(nodes, swept.data(), lattices.along_x), spread(nodes, swept.data(), lattices.along_y)};
 }
 
 FirstDirections::FirstDirections(const Lighting& lighting, Vec3 orbit_up, const Geometry& geometry, int count)

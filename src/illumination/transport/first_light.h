@@ -1,5 +1,6 @@
 // Light that no one has scattered yet: the probe's, through the matter on its way.
 #pragma once
+#include "core/on_demand.h"
 #include "illumination/transport/incident.h"
 #include "illumination/transport/sweep.h"
 
@@ -10,9 +11,15 @@ struct SweptMedium {
     const LightGrid& grid;
     const OpaqueCells& opaque;
     Lattices lattices;
-    BothWays extinction;
 
-    SweptMedium(const LightGrid& light_grid, const OpaqueCells& cells);
+    SweptMedium(const LightGrid& light_grid, const OpaqueCells& cells)
+        : grid(light_grid), opaque(cells), lattices(light_grid.extinction.grid.count) {}
+    /// For sweeps here; a card has its own.
+    const BothWays& extinction() const { return extinction_.get(); }
+
+private:
+    BothWays find_extinction() const;
+    OnDemand<BothWays> extinction_{[this] { return find_extinction(); }};
 };
 
 struct FirstLight {

@@ -46,7 +46,7 @@ TransportSolver::State::State(const Device& d, SharedMatter m, const Lighting& l
     : device(d), matter(std::move(m)), settings(s), scattering(sc) {
     const FirstDirections directions(lighting, orbit_up, matter->geometry, s.first_directions);
     const auto on_card = [&] {
-        auto started = std::make_unique<CardTransport>(device, medium, albedo);
+        auto started = std::make_unique<CardTransport>(device, medium);
         started->start(device, directions, progress);
         card = std::move(started);
     };
@@ -57,6 +57,7 @@ void TransportSolver::State::start(const FirstDirections& directions, Progress& 
     first = first_light(device, medium, directions, progress);
     mean = first.light, faces = mean_faces = first.faces;
     source = colour(medium.lattices.along_x);
+    const Colour& albedo = matter->albedo();
     for (int c = 0; c < 3; ++c) {
         moment[c] = colour(medium.lattices.along_x);
         for (std::size_t i = 0; i < source[c].size(); ++i) source[c][i] = albedo[c][i] * first.light[c][i];
@@ -134,8 +135,8 @@ void TransportSolver::State::sweep(const std::vector<Vec3>& directions, const Sw
         Kernel kernel = batch.kernel(directions.size(), is_first);
         const auto visit = [&](const kernel::SweepPlane& plane, const SweptRow& row) {
             kernel.plane = plane;
-            kernel::SourceRow at{planes.place(row.v), nu, medium.extinction.of(axes) + row.at, {}, {}, row.opaque};
-            ask_for(row.opaque, batch.octants), ask_for(medium.extinction.of(axes) + row.next, nu);
+            kernel::SourceRow at{planes.place(row.v), nu, medium.extinction().of(axes) + row.at, {}, {}, row.opaque};
+            ask_for(row.opaque, batch.octants), ask_for(medium.extinction().of(axes) + row.next, nu);
             for (int c = 0; c < 3; ++c) {
                 at.source[c] = from[c].data() + row.at, at.sums[c] = to[c].data() + row.at;
                 ask_for(from[c].data() + row.next, nu), ask_for(to[c].data() + row.next, nu);
@@ -151,6 +152,7 @@ void TransportSolver::State::sweep(const std::vector<Vec3>& directions, const Sw
 double TransportSolver::State::update(const kernel::UpdateKernel& kernel) {
     const Lattice &along_x = medium.lattices.along_x, &along_y = medium.lattices.along_y;
     const auto [nx, ny, nz] = along_x.count();
+    const Colour& albedo = matter->albedo();
     const auto run = kernel::transport_functions_for(device.isa).update_row;
     const std::size_t slice = std::size_t(along_x.row()) * ny;
     std::vector<float> changes(std::size_t(nz) * 2 * 16, 0);
@@ -163,7 +165,7 @@ double TransportSolver::State::update(const kernel::UpdateKernel& kernel) {
         for (int y = 0; y < ny; ++y) {
             const std::size_t in_slice = std::size_t(y) * along_x.row(), at = start + in_slice;
             kernel::UpdateRow row{};
-            row.count = nx, row.extinction = medium.extinction.along_x.data() + at, row.change = &lanes;
+            row.count = nx, row.extinction = medium.extinction().along_x.data() + at, row.change = &lanes;
             for (int c = 0; c < 3; ++c) {
                 row.albedo[c] = albedo[c].data() + at, row.first[c] = first.light[c].data() + at;
                 row.source[c] = source[c].data() + at, row.mean[c] = mean[c].data() + at;
@@ -210,6 +212,7 @@ void TransportSolver::State::start_from(const TransportNodes& warm) {
         const double voxel = (i + 0.5) * here.voxels_per_cell[axis];
         return std::clamp(int(voxel / there.voxels_per_cell[axis]), 0, there.count[axis] - 1);
     };
+    const Colour* albedo = card ? nullptr : &matter->albedo();  // the card has its own
     const auto light_at = [&](int x, int y, int z) {
         return warm.light.data() + 3 * there.index(nearest(0, x), nearest(1, y), nearest(2, z));
     };
@@ -218,7 +221,7 @@ void TransportSolver::State::start_from(const TransportNodes& warm) {
             for (int x = 0; x < here.count[0]; ++x)
                 for (int c = 0; c < 3; ++c) {
                     const std::size_t at = medium.lattices.along_x.index(x, y, z);
-                    source[c][at] = albedo[c][at] * light_at(x, y, z)[c];
+                    source[c][at] = (albedo ? (*albedo)[c][at] : 1) * light_at(x, y, z)[c];
                 }
     for (std::size_t cell = 0; cell < opaque.count(); ++cell) {
         const std::size_t node = opaque.nodes()[cell];

@@ -16,7 +16,6 @@ struct TransportSolver::State : LightFields {
     ScatteringSettings scattering;
     const OpaqueCells& opaque = matter->opaque;
     const SweptMedium& medium = matter->swept;
-    const Colour& albedo = matter->albedo;
     Colour source_across;        ///< the same source, rows along y
     std::array<Colour, 6> sums;  ///< by the side that light comes from; those of x: rows along y
     LatticeField emission;
