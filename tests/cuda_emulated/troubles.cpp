@@ -4,6 +4,7 @@
 #include "bench.h"
 #include "cuda_case.h"
 #include "illumination/histogram/histograms.h"
+#include "illumination/transport/matter.h"
 #include "illumination/transport/solver.h"
 
 using namespace chiaro;
@@ -154,6 +155,32 @@ TEST_F(TroubledCards, GiveWayBeforeAnIterationAndWithinOne) {
         gave_way += !device.note().empty();
     }
     EXPECT_EQ(gave_way, 4);
+}
+
+TEST_F(TroubledCards, GiveWayBeforeOtherLightToStartFrom) {
+    const Volume volume = shells_of<std::uint8_t>(56);
+    const Medium medium = classify(upload(processor(), volume), walls(), {});
+    Progress progress;
+    TransportSolver finer(processor(), medium.data(), {}, {.grid = 60}, {}, {0, 0, 1}, progress);
+    finer.iterate(progress);
+    const TransportNodes warm = finer.nodes();
+    const auto started = [&](const Device& device, std::size_t room) {
+        cuda_emulated::card().memory_bytes = cuda_emulated::card().held_bytes + room;
+        const SharedMatter matter = matter_of(processor(), medium.data(), 10, {}, progress);
+        TransportSolver solver(device, matter, {}, {.grid = 10}, {}, {0, 0, 1}, progress, &warm);
+        cuda_emulated::card().memory_bytes = std::size_t(4) << 30;
+        solver.iterate(progress);
+        return solver.nodes();
+    };
+    const std::size_t all = std::size_t(1) << 30;
+    const TransportNodes expected = started(processor(), all);
+    for (const std::size_t room : {all, std::size_t(3) << 19}) {
+        const Device device = choose_device(processor()).device;
+        const TransportNodes found = started(device, room);
+        EXPECT_EQ(found.light, expected.light) << room;
+        EXPECT_EQ(found.moment, expected.moment) << room;
+        EXPECT_EQ(device.note().empty(), room == all);
+    }
 }
 
 TEST_F(TroubledCards, GiveWayWithFramesAndPathsHalfDone) {

@@ -6,7 +6,6 @@
 #include "cuda/mirror.h"
 #include "illumination/transport/batches.h"
 #include "illumination/transport/launch_card.h"
-#include "illumination/transport/matter_kernel.h"
 
 namespace chiaro {
 namespace {
@@ -79,9 +78,6 @@ CardTransport::Numbers CardTransport::of_faces() const {
     return {*stream_, std::max<std::size_t>(1, medium_.opaque.count()) * kernel::cell_floats};
 }
 
-void CardTransport::upload(const Numbers& to, int i, const LatticeField& from) {
-    stream_->upload(field(to, i), from.data(), from.size() * sizeof(float));
-}
 void CardTransport::download(LatticeField& to, const Numbers& from, int i) const {
     to = medium_.lattices.along_x.unset_field();
     stream_->download(to.data(), field(from, i), to.size() * sizeof(float));
@@ -224,11 +220,13 @@ void CardTransport::start(const Device& device, const FirstDirections& first, Pr
     stream_->wait();
 }
 
-void CardTransport::start_from(const Colour& light, const Faces& faces) {
+void CardTransport::start_from(kernel::NearestKernel nearest, HostArrays arrays, const Faces& faces) {
+    cuda::Views views(*stream_, std::move(arrays));
+    views.swap(nearest.light, nearest.nearest[0], nearest.nearest[1], nearest.nearest[2]);
     const cuda::Settled settled{*stream_};
-    for (int c = 0; c < 3; ++c) upload(source_, c, light[std::size_t(c)]);
     upload(faces_, faces);
-    run(cells(), kernel::SourceKernel{places_, std::int64_t(field_), albedo_.data(), source_.data()});
+    for (int c = 0; c < 3; ++c) nearest.albedo[c] = field(albedo_, c), nearest.source[c] = field(source_, c);
+    run(cells(), nearest);
     turn_and_reflect();
     stream_->wait();
 }

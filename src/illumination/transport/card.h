@@ -3,6 +3,7 @@
 #include "cuda/mirror.h"
 #include "illumination/transport/card_kernel.h"
 #include "illumination/transport/light_fields.h"
+#include "illumination/transport/matter_kernel.h"
 
 namespace chiaro {
 
@@ -17,8 +18,9 @@ public:
 
     /// Light not yet scattered, from which iterations start. Throws Error{interrupted}.
     void start(const Device& device, const FirstDirections& first, Progress& progress);
-    /// From other light: rows along x, and on faces.
-    void start_from(const Colour& light, const Faces& faces);
+    /// From other light, `arrays` being what the kernel's nodes and light point into, and that on faces. Throws
+    /// cuda::OutOfMemory before anything has changed.
+    void start_from(kernel::NearestKernel nearest, HostArrays arrays, const Faces& faces);
     /// One sweep of scattered light and what follows; [z][2][16] as relative_change takes them. Throws
     /// Error{interrupted} and cuda::OutOfMemory before anything has changed.
     std::vector<float> iterate(const std::vector<Vec3>& directions, const kernel::UpdateKernel& update,
@@ -60,7 +62,6 @@ private:
     Numbers fields(int count) const;
     Numbers of_faces() const;
     Faces faces_of(const Numbers& faces) const;
-    void upload(const Numbers& to, int i, const LatticeField& from);
     void upload(const Numbers& to, const Faces& from);
     void download(LatticeField& to, const Numbers& from, int i) const;
 

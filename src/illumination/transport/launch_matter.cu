@@ -7,6 +7,6 @@ namespace chiaro::kernel {
 template void run_on_card(cuda::Stream&, std::int64_t, const LatticeKernel&);
 template void run_on_card(cuda::Stream&, std::int64_t, const HalvedAlbedoKernel&);
 template void run_on_card(cuda::Stream&, std::int64_t, const GatherKernel&);
-template void run_on_card(cuda::Stream&, std::int64_t, const SourceKernel&);
+template void run_on_card(cuda::Stream&, std::int64_t, const NearestKernel&);
 
 }  // namespace chiaro::kernel

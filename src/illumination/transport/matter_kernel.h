@@ -72,16 +72,19 @@ struct GatherKernel {
     }
 };
 
-/// The source of other light, which stands there.
-struct SourceKernel {
+/// The source of other light, perhaps on another grid: the nearest node's.
+struct NearestKernel {
     CellPlaces places;
-    std::int64_t field;
-    const float* albedo;
-    float* source;  ///< [channel]: light before
+    const std::int32_t* nearest[3];  ///< of the other grid's nodes, by each coordinate: what it adds to the index
+    const float* light;              ///< [node][3]
+    const float* albedo[3];
+    float* source[3];
 
     CHIARO_INLINE void operator()(std::int64_t cell) const {
-        const std::int64_t at = places.along_x(cell);
-        for (std::int32_t c = 0; c < 3; ++c) source[c * field + at] *= albedo[c * field + at];
+        const std::int64_t at = places.along_x(cell), y = cell / places.nx % places.ny,
+                           z = cell / places.nx / places.ny;
+        const std::int64_t node = nearest[0][cell % places.nx] + nearest[1][y] + nearest[2][z];
+        for (std::int32_t c = 0; c < 3; ++c) source[c][at] = albedo[c][at] * light[3 * node + c];
     }
 };
 

@@ -39,6 +39,26 @@ double relative_change(const std::vector<float>& lanes) {
     return sums[1] > 0 ? std::sqrt(sums[0] / sums[1]) : 0;
 }
 
+/// Of another grid, the nearest to the cells of this one: what each coordinate adds to its index.
+struct NearestNodes {
+    std::array<int, 3> count;
+    std::array<std::vector<std::int32_t>, 3> along;
+
+    NearestNodes(const CellGrid& here, const CellGrid& there) : count(here.count) {
+        int stride = 1;
+        for (int axis = 0; axis < 3; stride *= there.count[axis++])
+            for (int i = 0; i < count[axis]; ++i) {
+                const double voxel = (i + 0.5) * here.voxels_per_cell[axis];
+                const int node = int(voxel / there.voxels_per_cell[axis]);
+                along[axis].push_back(stride * std::clamp(node, 0, there.count[axis] - 1));
+            }
+    }
+    std::int64_t of(std::size_t cell) const {
+        const std::size_t nx = std::size_t(count[0]), ny = std::size_t(count[1]);
+        return along[0][cell % nx] + along[1][cell / nx % ny] + along[2][cell / nx / ny];
+    }
+};
+
 }  // namespace
 
 TransportSolver::State::State(const Device& d, SharedMatter m, const Lighting& lighting, const TransportSettings& s,
@@ -74,6 +94,13 @@ void TransportSolver::State::prepare() {
     turn_source();
 }
 
+/// The card has no room any more.
+void TransportSolver::State::give_way() {
+    card->fetch(*this);
+    card.reset();
+    prepare();
+}
+
 bool TransportSolver::State::is_done() const {
     if (scattering.bounces.most) return iterations >= *scattering.bounces.most;
     return iterations >= most_iterations || change < settings.error.value_or(converged);
@@ -88,11 +115,7 @@ double TransportSolver::State::iterate(const std::vector<Vec3>& directions, Prog
     std::vector<float> changes;
     const auto on_card = [&] { changes = card->iterate(directions, kernel, progress); };
     if (card && cuda::done_on_card(device, on_card)) return relative_change(changes);
-    if (card) {  // which has no room any more
-        card->fetch(*this);
-        card.reset();
-        prepare();
-    }
+    if (card) give_way();
     const LatticeField arriving = sweep(directions, progress);
     const double found = update(kernel);
     update_faces(arriving, kernel.share);
@@ -206,35 +229,28 @@ void TransportSolver::State::turn_source() {
 
 /// Of a similar medium, perhaps on another grid: the nearest nodes' light.
 void TransportSolver::State::start_from(const TransportNodes& warm) {
-    if (card) source = colour(medium.lattices.along_x), faces = card->faces();
-    const CellGrid &here = matter->grid.extinction.grid, &there = warm.grid;
-    const auto nearest = [&](int axis, int i) {
-        const double voxel = (i + 0.5) * here.voxels_per_cell[axis];
-        return std::clamp(int(voxel / there.voxels_per_cell[axis]), 0, there.count[axis] - 1);
-    };
-    const Colour* albedo = card ? nullptr : &matter->albedo();  // the card has its own
-    const auto light_at = [&](int x, int y, int z) {
-        return warm.light.data() + 3 * there.index(nearest(0, x), nearest(1, y), nearest(2, z));
-    };
-    for (int z = 0; z < here.count[2]; ++z)
-        for (int y = 0; y < here.count[1]; ++y)
-            for (int x = 0; x < here.count[0]; ++x)
-                for (int c = 0; c < 3; ++c) {
-                    const std::size_t at = medium.lattices.along_x.index(x, y, z);
-                    source[c][at] = (albedo ? (*albedo)[c][at] : 1) * light_at(x, y, z)[c];
-                }
-    for (std::size_t cell = 0; cell < opaque.count(); ++cell) {
-        const std::size_t node = opaque.nodes()[cell];
-        const int nx = here.count[0], ny = here.count[1];
-        const float* light = light_at(int(node % nx), int(node / nx % ny), int(node / nx / ny));
-        for (auto& face : faces[cell])
-            for (int c = 0; c < 3; ++c) face[c] = std::max(face[c], light[c]);
+    const NearestNodes nearest(matter->grid.extinction.grid, warm.grid);
+    kernel::NearestKernel kernel{
+        cell_places(medium.lattices.along_x, medium.lattices.along_y), {}, warm.light.data(), {}, {}};
+    HostArrays arrays;
+    arrays.add(warm.light);
+    for (int axis = 0; axis < 3; ++axis) {
+        kernel.nearest[axis] = nearest.along[axis].data();
+        arrays.add(nearest.along[axis]);
     }
-    if (card) {
-        card->start_from(source, faces);
-        source = {}, faces = {};
-        return;
-    }
+    const auto shine_on = [&](CardTransport::Faces lit) {
+        for (std::size_t cell = 0; cell < opaque.count(); ++cell) {
+            const float* light = warm.light.data() + 3 * nearest.of(opaque.nodes()[cell]);
+            for (auto& face : lit[cell])
+                for (int c = 0; c < 3; ++c) face[c] = std::max(face[c], light[c]);
+        }
+        return lit;
+    };
+    if (card && cuda::done_on_card(device, [&] { card->start_from(kernel, arrays, shine_on(card->faces())); })) return;
+    if (card) give_way();
+    faces = shine_on(std::move(faces));
+    for (int c = 0; c < 3; ++c) kernel.albedo[c] = matter->albedo()[c].data(), kernel.source[c] = source[c].data();
+    for (std::int64_t cell = 0; cell < kernel.places.count(); ++cell) kernel(cell);
     opaque.reflect(faces, emission);
     turn_source();
 }

@@ -30,6 +30,7 @@ struct TransportSolver::State : LightFields {
     bool is_done() const;
     void start(const FirstDirections& directions, Progress& progress);
     void prepare();
+    void give_way();
     double iterate(const std::vector<Vec3>& directions, Progress& progress);
     void sweep(const std::vector<Vec3>& directions, const SweepGroup& group, const Progress& progress,
                std::span<float> arriving);
