@@ -6,6 +6,8 @@
 #include "cuda/mirror.h"
 #include "illumination/transport/batches.h"
 #include "illumination/transport/launch_card.h"
+#include "illumination/transport/sun.h"
+#include "illumination/visibility/sweep.h"
 
 namespace chiaro {
 namespace {
@@ -191,27 +193,27 @@ void CardTransport::find_first(const FirstDirections& first, Progress& progress)
     meet_faces(groups.size(), first_faces_, nullptr, nullptr, 0);
 }
 
-void CardTransport::add_sun(const SunLight& sun) {
+void CardTransport::add_sun(const Device& device, const Sun& sun, Progress& progress) {
+    const Density& density = medium_.grid.extinction;
+    const std::vector<std::size_t>& nodes = medium_.opaque.nodes();
+    const CardField seen =
+        sweep_on_card(device, density, {sun.direction}, sun_coefficients, sun_start, SweepLattice::sheared, progress);
+    const cuda::Array<double> mean(*stream_, cells());
+    const cuda::Array<std::size_t> shown(*stream_, std::max<std::size_t>(1, nodes.size()));
     const cuda::Settled settled{*stream_};
-    const cuda::Array<double> mean(*stream_, sun.mean.size());
-    stream_->upload(mean.data(), sun.mean.data(), sun.mean.size() * sizeof(double));
-    kernel::SunKernel shine = sun.kernel(medium_.lattices);
-    shine.mean = mean.data();
+    stream_->upload(shown.data(), nodes.data(), nodes.size() * sizeof nodes[0]);
+    SunKernels kernels(medium_, sun);
+    kernels.use({seen.data(), seen.density(), clear_, ids_, shown.data(), mean.data(), first_faces_.data()});
     for (int c = 0; c < 3; ++c) {
-        shine.light[c] = field(first_light_, c);
-        for (int axis = 0; axis < 3; ++axis) shine.moment[c][axis] = field(first_moment_, 3 * c + axis);
+        kernels.shine.light[c] = field(first_light_, c);
+        for (int axis = 0; axis < 3; ++axis) kernels.shine.moment[c][axis] = field(first_moment_, 3 * c + axis);
     }
-    run(cells(), shine);
+    run(nodes.size(), kernels.faces), run(cells(), kernels.share), run(cells(), kernels.shine);
 }
 
 void CardTransport::start(const Device& device, const FirstDirections& first, Progress& progress) {
     find_first(first, progress);
-    if (first.incident.sun) {
-        Faces faces = faces_of(first_faces_);
-        add_sun(SunLight(device, medium_, *first.incident.sun, progress, faces));
-        const cuda::Settled settled{*stream_};
-        upload(first_faces_, faces);
-    }
+    if (first.incident.sun) add_sun(device, *first.incident.sun, progress);
     for (const Numbers* faces : {&faces_, &mean_faces_})
         stream_->copy(faces->data(), first_faces_.data(), faces->size() * sizeof(float));
     run(cells(), kernel::StartKernel{places_, albedo_.data(), first_light_.data(), std::int64_t(field_), source_.data(),

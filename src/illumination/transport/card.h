@@ -50,7 +50,7 @@ private:
     void run(std::size_t count, const Kernel& kernel) const;
 
     void find_first(const FirstDirections& first, Progress& progress);
-    void add_sun(const SunLight& sun);
+    void add_sun(const Device& device, const Sun& sun, Progress& progress);
     /// Returns how many groups there were.
     std::size_t scatter(const std::vector<Vec3>& directions, Progress& progress);
     void meet_faces(std::size_t groups, const Numbers& faces, const Numbers* first, const Numbers* mean, float share);

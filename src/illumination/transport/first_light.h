@@ -37,18 +37,6 @@ struct FirstDirections {
     FirstDirections(const Lighting& lighting, Vec3 orbit_up, const Geometry& geometry, int count);
 };
 
-/// A sun's light, and what it brings to each cell: its share, below 0 in cells that no light reaches.
-struct SunLight {
-    const Sun& sun;
-    std::vector<double> mean;
-
-    /// Also added to the light on the faces.
-    SunLight(const Device& device, const SweptMedium& medium, const Sun& sun, Progress& progress,
-             std::vector<OpaqueCells::Faces>& faces);
-    /// To be told where the light lies.
-    kernel::SunKernel kernel(const Lattices& lattices) const;
-};
-
 /// Throws Error{interrupted}.
 FirstLight first_light(const Device& device, const SweptMedium& medium, const FirstDirections& first,
                        Progress& progress);
