@@ -143,11 +143,10 @@ std::vector<Row> measure_transport(const Setup& setup, const std::vector<std::st
         classify(upload(device, make_sample("cornell", size)), sample_transfer_function("cornell"), Shape{});
     const Vec3 up{0, 0, 1};
     const LightGrid grid = light_grid(medium.data(), size, 0.9, device, setup.progress);
-    const OpaqueCells opaque(grid, opaque_from);
+    const OpaqueCells opaque(grid, opaque_from, device);
     const SweptMedium swept(grid, opaque);
     const FirstDirections directions(Lighting(), up, medium.data().volume.data().geometry, 200);
-    const Colour albedo = colour(swept.lattices.along_x);
-    const auto first = [&] { CardTransport(device, swept, albedo).start(device, directions, setup.progress); };
+    const auto first = [&] { CardTransport(device, swept).start(device, directions, setup.progress); };
     TransportSolver solver(device, medium.data(), {}, {.grid = size, .error = 1e-9}, {}, up, setup.progress);
     const auto iteration = [&] { solver.iterate(setup.progress); };
     auto series =

@@ -74,7 +74,7 @@ private:
 std::vector<Row> measure_sweeps(const Setup& setup, const std::string& name, const std::string& sample, int grid) {
     const Medium medium = medium_of(setup, sample);
     const LightGrid cells = light_grid(medium.data(), grid, 0.9, setup.device, setup.progress);
-    const OpaqueCells opaque(cells, opaque_from);
+    const OpaqueCells opaque(cells, opaque_from, setup.device);
     const SweptMedium swept(cells, opaque);
     const Geometry& geometry = medium.data().volume.data().geometry;
     const auto first = [&] {

@@ -76,6 +76,34 @@ TEST_F(Cards, PutTheProbeBehind) {
         }
 }
 
+TEST_F(Cards, KeepTheFramesOfPaths) {
+    const Volume volume = shells_of<std::uint8_t>(24);
+    const Camera camera = make_camera({}, volume.geometry, volume.dimensions);
+    IlluminationSettings light{.method = Method::reference};
+    light.reference.rays = 5;
+    Progress progress;
+    for (const bool with_sky : {false, true}) {
+        const Lighting lighting{.probe = {.source = "sky", .background = with_sky}, .loaded_probe = load_probe("sky")};
+        std::vector<Image> previews[2];
+        DeviceFrame frames[2];
+        for (const bool on_card : {false, true}) {
+            const Device device = on_card ? card : processor();
+            const Medium medium = classify(upload(device, volume), two_materials(), {});
+            frames[on_card].resize(61, 47);
+            trace_paths(device, medium, lighting, camera, {}, light, frames[on_card], progress,
+                        [&](const DeviceFrame& frame, const PathStatistics&) {
+                            EXPECT_EQ(frame.on_card() != nullptr, on_card);
+                            previews[on_card].push_back(develop(frame, {}));
+                        });
+        }
+        ASSERT_EQ(previews[1].size(), previews[0].size());
+        for (std::size_t i = 0; i < previews[0].size(); ++i) expect_same_image(previews[1][i], previews[0][i], "early");
+        EXPECT_TRUE(frames[1].on_card());
+        EXPECT_EQ(difference(frames[1].read(), frames[0].read(), tolerance).pixels_beyond, 0);
+        EXPECT_EQ(mean_alpha(frames[0].read()) == 1, with_sky);
+    }
+}
+
 TEST_F(Cards, GiveSessionsPicturesAndFramesThatAreAskedFor) {
     Scene scene;
     scene.width = 61, scene.height = 47;
@@ -114,5 +142,12 @@ TEST_F(Cards, BringBackNoMoreThanThePicture) {
     EXPECT_EQ(brought([&] { develop(frame, {.transparent = true}); }), 4 * pixels);
     EXPECT_EQ(brought([&] { frame.read(); }), 16 * pixels);
     EXPECT_EQ(brought([&] { frame.read(); }), 0u);
+
+    IlluminationSettings light{.method = Method::reference};
+    light.reference.rays = 1;
+    const Lighting sky{.probe = {.source = "sky", .background = true}, .loaded_probe = load_probe("sky")};
+    const auto paths = brought([&] { trace_paths(plain, medium, sky, camera, {}, light, frame, progress); });
+    EXPECT_LE(paths, 8192u + pixels / 4) << "what was counted, and the noise";
+    EXPECT_EQ(brought([&] { develop(frame, {}); }), 3 * pixels);
 }
 #endif

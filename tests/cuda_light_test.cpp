@@ -5,7 +5,10 @@
 #include "cuda_case.h"
 #include "illumination/cells/opacity.h"
 #include "illumination/histogram/optics.h"
+#include "illumination/reference/extinction.h"
+#include "illumination/transport/card.h"
 #include "illumination/transport/grid.h"
+#include "illumination/transport/matter.h"
 #include "illumination/visibility/density.h"
 
 using namespace chiaro;
@@ -138,9 +141,85 @@ TEST_F(Cards, LayOutTransportsGridAsTheProcessorDoes) {
                     for (std::size_t c = 0; c < 3; ++c)
                         ASSERT_NEAR(found.albedo[c][i], expected.albedo[c][i], tolerance);
                 }
-                EXPECT_GT(*std::max_element(expected.albedo[0].begin(), expected.albedo[0].end()), 0.1f);
+                EXPECT_GT(*std::max_element(expected.albedo[0], expected.albedo[0] + expected.albedo.nodes), 0.1f);
             }
     EXPECT_GT(skins, 50u);
+}
+
+TEST_F(Cards, KnowTheMatterThatTransportMeets) {
+    Progress progress;
+    const Volume volume = shells_of<std::uint8_t>(30);
+    const auto expect_near = [](const auto& found, const auto& expected) {
+        ASSERT_EQ(found.size(), expected.size());
+        for (std::size_t i = 0; i < expected.size(); ++i) ASSERT_NEAR(found[i], expected[i], tolerance);
+    };
+    for (const TransferFunction& tf : {two_materials(), walls()}) {
+        const auto matter = [&](const Device& device) {
+            const Medium medium = classify(upload(device, volume), tf, {});
+            return matter_of(device, medium.data(), 40, {}, progress);
+        };
+        const SharedMatter whole[]{matter(processor()), matter(card)};
+        const SharedMatter half[]{halved(*whole[0], processor(), progress), halved(*whole[1], card, progress)};
+        for (const SharedMatter* both : {whole, half}) {
+            const TransportMatter &expected = *both[0], &found = *both[1];
+            EXPECT_EQ(found.opaque.nodes(), expected.opaque.nodes());
+            expect_near(found.weight, expected.weight);
+            expect_near(unlit_nodes(found).answer, unlit_nodes(expected).answer);
+            for (std::size_t c = 0; c < 3; ++c) expect_near(found.albedo()[c], expected.albedo()[c]);
+            expect_near(found.swept.extinction().along_x, expected.swept.extinction().along_x);
+            expect_near(found.swept.extinction().along_y, expected.swept.extinction().along_y);
+        }
+    }
+}
+
+#ifdef CHIARO_CUDA_EMULATED
+TEST_F(Cards, KeepTheColoursOfTransportsGrid) {
+    Progress progress;
+    const Medium medium = classify(upload(card, shells_of<std::uint8_t>(50)), walls(), {});
+    const cuda_emulated::Card& emulated = cuda_emulated::card();
+    const std::size_t before = emulated.downloaded_bytes;
+    const SharedMatter matter = matter_of(card, medium.data(), 60, {}, progress);
+    const std::size_t nodes = matter->weight.size(), shown = matter->opaque.count() + matter->grid.skins.size();
+    EXPECT_GT(shown, 0u);
+    EXPECT_LE(emulated.downloaded_bytes - before, 5 * nodes + 12 * shown) << "density, and where skins are";
+    const std::size_t sent = emulated.uploaded_bytes;
+    const CardTransport transport(card, matter->swept);
+    EXPECT_LE(emulated.uploaded_bytes - sent, 7 * nodes + 200 * shown) << "opaque cells, with a halo";
+}
+#endif
+
+TEST_F(Cards, FindWhatStopsTheReferencesRays) {
+    Progress progress;
+    const auto expect_same = [&](const auto& cells_by) {
+        const ExtinctionCells expected = cells_by(processor()), found = cells_by(card);
+        HostArrays arrays;
+        found.add_to(arrays), arrays.fetch();
+        for (int axis = 0; axis < 3; ++axis) {
+            EXPECT_EQ(found.low(axis), expected.low(axis));
+            EXPECT_EQ(found.high(axis), expected.high(axis));
+        }
+        EXPECT_GT(expected.high(0), expected.low(0));
+        const std::size_t count = std::size_t(expected.slice()) * expected.count()[2];
+        double worst = 0;
+        for (std::size_t i = 0; i < count; ++i)
+            worst = std::max(worst, std::abs(double(found.address()[i]) - expected.address()[i]));
+        EXPECT_LE(worst, tolerance);
+    };
+    Volume thick = shells_of<float>(40);
+    thick.geometry.spacing_mm = {1, 1.3, 2.5};
+    const Shape clipped{.clip = {.planes = {{{1, 2, 1}, 70}}}};
+    const Shape surface{.mode = Mode::iso, .iso = {{.value = 90, .opacity = 0.5}}};
+    const DeviceVolume cubes = upload(card, shells_of<std::uint8_t>(40)), others = upload(card, thick);
+    for (const Medium& medium : {classify(cubes, two_materials(), {}), classify(others, two_materials(), clipped),
+                                 classify(others, two_materials(), surface)})
+        for (const int stride : {1, 3}) {
+            const CellOpacity opacity = cell_opacity(medium.data(), progress);
+            expect_same([&](const Device& device) {
+                return ExtinctionCells(medium.data(), opacity, stride, device, progress);
+            });
+            const Density density = density_for(medium.data(), 2, card, progress);
+            expect_same([&](const Device& device) { return ExtinctionCells(density, stride, device, progress); });
+        }
 }
 
 TEST_F(Cards, FollowTheRaysOfTheReference) {

@@ -65,6 +65,30 @@ TEST_F(Cards, TextureUnitsShowTheSameThings) {
     expect_alike(shot, {}, 1e-6);
 }
 
+TEST_F(Cards, TextureUnitsMeetTheLightOfLocalHistograms) {
+    const Volume volume = shells_of<std::uint8_t>(28);
+    const Camera camera = make_camera({}, volume.geometry, volume.dimensions);
+    for (const std::string glow : {"", "160:255=20"}) {
+        IlluminationSettings light{.method = Method::histogram};
+        light.histogram.radius = 4, light.histogram.clusters = 32, light.histogram.cache = "none";
+        light.histogram.glow = glow, light.histogram.effects.glow = !glow.empty();
+        Progress progress;
+        const DeviceVolume voxels = upload(card, volume);
+        const Medium medium = classify(voxels, two_materials(), {});
+        IlluminationField field;
+        const auto keep = [&](IlluminationField f) { field = std::move(f); };
+        illuminate(card, medium, prepare(voxels, light, progress), {}, light, keep, progress);
+        Frame exact(61, 47), found(61, 47), unlit(61, 47);
+        raycast(card, medium, field, {}, camera, {}, exact, progress);
+        const RaySettings by_texture{.interpolation = Interpolation::texture};
+        raycast(card, medium, field, {}, camera, by_texture, found, progress);
+        raycast(card, medium, {}, {}, camera, by_texture, unlit, progress);
+        EXPECT_LT(rms(found, exact), 0.004) << glow;
+        EXPECT_GT(rms(found, exact), 1e-6) << glow;
+        EXPECT_GT(rms(unlit, exact), 2 * rms(found, exact)) << "the light";
+    }
+}
+
 TEST_F(Cards, AloneHaveTextureUnits) {
     const Volume volume = shells_of<std::uint8_t>(40);
     const Frame exact = expect_same(shaded(), volume);
@@ -90,17 +114,42 @@ TEST_F(Cards, KeepATextureAsLongAsItsVolume) {
     EXPECT_EQ(bytes_of(shells_of<std::uint16_t>(40)), first);
 }
 
-TEST_F(Cards, WithoutRoomForATextureGiveWay) {
+/// What is shown where a card that was chosen by itself, or named, has no such texture; `limit` and `lift` set what it
+/// may have.
+void expect_exact(const Device& named, const std::function<void(std::size_t bytes)>& limit,
+                  const std::function<void()>& lift, const std::string& why) {
     const Volume volume = shells_of<std::uint16_t>(60);
     Shot shot = by_texture(shaded());
     shot.device = processor();
     const Frame expected = shot(volume);
-    shot.device = choose_device(processor()).device;
-    const DeviceVolume voxels = upload(shot.device, volume);
-    cuda_emulated::card().memory_bytes = cuda_emulated::card().held_bytes + voxels.bytes() + (100 << 10);
-    const Frame found = shot(voxels);
-    cuda_emulated::card().memory_bytes = cuda_emulated::Card().memory_bytes;
-    EXPECT_EQ(difference(found, expected, 0).max, 0);
-    EXPECT_NE(shot.device.note(), "");
+    for (const Device& device : {named.beside(), choose_device(processor()).device}) {
+        shot.device = device;
+        const DeviceVolume voxels = upload(shot.device, volume);
+        limit(voxels.bytes());
+        const auto launches = cuda_emulated::card().launches;
+        EXPECT_EQ(difference(shot(voxels), expected, 0).max, 0);
+        lift();
+        EXPECT_GT(cuda_emulated::card().launches, launches);
+        EXPECT_TRUE(device.stream->given_up().empty());
+        EXPECT_NE(device.note().find(why), std::string::npos) << device.note();
+        EXPECT_NE(device.note().find("; samples are interpolated exactly, not by texture units"), std::string::npos);
+        EXPECT_GT(difference(shot(voxels), expected, 0).max, 0);
+        EXPECT_EQ(device.note(), "");
+    }
+}
+
+TEST_F(Cards, WithoutRoomForATextureInterpolateExactly) {
+    cuda_emulated::Card& emulated = cuda_emulated::card();
+    const auto limit = [&](std::size_t bytes) { emulated.memory_bytes = emulated.held_bytes + bytes + (300 << 10); };
+    const auto lift = [&] { emulated.memory_bytes = cuda_emulated::Card().memory_bytes; };
+    expect_exact(card, limit, lift, "MiB more do not fit");
+}
+
+TEST_F(Cards, WithShorterTexturesInterpolateExactly) {
+    cuda_emulated::Card& emulated = cuda_emulated::card();
+    const auto lift = [&] { emulated.texture_edge = cuda_emulated::Card().texture_edge; };
+    expect_exact(
+        card, [&](std::size_t) { emulated.texture_edge = 62; }, lift,
+        "cuda:0 (Emulated): textures have at most 62 voxels along y, and the volume has 63");
 }
 #endif

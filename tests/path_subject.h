@@ -32,7 +32,9 @@ struct Subject {
     }
     Frame frame(const Volume& volume, int samples) const {
         Frame f(width, height);
-        traced(volume, samples)->show(f);
+        Filled filled{f};
+        traced(volume, samples)->show(filled);
+        filled.bring();
         return f;
     }
 };

@@ -74,7 +74,7 @@ TEST(ReferenceVisibility, OnAnOpaqueHalfSpace) {
             Steps steps;
             const Medium medium = classify(upload(tested_device(), ground), opaque(), {});
             const CellOpacity opacity = cell_opacity(medium.data(), progress);
-            const ExtinctionCells cells(medium.data(), opacity, 1, progress);
+            const ExtinctionCells cells(medium.data(), opacity, 1, tested_device(), progress);
             const RunHarmonics found = trace_harmonics(tested_device(), cells, 1, 1, 4096, {node}, progress)[0];
             // Y_l0 about z; about x and y the bands keep their lengths, and the first points there.
             EXPECT_NEAR(found[0][0], want[0], 0.02);
@@ -103,7 +103,7 @@ TEST(ReferenceVisibility, ThroughARoundWindow) {
     Progress progress;
     const Medium medium = classify(upload(tested_device(), screen), opaque(), {});
     const CellOpacity opacity = cell_opacity(medium.data(), progress);
-    const ExtinctionCells cells(medium.data(), opacity, 1, progress);
+    const ExtinctionCells cells(medium.data(), opacity, 1, tested_device(), progress);
     const RunHarmonics found = trace_harmonics(tested_device(), cells, 1, 1, 4096, {{80, 80, 2}}, progress)[0];
     // Y_l0 over the cap: c_00 = √π (1 - cos θ), c_10 = √(3π)/2 sin² θ
     EXPECT_NEAR(found[0][0], std::sqrt(pi) * (1 - std::cos(theta)), 0.02);
@@ -172,7 +172,8 @@ TEST(ReferenceVisibility, RunsAreTheFieldsNodes) {
         const ShField field = rays(volume);
         Progress progress;
         const Medium medium = classify(upload(rays.device, volume), rays.tf, {});
-        const ExtinctionCells cells(medium.data(), cell_opacity(medium.data(), progress), subsample, progress);
+        const ExtinctionCells cells(medium.data(), cell_opacity(medium.data(), progress), subsample, rays.device,
+                                    progress);
         const auto runs = trace_harmonics(rays.device, cells, subsample, 1, 64, {{3, 2, 5}, {0, 1, 7}}, progress);
         for (int i = 0; i < 40 / subsample - 3 && i < 16; ++i)
             for (int c = 0; c < 16; ++c) ASSERT_EQ(float(runs[0][c][i]), at(field, 3 + i, 2, 5)[c]) << subsample;

@@ -30,7 +30,8 @@ struct Device {
     std::string name() const;  ///< "cpu" or "cuda:0"
     /// The same, with a stream of its own on the card, which keeps one copy of what both read.
     Device beside() const;
-    /// Why the processor took over what a card that was chosen by itself could not do; empty: it did not.
+    /// Why the processor took over what a card that was chosen by itself could not do, or what any card does without
+    /// (textures); empty: neither.
     std::string note() const;
 
     /// threads 0: all that the process may use. Throws Error{usage} for threads outside 0..1024 and Error{output}

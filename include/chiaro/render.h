@@ -70,6 +70,7 @@ Outcome raycast(const Device& device, const Medium& medium, const IlluminationFi
 
 /// Receives a frame that a better one follows, and how sure it is.
 using FramePreview = std::function<void(const Frame&, const PathStatistics&)>;
+using DeviceFramePreview = std::function<void(const DeviceFrame&, const PathStatistics&)>;
 
 /// The reference's radiance: the same L as `raycast`, E found by following light's paths (delta tracking), with
 /// `settings.scattering.bounces` further scatterings; in Mode::iso light on matte surfaces. Unbiased: more paths bring
@@ -82,6 +83,11 @@ using FramePreview = std::function<void(const Frame&, const PathStatistics&)>;
 Outcome trace_paths(const Device& device, const Medium& medium, const Lighting& lighting, const Camera& camera,
                     const RaySettings& rays, const IlluminationSettings& settings, Frame& frame, Progress& progress,
                     const FramePreview& preview = {});
+
+/// The same; what a card made stays there until it is read.
+Outcome trace_paths(const Device& device, const Medium& medium, const Lighting& lighting, const Camera& camera,
+                    const RaySettings& rays, const IlluminationSettings& settings, DeviceFrame& frame,
+                    Progress& progress, const DeviceFramePreview& preview = {});
 
 /// The mean radiance J over all directions at points.
 struct Fluence {

@@ -46,6 +46,16 @@ std::string Stream::given_up() const {
     return given_up_;
 }
 
+void Stream::do_without(const std::string& sentence) {
+    const std::lock_guard lock(mutex_);
+    done_without_ = sentence;
+}
+
+std::string Stream::note() const {
+    const std::lock_guard lock(mutex_);
+    return given_up_.empty() ? done_without_ : given_up_;
+}
+
 }  // namespace cuda
 
 std::string Device::name() const { return stream ? fmt::format("cuda:{}", stream->card().index) : "cpu"; }
@@ -56,7 +66,7 @@ Device Device::beside() const {
     return device;
 }
 
-std::string Device::note() const { return stream ? stream->given_up() : ""; }
+std::string Device::note() const { return stream ? stream->note() : ""; }
 
 Device Device::cuda(int index, const Device& host) {
     std::string why;

@@ -195,26 +195,45 @@ cudaTextureDesc lookup_of(Texel texel) {
     return lookup;
 }
 
+void check_edges(const std::array<int, 3>& size, const CardInfo& card) {
+    constexpr cudaDeviceAttr longest[] = {cudaDevAttrMaxTexture3DWidth, cudaDevAttrMaxTexture3DHeight,
+                                          cudaDevAttrMaxTexture3DDepth};
+    for (int axis = 0; axis < 3; ++axis) {
+        int most = 0;
+        check(cudaDeviceGetAttribute(&most, longest[axis], card.index), card);
+        if (size[std::size_t(axis)] > most)
+            throw NoTexture(fmt::format("{}: textures have at most {} voxels along {}, and the volume has {}",
+                                        name_of_card(card), most, "xyz"[axis], size[std::size_t(axis)]));
+    }
+}
+
 }  // namespace
 
 Texture::Texture(Stream& stream, Texel texel, std::array<int, 3> size) : card_(stream.card().index), texel_(texel) {
-    const auto [x, y, z] = size;
-    const std::size_t bytes = std::size_t(x) * std::size_t(y) * std::size_t(z) * std::size_t(bytes_of(texel));
-    const cudaChannelFormatDesc format = format_of(texel);
-    cudaArray_t array{};
     check(cudaSetDevice(card_), stream.card());
-    check(cudaMalloc3DArray(&array, &format, cudaExtent{std::size_t(x), std::size_t(y), std::size_t(z)}), stream.card(),
-          bytes);
-    array_ = array;
+    check_edges(size, stream.card());
+    try {
+        make(stream.card(), size);
+    } catch (const OutOfMemory& error) {
+        throw NoTexture(error.what());
+    }
+}
+
+void Texture::make(const CardInfo& card, std::array<int, 3> size) {
+    const auto [x, y, z] = size;
+    const std::size_t bytes = std::size_t(x) * std::size_t(y) * std::size_t(z) * std::size_t(bytes_of(texel_));
+    const cudaChannelFormatDesc format = format_of(texel_);
+    cudaArray_t array{};
+    check(cudaMalloc3DArray(&array, &format, cudaExtent{std::size_t(x), std::size_t(y), std::size_t(z)}), card, bytes);
     cudaResourceDesc resource{};
     resource.resType = cudaResourceTypeArray;
     resource.res.array.array = array;
-    const cudaTextureDesc lookup = lookup_of(texel);
+    const cudaTextureDesc lookup = lookup_of(texel_);
     cudaTextureObject_t handle{};
     const cudaError_t made = cudaCreateTextureObject(&handle, &resource, &lookup, nullptr);
     if (made != cudaSuccess) (void)cudaFreeArray(array);
-    check(made, stream.card(), bytes);
-    handle_ = handle;
+    check(made, card, bytes);
+    array_ = array, handle_ = handle;
 }
 
 Texture::~Texture() {

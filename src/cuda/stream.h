@@ -56,6 +56,9 @@ public:
     bool is_optional() const { return is_optional_; }
     void give_up(const OutOfMemory& error);  ///< throws it again where the card must do the work
     std::string given_up() const;            ///< why; empty: it has not
+    void do_without(
+        const std::string& sentence);  ///< tells what the card cannot do, while it does the rest; empty: nothing
+    std::string note() const;          ///< what a user should know of all this; empty: nothing
 
 private:
     void use() const;
@@ -66,8 +69,8 @@ private:
     void* handle_ = nullptr;
     std::byte* landing_ = nullptr;
     std::size_t landing_bytes_ = 0;
-    mutable std::mutex mutex_;  ///< of given_up_
-    std::string given_up_;
+    mutable std::mutex mutex_;  ///< of these:
+    std::string given_up_, done_without_;
 };
 
 /// Whether the device has a card that has not given up.

@@ -9,6 +9,12 @@ namespace chiaro::cuda {
 /// What is stored. Whole numbers come out as shares of the largest.
 enum class Texel { u8, u16, f32 };
 
+/// A card can have no such texture: there is no room for it, or none may be as large.
+class NoTexture : public Error {
+public:
+    explicit NoTexture(const std::string& sentence) : Error(ErrorCode::output, sentence) {}
+};
+
 /// Looked up at texel centres (½ beyond whole numbers) it gives the texels, between them what the units interpolate
 /// with weights of 8 fractional bits, beyond the outermost these.
 class Texture {
@@ -20,6 +26,7 @@ public:
         std::array<int, 3> to, size;  ///< texels
     };
 
+    /// Throws NoTexture.
     Texture(Stream& stream, Texel texel, std::array<int, 3> size);
     ~Texture();
     Texture(const Texture&) = delete;
@@ -29,6 +36,8 @@ public:
     std::uint64_t handle() const { return handle_; }
 
 private:
+    void make(const CardInfo& card, std::array<int, 3> size);
+
     const int card_;
     const Texel texel_;
     void* array_ = nullptr;     ///< a cudaArray_t

@@ -5,7 +5,9 @@
 #include <vector>
 
 #include "cuda/mirror.h"
+#include "cuda/pixels.h"
 #include "pathtrace/launch_card.h"
+#include "pathtrace/sums_kernel.h"
 
 namespace chiaro {
 
@@ -33,43 +35,52 @@ void swap_pointers(Views& views, kernel::PathKernel<Matter>& kernel) {
     swap_pointers(views, kernel.probe);
 }
 
-/// The paths of one frame.
-template <class Kernel>
-class CardTracer {
+/// A frame's sums on a card.
+class CardPaths {
 public:
-    /// `arrays`: all that the kernel points into.
-    CardTracer(const Device& device, const Kernel& kernel, HostArrays arrays, int width, int height)
-        : stream_(device.stream),
-          views_(*stream_, std::move(arrays)),
-          kernel_(kernel),
-          width_(width),
-          height_(height),
-          sums_(*stream_, std::size_t(width) * height),
-          collisions_(*stream_) {
-        swap_pointers(views_, kernel_);
-        sums_.zero();
-        stream_->wait();  // for what the arrays are made from
-    }
+    CardPaths(const Device& device, int width, int height);
+    virtual ~CardPaths() = default;
 
-    /// Adds samples [first, end) and tells the sums so far. It may be cancelled after each.
-    void add(int first, int end, const Progress& progress, std::vector<PixelSum>& sums, std::uint64_t& collisions) {
-        for (int sample = first; sample < end; ++sample) {
-            if (sample > first) stream_->wait();
-            if (progress.cancelled()) return;
-            kernel::trace_frame(*stream_, kernel_, width_, height_, sample, sums_.data(), collisions_.data());
-        }
-        const std::uint64_t counted = collisions_.sum();
-        stream_->fetch(sums.data(), sums_.data(), sums.size() * sizeof(PixelSum));
-        collisions = counted;
-    }
+    /// Adds samples until there are so many. It may be cancelled after each.
+    void add_up_to(int end, const Progress& progress);
+    void show(std::shared_ptr<cuda::Pixels>& pixels) const;
+    void measure(std::vector<kernel::PathNoise>& runs) const;
 
-private:
+    int samples() const { return samples_; }
+    std::uint64_t collisions() const { return collisions_.sum(); }
+    std::vector<PixelSum> sums() const;
+
+protected:
+    /// Begins another path for each pixel.
+    virtual void trace(int sample) = 0;
+
     const std::shared_ptr<cuda::Stream> stream_;
-    cuda::Views views_;
-    Kernel kernel_;
     const int width_, height_;
     cuda::Array<PixelSum> sums_;
     cuda::Counters collisions_;
+
+private:
+    cuda::Array<kernel::PathNoise> noise_;
+    int samples_ = 0;
+};
+
+template <class Kernel>
+class CardTracer : public CardPaths {
+public:
+    /// `arrays`: all that the kernel points into.
+    CardTracer(const Device& device, const Kernel& kernel, HostArrays arrays, int width, int height)
+        : CardPaths(device, width, height), views_(*stream_, std::move(arrays)), kernel_(kernel) {
+        swap_pointers(views_, kernel_);
+        stream_->wait();  // for what the arrays are made from
+    }
+
+private:
+    void trace(int sample) override {
+        kernel::trace_frame(*stream_, kernel_, width_, height_, sample, sums_.data(), collisions_.data());
+    }
+
+    cuda::Views views_;
+    Kernel kernel_;
 };
 
 }  // namespace chiaro

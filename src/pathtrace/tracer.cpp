@@ -10,7 +10,6 @@
 #include "classify/albedo.h"
 #include "core/threads.h"
 #include "illumination/probe/data.h"
-#include "pathtrace/card.h"
 #include "pathtrace/launch.h"
 #include "raycast/views.h"
 #include "volume/float3.h"
@@ -93,12 +92,12 @@ PathTracer::PathTracer(const Device& device, const Medium& medium, const Lightin
       majorants_(options.plain ? one_majorant(medium.data()) : make_majorants(medium.data(), device.threads)),
       width_(width),
       height_(height),
-      points_(std::move(points)),
-      sums_(std::size_t(width) * height) {
+      points_(std::move(points)) {
     make_colours(options);
     trace_tile_ = with_stored_voxel(medium.data().volume.data(), [&](auto voxel) {
         return tracer_through<decltype(voxel)>(camera, lighting, settings, options);
     });
+    if (!card_) sums_.resize(std::size_t(width) * height);
 }
 
 /// One scattering shows the colour as it is. With more it is the albedo: light may come by any number of times, so it
@@ -180,23 +179,30 @@ PathTracer::TraceTile PathTracer::tracer_of(const Matter& matter, const Camera& 
         .pixel_key = std::int32_t(words),
         .sample_key = std::int32_t(words >> 32),
         .width = width_};
-    cuda::done_on_card(device_, [&] { trace_on_card_ = card_tracer_of(kernel); });
+    cuda::done_on_card(device_, [&] { card_ = card_tracer_of(kernel); });
     return [kernel, trace = kernel::trace_tile_for<kernel::PathKernel<Matter>>(device_.isa)](
                const kernel::PathTask& task) { return trace(kernel, task); };
 }
 
 template <class Kernel>
-PathTracer::TraceOnCard PathTracer::card_tracer_of(const Kernel& kernel) {
+std::unique_ptr<CardPaths> PathTracer::card_tracer_of(const Kernel& kernel) const {
     HostArrays arrays;
     medium_.data().add_to(arrays);
     light_.add_to(arrays);
     const std::vector<float>* const own[] = {&majorants_.cells, &majorants_.runs, &extinction_, &red_, &green_, &blue_,
                                              &points_.x,        &points_.y,       &points_.z};
     for (const auto* numbers : own) arrays.add(*numbers);
-    const auto tracer = std::make_shared<CardTracer<Kernel>>(device_, kernel, arrays, width_, height_);
-    return [this, tracer](int first, int end, const Progress& progress) {
-        tracer->add(first, end, progress, sums_, collisions_);
-    };
+    return std::make_unique<CardTracer<Kernel>>(device_, kernel, arrays, width_, height_);
+}
+
+/// False where the processor must: where the card gives way, it goes on from the sums that the card has.
+template <class Work>
+bool PathTracer::done_there(const Work& work) {
+    if (!card_) return false;
+    if (cuda::done_on_card(device_, work)) return true;
+    sums_ = card_->sums(), collisions_ = card_->collisions(), samples_ = card_->samples();
+    card_.reset();
+    return false;
 }
 
 std::int64_t PathTracer::trace(const kernel::Tile& tile, int first, int end, const Progress& progress) {
@@ -211,43 +217,49 @@ std::int64_t PathTracer::trace(const kernel::Tile& tile, int first, int end, con
     return collisions;
 }
 
-/// Where a card gives way, the processor goes on from the sums that have come back.
 bool PathTracer::add(int samples, const Progress& progress) {
-    const auto on_card = [&] { trace_on_card_(samples_, samples_ + samples, progress); };
-    if (!trace_on_card_ || !cuda::done_on_card(device_, on_card)) add_here(samples, progress);
-    samples_ += samples;
+    const int end = samples_ + samples;
+    if (!done_there([&] { card_->add_up_to(end, progress); })) add_here(end, progress);
+    samples_ = end;
     return !progress.cancelled();
 }
 
-void PathTracer::add_here(int samples, const Progress& progress) {
+void PathTracer::add_here(int end, const Progress& progress) {
     const int columns = (width_ + tile_edge - 1) / tile_edge, rows = (height_ + tile_edge - 1) / tile_edge;
     std::atomic<std::int64_t> collisions{0};
     parallel_for(device_.threads, std::int64_t(columns) * rows, 1, [&](std::int64_t t, std::int64_t) {
         const int x = int(t % columns) * tile_edge, y = int(t / columns) * tile_edge;
-        collisions += trace({x, y, std::min(x + tile_edge, width_), std::min(y + tile_edge, height_)}, samples_,
-                            samples_ + samples, progress);
+        collisions +=
+            trace({x, y, std::min(x + tile_edge, width_), std::min(y + tile_edge, height_)}, samples_, end, progress);
     });
     collisions_ += std::uint64_t(collisions);
 }
 
-void PathTracer::show(Frame& frame) const {
-    const double share = 1.0 / std::max(samples_, 1);
-    float* pixel = frame.rgba.data();
-    for (const PixelSum& sum : sums_)
-        for (double channel : {sum.r, sum.g, sum.b, sum.a}) *pixel++ = float(share * channel);
+void PathTracer::show(Filled& filled) {
+    if (done_there([&] { card_->show(filled.pixels); })) return;
+    filled.pixels.reset();
+    const kernel::MeanKernel mean{sums_.data(), reinterpret_cast<kernel::Rgba*>(filled.frame.rgba.data()),
+                                  1.0 / std::max(samples_, 1)};
+    for (std::int64_t i = 0; i < std::int64_t(sums_.size()); ++i) mean(i);
 }
 
-PathStatistics PathTracer::statistics() const {
-    const double n = samples_;
-    double errors = 0, light = 0;
-    for (const PixelSum& sum : sums_) {
-        const double square = (sum.r * sum.r + sum.g * sum.g + sum.b * sum.b) / (3 * n * n);
-        light += square;
-        if (n > 1) errors += std::max(sum.squares / n - square, 0.0) / (n - 1);
+const std::vector<PixelSum>& PathTracer::sums() {
+    if (card_) sums_ = card_->sums();
+    return sums_;
+}
+
+PathStatistics PathTracer::statistics() {
+    const double pixels = double(width_) * height_;
+    std::vector<kernel::PathNoise> runs;
+    if (!done_there([&] { card_->measure(runs); })) {
+        runs.resize(std::size_t(kernel::NoiseKernel::runs(std::int64_t(pixels))));
+        const kernel::NoiseKernel measure{sums_.data(), runs.data(), std::int64_t(pixels), double(samples_)};
+        for (std::int64_t i = 0; i < std::int64_t(runs.size()); ++i) measure(i);
     }
-    const double pixels = double(sums_.size());
-    return {samples_, std::sqrt(errors / pixels),
-            light > 0 ? std::sqrt(errors / light) : std::numeric_limits<double>::infinity()};
+    kernel::PathNoise all;
+    for (const auto& run : runs) all.errors += run.errors, all.light += run.light;
+    return {samples_, std::sqrt(all.errors / pixels),
+            all.light > 0 ? std::sqrt(all.errors / all.light) : std::numeric_limits<double>::infinity()};
 }
 
 }  // namespace chiaro

@@ -3,14 +3,15 @@
 #include <chiaro/render.h>
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "classify/medium.h"
-#include "pathtrace/kernel.h"
+#include "pathtrace/card.h"
 #include "pathtrace/light_table.h"
 #include "pathtrace/majorants.h"
-#include "pathtrace/pixel_sum.h"
+#include "raycast/filled.h"
 
 namespace chiaro {
 
@@ -41,14 +42,13 @@ public:
     /// Adds so many paths to every pixel; false when cancelled, and then the sums are of no use.
     bool add(int samples, const Progress& progress);
 
-    void show(Frame& frame) const;  ///< the mean; of the frame's size
-    PathStatistics statistics() const;
-    std::uint64_t collisions() const { return collisions_; }  ///< tentative ones too
-    const std::vector<PixelSum>& sums() const { return sums_; }
+    void show(Filled& filled);  ///< the mean, on the card that has made it; of the frame's size
+    PathStatistics statistics();
+    std::uint64_t collisions() const { return card_ ? card_->collisions() : collisions_; }  ///< tentative ones too
+    const std::vector<PixelSum>& sums();
 
 private:
     using TraceTile = std::function<std::int64_t(const kernel::PathTask&)>;
-    using TraceOnCard = std::function<void(int first, int end, const Progress&)>;
     template <class Matter>
     TraceTile tracer_of(const Matter& matter, const Camera& camera, const RaySettings& settings,
                         const PathOptions& options);
@@ -56,9 +56,11 @@ private:
     TraceTile tracer_through(const Camera& camera, const Lighting& lighting, const RaySettings& settings,
                              const PathOptions& options);
     template <class Kernel>
-    TraceOnCard card_tracer_of(const Kernel& kernel);
+    std::unique_ptr<CardPaths> card_tracer_of(const Kernel& kernel) const;
+    template <class Work>
+    bool done_there(const Work& work);
     void make_colours(const PathOptions& options);
-    void add_here(int samples, const Progress& progress);
+    void add_here(int end, const Progress& progress);
     std::int64_t trace(const kernel::Tile& tile, int first, int end, const Progress& progress);
 
     const Device device_;
@@ -70,8 +72,8 @@ private:
     const int width_, height_;
     const PathPoints points_;
     TraceTile trace_tile_;
-    TraceOnCard trace_on_card_;  ///< none: the processor does it
     int samples_ = 0;
+    std::unique_ptr<CardPaths> card_;  ///< it has the sums; none: they are here
     std::uint64_t collisions_ = 0;
     std::vector<PixelSum> sums_;
 };

@@ -33,28 +33,29 @@ kernel::BackgroundKernel background(const Probe& probe, const Lighting& lighting
             .linear = color == ColorMode::linear};
 }
 
+void put_there(cuda::Pixels& pixels, const Probe& probe, kernel::BackgroundKernel kernel, const Frame& frame) {
+    kernel.pixels = pixels.data();
+    HostArrays arrays;
+    arrays.add(probe.data().weak_from_this(), probe.data().picture.rgb);
+    cuda::Views(pixels.stream(), std::move(arrays)).swap(kernel.picture.rgb);
+    kernel::put_background(pixels.stream(), kernel, frame.width, frame.height);
+}
+
 }  // namespace
 
 bool put_probe_behind(const Device& device, const Lighting& lighting, const Camera& camera, ColorMode color,
-                      Frame& frame, Progress& progress) {
+                      Filled& filled, Progress& progress) {
+    Frame& frame = filled.frame;
     const Probe probe = lighting_probe(lighting);
     auto kernel = background(probe, lighting, camera, color, frame.width, frame.height);
+    const auto on_card = [&] { put_there(*filled.pixels, probe, kernel, frame); };
+    if (filled.pixels && cuda::done_on_card(device, on_card)) return !progress.cancelled();
+    filled.bring();
     kernel.pixels = reinterpret_cast<kernel::Rgba*>(frame.rgba.data());
     const auto fill_row = [&](std::int64_t y, std::int64_t) {
         for (int x = 0; x < frame.width; ++x) kernel(x, int(y));
     };
     return parallel_for(device.threads, frame.height, 1, "background", progress, fill_row);
-}
-
-void put_probe_behind(cuda::Pixels& pixels, const Lighting& lighting, const Camera& camera, ColorMode color, int width,
-                      int height) {
-    const Probe probe = lighting_probe(lighting);
-    auto kernel = background(probe, lighting, camera, color, width, height);
-    kernel.pixels = pixels.data();
-    HostArrays arrays;
-    arrays.add(probe.data().weak_from_this(), probe.data().picture.rgb);
-    cuda::Views(pixels.stream(), std::move(arrays)).swap(kernel.picture.rgb);
-    kernel::put_background(pixels.stream(), kernel, width, height);
 }
 
 }  // namespace chiaro

@@ -42,28 +42,6 @@ Outcome cast(const Device& device, const Kernel& kernel, const BoundingGeometry*
     return {complete, std::uint64_t(samples)};
 }
 
-/// Of what fills either a frame or, where a card does, `pixels` there.
-struct Filled {
-    Frame& frame;
-    std::shared_ptr<cuda::Pixels> pixels;
-
-    /// To the host, where the card has them.
-    void bring() {
-        if (pixels) pixels->bring_to(frame.rgba.data());
-        pixels.reset();
-    }
-};
-
-/// Where the pixels are.
-bool put_probe_behind(const Device& device, const Lighting& lighting, const Camera& camera, ColorMode color,
-                      Filled& filled, Progress& progress) {
-    Frame& frame = filled.frame;
-    const auto on_card = [&] { put_probe_behind(*filled.pixels, lighting, camera, color, frame.width, frame.height); };
-    if (filled.pixels && cuda::done_on_card(device, on_card)) return !progress.cancelled();
-    filled.bring();
-    return put_probe_behind(device, lighting, camera, color, frame, progress);
-}
-
 /// Whether light shines where nothing is.
 template <class View>
 bool glows(const View& view) {
@@ -89,19 +67,23 @@ struct Caster {
         if constexpr (View::adds_opacity) view.step_edges = float(settings.step_voxels);
         const DeviceVolume::Data& volume = medium.volume.data();
         Outcome outcome;
-        const auto by_texture = [&] {
-            auto kernel = kernel_of(kernel::Texel(), view);
-            make_texture(volume, *device.stream, kernel.matter.volume);
-            return kernel;
-        };
-        if (settings.interpolation == Interpolation::texture && cast_there(by_texture, outcome)) return outcome;
+        if (settings.interpolation == Interpolation::texture && cast_by_texture(view, outcome)) return outcome;
         return with_stored_voxel(volume, [&](auto voxel) {
             const auto kernel = kernel_of(voxel, view);
-            return cast_there([&] { return kernel; }, outcome) ? outcome : cast_here(kernel);
+            return cast_there(kernel, outcome) ? outcome : cast_here(kernel);
         });
     }
 
 private:
+    /// False where the device has no card that does it; nor is there one where the card cannot have the texture.
+    template <class View>
+    bool cast_by_texture(const View& view, Outcome& outcome) const {
+        auto kernel = kernel_of(kernel::Texel(), view);
+        bool found = false;
+        const auto find = [&] { found = find_texture(medium.volume.data(), *device.stream, kernel.matter.volume); };
+        return cuda::done_on_card(device, find) && found && cast_there(kernel, outcome);
+    }
+
     template <class Voxel, class View>
     auto kernel_of(Voxel, const View& view) const {
         auto kernel =
@@ -112,13 +94,13 @@ private:
         return kernel;
     }
 
-    /// False where the device has no card that does it. make(): the kernel.
-    template <class Make>
-    bool cast_there(const Make& make, Outcome& outcome) const {
+    /// False where the device has no card that does it.
+    template <class Kernel>
+    bool cast_there(const Kernel& kernel, Outcome& outcome) const {
         return cuda::done_on_card(device, [&] {
             const auto [width, height] = std::pair(filled.frame.width, filled.frame.height);
             const auto pixels = std::make_shared<cuda::Pixels>(device.stream, std::size_t(width) * height);
-            outcome = cast_on_card(make(), arrays, width, height, *pixels, progress);
+            outcome = cast_on_card(kernel, arrays, width, height, *pixels, progress);
             if (outcome.complete) filled.pixels = pixels;
         });
     }
@@ -153,7 +135,7 @@ Outcome fill(const Device& device, const Medium& medium, const IlluminationField
 
 Outcome raycast(const Device& device, const Medium& medium, const IlluminationField& field, const Lighting& lighting,
                 const Camera& camera, const RaySettings& settings, Frame& frame, Progress& progress) {
-    Filled filled{frame, nullptr};
+    Filled filled{frame};
     const Outcome outcome = fill(device, medium, field, lighting, camera, settings, filled, progress);
     filled.bring();
     return outcome;
@@ -161,7 +143,7 @@ Outcome raycast(const Device& device, const Medium& medium, const IlluminationFi
 
 Outcome raycast(const Device& device, const Medium& medium, const IlluminationField& field, const Lighting& lighting,
                 const Camera& camera, const RaySettings& settings, DeviceFrame& frame, Progress& progress) {
-    Filled filled{frame.write(), nullptr};
+    Filled filled{frame.write()};
     const Outcome outcome = fill(device, medium, field, lighting, camera, settings, filled, progress);
     frame.keep_on_card(std::move(filled.pixels));
     return outcome;

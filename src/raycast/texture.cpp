@@ -27,7 +27,7 @@ void fill(cuda::Texture& texture, const DeviceVolume::Data& volume, const std::b
 
 }  // namespace
 
-void make_texture(const DeviceVolume::Data& volume, cuda::Stream& stream, kernel::VolumeView<kernel::Texel>& view) {
+bool find_texture(const DeviceVolume::Data& volume, cuda::Stream& stream, kernel::VolumeView<kernel::Texel>& view) {
     HostArrays arrays;
     volume.add_to(arrays);
     const std::byte* bricks = volume.bricks.data();
@@ -42,7 +42,14 @@ void make_texture(const DeviceVolume::Data& volume, cuda::Stream& stream, kernel
             return texture;
         });
     };
-    view.texture = stream.mirror()->texture(HostArray::of(volume.weak_from_this(), volume.bricks), stream, make);
+    std::string without;
+    try {
+        view.texture = stream.mirror()->texture(HostArray::of(volume.weak_from_this(), volume.bricks), stream, make);
+    } catch (const cuda::NoTexture& why) {
+        without = std::string(why.what()) + "; samples are interpolated exactly, not by texture units";
+    }
+    stream.do_without(without);
+    return without.empty();
 }
 
 }  // namespace chiaro

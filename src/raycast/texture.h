@@ -6,9 +6,9 @@
 
 namespace chiaro {
 
-/// Made of the bricks when first asked for, and kept there as long as the volume is. Cost: the voxels once more in the
-/// card's memory.
-void make_texture(const DeviceVolume::Data& volume, cuda::Stream& stream, kernel::VolumeView<kernel::Texel>& view);
+/// Made of the bricks when first asked for, and kept there as long as the volume is; false where the card cannot have
+/// it, and the stream then tells so. Cost: the voxels once more in the card's memory.
+bool find_texture(const DeviceVolume::Data& volume, cuda::Stream& stream, kernel::VolumeView<kernel::Texel>& view);
 
 /// Without a texture.
 template <>

@@ -33,7 +33,7 @@ Image render_image(const Device& device, const Scene& scene, Progress& progress)
     // What the camera sees of it.
     DeviceFrame frame(scene.width, scene.height);
     if (is_path_traced(scene.illumination))
-        trace_paths(device, medium, lighting, camera, scene.sampling, scene.illumination, frame.write(), progress);
+        trace_paths(device, medium, lighting, camera, scene.sampling, scene.illumination, frame, progress);
     else
         raycast(device, medium, field, lighting, camera, scene.sampling, frame, progress);
     progress.check();

@@ -195,13 +195,13 @@ const Image& Session::render(const Scene& scene, Progress& progress, const Previ
            [&](Cast& cast) {
                DeviceFrame& frame = cast.frame;
                frame.resize(scene.width, scene.height);
-               const auto keep = [&](const Frame& better, const PathStatistics& paths) {
+               const auto keep = [&](const DeviceFrame& better, const PathStatistics& paths) {
                    cast.outcome.paths = paths;
                    preview(develop(better, scene.output));
                };
                cast.outcome = is_path_traced(scene.illumination)
                                   ? trace_paths(s.device, medium, lighting, camera, scene.sampling, scene.illumination,
-                                                frame.write(), progress, preview ? keep : FramePreview())
+                                                frame, progress, preview ? keep : DeviceFramePreview())
                                   : raycast(s.device, medium, s.illuminate.result, lighting, camera, scene.sampling,
                                             frame, progress);
                progress.check();
@@ -226,7 +226,7 @@ const Image& Session::draft(const Scene& scene, Progress& progress) {
         settings.reference.rays = 1;
         s.drafted.outcome =
             is_path_traced(settings)
-                ? trace_paths(s.device, medium, lighting, camera, scene.sampling, settings, frame.write(), progress)
+                ? trace_paths(s.device, medium, lighting, camera, scene.sampling, settings, frame, progress)
                 : raycast(s.device, medium, s.illuminate.result, lighting, camera, scene.sampling, frame, progress);
         progress.check();
     });

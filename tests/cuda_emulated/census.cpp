@@ -113,7 +113,7 @@ TEST_F(Cards, AreKeptBusyByTransport) {
         solver.emplace(card, matter, Lighting(), TransportSettings{.grid = 24}, ScatteringSettings(), Vec3{0, 0, 1},
                        progress);
     });
-    expect_within(first, {29, 17000, 3, 68, 510000}, "first");
+    expect_within(first, {30, 17000, 3, 63, 139000}, "first");
     expect_within(census_of([&] { solver->iterate(progress); }), {28, 9000, 1, 25, 18000}, "iteration");
 }
 

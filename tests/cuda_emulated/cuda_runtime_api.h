@@ -32,6 +32,11 @@ enum cudaError_t {
 };
 enum cudaMemcpyKind { cudaMemcpyHostToDevice = 1, cudaMemcpyDeviceToHost = 2, cudaMemcpyDeviceToDevice = 3 };
 enum cudaMemPoolAttr { cudaMemPoolAttrReleaseThreshold = 4 };
+enum cudaDeviceAttr {
+    cudaDevAttrMaxTexture3DWidth = 24,
+    cudaDevAttrMaxTexture3DHeight = 25,
+    cudaDevAttrMaxTexture3DDepth = 26
+};
 constexpr unsigned cudaStreamNonBlocking = 1;
 struct cudaDeviceProp {
     char name[256];
@@ -51,6 +56,7 @@ cudaError_t cudaDriverGetVersion(int* version);
 cudaError_t cudaRuntimeGetVersion(int* version);
 cudaError_t cudaGetDeviceCount(int* count);
 cudaError_t cudaGetDeviceProperties(cudaDeviceProp* properties, int card);
+cudaError_t cudaDeviceGetAttribute(int* value, cudaDeviceAttr attribute, int card);
 cudaError_t cudaSetDevice(int card);
 cudaError_t cudaMemGetInfo(std::size_t* free, std::size_t* all);
 cudaError_t cudaDeviceGetDefaultMemPool(cudaMemPool_t* pool, int card);
@@ -155,6 +161,7 @@ struct Card : Census {
     int count = 1;
     std::size_t memory_bytes = std::size_t(4) << 30;
     int driver_version = 13000;
+    int texture_edge = 16384;               ///< the longest of textures in three dimensions
     cudaError_t next_wait = cudaSuccess;    ///< told by the next cudaStreamSynchronize: what a kernel did wrong
     cudaError_t next_launch = cudaSuccess;  ///< told by the next launch: what it had no room for
     cudaError_t host_memory = cudaSuccess;  ///< told by cudaMallocHost

@@ -39,7 +39,12 @@ struct Place {
 
 }  // namespace
 
+cudaError_t cudaDeviceGetAttribute(int* value, cudaDeviceAttr, int) {
+    return *value = cuda_emulated::card().texture_edge, cudaSuccess;
+}
 cudaError_t cudaMalloc3DArray(cudaArray_t* array, const cudaChannelFormatDesc* format, cudaExtent extent, unsigned) {
+    const auto longest = std::size_t(cuda_emulated::card().texture_edge);
+    if (std::max({extent.width, extent.height, extent.depth}) > longest) return cudaErrorInvalidValue;
     void* memory = nullptr;
     const std::size_t texels = extent.width * extent.height * extent.depth;
     const cudaError_t error = cudaMallocAsync(&memory, texels * std::size_t(format->x) / 8, nullptr);

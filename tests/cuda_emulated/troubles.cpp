@@ -4,6 +4,7 @@
 #include "bench.h"
 #include "cuda_case.h"
 #include "illumination/histogram/histograms.h"
+#include "illumination/transport/matter.h"
 #include "illumination/transport/solver.h"
 
 using namespace chiaro;
@@ -185,6 +186,32 @@ TEST_F(TroubledCards, GiveWayBeforeAnIterationAndWithinOne) {
     EXPECT_EQ(gave_way, 4);
 }
 
+TEST_F(TroubledCards, GiveWayBeforeOtherLightToStartFrom) {
+    const Volume volume = shells_of<std::uint8_t>(56);
+    const Medium medium = classify(upload(processor(), volume), walls(), {});
+    Progress progress;
+    TransportSolver finer(processor(), medium.data(), {}, {.grid = 60}, {}, {0, 0, 1}, progress);
+    finer.iterate(progress);
+    const TransportNodes warm = finer.nodes();
+    const auto started = [&](const Device& device, std::size_t room) {
+        cuda_emulated::card().memory_bytes = cuda_emulated::card().held_bytes + room;
+        const SharedMatter matter = matter_of(processor(), medium.data(), 10, {}, progress);
+        TransportSolver solver(device, matter, {}, {.grid = 10}, {}, {0, 0, 1}, progress, &warm);
+        cuda_emulated::card().memory_bytes = std::size_t(4) << 30;
+        solver.iterate(progress);
+        return solver.nodes();
+    };
+    const std::size_t all = std::size_t(1) << 30;
+    const TransportNodes expected = started(processor(), all);
+    for (const std::size_t room : {all, std::size_t(3) << 19}) {
+        const Device device = choose_device(processor()).device;
+        const TransportNodes found = started(device, room);
+        EXPECT_EQ(found.light, expected.light) << room;
+        EXPECT_EQ(found.moment, expected.moment) << room;
+        EXPECT_EQ(device.note().empty(), room == all);
+    }
+}
+
 TEST_F(TroubledCards, GiveWayWithFramesAndPathsHalfDone) {
     const Volume volume = shells_of<std::uint8_t>(32);
     const Medium medium = classify(upload(processor(), volume), two_materials(), {});
@@ -208,10 +235,15 @@ TEST_F(TroubledCards, GiveWayWithFramesAndPathsHalfDone) {
         return frame.rgba;
     };
     const auto without_room = [&](auto&& picture) {
-        const Device device = choose_device(processor()).device;
-        const auto found = picture(device, [] { cuda_emulated::card().next_launch = cudaErrorMemoryAllocation; });
-        EXPECT_NE(device.note(), "");
-        EXPECT_EQ(found, picture(processor(), [] {}));
+        const auto no_launch = [] { cuda_emulated::card().next_launch = cudaErrorMemoryAllocation; };
+        const auto no_memory = [] { cuda_emulated::card().memory_bytes = cuda_emulated::card().held_bytes; };
+        for (const std::function<void()>& then : {std::function<void()>(no_launch), {no_memory}}) {
+            const Device device = choose_device(processor()).device;
+            const auto found = picture(device, then);
+            cuda_emulated::card().memory_bytes = std::size_t(4) << 30;
+            EXPECT_NE(device.note(), "");
+            EXPECT_EQ(found, picture(processor(), [] {}));
+        }
     };
     without_room(seen_by);
     without_room(traced_by);

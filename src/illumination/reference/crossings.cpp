@@ -45,7 +45,7 @@ kernel::CellRays Crossings::along(Vec3 direction, int x, double start_half_edges
         return kernel::CellRays::Axis{beyond_[a].data(), direction[a] >= 0, cells_.low(a), cells_.high(a),
                                       count[a] - 1};
     };
-    return {cells_.data(), cells_.row(), cells_.slice(), list_.data(), axis(0), axis(1), axis(2)};
+    return {cells_.address(), cells_.row(), cells_.slice(), list_.data(), axis(0), axis(1), axis(2)};
 }
 
 }  // namespace chiaro

@@ -4,8 +4,9 @@
 
 #include <mutex>
 
-#include "classify/clip.h"
 #include "core/threads.h"
+#include "cuda/run.h"
+#include "illumination/cells/card.h"
 #include "volume/device_view.h"
 
 namespace chiaro {
@@ -15,33 +16,33 @@ constexpr double most_opaque = 1 - 1e-7;  ///< κ = -ln(1 - α) stays finite
 
 double extinction_of(double opacity) { return -std::log1p(-std::min(opacity, most_opaque)); }
 
-/// κ of one cell, from the volume or, of isosurfaces, from how much of the cell lies inside.
+/// By opacity of cells of isosurfaces.
+std::vector<float> by_opacity() {
+    std::vector<float> entries;
+    for (int opacity = 0; opacity <= int(cell_one); ++opacity)
+        entries.push_back(float(extinction_of(opacity / double(cell_one))));
+    return entries;
+}
+
 template <class Voxel>
-class CellExtinction {
-public:
-    CellExtinction(const Medium::Data& medium, const CellOpacity& opacity)
-        : view_(view_of<Voxel>(medium.volume.data())),
-          kept_(half_spaces(medium.shape.clip, medium.volume.data().geometry, medium.volume.data().dimensions)),
-          table_(extinction_table(medium, opacity.values.grid)),
-          opacity_(opacity.values),
-          is_iso_(medium.shape.mode == Mode::iso) {}
+kernel::CellExtinction<Voxel> extinction_in(const Medium::Data& medium, const CellOpacity& opacity,
+                                            const ExtinctionTable& table) {
+    const auto [nx, ny, nz] = opacity.values.grid.count;
+    return {.volume = view_of<Voxel>(medium.volume.data()),
+            .cells = cell_centres(medium, opacity.values.grid),
+            .opacity = medium.shape.mode == Mode::iso ? opacity.values.address() : nullptr,
+            .entries = table.per_edge.data(),
+            .scale = table.index_scale,
+            .offset = table.index_offset,
+            .last = float(table.per_edge.size() - 1),
+            .count = {nx, ny, nz}};
+}
 
-    float operator()(int x, int y, int z) const {
-        if (is_iso_) return float(extinction_of(opacity_.data()[opacity_.grid.index(x, y, z)] / double(cell_one)));
-        const Vec3 p = opacity_.grid.voxel_of(x, y, z);
-        for (const HalfSpace& half : kept_)
-            if (dot(half.normal, p) > half.d) return 0;
-        const auto at = view_.clamp(kernel::Vec3<float>(float(p.x), float(p.y), float(p.z)));
-        return table_(view_.value(view_.locate(at, view_.voxel(at))));
-    }
-
-private:
-    const kernel::VolumeView<Voxel> view_;
-    const std::vector<HalfSpace> kept_;
-    const ExtinctionTable table_;
-    const CellValues& opacity_;
-    const bool is_iso_;
-};
+void swap_pointers(cuda::Views& views, kernel::NodeExtinction& extinction) { views.swap(extinction.density); }
+template <class Voxel>
+void swap_pointers(cuda::Views& views, kernel::CellExtinction<Voxel>& extinction) {
+    views.swap(extinction.volume.voxels, extinction.opacity, extinction.entries);
+}
 
 ExtinctionTable inside_surfaces(const Medium::Data& medium) {
     constexpr int steps = 65536;  // all stored values of 16 bits, and as fine as single precision needs
@@ -64,63 +65,112 @@ ExtinctionTable extinction_table(const Medium::Data& medium, const CellGrid& gri
     return {extinction_per_edge(medium, grid), float(medium.table.index_scale), float(medium.table.index_offset)};
 }
 
-ExtinctionCells::ExtinctionCells(const CellGrid& grid, int stride) : stride_(stride) {
+ExtinctionCells::ExtinctionCells(const CellGrid& grid, int stride) {
     for (int axis = 0; axis < 3; ++axis) count_[axis] = (grid.count[axis] + stride - 1) / stride * stride;
-    phase_ = count_[0] / stride + gap;
-    const double row = double(phase_) * stride, all = row * count_[1] * count_[2] + 2 * gap;
+    const int phase = count_[0] / stride + gap;
+    const double row = double(phase) * stride, all = row * count_[1] * count_[2] + 2 * gap;
     if (all > 2147483647.0)
         throw Error(ErrorCode::output,
                     "rays through the volume would need more than 2147483647 cells: resample the volume, or choose "
                     "another lighting method");
-    row_ = int(row), slice_ = row_ * count_[1];
-    buffer_ = VoxelBuffer(std::size_t(all) * sizeof(float));
+    layout_ = {stride, phase, int(row), int(row) * count_[1]};
+    buffer_ = TwinBuffer(std::size_t(all) * sizeof(float));
 }
 
-ExtinctionCells::ExtinctionCells(const Medium::Data& medium, const CellOpacity& opacity, int stride, Progress& progress)
+ExtinctionCells::ExtinctionCells(const Medium::Data& medium, const CellOpacity& opacity, int stride,
+                                 const Device& device, Progress& progress)
     : ExtinctionCells(opacity.values.grid, stride) {
+    const bool is_iso = medium.shape.mode == Mode::iso;
+    const ExtinctionTable table =
+        is_iso ? ExtinctionTable{by_opacity()} : extinction_table(medium, opacity.values.grid);
+    HostArrays arrays;
+    medium.volume.data().add_to(arrays), arrays.add(table.per_edge);
+    if (is_iso) arrays.add(opacity.values.buffer.array());
     with_stored_voxel(medium.volume.data(), [&](auto voxel) {
-        fill(opacity.values.grid, opacity.matter, medium.volume.data().device.threads,
-             CellExtinction<decltype(voxel)>(medium, opacity), progress);
+        fill(opacity.values.grid, opacity.matter, extinction_in<decltype(voxel)>(medium, opacity, table), arrays,
+             device, progress);
     });
 }
 
 ExtinctionCells::ExtinctionCells(const Density& density, int stride, const Device& device, Progress& progress)
     : ExtinctionCells(density.grid, stride) {
-    const auto extinction = [&](int x, int y, int z) { return density.data()[density.grid.index(x, y, z)]; };
-    fill(density.grid, BlockMap(density.grid.count, true), device.threads, extinction, progress);
+    const auto [nx, ny, nz] = density.grid.count;
+    HostArrays arrays;
+    arrays.add(density.buffer.array());
+    const auto* numbers = reinterpret_cast<const float*>(density.buffer.address());
+    fill(density.grid, BlockMap(density.grid.count, true), kernel::NodeExtinction{numbers, {nx, ny, nz}}, arrays,
+         device, progress);
+}
+
+void ExtinctionCells::Range::add(int x, int y, int z, kernel::RowSpan span) {
+    if (span.end) add({{x + span.first, y, z}, {x + span.end - 1, y, z}});
+}
+void ExtinctionCells::Range::add(const Range& other) {
+    if (other.high[0] < 0) return;
+    for (int axis = 0; axis < 3; ++axis) {
+        low[axis] = high[axis] < 0 ? other.low[axis] : std::min(low[axis], other.low[axis]);
+        high[axis] = std::max(high[axis], other.high[axis]);
+    }
 }
 
 template <class Extinction>
-void ExtinctionCells::fill(const CellGrid& grid, const BlockMap& matter, int threads, const Extinction& extinction,
-                           Progress& progress) {
-    float* cells = reinterpret_cast<float*>(buffer_.data()) + gap;
-    std::array<int, 3> low = count_, high{-1, -1, -1};
+void ExtinctionCells::fill(const CellGrid& grid, const BlockMap& blocks, const Extinction& extinction,
+                           const HostArrays& arrays, const Device& device, Progress& progress) {
+    const auto [nx, ny, nz] = grid.count;
+    const kernel::ExtinctionRow<Extinction> row{extinction, layout_, {nx, ny, nz}, nullptr};
+    if (cuda::done_on_card(device, [&] { fill_there(row, blocks, arrays, device, progress); })) return;
+    arrays.fetch();
+    fill_here(row, grid, blocks, device, progress);
+}
+
+template <class Extinction>
+void ExtinctionCells::fill_here(const kernel::ExtinctionRow<Extinction>& unplaced, const CellGrid& grid,
+                                const BlockMap& blocks, const Device& device, Progress& progress) {
+    auto row = unplaced;
+    row.out = reinterpret_cast<float*>(buffer_.data()) + gap;
+    Range held;
     std::mutex merging;
-    const auto blocks = matter.held();
+    const auto order = blocks.held();
     const auto work = [&](std::int64_t b, std::int64_t) {
-        std::array<int, 3> least = count_, most{-1, -1, -1};
-        const auto [x, y, z] = matter.cells(blocks[b], grid.count);
+        Range its;
+        const auto [x, y, z] = blocks.cells(order[b], grid.count);
         for (int k = z.first; k < z.second; ++k)
-            for (int j = y.first; j < y.second; ++j)
-                for (int i = x.first; i < x.second; ++i) {
-                    const float kappa = extinction(i, j, k);
-                    cells[std::int64_t(k) * slice_ + std::int64_t(j) * row_ + place(i)] = kappa;
-                    if (!(kappa > 0)) continue;
-                    const std::array at{i, j, k};
-                    for (int axis = 0; axis < 3; ++axis) {
-                        least[axis] = std::min(least[axis], at[axis]);
-                        most[axis] = std::max(most[axis], at[axis]);
-                    }
-                }
+            for (int j = y.first; j < y.second; ++j) its.add(x.first, j, k, row(x.first, j, k));
         const std::lock_guard lock(merging);
-        for (int axis = 0; axis < 3; ++axis) {
-            low[axis] = std::min(low[axis], least[axis]);
-            high[axis] = std::max(high[axis], most[axis]);
-        }
+        held.add(its);
     };
-    parallel_for(threads, std::int64_t(blocks.size()), 1, "extinction", progress, work);
+    parallel_for(device.threads, std::int64_t(order.size()), 1, "extinction", progress, work);
     progress.check();
-    if (high[0] >= 0) low_ = low, high_ = high;
+    held_ = held;
+}
+
+template <class Extinction>
+void ExtinctionCells::fill_there(kernel::ExtinctionRow<Extinction> row, const BlockMap& blocks,
+                                 const HostArrays& arrays, const Device& device, Progress& progress) {
+    using Fill = kernel::FillExtinction<Extinction>;
+    cuda::Stream& stream = *device.stream;
+    cuda::Views views(stream, arrays);
+    swap_pointers(views, row.extinction);
+    cuda::Array<std::byte> made(stream, buffer_.size());
+    made.zero();
+    row.out = reinterpret_cast<float*>(made.data()) + gap;
+    const cuda::Array<kernel::RowSpan> spans(stream, blocks_together * Fill::rows);
+    std::vector<kernel::RowSpan> found;
+    Range held;
+    const auto order = blocks.held();
+    auto block = order.begin();
+    for_blocks(stream, blocks, "extinction", progress, [&](const kernel::BlockPlace* places, std::int64_t count) {
+        kernel::run_on_card(stream, count * Fill::rows, Fill{row, places, spans.data()});
+        found.resize(std::size_t(count) * Fill::rows);
+        stream.fetch(found.data(), spans.data(), found.size() * sizeof found[0]);
+        for (auto span = found.begin(); span != found.end(); ++block) {
+            const auto [x, y, z] = blocks.at(*block);
+            for (int i = 0; i < Fill::rows; ++i, ++span)
+                held.add(x * block_edge, y * block_edge + i % block_edge, z * block_edge + i / block_edge, *span);
+        }
+    });
+    buffer_.keep(device.stream, made.data());
+    held_ = held;
 }
 
 }  // namespace chiaro

@@ -164,11 +164,11 @@ CellValues trace(const Device& device, const NodeGrid& grid, const ReferenceSett
     const Lobe lobe = lobe_of(settings.quantity.value_or(ReferenceQuantity::obscurance));
     const auto directions = fibonacci_directions(settings.rays);
     const auto columns = columns_of(grid, grid.blocks_for(blocks));
+    HostArrays arrays;
+    follower(0).add_medium(arrays);
     const auto on_card = [&] {
         cuda::Stream& stream = *device.stream;
-        HostArrays arrays;
-        follower(0).add_medium(arrays);
-        cuda::Views medium(stream, std::move(arrays));
+        cuda::Views medium(stream, arrays);
         for (std::size_t first = 0, end; first < columns.size(); first = end) {
             std::vector<Tracing> together;
             for (end = first; end < std::min(first + columns_together, columns.size()) &&
@@ -181,6 +181,7 @@ CellValues trace(const Device& device, const NodeGrid& grid, const ReferenceSett
         }
     };
     if (cuda::done_on_card(device, on_card)) return at_nodes;
+    arrays.fetch();
     const auto trace_column = kernel::trace_column_for<Rays>(device.isa);
     const auto work = [&](std::int64_t c, std::int64_t) {
         Tracing tracing(grid, columns[c], lobe, opacity.values);
@@ -227,7 +228,7 @@ CellValues reference_accessibility(const Device& device, const Medium::Data& med
     const double start = settings.start_half_edges;
     const auto through_cells = [&] {
         const ExtinctionCells cells =
-            steps("extinction", [&] { return ExtinctionCells(medium, opacity, settings.subsample, progress); });
+            steps("extinction", [&] { return ExtinctionCells(medium, opacity, settings.subsample, device, progress); });
         const auto follower = [&](int x) { return CellFollower{Crossings(cells), x, cells.place(x), start}; };
         return steps("rays", [&] {
             return trace<kernel::CellRays>(device, grid, settings, opacity, blocks, follower, progress);

@@ -73,6 +73,9 @@ void trace(const Device& device, const std::vector<NodeRun>& runs, int stride, i
         trace_on_card<Rays>(*device.stream, runs, stride, directions, follower, progress, found);
     };
     if (cuda::done_on_card(device, on_card)) return;
+    HostArrays arrays;
+    follower().add_medium(arrays);
+    arrays.fetch();
     const auto trace_runs = kernel::trace_runs_for<Rays>(device.isa);
     const auto work = [&](std::int64_t first, std::int64_t end) {
         auto follow = follower();
@@ -154,7 +157,7 @@ ShField reference_visibility(const Device& device, const Medium::Data& medium, c
     };
     const auto through_cells = [&] {
         const ExtinctionCells cells =
-            steps("extinction", [&] { return ExtinctionCells(medium, opacity, stride, progress); });
+            steps("extinction", [&] { return ExtinctionCells(medium, opacity, stride, device, progress); });
         const auto runs = all_runs(out.grid, stride, &cells);
         steps("rays", [&] {
             trace<kernel::CellRays>(device, runs, stride, settings.rays, follower_of(cells, stride, start), progress,

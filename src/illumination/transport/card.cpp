@@ -6,6 +6,8 @@
 #include "cuda/mirror.h"
 #include "illumination/transport/batches.h"
 #include "illumination/transport/launch_card.h"
+#include "illumination/transport/sun.h"
+#include "illumination/visibility/sweep.h"
 
 namespace chiaro {
 namespace {
@@ -24,7 +26,7 @@ int pitch_of(const SweptMedium& medium, const SweepAxes& axes) { return medium.l
 
 }  // namespace
 
-CardTransport::CardTransport(const Device& device, const SweptMedium& medium, const Colour& albedo)
+CardTransport::CardTransport(const Device& device, const SweptMedium& medium)
     : stream_(device.stream),
       medium_(medium),
       places_(cell_places(medium.lattices.along_x, medium.lattices.along_y)),
@@ -55,12 +57,12 @@ CardTransport::CardTransport(const Device& device, const SweptMedium& medium, co
     tables_ = std::make_unique<cuda::Views>(*stream_, std::move(arrays));
     clear_ = medium.opaque.clear_cells(), ids_ = ids.data();
     tables_->swap(clear_, ids_, reflect_.open, reflect_.reflectance, cover_.covers);
-    const LatticeField* both[]{&medium.extinction.along_x, &medium.extinction.along_y};
-    for (int i = 0; i < 2; ++i)
-        stream_->upload(field(extinction_, i), both[i]->data(), both[i]->size() * sizeof(float));
-    for (int c = 0; c < 3; ++c) upload(albedo_, c, albedo[std::size_t(c)]);
-    for (Numbers* zero : {&emission_, &moment_, &first_light_, &first_moment_, &source_, &mean_, &first_faces_})
+    for (Numbers* zero :
+         {&extinction_, &albedo_, &emission_, &moment_, &first_light_, &first_moment_, &source_, &mean_, &first_faces_})
         zero->zero();  // beside the cells, where the host's fields are zero
+    run(cells(),
+        kernel::LatticeKernel{places_, medium.grid.extinction.on_card(*stream_), medium.grid.albedo.on_card(*stream_),
+                              clear_, ids_, std::int64_t(field_), extinction_.data(), albedo_.data()});
     stream_->wait();
 }
 
@@ -70,9 +72,6 @@ CardTransport::Numbers CardTransport::of_faces() const {
     return {*stream_, std::max<std::size_t>(1, medium_.opaque.count()) * kernel::cell_floats};
 }
 
-void CardTransport::upload(const Numbers& to, int i, const LatticeField& from) {
-    stream_->upload(field(to, i), from.data(), from.size() * sizeof(float));
-}
 void CardTransport::download(LatticeField& to, const Numbers& from, int i) const {
     to = medium_.lattices.along_x.unset_field();
     stream_->download(to.data(), field(from, i), to.size() * sizeof(float));
@@ -205,27 +204,27 @@ void CardTransport::find_first(const FirstDirections& first, Progress& progress)
     sweep(groups, batches, side, {1, 1, "light"}, add_up, progress);
 }
 
-void CardTransport::add_sun(const SunLight& sun) {
+void CardTransport::add_sun(const Device& device, const Sun& sun, Progress& progress) {
+    const Density& density = medium_.grid.extinction;
+    const std::vector<std::size_t>& nodes = medium_.opaque.nodes();
+    const CardField seen =
+        sweep_on_card(device, density, {sun.direction}, sun_coefficients, sun_start, SweepLattice::sheared, progress);
+    const cuda::Array<double> mean(*stream_, cells());
+    const cuda::Array<std::size_t> shown(*stream_, std::max<std::size_t>(1, nodes.size()));
     const cuda::Settled settled{*stream_};
-    const cuda::Array<double> mean(*stream_, sun.mean.size());
-    stream_->upload(mean.data(), sun.mean.data(), sun.mean.size() * sizeof(double));
-    kernel::SunKernel shine = sun.kernel(medium_.lattices);
-    shine.mean = mean.data();
+    stream_->upload(shown.data(), nodes.data(), nodes.size() * sizeof nodes[0]);
+    SunKernels kernels(medium_, sun);
+    kernels.use({seen.data(), seen.density(), clear_, ids_, shown.data(), mean.data(), first_faces_.data()});
     for (int c = 0; c < 3; ++c) {
-        shine.light[c] = field(first_light_, c);
-        for (int axis = 0; axis < 3; ++axis) shine.moment[c][axis] = field(first_moment_, 3 * c + axis);
+        kernels.shine.light[c] = field(first_light_, c);
+        for (int axis = 0; axis < 3; ++axis) kernels.shine.moment[c][axis] = field(first_moment_, 3 * c + axis);
     }
-    run(cells(), shine);
+    run(nodes.size(), kernels.faces), run(cells(), kernels.share), run(cells(), kernels.shine);
 }
 
 void CardTransport::start(const Device& device, const FirstDirections& first, Progress& progress) {
     find_first(first, progress);
-    if (first.incident.sun) {
-        Faces faces = faces_of(first_faces_);
-        add_sun(SunLight(device, medium_, *first.incident.sun, progress, faces));
-        const cuda::Settled settled{*stream_};
-        upload(first_faces_, faces);
-    }
+    if (first.incident.sun) add_sun(device, *first.incident.sun, progress);
     for (const Numbers* faces : {&faces_, &mean_faces_})
         stream_->copy(faces->data(), first_faces_.data(), faces->size() * sizeof(float));
     run(cells(), kernel::StartKernel{places_, albedo_.data(), first_light_.data(), std::int64_t(field_), source_.data(),
@@ -234,10 +233,13 @@ void CardTransport::start(const Device& device, const FirstDirections& first, Pr
     stream_->wait();
 }
 
-void CardTransport::start_from(const Colour& source, const Faces& faces) {
+void CardTransport::start_from(kernel::NearestKernel nearest, HostArrays arrays, const Faces& faces) {
+    cuda::Views views(*stream_, std::move(arrays));
+    views.swap(nearest.light, nearest.nearest[0], nearest.nearest[1], nearest.nearest[2]);
     const cuda::Settled settled{*stream_};
-    for (int c = 0; c < 3; ++c) upload(source_, c, source[std::size_t(c)]);
     upload(faces_, faces);
+    for (int c = 0; c < 3; ++c) nearest.albedo[c] = field(albedo_, c), nearest.source[c] = field(source_, c);
+    run(cells(), nearest);
     turn_and_reflect();
     stream_->wait();
 }

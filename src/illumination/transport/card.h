@@ -3,6 +3,7 @@
 #include "cuda/mirror.h"
 #include "illumination/transport/card_kernel.h"
 #include "illumination/transport/light_fields.h"
+#include "illumination/transport/matter_kernel.h"
 
 namespace chiaro {
 
@@ -13,12 +14,13 @@ public:
     using Faces = std::vector<OpaqueCells::Faces>;
 
     /// `medium` must outlive it.
-    CardTransport(const Device& device, const SweptMedium& medium, const Colour& albedo);
+    CardTransport(const Device& device, const SweptMedium& medium);
 
     /// Light not yet scattered, from which iterations start. Throws Error{interrupted}.
     void start(const Device& device, const FirstDirections& first, Progress& progress);
-    /// From other light.
-    void start_from(const Colour& source, const Faces& faces);
+    /// From other light, `arrays` being what the kernel's nodes and light point into, and that on faces. Throws
+    /// cuda::OutOfMemory before anything has changed.
+    void start_from(kernel::NearestKernel nearest, HostArrays arrays, const Faces& faces);
     /// One sweep of scattered light and what follows; [z][2][16] as relative_change takes them. Throws
     /// Error{interrupted} and cuda::OutOfMemory before anything has changed.
     std::vector<float> iterate(const std::vector<Vec3>& directions, const kernel::UpdateKernel& update,
@@ -55,7 +57,7 @@ private:
     void run(std::size_t count, const Kernel& kernel) const;
 
     void find_first(const FirstDirections& first, Progress& progress);
-    void add_sun(const SunLight& sun);
+    void add_sun(const Device& device, const Sun& sun, Progress& progress);
     /// then(groups) starts what follows. Waits once.
     template <class Then>
     void scatter(const std::vector<Vec3>& directions, const Then& then, Progress& progress);
@@ -68,7 +70,6 @@ private:
     Numbers fields(int count) const;
     Numbers of_faces() const;
     Faces faces_of(const Numbers& faces) const;
-    void upload(const Numbers& to, int i, const LatticeField& from);
     void upload(const Numbers& to, const Faces& from);
     void download(LatticeField& to, const Numbers& from, int i) const;
 

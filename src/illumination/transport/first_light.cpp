@@ -8,7 +8,8 @@
 #include "illumination/sh/directions.h"
 #include "illumination/transport/batches.h"
 #include "illumination/transport/launch.h"
-#include "illumination/visibility/sweep.h"
+#include "illumination/transport/matter_kernel.h"
+#include "illumination/transport/sun.h"
 
 namespace chiaro {
 namespace {
@@ -16,9 +17,6 @@ namespace {
 using Kernel = kernel::FirstSweepKernel;
 using Sums = std::array<LatticeField, Kernel::sums>;
 using Arriving = std::span<float>;  ///< [cell][face][4]
-
-/// Deeper cells let no more through than this one does, 2e-9; what the kernels raise two to stays above -126.
-constexpr float most_depth = 20;
 
 /// All directions of one group, in batches whose planes stay in the cache.
 class GroupSweep {
@@ -49,19 +47,22 @@ private:
         const Lattice& lattice = medium_.lattices.of(axes);
         Kernel kernel = batch.kernel(is_first);
         planes.start(batch.count(), 1);
-        for_each_row(
-            lattice, axes, medium_.opaque, nullptr, arriving.data(), progress_, planes,
-            [&](const kernel::SweepPlane& plane, const SweptRow& row) {
-                kernel.plane = plane;
-                kernel::FirstSweepRow to{
-                    planes.place(row.v), lattice.count()[axes.u], medium_.extinction.of(axes) + row.at, {}, row.opaque};
-                ask_for(row.opaque, batch.octants), ask_for(medium_.extinction.of(axes) + row.next, to.count);
-                for (int s = 0; s < Kernel::sums; ++s) {
-                    to.sums[s] = sums[s].data() + row.at;
-                    ask_for(sums[s].data() + row.next, to.count);
-                }
-                run_(kernel, to);
-            });
+        for_each_row(lattice, axes, medium_.opaque, nullptr, arriving.data(), progress_, planes,
+                     [&](const kernel::SweepPlane& plane, const SweptRow& row) {
+                         kernel.plane = plane;
+                         kernel::FirstSweepRow to{planes.place(row.v),
+                                                  lattice.count()[axes.u],
+                                                  medium_.extinction().of(axes) + row.at,
+                                                  {},
+                                                  row.opaque};
+                         ask_for(row.opaque, batch.octants),
+                             ask_for(medium_.extinction().of(axes) + row.next, to.count);
+                         for (int s = 0; s < Kernel::sums; ++s) {
+                             to.sums[s] = sums[s].data() + row.at;
+                             ask_for(sums[s].data() + row.next, to.count);
+                         }
+                         run_(kernel, to);
+                     });
     }
 
     void (*run_)(const Kernel&, const kernel::FirstSweepRow&);
@@ -118,55 +119,16 @@ void add_up(const Device& device, const Lattices& lattices, const std::vector<Sw
 
 }  // namespace
 
-SweptMedium::SweptMedium(const LightGrid& light_grid, const OpaqueCells& cells)
-    : grid(light_grid), opaque(cells), lattices(light_grid.extinction.grid.count) {
+BothWays SweptMedium::find_extinction() const {
     const CellGrid& nodes = grid.extinction.grid;
     std::vector<float> swept(grid.extinction.data(), grid.extinction.data() + nodes.size());
     for (std::size_t node = 0; node < swept.size(); ++node)
-        if (opaque.is_opaque(node))
-            swept[node] = opaque.is_listed(node) ? 0 : most_depth;
-        else
-            swept[node] = std::min(swept[node], most_depth);
-    extinction = {spread(nodes, swept.data(), lattices.along_x), spread(nodes, swept.data(), lattices.along_y)};
+        swept[node] = kernel::swept_depth(swept[node], opaque.is_opaque(node), opaque.is_listed(node));
+    return {spread(nodes, swept.data(), lattices.along_x), spread(nodes, swept.data(), lattices.along_y)};
 }
 
 FirstDirections::FirstDirections(const Lighting& lighting, Vec3 orbit_up, const Geometry& geometry, int count)
     : directions(fibonacci_directions(count)), incident(incident_light(lighting, orbit_up, geometry, directions)) {}
-
-/// Along straight rays: what arrives at a cell's border, and what of it is left behind the cell.
-SunLight::SunLight(const Device& device, const SweptMedium& medium, const Sun& the_sun, Progress& progress,
-                   std::vector<OpaqueCells::Faces>& faces)
-    : sun(the_sun), mean(medium.grid.extinction.grid.size(), -1) {
-    const Density& density = medium.grid.extinction;
-    const ShField field = sweep_visibility(device, density, {sun.direction}, 4, 0.5, SweepLattice::sheared, progress);
-    const SweepGroup group = sweep_groups({sun.direction})[0];
-    const SweepBatch ray = sweep_batches({sun.direction}, group, 1, 1, medium.opaque)[0];
-    const double all = std::sqrt(4 * std::numbers::pi);  // V_00 in the open
-    const auto arriving = [&](std::size_t node) { return field.node(node)[0] / all; };
-    for (std::size_t node = 0; node < mean.size(); ++node) {
-        const double depth = medium.opaque.is_opaque(node) ? 0 : density.data()[node];
-        if (medium.opaque.is_buried(node)) continue;
-        mean[node] = arriving(node) * (1 + std::exp(-depth * group.directions[0].length)) / 2;
-    }
-    const auto [nx, ny, nz] = density.grid.count;
-    for (std::size_t cell = 0; cell < medium.opaque.count(); ++cell) {
-        const std::size_t node = medium.opaque.nodes()[cell];
-        const int x = int(node % nx), y = int(node / nx % ny), z = int(node / nx / ny);
-        const kernel::OpaqueRow at{.clear = medium.opaque.clear_cells() + medium.opaque.bit_index(x, y, z)};
-        const float share = ray.open_share(0, at.pattern(ray.octants[0], {}));
-        if (share < kernel::least_open) continue;
-        for (int axis = 0; axis < 3; ++axis)
-            for (int c = 0; c < 3; ++c)  // irradiance / π, light being ∫ L dω / 4π
-                faces[cell][2 * axis + (sun.direction[axis] < 0)][c] +=
-                    float(4 * sun.light[c] * std::abs(sun.direction[axis]) * std::min(arriving(node) / share, 1.0));
-    }
-}
-
-kernel::SunKernel SunLight::kernel(const Lattices& lattices) const {
-    kernel::SunKernel kernel{cell_places(lattices.along_x, lattices.along_y), {}, {}, mean.data(), {}, {}};
-    for (int c = 0; c < 3; ++c) kernel.colour[c] = sun.light[c], kernel.direction[c] = sun.direction[c];
-    return kernel;
-}
 
 FirstLight first_light(const Device& device, const SweptMedium& medium, const FirstDirections& first,
                        Progress& progress) {
@@ -189,19 +151,7 @@ FirstLight first_light(const Device& device, const SweptMedium& medium, const Fi
                                   0};
     for (std::size_t face = 0; face < face_count; ++face) meet(std::int64_t(face));
     add_up(device, medium.lattices, groups, sums, light);
-    if (!first.incident.sun) return light;
-    const SunLight sun(device, medium, *first.incident.sun, progress, light.faces);
-    kernel::SunKernel shine = sun.kernel(medium.lattices);
-    for (int c = 0; c < 3; ++c) {
-        shine.light[c] = light.light[c].data();
-        for (int axis = 0; axis < 3; ++axis) shine.moment[c][axis] = light.moment[c][axis].data();
-    }
-    const auto [nx, ny, nz] = medium.grid.extinction.grid.count;
-    for (int z = 0; z < nz; ++z)
-        for (int y = 0; y < ny; ++y)
-            for (int x = 0; x < nx; ++x)
-                shine.shine(std::int64_t(medium.grid.extinction.grid.index(x, y, z)),
-                            std::int64_t(medium.lattices.along_x.index(x, y, z)));
+    if (first.incident.sun) add_sun(device, medium, *first.incident.sun, progress, light);
     return light;
 }
 

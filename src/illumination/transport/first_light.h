@@ -1,5 +1,6 @@
 // Light that no one has scattered yet: the probe's, through the matter on its way.
 #pragma once
+#include "core/on_demand.h"
 #include "illumination/transport/incident.h"
 #include "illumination/transport/sweep.h"
 
@@ -10,9 +11,15 @@ struct SweptMedium {
     const LightGrid& grid;
     const OpaqueCells& opaque;
     Lattices lattices;
-    BothWays extinction;
 
-    SweptMedium(const LightGrid& light_grid, const OpaqueCells& cells);
+    SweptMedium(const LightGrid& light_grid, const OpaqueCells& cells)
+        : grid(light_grid), opaque(cells), lattices(light_grid.extinction.grid.count) {}
+    /// For sweeps here; a card has its own.
+    const BothWays& extinction() const { return extinction_.get(); }
+
+private:
+    BothWays find_extinction() const;
+    OnDemand<BothWays> extinction_{[this] { return find_extinction(); }};
 };
 
 struct FirstLight {
@@ -28,18 +35,6 @@ struct FirstDirections {
     IncidentLight incident;
 
     FirstDirections(const Lighting& lighting, Vec3 orbit_up, const Geometry& geometry, int count);
-};
-
-/// A sun's light, and what it brings to each cell: its share, below 0 in cells that no light reaches.
-struct SunLight {
-    const Sun& sun;
-    std::vector<double> mean;
-
-    /// Also added to the light on the faces.
-    SunLight(const Device& device, const SweptMedium& medium, const Sun& sun, Progress& progress,
-             std::vector<OpaqueCells::Faces>& faces);
-    /// To be told where the light lies.
-    kernel::SunKernel kernel(const Lattices& lattices) const;
 };
 
 /// Throws Error{interrupted}.

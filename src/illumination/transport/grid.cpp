@@ -5,6 +5,7 @@
 #include "cuda/mirror.h"
 #include "illumination/transport/axis_places.h"
 #include "illumination/transport/launch_card.h"
+#include "illumination/transport/matter_kernel.h"
 #include "illumination/transport/skin.h"
 #include "illumination/transport/tints.h"
 
@@ -84,7 +85,7 @@ public:
           progress_(progress) {}
 
     void fill(LightGrid& grid) const {
-        for (auto& channel : grid.albedo) channel.resize(grid.extinction.grid.size());
+        grid.albedo = GridColour(grid.extinction.grid.size());
         if (!cuda::done_on_card(device_, [&] { fill_on_card(grid); })) fill_here(grid);
     }
 
@@ -122,7 +123,7 @@ private:
             });
         });
         kernel::AlbedoKernel albedos = albedo(density.grid, density.data(), sums.data());
-        for (int c = 0; c < 3; ++c) albedos.albedo[c] = grid.albedo[c].data();
+        for (int c = 0; c < 3; ++c) albedos.albedo[c] = grid.albedo.numbers(std::size_t(c));
         each_row([&, nx = nx](int y, int z) {
             for (int x = 0; x < nx; ++x) albedos(std::int64_t(density.grid.index(x, y, z)));
         });
@@ -146,12 +147,9 @@ private:
             kernel::run_on_card(stream, std::int64_t(nodes.size()), add);
         });
         kernel::AlbedoKernel albedos = albedo(nodes, depths, sums.data());
-        const cuda::Settled settled{stream};
         for (std::size_t c = 0; c < 3; ++c) albedos.albedo[c] = made.data() + c * nodes.size();
         kernel::run_on_card(stream, std::int64_t(nodes.size()), albedos);
-        for (std::size_t c = 0; c < 3; ++c)
-            stream.download(grid.albedo[c].data(), albedos.albedo[c], nodes.size() * sizeof(float));
-        stream.wait();
+        grid.albedo.buffer.keep(device_.stream, made.data());
         progress_.check();
     }
 
@@ -164,6 +162,27 @@ private:
 };
 
 }  // namespace
+
+std::vector<std::array<float, 3>> colours_at(const GridColour& colour, const std::vector<std::size_t>& nodes,
+                                             const Device& device) {
+    std::vector<std::array<float, 3>> found(nodes.size());
+    if (nodes.empty()) return found;
+    kernel::GatherKernel gather{nullptr, std::int64_t(colour.nodes), nullptr, nullptr};
+    const auto on_card = [&] {
+        cuda::Stream& stream = *device.stream;
+        const cuda::Array<std::size_t> which(stream, nodes.size());
+        const cuda::Array<float> made(stream, 3 * nodes.size());
+        const cuda::Settled settled{stream};
+        stream.upload(which.data(), nodes.data(), nodes.size() * sizeof nodes[0]);
+        gather.colour = colour.on_card(stream), gather.which = which.data(), gather.out = made.data();
+        kernel::run_on_card(stream, std::int64_t(nodes.size()), gather);
+        stream.fetch(found.data(), made.data(), found.size() * sizeof found[0]);
+    };
+    if (cuda::done_on_card(device, on_card)) return found;
+    gather.colour = colour[0], gather.which = nodes.data(), gather.out = found[0].data();
+    for (std::size_t i = 0; i < nodes.size(); ++i) gather(std::int64_t(i));
+    return found;
+}
 
 LightGrid light_grid(const Medium::Data& medium, int cells, double albedo_max, const Device& device,
                      Progress& progress) {

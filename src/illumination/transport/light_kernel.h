@@ -64,8 +64,8 @@ struct SunKernel {
     const double* mean;
     float *light[3], *moment[3][3];
 
-    CHIARO_INLINE void operator()(std::int64_t cell) const { shine(cell, places.along_x(cell)); }
-    CHIARO_INLINE void shine(std::int64_t cell, std::int64_t at) const {
+    CHIARO_INLINE void operator()(std::int64_t cell) const {
+        const std::int64_t at = places.along_x(cell);
         if (mean[cell] < 0) return;
         for (std::int32_t c = 0; c < 3; ++c) {
             light[c][at] += float(colour[c] * mean[cell]);

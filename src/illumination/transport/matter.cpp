@@ -4,6 +4,8 @@
 #include <limits>
 
 #include "classify/medium.h"
+#include "cuda/run.h"
+#include "illumination/transport/matter_kernel.h"
 
 namespace chiaro {
 namespace {
@@ -13,49 +15,58 @@ namespace {
 LightGrid similar(LightGrid grid, double g) {
     if (g == 0) return grid;
     float* extinction = grid.extinction.numbers();
+    float* const albedo[]{grid.albedo.numbers(0), grid.albedo.numbers(1), grid.albedo.numbers(2)};
     for (std::size_t i = 0; i < grid.extinction.grid.size(); ++i) {
-        const double mean = (double(grid.albedo[0][i]) + grid.albedo[1][i] + grid.albedo[2][i]) / 3,
-                     kept = 1 - mean * g;
+        const double mean = (double(albedo[0][i]) + albedo[1][i] + albedo[2][i]) / 3, kept = 1 - mean * g;
         extinction[i] = float(extinction[i] * kept);
-        for (auto& channel : grid.albedo) channel[i] = float(std::max(1 - (1 - channel[i]) / kept, 0.0));
+        for (float* channel : albedo) channel[i] = float(std::max(1 - (1 - channel[i]) / kept, 0.0));
     }
     return grid;
 }
 
-LatticeField albedo_of(const LightGrid& grid, const OpaqueCells& opaque, int channel, const Lattice& lattice) {
-    std::vector<float> albedo = grid.albedo[channel];
+LatticeField albedo_of(const LightGrid& grid, const OpaqueCells& opaque, std::size_t channel, const Lattice& lattice) {
+    std::vector<float> albedo(grid.albedo[channel], grid.albedo[channel] + grid.albedo.nodes);
     for (std::size_t node = 0; node < albedo.size(); ++node)
         if (opaque.is_opaque(node)) albedo[node] = 0;
     return spread(grid.extinction.grid, albedo.data(), lattice);
 }
 
-/// Of the 2³ cells in one, the mean albedo by extinction.
-std::vector<float> halved_albedo(const LightGrid& fine, int channel, const CellGrid& coarse) {
-    const CellGrid& grid = fine.extinction.grid;
-    std::vector<double> colour(coarse.size()), weight(coarse.size());
-    for (int z = 0; z < grid.count[2]; ++z)
-        for (int y = 0; y < grid.count[1]; ++y)
-            for (int x = 0; x < grid.count[0]; ++x) {
-                const std::size_t from = grid.index(x, y, z), to = coarse.index(x / 2, y / 2, z / 2);
-                const double extinction = fine.extinction.data()[from];
-                colour[to] += extinction * fine.albedo[channel][from], weight[to] += extinction;
-            }
-    std::vector<float> albedo(coarse.size());
-    for (std::size_t i = 0; i < albedo.size(); ++i)
-        if (weight[i] > 0) albedo[i] = float(colour[i] / weight[i]);
-    return albedo;
+Colour albedos_of(const LightGrid& grid, const OpaqueCells& opaque, const Lattice& lattice) {
+    return {albedo_of(grid, opaque, 0, lattice), albedo_of(grid, opaque, 1, lattice),
+            albedo_of(grid, opaque, 2, lattice)};
+}
+
+/// Of the cells in each node.
+GridColour halved_albedo(const LightGrid& finer, const CellGrid& coarse, const Device& device) {
+    const auto [fx, fy, fz] = finer.extinction.grid.count;
+    const auto [nx, ny, nz] = coarse.count;
+    GridColour out(coarse.size());
+    kernel::HalvedAlbedoKernel halve{nullptr, nullptr, {fx, fy, fz}, {nx, ny, nz}, nullptr};
+    const auto on_card = [&] {
+        cuda::Stream& stream = *device.stream;
+        const cuda::Array<float> made(stream, 3 * coarse.size());
+        halve.depth = finer.extinction.on_card(stream), halve.albedo = finer.albedo.on_card(stream);
+        halve.to = made.data();
+        kernel::run_on_card(stream, std::int64_t(coarse.size()), halve);
+        out.buffer.keep(device.stream, made.data());
+    };
+    if (cuda::done_on_card(device, on_card)) return out;
+    halve.depth = finer.extinction.data(), halve.albedo = finer.albedo[0], halve.to = out.numbers(0);
+    for (std::size_t node = 0; node < coarse.size(); ++node) halve(std::int64_t(node));
+    return out;
 }
 
 }  // namespace
 
-TransportMatter::TransportMatter(LightGrid light_grid, const Geometry& volume, bool counted)
+TransportMatter::TransportMatter(LightGrid light_grid, const Geometry& volume, bool counted, const Device& device)
     : grid(std::move(light_grid)),
-      opaque(grid, counted ? std::numeric_limits<float>::infinity() : opaque_from),
+      opaque(grid, counted ? std::numeric_limits<float>::infinity() : opaque_from, device),
       swept(grid, opaque),
       weight(grid.extinction.grid.size()),
+      skin_albedo(colours_at(grid.albedo, grid.skins, device)),
       geometry(volume),
-      counts_bounces(counted) {
-    for (int c = 0; c < 3; ++c) albedo[c] = albedo_of(grid, opaque, c, swept.lattices.along_x);
+      counts_bounces(counted),
+      albedo_([this] { return albedos_of(grid, opaque, swept.lattices.along_x); }) {
     for (std::size_t node = 0; node < weight.size(); ++node)
         weight[node] = std::max(float(-std::expm1(-grid.extinction.data()[node])), 1e-3f);
 }
@@ -64,13 +75,13 @@ SharedMatter matter_of(const Device& device, const Medium::Data& medium, int cel
                        const ScatteringSettings& scattering, Progress& progress) {
     return std::make_shared<const TransportMatter>(
         similar(light_grid(medium, cells, scattering.albedo_max, device, progress), scattering.anisotropy),
-        medium.volume.geometry(), scattering.bounces.most.has_value());
+        medium.volume.geometry(), scattering.bounces.most.has_value(), device);
 }
 
 SharedMatter halved(const TransportMatter& finer, const Device& device, Progress& progress) {
     LightGrid grid{halved(finer.grid.extinction, device, progress), {}, finer.grid.is_surface, {}};
-    for (int c = 0; c < 3; ++c) grid.albedo[c] = halved_albedo(finer.grid, c, grid.extinction.grid);
-    return std::make_shared<const TransportMatter>(std::move(grid), finer.geometry, finer.counts_bounces);
+    grid.albedo = halved_albedo(finer.grid, grid.extinction.grid, device);
+    return std::make_shared<const TransportMatter>(std::move(grid), finer.geometry, finer.counts_bounces, device);
 }
 
 TransportNodes unlit_nodes(const TransportMatter& matter) {
@@ -82,8 +93,9 @@ TransportNodes unlit_nodes(const TransportMatter& matter) {
     for (std::size_t cell = 0; cell < matter.opaque.count(); ++cell)
         std::copy_n(matter.opaque.per_albedo(cell).begin(), 3,
                     out.answer.begin() + std::ptrdiff_t(3 * matter.opaque.nodes()[cell]));
-    for (const std::size_t node : matter.grid.skins)
-        for (int c = 0; c < 3; ++c) out.answer[3 * node + c] = float(reflected_per_albedo(matter.grid.albedo[c][node]));
+    for (std::size_t i = 0; i < matter.skin_albedo.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c)
+            out.answer[3 * matter.grid.skins[i] + c] = float(reflected_per_albedo(matter.skin_albedo[i][c]));
     return out;
 }
 

@@ -9,14 +9,20 @@ struct TransportMatter {
     LightGrid grid;  ///< as light that scatters alike to all sides meets it
     OpaqueCells opaque;
     SweptMedium swept;
-    Colour albedo;              ///< rows along x; 0 in opaque cells
-    std::vector<float> weight;  ///< of each node (nodes.h)
-    Geometry geometry;          ///< of the volume
-    bool counts_bounces;        ///< no cell is opaque then, for what those answer is all bounces at once
+    std::vector<float> weight;                      ///< of each node (nodes.h)
+    std::vector<std::array<float, 3>> skin_albedo;  ///< of the grid's skins
+    Geometry geometry;                              ///< of the volume
+    bool counts_bounces;  ///< no cell is opaque then, for what those answer is all bounces at once
 
-    TransportMatter(LightGrid light_grid, const Geometry& volume, bool counted);
+    TransportMatter(LightGrid light_grid, const Geometry& volume, bool counted, const Device& device);
     TransportMatter(const TransportMatter&) = delete;
     TransportMatter& operator=(const TransportMatter&) = delete;
+
+    /// For sweeps here, rows along x; 0 in opaque cells.
+    const Colour& albedo() const { return albedo_.get(); }
+
+private:
+    OnDemand<Colour> albedo_;
 };
 using SharedMatter = std::shared_ptr<const TransportMatter>;
 

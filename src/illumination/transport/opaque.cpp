@@ -15,25 +15,22 @@ double reflected_per_albedo(double albedo) {
     return half_space_reflectance(a) / a;
 }
 
-OpaqueCells::OpaqueCells(const LightGrid& grid, float threshold)
+OpaqueCells::OpaqueCells(const LightGrid& grid, float threshold, const Device& device)
     : count_(grid.extinction.grid.count),
       bits_(std::size_t(count_[0] + 2) * (count_[1] + 2) * (count_[2] + 2), 0xff),
-      clear_(bits_.size(), 1),
-      starts_x_(std::size_t(count_[1]) * count_[2] + 1),
-      starts_y_(std::size_t(count_[0]) * count_[2] + 1) {
+      clear_(bits_.size(), 1) {
     if (threshold == std::numeric_limits<float>::infinity()) return;
     kind_.resize(grid.extinction.grid.size());
     for (std::size_t node = 0; node < kind_.size(); ++node)
         kind_[node] = grid.extinction.data()[node] >= threshold ? buried : clear;
     ids_.assign(kind_.size(), -1);
-    find_shown(grid);
+    find_shown(grid.extinction.grid);
+    find_reflectance(grid, device);
     find_behind(grid.extinction.grid);
-    list_rows(grid.extinction.grid);
 }
 
-void OpaqueCells::find_shown(const LightGrid& grid) {
+void OpaqueCells::find_shown(const CellGrid& cells) {
     const auto [nx, ny, nz] = count_;
-    const CellGrid& cells = grid.extinction.grid;
     const auto is_open = [&](int x, int y, int z) {
         return !cells.holds(x, y, z) || kind_[cells.index(x, y, z)] == clear;
     };
@@ -53,15 +50,20 @@ void OpaqueCells::find_shown(const LightGrid& grid) {
                 if (!open) continue;
                 ids_[node] = std::int32_t(nodes_.size());
                 nodes_.push_back(node), open_.push_back(std::uint8_t(open));
-                std::array<float, 3> reflectance, per_albedo;
-                for (int c = 0; c < 3; ++c) {
-                    const double a = grid.albedo[c][node];
-                    reflectance[c] = float(grid.is_surface ? a : half_space_reflectance(a));
-                    per_albedo[c] = float(grid.is_surface ? 1 : reflected_per_albedo(a));
-                }
-                reflectance_.push_back(reflectance), per_albedo_.push_back(per_albedo);
             }
     for (std::size_t node : nodes_) kind_[node] = shown;
+}
+
+void OpaqueCells::find_reflectance(const LightGrid& grid, const Device& device) {
+    for (const auto& albedo : colours_at(grid.albedo, nodes_, device)) {
+        std::array<float, 3> reflectance, per_albedo;
+        for (int c = 0; c < 3; ++c) {
+            const double a = albedo[c];
+            reflectance[c] = float(grid.is_surface ? a : half_space_reflectance(a));
+            per_albedo[c] = float(grid.is_surface ? 1 : reflected_per_albedo(a));
+        }
+        reflectance_.push_back(reflectance), per_albedo_.push_back(per_albedo);
+    }
 }
 
 /// A ray between four cells may pass the edge of two opaque ones and find the one behind, which shows no face there: it
@@ -94,27 +96,26 @@ void OpaqueCells::find_behind(const CellGrid& grid) {
             }
 }
 
-void OpaqueCells::list_rows(const CellGrid& grid) {
+OpaqueCells::Rows OpaqueCells::list_rows(bool along_y) const {
     const auto [nx, ny, nz] = count_;
-    for (int z = 0; z < nz; ++z)
-        for (int y = 0; y < ny; ++y) {
-            for (int x = 0; x < nx; ++x)
-                if (const std::int32_t id = ids_[grid.index(x, y, z)]; id >= 0) along_x_.push_back({x, id});
-            starts_x_[std::size_t(z) * ny + y + 1] = std::int32_t(along_x_.size());
+    const int length = along_y ? ny : nx, inner = along_y ? nz : ny, outer = along_y ? nx : nz;
+    const std::size_t slice = std::size_t(nx) * ny, step = along_y ? nx : 1;
+    Rows rows{{}, {0}};
+    for (int b = 0; b < outer; ++b)
+        for (int a = 0; a < inner; ++a) {
+            const std::size_t first = along_y ? a * slice + b : b * slice + std::size_t(a) * nx;
+            for (int i = 0; i < length && !ids_.empty(); ++i)
+                if (const std::int32_t id = ids_[first + i * step]; id >= 0) rows.cells.push_back({i, id});
+            rows.starts.push_back(std::int32_t(rows.cells.size()));
         }
-    for (int x = 0; x < nx; ++x)
-        for (int z = 0; z < nz; ++z) {
-            for (int y = 0; y < ny; ++y)
-                if (const std::int32_t id = ids_[grid.index(x, y, z)]; id >= 0) along_y_.push_back({y, id});
-            starts_y_[std::size_t(x) * nz + z + 1] = std::int32_t(along_y_.size());
-        }
+    return rows;
 }
 
 std::span<const kernel::OpaqueCell> OpaqueCells::row(const Lattice& lattice, int a, int b) const {
-    const auto& starts = lattice.along_y() ? starts_y_ : starts_x_;
-    const auto& list = lattice.along_y() ? along_y_ : along_x_;
+    const Rows& rows = (lattice.along_y() ? along_y_ : along_x_).get();
     const std::size_t row = lattice.along_y() ? std::size_t(a) * count_[2] + b : std::size_t(b) * count_[1] + a;
-    return std::span(list).subspan(std::size_t(starts[row]), std::size_t(starts[row + 1] - starts[row]));
+    const std::int32_t first = rows.starts[row], end = rows.starts[row + 1];
+    return std::span(rows.cells).subspan(std::size_t(first), std::size_t(end - first));
 }
 
 void OpaqueCells::reflect(const std::vector<Faces>& radiance, LatticeField& emission) const {

@@ -3,6 +3,7 @@
 #include <span>
 
 #include "core/host_array.h"
+#include "core/on_demand.h"
 #include "illumination/transport/grid.h"
 #include "illumination/transport/lattice.h"
 #include "illumination/transport/opaque_kernel.h"
@@ -28,7 +29,7 @@ public:
     using Faces = std::array<std::array<float, 4>, faces>;  ///< RGB, and what it weighs
 
     /// None where `threshold` is infinite.
-    OpaqueCells(const LightGrid& grid, float threshold);
+    OpaqueCells(const LightGrid& grid, float threshold, const Device& device);
 
     /// Those that show a face; those behind them follow in the lists of rows, up to `listed`.
     std::size_t count() const { return nodes_.size(); }
@@ -83,9 +84,14 @@ public:
 
 private:
     enum Kind : std::uint8_t { clear = 0, shown = 1, buried = 2, behind = 3 };
-    void find_shown(const LightGrid& grid);
+    void find_shown(const CellGrid& cells);
+    void find_reflectance(const LightGrid& grid, const Device& device);
     void find_behind(const CellGrid& grid);
-    void list_rows(const CellGrid& grid);
+    struct Rows {
+        std::vector<kernel::OpaqueCell> cells;
+        std::vector<std::int32_t> starts;  ///< of rows (y, z), or (z, x) of those along y
+    };
+    Rows list_rows(bool along_y) const;
     /// The cell's id, or -1.
     std::int32_t id_of(const CellGrid& grid, int x, int y, int z) const {
         return grid.holds(x, y, z) ? ids_[grid.index(x, y, z)] : -1;
@@ -101,8 +107,7 @@ private:
     std::vector<kernel::OpaqueCover> covers_;
     std::vector<std::uint8_t> bits_;   ///< bit o: a ray towards octant o finds a face in the open; with the halo
     std::vector<std::uint8_t> clear_;  ///< with the halo
-    std::vector<kernel::OpaqueCell> along_x_, along_y_;
-    std::vector<std::int32_t> starts_x_, starts_y_;  ///< of rows (y, z) and (z, x), in the lists
+    OnDemand<Rows> along_x_{[this] { return list_rows(false); }}, along_y_{[this] { return list_rows(true); }};
 };
 
 }  // namespace chiaro

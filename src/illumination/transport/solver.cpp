@@ -39,6 +39,26 @@ double relative_change(const std::vector<float>& lanes) {
     return sums[1] > 0 ? std::sqrt(sums[0] / sums[1]) : 0;
 }
 
+/// Of another grid, the nearest to the cells of this one: what each coordinate adds to its index.
+struct NearestNodes {
+    std::array<int, 3> count;
+    std::array<std::vector<std::int32_t>, 3> along;
+
+    NearestNodes(const CellGrid& here, const CellGrid& there) : count(here.count) {
+        int stride = 1;
+        for (int axis = 0; axis < 3; stride *= there.count[axis++])
+            for (int i = 0; i < count[axis]; ++i) {
+                const double voxel = (i + 0.5) * here.voxels_per_cell[axis];
+                const int node = int(voxel / there.voxels_per_cell[axis]);
+                along[axis].push_back(stride * std::clamp(node, 0, there.count[axis] - 1));
+            }
+    }
+    std::int64_t of(std::size_t cell) const {
+        const std::size_t nx = std::size_t(count[0]), ny = std::size_t(count[1]);
+        return along[0][cell % nx] + along[1][cell / nx % ny] + along[2][cell / nx / ny];
+    }
+};
+
 }  // namespace
 
 TransportSolver::State::State(const Device& d, SharedMatter m, const Lighting& lighting, const TransportSettings& s,
@@ -46,7 +66,7 @@ TransportSolver::State::State(const Device& d, SharedMatter m, const Lighting& l
     : device(d), matter(std::move(m)), settings(s), scattering(sc) {
     const FirstDirections directions(lighting, orbit_up, matter->geometry, s.first_directions);
     const auto on_card = [&] {
-        auto started = std::make_unique<CardTransport>(device, medium, albedo);
+        auto started = std::make_unique<CardTransport>(device, medium);
         started->start(device, directions, progress);
         card = std::move(started);
     };
@@ -57,6 +77,7 @@ void TransportSolver::State::start(const FirstDirections& directions, Progress& 
     first = first_light(device, medium, directions, progress);
     mean = first.light, faces = mean_faces = first.faces;
     source = colour(medium.lattices.along_x);
+    const Colour& albedo = matter->albedo();
     for (int c = 0; c < 3; ++c) {
         moment[c] = colour(medium.lattices.along_x);
         for (std::size_t i = 0; i < source[c].size(); ++i) source[c][i] = albedo[c][i] * first.light[c][i];
@@ -73,6 +94,13 @@ void TransportSolver::State::prepare() {
     turn_source();
 }
 
+/// The card has no room any more.
+void TransportSolver::State::give_way() {
+    card->fetch(*this);
+    card.reset();
+    prepare();
+}
+
 bool TransportSolver::State::is_done() const {
     if (scattering.bounces.most) return iterations >= *scattering.bounces.most;
     return iterations >= most_iterations || change < settings.error.value_or(converged);
@@ -87,11 +115,7 @@ double TransportSolver::State::iterate(const std::vector<Vec3>& directions, Prog
     std::vector<float> changes;
     const auto on_card = [&] { changes = card->iterate(directions, kernel, progress); };
     if (card && cuda::done_on_card(device, on_card)) return relative_change(changes);
-    if (card) {  // which has no room any more
-        card->fetch(*this);
-        card.reset();
-        prepare();
-    }
+    if (card) give_way();
     const LatticeField arriving = sweep(directions, progress);
     const double found = update(kernel);
     update_faces(arriving, kernel.share);
@@ -134,8 +158,8 @@ void TransportSolver::State::sweep(const std::vector<Vec3>& directions, const Sw
         Kernel kernel = batch.kernel(directions.size(), is_first);
         const auto visit = [&](const kernel::SweepPlane& plane, const SweptRow& row) {
             kernel.plane = plane;
-            kernel::SourceRow at{planes.place(row.v), nu, medium.extinction.of(axes) + row.at, {}, {}, row.opaque};
-            ask_for(row.opaque, batch.octants), ask_for(medium.extinction.of(axes) + row.next, nu);
+            kernel::SourceRow at{planes.place(row.v), nu, medium.extinction().of(axes) + row.at, {}, {}, row.opaque};
+            ask_for(row.opaque, batch.octants), ask_for(medium.extinction().of(axes) + row.next, nu);
             for (int c = 0; c < 3; ++c) {
                 at.source[c] = from[c].data() + row.at, at.sums[c] = to[c].data() + row.at;
                 ask_for(from[c].data() + row.next, nu), ask_for(to[c].data() + row.next, nu);
@@ -151,6 +175,7 @@ void TransportSolver::State::sweep(const std::vector<Vec3>& directions, const Sw
 double TransportSolver::State::update(const kernel::UpdateKernel& kernel) {
     const Lattice &along_x = medium.lattices.along_x, &along_y = medium.lattices.along_y;
     const auto [nx, ny, nz] = along_x.count();
+    const Colour& albedo = matter->albedo();
     const auto run = kernel::transport_functions_for(device.isa).update_row;
     const std::size_t slice = std::size_t(along_x.row()) * ny;
     std::vector<float> changes(std::size_t(nz) * 2 * 16, 0);
@@ -163,7 +188,7 @@ double TransportSolver::State::update(const kernel::UpdateKernel& kernel) {
         for (int y = 0; y < ny; ++y) {
             const std::size_t in_slice = std::size_t(y) * along_x.row(), at = start + in_slice;
             kernel::UpdateRow row{};
-            row.count = nx, row.extinction = medium.extinction.along_x.data() + at, row.change = &lanes;
+            row.count = nx, row.extinction = medium.extinction().along_x.data() + at, row.change = &lanes;
             for (int c = 0; c < 3; ++c) {
                 row.albedo[c] = albedo[c].data() + at, row.first[c] = first.light[c].data() + at;
                 row.source[c] = source[c].data() + at, row.mean[c] = mean[c].data() + at;
@@ -204,34 +229,28 @@ void TransportSolver::State::turn_source() {
 
 /// Of a similar medium, perhaps on another grid: the nearest nodes' light.
 void TransportSolver::State::start_from(const TransportNodes& warm) {
-    if (card) source = colour(medium.lattices.along_x), faces = card->faces();
-    const CellGrid &here = matter->grid.extinction.grid, &there = warm.grid;
-    const auto nearest = [&](int axis, int i) {
-        const double voxel = (i + 0.5) * here.voxels_per_cell[axis];
-        return std::clamp(int(voxel / there.voxels_per_cell[axis]), 0, there.count[axis] - 1);
-    };
-    const auto light_at = [&](int x, int y, int z) {
-        return warm.light.data() + 3 * there.index(nearest(0, x), nearest(1, y), nearest(2, z));
-    };
-    for (int z = 0; z < here.count[2]; ++z)
-        for (int y = 0; y < here.count[1]; ++y)
-            for (int x = 0; x < here.count[0]; ++x)
-                for (int c = 0; c < 3; ++c) {
-                    const std::size_t at = medium.lattices.along_x.index(x, y, z);
-                    source[c][at] = albedo[c][at] * light_at(x, y, z)[c];
-                }
-    for (std::size_t cell = 0; cell < opaque.count(); ++cell) {
-        const std::size_t node = opaque.nodes()[cell];
-        const int nx = here.count[0], ny = here.count[1];
-        const float* light = light_at(int(node % nx), int(node / nx % ny), int(node / nx / ny));
-        for (auto& face : faces[cell])
-            for (int c = 0; c < 3; ++c) face[c] = std::max(face[c], light[c]);
+    const NearestNodes nearest(matter->grid.extinction.grid, warm.grid);
+    kernel::NearestKernel kernel{
+        cell_places(medium.lattices.along_x, medium.lattices.along_y), {}, warm.light.data(), {}, {}};
+    HostArrays arrays;
+    arrays.add(warm.light);
+    for (int axis = 0; axis < 3; ++axis) {
+        kernel.nearest[axis] = nearest.along[axis].data();
+        arrays.add(nearest.along[axis]);
     }
-    if (card) {
-        card->start_from(source, faces);
-        source = {}, faces = {};
-        return;
-    }
+    const auto shine_on = [&](CardTransport::Faces lit) {
+        for (std::size_t cell = 0; cell < opaque.count(); ++cell) {
+            const float* light = warm.light.data() + 3 * nearest.of(opaque.nodes()[cell]);
+            for (auto& face : lit[cell])
+                for (int c = 0; c < 3; ++c) face[c] = std::max(face[c], light[c]);
+        }
+        return lit;
+    };
+    if (card && cuda::done_on_card(device, [&] { card->start_from(kernel, arrays, shine_on(card->faces())); })) return;
+    if (card) give_way();
+    faces = shine_on(std::move(faces));
+    for (int c = 0; c < 3; ++c) kernel.albedo[c] = matter->albedo()[c].data(), kernel.source[c] = source[c].data();
+    for (std::int64_t cell = 0; cell < kernel.places.count(); ++cell) kernel(cell);
     opaque.reflect(faces, emission);
     turn_source();
 }

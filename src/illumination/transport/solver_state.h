@@ -16,7 +16,6 @@ struct TransportSolver::State : LightFields {
     ScatteringSettings scattering;
     const OpaqueCells& opaque = matter->opaque;
     const SweptMedium& medium = matter->swept;
-    const Colour& albedo = matter->albedo;
     Colour source_across;        ///< the same source, rows along y
     std::array<Colour, 6> sums;  ///< by the side that light comes from; those of x: rows along y
     LatticeField emission;
@@ -31,6 +30,7 @@ struct TransportSolver::State : LightFields {
     bool is_done() const;
     void start(const FirstDirections& directions, Progress& progress);
     void prepare();
+    void give_way();
     double iterate(const std::vector<Vec3>& directions, Progress& progress);
     void sweep(const std::vector<Vec3>& directions, const SweepGroup& group, const Progress& progress,
                std::span<float> arriving);

@@ -1,0 +1,91 @@
+// The medium as sweeps meet it, cell by cell.
+#pragma once
+#include "illumination/transport/light_kernel.h"
+
+namespace chiaro::kernel {
+
+/// Deeper cells let no more through than this one does, 2e-9; what the kernels raise two to stays above -126.
+inline constexpr float most_depth = 20;
+
+/// Opaque cells let all pass (their light is looked at and replaced) or, where no ray may find them, nothing.
+CHIARO_INLINE float swept_depth(float depth, bool is_opaque, bool is_listed) {
+    if (is_opaque) return is_listed ? 0 : most_depth;
+    return min(depth, most_depth);
+}
+
+/// From the grid, x fastest, to its lattices; what lies beside the cells there stays as it is.
+struct LatticeKernel {
+    CellPlaces places;
+    const float *depth, *albedo;  ///< albedo: [channel][cell]
+    const std::uint8_t* clear;    ///< 0: opaque. With a halo of one, as
+    const std::int32_t* ids;      ///< below 0: not listed
+    std::int64_t field;
+    float* extinction;    ///< rows along x, rows along y
+    float* swept_albedo;  ///< [channel], rows along x; 0 in opaque cells
+
+    CHIARO_INLINE void operator()(std::int64_t cell) const {
+        const std::int32_t x = std::int32_t(cell % places.nx), y = std::int32_t(cell / places.nx % places.ny),
+                           z = std::int32_t(cell / places.nx / places.ny);
+        const std::int64_t in_halo = (std::int64_t(z + 1) * (places.ny + 2) + y + 1) * (places.nx + 2) + x + 1;
+        const bool is_opaque = clear[in_halo] == 0;
+        const float swept = swept_depth(depth[cell], is_opaque, ids[in_halo] >= 0);
+        const std::int64_t at = places.along_x(cell);
+        extinction[at] = swept, extinction[field + places.along_y(cell)] = swept;
+        for (std::int32_t c = 0; c < 3; ++c)
+            swept_albedo[c * field + at] = is_opaque ? 0 : albedo[c * places.count() + cell];
+    }
+};
+
+/// Of the 2³ cells in one, the mean albedo by extinction.
+struct HalvedAlbedoKernel {
+    const float *depth, *albedo;    ///< of the finer grid, [channel][cell]
+    std::int32_t fine[3], node[3];  ///< cells, nodes
+    float* to;                      ///< [channel][node]
+
+    CHIARO_INLINE void operator()(std::int64_t i) const {
+        const std::int32_t x = std::int32_t(i % node[0]), y = std::int32_t(i / node[0] % node[1]),
+                           z = std::int32_t(i / node[0] / node[1]);
+        const std::int64_t cells = std::int64_t(fine[0]) * fine[1] * fine[2],
+                           nodes = std::int64_t(node[0]) * node[1] * node[2];
+        double colour[3]{}, weight = 0;
+        for (std::int32_t k = 2 * z; k < min(2 * z + 2, fine[2]); ++k)
+            for (std::int32_t j = 2 * y; j < min(2 * y + 2, fine[1]); ++j)
+                for (std::int32_t h = 2 * x; h < min(2 * x + 2, fine[0]); ++h) {
+                    const std::int64_t from = (std::int64_t(k) * fine[1] + j) * fine[0] + h;
+                    const double extinction = depth[from];
+                    for (std::int32_t c = 0; c < 3; ++c) colour[c] += extinction * albedo[c * cells + from];
+                    weight += extinction;
+                }
+        for (std::int32_t c = 0; c < 3; ++c) to[c * nodes + i] = weight > 0 ? float(colour[c] / weight) : 0;
+    }
+};
+
+/// The colours of a few nodes side by side.
+struct GatherKernel {
+    const float* colour;  ///< [channel][node]
+    std::int64_t nodes;
+    const std::size_t* which;
+    float* out;  ///< [i][channel]
+
+    CHIARO_INLINE void operator()(std::int64_t i) const {
+        for (std::int32_t c = 0; c < 3; ++c) out[3 * i + c] = colour[c * nodes + std::int64_t(which[i])];
+    }
+};
+
+/// The source of other light, perhaps on another grid: the nearest node's.
+struct NearestKernel {
+    CellPlaces places;
+    const std::int32_t* nearest[3];  ///< of the other grid's nodes, by each coordinate: what it adds to the index
+    const float* light;              ///< [node][3]
+    const float* albedo[3];
+    float* source[3];
+
+    CHIARO_INLINE void operator()(std::int64_t cell) const {
+        const std::int64_t at = places.along_x(cell), y = cell / places.nx % places.ny,
+                           z = cell / places.nx / places.ny;
+        const std::int64_t node = nearest[0][cell % places.nx] + nearest[1][y] + nearest[2][z];
+        for (std::int32_t c = 0; c < 3; ++c) source[c][at] = albedo[c][at] * light[3 * node + c];
+    }
+};
+
+}  // namespace chiaro::kernel

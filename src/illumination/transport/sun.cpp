@@ -1,0 +1,51 @@
+#include "illumination/transport/sun.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "illumination/visibility/sweep.h"
+
+namespace chiaro {
+
+SunKernels::SunKernels(const SweptMedium& medium, const Sun& sun) : share{}, faces{}, shine{} {
+    const SweepGroup group = sweep_groups({sun.direction})[0];
+    const SweepBatch ray = sweep_batches({sun.direction}, group, 1, 1, medium.opaque)[0];
+    const kernel::CellPlaces places = cell_places(medium.lattices.along_x, medium.lattices.along_y);
+    share.cells.places = faces.cells.places = shine.places = places;
+    share.cells.open = faces.cells.open = std::sqrt(4 * std::numbers::pi);
+    share.shown = std::int64_t(medium.opaque.count()), share.length = group.directions[0].length;
+    faces.rays = ray.octants[0];
+    std::copy_n(ray.rays[0].weight, 4, faces.weight);
+    for (int i = 0; i < 3; ++i) {
+        faces.light[i] = shine.colour[i] = sun.light[i];
+        faces.direction[i] = shine.direction[i] = sun.direction[i];
+    }
+}
+
+void SunKernels::use(const Numbers& numbers) {
+    share.cells.visibility = faces.cells.visibility = numbers.visibility;
+    share.cells.clear = faces.cells.clear = numbers.clear;
+    share.depth = numbers.depth, share.ids = numbers.ids, share.mean = numbers.mean;
+    faces.nodes = numbers.nodes, faces.faces = numbers.faces, shine.mean = numbers.mean;
+}
+
+void add_sun(const Device& device, const SweptMedium& medium, const Sun& sun, Progress& progress, FirstLight& light) {
+    const Density& density = medium.grid.extinction;
+    const OpaqueCells& opaque = medium.opaque;
+    const ShField field = sweep_visibility(device, density, {sun.direction}, sun_coefficients, sun_start,
+                                           SweepLattice::sheared, progress);
+    const std::vector<std::int32_t> ids = opaque.ids_with_halo();
+    std::vector<double> mean(density.grid.size());
+    SunKernels kernels(medium, sun);
+    kernels.use({field.node(0), density.data(), opaque.clear_cells(), ids.data(), opaque.nodes().data(), mean.data(),
+                 OpaqueCells::numbers(light.faces)});
+    for (int c = 0; c < 3; ++c) {
+        kernels.shine.light[c] = light.light[c].data();
+        for (int axis = 0; axis < 3; ++axis) kernels.shine.moment[c][axis] = light.moment[c][axis].data();
+    }
+    for (std::size_t cell = 0; cell < opaque.count(); ++cell) kernels.faces(std::int64_t(cell));
+    for (std::size_t cell = 0; cell < mean.size(); ++cell)
+        kernels.share(std::int64_t(cell)), kernels.shine(std::int64_t(cell));
+}
+
+}  // namespace chiaro
