@@ -64,7 +64,7 @@ double scaled_seconds(const Setup& setup, const HistogramData& data, HistogramPa
 }
 
 HistogramData data_of(const DeviceVolume& volume, const HistogramSettings& settings, Progress& progress) {
-    HistogramData data{bin_cells(volume.data(), progress), {}, settings.radius};
+    HistogramData data{bin_cells(volume.data().device, volume.data(), progress), {}, settings.radius};
     data.packing = make_packing(settings.packing, settings.packed_bins, data.cells.counts());
     return data;
 }
@@ -87,7 +87,7 @@ std::vector<Row> measure_preprocessing(const Setup& setup, const std::string& na
     Steps steps;
     LocalHistograms h;
     const double seconds =
-        cpu_seconds([&] { h = find_local_histograms(voxels.data(), settings, steps, setup.progress); });
+        cpu_seconds([&] { h = find_local_histograms(setup.device, voxels.data(), settings, steps, setup.progress); });
     found.push_back(
         one(name + "/whole", "CPU s", seconds, fmt::format("{} words, {} packed bins", h.words, data.packing.packed)));
     double wall = 0;
@@ -147,7 +147,7 @@ std::vector<Row> measure_error(const Setup& setup, const std::string& name, cons
     const Statistics statistics = measure(*volume);
     const DeviceVolume voxels = upload(setup.device, *volume);
     Steps steps;
-    const LocalHistograms h = find_local_histograms(voxels.data(), settings, steps, setup.progress);
+    const LocalHistograms h = find_local_histograms(setup.device, voxels.data(), settings, steps, setup.progress);
     auto functions = four_functions(statistics.min, statistics.p999);
     if (!*subject.file) functions = {{"own", sample_transfer_function(subject.name)}};
     const auto errors = occlusion_errors(voxels, h, functions, setup.quick ? 50 : 2000);

@@ -28,7 +28,7 @@ std::vector<OcclusionError> occlusion_errors(const DeviceVolume& volume, const L
                                              int probes) {
     const Device& device = volume.data().device;
     Progress progress;
-    const BinnedCells cells = bin_cells(volume.data(), progress);
+    const BinnedCells cells = bin_cells(volume.data().device, volume.data(), progress);
     const Ball ball(h.radius, true);
     const int bins = cells.binning.count;
     const ExactHistograms exact(device, cells, ball);

@@ -22,7 +22,7 @@ Volume clutter() {
 LocalHistograms prepared(const Device& device, const Volume& volume, const HistogramSettings& settings) {
     Steps steps;
     Progress progress;
-    return find_local_histograms(upload(device, volume).data(), settings, steps, progress);
+    return find_local_histograms(device, upload(device, volume).data(), settings, steps, progress);
 }
 
 template <class Buffer>
@@ -67,8 +67,8 @@ TEST_F(Cards, FindTheBinsOfCells) {
         for (const Vec3 spacing_mm : {Vec3{1, 1, 1}, Vec3{1, 1.4, 2.3}}) {
             volume.geometry.spacing_mm = spacing_mm;
             Progress progress;
-            const BinnedCells expected = bin_cells(upload(processor(), volume).data(), progress),
-                              found = bin_cells(upload(card, volume).data(), progress);
+            const BinnedCells expected = bin_cells(processor(), upload(processor(), volume).data(), progress),
+                              found = bin_cells(card, upload(card, volume).data(), progress);
             EXPECT_EQ(found.binning, expected.binning);
             EXPECT_EQ(different_bytes(found.buffer, expected.buffer), 0u);
             EXPECT_EQ(found.counts(), expected.counts());
@@ -83,7 +83,7 @@ TEST_F(Cards, FindTheBinsOfCells) {
 TEST_F(Cards, ChooseTheTrainingSet) {
     const auto sampled_by = [](const Device& device, const Volume& volume) {
         Progress progress;
-        HistogramData data{bin_cells(upload(device, volume).data(), progress), {}, 4};
+        HistogramData data{bin_cells(device, upload(device, volume).data(), progress), {}, 4};
         data.packing = make_packing(HistogramPacking::uniform, 16, data.cells.counts());
         return sample_histograms(device, data, HistogramPath::fast, 900, progress);
     };
@@ -134,7 +134,7 @@ TEST_F(Cards, KeepTheIdentifiersThatTheyFound) {
     const DeviceVolume volume = upload(card, clutter());
     Steps steps;
     Progress progress;
-    const LocalHistograms h = find_local_histograms(volume.data(), small, steps, progress);
+    const LocalHistograms h = find_local_histograms(card, volume.data(), small, steps, progress);
     const auto copied = mirror.copied_bytes();
     for (const HostArray& made : {HostArray::of(h.life, h.identifiers), h.lifted.array()})
         card.stream->mirror()->of(made, *card.stream);

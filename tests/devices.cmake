@@ -23,18 +23,19 @@ target_compile_definitions(cuda_emulated_test PRIVATE CHIARO_CUDA_EMULATED)
 target_link_libraries(cuda_emulated_test PRIVATE chiaro_bench chiaro GTest::gtest_main fmt::fmt chiaro_warnings)
 gtest_discover_tests(cuda_emulated_test NO_PRETTY_VALUES TEST_PREFIX Emulated DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT ${CHIARO_TEST_TIMEOUT})
 
-# The tool with that card: scripts/gallery --devices.
+# The tool with that card, for scripts/card_pictures.
 find_package(CLI11 REQUIRED)
 add_executable(chiaro_emulated EXCLUDE_FROM_ALL $<TARGET_OBJECTS:chiaro-cli> $<TARGET_OBJECTS:cuda_emulated>)
 target_link_libraries(chiaro_emulated PRIVATE $<TARGET_PROPERTY:chiaro-cli,LINK_LIBRARIES>)
 
-# But for what takes ten seconds and more of make-believe, and goes through the same kernels as quicker tests: some, and all
-# of the volumes at full size. Tests of the tool, which has another card or none, are left out too.
-set(slow Transport.AHalfSpace* Sweep.OnAnOpaque* Spao.AnyNumber* TransportEdit.ATurned* TransportEdit.TheFirst* TransportEdit.Another* Reference.Interpolated* Reference.MidPlane*
-         HistogramCache.ThatIsDamaged* HistogramLight.ShowsInEvery* HistogramLight.Bleeds* *Tool.*)
+# But for what takes five seconds and more of make-believe, and goes through the same kernels as quicker tests: some, and
+# all of the volumes at full size. Tests of the tool, which has another card or none, are left out too.
+set(slow Transport.AHalfSpace* Transport.ThickCells* TransportEdit.ATurned* TransportEdit.TheFirst* TransportEdit.Another* TransportEdit.Interrupted*
+         Reference.Interpolated* Reference.MidPlane* Reference.Converges* Spao.AnyNumber* Sweep.OnAnOpaque* LightError.Exposure* HistogramCache.*
+         HistogramLight.ShowsInEvery* HistogramLight.Bleeds* HistogramLight.KeepsThe* HistogramLight.IsPrepared* HistogramLight.Without* HistogramLight.CanBe* *Tool.*)
 list(JOIN slow : slow)
 set(small_tests ${CHIARO_DEVICE_TESTS})
-list(FILTER small_tests EXCLUDE REGEX "^(histogram|spao|transport|visibility)_error_test$|^real_views_test$")
+list(FILTER small_tests EXCLUDE REGEX "^(histogram|spao|transport|visibility)_error_test$|^real_views_test$|^methods_test$")
 foreach(name ${small_tests})
   add_executable(${name}_emulated $<TARGET_OBJECTS:${name}> $<TARGET_OBJECTS:cuda_emulated>)
   target_link_libraries(${name}_emulated PRIVATE $<TARGET_PROPERTY:${name},LINK_LIBRARIES>)

@@ -40,7 +40,8 @@ TEST_P(HistogramErrorTest, OcclusionIsNearDirectSums) {
     const Statistics statistics = measure(volume);
     const DeviceVolume voxels = upload(tested_device(), volume);
     Steps steps;
-    const LocalHistograms h = find_local_histograms(voxels.data(), {.radius = 16, .cache = "none"}, steps, progress);
+    const LocalHistograms h =
+        find_local_histograms(tested_device(), voxels.data(), {.radius = 16, .cache = "none"}, steps, progress);
     const auto functions = bench::four_functions(statistics.min, statistics.p999);
     const auto errors = bench::occlusion_errors(voxels, h, functions, 2000);
     for (std::size_t f = 0; f < functions.size(); ++f) {

@@ -241,6 +241,9 @@ using Sink = std::function<void(IlluminationField)>;
 /// or reading some megabytes where they were prepared before (HistogramSettings::cache); nothing for other methods.
 /// Throws Error{interrupted} when cancelled.
 Prepared prepare(const DeviceVolume& volume, const IlluminationSettings& settings, Progress& progress);
+/// The same by another device than the volume's, as `classify` has it.
+Prepared prepare(const Device& device, const DeviceVolume& volume, const IlluminationSettings& settings,
+                 Progress& progress);
 
 /// The settings that `prepare` depends on, all others at their defaults: what was prepared serves while these are
 /// equal.

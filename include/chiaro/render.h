@@ -70,6 +70,7 @@ Outcome raycast(const Device& device, const Medium& medium, const IlluminationFi
 
 /// Receives a frame that a better one follows, and how sure it is.
 using FramePreview = std::function<void(const Frame&, const PathStatistics&)>;
+/// The same; the frame's pixels are the next one's when it returns.
 using DeviceFramePreview = std::function<void(const DeviceFrame&, const PathStatistics&)>;
 
 /// The reference's radiance: the same L as `raycast`, E found by following light's paths (delta tracking), with

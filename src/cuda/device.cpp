@@ -24,6 +24,7 @@ Device with_card(const Device& host, const CardInfo& card, bool is_optional) {
 namespace cuda {
 
 void Stream::fetch(void* to, const void* from, std::size_t bytes) {
+    const std::lock_guard lock(landing_mutex_);
     std::byte* landed = nullptr;
     try {
         landed = landing(bytes);

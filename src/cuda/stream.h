@@ -67,6 +67,7 @@ private:
     const std::shared_ptr<Mirror> mirror_;
     const bool is_optional_;
     void* handle_ = nullptr;
+    std::mutex landing_mutex_;  ///< sessions that share voxels may share the stream of whoever brought them
     std::byte* landing_ = nullptr;
     std::size_t landing_bytes_ = 0;
     mutable std::mutex mutex_;  ///< of these:

@@ -47,7 +47,7 @@ void check_picture(const IlluminationSettings& settings) {
 IlluminationField light_of(const Device& device, const Medium::Data& medium, const IlluminationSettings& settings,
                            Progress& progress) {
     Steps steps;
-    const CellOpacity opacity = steps("opacity", [&] { return cell_opacity(medium, progress); });
+    const CellOpacity opacity = steps("opacity", [&] { return cell_opacity(device, medium, progress); });
     // A sample reads the cells around it, each of which was lifted from a cell further out.
     CellValues access = accessibility(device, medium, opacity, settings, visible_blocks(medium, opacity.values.grid, 2),
                                       steps, progress);
@@ -159,7 +159,7 @@ Volume field_of_voxels(const Device& device, const Medium::Data& medium, const P
 
 Volume accessibility_of_voxels(const Device& device, const Medium::Data& medium, const IlluminationSettings& settings,
                                Steps& steps, Progress& progress) {
-    const CellOpacity opacity = steps("opacity", [&] { return cell_opacity(medium, progress); });
+    const CellOpacity opacity = steps("opacity", [&] { return cell_opacity(device, medium, progress); });
     const BlockMap all(opacity.values.grid.count, true);
     const CellValues access = accessibility(device, medium, opacity, settings, all, steps, progress);
     return steps("voxels", [&] { return sampled_back(device, access, medium.volume, progress); });

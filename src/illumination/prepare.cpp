@@ -28,10 +28,15 @@ IlluminationSettings preparation_of(const IlluminationSettings& settings) {
 }
 
 Prepared prepare(const DeviceVolume& volume, const IlluminationSettings& settings, Progress& progress) {
+    return prepare(volume.data().device, volume, settings, progress);
+}
+
+Prepared prepare(const Device& device, const DeviceVolume& volume, const IlluminationSettings& settings,
+                 Progress& progress) {
     if (settings.method != Method::histogram) return {};
     auto data = std::make_shared<Prepared::Data>();
     Steps steps;
-    data->histograms = prepare_histograms(volume, settings.histogram, steps, data->notes, progress);
+    data->histograms = prepare_histograms(device, volume, settings.histogram, steps, data->notes, progress);
     data->stages = steps.take();
     return Prepared(std::move(data));
 }

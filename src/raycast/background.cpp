@@ -39,6 +39,7 @@ void put_there(cuda::Pixels& pixels, const Probe& probe, kernel::BackgroundKerne
     arrays.add(probe.data().weak_from_this(), probe.data().picture.rgb);
     cuda::Views(pixels.stream(), std::move(arrays)).swap(kernel.picture.rgb);
     kernel::put_background(pixels.stream(), kernel, frame.width, frame.height);
+    pixels.stream().wait();  // nobody else may hold the probe
 }
 
 }  // namespace

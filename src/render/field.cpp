@@ -43,7 +43,7 @@ bool is_in_harmonics(const IlluminationSettings& settings) {
 Volume harmonics_of(const Device& device, const Medium& medium, const IlluminationSettings& settings, Steps& steps,
                     Progress& progress) {
     const auto traced = [&] {
-        const CellOpacity opacity = steps("opacity", [&] { return cell_opacity(medium.data(), progress); });
+        const CellOpacity opacity = steps("opacity", [&] { return cell_opacity(device, medium.data(), progress); });
         return reference_visibility(device, medium.data(), opacity, settings.reference, steps, progress);
     };
     const auto found = [&] {

@@ -109,7 +109,7 @@ struct Session::State {
         begin();
         const DeviceVolume& voxels = upload.result;
         redo("prepare", prepare, {upload.version, preparation_of(scene.illumination)},
-             [&](Prepared& prepared) { prepared = chiaro::prepare(voxels, scene.illumination, progress); });
+             [&](Prepared& prepared) { prepared = chiaro::prepare(device, voxels, scene.illumination, progress); });
         tell_steps(prepare.result.stages());
         progress.check();
         redo_classify(scene);

@@ -1,5 +1,6 @@
 // What goes wrong with cards, and whether the one of make-believe is one.
 #include <cstring>
+#include <thread>
 
 #include "bench.h"
 #include "cuda_case.h"
@@ -105,7 +106,7 @@ TEST_F(TroubledCards, GiveWayAtAnyStepOfPreparingHistograms) {
         Steps steps;
         Progress progress;
         const HistogramSettings settings{.radius = 4, .clusters = 20, .packed_bins = 16};
-        return find_local_histograms(upload(device, volume).data(), settings, steps, progress);
+        return find_local_histograms(device, upload(device, volume).data(), settings, steps, progress);
     };
     const LocalHistograms expected = prepared(processor());
     int gave_way = 0;
@@ -129,20 +130,19 @@ TEST_F(TroubledCards, PrepareHistogramsPlaneByPlaneWhereTheyHaveLittleMemory) {
         const auto prepared = [&](const Device& device) {
             Steps steps;
             Progress progress;
-            return find_local_histograms(upload(device, volume).data(), settings, steps, progress);
+            return find_local_histograms(device, upload(device, volume).data(), settings, steps, progress);
         };
         const auto on_card_of = [&](std::size_t memory, std::size_t& launches) {
             cuda_emulated::card().memory_bytes = cuda_emulated::card().held_bytes + memory;
-            const Device device = Device::cuda(0, processor());
-            cuda_emulated::card().memory_bytes = std::size_t(4) << 30;
             const std::size_t before = cuda_emulated::card().launches;
-            LocalHistograms found = prepared(device);
+            LocalHistograms found = prepared(Device::cuda(0, processor()));
             launches = cuda_emulated::card().launches - before;
+            cuda_emulated::card().memory_bytes = std::size_t(4) << 30;
             return found;
         };
         const LocalHistograms expected = prepared(processor());
         std::size_t few = 0, many = 0;
-        for (const auto& [memory, launches] : {std::pair(std::size_t(2) << 30, &few), {std::size_t(4) << 20, &many}}) {
+        for (const auto& [memory, launches] : {std::pair(std::size_t(2) << 30, &few), {std::size_t(8) << 20, &many}}) {
             const LocalHistograms found = on_card_of(memory, *launches);
             EXPECT_EQ(std::memcmp(found.lifted.data(), expected.lifted.data(), expected.lifted.size()), 0);
             EXPECT_EQ(found.shares, expected.shares);
@@ -357,4 +357,23 @@ TEST(EmulatedCardDeathTest, DoesItsWorkWhenTheHostWaits) {
     EXPECT_EQ(back, 0);
     card.stream->wait();
     EXPECT_EQ(back, 2);
+}
+
+TEST_F(TroubledCards, FetchForThreadsThatShareAStream) {
+    const auto fetched = [&](int value) {
+        const std::vector<int> sent(100000, value);
+        const cuda::Array<int> there(*card.stream, sent.size());
+        card.stream->upload(there.data(), sent.data(), sent.size() * sizeof(int));
+        for (int turn = 0; turn < 50; ++turn) {
+            std::vector<int> found(sent.size());
+            card.stream->fetch(found.data(), there.data(), found.size() * sizeof(int));
+            if (found != sent) return false;
+        }
+        return true;
+    };
+    bool is_right = false;
+    std::thread other([&] { is_right = fetched(1); });
+    EXPECT_TRUE(fetched(2));
+    other.join();
+    EXPECT_TRUE(is_right);
 }

@@ -94,10 +94,10 @@ private:
 };
 
 template <class Voxel>
-void classify_cells(const Medium::Data& medium, CellOpacity& out, Progress& progress) {
+void classify_cells(const Device& device, const Medium::Data& medium, CellOpacity& out, Progress& progress) {
     CellClassifier<Voxel> classifier(medium, out.values);
     const auto blocks = out.matter.held();
-    parallel_for(medium.volume.data().device.threads, std::int64_t(blocks.size()), 1, "opacity", progress,
+    parallel_for(device.threads, std::int64_t(blocks.size()), 1, "opacity", progress,
                  [&](std::int64_t b, std::int64_t) {
                      const auto [x, y, z] = out.matter.cells(blocks[b], out.values.grid.count);
                      for (int k = z.first; k < z.second; ++k)
@@ -109,11 +109,12 @@ void classify_cells(const Medium::Data& medium, CellOpacity& out, Progress& prog
 
 /// Where voxels and occupancy are, the opacities stay too.
 template <class Voxel>
-CellValues classify_on_card(const Medium::Data& medium, const CellOpacity& out, Progress& progress) {
+CellValues classify_on_card(const Device& device, const Medium::Data& medium, const CellOpacity& out,
+                            Progress& progress) {
     const DeviceVolume::Data& volume = medium.volume.data();
-    cuda::Stream& stream = *volume.device.stream;
+    cuda::Stream& stream = *device.stream;
     const CellGrid& grid = out.values.grid;
-    CardCells made(volume.device, grid);
+    CardCells made(device, grid);
     const auto entries = opacity_entries(medium, grid);
     HostArrays arrays;
     volume.add_to(arrays), arrays.add(entries);
@@ -145,6 +146,10 @@ std::vector<float> extinction_per_edge(const Medium::Data& medium, const CellGri
 }
 
 CellOpacity cell_opacity(const Medium::Data& medium, Progress& progress) {
+    return cell_opacity(medium.volume.data().device, medium, progress);
+}
+
+CellOpacity cell_opacity(const Device& device, const Medium::Data& medium, Progress& progress) {
     const DeviceVolume::Data& volume = medium.volume.data();
     const CellGrid grid = make_cell_grid(volume.dimensions, volume.geometry);
     CellOpacity out{CellValues(grid), BlockMap(grid.count, true), visible_blocks(medium, grid, 1)};
@@ -152,8 +157,8 @@ CellOpacity cell_opacity(const Medium::Data& medium, Progress& progress) {
     if (medium.shape.mode != Mode::iso) out.matter = out.visible;
     with_stored_voxel(volume, [&](auto voxel) {
         using Voxel = decltype(voxel);
-        const auto on_card = [&] { out.values = classify_on_card<Voxel>(medium, out, progress); };
-        if (!cuda::done_on_card(volume.device, on_card)) classify_cells<Voxel>(medium, out, progress);
+        const auto on_card = [&] { out.values = classify_on_card<Voxel>(device, medium, out, progress); };
+        if (!cuda::done_on_card(device, on_card)) classify_cells<Voxel>(device, medium, out, progress);
     });
     return out;
 }

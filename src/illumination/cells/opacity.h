@@ -16,6 +16,8 @@ struct CellOpacity {
 /// cells are not voxels); 0 where it is clipped away. Of isosurfaces, how much of the cell lies inside:
 /// α = clamp(½ + (f - iso) / (|∇f| e), 0, 1), times the surface's opacity. Cost: one look-up a cell near matter.
 /// Throws Error{interrupted} when cancelled.
+CellOpacity cell_opacity(const Device& device, const Medium::Data& medium, Progress& progress);
+/// The same by the volume's device.
 CellOpacity cell_opacity(const Medium::Data& medium, Progress& progress);
 
 /// Extinction per cell edge of entry j of the optical table: the same quantity unrounded.

@@ -30,11 +30,13 @@ struct BinKernel {
         const Vec3<float> p = volume.clamp(cells.of(x, y, z));
         return volume.value(volume.locate(p, volume.voxel(p)));
     }
+    CHIARO_INLINE std::uint16_t bin_at(std::int32_t x, std::int32_t y, std::int32_t z) const {
+        return scale.bin_of(cells.are_voxels ? float(of_voxel(x, y, z)) : between_voxels(x, y, z));
+    }
     CHIARO_INLINE void operator()(std::int64_t item) const {
         const std::int64_t row = item / count[0];
-        const std::int32_t x = std::int32_t(item - row * count[0]), y = std::int32_t(row % count[1]),
-                           z = std::int32_t(row / count[1]);
-        out[item] = scale.bin_of(cells.are_voxels ? float(of_voxel(x, y, z)) : between_voxels(x, y, z));
+        out[item] =
+            bin_at(std::int32_t(item - row * count[0]), std::int32_t(row % count[1]), std::int32_t(row / count[1]));
     }
 };
 

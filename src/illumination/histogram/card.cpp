@@ -22,7 +22,10 @@ void assign_on_card(const Device& device, const HistogramData& data, HistogramPa
                      });
     stream.download(out.identifiers.data(), words.data(), words.size());
     stream.wait();
-    stream.mirror()->keep(HostArray::of(out.life, out.identifiers), words.data(), stream);
+    try {
+        stream.mirror()->keep(HostArray::of(out.life, out.identifiers), words.data(), stream);
+    } catch (const cuda::OutOfMemory&) {
+    }  // they are here too, and are sent when they are needed
 }
 
 void lift_on_card(const Device& device, const BinnedCells& cells, kernel::LiftKernel lift, LocalHistograms& h) {

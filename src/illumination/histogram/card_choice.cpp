@@ -28,11 +28,13 @@ public:
     std::size_t choose(double wanted) {
         const std::vector<kernel::ChoiceShares> shares =
             shares_of(counted(kernel::CountEdges{look_, first_.data()}), wanted);
+        const cuda::Settled shares_are_there{stream_};
         stream_.upload(shares_.data(), shares.data(), shares.size() * sizeof shares[0]);
         const kernel::ChooseRow row{look_, shares_.data()};
         Counts first = counted(kernel::CountChosen{row, first_.data()});
         const std::int32_t last = first.back();
         std::exclusive_scan(first.begin(), first.end(), first.begin(), 0);
+        const cuda::Settled settled{stream_};
         stream_.upload(first_.data(), first.data(), first.size() * sizeof first[0]);
         place_.zero();
         kernel::run_on_card(stream_, std::int64_t(rows_), kernel::PlaceChosen{row, first_.data(), place_.data()});
@@ -65,6 +67,7 @@ private:
 
     cuda::Stream& stream_;
     const std::vector<kernel::BlockPlace> blocks_;
+    const cuda::Settled settled_{stream_};  ///< before the blocks go
     const std::size_t rows_;
     const cuda::Array<kernel::BlockPlace> there_;
     const cuda::Array<kernel::ChoiceShares> shares_;
@@ -78,7 +81,6 @@ private:
 PackedHistograms sample_on_card(const Device& device, const HistogramData& data, HistogramPath path,
                                 const BlockMap& blocks, double wanted, Progress& progress) {
     cuda::Stream& stream = *device.stream;
-    const cuda::Settled settled{stream};
     CardChoice choice(stream, data.cells, blocks);
     const std::size_t cells = choice.choose(wanted);
     if (cells == 0) return PackedHistograms(0);

@@ -17,7 +17,7 @@ CardHistograms::CardHistograms(const Device& device, const HistogramData& data, 
     : stream_(*device.stream), slab_{} {
     slab_.grid = data.cells.view_on_card(stream_);
     slab_.step = step, slab_.bins = padded_bins(data.packing.packed);
-    share_out(std::min(stream_.card().free_bytes / 4, most_room), [&](int planes) {
+    share_out(std::min(stream_.room() / 4, most_room), [&](int planes) {
         return bytes_of(planes) + std::size_t(planes) * HistogramSlab::plane * 2 * bins() * sizeof(PackedHistogram);
     });
     slab_.histograms = histograms_.emplace(stream_, cells_together() * 2 * std::size_t(bins())).data();

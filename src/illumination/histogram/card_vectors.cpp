@@ -18,6 +18,7 @@ kernel::WordedVectors CardVectors::view() const {
 
 void CardVectors::assign(const Codebook& book, std::vector<std::uint16_t>& words,
                          std::vector<std::int32_t>& differences) const {
+    const cuda::Settled settled{*stream_};
     stream_->upload(words_.data(), words.data(), words.size() * sizeof words[0]);
     kernel::assign_vectors(*stream_, book.view_on_card(*stream_), view(), left_over_.none());
     stream_->download(words.data(), words_.data(), words.size() * sizeof words[0]);
@@ -37,6 +38,7 @@ void CardVectors::pick(const std::vector<std::uint32_t>& which, std::vector<Pack
 }
 
 void CardVectors::add_up(const std::vector<std::uint16_t>& words, std::vector<std::int64_t>& sums) const {
+    const cuda::Settled settled{*stream_};
     cuda::Array<cuda::Count> there(*stream_, sums.size());
     there.zero();
     stream_->upload(words_.data(), words.data(), words.size() * sizeof words[0]);

@@ -14,29 +14,30 @@ kernel::BinKernel<Voxel> bin_kernel(const DeviceVolume::Data& volume, const Binn
 }
 
 template <class Voxel>
-void bin_here(const DeviceVolume::Data& volume, BinnedCells& out, Progress& progress) {
+void bin_here(const Device& device, const DeviceVolume::Data& volume, BinnedCells& out, Progress& progress) {
     const kernel::BinKernel<Voxel> kernel = bin_kernel<Voxel>(volume, out, out.data());
     std::vector<std::uint16_t> of_stored;
     if (sizeof(Voxel) <= 2 && kernel.cells.are_voxels)
         for (std::size_t v = 0; v < std::size_t(1) << (8 * sizeof(Voxel)); ++v)
             of_stored.push_back(out.binning.bin_of(double(v)));
     const auto [nx, ny, nz] = out.grid.count;
-    parallel_for(volume.device.threads, std::int64_t(ny) * nz, 16, "histogram bins", progress,
+    parallel_for(device.threads, std::int64_t(ny) * nz, 16, "histogram bins", progress,
                  [&, nx = nx, ny = ny](std::int64_t first, std::int64_t end) {
-                     for (auto row = first; row < end; ++row)
-                         for (int x = 0; x < nx; ++x)
-                             if (of_stored.empty())
-                                 kernel(row * nx + x);
-                             else
-                                 kernel.out[row * nx + x] =
-                                     of_stored[std::size_t(kernel.of_voxel(x, int(row % ny), int(row / ny)))];
+                     for (auto row = first; row < end; ++row) {
+                         const int y = int(row % ny), z = int(row / ny);
+                         std::uint16_t* const to = kernel.out + row * nx;
+                         if (of_stored.empty())
+                             for (int x = 0; x < nx; ++x) to[x] = kernel.bin_at(x, y, z);
+                         else
+                             for (int x = 0; x < nx; ++x) to[x] = of_stored[std::size_t(kernel.of_voxel(x, y, z))];
+                     }
                  });
 }
 
 /// Where the voxels are, their bins stay.
 template <class Voxel>
-void bin_on_card(const DeviceVolume::Data& volume, BinnedCells& out) {
-    cuda::Stream& stream = *volume.device.stream;
+void bin_on_card(const Device& device, const DeviceVolume::Data& volume, BinnedCells& out) {
+    cuda::Stream& stream = *device.stream;
     const cuda::Array<std::uint16_t> made(stream, out.grid.size());
     kernel::BinKernel<Voxel> kernel = bin_kernel<Voxel>(volume, out, made.data());
     HostArrays arrays;
@@ -44,7 +45,7 @@ void bin_on_card(const DeviceVolume::Data& volume, BinnedCells& out) {
     cuda::Views views(stream, std::move(arrays));
     views.swap(kernel.volume.voxels);
     kernel::run_on_card(stream, std::int64_t(made.size()), kernel);
-    out.buffer.keep(volume.device.stream, made.data());
+    out.buffer.keep(device.stream, made.data());
 }
 
 }  // namespace
@@ -68,12 +69,12 @@ kernel::BinGrid BinnedCells::view_on_card(cuda::Stream& stream) const {
             {grid.count[0], grid.count[1], grid.count[2]}};
 }
 
-BinnedCells bin_cells(const DeviceVolume::Data& volume, Progress& progress) {
+BinnedCells bin_cells(const Device& device, const DeviceVolume::Data& volume, Progress& progress) {
     BinnedCells out(make_cell_grid(volume.dimensions, volume.geometry), make_binning(volume));
     with_stored_voxel(volume, [&](auto voxel) {
         using Voxel = decltype(voxel);
-        if (!cuda::done_on_card(volume.device, [&] { bin_on_card<Voxel>(volume, out); }))
-            bin_here<Voxel>(volume, out, progress);
+        if (!cuda::done_on_card(device, [&] { bin_on_card<Voxel>(device, volume, out); }))
+            bin_here<Voxel>(device, volume, out, progress);
     });
     progress.check();
     return out;

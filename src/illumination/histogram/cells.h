@@ -44,6 +44,6 @@ struct BinnedCells {
 };
 
 /// Cost: one look-up a cell. A card keeps them until the host reads them. Throws Error{interrupted} when cancelled.
-BinnedCells bin_cells(const DeviceVolume::Data& volume, Progress& progress);
+BinnedCells bin_cells(const Device& device, const DeviceVolume::Data& volume, Progress& progress);
 
 }  // namespace chiaro

@@ -50,10 +50,10 @@ Packing packing_of(const BinnedCells& cells, const HistogramSettings& settings) 
 
 }  // namespace
 
-LocalHistograms find_local_histograms(const DeviceVolume::Data& volume, const HistogramSettings& settings, Steps& steps,
-                                      Progress& progress) {
-    const Device& device = volume.device;
-    HistogramData data{steps("histogram bins", [&] { return bin_cells(volume, progress); }), {}, settings.radius};
+LocalHistograms find_local_histograms(const Device& device, const DeviceVolume::Data& volume,
+                                      const HistogramSettings& settings, Steps& steps, Progress& progress) {
+    HistogramData data{
+        steps("histogram bins", [&] { return bin_cells(device, volume, progress); }), {}, settings.radius};
     const CellGrid& grid = data.cells.grid;
     data.packing = packing_of(data.cells, settings);
     const int bins = padded_bins(data.packing.packed);

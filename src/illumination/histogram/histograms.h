@@ -47,8 +47,8 @@ struct LocalHistograms : std::enable_shared_from_this<LocalHistograms> {
 
 /// All steps: bins, training, assignment fused with the histograms (which are never stored), words from unpacked
 /// members. The same for any number of threads and instruction set. Throws Error{interrupted} when cancelled.
-LocalHistograms find_local_histograms(const DeviceVolume::Data& volume, const HistogramSettings& settings, Steps& steps,
-                                      Progress& progress);
+LocalHistograms find_local_histograms(const Device& device, const DeviceVolume::Data& volume,
+                                      const HistogramSettings& settings, Steps& steps, Progress& progress);
 
 /// Fills `lifted`.
 void lift_identifiers(const Device& device, const BinnedCells& cells, LocalHistograms& histograms);

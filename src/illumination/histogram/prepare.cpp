@@ -43,7 +43,7 @@ void check_settings(const HistogramSettings& settings) {
 int proposed_radius(const DeviceVolume& volume) {
     constexpr int probes = 4096, least = 4, most = 32;
     Progress progress;
-    const BinnedCells cells = bin_cells(volume.data(), progress);
+    const BinnedCells cells = bin_cells(volume.data().device, volume.data(), progress);
     const auto [nx, ny, nz] = cells.grid.count;
     const float strong = float(cells.binning.count) / 8;
     double sum = 0;
@@ -59,9 +59,9 @@ int proposed_radius(const DeviceVolume& volume) {
     return count == 0 ? HistogramSettings().radius : std::clamp(int(std::lround(sum / count)), least, most);
 }
 
-std::shared_ptr<const LocalHistograms> prepare_histograms(const DeviceVolume& volume, HistogramSettings settings,
-                                                          Steps& steps, std::vector<std::string>& notes,
-                                                          Progress& progress) {
+std::shared_ptr<const LocalHistograms> prepare_histograms(const Device& device, const DeviceVolume& volume,
+                                                          HistogramSettings settings, Steps& steps,
+                                                          std::vector<std::string>& notes, Progress& progress) {
     check_settings(settings);
     const DeviceVolume::Data& data = volume.data();
     if (settings.radius == 0) {
@@ -74,13 +74,13 @@ std::shared_ptr<const LocalHistograms> prepare_histograms(const DeviceVolume& vo
         // Only what cannot be found again at once is kept.
         found->radius = settings.radius, found->subsample = settings.subsample;
         steps("histogram lift", [&] {
-            const BinnedCells cells = bin_cells(data, progress);
+            const BinnedCells cells = bin_cells(device, data, progress);
             found->grid = cells.grid, found->binning = cells.binning;
-            lift_identifiers(data.device, cells, *found);
+            lift_identifiers(device, cells, *found);
         });
         return std::make_shared<const LocalHistograms>(std::move(*found));
     }
-    auto made = std::make_shared<LocalHistograms>(find_local_histograms(data, settings, steps, progress));
+    auto made = std::make_shared<LocalHistograms>(find_local_histograms(device, data, settings, steps, progress));
     steps("histogram keep", [&] { cache.write(*made, notes); });
     return made;
 }

@@ -31,7 +31,7 @@ Volume clutter(std::array<int, 3> n = {45, 41, 47}) {
 
 BinnedCells binned(const Volume& volume) {
     Progress progress;
-    return bin_cells(upload(tested_device(), volume).data(), progress);
+    return bin_cells(tested_device(), upload(tested_device(), volume).data(), progress);
 }
 
 /// Spec 3.1, word for word, in double.
@@ -282,7 +282,7 @@ LocalHistograms histograms_of(const Volume& volume, HistogramSettings settings,
                               const Device& device = tested_device()) {
     Steps steps;
     Progress progress;
-    return find_local_histograms(upload(device, volume).data(), settings, steps, progress);
+    return find_local_histograms(device, upload(device, volume).data(), settings, steps, progress);
 }
 
 constexpr HistogramSettings small{.radius = 6, .clusters = 100, .packed_bins = 16};

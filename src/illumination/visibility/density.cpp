@@ -68,7 +68,8 @@ Density halved(const Density& finer, const Device& device, Progress& progress) {
 }
 
 Density density_for(const Medium::Data& medium, int subsample, const Device& device, Progress& progress) {
-    if (medium.shape.mode == Mode::iso) return density_of(cell_opacity(medium, progress), subsample, device, progress);
+    if (medium.shape.mode == Mode::iso)
+        return density_of(cell_opacity(device, medium, progress), subsample, device, progress);
     const DeviceVolume::Data& volume = medium.volume.data();
     const CellGrid grid = make_cell_grid(volume.dimensions, volume.geometry);
     const BlockMap matter = visible_blocks(medium, grid, 1);
