@@ -1,16 +1,15 @@
 # What is true of the processor is true of a card: the same tests there (cuda/NAME, "skipped" without one), and on the
 # card of make-believe (emulated/NAME). CHIARO_DEVICE_TESTS: programs that ask devices.h where to work.
+if(CHIARO_SANITIZE)  # these watch the processor: a card has a sanitizer of its own, and the other would be minutes of compiling
+  return()
+endif()
 add_custom_target(device_tests DEPENDS ${CHIARO_DEVICE_TESTS})
 foreach(name ${CHIARO_DEVICE_TESTS})
   add_test(NAME cuda/${name} COMMAND ${name})
   set_tests_properties(cuda/${name} PROPERTIES LABELS cuda TIMEOUT ${CHIARO_TEST_TIMEOUT} SKIP_RETURN_CODE 77 ENVIRONMENT CHIARO_TEST_DEVICE=cuda)
 endforeach()
 
-# That card is the same units, compiled for the processor. It watches its memory itself; under the sanitizers it would be
-# minutes of compiling.
-if(CHIARO_SANITIZE)
-  return()
-endif()
+# That card is the same units, compiled for the processor. It watches its memory itself.
 add_library(cuda_emulated OBJECT ${CHIARO_CUDA_LAUNCHERS} ${PROJECT_SOURCE_DIR}/src/cuda/stream.cpp cuda_emulated/cuda_emulated.cpp cuda_emulated/textures.cpp)
 chiaro_cuda_as_cpp()
 target_include_directories(cuda_emulated PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/cuda_emulated ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/include)
