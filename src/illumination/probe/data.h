@@ -4,9 +4,9 @@
 
 #include <cmath>
 #include <memory>
-#include <mutex>
 #include <numbers>
 
+#include "core/lazy.h"
 #include "core/srgb.h"
 #include "illumination/probe/lambert.h"
 #include "illumination/sh/rotation.h"
@@ -43,21 +43,6 @@ struct ProbePicture {
 /// Y_lm = P(θ) cos mφ (m >= 0) or P(θ) sin |m|φ, a row needs the sums of its pixels times cos mφ and sin mφ alone. The
 /// same for any number of threads.
 std::array<ShCoefficients, 3> project(const ProbePicture& picture);
-
-/// Made when first asked for, by whichever thread asks.
-template <class T>
-class Lazy {
-public:
-    template <class Make>
-    const T& operator()(const Make& make) const {
-        std::call_once(made_, [&] { value_ = std::make_unique<const T>(make()); });
-        return *value_;
-    }
-
-private:
-    mutable std::once_flag made_;
-    mutable std::unique_ptr<const T> value_;
-};
 
 struct Probe::Data : std::enable_shared_from_this<Data> {
     explicit Data(ProbePicture of) : picture(std::move(of)), sh(project(picture)) {}

@@ -45,18 +45,15 @@ private:
     void sweep(const SweepAxes& axes, const FirstBatch& batch, bool is_first, TravellingPlanes& planes, Sums& sums,
                Arriving arriving) const {
         const Lattice& lattice = medium_.lattices.of(axes);
+        const float* extinction = medium_.extinction().of(axes);
         Kernel kernel = batch.kernel(is_first);
         planes.start(batch.count(), 1);
         for_each_row(lattice, axes, medium_.opaque, nullptr, arriving.data(), progress_, planes,
                      [&](const kernel::SweepPlane& plane, const SweptRow& row) {
                          kernel.plane = plane;
-                         kernel::FirstSweepRow to{planes.place(row.v),
-                                                  lattice.count()[axes.u],
-                                                  medium_.extinction().of(axes) + row.at,
-                                                  {},
-                                                  row.opaque};
-                         ask_for(row.opaque, batch.octants),
-                             ask_for(medium_.extinction().of(axes) + row.next, to.count);
+                         kernel::FirstSweepRow to{
+                             planes.place(row.v), lattice.count()[axes.u], extinction + row.at, {}, row.opaque};
+                         ask_for(row.opaque, batch.octants), ask_for(extinction + row.next, to.count);
                          for (int s = 0; s < Kernel::sums; ++s) {
                              to.sums[s] = sums[s].data() + row.at;
                              ask_for(sums[s].data() + row.next, to.count);

@@ -1,6 +1,6 @@
 // Light that no one has scattered yet: the probe's, through the matter on its way.
 #pragma once
-#include "core/on_demand.h"
+#include "core/lazy.h"
 #include "illumination/transport/incident.h"
 #include "illumination/transport/sweep.h"
 
@@ -15,11 +15,13 @@ struct SweptMedium {
     SweptMedium(const LightGrid& light_grid, const OpaqueCells& cells)
         : grid(light_grid), opaque(cells), lattices(light_grid.extinction.grid.count) {}
     /// For sweeps here; a card has its own.
-    const BothWays& extinction() const { return extinction_.get(); }
+    const BothWays& extinction() const {
+        return extinction_([this] { return find_extinction(); });
+    }
 
 private:
     BothWays find_extinction() const;
-    OnDemand<BothWays> extinction_{[this] { return find_extinction(); }};
+    Lazy<BothWays> extinction_;
 };
 
 struct FirstLight {

@@ -65,10 +65,13 @@ TransportMatter::TransportMatter(LightGrid light_grid, const Geometry& volume, b
       weight(grid.extinction.grid.size()),
       skin_albedo(colours_at(grid.albedo, grid.skins, device)),
       geometry(volume),
-      counts_bounces(counted),
-      albedo_([this] { return albedos_of(grid, opaque, swept.lattices.along_x); }) {
+      counts_bounces(counted) {
     for (std::size_t node = 0; node < weight.size(); ++node)
         weight[node] = std::max(float(-std::expm1(-grid.extinction.data()[node])), 1e-3f);
+}
+
+const Colour& TransportMatter::albedo() const {
+    return albedo_([this] { return albedos_of(grid, opaque, swept.lattices.along_x); });
 }
 
 SharedMatter matter_of(const Device& device, const Medium::Data& medium, int cells,

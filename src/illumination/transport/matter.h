@@ -19,10 +19,10 @@ struct TransportMatter {
     TransportMatter& operator=(const TransportMatter&) = delete;
 
     /// For sweeps here, rows along x; 0 in opaque cells.
-    const Colour& albedo() const { return albedo_.get(); }
+    const Colour& albedo() const;
 
 private:
-    OnDemand<Colour> albedo_;
+    Lazy<Colour> albedo_;
 };
 using SharedMatter = std::shared_ptr<const TransportMatter>;
 

@@ -112,7 +112,7 @@ OpaqueCells::Rows OpaqueCells::list_rows(bool along_y) const {
 }
 
 std::span<const kernel::OpaqueCell> OpaqueCells::row(const Lattice& lattice, int a, int b) const {
-    const Rows& rows = (lattice.along_y() ? along_y_ : along_x_).get();
+    const Rows& rows = (lattice.along_y() ? along_y_ : along_x_)([&] { return list_rows(lattice.along_y()); });
     const std::size_t row = lattice.along_y() ? std::size_t(a) * count_[2] + b : std::size_t(b) * count_[1] + a;
     const std::int32_t first = rows.starts[row], end = rows.starts[row + 1];
     return std::span(rows.cells).subspan(std::size_t(first), std::size_t(end - first));

@@ -3,7 +3,7 @@
 #include <span>
 
 #include "core/host_array.h"
-#include "core/on_demand.h"
+#include "core/lazy.h"
 #include "illumination/transport/grid.h"
 #include "illumination/transport/lattice.h"
 #include "illumination/transport/opaque_kernel.h"
@@ -107,7 +107,7 @@ private:
     std::vector<kernel::OpaqueCover> covers_;
     std::vector<std::uint8_t> bits_;   ///< bit o: a ray towards octant o finds a face in the open; with the halo
     std::vector<std::uint8_t> clear_;  ///< with the halo
-    OnDemand<Rows> along_x_{[this] { return list_rows(false); }}, along_y_{[this] { return list_rows(true); }};
+    Lazy<Rows> along_x_, along_y_;
 };
 
 }  // namespace chiaro

@@ -145,6 +145,7 @@ void TransportSolver::State::sweep(const std::vector<Vec3>& directions, const Sw
     const auto run = kernel::transport_functions_for(device.isa).source_row;
     const SweepAxes& axes = group.axes;
     const Lattice& lattice = medium.lattices.of(axes);
+    const float* extinction = medium.extinction().of(axes);
     const Colour& from = lattice.along_y() ? source_across : source;
     Colour& to = sums[side_of(axes)];
     std::fill(arriving.begin(), arriving.end(), 0.0f);
@@ -158,8 +159,8 @@ void TransportSolver::State::sweep(const std::vector<Vec3>& directions, const Sw
         Kernel kernel = batch.kernel(directions.size(), is_first);
         const auto visit = [&](const kernel::SweepPlane& plane, const SweptRow& row) {
             kernel.plane = plane;
-            kernel::SourceRow at{planes.place(row.v), nu, medium.extinction().of(axes) + row.at, {}, {}, row.opaque};
-            ask_for(row.opaque, batch.octants), ask_for(medium.extinction().of(axes) + row.next, nu);
+            kernel::SourceRow at{planes.place(row.v), nu, extinction + row.at, {}, {}, row.opaque};
+            ask_for(row.opaque, batch.octants), ask_for(extinction + row.next, nu);
             for (int c = 0; c < 3; ++c) {
                 at.source[c] = from[c].data() + row.at, at.sums[c] = to[c].data() + row.at;
                 ask_for(from[c].data() + row.next, nu), ask_for(to[c].data() + row.next, nu);
@@ -176,6 +177,7 @@ double TransportSolver::State::update(const kernel::UpdateKernel& kernel) {
     const Lattice &along_x = medium.lattices.along_x, &along_y = medium.lattices.along_y;
     const auto [nx, ny, nz] = along_x.count();
     const Colour& albedo = matter->albedo();
+    const float* extinction = medium.extinction().along_x.data();
     const auto run = kernel::transport_functions_for(device.isa).update_row;
     const std::size_t slice = std::size_t(along_x.row()) * ny;
     std::vector<float> changes(std::size_t(nz) * 2 * 16, 0);
@@ -188,7 +190,7 @@ double TransportSolver::State::update(const kernel::UpdateKernel& kernel) {
         for (int y = 0; y < ny; ++y) {
             const std::size_t in_slice = std::size_t(y) * along_x.row(), at = start + in_slice;
             kernel::UpdateRow row{};
-            row.count = nx, row.extinction = medium.extinction().along_x.data() + at, row.change = &lanes;
+            row.count = nx, row.extinction = extinction + at, row.change = &lanes;
             for (int c = 0; c < 3; ++c) {
                 row.albedo[c] = albedo[c].data() + at, row.first[c] = first.light[c].data() + at;
                 row.source[c] = source[c].data() + at, row.mean[c] = mean[c].data() + at;
