@@ -18,8 +18,15 @@ CHIARO_INLINE bool is_asked(const std::uint8_t (*pieces)[BlockPlace::edge / Bloc
     return pieces[z / BlockPlace::height][y / BlockPlace::height] >> (x / BlockPlace::width) & 1;
 }
 
-/// One of the items of blocks side by side, `size` each: rows of so many, the first of all `halo` cells before its
-/// block.
+/// One of the items of blocks side by side, `size` each.
+struct BlockShare {
+    std::uint32_t block;
+    std::int32_t i;
+    CHIARO_INLINE BlockShare(std::int64_t item, std::int32_t size)
+        : block(std::uint32_t(item) / std::uint32_t(size)), i(std::int32_t(item - std::int64_t(block) * size)) {}
+};
+
+/// The same of a size known when compiling: rows of so many, the first of all `halo` cells before its block.
 template <int row, int halo, int size>
 struct BlockItem {
     const BlockPlace& place;

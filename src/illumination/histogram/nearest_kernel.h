@@ -89,26 +89,35 @@ CHIARO_INLINE FoundWord nearest_word(const CodebookView& book, const std::int16_
     return near.is_nearest ? near : word_of_all<metric>(book, x, near);
 }
 
-/// The same for the book's metric.
+template <CodebookMetric metric>
+struct OfMetric {
+    static constexpr CodebookMetric value = metric;
+};
+/// use(of) by the book's metric, decltype(of)::value.
+template <class Use>
+CHIARO_INLINE auto by_metric(const CodebookView& book, Use&& use) {
+    if (book.metric == CodebookMetric::l1) return use(OfMetric<CodebookMetric::l1>());
+    if (book.metric == CodebookMetric::lmax) return use(OfMetric<CodebookMetric::lmax>());
+    return use(OfMetric<CodebookMetric::l2>());
+}
 CHIARO_INLINE std::int32_t difference_of(const CodebookView& book, const std::int16_t* a, const std::int16_t* b) {
-    return book.metric == CodebookMetric::l1     ? difference<CodebookMetric::l1>(a, b, book.bins)
-           : book.metric == CodebookMetric::lmax ? difference<CodebookMetric::lmax>(a, b, book.bins)
-                                                 : difference<CodebookMetric::l2>(a, b, book.bins);
+    return by_metric(book,
+                     [&](auto of) CHIARO_INLINE_LAMBDA { return difference<decltype(of)::value>(a, b, book.bins); });
 }
 CHIARO_INLINE FoundWord near_word(const CodebookView& book, const std::int16_t* x, std::int32_t guess) {
-    return book.metric == CodebookMetric::l1     ? near_word<CodebookMetric::l1>(book, x, guess)
-           : book.metric == CodebookMetric::lmax ? near_word<CodebookMetric::lmax>(book, x, guess)
-                                                 : near_word<CodebookMetric::l2>(book, x, guess);
+    return by_metric(book,
+                     [&](auto of) CHIARO_INLINE_LAMBDA { return near_word<decltype(of)::value>(book, x, guess); });
 }
 CHIARO_INLINE FoundWord word_of_all(const CodebookView& book, const std::int16_t* x, FoundWord found) {
-    return book.metric == CodebookMetric::l1     ? word_of_all<CodebookMetric::l1>(book, x, found)
-           : book.metric == CodebookMetric::lmax ? word_of_all<CodebookMetric::lmax>(book, x, found)
-                                                 : word_of_all<CodebookMetric::l2>(book, x, found);
+    return by_metric(book,
+                     [&](auto of) CHIARO_INLINE_LAMBDA { return word_of_all<decltype(of)::value>(book, x, found); });
 }
 CHIARO_INLINE FoundWord nearest_word(const CodebookView& book, const std::int16_t* x, std::int32_t guess) {
-    return book.metric == CodebookMetric::l1     ? nearest_word<CodebookMetric::l1>(book, x, guess)
-           : book.metric == CodebookMetric::lmax ? nearest_word<CodebookMetric::lmax>(book, x, guess)
-                                                 : nearest_word<CodebookMetric::l2>(book, x, guess);
+    return by_metric(book,
+                     [&](auto of) CHIARO_INLINE_LAMBDA { return nearest_word<decltype(of)::value>(book, x, guess); });
+}
+CHIARO_INLINE float distance_of(const CodebookView& book, std::int32_t difference) {
+    return by_metric(book, [&](auto of) CHIARO_INLINE_LAMBDA { return distance_of<decltype(of)::value>(difference); });
 }
 
 /// Whether `x` is what lies `beside` it (null: nothing does), so that its word is too.
@@ -139,10 +148,6 @@ CHIARO_INLINE void assign_each(const CodebookView& book, const std::int16_t* his
         const FoundWord found = nearest_word(book, histograms + i * book.bins, words[i]);
         words[i] = std::uint16_t(found.word), differences[i] = found.difference;
     }
-}
-
-CHIARO_INLINE float distance_of(const CodebookView& book, std::int32_t difference) {
-    return book.metric == CodebookMetric::l2 ? distance_of<CodebookMetric::l2>(difference) : float(difference);
 }
 
 /// Differences of one word to all.

@@ -17,14 +17,6 @@ struct HistogramSlab {
     CHIARO_INLINE std::int32_t cells() const { return planes * plane; }
 };
 
-/// One of the items of blocks side by side, `size` each.
-struct BlockShare {
-    std::uint32_t block;
-    std::int32_t i;
-    CHIARO_INLINE BlockShare(std::int64_t item, std::int32_t size)
-        : block(std::uint32_t(item) / std::uint32_t(size)), i(std::int32_t(item - std::int64_t(block) * size)) {}
-};
-
 /// A cell of a slab: `x`, `y` and `z` in its block, `at` in the grid.
 struct SlabCell {
     std::uint32_t block;

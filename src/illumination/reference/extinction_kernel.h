@@ -82,9 +82,9 @@ struct FillExtinction {
     RowSpan* spans;
 
     CHIARO_INLINE void operator()(std::int64_t item) const {
-        const BlockPlace& place = places[item / rows];
-        const std::int32_t i = std::int32_t(item % rows);
-        const std::int32_t y = place.first[1] + i % BlockPlace::edge, z = place.first[2] + i / BlockPlace::edge;
+        const BlockShare its(item, rows);
+        const BlockPlace& place = places[its.block];
+        const std::int32_t y = place.first[1] + its.i % BlockPlace::edge, z = place.first[2] + its.i / BlockPlace::edge;
         spans[item] = y < row.count[1] && z < row.count[2] ? row(place.first[0], y, z) : RowSpan{BlockPlace::edge, 0};
     }
 };

@@ -39,11 +39,10 @@ constexpr std::size_t runs_on_card = 1 << 16;  ///< 128 MB of sums
 
 template <class Rays, class Follower, class Found>
 void trace_on_card(cuda::Stream& stream, const std::vector<NodeRun>& runs, int stride,
-                   const std::vector<Vec3>& directions, const Follower& follower, Progress& progress,
+                   const std::vector<Vec3>& directions, const Follower& follower, HostArrays arrays, Progress& progress,
                    const Found& found) {
     auto follow = follower();
-    HostArrays arrays;
-    follow.add_medium(arrays), arrays.add(runs);
+    arrays.add(runs);
     cuda::Views medium(stream, std::move(arrays));
     const NodeRun* there = runs.data();
     medium.swap(there);
@@ -69,12 +68,12 @@ template <class Rays, class Follower, class Found>
 void trace(const Device& device, const std::vector<NodeRun>& runs, int stride, int rays, const Follower& follower,
            Progress& progress, const Found& found) {
     const auto directions = fibonacci_directions(rays);
-    const auto on_card = [&] {
-        trace_on_card<Rays>(*device.stream, runs, stride, directions, follower, progress, found);
-    };
-    if (cuda::done_on_card(device, on_card)) return;
     HostArrays arrays;
     follower().add_medium(arrays);
+    const auto on_card = [&] {
+        trace_on_card<Rays>(*device.stream, runs, stride, directions, follower, arrays, progress, found);
+    };
+    if (cuda::done_on_card(device, on_card)) return;
     arrays.fetch();
     const auto trace_runs = kernel::trace_runs_for<Rays>(device.isa);
     const auto work = [&](std::int64_t first, std::int64_t end) {

@@ -24,9 +24,7 @@ struct LatticeKernel {
     float* swept_albedo;  ///< [channel], rows along x; 0 in opaque cells
 
     CHIARO_INLINE void operator()(std::int64_t cell) const {
-        const std::int32_t x = std::int32_t(cell % places.nx), y = std::int32_t(cell / places.nx % places.ny),
-                           z = std::int32_t(cell / places.nx / places.ny);
-        const std::int64_t in_halo = (std::int64_t(z + 1) * (places.ny + 2) + y + 1) * (places.nx + 2) + x + 1;
+        const std::int64_t in_halo = places.in_halo(cell);
         const bool is_opaque = clear[in_halo] == 0;
         const float swept = swept_depth(depth[cell], is_opaque, ids[in_halo] >= 0);
         const std::int64_t at = places.along_x(cell);

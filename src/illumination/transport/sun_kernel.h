@@ -13,10 +13,6 @@ struct SunlitCells {
     double open;                ///< the first coefficient where nothing is in the way
 
     CHIARO_INLINE double arriving(std::int64_t cell) const { return visibility[4 * cell] / open; }
-    CHIARO_INLINE std::int64_t in_halo(std::int64_t cell) const {
-        const std::int64_t x = cell % places.nx, y = cell / places.nx % places.ny, z = cell / places.nx / places.ny;
-        return ((z + 1) * (places.ny + 2) + y + 1) * (places.nx + 2) + x + 1;
-    }
 };
 
 /// The share of each cell: below 0 in opaque ones that show no face.
@@ -29,7 +25,7 @@ struct SunShareKernel {
     double* mean;
 
     CHIARO_INLINE void operator()(std::int64_t cell) const {
-        const std::int64_t at = cells.in_halo(cell);
+        const std::int64_t at = cells.places.in_halo(cell);
         const bool is_opaque = cells.clear[at] == 0, shows_none = ids[at] < 0 || ids[at] >= shown;
         const double passed = is_opaque ? 0 : depth[cell];
         mean[cell] = is_opaque && shows_none ? -1 : cells.arriving(cell) * (1 + ::exp(-passed * length)) / 2;
@@ -48,7 +44,7 @@ struct SunFacesKernel {
     CHIARO_INLINE void operator()(std::int64_t i) const {
         const auto cell = std::int64_t(nodes[i]);
         OpaqueRow row{};
-        row.clear = cells.clear + cells.in_halo(cell);
+        row.clear = cells.clear + cells.places.in_halo(cell);
         const std::int32_t pattern = row.pattern(rays, {});
         float share = 0;
         for (std::int32_t tap = 0; tap < 4; ++tap)

@@ -111,16 +111,23 @@ private:
     }
 };
 
+/// A side, and which of its threads.
+template <class Side>
+struct SideThread {
+    const Side& side;
+    std::int32_t i;
+};
+
 /// Sides next to each other, each with as many threads as it needs: `first` of them is told for each kind of work.
 template <class Side>
 struct Sides {
     const Side* at;
     std::int32_t count;
 
-    CHIARO_INLINE const Side& holding(SideWork work, std::int32_t item) const {
+    CHIARO_INLINE SideThread<Side> thread(SideWork work, std::int64_t i) const {
         std::int32_t s = count - 1;
-        while (item < at[s].nodes.first[work]) --s;
-        return at[s];
+        while (i < at[s].nodes.first[work]) --s;
+        return {at[s], std::int32_t(i) - at[s].nodes.first[work]};
     }
 };
 
@@ -128,9 +135,9 @@ template <class Side>
 struct StartSides {
     Sides<Side> sides;
 
-    CHIARO_INLINE void operator()(std::int64_t i) const {
-        const Side& side = sides.holding(starting, std::int32_t(i));
-        side.start(std::int32_t(i) - side.nodes.first[starting]);
+    CHIARO_INLINE void operator()(std::int64_t item) const {
+        const auto [side, i] = sides.thread(starting, item);
+        side.start(i);
     }
 };
 template <class Side>
@@ -138,9 +145,9 @@ struct TravelSides {
     Sides<Side> sides;
     std::int32_t k;
 
-    CHIARO_INLINE void operator()(std::int64_t i) const {
-        const Side& side = sides.holding(travelling, std::int32_t(i));
-        side.travel(k, std::int32_t(i) - side.nodes.first[travelling]);
+    CHIARO_INLINE void operator()(std::int64_t item) const {
+        const auto [side, i] = sides.thread(travelling, item);
+        side.travel(k, i);
     }
 };
 template <class Side>
@@ -148,11 +155,10 @@ struct ProjectSides {
     Sides<Side> sides;
     std::int32_t k;
 
-    CHIARO_INLINE void operator()(std::int64_t i) const {
-        const Side& side = sides.holding(projecting, std::int32_t(i));
-        const std::int32_t item = std::int32_t(i) - side.nodes.first[projecting],
-                           node = item / side.nodes.harmonics.coefficients;
-        side.project(k, node / side.nodes.nu, node % side.nodes.nu, item % side.nodes.harmonics.coefficients);
+    CHIARO_INLINE void operator()(std::int64_t item) const {
+        const auto [side, i] = sides.thread(projecting, item);
+        const std::int32_t coefficients = side.nodes.harmonics.coefficients, node = i / coefficients;
+        side.project(k, node / side.nodes.nu, node % side.nodes.nu, i % coefficients);
     }
 };
 
