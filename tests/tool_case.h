@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -54,7 +55,8 @@ protected:
         if (!std::filesystem::exists(CHIARO_BIN "/chiaro")) GTEST_SKIP() << "skipped: the tool was not built";
     }
 
-    /// Runs `chiaro ARGUMENTS`, as a shell reads them, in the folder. A signal is sent, where given, after that time.
+    /// Runs `chiaro ARGUMENTS`, as a shell reads them, in the folder. A signal is sent, where given, once it has had
+    /// that much time of a processor: it has come as far however busy the machine is.
     Said tool(const std::string& arguments, int signal = 0, std::chrono::milliseconds after = {}) {
         const auto out = folder / ".out", err = folder / ".err";
         const std::string line = "exec " CHIARO_BIN "/chiaro " + arguments + " >.out 2>.err";
@@ -64,7 +66,7 @@ protected:
             _exit(127);
         }
         if (signal) {
-            std::this_thread::sleep_for(after);
+            while (processor_time(child) < after) std::this_thread::sleep_for(std::chrono::milliseconds(5));
             kill(child, signal);
         }
         int status = 0;
@@ -72,5 +74,13 @@ protected:
         const Said said{WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), read(".out"), read(".err")};
         std::filesystem::remove(out), std::filesystem::remove(err);
         return said;
+    }
+
+private:
+    static std::chrono::nanoseconds processor_time(pid_t process) {
+        clockid_t clock;
+        timespec time{};
+        if (clock_getcpuclockid(process, &clock) == 0) clock_gettime(clock, &time);
+        return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
     }
 };

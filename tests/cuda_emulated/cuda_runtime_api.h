@@ -172,12 +172,21 @@ Card& card();
 
 /// `counts`: 0 for bytes that hold anything.
 void refuse_host_pointers(const void* argument, const unsigned char* counts, std::size_t bytes);
+/// 255, and 0 for padding.
+template <class Argument>
+struct CountedBytes {
+    union Alone {  // GCC 12 forgets padding of and behind long arrays of structs, but not in a union
+        Argument argument;
+    };
+    alignas(Argument) unsigned char at[sizeof(Argument)];
+    CountedBytes() {
+        std::fill_n(at, sizeof at, 255);
+        __builtin_clear_padding(reinterpret_cast<Alone*>(at));
+    }
+};
 template <class Argument>
 void refuse_host_pointers_in(const Argument& argument) {
-    alignas(Argument) unsigned char counts[sizeof argument];
-    std::fill_n(counts, sizeof argument, 255);
-    __builtin_clear_padding(reinterpret_cast<Argument*>(counts));
-    refuse_host_pointers(&argument, counts, sizeof argument);
+    refuse_host_pointers(&argument, CountedBytes<Argument>().at, sizeof argument);
 }
 void start(void* stream, dim3 grid, dim3 block, std::function<void()> thread);
 

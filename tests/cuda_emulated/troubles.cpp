@@ -347,6 +347,20 @@ TEST(EmulatedCardDeathTest, KeepsTheHostOut) {
     EXPECT_EQ(host[9], 0);
 }
 
+TEST(EmulatedCard, DoesNotLookAtPadding) {
+    struct Element {
+        float weight;
+        double sum;
+    };
+    struct Kernel {
+        Element elements[8];
+        std::int32_t count;
+        double* out;
+    };
+    const cuda_emulated::CountedBytes<Kernel> counted;
+    EXPECT_EQ(std::count(std::begin(counted.at), std::end(counted.at), 0), 8 * 4 + 4);
+}
+
 TEST(EmulatedCardDeathTest, DoesItsWorkWhenTheHostWaits) {
     const Device card = Device::cuda(0, Device::cpu(1));
     const cuda::Array<int> numbers(*card.stream, 1);
