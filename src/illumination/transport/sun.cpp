@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/threads.h"
 #include "illumination/visibility/sweep.h"
 
 namespace chiaro {
@@ -43,9 +44,14 @@ void add_sun(const Device& device, const SweptMedium& medium, const Sun& sun, Pr
         kernels.shine.light[c] = light.light[c].data();
         for (int axis = 0; axis < 3; ++axis) kernels.shine.moment[c][axis] = light.moment[c][axis].data();
     }
-    for (std::size_t cell = 0; cell < opaque.count(); ++cell) kernels.faces(std::int64_t(cell));
-    for (std::size_t cell = 0; cell < mean.size(); ++cell)
-        kernels.share(std::int64_t(cell)), kernels.shine(std::int64_t(cell));
+    const auto for_each = [&](std::size_t count, const auto& kernel) {
+        parallel_for(device.threads, std::int64_t(count), 4096, [&](std::int64_t first, std::int64_t end) {
+            for (std::int64_t i = first; i < end; ++i) kernel(i);
+        });
+    };
+    for_each(opaque.count(), kernels.faces);
+    for_each(mean.size(), kernels.share);
+    for_each(mean.size(), kernels.shine);
 }
 
 }  // namespace chiaro
