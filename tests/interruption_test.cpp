@@ -282,7 +282,7 @@ TEST_F(Interruption, WhileStandardInputWaits) {
     ASSERT_EQ(::write(ends[1], "NRRD0004\n", 9), 9);
     int unread = 0;
     do std::this_thread::sleep_for(5ms);
-    while (ioctl(ends[0], FIONREAD, &unread) == 0 && unread > 0);
+    while (ioctl(ends[0], FIONREAD, &unread) == 0 && unread > 0 && !has_ended(child));
     kill(child, SIGINT);
     const Said said = ended(child);
     EXPECT_EQ(said.code, 130);

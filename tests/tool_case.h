@@ -66,7 +66,8 @@ protected:
             _exit(127);
         }
         if (signal) {
-            while (processor_time(child) < after) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+            while (processor_time(child) < after && !has_ended(child))
+                std::this_thread::sleep_for(std::chrono::milliseconds(5));
             kill(child, signal);
         }
         int status = 0;
@@ -74,6 +75,12 @@ protected:
         const Said said{WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), read(".out"), read(".err")};
         std::filesystem::remove(out), std::filesystem::remove(err);
         return said;
+    }
+
+    /// Whether nothing is to be waited for: the child, still to be collected, is no more.
+    static bool has_ended(pid_t child) {
+        siginfo_t info{};
+        return waitid(P_PID, id_t(child), &info, WEXITED | WNOHANG | WNOWAIT) != 0 || info.si_pid == child;
     }
 
 private:
