@@ -3,6 +3,7 @@
 #include <chiaro/samples.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <numbers>
 
 #include "rows.h"
@@ -63,7 +64,9 @@ private:
     Progress& progress_;
 };
 
-constexpr const char* unit = "M samples/s/core";
+constexpr const char* rate_unit = "M samples/s/core";
+constexpr const char* not_built = "skipped: not in this build (CHIARO_KERNELS=all has it)";
+constexpr const char* not_run = "skipped: this processor does not run it";
 std::string row_name(const char* type, const char* direction, Isa isa) {
     return fmt::format("sampling/{}/{}/{}", type, direction, name_of(isa));
 }
@@ -72,7 +75,8 @@ std::string row_name(const char* type, const char* direction, Isa isa) {
 Case isa_case(const Setup& setup, const char* type, const Shared<Medium>& fog, int size, const Direction& direction) {
     Case result;
     const auto isas = available_isas();
-    for (Isa isa : isas) result.names.push_back(row_name(type, direction.name, isa));
+    const auto built = built_isas();
+    for (Isa isa : all_isas) result.names.push_back(row_name(type, direction.name, isa));
     result.measure = [=, &progress = setup.progress, threads = setup.device.threads, runs = setup.runs,
                       names = result.names] {
         View view(*fog, size, direction, progress);
@@ -81,8 +85,15 @@ Case isa_case(const Setup& setup, const char* type, const Shared<Medium>& fog, i
             measures.push_back([&view, device = Device::cpu(threads, isa)] { return view.rate(device); });
         const auto series = in_turns(runs, measures);
         std::vector<Row> rows;
-        for (std::size_t i = 0; i < isas.size(); ++i) {
-            rows.push_back({names[i], unit, spread_of(series[i])});
+        for (std::size_t n = 0; n < names.size(); ++n) {
+            const auto found = std::find(isas.begin(), isas.end(), all_isas[n]);
+            if (found == isas.end()) {
+                const bool is_built = std::find(built.begin(), built.end(), all_isas[n]) != built.end();
+                rows.push_back({names[n], rate_unit, {}, {}, {}, is_built ? not_run : not_built});
+                continue;
+            }
+            const auto i = std::size_t(found - isas.begin());
+            rows.push_back({names[n], rate_unit, spread_of(series[i])});
             if (i > 0) rows.back().ratio = median_ratio(series[i], series[0]), rows.back().to = "scalar";
         }
         return rows;
@@ -101,7 +112,7 @@ Case direction_case(const Setup& setup, const char* type, const Shared<Medium>& 
         const auto series = in_turns(setup.runs, measures);
         Series best;
         for (int i = 0; i < setup.runs; ++i) best.push_back(std::max({series[0][i], series[1][i], series[2][i]}));
-        return std::vector<Row>{{name, unit, spread_of(series[3]), median_ratio(series[3], best), "best axis"}};
+        return std::vector<Row>{{name, rate_unit, spread_of(series[3]), median_ratio(series[3], best), "best axis"}};
     };
     return {{name}, measure};
 }

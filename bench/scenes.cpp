@@ -9,12 +9,12 @@
 namespace chiaro::bench {
 namespace {
 
-constexpr const char* unit = "ms/frame";
+constexpr const char* frame_unit = "ms/frame";
 
 Row measure(const Setup& setup, Turntable& turntable, const std::string& name, const Scene& scene) {
     const auto series = in_turns(setup.runs, {[&] { return 1e3 * turntable.seconds_per_frame(scene); }});
     const double samples = double(turntable.samples_per_frame());
-    return {name, unit, spread_of(series[0]), {}, {}, fmt::format("{:.1f} M samples", 1e-6 * samples)};
+    return {name, frame_unit, spread_of(series[0]), {}, {}, fmt::format("{:.1f} M samples", 1e-6 * samples)};
 }
 
 void add_scene(const Setup& setup, const std::string& scene_name, std::vector<Case>& cases) {
@@ -25,7 +25,7 @@ void add_scene(const Setup& setup, const std::string& scene_name, std::vector<Ca
             const std::string shading = shaded ? "shaded" : "unshaded";
             const std::string name = fmt::format("scenes/{}/step-{}/{}", scene_name, step, shading);
             const auto row = [=, &setup]() -> std::vector<Row> {
-                if (!scene) return {{name, unit, {}, {}, {}, no_data}};
+                if (!scene) return {{name, frame_unit, {}, {}, {}, no_data}};
                 Scene variant = *scene;
                 variant.sampling.step_voxels = step;
                 variant.lighting.shading = shaded ? Shading::phong : Shading::none;
@@ -70,7 +70,7 @@ Row measure_beside(const Setup& setup, Turntable& turntable, const std::string& 
                    const Scene& other) {
     const auto time = [&](const Scene& scene) { return 1e3 * turntable.seconds_per_frame(scene); };
     const auto series = in_turns(setup.runs, {[&] { return time(usual); }, [&] { return time(other); }});
-    return {name, unit, spread_of(series[1]), median_ratio(series[1], series[0]), "dvr in the usual way", {}};
+    return {name, frame_unit, spread_of(series[1]), median_ratio(series[1], series[0]), "dvr in the usual way", {}};
 }
 
 void add_ways(const Setup& setup, const std::string& scene_name, std::vector<Case>& cases) {
@@ -79,7 +79,7 @@ void add_ways(const Setup& setup, const std::string& scene_name, std::vector<Cas
     for (const Way& way : ways()) {
         const std::string name = fmt::format("ways/{}/{}", scene_name, way.name);
         const auto row = [=, &setup]() -> std::vector<Row> {
-            if (!scene) return {{name, unit, {}, {}, {}, no_data}};
+            if (!scene) return {{name, frame_unit, {}, {}, {}, no_data}};
             Scene other = *scene;
             way.change(other);
             return {measure_beside(setup, *turntable, name, *scene, other)};

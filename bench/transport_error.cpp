@@ -15,20 +15,20 @@ constexpr int grids[] = {32, 64, 128};
 constexpr int iterations[] = {1, 4, 16};
 
 /// A subject under a light, with its truths.
-struct Judged {
+struct JudgedLight {
     std::optional<ScatteringSubject> subject;
     std::optional<TransportJudge> judge;
 
-    Judged(const Setup& setup, const std::string& name, const ScatteringCase& which) {
+    JudgedLight(const Setup& setup, const std::string& name, const ScatteringCase& which) {
         subject = find_scattering_subject(setup.device, setup.data, name, setup.progress);
         if (!subject) return;
         const TransportJudge::Effort quick{.air = 32, .matter = 16, .paths = 64, .paths_a_pixel = 1};
         judge.emplace(*subject, which, setup.quick ? quick : TransportJudge::Effort{}, setup.progress);
     }
-    Judged(Judged&&) = delete;
+    JudgedLight(JudgedLight&&) = delete;
 };
 
-Row row_of(const std::string& name, double share, const std::string& note = "") {
+Row light_row(const std::string& name, double share, const std::string& note = "") {
     return {name, "%", {100 * share, 100 * share, 100 * share, 1}, {}, {}, note};
 }
 
@@ -51,13 +51,13 @@ std::vector<Row> measure(const TransportJudge& judge, const std::string& prefix,
     const TransportNodes nodes = judge.nodes(grid, {});
     for (const auto& [kind, error] : {std::pair{"air", judge.in_air(nodes)}, {"matter", judge.in_matter(nodes)}}) {
         rows.push_back(
-            row_of(fmt::format("{}/{}", prefix, kind), error.relative,
-                   fmt::format("{}; {} iterations, the last {:.2e}", told(error), nodes.iterations, nodes.change)));
-        rows.push_back(row_of(fmt::format("{}/{}-bias", prefix, kind), error.bias));
+            light_row(fmt::format("{}/{}", prefix, kind), error.relative,
+                      fmt::format("{}; {} iterations, the last {:.2e}", told(error), nodes.iterations, nodes.change)));
+        rows.push_back(light_row(fmt::format("{}/{}-bias", prefix, kind), error.bias));
     }
     const auto add = [&](const std::string& name, const Frame& frame) {
         const FluenceError error = judge.of_picture(frame);
-        rows.push_back(row_of(fmt::format("{}/{}", prefix, name), error.relative, told(error)));
+        rows.push_back(light_row(fmt::format("{}/{}", prefix, name), error.relative, told(error)));
     };
     add("picture-single", judge.picture(judge.nodes(grid, 0)));
     for (const int n : iterations) add(fmt::format("picture-{}", n), judge.picture(judge.nodes(grid, n)));
@@ -73,14 +73,14 @@ std::vector<Case> transport_error_cases(const Setup& setup) {
         for (const char* probe : probes)
             for (const double albedo : albedos) {
                 const ScatteringCase which{.probe = probe, .albedo = albedo};
-                const Shared<std::unique_ptr<Judged>> judged(
-                    [&setup, subject, which] { return std::make_unique<Judged>(setup, subject, which); });
+                const Shared<std::unique_ptr<JudgedLight>> judged(
+                    [&setup, subject, which] { return std::make_unique<JudgedLight>(setup, subject, which); });
                 for (const int grid : grids) {
                     const std::string prefix = fmt::format("transport-error/{}/{}/{}/{}", subject, probe, albedo, grid);
                     Case each;
                     for (const std::string& what : quantities()) each.names.push_back(prefix + "/" + what);
                     each.measure = [=]() -> std::vector<Row> {
-                        const Judged& found = **judged;
+                        const JudgedLight& found = **judged;
                         if (!found.judge) return {{prefix, "%", {}, {}, {}, no_data}};
                         return measure(*found.judge, prefix, grid);
                     };

@@ -30,9 +30,9 @@ std::vector<Way> ways() {
 }
 
 /// A subject with its truths, by subsample.
-class Judged {
+class JudgedVisibility {
 public:
-    Judged(const Setup& setup, const std::string& name) : setup_(setup) {
+    JudgedVisibility(const Setup& setup, const std::string& name) : setup_(setup) {
         const int edge = setup.quick ? 32 : 64;
         lights_ = judging_lights(setup.data);
         subject_ = find_lit_subject(setup.device, setup.data, name, edge, edge, setup.progress);
@@ -63,16 +63,17 @@ std::string light_errors(const VisibilityJudge& judge, const Harmonics& found, c
     return text;
 }
 
-Row row_of(const std::string& name, double error, const std::string& note) {
+Row visibility_row(const std::string& name, double error, const std::string& note) {
     return {name, "%", {100 * error, 100 * error, 100 * error, 1}, {}, {}, note};
 }
 
 Row measure(const VisibilityJudge& judge, const std::string& name, const Way& way,
             const std::vector<NamedLight>& lights) {
     const Harmonics found = judge.found_by(way.settings);
-    return row_of(name, judge.relative_error(found, judge.by_rays()),
-                  fmt::format("to the full resolution {:.2f} %; {}", 100 * judge.relative_error(found, judge.in_full()),
-                              light_errors(judge, found, lights)));
+    return visibility_row(
+        name, judge.relative_error(found, judge.by_rays()),
+        fmt::format("to the full resolution {:.2f} %; {}", 100 * judge.relative_error(found, judge.in_full()),
+                    light_errors(judge, found, lights)));
 }
 
 /// What four coefficients leave out of all that sixteen tell.
@@ -80,7 +81,7 @@ Row measure_bands(const VisibilityJudge& judge, const std::string& name, const s
     Harmonics four = judge.by_rays();
     for (RunHarmonics& run : four)
         for (int c = 4; c < most_coefficients; ++c) run[std::size_t(c)] = {};
-    return row_of(name, judge.relative_error(four, judge.by_rays()), light_errors(judge, four, lights));
+    return visibility_row(name, judge.relative_error(four, judge.by_rays()), light_errors(judge, four, lights));
 }
 
 /// What rounding does to the sweep's coefficients.
@@ -91,7 +92,7 @@ Row measure_storage(const VisibilityJudge& judge, const std::string& name, ShSto
     std::string note = "from single precision";
     for (const NamedLight& light : lights)
         note += fmt::format(", E by {} {:.3f} %", light.name, 100 * judge.light_error(kept, exact, light.light));
-    return row_of(name, judge.relative_error(kept, exact), note);
+    return visibility_row(name, judge.relative_error(kept, exact), note);
 }
 
 }  // namespace
@@ -99,7 +100,7 @@ Row measure_storage(const VisibilityJudge& judge, const std::string& name, ShSto
 std::vector<Case> visibility_error_cases(const Setup& setup) {
     std::vector<Case> cases;
     for (const std::string& subject : lit_subjects()) {
-        const Shared<Judged> judged([&setup, subject] { return Judged(setup, subject); });
+        const Shared<JudgedVisibility> judged([&setup, subject] { return JudgedVisibility(setup, subject); });
         for (const int subsample : {1, 2})
             for (const Way& way : ways()) {
                 const std::string name = fmt::format("visibility-error/{}/1:{}/{}", subject, subsample, way.name);

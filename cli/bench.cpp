@@ -1,64 +1,36 @@
-// chiaro bench: how fast this build is on this machine.
+// chiaro bench: starts the benchmarks, a program of their own that is not built by default.
 #include <chiaro/error.h>
-#include <fmt/format.h>
+#include <unistd.h>
 
-#include <cstdlib>
-#include <memory>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
 
-#include "bench.h"
 #include "command.h"
-#include "job.h"
-#include "output_file.h"
 
 namespace chiaro::cli {
 namespace {
 
-struct BenchOptions {
-    bench::Selection selection;
-    std::filesystem::path json;
-    bool quick = false;
-    CommonOptions common;
-};
-
-/// The volumes lie in the folder itself or, beside light probes, in one of its own.
-std::filesystem::path volumes_in(const std::filesystem::path& data) {
-    std::error_code unreadable;
-    return std::filesystem::exists(data / "volumes", unreadable) ? data / "volumes" : data;
-}
-
-void run(const BenchOptions& o) {
-    if (!o.json.empty()) check_output(o.json, {".json"});
-    Job job(o.common);
-    const char* data = std::getenv("CHIARO_DATA_DIR");
-    const bench::Setup setup{.device = device_of(o.common),
-                             .quick = o.quick,
-                             .tool = std::filesystem::read_symlink("/proc/self/exe"),
-                             .data = volumes_in(data ? data : ""),
-                             .progress = job.progress};
-    std::vector<bench::Row> rows;
-    if (!o.common.quiet) fmt::print("{}\n", bench::heading(setup));
-    bench::run(setup, o.selection, [&](const bench::Row& row) {
-        rows.push_back(row);
-        job.bar.clear();
-        if (!o.common.quiet) fmt::print("{}\n", bench::line_of(row));
-        std::fflush(stdout);
-    });
-    if (!o.json.empty()) write_text(o.json, bench::to_json(setup, rows));
+[[noreturn]] void start(const std::vector<std::string>& arguments) {
+    const std::string program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "chiaro-bench";
+    std::vector<char*> pointers{const_cast<char*>(program.c_str())};
+    for (const auto& argument : arguments) pointers.push_back(const_cast<char*>(argument.c_str()));
+    pointers.push_back(nullptr);
+    execv(program.c_str(), pointers.data());
+    if (errno == ENOENT)
+        throw Error(ErrorCode::output,
+                    "the benchmarks are a program of their own, chiaro-bench, which is not beside this one: "
+                    "'scripts/build release chiaro-bench' builds it");
+    throw Error(ErrorCode::output, program + " cannot be started: " + std::strerror(errno));
 }
 
 }  // namespace
 
 Command bench_command(CLI::App& tool) {
-    const auto o = std::make_shared<BenchOptions>();
-    CLI::App* app = tool.add_subcommand("bench", "Measures how fast this build is here");
-    std::string names = "which benchmarks (all):";
-    for (const auto& suite : bench::suites()) names += fmt::format("\n{}: {}", suite.name, suite.sentence);
-    app->add_option("NAME", o->selection.suites, names);
-    app->add_option("--json", o->json, "writes the rows with machine and commit")->type_name("FILE");
-    app->add_option("--filter", o->selection.filter, "only rows whose name this is found in")->type_name("REGEX");
-    app->add_flag("--quick", o->quick, "small volumes and pictures, to see that all works");
-    add_common_options(*app, o->common);
-    return {app, [o] { run(*o); }};
+    CLI::App* app = tool.add_subcommand("bench", "Measures how fast this build is here: starts chiaro-bench");
+    app->set_help_flag();  // it has its own
+    app->prefix_command();
+    return {app, [app] { start(app->remaining()); }, true};
 }
 
 }  // namespace chiaro::cli

@@ -9,6 +9,7 @@ namespace chiaro::cli {
 struct Command {
     CLI::App* app;
     std::function<void()> run;
+    bool takes_any_argument = false;  ///< hands its arguments on to another program
 };
 
 Command info_command(CLI::App& tool);

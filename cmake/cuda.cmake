@@ -1,19 +1,20 @@
-# The kernels for cards of NVIDIA, from the same source, wherever nvcc exists. The CUDA runtime becomes part of the library,
-# which so starts on machines without CUDA. Where there is no nvcc the units that launch kernels are plain C++ with nothing
-# behind it (src/cuda/launch.h), and there are no cards (src/cuda/absent.cpp).
+# The kernels for GPUs, from the same source, where nvcc exists. The CUDA runtime becomes part of the library, which so starts
+# on machines without CUDA. Where there is no nvcc launch*.cu are not compiled (CHIARO_LAUNCHER in src/cuda/stream.h), and there
+# are no GPUs (src/cuda/absent.cpp); the tests' emulation compiles them as C++ (tests/devices.cmake).
+option(CHIARO_CUDA "Compile for GPUs where nvcc of CUDA 12 or later is found" ON)
 include(CheckLanguage)
-if(NOT CHIARO_SANITIZE)
+if(CHIARO_CUDA AND NOT CHIARO_SANITIZE)
   check_language(CUDA)
 endif()
 # One portable kind by itself: drivers compile it for their card when first run. Releases name the cards, which then start at
 # once: "75-real;80-real;86-real;89-real;90-real;100-real;120".
 set(CHIARO_CUDA_ARCHITECTURES 75-virtual CACHE STRING "Cards that kernels are compiled for, as CMAKE_CUDA_ARCHITECTURES")
-if(CMAKE_CUDA_COMPILER)
+if(CHIARO_CUDA AND CMAKE_CUDA_COMPILER)
   set(CMAKE_CUDA_ARCHITECTURES ${CHIARO_CUDA_ARCHITECTURES})
   enable_language(CUDA)
 endif()
 set(CHIARO_HAS_CUDA FALSE)
-if(CMAKE_CUDA_COMPILER AND CMAKE_CUDA_COMPILER_VERSION VERSION_GREATER_EQUAL 12)
+if(CHIARO_CUDA AND CMAKE_CUDA_COMPILER AND CMAKE_CUDA_COMPILER_VERSION VERSION_GREATER_EQUAL 12)
   find_package(CUDAToolkit REQUIRED)
   set(CHIARO_HAS_CUDA TRUE)
 else()
@@ -23,7 +24,7 @@ file(GLOB_RECURSE CHIARO_CUDA_SOURCES CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/sr
 set(CHIARO_CUDA_LAUNCHERS ${CHIARO_CUDA_SOURCES})  # those that the library calls; the others are compiled only
 list(FILTER CHIARO_CUDA_LAUNCHERS INCLUDE REGEX "/src/(classify|raycast|pathtrace|image)/|/(spao|cells|histogram|reference|visibility)/|/transport/launch_(card|matter)\\.cu$")
 
-# As C++, with the flags that give the same bits as the scalar kernels.
+# As C++, with the flags that give the same bits as the scalar kernels: for the tests' emulation.
 function(chiaro_cuda_as_cpp)
   set_source_files_properties(${CHIARO_CUDA_LAUNCHERS} PROPERTIES LANGUAGE CXX COMPILE_OPTIONS
                               "-x;c++;${CHIARO_FLAGS_scalar};-ffp-contract=off;-fno-math-errno;-fno-trapping-math;-Wno-unknown-pragmas;-Wno-maybe-uninitialized;-O1")
@@ -31,8 +32,8 @@ endfunction()
 
 function(chiaro_add_cuda target)
   if(NOT CHIARO_HAS_CUDA)
-    chiaro_cuda_as_cpp()
-    target_sources(${target} PRIVATE ${CHIARO_CUDA_LAUNCHERS} src/cuda/absent.cpp)
+    target_sources(${target} PRIVATE src/cuda/absent.cpp)
+    target_compile_definitions(${target} PRIVATE CHIARO_WITHOUT_CUDA)
     return()
   endif()
   add_library(chiaro_cuda_kernels OBJECT ${CHIARO_CUDA_SOURCES})

@@ -11,9 +11,13 @@ namespace chiaro {
 /// Instruction sets the kernels are compiled for. `scalar` is the one-pixel-at-a-time reference build.
 enum class Isa { scalar, x86_64_v2, x86_64_v3, x86_64_v4 };
 
+inline constexpr Isa all_isas[] = {Isa::scalar, Isa::x86_64_v2, Isa::x86_64_v3, Isa::x86_64_v4};
+
 std::string_view name_of(Isa isa);  ///< "scalar", "x86-64-v3", ...
-Isa best_isa();                     ///< the widest this processor runs
-std::vector<Isa> available_isas();  ///< scalar first, the best last
+std::vector<Isa> built_isas();      ///< what this build has kernels for (CMake option CHIARO_KERNELS); scalar first
+std::vector<Isa> available_isas();  ///< those of them that this processor runs; scalar first, the best last
+bool built_with_cuda();             ///< whether this build can use a GPU at all (CMake option CHIARO_CUDA)
+Isa best_isa();                     ///< the last of these; scalar where the build is for newer processors
 
 namespace cuda {
 class Stream;  // src/cuda/stream.h
@@ -35,7 +39,7 @@ struct Device {
     std::string note() const;
 
     /// threads 0: all that the process may use. Throws Error{usage} for threads outside 0..1024 and Error{output}
-    /// for an instruction set that this processor lacks.
+    /// for an instruction set that this build or this processor lacks.
     static Device cpu(int threads = 0);
     static Device cpu(int threads, Isa isa);
     /// Card `index` of list_cards(), and `host` for the rest. Throws Error{output} where there is none: why.

@@ -41,6 +41,8 @@ struct Geometry {
     bool operator==(const Geometry&) const = default;
 };
 
+inline constexpr double radians(double degrees) { return degrees * 3.14159265358979323846 / 180; }
+
 /// Unit vector from the centre to azimuth and elevation (radians) about `up`: for u = up, the azimuth-0 axis e is z→x,
 /// x→y, y→z (the same for -u), for other u x, or y where |u_x| > .9, made orthogonal; cos el (cos az e + sin az u×e) +
 /// sin el u.

@@ -6,8 +6,9 @@
 namespace chiaro::kernel {
 
 /// A thread for each cell.
-void begin_occupancy(cuda::Stream& stream, const CellValueRanges& ranges, const OccupancyPass& pass);
-void spread_occupancy(cuda::Stream& stream, const OccupancyPass& pass, std::int64_t stride, std::int32_t n);
-void write_occupancy(cuda::Stream& stream, const OccupancyPass& pass, std::uint8_t* codes);
+CHIARO_LAUNCHER void begin_occupancy(cuda::Stream& stream, const CellValueRanges& ranges, const OccupancyPass& pass);
+CHIARO_LAUNCHER void spread_occupancy(cuda::Stream& stream, const OccupancyPass& pass, std::int64_t stride,
+                                      std::int32_t n);
+CHIARO_LAUNCHER void write_occupancy(cuda::Stream& stream, const OccupancyPass& pass, std::uint8_t* codes);
 
 }  // namespace chiaro::kernel

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "core/isa.h"
 #include "core/threads.h"
 
 namespace chiaro {
@@ -20,6 +21,26 @@ bool runs_v4() {
            __builtin_cpu_supports("avx512vl");
 }
 
+bool this_machine_runs(Isa isa) {
+    switch (isa) {
+        case Isa::scalar:
+            return true;
+        case Isa::x86_64_v2:
+            return runs_v2();
+        case Isa::x86_64_v3:
+            return runs_v3();
+        case Isa::x86_64_v4:
+            return runs_v4();
+    }
+    return false;
+}
+
+std::string names_of(const std::vector<Isa>& isas) {
+    std::string names;
+    for (const Isa isa : isas) names += (names.empty() ? "" : ", ") + std::string(name_of(isa));
+    return names;
+}
+
 }  // namespace
 
 std::string_view name_of(Isa isa) {
@@ -27,22 +48,40 @@ std::string_view name_of(Isa isa) {
     return names[int(isa)];
 }
 
-Isa best_isa() {
-    return runs_v4() ? Isa::x86_64_v4 : runs_v3() ? Isa::x86_64_v3 : runs_v2() ? Isa::x86_64_v2 : Isa::scalar;
+std::vector<Isa> built_isas() {
+    constexpr bool is_built[] = CHIARO_BUILT_ISAS;
+    std::vector<Isa> isas;
+    for (const Isa isa : all_isas)
+        if (is_built[int(isa)]) isas.push_back(isa);
+    return isas;
+}
+
+bool built_with_cuda() {
+#ifdef CHIARO_WITHOUT_CUDA
+    return false;
+#else
+    return true;
+#endif
 }
 
 std::vector<Isa> available_isas() {
-    std::vector<Isa> isas;
-    for (int isa = 0; isa <= int(best_isa()); ++isa) isas.push_back(Isa(isa));
+    std::vector<Isa> isas = built_isas();
+    std::erase_if(isas, [](Isa isa) { return !this_machine_runs(isa); });
     return isas;
 }
+
+Isa best_isa() { return available_isas().back(); }
 
 Device Device::cpu(int threads) { return cpu(threads, best_isa()); }
 
 Device Device::cpu(int threads, Isa isa) {
     if (threads < 0 || threads > 1024)
         throw Error(ErrorCode::usage, "threads " + std::to_string(threads) + ": must be 0 (all) to 1024");
-    if (isa > best_isa())
+    const auto isas = built_isas();
+    if (std::find(isas.begin(), isas.end(), isa) == isas.end())
+        throw Error(ErrorCode::output, "this build has no kernels for " + std::string(name_of(isa)) + ", only for " +
+                                           names_of(isas) + " (CMake option CHIARO_KERNELS)");
+    if (!this_machine_runs(isa))
         throw Error(ErrorCode::output, "this processor does not run " + std::string(name_of(isa)) + " (at most " +
                                            std::string(name_of(best_isa())) + ")");
     return {threads == 0 ? usable_threads() : threads, isa};

@@ -2,20 +2,17 @@
 #pragma once
 #include <chiaro/device.h>
 
-namespace chiaro::kernel {
-
-#ifdef CHIARO_SCALAR_ONLY  // under sanitizers: the same source, and minutes of compiling each
-namespace scalar {}
-namespace x86_64_v2 = scalar;
-namespace x86_64_v3 = scalar;
-namespace x86_64_v4 = scalar;
-#define CHIARO_FOR_EACH_ISA(declare, ...) declare(scalar __VA_OPT__(, ) __VA_ARGS__)
-#else
-/// Writes declare(scalar, ...) declare(x86_64_v2, ...) ...: what launch.cpp defines, one namespace per instruction set.
+#if __has_include("core/kernels_built.h")
+#include "core/kernels_built.h"  // of this build; CHIARO_FOR_EACH_ISA writes declare(scalar, ...) declare(x86_64_v3, ...) ...
+#else                       // units of kernels, which define some and choose none
+#define CHIARO_BUILT_ISAS \
+    { true, true, true, true }
 #define CHIARO_FOR_EACH_ISA(declare, ...)                                                    \
     declare(scalar __VA_OPT__(, ) __VA_ARGS__) declare(x86_64_v2 __VA_OPT__(, ) __VA_ARGS__) \
         declare(x86_64_v3 __VA_OPT__(, ) __VA_ARGS__) declare(x86_64_v4 __VA_OPT__(, ) __VA_ARGS__)
 #endif
+
+namespace chiaro::kernel {
 
 template <class Function>
 Function pick(Isa isa, Function scalar, Function v2, Function v3, Function v4) {

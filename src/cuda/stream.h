@@ -7,6 +7,14 @@
 #include <mutex>
 #include <utility>
 
+/// Before what a launch*.cu defines. Without nvcc these are not compiled: their functions are named, and nothing is
+/// there to be called, for there is no device to call it with (absent.cpp).
+#ifdef CHIARO_WITHOUT_CUDA
+#define CHIARO_LAUNCHER __attribute__((weak))
+#else
+#define CHIARO_LAUNCHER
+#endif
+
 namespace chiaro::cuda {
 
 class Mirror;

@@ -39,7 +39,7 @@ double decimal_or(const DataSet& data, const Tag& tag, double fallback) {
     return values.empty() ? fallback : values[0];
 }
 
-VoxelType type_from(const gdcm::PixelFormat& format) {
+VoxelType dicom_type(const gdcm::PixelFormat& format) {
     if (format.GetSamplesPerPixel() != 1)
         refuse(fmt::format("has {} samples a pixel; only grey images are read", format.GetSamplesPerPixel()));
     switch (format.GetScalarType()) {
@@ -171,7 +171,7 @@ std::vector<DicomSlice> scan_dicom_file(const std::filesystem::path& path) {
     slice.path = path;
     slice.rows = rows.GetValue();
     slice.columns = columns.GetValue();
-    slice.type = type_from(gdcm::ImageHelper::GetPixelFormatValue(file));
+    slice.type = dicom_type(gdcm::ImageHelper::GetPixelFormatValue(file));
     slice.series = text_of(data, Tag(0x0020, 0x000e));
     slice.description = text_of(data, Tag(0x0008, 0x103e));
     slice.modality = text_of(data, Tag(0x0008, 0x0060));

@@ -49,7 +49,7 @@ MetaHeader read_header(const Path& path) {
     return header;
 }
 
-VoxelType type_from(const std::string& name) {
+VoxelType meta_type(const std::string& name) {
     static const std::map<std::string, VoxelType> types = {
         {"MET_UCHAR", VoxelType::u8},      {"MET_CHAR", VoxelType::i8},   {"MET_USHORT", VoxelType::u16},
         {"MET_SHORT", VoxelType::i16},     {"MET_UINT", VoxelType::u32},  {"MET_INT", VoxelType::i32},
@@ -70,7 +70,7 @@ std::uint64_t set_shape(const Fields& fields, Volume& volume) {
         refuse(fmt::format("states NDims {} and {} sizes; volumes have 3", dimension, sizes.size()));
     const std::array<std::int64_t, 3> n{sizes[0], sizes[1], dimension > 2 ? sizes[2] : 1};
     const auto components = integer(value_or(fields, "ElementNumberOfChannels", "1"), "ElementNumberOfChannels");
-    volume.type = type_from(required(fields, "ElementType"));
+    volume.type = meta_type(required(fields, "ElementType"));
     checked_bytes(n, components, volume.type);
     volume.dimensions = {int(n[0]), int(n[1]), int(n[2])};
     volume.components = int(components);

@@ -14,7 +14,7 @@ namespace {
 
 using Path = std::filesystem::path;
 
-VoxelType type_from(const std::string& name) {
+VoxelType nrrd_type(const std::string& name) {
     static const std::map<std::string, VoxelType> types = {{"signed char", VoxelType::i8},
                                                            {"int8", VoxelType::i8},
                                                            {"int8_t", VoxelType::i8},
@@ -245,7 +245,7 @@ Volume read_nrrd(const Path& path, const std::string&, Output& output) {
     const Axes axes = find_axes(header);
     Volume volume;
     volume.format = "NRRD";
-    volume.type = type_from(required(header.fields, "type"));
+    volume.type = nrrd_type(required(header.fields, "type"));
     volume.key_values = header.key_values;
     volume.modality = value_or(header.key_values, "modality");
     set_shape(axes, volume);

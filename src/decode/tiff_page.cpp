@@ -40,7 +40,7 @@ T tag(TIFF* file, std::uint32_t name, T fallback) {
     return TIFFGetFieldDefaulted(file, name, &value) ? value : fallback;
 }
 
-VoxelType type_from(int bits, int format) {
+VoxelType tiff_type(int bits, int format) {
     const bool is_signed = format == SAMPLEFORMAT_INT, is_float = format == SAMPLEFORMAT_IEEEFP;
     if (format == SAMPLEFORMAT_UINT || format == SAMPLEFORMAT_VOID || is_signed) {
         if (bits == 8) return is_signed ? VoxelType::i8 : VoxelType::u8;
@@ -231,7 +231,7 @@ TiffPage scan_page(TIFF* file, std::uint64_t file_size) {
     page.rows = int(rows);
     page.samples = tag<std::uint16_t>(file, TIFFTAG_SAMPLESPERPIXEL, 1);
     if (page.samples < 1 || page.samples > 16) refuse(fmt::format("has {} values a pixel", page.samples));
-    page.type = type_from(tag<std::uint16_t>(file, TIFFTAG_BITSPERSAMPLE, 1),
+    page.type = tiff_type(tag<std::uint16_t>(file, TIFFTAG_BITSPERSAMPLE, 1),
                           tag<std::uint16_t>(file, TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_UINT));
     page.color = color_from(file, page.samples);
     if (char* text = nullptr; TIFFGetField(file, TIFFTAG_IMAGEDESCRIPTION, &text) && text) page.description = text;

@@ -64,7 +64,7 @@ VtiText read_text(const Path& path) {
     return result;
 }
 
-VoxelType type_from(const std::string& name) {
+VoxelType vti_type(const std::string& name) {
     static const std::map<std::string, VoxelType> types = {
         {"Int8", VoxelType::i8},     {"UInt8", VoxelType::u8},   {"Int16", VoxelType::i16}, {"UInt16", VoxelType::u16},
         {"Int32", VoxelType::i32},   {"UInt32", VoxelType::u32}, {"Int64", VoxelType::i64}, {"UInt64", VoxelType::u64},
@@ -126,7 +126,7 @@ std::vector<std::pair<VtkArray, pugi::xml_node>> arrays_of(const pugi::xml_node&
             VtkArray array{.name = attribute(node, "Name", ""), .of_cells = std::string_view(of) == "CellData"};
             if (attribute(node, "type", "") == "String") continue;
             array.active = !array.name.empty() && array.name == attribute(data, "Scalars", "");
-            array.type = type_from(attribute(node, "type", ""));
+            array.type = vti_type(attribute(node, "type", ""));
             array.components = integer(attribute(node, "NumberOfComponents", "1"), "NumberOfComponents");
             arrays.emplace_back(array, node);
         }

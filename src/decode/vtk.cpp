@@ -87,7 +87,7 @@ struct StoredArray {
     std::uint64_t offset = 0;
 };
 
-VoxelType type_from(const std::string& name) {
+VoxelType vtk_type(const std::string& name) {
     static const std::map<std::string, VoxelType> types = {
         {"char", VoxelType::i8},          {"signed_char", VoxelType::i8},     {"unsigned_char", VoxelType::u8},
         {"short", VoxelType::i16},        {"unsigned_short", VoxelType::u16}, {"int", VoxelType::i32},
@@ -172,7 +172,7 @@ private:
         if (line.size() != 4) refuse("has a field array '" + line[0].substr(0, 40) + "' without its counts and type");
         const auto components = count_from(line, 1, 65535), tuples = count_from(line, 2, most_values);
         if (lower(line[3]) == "string") refuse("has the text array '" + line[0] + "', which cannot be skipped");
-        add({.name = line[0], .type = type_from(line[3]), .components = components}, tuples);
+        add({.name = line[0], .type = vtk_type(line[3]), .components = components}, tuples);
     }
 
     void take_attribute(const std::string& word, const std::vector<std::string>& line) {
@@ -181,7 +181,7 @@ private:
         VtkArray array{.name = line[1]};
         if (word == "scalars") {
             array.active = true;
-            array.type = type_from(line[2]);
+            array.type = vtk_type(line[2]);
             array.components = line.size() > 3 ? count_from(line, 3, 65535) : 1;
             const auto table = file_.line();
             if (!table || !lower(*table).starts_with("lookup_table")) refuse("has SCALARS without LOOKUP_TABLE");
@@ -189,12 +189,12 @@ private:
             array.components = count_from(line, 2, 65535);
             array.type = header.binary ? VoxelType::u8 : VoxelType::f32;
         } else if (word == "vectors" || word == "normals" || word == "tensors") {
-            array.type = type_from(line[2]);
+            array.type = vtk_type(line[2]);
             array.components = word == "tensors" ? 9 : 3;
         } else if (word == "texture_coordinates") {
             if (line.size() < 4) refuse("has TEXTURE_COORDINATES without a type");
             array.components = count_from(line, 2, 3);
-            array.type = type_from(line[3]);
+            array.type = vtk_type(line[3]);
         } else {
             refuse("has an unknown keyword '" + line[0].substr(0, 40) + "'");
         }

@@ -13,16 +13,16 @@
 
 #include "core/text.h"
 #include "image/exr.h"
+#include "image/file_bytes.h"
 
 namespace chiaro {
 namespace {
 
-constexpr std::int64_t max_pixels = 100'000'000;
-constexpr int no_threads = 0;
+constexpr int read_threads = 0;
 
-class Memory : public Imf::IStream {
+class ExrInput : public Imf::IStream {
 public:
-    explicit Memory(std::span<const std::byte> bytes) : IStream("memory"), bytes_(bytes) {}
+    explicit ExrInput(std::span<const std::byte> bytes) : IStream("memory"), bytes_(bytes) {}
 
     bool read(char* data, int count) override {
         if (count < 0 || position_ > bytes_.size() || std::size_t(count) > bytes_.size() - position_)
@@ -47,11 +47,11 @@ std::int64_t pixels_of(const Imath::Box2i& box) {
 void check_claims(const Imf::Header& header, std::size_t file_bytes) {
     constexpr std::int64_t densest = 4096;  // pixels to a byte
     const std::int64_t pixels = pixels_of(header.dataWindow());
-    if (pixels > max_pixels) throw std::runtime_error("more than 100 megapixels");
+    if (pixels > max_decoded_pixels) throw std::runtime_error("more than 100 megapixels");
     if (pixels / densest > std::int64_t(file_bytes)) throw std::runtime_error("the file is too short for its pixels");
     if (header.hasTileDescription()) {
         const Imf::TileDescription& tile = header.tileDescription();
-        if (std::uint64_t(tile.xSize) * tile.ySize > std::uint64_t(max_pixels))
+        if (std::uint64_t(tile.xSize) * tile.ySize > std::uint64_t(max_decoded_pixels))
             throw std::runtime_error("tiles of more than 100 megapixels");
     }
     for (const char* name : {"R", "G", "B"})
@@ -91,8 +91,8 @@ template <class Use>
 auto with_file(std::span<const std::byte> bytes, const std::string& origin, const Use& use) {
     if (!is_exr(bytes)) throw Error(ErrorCode::input, origin + ": is not an OpenEXR file");
     try {
-        Memory memory(bytes);
-        Imf::MultiPartInputFile file(memory, no_threads, false);  // false: a table of offsets that is cut is an error
+        ExrInput memory(bytes);
+        Imf::MultiPartInputFile file(memory, read_threads, false);  // false: a table of offsets that is cut is an error
         return use(file);
     } catch (const std::bad_alloc&) {
         throw Error(ErrorCode::input, origin + ": is a broken OpenEXR file: not enough memory");

@@ -15,9 +15,9 @@ namespace chiaro {
 namespace {
 
 /// OpenEXR comes back to fill in its table of offsets, so this is no mere list that grows.
-class Memory : public Imf::OStream {
+class ExrOutput : public Imf::OStream {
 public:
-    Memory() : OStream("memory") {}
+    ExrOutput() : OStream("memory") {}
 
     void write(const char* data, int count) override {
         bytes.resize(std::max(bytes.size(), position_ + count));
@@ -33,7 +33,7 @@ private:
     std::size_t position_ = 0;
 };
 
-constexpr int no_threads = 0;
+constexpr int write_threads = 0;
 
 }  // namespace
 
@@ -52,9 +52,9 @@ std::vector<std::byte> encode_exr(const Frame& frame, const Metadata& metadata) 
                                            4 * sizeof(float) * frame.width));
         }
         for (const auto& [key, text] : metadata) header.insert(key, Imf::StringAttribute(text));
-        Memory memory;
+        ExrOutput memory;
         {
-            Imf::OutputFile file(memory, header, no_threads);  // complete when it goes
+            Imf::OutputFile file(memory, header, write_threads);  // complete when it goes
             file.setFrameBuffer(buffer);
             file.writePixels(frame.height);
         }

@@ -7,19 +7,19 @@
 #include <cstdint>
 #include <string_view>
 
+#include "image/file_bytes.h"
 #include "image/hdr.h"
 
 namespace chiaro {
 namespace {
 
-constexpr std::int64_t max_pixels = 100'000'000;
 constexpr int longest_side = 65536;
 using Rgbe = std::array<std::uint8_t, 4>;
 
 /// Takes the file apart from its start; whatever is missing is an error.
-class Input {
+class HdrInput {
 public:
-    Input(std::span<const std::byte> bytes, const std::string& origin) : left_(bytes), origin_(origin) {}
+    HdrInput(std::span<const std::byte> bytes, const std::string& origin) : left_(bytes), origin_(origin) {}
 
     [[noreturn]] void refuse(const std::string& why) const {
         throw Error(ErrorCode::input, origin_ + ": is a broken Radiance picture: " + why);
@@ -60,7 +60,7 @@ struct Size {
 };
 
 /// "-Y 512 +X 1024"
-Size read_size(Input& in) {
+Size read_size(HdrInput& in) {
     const std::string_view line = in.line();
     const auto number_after = [&](std::string_view name, std::size_t from) {
         int value = 0;
@@ -73,12 +73,12 @@ Size read_size(Input& in) {
     if (!line.starts_with("-Y ") || x == line.npos)
         in.refuse("it does not begin at the top left, with -Y HEIGHT +X WIDTH");
     const Size size{number_after(" +X ", x), number_after("-Y ", 0)};
-    if (std::int64_t(size.width) * size.height > max_pixels) in.refuse("more than 100 megapixels");
+    if (std::int64_t(size.width) * size.height > max_decoded_pixels) in.refuse("more than 100 megapixels");
     if (std::max(size.width, size.height) > longest_side) in.refuse("more than 65536 pixels a side");
     return size;
 }
 
-Size read_header(Input& in) {
+Size read_header(HdrInput& in) {
     in.line();  // #?RADIANCE
     for (std::string_view line = in.line(); !line.empty() && line != "\r"; line = in.line())
         if (line.starts_with("FORMAT=") && !line.starts_with("FORMAT=32-bit_rle_rgbe"))
@@ -91,7 +91,7 @@ bool is_run_length_coded(const Rgbe& start, int width) {
 }
 
 /// Each component by itself: a count above 128 is a run of one value, any other so many values.
-void read_coded_row(Input& in, std::vector<Rgbe>& row) {
+void read_coded_row(HdrInput& in, std::vector<Rgbe>& row) {
     in.pixel();
     for (std::size_t component = 0; component < 4; ++component)
         for (std::size_t x = 0; x < row.size();) {
@@ -103,7 +103,7 @@ void read_coded_row(Input& in, std::vector<Rgbe>& row) {
 }
 
 /// Pixels as they are; 1, 1, 1, n repeats the one before n times, and right after another repeat 256 times as often.
-void read_plain_row(Input& in, std::vector<Rgbe>& row) {
+void read_plain_row(HdrInput& in, std::vector<Rgbe>& row) {
     int shift = 0;
     for (std::size_t x = 0; x < row.size();) {
         const Rgbe pixel = in.pixel();
@@ -126,7 +126,7 @@ bool is_hdr(std::span<const std::byte> bytes) {
 }
 
 Probe decode_hdr(std::span<const std::byte> bytes, const std::string& origin) {
-    Input in(bytes, origin);
+    HdrInput in(bytes, origin);
     const auto [width, height] = read_header(in);
     std::array<float, 256> scale{};
     for (int exponent = 1; exponent < 256; ++exponent) scale[exponent] = std::ldexp(1.0f, exponent - 136);

@@ -5,21 +5,20 @@
 #include <csetjmp>
 #include <cstring>
 
+#include "image/file_bytes.h"
 #include "image/png.h"
 
 namespace chiaro {
 namespace {
 
-constexpr std::uint64_t max_pixels = 100'000'000;
-
 /// See png_encode.cpp for why failures travel by libpng's own longjmp.
-struct Input {
+struct PngInput {
     std::span<const std::byte> left;
     char message[128] = "";
 };
 
 void take(png_structp png, png_bytep data, png_size_t size) {
-    auto& left = static_cast<Input*>(png_get_io_ptr(png))->left;
+    auto& left = static_cast<PngInput*>(png_get_io_ptr(png))->left;
     if (size > left.size()) png_error(png, "the file ends too early");
     std::memcpy(data, left.data(), size);
     left = left.subspan(size);
@@ -37,13 +36,13 @@ bool chunks_fit(std::span<const std::byte> bytes) {
     return true;
 }
 
-void on_error(png_structp png, png_const_charp message) {
-    auto* input = static_cast<Input*>(png_get_error_ptr(png));
+void on_read_error(png_structp png, png_const_charp message) {
+    auto* input = static_cast<PngInput*>(png_get_error_ptr(png));
     std::snprintf(input->message, sizeof input->message, "%s", message);
     png_longjmp(png, 1);
 }
 
-void ignore_warning(png_structp, png_const_charp) {}
+void ignore_read_warning(png_structp, png_const_charp) {}
 
 /// Everything becomes 8 bit RGB, or RGBA where there is transparency.
 bool read_header(png_structp png, png_infop info, std::size_t file_bytes) {
@@ -53,7 +52,7 @@ bool read_header(png_structp png, png_infop info, std::size_t file_bytes) {
     if (std::uint64_t(png_get_rowbytes(png, info)) * png_get_image_height(png, info) / largest_deflate_ratio >
         file_bytes)
         png_error(png, "the file is too short for its pixels");
-    if (std::uint64_t(png_get_image_width(png, info)) * png_get_image_height(png, info) > max_pixels)
+    if (std::uint64_t(png_get_image_width(png, info)) * png_get_image_height(png, info) > max_decoded_pixels)
         png_error(png, "more than 100 megapixels");
     png_set_expand(png);
     png_set_scale_16(png);
@@ -104,8 +103,8 @@ DecodedPng decode_png(std::span<const std::byte> bytes, const std::string& origi
         bytes.size() < 8)
         throw Error(ErrorCode::input, origin + ": is not a PNG file");
     if (!chunks_fit(bytes)) throw Error(ErrorCode::input, origin + ": is a broken PNG file: the file ends too early");
-    Input input{bytes};
-    png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &input, on_error, ignore_warning);
+    PngInput input{bytes};
+    png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &input, on_read_error, ignore_read_warning);
     png_infop info = png ? png_create_info_struct(png) : nullptr;
     if (png) png_set_read_fn(png, &input, take);
     DecodedPng result;

@@ -8,7 +8,7 @@ namespace chiaro::kernel {
 
 /// A path for each pixel of the frame, added to `sums`; collisions are counted. Pointers are the card's.
 template <class Kernel>
-void trace_frame(cuda::Stream& stream, const Kernel& kernel, std::int32_t width, std::int32_t height,
-                 std::int32_t sample, PixelSum* sums, cuda::Count* collisions);
+CHIARO_LAUNCHER void trace_frame(cuda::Stream& stream, const Kernel& kernel, std::int32_t width, std::int32_t height,
+                                 std::int32_t sample, PixelSum* sums, cuda::Count* collisions);
 
 }  // namespace chiaro::kernel

@@ -7,7 +7,7 @@ namespace chiaro {
 namespace {
 
 constexpr int block_cells = 4;
-constexpr int block_edge = block_cells * cell_edge;  ///< voxels
+constexpr int block_voxels = block_cells * cell_edge;  ///< voxels
 constexpr float nowhere_mm = 1e30f;
 
 /// Which blocks hold a cell that does; x fastest.
@@ -106,9 +106,9 @@ void BoundingGeometry::add_face(int axis, bool at_high_side, std::array<int, 3> 
                                 const Medium::Data& medium) {
     const auto& n = medium.volume.data().dimensions;
     // An axis of one voxel is one voxel thick.
-    const auto low = [&](int a, int block) { return n[a] == 1 ? -0.5f : float(block * block_edge); };
+    const auto low = [&](int a, int block) { return n[a] == 1 ? -0.5f : float(block * block_voxels); };
     const auto high = [&](int a, int block) {
-        return n[a] == 1 ? 0.5f : float(std::min((block + 1) * block_edge, n[a] - 1));
+        return n[a] == 1 ? 0.5f : float(std::min((block + 1) * block_voxels, n[a] - 1));
     };
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
     Face face{axis,

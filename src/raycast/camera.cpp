@@ -7,8 +7,6 @@
 namespace chiaro {
 namespace {
 
-constexpr double radians(double degrees) { return degrees * 3.14159265358979323846 / 180; }
-
 /// The direction of a named view's eye and its up, in the volume's anatomical frame.
 struct Anatomy {
     Vec3 to_eye, up;

@@ -6,6 +6,7 @@
 namespace chiaro::kernel {
 
 /// A thread for each pixel.
-void put_background(cuda::Stream& stream, const BackgroundKernel& kernel, std::int32_t width, std::int32_t height);
+CHIARO_LAUNCHER void put_background(cuda::Stream& stream, const BackgroundKernel& kernel, std::int32_t width,
+                                    std::int32_t height);
 
 }  // namespace chiaro::kernel

@@ -8,6 +8,6 @@ namespace chiaro::kernel {
 
 /// Starts a thread for each pixel of the tile. The kernel's pointers are the card's; samples are counted.
 template <class Kernel>
-void cast_pixels(cuda::Stream& stream, const Kernel& kernel, Tile tile, cuda::Count* samples);
+CHIARO_LAUNCHER void cast_pixels(cuda::Stream& stream, const Kernel& kernel, Tile tile, cuda::Count* samples);
 
 }  // namespace chiaro::kernel

@@ -11,8 +11,6 @@
 namespace chiaro {
 namespace {
 
-constexpr double radians(double degrees) { return degrees * 3.14159265358979323846 / 180; }
-
 /// The light's direction: along the camera's axis, or fixed to the world in the orbit's angles.
 Vec3 direction_to_light(const Lighting& lighting, const Camera& camera) {
     if (lighting.headlight) return -camera.forward;

@@ -10,7 +10,7 @@
 namespace chiaro {
 namespace {
 
-[[noreturn]] void refuse(const std::string& sentence) { throw Error(ErrorCode::usage, sentence); }
+[[noreturn]] void refuse_text(const std::string& sentence) { throw Error(ErrorCode::usage, sentence); }
 
 std::optional<double> number_in(std::string_view text) {
     if (text.starts_with('+')) text.remove_prefix(1);
@@ -23,14 +23,15 @@ std::optional<double> number_in(std::string_view text) {
 /// Exactly `count` numbers, or the refusal that `expected` tells.
 std::vector<double> numbers(std::string_view text, std::size_t count, const char* expected) {
     auto values = numbers_in(text);
-    if (values.size() != count) refuse(fmt::format("expected {}", expected));
+    if (values.size() != count) refuse_text(fmt::format("expected {}", expected));
     return values;
 }
 
 template <class Integer>
 Integer integer(double value, Integer lowest, Integer highest) {
-    if (value != std::floor(value)) refuse("expected a whole number");
-    if (value < double(lowest) || value > double(highest)) refuse(fmt::format("must be {} to {}", lowest, highest));
+    if (value != std::floor(value)) refuse_text("expected a whole number");
+    if (value < double(lowest) || value > double(highest))
+        refuse_text(fmt::format("must be {} to {}", lowest, highest));
     return Integer(value);
 }
 
@@ -99,7 +100,7 @@ std::string to_text(bool headlight, double azimuth_deg, double elevation_deg, co
 }
 
 void from_text(std::string_view text, bool& value) {
-    if (text != "true" && text != "false") refuse("expected true or false");
+    if (text != "true" && text != "false") refuse_text("expected true or false");
     value = text == "true";
 }
 void from_text(std::string_view text, int& value) { value = to_int(numbers(text, 1, "a whole number")[0]); }
@@ -134,14 +135,14 @@ void from_text(std::string_view text, std::array<double, 6>& value) {
 void from_text(std::string_view text, ClipPlane& value) {
     const auto v = numbers(text, 4, "four numbers NX,NY,NZ,D");
     value = {{v[0], v[1], v[2]}, v[3]};
-    if (!(length(value.normal) > 0)) refuse("the normal must not be 0,0,0");
+    if (!(length(value.normal) > 0)) refuse_text("the normal must not be 0,0,0");
 }
 
 void from_text(std::string_view text, IsoSurface& value) {
     value = {};
     if (const auto at = text.find('@'); at != text.npos) {
         value.opacity = numbers(text.substr(at + 1), 1, "an opacity after the @")[0];
-        if (value.opacity < 0 || value.opacity > 1) refuse("the opacity must be 0 to 1");
+        if (value.opacity < 0 || value.opacity > 1) refuse_text("the opacity must be 0 to 1");
         text = text.substr(0, at);
     }
     const auto comma = text.find(',');
@@ -166,7 +167,7 @@ void from_text(std::string_view text, ShSampling& value) {
     const auto colon = text.find(':');
     value.jittered = index_among(text.substr(0, colon), names) == 1;
     if (colon == text.npos) return;
-    if (!value.jittered) refuse("only jittered takes a number of sets");
+    if (!value.jittered) refuse_text("only jittered takes a number of sets");
     value.sets = integer<int>(numbers(text.substr(colon + 1), 1, "a number of sets after the colon")[0], 1, 4096);
 }
 
@@ -202,7 +203,7 @@ std::size_t index_among(std::string_view text, std::span<const std::string_view>
     for (std::size_t i = 0; i < names.size(); ++i)
         if (names[i] == text) return i;
     const std::vector<std::string> candidates(names.begin(), names.end());
-    refuse(fmt::format("must be {}{}", fmt::join(names, ", "), did_you_mean(text, candidates)));
+    refuse_text(fmt::format("must be {}{}", fmt::join(names, ", "), did_you_mean(text, candidates)));
 }
 
 namespace {
@@ -235,7 +236,7 @@ std::string range_of(const Setting& setting) {
 void check_range(const Setting& setting, std::string_view text) {
     for (double value : numbers_in(text))
         if (value < setting.lowest || value > setting.highest || (setting.lowest_excluded && value == setting.lowest))
-            refuse("must be " + range_of(setting));
+            refuse_text("must be " + range_of(setting));
 }
 
 std::string value_text(const Setting& setting, const bool& field) {
@@ -259,7 +260,7 @@ void read_value(const Setting& setting, std::string_view text, int& field) {
     if (setting.form.find('|') == setting.form.npos) return;
     const auto choices = choices_of(setting.form);
     if (std::find(choices.begin(), choices.end(), to_text(field)) == choices.end())
-        refuse(fmt::format("must be {}", fmt::join(choices, ", ")));
+        refuse_text(fmt::format("must be {}", fmt::join(choices, ", ")));
 }
 
 }  // namespace chiaro

@@ -30,12 +30,12 @@ int material(Vec3 p) {
     return in_sphere(p) ? blue_sphere : air;
 }
 
-Volume make(int size, Progress& progress) {
+Volume make_cornell(int size, Progress& progress) {
     return generate<std::uint8_t>(size, progress,
                                   [=](int i, int j, int k) { return material(in_unit_cube(i, j, k, size)); });
 }
 
-TransferFunction transfer_function() {
+TransferFunction cornell_transfer_function() {
     constexpr struct {
         int value;
         Rgb rgb;
@@ -59,8 +59,8 @@ TransferFunction transfer_function() {
 Sample cornell_sample() {
     return {{"cornell", "box with coloured walls, a white box and a blue sphere (Ropinski 2008), open towards -y", 128,
              true},
-            make,
-            transfer_function};
+            make_cornell,
+            cornell_transfer_function};
 }
 
 }  // namespace chiaro

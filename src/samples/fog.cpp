@@ -47,11 +47,11 @@ double density(Vec3 p) {
     return smooth_step(0.25, 0.7, sum) * (1 - smooth_step(0.15, 0.48, from_centre));
 }
 
-Volume make(int size, Progress& progress) {
+Volume make_fog(int size, Progress& progress) {
     return generate<float>(size, progress, [=](int i, int j, int k) { return density(in_unit_cube(i, j, k, size)); });
 }
 
-TransferFunction transfer_function() {
+TransferFunction fog_transfer_function() {
     TransferFunction tf;
     tf.points = {{0, {0.75, 0.82, 0.95}, 0}, {0.5, {0.92, 0.93, 0.95}, 0.05}, {1, {1, 0.97, 0.92}, 0.15}};
     return tf;
@@ -59,6 +59,8 @@ TransferFunction transfer_function() {
 
 }  // namespace
 
-Sample fog_sample() { return {{"fog", "a soft cloud of smooth noise, float in [0, 1]", 128}, make, transfer_function}; }
+Sample fog_sample() {
+    return {{"fog", "a soft cloud of smooth noise, float in [0, 1]", 128}, make_fog, fog_transfer_function};
+}
 
 }  // namespace chiaro

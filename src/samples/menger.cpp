@@ -14,7 +14,7 @@ bool solid(int x, int y, int z) {
     return true;
 }
 
-Volume make(int size, Progress& progress) {
+Volume make_menger(int size, Progress& progress) {
     const auto cell = [=](int i) {
         return int((2 * std::int64_t(i) + 1) * (cells + 2) / (2 * std::int64_t(size))) - 1;
     };
@@ -22,7 +22,7 @@ Volume make(int size, Progress& progress) {
                                   [=](int i, int j, int k) { return solid(cell(i), cell(j), cell(k)) ? 255 : 0; });
 }
 
-TransferFunction transfer_function() {
+TransferFunction menger_transfer_function() {
     constexpr Rgb ivory{0.93, 0.88, 0.78};
     TransferFunction tf;
     tf.points = {{0, ivory, 0}, {100, ivory, 0}, {155, ivory, 0.9}, {255, ivory, 1}};
@@ -31,6 +31,8 @@ TransferFunction transfer_function() {
 
 }  // namespace
 
-Sample menger_sample() { return {{"menger", "the Menger sponge of level 4", 249}, make, transfer_function}; }
+Sample menger_sample() {
+    return {{"menger", "the Menger sponge of level 4", 249}, make_menger, menger_transfer_function};
+}
 
 }  // namespace chiaro

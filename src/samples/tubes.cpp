@@ -9,7 +9,7 @@
 namespace chiaro {
 namespace {
 
-constexpr double plate = 0, tube = 40, air = 128, yellow_pane = 200, blue_bar = 227, red_ball = 255;
+constexpr double plate = 0, tube = 40, tube_air = 128, yellow_pane = 200, blue_bar = 227, red_ball = 255;
 
 double depth_in_box(Vec3 p, Vec3 low, Vec3 high) {
     double depth = 1;
@@ -26,21 +26,21 @@ double depth_in_tube(Vec3 p, double y, double z, double inner, double outer, dou
 }
 
 double value(Vec3 p, int size) {
-    const auto body = [=](double material, double depth) { return (material - air) * coverage(depth * size); };
+    const auto body = [=](double material, double depth) { return (material - tube_air) * coverage(depth * size); };
     const double opaque = std::min(body(plate, depth_in_box(p, {0.05, 0.05, 0.05}, {0.95, 0.95, 0.11})),
                                    body(tube, depth_in_tube(p, 0.42, 0.30, 0.155, 0.19, 0.22, 0.70)));
     const double translucent = std::max({body(red_ball, depth_in_ball(p, {0.80, 0.56, 0.55}, 0.10)),
                                          body(blue_bar, depth_in_tube(p, 0.76, 0.50, 0, 0.045, 0.15, 0.75)),
                                          body(yellow_pane, depth_in_box(p, {0.80, 0.16, 0.11}, {0.83, 0.44, 0.50}))});
-    return air + opaque + translucent;
+    return tube_air + opaque + translucent;
 }
 
-Volume make(int size, Progress& progress) {
+Volume make_tubes(int size, Progress& progress) {
     return generate<std::uint8_t>(size, progress,
                                   [=](int i, int j, int k) { return value(in_unit_cube(i, j, k, size), size) + 0.5; });
 }
 
-TransferFunction transfer_function() {
+TransferFunction tubes_transfer_function() {
     constexpr Rgb white{0.93, 0.91, 0.87}, grey{0.82, 0.83, 0.85}, yellow{1.0, 0.82, 0.10}, blue{0.15, 0.35, 1.0},
         red{0.95, 0.15, 0.10};
     constexpr double opaque = 0.95, translucent = 0.2;
@@ -55,8 +55,9 @@ TransferFunction transfer_function() {
 }  // namespace
 
 Sample tubes_sample() {
-    return {
-        {"tubes", "a hollow tube that coloured shadows fall into (after Ritschel 2007)", 128}, make, transfer_function};
+    return {{"tubes", "a hollow tube that coloured shadows fall into (after Ritschel 2007)", 128},
+            make_tubes,
+            tubes_transfer_function};
 }
 
 }  // namespace chiaro

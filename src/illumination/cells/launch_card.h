@@ -8,9 +8,9 @@ namespace chiaro::kernel {
 
 /// A thread for each cell.
 template <class Voxel>
-void fill_opacities(cuda::Stream& stream, const OpacityBatch<Voxel>& batch, std::int64_t blocks);
+CHIARO_LAUNCHER void fill_opacities(cuda::Stream& stream, const OpacityBatch<Voxel>& batch, std::int64_t blocks);
 
 /// Tiles, then answers: a thread for each cell.
-void lift_blocks(cuda::Stream& stream, const LiftBatch& batch, std::int64_t blocks);
+CHIARO_LAUNCHER void lift_blocks(cuda::Stream& stream, const LiftBatch& batch, std::int64_t blocks);
 
 }  // namespace chiaro::kernel

@@ -18,7 +18,7 @@ struct BallView {
 enum class BallPart : std::int32_t { forward, backward, whole };
 
 /// A cell's place in a histogram, those of its neighbours, and how far the volume goes before and behind it.
-struct CellPlaces {
+struct CellNeighbours {
     const std::uint16_t* here;
     std::int32_t row, slice;  ///< distances along y and z
     std::int32_t before[3], behind[3];

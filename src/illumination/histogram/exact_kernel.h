@@ -19,7 +19,7 @@ CHIARO_INLINE std::int16_t packed_share(float share) {
 CHIARO_INLINE float scale_of(BallPart part) { return part == BallPart::whole ? 1.0f : 2.0f; }
 
 /// Around a cell whose places are its bins.
-CHIARO_INLINE CellPlaces places_around(const BinGrid& grid, int x, int y, int z) {
+CHIARO_INLINE CellNeighbours places_around(const BinGrid& grid, int x, int y, int z) {
     const std::int32_t* n = grid.count;
     return {grid.cell(x, y, z), n[0], n[0] * n[1], {x, y, z}, {n[0] - 1 - x, n[1] - 1 - y, n[2] - 1 - z}};
 }
@@ -40,7 +40,7 @@ CHIARO_INLINE void count_row(const std::uint16_t* place, const float* weight, st
 
 /// Adds the cells of the ball on the gradient's side, or where `whole` all, to `counts`, [4][places]. Cells in the
 /// plane between the halves count half.
-CHIARO_INLINE void count_ball(const BallView& ball, const CellPlaces& cell, const float* gradient, bool whole,
+CHIARO_INLINE void count_ball(const BallView& ball, const CellNeighbours& cell, const float* gradient, bool whole,
                               std::int32_t places, float* counts) {
     float weights[BallView::most_reach * 2 + 1];
     const float* middle = ball.weights;

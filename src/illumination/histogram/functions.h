@@ -7,7 +7,7 @@
 namespace chiaro::kernel {
 
 struct HistogramFunctions {
-    void (*count_ball)(const BallView&, const CellPlaces&, const float* gradient, bool whole, std::int32_t places,
+    void (*count_ball)(const BallView&, const CellNeighbours&, const float* gradient, bool whole, std::int32_t places,
                        float* counts);
     void (*fast_sums)(const FastBlock&);
     void (*fast_plane)(const FastBlock&, int fine_z);

@@ -9,7 +9,7 @@ namespace chiaro::kernel::CHIARO_ISA {
 
 HistogramFunctions histogram_functions() {
     return {
-        [](const BallView& ball, const CellPlaces& cell, const float* gradient, bool whole, std::int32_t places,
+        [](const BallView& ball, const CellNeighbours& cell, const float* gradient, bool whole, std::int32_t places,
            float* counts) { count_ball(ball, cell, gradient, whole, places, counts); },
         [](const FastBlock& block) { fast_sums<NativeLanes>(block); },
         [](const FastBlock& block, int fine_z) { fast_plane<NativeLanes>(block, fine_z); },

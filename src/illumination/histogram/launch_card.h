@@ -38,23 +38,25 @@ struct PickVectors {
 };
 
 /// M0 and P of blocks; then histograms of a slab of each. `shape` is what the blocks have in common.
-void fast_sums(cuda::Stream& stream, FastBatch batch, const FastBlock& shape, std::int64_t blocks);
-void fast_cells(cuda::Stream& stream, const FastBatch& batch, std::int64_t blocks);
+CHIARO_LAUNCHER void fast_sums(cuda::Stream& stream, FastBatch batch, const FastBlock& shape, std::int64_t blocks);
+CHIARO_LAUNCHER void fast_cells(cuda::Stream& stream, const FastBatch& batch, std::int64_t blocks);
 
-void lift_nodes(cuda::Stream& stream, const LiftKernel& lift);
+CHIARO_LAUNCHER void lift_nodes(cuda::Stream& stream, const LiftKernel& lift);
 
 /// The nearest word of each of a slab's nodes.
-void assign_slab(cuda::Stream& stream, const AssignSlab& assign, const LeftOver& left, std::int64_t blocks);
+CHIARO_LAUNCHER void assign_slab(cuda::Stream& stream, const AssignSlab& assign, const LeftOver& left,
+                                 std::int64_t blocks);
 
 /// assign_each, a thread for each of `count` histograms; then the sums of each word's, zero at first, a thread for each
 /// bin of each.
-void assign_vectors(cuda::Stream& stream, const CodebookView& book, const WordedVectors& vectors, const LeftOver& left);
-void add_up_vectors(cuda::Stream& stream, const WordedVectors& vectors, cuda::Count* sums);
+CHIARO_LAUNCHER void assign_vectors(cuda::Stream& stream, const CodebookView& book, const WordedVectors& vectors,
+                                    const LeftOver& left);
+CHIARO_LAUNCHER void add_up_vectors(cuda::Stream& stream, const WordedVectors& vectors, cuda::Count* sums);
 
-void count_members(cuda::Stream& stream, const CountMembers& count, std::int64_t members);
-void add_up_members(cuda::Stream& stream, const AddUpMembers& add_up, std::int64_t words);
+CHIARO_LAUNCHER void count_members(cuda::Stream& stream, const CountMembers& count, std::int64_t members);
+CHIARO_LAUNCHER void add_up_members(cuda::Stream& stream, const AddUpMembers& add_up, std::int64_t words);
 
 /// Sixteen threads a word, then four.
-void find_word_sums(cuda::Stream& stream, const WordTable& table);
+CHIARO_LAUNCHER void find_word_sums(cuda::Stream& stream, const WordTable& table);
 
 }  // namespace chiaro::kernel

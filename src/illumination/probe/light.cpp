@@ -6,8 +6,6 @@
 namespace chiaro {
 namespace {
 
-constexpr double radians(double degrees) { return degrees * std::numbers::pi / 180; }
-
 /// Band 1 as a vector: Y_1 = √(3/4π) (y, z, x).
 Vec3 first_moment(const ShCoefficients& c) { return {c[3], c[1], c[2]}; }
 

@@ -10,10 +10,11 @@ inline constexpr std::int32_t column_rows = 32, column_nodes = NodeColumn::width
 
 /// A thread for each node.
 template <class Rays>
-void trace_columns(cuda::Stream& stream, const RayKernel<Rays>& kernel, const NodeColumn* columns, std::int64_t count);
+CHIARO_LAUNCHER void trace_columns(cuda::Stream& stream, const RayKernel<Rays>& kernel, const NodeColumn* columns,
+                                   std::int64_t count);
 /// A thread for each run: its sums are its own.
 template <class Rays>
-void trace_harmonics(cuda::Stream& stream, const HarmonicsKernel<Rays>& kernel, const NodeRun* runs, std::int64_t count,
-                     HarmonicSums* sums);
+CHIARO_LAUNCHER void trace_harmonics(cuda::Stream& stream, const HarmonicsKernel<Rays>& kernel, const NodeRun* runs,
+                                     std::int64_t count, HarmonicSums* sums);
 
 }  // namespace chiaro::kernel

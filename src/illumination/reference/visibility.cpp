@@ -95,7 +95,7 @@ double weight_of(int rays) { return 4 * std::numbers::pi / rays; }
 
 /// Rays through cells of constant extinction. Runs begin at the same place of their stride: one list of crossings
 /// serves them all.
-struct CellFollower {
+struct NodeCellFollower {
     Crossings crossings;
     int stride;
     double start;
@@ -106,12 +106,12 @@ struct CellFollower {
     void add_way(HostArrays& arrays) const { crossings.add_to(arrays); }
 };
 auto follower_of(const ExtinctionCells& cells, int stride, double start) {
-    return [&cells, stride, start] { return CellFollower{Crossings(cells), stride, start}; };
+    return [&cells, stride, start] { return NodeCellFollower{Crossings(cells), stride, start}; };
 }
 
 /// Rays through the interpolated medium.
 template <class Voxel>
-struct InterpolatedFollower {
+struct NodeInterpolatedFollower {
     const InterpolatedMedium<Voxel>& medium;
     int stride;
     double start;
@@ -166,7 +166,7 @@ ShField reference_visibility(const Device& device, const Medium::Data& medium, c
     const auto through_voxels = [&](auto voxel) {
         using Voxel = decltype(voxel);
         const InterpolatedMedium<Voxel> interpolated(medium, opacity.values.grid, reference_step);
-        const auto follower = [&] { return InterpolatedFollower<Voxel>{interpolated, stride, start}; };
+        const auto follower = [&] { return NodeInterpolatedFollower<Voxel>{interpolated, stride, start}; };
         const auto runs = all_runs(out.grid, stride, nullptr);
         steps("rays", [&] {
             trace<kernel::InterpolatedRays<Voxel>>(device, runs, stride, settings.rays, follower, progress, found);

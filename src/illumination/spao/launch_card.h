@@ -7,14 +7,14 @@ namespace chiaro::kernel {
 
 /// A thread for each cell; `Source` is one of those of batch_kernel.h.
 template <class Source>
-void fill_grid(cuda::Stream& stream, const Source& source, const GridTarget& target);
+CHIARO_LAUNCHER void fill_grid(cuda::Stream& stream, const Source& source, const GridTarget& target);
 
 /// Tiles and their means, then answers: a thread for each cell, or corner of a coarser grid.
-void answer_cells(cuda::Stream& stream, const SpaoBatch& batch, std::int64_t blocks);
-void answer_corners(cuda::Stream& stream, const SpaoBatch& batch, std::int64_t blocks);
+CHIARO_LAUNCHER void answer_cells(cuda::Stream& stream, const SpaoBatch& batch, std::int64_t blocks);
+CHIARO_LAUNCHER void answer_corners(cuda::Stream& stream, const SpaoBatch& batch, std::int64_t blocks);
 template <class Kernel>
-void answer_access(cuda::Stream& stream, const AccessBatch<Kernel>& batch, std::int64_t blocks);
+CHIARO_LAUNCHER void answer_access(cuda::Stream& stream, const AccessBatch<Kernel>& batch, std::int64_t blocks);
 
-void sum_up(cuda::Stream& stream, const SumTable& table);
+CHIARO_LAUNCHER void sum_up(cuda::Stream& stream, const SumTable& table);
 
 }  // namespace chiaro::kernel

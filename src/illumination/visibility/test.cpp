@@ -171,7 +171,7 @@ TEST(Sweep, GivesTheSameBitsOnEveryInstructionSetAndThreadCount) {
         d.numbers()[(i * 131) % d.grid.size()] = 30;  // some opaque cells, and what lies behind
     for (SweepLattice lattice : {SweepLattice::grid, SweepLattice::sheared}) {
         const ShField expected = swept(d, 130, 0.25, Device::cpu(1, Isa::scalar), 16, lattice);
-        for (Isa isa : {Isa::x86_64_v2, Isa::x86_64_v3, Isa::x86_64_v4}) {
+        for (Isa isa : available_isas()) {
             if (isa > tested_device().isa) continue;
             for (int threads : {1, 3}) {
                 const ShField found = swept(d, 130, 0.25, Device::cpu(threads, isa), 16, lattice);

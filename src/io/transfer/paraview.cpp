@@ -166,7 +166,7 @@ bool is_map(const Json& json) {
     return json.is_object() && (json.contains("RGBPoints") || json.contains("IndexedColors"));
 }
 
-JsonNode only_or_chosen(const TransferText& text, const JsonNode& root, FoundFunction& found) {
+JsonNode chosen_map(const TransferText& text, const JsonNode& root, FoundFunction& found) {
     if (!root.json.is_array()) return root;
     std::vector<std::size_t> maps;
     for (std::size_t i = 0; i < root.json.size(); ++i)
@@ -250,7 +250,7 @@ void read_points(const TransferText& text, const JsonNode& map, FoundFunction& f
 FoundFunction read_paraview(const TransferText& text, const Statistics&) {
     if (!text.json) text.fail(text.trouble);
     FoundFunction found;
-    const JsonNode map = only_or_chosen(text, {*text.json, text.name, ""}, found);
+    const JsonNode map = chosen_map(text, {*text.json, text.name, ""}, found);
     map.require_object();
     if (!is_map(map.json)) {
         std::string hint;

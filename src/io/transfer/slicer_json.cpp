@@ -63,7 +63,7 @@ Curve<N> read_curve(const TransferText& text, const JsonNode& function) {
     return curve;
 }
 
-JsonNode only_or_chosen(const TransferText& text, const JsonNode& root, FoundFunction& found) {
+JsonNode chosen_property(const TransferText& text, const JsonNode& root, FoundFunction& found) {
     root.require_object();
     const JsonNode list = root.at("volumeProperties");
     if (!list.json.is_array() || list.json.empty()) list.fail("must be an array of at least one object");
@@ -95,7 +95,7 @@ void add_notes(const TransferText& text, const JsonNode& component, std::size_t 
 FoundFunction read_slicer_json(const TransferText& text, const Statistics&) {
     if (!text.json) text.fail(text.trouble);
     FoundFunction choice;
-    const JsonNode property = only_or_chosen(text, {*text.json, text.name, ""}, choice);
+    const JsonNode property = chosen_property(text, {*text.json, text.name, ""}, choice);
     property.require_object();
     const JsonNode list = property.at("components");
     if (!list.json.is_array() || list.json.empty()) list.fail("must be an array of at least one object");
