@@ -27,10 +27,14 @@ find_package(CLI11 REQUIRED)
 add_executable(chiaro_emulated EXCLUDE_FROM_ALL $<TARGET_OBJECTS:chiaro-cli> $<TARGET_OBJECTS:cuda_emulated>)
 target_link_libraries(chiaro_emulated PRIVATE $<TARGET_PROPERTY:chiaro-cli,LINK_LIBRARIES>)
 
-# But for what takes five seconds and more of make-believe, and goes through the same kernels as quicker tests: some, and
-# all of the volumes at full size. Tests of the tool, which has another card or none, are left out too.
+# But for what takes three seconds and more there, and goes through the same kernels as quicker tests: that the emulated GPU
+# gives the host's bits is what cuda_emulated_test shows, path by path. Tests of the tool, which has another GPU or none, are
+# left out too.
 set(slow Transport.AHalfSpace* Transport.ThickCells* TransportEdit.ATurned* TransportEdit.TheFirst* TransportEdit.Another* TransportEdit.Interrupted*
          Reference.Interpolated* Reference.MidPlane* Reference.Converges* Spao.AnyNumber* Sweep.OnAnOpaque* LightError.Exposure* HistogramCache.*
+         Reference.Centre* Reference.OnAn* Reference.Surfaces* Reference.Threads* ReferenceVisibility.OnAn* ReferenceVisibility.Through* ReferenceVisibility.BandZero*
+         ReferenceVisibility.Threads* Transport.AFurnace* Transport.LightThrough* Transport.AnIso* Sweep.ATurned* Visibility.AnOpen* LightError.IsWhat* LightError.Notices* LightError.Refuses*
+         PathTracer.Noise* Spao.Filters* Spao.WhereASurface* EveryMode/1.* EveryMode/2.* HistogramLight.IsTheSame* HistogramLight.Effects* HistogramLight.Glows*
          HistogramLight.ShowsInEvery* HistogramLight.Bleeds* HistogramLight.KeepsThe* HistogramLight.IsPrepared* HistogramLight.Without* HistogramLight.CanBe* *Tool.*)
 list(JOIN slow : slow)
 set(small_tests ${CHIARO_DEVICE_TESTS})

@@ -60,16 +60,14 @@ TEST_F(Isolation, MemoryIsLimited) {
 }
 
 TEST_F(Isolation, TimeIsLimited) {
-    const auto start = std::chrono::steady_clock::now();
     options.seconds = 1;
     EXPECT_NE(after("spin").find("more than 1 seconds"), std::string::npos);
-    options.seconds = 20;
+    options.seconds = 300;  // were it this limit that ends it, the message would say so
     options.stall_seconds = 1;
     for (const std::string deed : {"sleep", "ignore all"}) {
         const std::string said = after(deed);
         EXPECT_NE(said.find("came to a halt"), said.npos) << said;
     }
-    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(15));
 }
 
 // Should the parent sleep (or be stopped), the kernel ends the helper.

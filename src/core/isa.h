@@ -3,8 +3,9 @@
 #include <chiaro/device.h>
 
 #if __has_include("core/kernels_built.h")
-#include "core/kernels_built.h"  // of this build; CHIARO_FOR_EACH_ISA writes declare(scalar, ...) declare(x86_64_v3, ...) ...
-#else                       // units of kernels, which define some and choose none
+// Of this build: CHIARO_FOR_EACH_ISA writes declare(scalar, ...) declare(x86_64_v3, ...) ...
+#include "core/kernels_built.h"
+#else  // units of kernels, which define some and choose none
 #define CHIARO_BUILT_ISAS \
     { true, true, true, true }
 #define CHIARO_FOR_EACH_ISA(declare, ...)                                                    \
