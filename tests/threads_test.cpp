@@ -113,7 +113,9 @@ TEST(Threads, ReportsComeOneAtATime) {
         ++reports;
         largest = std::max(largest, fraction);
     });
-    EXPECT_TRUE(parallel_for(4, 1000, 3, "count", progress, [](std::int64_t, std::int64_t) {}));
+    EXPECT_TRUE(parallel_for(4, 1000, 3, "count", progress, [](std::int64_t, std::int64_t) {
+        std::this_thread::sleep_for(std::chrono::microseconds(50));  // so that others begin
+    }));
     EXPECT_GE(reports, 1);
     EXPECT_LE(reports, 334);
     EXPECT_GT(largest, 0);
