@@ -39,7 +39,7 @@ public:
     /// The final picture of state n.
     std::string wait_for(std::int64_t n) {
         std::unique_lock lock(mutex_);
-        changed_.wait_for(lock, std::chrono::minutes(5), [&] { return finals_.contains(n) || !errors_.empty(); });
+        changed_.wait(lock, [&] { return finals_.contains(n) || !errors_.empty(); });
         EXPECT_EQ(errors_, "");
         return finals_[n];
     }
@@ -103,7 +103,8 @@ void edit(Json& scene, Chance& chance) {
     if (scene["lighting"]["method"] == "histogram") scene["lighting"]["radius"] = 4, scene["lighting"]["clusters"] = 32;
 }
 
-/// A page at work: states and requests in any order, and some of them cancelled. Answers are not waited for.
+/// A page at work: states and requests in any order, and some of them cancelled. Answers are not waited for. Ids from
+/// 1001 on are those of Page::ask.
 void work(Page& page, Json& scene, Chance& chance, int steps) {
     for (int i = 1; i <= steps; ++i) {
         if (chance.pick(0, 2)) {
@@ -113,7 +114,7 @@ void work(Page& page, Json& scene, Chance& chance, int steps) {
             Json request = request_of(scene, chance);
             request["id"] = i;
             page.send(request);
-            if (chance.pick(0, 2) == 0) page.send({{"type", "cancel"}, {"id", 1000 + i}, {"re", i}});
+            if (chance.pick(0, 2) == 0) page.send({{"type", "cancel"}, {"id", 2000 + i}, {"re", i}});
         }
         page.next(chance.real(0, 0.02));
     }

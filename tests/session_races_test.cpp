@@ -130,7 +130,7 @@ TEST(SessionRaces, EditsWhileLightIsRefined) {
             Session session = new_session();
             Scene scene = small_scene(method);
             Desk desk(session);
-            for (int i = 0; i < 12; ++i) {
+            for (int i = 0; i < 8; ++i) {
                 edit(scene, chance);
                 desk.show(scene);
                 chance.wait(15);
