@@ -108,7 +108,8 @@ void Net::run(bool signals) {
     net.accept();
     net.tick();
     net.io.run();
-    net.context.sockets.clear();
+    // Those that did not close in time: their pages count as gone, or work that goes on would answer into what ends.
+    for (const auto& socket : std::set(net.context.sockets)) socket->ended();
 }
 
 void Net::stop() {

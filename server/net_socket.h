@@ -67,6 +67,15 @@ public:
         if (!is_writing_) finish();
     }
 
+    /// There is no connection any more, or none will be served.
+    void ended() {
+        is_open_ = false;
+        timer_.cancel();
+        waiting_.resize(is_writing_ ? 1 : 0);
+        if (const auto listener = std::move(listener_)) listener->gone(*this);
+        context_.sockets.erase(shared_from_this());
+    }
+
 private:
     struct Message {
         std::string bytes;
@@ -136,14 +145,6 @@ private:
         buffer_.consume(buffer_.size());
         if (buffer_.capacity() > 65536) buffer_.shrink_to_fit();
         read();
-    }
-
-    void ended() {
-        is_open_ = false;
-        timer_.cancel();
-        waiting_.resize(is_writing_ ? 1 : 0);
-        if (const auto listener = std::move(listener_)) listener->gone(*this);
-        context_.sockets.erase(shared_from_this());
     }
 
     websocket::stream<beast::tcp_stream> stream_;

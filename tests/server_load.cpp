@@ -324,7 +324,7 @@ private:
     void settle() {
         const auto start = Clock::now();
         try {
-            while (page_ && !open_.empty() && seconds_since(start) < 120) read(0.05);
+            while (page_ && !open_.empty() && seconds_since(start) < 600) read(0.05);  // on a busy machine
         } catch (const std::exception&) {
             lost();
         }

@@ -1,4 +1,4 @@
-// The only door to the thread library (oneTBB).
+// The only door to the thread library: oneTBB, or std::thread where that was built (CHIARO_THREADS).
 #pragma once
 #include <chiaro/device.h>
 #include <chiaro/progress.h>
