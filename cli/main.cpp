@@ -12,6 +12,7 @@
 #include "core/did_you_mean.h"
 #include "interrupt.h"
 #include "lists.h"
+#include "outline.h"
 
 namespace chiaro::cli {
 namespace {
@@ -65,6 +66,8 @@ void run(int argc, char** argv) {
                     {"--list-devices", "lists the devices", list_devices},
                     {"--list-options", "", list_options}};
     for (List& list : lists) tool.add_flag(list.flag, list.wanted, list.help)->group(*list.help ? "Options" : "");
+    std::string printed;
+    tool.add_option("--print", printed)->group("");  // man, bash, zsh or fish: what cmake/pages.cmake installs
     std::vector<Command> all;
     for (const auto command : commands) {
         all.push_back(command(tool));
@@ -77,6 +80,7 @@ void run(int argc, char** argv) {
         return command.run();
     }
     refuse_rest(tool);
+    if (!printed.empty()) return print_outline(tool, printed);
     bool listed = false;
     for (const List& list : lists)
         if (list.wanted) list.print(), listed = true;
