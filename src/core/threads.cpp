@@ -1,5 +1,7 @@
 #include "core/threads.h"
 
+#include "core/thread_limit.h"
+
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -33,9 +35,14 @@ void run(int threads, std::int64_t count, std::int64_t grain, const Body& body) 
     });
 }
 
+std::atomic<int> thread_limit{0};
+
 }  // namespace
 
+void limit_threads(int count) { thread_limit.store(count, std::memory_order_relaxed); }
+
 int usable_threads() {
+    if (const int limit = thread_limit.load(std::memory_order_relaxed)) return limit;
     cpu_set_t set;
     if (sched_getaffinity(0, sizeof set, &set) == 0) return std::max(1, CPU_COUNT(&set));
     return std::max(1u, std::thread::hardware_concurrency());
