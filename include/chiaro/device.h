@@ -1,5 +1,7 @@
 // Where the work is done.
 #pragma once
+#include <chiaro/export.h>
+
 #include <cstddef>
 #include <memory>
 #include <string>
@@ -11,9 +13,9 @@ namespace chiaro {
 /// Instruction sets the kernels are compiled for. `scalar` is the one-pixel-at-a-time reference build.
 enum class Isa { scalar, x86_64_v2, x86_64_v3, x86_64_v4 };
 
-std::string_view name_of(Isa isa);  ///< "scalar", "x86-64-v3", ...
-Isa best_isa();                     ///< the widest this processor runs
-std::vector<Isa> available_isas();  ///< scalar first, the best last
+CHIARO_EXPORT std::string_view name_of(Isa isa);  ///< "scalar", "x86-64-v3", ...
+CHIARO_EXPORT Isa best_isa();                     ///< the widest this processor runs
+CHIARO_EXPORT std::vector<Isa> available_isas();  ///< scalar first, the best last
 
 namespace cuda {
 class Stream;  // src/cuda/stream.h
@@ -27,19 +29,19 @@ struct Device {
     std::shared_ptr<cuda::Stream> stream;  ///< of a card; none: the processor does everything
 
     bool has_card() const { return stream != nullptr; }
-    std::string name() const;  ///< "cpu" or "cuda:0"
+    CHIARO_EXPORT std::string name() const;  ///< "cpu" or "cuda:0"
     /// The same, with a stream of its own on the card, which keeps one copy of what both read.
-    Device beside() const;
+    CHIARO_EXPORT Device beside() const;
     /// Why the processor took over what a card that was chosen by itself could not do, or what any card does without
     /// (textures); empty: neither.
-    std::string note() const;
+    CHIARO_EXPORT std::string note() const;
 
     /// threads 0: all that the process may use. Throws Error{usage} for threads outside 0..1024 and Error{output}
     /// for an instruction set that this processor lacks.
-    static Device cpu(int threads = 0);
-    static Device cpu(int threads, Isa isa);
+    CHIARO_EXPORT static Device cpu(int threads = 0);
+    CHIARO_EXPORT static Device cpu(int threads, Isa isa);
     /// Card `index` of list_cards(), and `host` for the rest. Throws Error{output} where there is none: why.
-    static Device cuda(int index, const Device& host);
+    CHIARO_EXPORT static Device cuda(int index, const Device& host);
 };
 
 /// A card that this build could use.
@@ -49,7 +51,7 @@ struct CardInfo {
     std::size_t memory_bytes = 0, free_bytes = 0;
 };
 /// None without a driver, a card, or CUDA in this build.
-std::vector<CardInfo> list_cards();
+CHIARO_EXPORT std::vector<CardInfo> list_cards();
 
 struct DeviceChoice {
     Device device;
@@ -57,6 +59,6 @@ struct DeviceChoice {
 };
 /// The card with the most free memory where that is 1 GiB or more, else `host`. Where what is shown later does not fit
 /// the card, the processor takes over (Device::note).
-DeviceChoice choose_device(const Device& host);
+CHIARO_EXPORT DeviceChoice choose_device(const Device& host);
 
 }  // namespace chiaro
