@@ -11,6 +11,8 @@
 
 #include "core/did_you_mean.h"
 #include "core/text.h"
+#include "core/thread_limit.h"
+#include "progress_bar.h"
 
 namespace chiaro::cli {
 
@@ -24,9 +26,13 @@ void add_common_options(CLI::App& app, CommonOptions& o) {
         ->type_name("auto|always|never")
         ->group(group);
     app.add_option("--stats", o.stats, "writes times and counts as JSON")->type_name("FILE.json")->group(group);
-    app.add_flag("--quiet", o.quiet, "says nothing but errors")->group(group);
+    app.add_flag("--quiet", o.quiet, "says nothing but results and errors")->group(group);
     app.add_flag("--verbose", o.verbose, "tells the time of every stage")->group(group);
     app.add_option("--isa", o.isa)->group("");  // for finding faults: scalar, x86-64-v2, ...
+    app.parse_complete_callback([&o] {
+        limit_threads(Device::cpu(o.threads).threads);
+        ProgressBar(o.progress, true);
+    });
 }
 
 namespace {

@@ -16,6 +16,8 @@ struct CommonOptions {
     std::filesystem::path stats;
 };
 
+/// The number of threads holds from the end of parsing on, for the whole process. Parsing throws Error{usage} for
+/// values out of range.
 void add_common_options(CLI::App& app, CommonOptions& options);
 
 /// The device that the options ask for; of one that was chosen by itself a line tells. Throws Error{usage} for a name

@@ -29,17 +29,19 @@ bool is_picture(const std::string& name) { return is_png(name) || is_exr(name); 
 
 Frame read_picture(const std::string& name) { return is_png(name) ? display_values(read_png(name)) : read_exr(name); }
 
-Metrics compare_pictures(const std::string& a, const std::string& b) {
+Metrics compare_pictures(const std::string& a, const std::string& b, Stats& stats) {
     if (is_png(a) != is_png(b))
         throw Error(ErrorCode::usage,
                     fmt::format("{} and {}: display values and linear light cannot be compared", a, b));
-    return metrics_of(compare(read_picture(a), read_picture(b)));
+    const auto [first, second] = stats.stage("read", [&] { return std::pair(read_picture(a), read_picture(b)); });
+    return stats.stage("compare", [&, &x = first, &y = second] { return metrics_of(compare(x, y)); });
 }
 
-Metrics compare_fields(const CompareOptions& o) {
+Metrics compare_fields(const CompareOptions& o, Stats& stats) {
     Job job(o.common);
-    const Volume a = read_volume(o.a, {}, job.progress), b = read_volume(o.b, {}, job.progress);
-    const FieldDifference d = compare(a, b);
+    const auto read = [&](const std::string& name) { return read_volume(name, {}, job.progress); };
+    const Volume a = stats.stage("read", [&] { return read(o.a); }), b = stats.stage("read", [&] { return read(o.b); });
+    const FieldDifference d = stats.stage("compare", [&] { return compare(a, b); });
     return {{"rmse", d.rmse}, {"max", d.max}, {"bias", d.bias}, {"correlation", d.correlation, Kind::likeness}};
 }
 
@@ -59,9 +61,11 @@ void compare_files(const CompareOptions& o) {
                     "two files are compared as they are: only --methods takes a scene, -o or settings");
     if (is_picture(o.a) != is_picture(o.b))
         throw Error(ErrorCode::usage, fmt::format("{} and {}: a picture and a field cannot be compared", o.a, o.b));
-    const Metrics metrics = is_picture(o.a) ? compare_pictures(o.a, o.b) : compare_fields(o);
+    Stats stats;
+    const Metrics metrics = is_picture(o.a) ? compare_pictures(o.a, o.b, stats) : compare_fields(o, stats);
     const auto failures = o.limits.broken(metrics);
     print(metrics, o.json);
+    if (o.common.verbose) tell_stages(stats);
     if (!failures.empty())
         throw Error(ErrorCode::difference, fmt::format("{} and {}: {}", o.a, o.b, fmt::join(failures, ", ")));
 }

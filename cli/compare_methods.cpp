@@ -65,11 +65,13 @@ void compare_on_volume(const MethodsOptions& options, const Limits& limits, bool
     const Scene scene = scene_from({options.volume, options.scene, options.data}, flags, common, "compare");
     if (!options.output.empty()) check_output(options.output, {".html"});
     (void)limits.broken(metrics_of({}));  // refuses what it does not understand, before long work
-    Session session(device_of(common));
+    const Device device = device_of(common);
+    Session session(device);
     Stats stats;
     Job job(common);
     show(scene, session, stats, job, common);
-    const MethodComparison comparison = compare_methods(session, scene, methods, job.progress);
+    const MethodComparison comparison =
+        stats.stage("compare", [&] { return compare_methods(session, scene, methods, job.progress); });
     job.bar.clear();
 
     std::vector<std::string> failures;
@@ -78,6 +80,7 @@ void compare_on_volume(const MethodsOptions& options, const Limits& limits, bool
             failures.push_back(fmt::format("{}'s {}", to_text(picture.method), failure));
     if (!options.output.empty()) write(comparison, scene, options.output);
     fmt::print("{}", as_json ? json_of(comparison).dump(2) + "\n" : table_of(comparison));
+    if (common.verbose) tell_stages(stats, device);
     if (!failures.empty())
         throw Error(ErrorCode::difference, fmt::format("{}: {}", scene.volume, fmt::join(failures, ", ")));
 }

@@ -11,6 +11,7 @@
 #include "job.h"
 #include "output_file.h"
 #include "setting_flags.h"
+#include "stats.h"
 
 namespace chiaro::cli {
 namespace {
@@ -29,10 +30,14 @@ void convert_volume(const ConvertOptions& o) {
     scene.volume = o.input;
     o.flags.apply(scene);
     Job job(o.common);
-    const Volume volume = read_volume(scene, job.progress);
+    Stats stats;
+    const Volume volume = stats.stage("read", [&] { return read_volume(scene, job.progress); });
+    job.bar.clear();
     if (!o.common.quiet)
         for (const auto& note : volume.notes) say(fmt::format("{}: {}", o.input, note));
-    write_nrrd(volume, o.output, encoding, job.progress);
+    stats.stage("write", [&] { write_nrrd(volume, o.output, encoding, job.progress); });
+    job.bar.clear();
+    if (o.common.verbose) tell_stages(stats);
 }
 
 bool for_paraview(const ConvertOptions& o) {
@@ -45,10 +50,14 @@ void convert_transfer_function(const ConvertOptions& o) {
     const bool paraview = for_paraview(o);
     Statistics unit;  // there is no data to stretch a function to: its values are shares of the range
     unit.max = unit.p99 = unit.p999 = 1;
-    const TransferFile file = read_transfer_file(o.input, unit);
+    Stats stats;
+    const TransferFile file = stats.stage("read", [&] { return read_transfer_file(o.input, unit); });
     if (!o.common.quiet)
         for (const auto& note : file.notes) say(fmt::format("{}: {}", o.input, note));
-    write_text(o.output, (paraview ? to_paraview_json(file.function) : to_json(file.function)) + "\n");
+    stats.stage("write", [&] {
+        write_text(o.output, (paraview ? to_paraview_json(file.function) : to_json(file.function)) + "\n");
+    });
+    if (o.common.verbose) tell_stages(stats);
 }
 
 void run(const ConvertOptions& o) {

@@ -11,6 +11,7 @@
 #include "job.h"
 #include "json.h"
 #include "setting_flags.h"
+#include "stats.h"
 
 namespace chiaro::cli {
 namespace {
@@ -71,11 +72,13 @@ void run(const InfoOptions& o) {
     scene.volume = o.volume;
     o.flags.apply(scene);
     Job job(o.common);
-    const Volume volume = read_volume(scene, job.progress);
-    const Statistics statistics = measure(volume);
+    Stats stats;
+    const Volume volume = stats.stage("read", [&] { return read_volume(scene, job.progress); });
+    const Statistics statistics = stats.stage("measure", [&] { return measure(volume); });
     job.progress.check();
     job.bar.clear();
     (o.json ? print_json : print_text)(volume, statistics, guess(volume, statistics));
+    if (o.common.verbose) tell_stages(stats);
 }
 
 }  // namespace

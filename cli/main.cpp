@@ -7,6 +7,7 @@
 
 #include "command.h"
 #include "lists.h"
+#include "outline.h"
 #include "program.h"
 
 namespace chiaro::cli {
@@ -40,6 +41,8 @@ void run(int argc, char** argv) {
                     {"--list-devices", "lists the devices", list_devices},
                     {"--list-options", "", list_options}};
     for (List& list : lists) tool.add_flag(list.flag, list.wanted, list.help)->group(*list.help ? "Options" : "");
+    std::string printed;
+    tool.add_option("--print", printed)->group("");  // man, bash, zsh or fish: what cmake/pages.cmake installs
     std::vector<Command> all;
     for (const auto command : commands) {
         all.push_back(command(tool));
@@ -52,6 +55,7 @@ void run(int argc, char** argv) {
         return command.run();
     }
     refuse_rest(tool);
+    if (!printed.empty()) return print_outline(tool, printed);
     bool listed = false;
     for (const List& list : lists)
         if (list.wanted) list.print(), listed = true;

@@ -10,6 +10,7 @@
 #include "command.h"
 #include "job.h"
 #include "output_file.h"
+#include "stats.h"
 
 namespace chiaro::cli {
 namespace {
@@ -19,6 +20,7 @@ struct SampleOptions {
     std::filesystem::path output;
     int size = 0;
     bool list = false;
+    CommonOptions common;
 };
 
 void run(const SampleOptions& o) {
@@ -29,9 +31,12 @@ void run(const SampleOptions& o) {
     }
     if (o.name.empty()) throw Error(ErrorCode::usage, "NAME is missing; chiaro sample --list shows the names");
     check_output(o.output, {".nrrd"});
-    const CommonOptions plain;
-    Job job(plain);
-    write_nrrd(make_sample(o.name, o.size, job.progress), o.output, NrrdEncoding::raw, job.progress);
+    Job job(o.common);
+    Stats stats;
+    const Volume volume = stats.stage("sample", [&] { return make_sample(o.name, o.size, job.progress); });
+    stats.stage("write", [&] { write_nrrd(volume, o.output, NrrdEncoding::raw, job.progress); });
+    job.bar.clear();
+    if (o.common.verbose) tell_stages(stats);
 }
 
 }  // namespace
@@ -43,6 +48,7 @@ Command sample_command(CLI::App& tool) {
     app->add_option("-o,--output", o->output, "volume to write, .nrrd")->type_name("FILE");
     app->add_option("--size", o->size, "voxels along each axis, 2 to 4096; 0: the sample's own [0]")->type_name("N");
     app->add_flag("--list", o->list, "lists the samples");
+    add_common_options(*app, o->common);
     return {app, [o] { run(*o); }};
 }
 

@@ -30,6 +30,8 @@ void tell_stages(const Stats& stats, const Device& device) {
     say(line);
 }
 
+void tell_stages(const Stats& stats) { tell_stages(stats, Device::cpu()); }
+
 void tell_noise(const PathStatistics& paths) {
     const std::string share =
         std::isfinite(paths.relative_noise) ? fmt::format(", {:.2g} % of the light", 100 * paths.relative_noise) : "";

@@ -25,6 +25,22 @@ struct Stats {
     std::uint64_t samples = 0;      ///< at which the volume was read, in all these pictures
     PathStatistics paths;           ///< of the last picture, if it was path-traced
 
+    /// Runs the work as a stage and returns what it returns.
+    template <class Work>
+    auto stage(const char* name, Work&& work) {
+        const auto start = std::chrono::steady_clock::now();
+        const auto keep = [&] {
+            stages.push_back({name, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()});
+        };
+        if constexpr (std::is_void_v<decltype(work())>) {
+            work(), keep();
+        } else {
+            auto result = work();
+            keep();
+            return result;
+        }
+    }
+
     /// Runs the work and returns its seconds.
     template <class Work>
     static double time(Work&& work) {
@@ -43,6 +59,8 @@ struct Stats {
 
 /// One line with the time of every stage.
 void tell_stages(const Stats& stats, const Device& device);
+/// The same of a command that needs no device.
+void tell_stages(const Stats& stats);
 
 /// One line that says how sure a path-traced picture is.
 void tell_noise(const PathStatistics& paths);

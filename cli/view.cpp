@@ -87,6 +87,12 @@ void run(const ViewOptions& o) {
     options.data = o.source.data;
     options.host = o.host, options.port = o.port;
     options.device = device_of(o.common);
+    ProgressBar bar(o.common.progress, o.common.quiet);
+    options.report = bar.report();
+    options.read_in = [&](double seconds) {
+        bar.clear();
+        if (o.common.verbose) say(fmt::format("read {} in {:.3f} s", options.scene->volume, seconds));
+    };
     server::Viewer viewer(options);
     tell(viewer, o);
     if (!o.no_open && has_display()) open_browser(viewer.url());

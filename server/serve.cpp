@@ -51,7 +51,8 @@ public:
                  lists(options.device),
                  options.scene,
                  options.data,
-                 {}} {
+                 Progress(options.report)},
+          read_in_(options.read_in) {
         if (house_.initial) reading_.post([this] { read_first(); });
     }
     ~ViewerSite() override { house_.first.cancel(); }
@@ -114,7 +115,10 @@ private:
     /// Begins before the first page asks, and keeps the volume while nobody looks.
     void read_first() {
         try {
+            const auto start = std::chrono::steady_clock::now();
             first_ = house_.volumes.load(*house_.initial, house_.first);
+            const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
+            if (read_in_) read_in_(passed.count());
         } catch (const std::exception&) {  // told to each page that asks for it
         }
     }
@@ -149,6 +153,7 @@ private:
     std::string token_;
     std::map<std::string, std::shared_ptr<View>> views_;  // of the network's thread alone
     std::shared_ptr<const Loaded> first_;
+    std::function<void(double)> read_in_;
     Lane reading_;  // the last member: its work uses the others
 };
 

@@ -1,5 +1,6 @@
 // `chiaro view`: a page that explores volumes, served.
 #pragma once
+#include <chiaro/progress.h>
 #include <chiaro/scene.h>
 
 #include <filesystem>
@@ -18,6 +19,8 @@ struct ViewerOptions {
     std::string host = "127.0.0.1";
     std::optional<int> port;  ///< none: the usual one, or another that is free; 0: any
     Device device;
+    Progress::Report report = {};              ///< hears of reading the first volume
+    std::function<void(double)> read_in = {};  ///< is told the seconds it took; both from another thread
 };
 
 /// The server behind server/PROTOCOL.md. Listens from its construction on. Throws Error{usage, output}.

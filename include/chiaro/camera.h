@@ -1,5 +1,6 @@
 // The camera: an orbit around the volume, a named anatomical view, or eye and target.
 #pragma once
+#include <chiaro/export.h>
 #include <chiaro/geometry.h>
 #include <chiaro/settings.h>
 
@@ -37,6 +38,7 @@ struct Camera {
 /// The camera of these settings for a volume. Orbit: c the centre of the span [0, n-1], R half its diagonal,
 /// distance zoom⁻¹ R / sin(fov / 2); see docs/scene.md. Throws Error{input} for a named view of a volume without an
 /// anatomical frame, Error{usage} for settings that contradict each other or leave no direction.
-Camera make_camera(const CameraSettings& settings, const Geometry& geometry, const std::array<int, 3>& dimensions);
+CHIARO_EXPORT Camera make_camera(const CameraSettings& settings, const Geometry& geometry,
+                                 const std::array<int, 3>& dimensions);
 
 }  // namespace chiaro

@@ -6,6 +6,7 @@
 #include <chiaro/describe.h>
 #include <chiaro/device.h>
 #include <chiaro/error.h>
+#include <chiaro/export.h>
 #include <chiaro/geometry.h>
 #include <chiaro/image.h>
 #include <chiaro/io.h>

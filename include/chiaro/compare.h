@@ -1,5 +1,6 @@
 // How far apart two pictures are, or two fields.
 #pragma once
+#include <chiaro/export.h>
 #include <chiaro/image.h>
 #include <chiaro/volume.h>
 
@@ -19,10 +20,10 @@ struct ImageDifference {
 /// sigma 1.5, K1 0.01, K2 0.03, windows wholly inside, on the luminance of Rec. 709.
 /// The result does not depend on the number of threads. Throws Error{input} for different sizes, for pictures without
 /// pixels and for values that are not finite. About 0.1 µs a pixel and core; no memory to speak of.
-ImageDifference compare(const Frame& a, const Frame& b);
+CHIARO_EXPORT ImageDifference compare(const Frame& a, const Frame& b);
 
 /// The display values of a picture, code / 255, multiplied by alpha: what is invisible cannot differ.
-Frame display_values(const Image& image);
+CHIARO_EXPORT Frame display_values(const Image& image);
 
 struct FieldDifference {
     double rmse = 0;         ///< in the unit of the values
@@ -34,6 +35,6 @@ struct FieldDifference {
 /// Compares the values, after slope and intercept, of two volumes with the same dimensions (z, y, x) and components,
 /// wherever they lie in the world. The result does not depend on the number of threads. Throws Error{input} for
 /// different shapes and for values that are not finite. Two passes over the voxels, all cores.
-FieldDifference compare(const Volume& a, const Volume& b);
+CHIARO_EXPORT FieldDifference compare(const Volume& a, const Volume& b);
 
 }  // namespace chiaro

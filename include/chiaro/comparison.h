@@ -1,6 +1,7 @@
 // Lighting methods beside the truth.
 #pragma once
 #include <chiaro/compare.h>
+#include <chiaro/export.h>
 #include <chiaro/session.h>
 
 #include <array>
@@ -35,8 +36,8 @@ using ComparisonPreview = std::function<void(const MethodComparison&)>;
 /// radiance, A neither scaled nor moved off surfaces; visibility gives E = (1/4π) Σ V L. The reference is the path
 /// tracer with 0 bounces and the paths that `scene.illumination.reference` asks for. `preview` sees it with each pass
 /// of paths, 1, 1, 2, 4, ... 16 a pixel. Throws Error{usage} but for Mode::dvr, else as Session::render.
-MethodComparison compare_methods(Session& session, const Scene& scene, const std::vector<Method>& methods,
-                                 Progress& progress, const ComparisonPreview& preview = {});
+CHIARO_EXPORT MethodComparison compare_methods(Session& session, const Scene& scene, const std::vector<Method>& methods,
+                                               Progress& progress, const ComparisonPreview& preview = {});
 
 /// How far a method's light is from the truth where matter is seen. All but `points` are shares of the mean light.
 struct LightError {
@@ -54,6 +55,6 @@ struct LightError {
 /// wrong (none, the path-traced reference, histograms without occlusion, Mode::mip, a picture of nothing), else as
 /// Session::render, which it uses: give it a session of its own (`Session::beside`). Cost: the method's light once
 /// more, if this session has not it yet, and some core-seconds for the paths.
-LightError measure_light(Session& session, const Scene& scene, Progress& progress, int points = 1024);
+CHIARO_EXPORT LightError measure_light(Session& session, const Scene& scene, Progress& progress, int points = 1024);
 
 }  // namespace chiaro

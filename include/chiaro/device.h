@@ -1,5 +1,7 @@
 // Where the work is done.
 #pragma once
+#include <chiaro/export.h>
+
 #include <cstddef>
 #include <memory>
 #include <string>
@@ -13,11 +15,13 @@ enum class Isa { scalar, x86_64_v2, x86_64_v3, x86_64_v4 };
 
 inline constexpr Isa all_isas[] = {Isa::scalar, Isa::x86_64_v2, Isa::x86_64_v3, Isa::x86_64_v4};
 
-std::string_view name_of(Isa isa);  ///< "scalar", "x86-64-v3", ...
-std::vector<Isa> built_isas();      ///< what this build has kernels for (CMake option CHIARO_KERNELS); scalar first
-std::vector<Isa> available_isas();  ///< those of them that this processor runs; scalar first, the best last
-bool built_with_cuda();             ///< whether this build can use a GPU at all (CMake option CHIARO_CUDA)
-Isa best_isa();                     ///< the last of these; scalar where the build is for newer processors
+CHIARO_EXPORT std::string_view name_of(Isa isa);  ///< "scalar", "x86-64-v3", ...
+CHIARO_EXPORT std::vector<Isa>
+built_isas();  ///< what this build has kernels for (CMake option CHIARO_KERNELS); scalar first
+CHIARO_EXPORT std::vector<Isa>
+available_isas();                      ///< those of them that this processor runs; scalar first, the best last
+CHIARO_EXPORT bool built_with_cuda();  ///< whether this build can use a GPU at all (CMake option CHIARO_CUDA)
+CHIARO_EXPORT Isa best_isa();          ///< the last of these; scalar where the build is for newer processors
 
 namespace cuda {
 class Stream;  // src/cuda/stream.h
@@ -31,19 +35,19 @@ struct Device {
     std::shared_ptr<cuda::Stream> stream;  ///< of a card; none: the processor does everything
 
     bool has_card() const { return stream != nullptr; }
-    std::string name() const;  ///< "cpu" or "cuda:0"
+    CHIARO_EXPORT std::string name() const;  ///< "cpu" or "cuda:0"
     /// The same, with a stream of its own on the card, which keeps one copy of what both read.
-    Device beside() const;
+    CHIARO_EXPORT Device beside() const;
     /// Why the processor took over what a card that was chosen by itself could not do, or what any card does without
     /// (textures); empty: neither.
-    std::string note() const;
+    CHIARO_EXPORT std::string note() const;
 
     /// threads 0: all that the process may use. Throws Error{usage} for threads outside 0..1024 and Error{output}
     /// for an instruction set that this build or this processor lacks.
-    static Device cpu(int threads = 0);
-    static Device cpu(int threads, Isa isa);
+    CHIARO_EXPORT static Device cpu(int threads = 0);
+    CHIARO_EXPORT static Device cpu(int threads, Isa isa);
     /// Card `index` of list_cards(), and `host` for the rest. Throws Error{output} where there is none: why.
-    static Device cuda(int index, const Device& host);
+    CHIARO_EXPORT static Device cuda(int index, const Device& host);
 };
 
 /// A card that this build could use.
@@ -53,7 +57,7 @@ struct CardInfo {
     std::size_t memory_bytes = 0, free_bytes = 0;
 };
 /// None without a driver, a card, or CUDA in this build.
-std::vector<CardInfo> list_cards();
+CHIARO_EXPORT std::vector<CardInfo> list_cards();
 
 struct DeviceChoice {
     Device device;
@@ -61,6 +65,6 @@ struct DeviceChoice {
 };
 /// The card with the most free memory where that is 1 GiB or more, else `host`. Where what is shown later does not fit
 /// the card, the processor takes over (Device::note).
-DeviceChoice choose_device(const Device& host);
+CHIARO_EXPORT DeviceChoice choose_device(const Device& host);
 
 }  // namespace chiaro

@@ -1,5 +1,7 @@
 // The one exception the library throws.
 #pragma once
+#include <chiaro/export.h>
+
 #include <stdexcept>
 #include <string>
 
@@ -9,7 +11,7 @@ namespace chiaro {
 enum class ErrorCode { internal = 1, usage = 2, input = 3, output = 4, difference = 5, interrupted = 130 };
 
 /// One sentence that names the thing, the value and the allowed range. The library never prints and never exits.
-class Error : public std::runtime_error {
+class CHIARO_EXPORT Error : public std::runtime_error {
 public:
     Error(ErrorCode code, const std::string& sentence) : std::runtime_error(sentence), code_(code) {}
     ErrorCode code() const noexcept { return code_; }

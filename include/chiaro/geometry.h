@@ -1,5 +1,7 @@
 // Points, directions and the placement of a voxel grid in the world. Double precision, millimetres.
 #pragma once
+#include <chiaro/export.h>
+
 #include <array>
 #include <cmath>
 
@@ -32,10 +34,10 @@ struct Geometry {
     World world = World::unknown;
 
     /// Linear part: a displacement in voxels to one in world millimetres.
-    Vec3 world_from_voxel_vector(Vec3 v) const;
+    CHIARO_EXPORT Vec3 world_from_voxel_vector(Vec3 v) const;
     Vec3 world_from_voxel(Vec3 p_voxel) const { return origin_mm + world_from_voxel_vector(p_voxel); }
     /// Inverses; the direction may be oblique but not singular (checked when a volume is read).
-    Vec3 voxel_from_world_vector(Vec3 v_mm) const;
+    CHIARO_EXPORT Vec3 voxel_from_world_vector(Vec3 v_mm) const;
     Vec3 voxel_from_world(Vec3 p_mm) const { return voxel_from_world_vector(p_mm - origin_mm); }
     double smallest_spacing_mm() const { return std::fmin(spacing_mm.x, std::fmin(spacing_mm.y, spacing_mm.z)); }
     bool operator==(const Geometry&) const = default;
@@ -46,6 +48,6 @@ inline constexpr double radians(double degrees) { return degrees * 3.14159265358
 /// Unit vector from the centre to azimuth and elevation (radians) about `up`: for u = up, the azimuth-0 axis e is z→x,
 /// x→y, y→z (the same for -u), for other u x, or y where |u_x| > .9, made orthogonal; cos el (cos az e + sin az u×e) +
 /// sin el u.
-Vec3 orbit_direction(double azimuth, double elevation, Vec3 up);
+CHIARO_EXPORT Vec3 orbit_direction(double azimuth, double elevation, Vec3 up);
 
 }  // namespace chiaro

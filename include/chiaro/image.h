@@ -1,5 +1,6 @@
 // From a frame of light to a picture in a file.
 #pragma once
+#include <chiaro/export.h>
 #include <chiaro/medium.h>
 #include <chiaro/settings.h>
 
@@ -41,9 +42,9 @@ public:
     }
     /// The host's, brought from the card (16 bytes a pixel) when first asked for. Throws Error{output} for a card that
     /// was lost.
-    const Frame& read() const;
+    CHIARO_EXPORT const Frame& read() const;
     /// The host's, to be filled: what a card holds is let go of.
-    Frame& write();
+    CHIARO_EXPORT Frame& write();
 
     const std::shared_ptr<cuda::Pixels>& on_card() const { return on_card_; }  ///< none: the host has them
     void keep_on_card(std::shared_ptr<cuda::Pixels> pixels) { on_card_ = std::move(pixels); }
@@ -75,33 +76,33 @@ struct ToneMap {
 /// (ColorMode::linear) and rounds to 8 bits. The curve bends the volume's straight colour: coverage stays as it is, the
 /// background is shown as picked, and over any background a transparent picture looks as if made for it.
 /// With ColorMode::display exposure and curve apply to the display values as they are.
-Image develop(const Frame& frame, const ToneMap& tone);
+CHIARO_EXPORT Image develop(const Frame& frame, const ToneMap& tone);
 /// The same, on the card that holds the frame: 3 or 4 bytes a pixel come back.
-Image develop(const DeviceFrame& frame, const ToneMap& tone);
+CHIARO_EXPORT Image develop(const DeviceFrame& frame, const ToneMap& tone);
 
 /// The frame with its light multiplied by the exposure: what an .exr holds. Neither tone curve nor background.
-Frame expose(Frame frame, const ToneMap& tone);
+CHIARO_EXPORT Frame expose(Frame frame, const ToneMap& tone);
 
 /// Key and text pairs that go into a PNG (tEXt/iTXt) or an OpenEXR header (string attributes).
 using Metadata = std::vector<std::pair<std::string, std::string>>;
 
 /// A PNG file's bytes: 8 bit RGB or RGBA with an sRGB chunk; each text as tEXt where it is ASCII, else as iTXt. Throws
 /// Error{output} for an image without pixels or a keyword that PNG does not allow (1..79 printable ASCII characters).
-std::vector<std::byte> encode_png(const Image& image, const Metadata& metadata = {});
+CHIARO_EXPORT std::vector<std::byte> encode_png(const Image& image, const Metadata& metadata = {});
 /// Written whole or not at all. Throws Error{output}.
-void write_png(const Image& image, const std::filesystem::path& path, const Metadata& metadata = {});
+CHIARO_EXPORT void write_png(const Image& image, const std::filesystem::path& path, const Metadata& metadata = {});
 /// 8 bit RGB or RGBA from any PNG of at most 100 megapixels. Throws Error{input}.
-Image read_png(const std::filesystem::path& path);
+CHIARO_EXPORT Image read_png(const std::filesystem::path& path);
 /// The texts that a PNG carries. Throws Error{input}.
-Metadata read_png_metadata(const std::filesystem::path& path);
+CHIARO_EXPORT Metadata read_png_metadata(const std::filesystem::path& path);
 
 /// OpenEXR: float RGBA, premultiplied, linear light (Rec. 709 primaries), lossless. Written whole or not at all. Throws
 /// Error{output}.
-void write_exr(const Frame& frame, const std::filesystem::path& path, const Metadata& metadata = {});
+CHIARO_EXPORT void write_exr(const Frame& frame, const std::filesystem::path& path, const Metadata& metadata = {});
 /// The data window of an OpenEXR file of at most 100 megapixels with channels R, G and B, and A (else 1), half or
 /// float. Throws Error{input}.
-Frame read_exr(const std::filesystem::path& path);
+CHIARO_EXPORT Frame read_exr(const std::filesystem::path& path);
 /// The texts in the header of an OpenEXR file. Throws Error{input}.
-Metadata read_exr_metadata(const std::filesystem::path& path);
+CHIARO_EXPORT Metadata read_exr_metadata(const std::filesystem::path& path);
 
 }  // namespace chiaro

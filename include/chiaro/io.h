@@ -1,5 +1,6 @@
 // Volumes in and out.
 #pragma once
+#include <chiaro/export.h>
 #include <chiaro/progress.h>
 #include <chiaro/volume.h>
 
@@ -36,20 +37,21 @@ struct ReadOptions {
 /// Files are decoded by the isolated helper program `chiaro-decode`: whatever they hold, this call either returns a
 /// consistent volume or throws. NaN and infinite voxels are kept, and counted in `notes`.
 /// Throws Error{input} for everything wrong with the file, Error{interrupted} when cancelled.
-Volume read_volume(const std::string& name, const ReadOptions& options, Progress& progress);
+CHIARO_EXPORT Volume read_volume(const std::string& name, const ReadOptions& options, Progress& progress);
 
 enum class NrrdEncoding { raw, gzip };
 
 /// Writes NRRD with geometry and key/values, whole or not at all. Slope and intercept other than 1 and 0 are applied
 /// (integers that stay integers in 16 bits are kept as such, else float32). Throws Error{output}.
-void write_nrrd(const Volume& volume, const std::filesystem::path& path, NrrdEncoding encoding);
+CHIARO_EXPORT void write_nrrd(const Volume& volume, const std::filesystem::path& path, NrrdEncoding encoding);
 /// The same, reported as "write". Throws Error{interrupted} when cancelled.
-void write_nrrd(const Volume& volume, const std::filesystem::path& path, NrrdEncoding encoding, Progress& progress);
+CHIARO_EXPORT void write_nrrd(const Volume& volume, const std::filesystem::path& path, NrrdEncoding encoding,
+                              Progress& progress);
 
 /// A format for `--list-formats` and for messages.
 struct FormatInfo {
     std::string name, extensions, note;
 };
-std::vector<FormatInfo> list_formats();
+CHIARO_EXPORT std::vector<FormatInfo> list_formats();
 
 }  // namespace chiaro

@@ -1,5 +1,6 @@
 // Light, shading and the choice of an illumination method.
 #pragma once
+#include <chiaro/export.h>
 #include <chiaro/medium.h>
 #include <chiaro/probe.h>
 #include <chiaro/settings.h>
@@ -193,7 +194,7 @@ inline bool is_path_traced(const IlluminationSettings& settings) {
 struct MethodInfo {
     std::string name, sentence;
 };
-std::vector<MethodInfo> list_methods();
+CHIARO_EXPORT std::vector<MethodInfo> list_methods();
 
 /// What depends on the data alone: local histograms; empty for other methods. Cheap to copy.
 class Prepared {
@@ -204,9 +205,10 @@ public:
     const Data& data() const { return *data_; }
     explicit operator bool() const { return data_ != nullptr; }
 
-    std::size_t bytes() const;                      ///< held, beside the volume
-    const std::vector<Stage>& stages() const;       ///< how long each step took
-    const std::vector<std::string>& notes() const;  ///< what a user should know: a damaged cache, a folder not writable
+    CHIARO_EXPORT std::size_t bytes() const;                 ///< held, beside the volume
+    CHIARO_EXPORT const std::vector<Stage>& stages() const;  ///< how long each step took
+    /// What a user should know: a damaged cache, a folder not writable.
+    CHIARO_EXPORT const std::vector<std::string>& notes() const;
 
 private:
     std::shared_ptr<const Data> data_;
@@ -215,14 +217,14 @@ private:
 /// The light that a method computed, looked up by the ray caster at every sample. Cheap to copy.
 class IlluminationField {
 public:
-    struct Data;          // src/illumination/field.h
-    IlluminationField();  ///< no illumination method: all light arrives
+    struct Data;                        // src/illumination/field.h
+    CHIARO_EXPORT IlluminationField();  ///< no illumination method: all light arrives
     explicit IlluminationField(std::shared_ptr<const Data> data) : data_(std::move(data)) {}
     const Data& data() const { return *data_; }
 
-    std::size_t bytes() const;                 ///< held for the ray caster
-    bool is_coarse() const;                    ///< whether a finer one follows
-    const std::vector<Stage>& stages() const;  ///< how long each step took
+    CHIARO_EXPORT std::size_t bytes() const;                 ///< held for the ray caster
+    CHIARO_EXPORT bool is_coarse() const;                    ///< whether a finer one follows
+    CHIARO_EXPORT const std::vector<Stage>& stages() const;  ///< how long each step took
 
 private:
     std::shared_ptr<const Data> data_;
@@ -240,25 +242,25 @@ using Sink = std::function<void(IlluminationField)>;
 /// What the method needs to know of the data, whatever its transfer function. Cost: histograms some seconds for 256³,
 /// or reading some megabytes where they were prepared before (HistogramSettings::cache); nothing for other methods.
 /// Throws Error{interrupted} when cancelled.
-Prepared prepare(const DeviceVolume& volume, const IlluminationSettings& settings, Progress& progress);
+CHIARO_EXPORT Prepared prepare(const DeviceVolume& volume, const IlluminationSettings& settings, Progress& progress);
 /// The same by another device than the volume's, as `classify` has it.
-Prepared prepare(const Device& device, const DeviceVolume& volume, const IlluminationSettings& settings,
-                 Progress& progress);
+CHIARO_EXPORT Prepared prepare(const Device& device, const DeviceVolume& volume, const IlluminationSettings& settings,
+                               Progress& progress);
 
 /// The settings that `prepare` depends on, all others at their defaults: what was prepared serves while these are
 /// equal.
-IlluminationSettings preparation_of(const IlluminationSettings& settings);
+CHIARO_EXPORT IlluminationSettings preparation_of(const IlluminationSettings& settings);
 
 /// A radius for local histograms, in smallest voxel edges: how far cells are from the next strong edge, on average.
-int proposed_radius(const DeviceVolume& volume);
+CHIARO_EXPORT int proposed_radius(const DeviceVolume& volume);
 
 /// Hands at least one field to `sink` unless cancelled, which it is between the iterations of transport too. Of
 /// `lighting` only what a field holds counts: for transport the probe, turned but not exposed, else nothing. `warm`: a
 /// field of the same volume, whose light transport starts from (an edit, a turned probe); whatever it is, the last
 /// field is that of a start from nothing within what an iteration still changes. Returns false when cancelled.
-bool illuminate(const Device& device, const Medium& medium, const Prepared& prepared, const Lighting& lighting,
-                const IlluminationSettings& settings, const Sink& sink, Progress& progress,
-                const IlluminationField& warm = {});
+CHIARO_EXPORT bool illuminate(const Device& device, const Medium& medium, const Prepared& prepared,
+                              const Lighting& lighting, const IlluminationSettings& settings, const Sink& sink,
+                              Progress& progress, const IlluminationField& warm = {});
 
 /// The method's own answer for every voxel, neither moved off surfaces nor scaled as a picture needs it: accessibility,
 /// 1 = all light arrives; of transport J, the mean radiance (three components, 1 in an empty white probe), at the cells
@@ -266,7 +268,8 @@ bool illuminate(const Device& device, const Medium& medium, const Prepared& prep
 /// `subsample`³ cells; of its fluence J too, at the centres of `subsample`³ voxels. Throws Error{usage} for a method
 /// that computes no field and for maxima along rays (which have no place that could be lit), Error{interrupted} when
 /// cancelled.
-ComputedField compute_field(const Device& device, const Medium& medium, const Prepared& prepared,
-                            const Lighting& lighting, const IlluminationSettings& settings, Progress& progress);
+CHIARO_EXPORT ComputedField compute_field(const Device& device, const Medium& medium, const Prepared& prepared,
+                                          const Lighting& lighting, const IlluminationSettings& settings,
+                                          Progress& progress);
 
 }  // namespace chiaro

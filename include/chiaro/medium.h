@@ -1,6 +1,7 @@
 // A volume on a device, and what the transfer function makes of it.
 #pragma once
 #include <chiaro/device.h>
+#include <chiaro/export.h>
 #include <chiaro/progress.h>
 #include <chiaro/transfer_function.h>
 #include <chiaro/volume.h>
@@ -24,9 +25,9 @@ public:
     const Data& data() const { return *data_; }
     explicit operator bool() const { return data_ != nullptr; }
 
-    std::array<int, 3> dimensions() const;
-    const Geometry& geometry() const;
-    std::size_t bytes() const;  ///< held on the device
+    CHIARO_EXPORT std::array<int, 3> dimensions() const;
+    CHIARO_EXPORT const Geometry& geometry() const;
+    CHIARO_EXPORT std::size_t bytes() const;  ///< held on the device
 
 private:
     std::shared_ptr<const Data> data_;
@@ -34,9 +35,9 @@ private:
 
 /// Cost: one pass over the voxels; memory 1.3 × the voxels (bricks of 32³ with their neighbours' border).
 /// Throws Error{input} for volumes of several components, or of more voxels than the device can hold.
-DeviceVolume upload(const Device& device, const Volume& volume);
+CHIARO_EXPORT DeviceVolume upload(const Device& device, const Volume& volume);
 /// The same, handing the volume's pages back as they are copied: the peak is the bricks and one slab.
-DeviceVolume upload(const Device& device, Volume&& volume);
+CHIARO_EXPORT DeviceVolume upload(const Device& device, Volume&& volume);
 
 /// Whether colours are composited as linear light (sRGB colours decoded first) or as they are.
 enum class ColorMode { linear, display };
@@ -90,7 +91,7 @@ public:
     explicit operator bool() const { return data_ != nullptr; }
 
     /// Share of the 4³ cells that hold matter.
-    double occupied_fraction() const;
+    CHIARO_EXPORT double occupied_fraction() const;
 
 private:
     std::shared_ptr<const Data> data_;
@@ -99,8 +100,9 @@ private:
 /// Cost: the table (some thousand exponentials), one test and 26 comparisons per 4³ cell: some 20 core-ms at 512³.
 /// Throws Error{input} for a transfer function that `validate` refuses, Error{usage} for a shape that shows nothing (a
 /// clip box without inside, no isosurface) or too much (more isosurfaces or planes than there is room for).
-Medium classify(const DeviceVolume& volume, const TransferFunction& tf, const Shape& shape);
+CHIARO_EXPORT Medium classify(const DeviceVolume& volume, const TransferFunction& tf, const Shape& shape);
 /// The same by another device than the volume's: of sessions that share a volume each has its own (Device::beside).
-Medium classify(const Device& device, const DeviceVolume& volume, const TransferFunction& tf, const Shape& shape);
+CHIARO_EXPORT Medium classify(const Device& device, const DeviceVolume& volume, const TransferFunction& tf,
+                              const Shape& shape);
 
 }  // namespace chiaro

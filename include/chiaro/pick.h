@@ -1,5 +1,6 @@
 // What is seen at a pixel.
 #pragma once
+#include <chiaro/export.h>
 #include <chiaro/render.h>
 
 #include <array>
@@ -25,11 +26,12 @@ struct Pick {
 /// for glow), and finds the sample or surface with the largest weight T α, the first of equals; with Mode::mip the
 /// largest value, the first of equals. Nothing where the ray meets no matter. Cost: one ray, not vectorised: some
 /// microseconds to a millisecond, pre-integrated the table of `raycast`.
-std::optional<Pick> pick(const Medium& medium, const Camera& camera, const RaySettings& settings, int width, int height,
-                         double x, double y);
+CHIARO_EXPORT std::optional<Pick> pick(const Medium& medium, const Camera& camera, const RaySettings& settings,
+                                       int width, int height, double x, double y);
 /// The same at many places (x, y), in their order: what a call prepares is prepared once. On all of the volume's
 /// threads.
-std::vector<std::optional<Pick>> pick(const Medium& medium, const Camera& camera, const RaySettings& settings,
-                                      int width, int height, std::span<const std::array<double, 2>> places);
+CHIARO_EXPORT std::vector<std::optional<Pick>> pick(const Medium& medium, const Camera& camera,
+                                                    const RaySettings& settings, int width, int height,
+                                                    std::span<const std::array<double, 2>> places);
 
 }  // namespace chiaro

@@ -1,5 +1,7 @@
 // Light from all around: an equirectangular picture of radiance.
 #pragma once
+#include <chiaro/export.h>
+
 #include <memory>
 #include <span>
 #include <string>
@@ -18,12 +20,12 @@ public:
     /// Three floats a pixel, row after row; of any aspect. Negative values and NaN count as 0, infinite ones as 65504
     /// (the largest half). Projects the picture on spherical harmonics: some 10 ns a pixel, on all cores. Throws
     /// Error{input} unless there are 1 to 65536 pixels a side and three values for each.
-    Probe(int width, int height, std::vector<float> rgb);
+    CHIARO_EXPORT Probe(int width, int height, std::vector<float> rgb);
 
     explicit operator bool() const { return data_ != nullptr; }
-    int width() const;
-    int height() const;
-    std::span<const float> rgb() const;
+    CHIARO_EXPORT int width() const;
+    CHIARO_EXPORT int height() const;
+    CHIARO_EXPORT std::span<const float> rgb() const;
     const Data& data() const { return *data_; }
     bool operator==(const Probe&) const = default;
 
@@ -35,17 +37,17 @@ struct ProbeInfo {
     std::string name, sentence;
 };
 /// The probes that need no file.
-std::vector<ProbeInfo> list_probes();
+CHIARO_EXPORT std::vector<ProbeInfo> list_probes();
 
 /// One of list_probes(): functions of direction. White, matte surfaces get a luminance of 1 at most. Throws
 /// Error{usage} with "did you mean".
-Probe builtin_probe(const std::string& name);
+CHIARO_EXPORT Probe builtin_probe(const std::string& name);
 
 /// Whether this names a probe of ours, rightly or wrongly, and no file: it holds neither '/' nor '.'.
-bool is_probe_name(const std::string& source);
+CHIARO_EXPORT bool is_probe_name(const std::string& source);
 
 /// A probe by name, or from a Radiance (.hdr) or OpenEXR file of at most 100 megapixels. A file that stands upside down
 /// is not guessed. Throws Error{usage} for an unknown name, Error{input} for a file that is missing or broken.
-Probe load_probe(const std::string& source);
+CHIARO_EXPORT Probe load_probe(const std::string& source);
 
 }  // namespace chiaro

@@ -1,5 +1,7 @@
 // Report and cancel, in one small object that every slow call takes.
 #pragma once
+#include <chiaro/export.h>
+
 #include <atomic>
 #include <functional>
 #include <string>
@@ -26,7 +28,7 @@ public:
     }
 
     /// Throws Error{interrupted} once cancelled: for stages that have nothing to hand back half-done.
-    void check() const;
+    CHIARO_EXPORT void check() const;
 
 private:
     Report report_;

@@ -1,5 +1,6 @@
 // Generated volumes: exact functions of position, at any size.
 #pragma once
+#include <chiaro/export.h>
 #include <chiaro/progress.h>
 #include <chiaro/transfer_function.h>
 #include <chiaro/volume.h>
@@ -15,15 +16,15 @@ struct SampleInfo {
     /// Voxels name materials: what lies between two values is neither, and pictures classify before they interpolate.
     bool names_materials = false;
 };
-std::vector<SampleInfo> list_samples();
+CHIARO_EXPORT std::vector<SampleInfo> list_samples();
 
 /// Generates a sample as a cube of `size` voxels (0: its default size). Throws Error{usage} for an unknown name (with
 /// "did you mean") or a size outside 2..4096.
-Volume make_sample(const std::string& name, int size = 0);
+CHIARO_EXPORT Volume make_sample(const std::string& name, int size = 0);
 /// The same, reported as "sample". Throws Error{interrupted} when cancelled.
-Volume make_sample(const std::string& name, int size, Progress& progress);
+CHIARO_EXPORT Volume make_sample(const std::string& name, int size, Progress& progress);
 
 /// The transfer function a sample is shown with by default.
-TransferFunction sample_transfer_function(const std::string& name);
+CHIARO_EXPORT TransferFunction sample_transfer_function(const std::string& name);
 
 }  // namespace chiaro

@@ -2,6 +2,7 @@
 #pragma once
 #include <chiaro/camera.h>
 #include <chiaro/error.h>
+#include <chiaro/export.h>
 #include <chiaro/image.h>
 #include <chiaro/io.h>
 #include <chiaro/lighting.h>
@@ -53,26 +54,26 @@ struct Scene {
 };
 
 /// What a volume is shown with where nothing else is said: samples that name materials (SampleInfo) pre-classified.
-Scene scene_of_volume(const std::string& volume);
+CHIARO_EXPORT Scene scene_of_volume(const std::string& volume);
 
 /// Throws Error{code} when settings contradict each other.
-void check(const Scene& scene, ErrorCode code);
+CHIARO_EXPORT void check(const Scene& scene, ErrorCode code);
 
 /// Reads the scene's volume. The size and type that the scene states are checked; its spacing replaces the file's (and
 /// a note says so where the two differ). Throws Error{input}, or Error{interrupted} when cancelled.
-Volume read_volume(const Scene& scene, Progress& progress);
+CHIARO_EXPORT Volume read_volume(const Scene& scene, Progress& progress);
 
 /// The scene with its files named as seen from a folder, to be kept in a file there.
-Scene seen_from(Scene scene, const std::filesystem::path& folder);
+CHIARO_EXPORT Scene seen_from(Scene scene, const std::filesystem::path& folder);
 
 /// Reads a scene file (docs/scene.md), or the scene that a PNG or OpenEXR file of ours carries. A relative volume is
 /// looked up beside the file, then in `data_folder`. Keys that this version does not know are named in `unknown_keys`.
 /// Throws Error{input}.
-Scene read_scene(const std::filesystem::path& file, const std::filesystem::path& data_folder,
-                 std::vector<std::string>& unknown_keys);
+CHIARO_EXPORT Scene read_scene(const std::filesystem::path& file, const std::filesystem::path& data_folder,
+                               std::vector<std::string>& unknown_keys);
 /// The scene as JSON; parse_scene of it gives the same scene.
-std::string to_json(const Scene& scene);
-Scene parse_scene(const std::string& json, const std::filesystem::path& folder,
-                  const std::filesystem::path& data_folder, std::vector<std::string>& unknown_keys);
+CHIARO_EXPORT std::string to_json(const Scene& scene);
+CHIARO_EXPORT Scene parse_scene(const std::string& json, const std::filesystem::path& folder,
+                                const std::filesystem::path& data_folder, std::vector<std::string>& unknown_keys);
 
 }  // namespace chiaro

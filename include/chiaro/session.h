@@ -1,6 +1,7 @@
 // One viewer's state: each verb's result, kept with the inputs that made it.
 #pragma once
 #include <chiaro/device.h>
+#include <chiaro/export.h>
 #include <chiaro/scene.h>
 
 #include <functional>
@@ -17,43 +18,45 @@ using Preview = std::function<void(const Image&)>;
 class Session {
 public:
     /// On a card with a stream of its own.
-    explicit Session(const Device& device);
-    ~Session();
-    Session(Session&&) noexcept;
+    CHIARO_EXPORT explicit Session(const Device& device);
+    CHIARO_EXPORT ~Session();
+    CHIARO_EXPORT Session(Session&&) noexcept;
 
     /// Takes the volume that later scenes show (read_volume or make_sample gave it).
-    void show(Volume&& volume, Progress& progress);
+    CHIARO_EXPORT void show(Volume&& volume, Progress& progress);
     /// Another session of the volume that this one shows: the voxels are shared, nothing else. May be called while this
     /// one renders, but not while it is given a volume.
-    Session beside() const;
+    CHIARO_EXPORT Session beside() const;
 
     /// `preview` is handed the picture with each coarse light that comes before the finest (visibility, and each
     /// iteration of transport), while that is still being found; and with each pass of paths (reference).
-    const Image& render(const Scene& scene, Progress& progress, const Preview& preview = {});
+    CHIARO_EXPORT const Image& render(const Scene& scene, Progress& progress, const Preview& preview = {});
     /// What can be shown at once: the scene by the light at hand, that of the last render, whatever it was made for; by
     /// none at first. Of the reference's radiance one path a pixel. What render keeps stays kept.
-    const Image& draft(const Scene& scene, Progress& progress);
+    CHIARO_EXPORT const Image& draft(const Scene& scene, Progress& progress);
     /// Whether a render would have to find light first.
-    bool needs_light(const Scene& scene) const;
+    CHIARO_EXPORT bool needs_light(const Scene& scene) const;
     /// What the scene's lighting method computes for the shown volume. Throws as chiaro::compute_field.
-    ComputedField compute_field(const Scene& scene, Progress& progress);
+    CHIARO_EXPORT ComputedField compute_field(const Scene& scene, Progress& progress);
 
     /// Of the last render; while `preview` is called with paths, theirs. A card brings it when it is first asked for.
-    const Frame& frame() const;
+    CHIARO_EXPORT const Frame& frame() const;
     /// Of the last render or field, in order; a verb whose kept result served took 0. What a verb consists of follows
     /// it.
-    const std::vector<Stage>& stages() const;
-    const DeviceVolume& volume() const;      ///< shown
-    const Medium& medium() const;            ///< of the last render or draft
-    const IlluminationField& light() const;  ///< of the last render
-    std::vector<std::string> notes() const;  ///< what a user should know: of what was prepared, of the device
-    Outcome outcome() const;                 ///< of the last render; its paths, as frame()
-    std::size_t light_bytes() const;         ///< held: what the last render's lighting prepared, and its light
-    const Statistics& statistics() const;    ///< of the shown volume
+    CHIARO_EXPORT const std::vector<Stage>& stages() const;
+    CHIARO_EXPORT const DeviceVolume& volume() const;      ///< shown
+    CHIARO_EXPORT const Medium& medium() const;            ///< of the last render or draft
+    CHIARO_EXPORT const IlluminationField& light() const;  ///< of the last render
+    /// What a user should know: of what was prepared, of the device.
+    CHIARO_EXPORT std::vector<std::string> notes() const;
+    CHIARO_EXPORT Outcome outcome() const;          ///< of the last render; its paths, as frame()
+    CHIARO_EXPORT std::size_t light_bytes() const;  ///< held: what the last render's lighting prepared, and its light
+    CHIARO_EXPORT const Statistics& statistics() const;  ///< of the shown volume
     /// What the settings ask for, of the shown volume. Throws as load_transfer_function.
-    TransferFunction resolve(const TransferSettings& settings) const;
-    const TransferFunction& transfer_function() const;  ///< the one the last render used, window and unit applied
-    const Guess& guess() const;                         ///< what the shown volume seems to be
+    CHIARO_EXPORT TransferFunction resolve(const TransferSettings& settings) const;
+    /// The one the last render used, window and unit applied.
+    CHIARO_EXPORT const TransferFunction& transfer_function() const;
+    CHIARO_EXPORT const Guess& guess() const;  ///< what the shown volume seems to be
 
 private:
     struct State;
@@ -61,6 +64,6 @@ private:
 };
 
 /// A whole picture in one call: read, the six verbs, done.
-Image render_image(const Device& device, const Scene& scene, Progress& progress);
+CHIARO_EXPORT Image render_image(const Device& device, const Scene& scene, Progress& progress);
 
 }  // namespace chiaro

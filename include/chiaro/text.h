@@ -2,6 +2,7 @@
 #pragma once
 #include <chiaro/camera.h>
 #include <chiaro/error.h>
+#include <chiaro/export.h>
 #include <chiaro/image.h>
 #include <chiaro/io.h>
 #include <chiaro/lighting.h>
@@ -73,24 +74,24 @@ concept Named = std::is_enum_v<E> && requires(E e) {
 };
 
 /// Text of a value, which from_text gives back; "" for an optional that is not set.
-std::string to_text(bool value);
-std::string to_text(int value);
-std::string to_text(std::uint64_t value);
-std::string to_text(double value);
-std::string to_text(const std::string& value);
-std::string to_text(const Vec3& value);
-std::string to_text(const Rgb& value);
-std::string to_text(const std::pair<double, double>& value);
-std::string to_text(const std::array<int, 3>& value);
-std::string to_text(const std::array<double, 6>& value);
-std::string to_text(const ClipPlane& value);
-std::string to_text(const IsoSurface& value);
-std::string to_text(const ShSampling& value);
-std::string to_text(const Bounces& value);
-std::string to_text(const HistogramEffects& value);  ///< "ao,bleeding"; "none"
-std::string to_text(int width, int height);
-std::string to_text(const Rgb& color, bool transparent, bool probe);  ///< of what lies behind the probe
-std::string to_text(bool headlight, double azimuth_deg, double elevation_deg, const Rgb& color);
+CHIARO_EXPORT std::string to_text(bool value);
+CHIARO_EXPORT std::string to_text(int value);
+CHIARO_EXPORT std::string to_text(std::uint64_t value);
+CHIARO_EXPORT std::string to_text(double value);
+CHIARO_EXPORT std::string to_text(const std::string& value);
+CHIARO_EXPORT std::string to_text(const Vec3& value);
+CHIARO_EXPORT std::string to_text(const Rgb& value);
+CHIARO_EXPORT std::string to_text(const std::pair<double, double>& value);
+CHIARO_EXPORT std::string to_text(const std::array<int, 3>& value);
+CHIARO_EXPORT std::string to_text(const std::array<double, 6>& value);
+CHIARO_EXPORT std::string to_text(const ClipPlane& value);
+CHIARO_EXPORT std::string to_text(const IsoSurface& value);
+CHIARO_EXPORT std::string to_text(const ShSampling& value);
+CHIARO_EXPORT std::string to_text(const Bounces& value);
+CHIARO_EXPORT std::string to_text(const HistogramEffects& value);  ///< "ao,bleeding"; "none"
+CHIARO_EXPORT std::string to_text(int width, int height);
+CHIARO_EXPORT std::string to_text(const Rgb& color, bool transparent, bool probe);  ///< of what lies behind the probe
+CHIARO_EXPORT std::string to_text(bool headlight, double azimuth_deg, double elevation_deg, const Rgb& color);
 std::string to_text(Named auto value) { return std::string(names_of(value)[std::size_t(value)]); }
 template <class T>
 std::string to_text(const std::optional<T>& value) {
@@ -106,27 +107,29 @@ std::string to_text(const std::vector<T>& values) {
 }
 
 /// Sets the fields from text. Throws Error{usage} that says what was expected, or what is wrong with the text.
-void from_text(std::string_view text, bool& value);
-void from_text(std::string_view text, int& value);
-void from_text(std::string_view text, std::uint64_t& value);
-void from_text(std::string_view text, double& value);
-void from_text(std::string_view text, std::string& value);
-void from_text(std::string_view text, Vec3& value);  ///< also an axis: x, -z
-void from_text(std::string_view text, Rgb& value);
-void from_text(std::string_view text, std::pair<double, double>& value);
-void from_text(std::string_view text, std::array<int, 3>& value);
-void from_text(std::string_view text, std::array<double, 6>& value);
-void from_text(std::string_view text, ClipPlane& value);
-void from_text(std::string_view text, IsoSurface& value);
-void from_text(std::string_view text, ShSampling& value);
-void from_text(std::string_view text, Bounces& value);
-void from_text(std::string_view text, HistogramEffects& value);
-void from_text(std::string_view text, int& width, int& height);
-void from_text(std::string_view text, Rgb& color, bool& transparent, bool& probe);  ///< "probe" leaves the others
-void from_text(std::string_view text, bool& headlight, double& azimuth_deg, double& elevation_deg, Rgb& color);
+CHIARO_EXPORT void from_text(std::string_view text, bool& value);
+CHIARO_EXPORT void from_text(std::string_view text, int& value);
+CHIARO_EXPORT void from_text(std::string_view text, std::uint64_t& value);
+CHIARO_EXPORT void from_text(std::string_view text, double& value);
+CHIARO_EXPORT void from_text(std::string_view text, std::string& value);
+CHIARO_EXPORT void from_text(std::string_view text, Vec3& value);  ///< also an axis: x, -z
+CHIARO_EXPORT void from_text(std::string_view text, Rgb& value);
+CHIARO_EXPORT void from_text(std::string_view text, std::pair<double, double>& value);
+CHIARO_EXPORT void from_text(std::string_view text, std::array<int, 3>& value);
+CHIARO_EXPORT void from_text(std::string_view text, std::array<double, 6>& value);
+CHIARO_EXPORT void from_text(std::string_view text, ClipPlane& value);
+CHIARO_EXPORT void from_text(std::string_view text, IsoSurface& value);
+CHIARO_EXPORT void from_text(std::string_view text, ShSampling& value);
+CHIARO_EXPORT void from_text(std::string_view text, Bounces& value);
+CHIARO_EXPORT void from_text(std::string_view text, HistogramEffects& value);
+CHIARO_EXPORT void from_text(std::string_view text, int& width, int& height);
+CHIARO_EXPORT void from_text(std::string_view text, Rgb& color, bool& transparent,
+                             bool& probe);  ///< "probe" leaves the others
+CHIARO_EXPORT void from_text(std::string_view text, bool& headlight, double& azimuth_deg, double& elevation_deg,
+                             Rgb& color);
 
 /// Position of `text` among the names; throws Error{usage} with "did you mean".
-std::size_t index_among(std::string_view text, std::span<const std::string_view> names);
+CHIARO_EXPORT std::size_t index_among(std::string_view text, std::span<const std::string_view> names);
 
 void from_text(std::string_view text, Named auto& value) {
     using E = std::remove_reference_t<decltype(value)>;
@@ -162,21 +165,21 @@ std::string form_of(const std::optional<T>&) {
 }
 
 /// The numbers of "1,2", "64x64x64" or "5"; nothing unless all pieces are finite numbers.
-std::vector<double> numbers_in(std::string_view text);
+CHIARO_EXPORT std::vector<double> numbers_in(std::string_view text);
 /// "0 to 1", "above 0 mm", ...; "" when every number will do.
-std::string range_of(const Setting& setting);
+CHIARO_EXPORT std::string range_of(const Setting& setting);
 /// Throws Error{usage} unless every number in the text is in the setting's range.
-void check_range(const Setting& setting, std::string_view text);
+CHIARO_EXPORT void check_range(const Setting& setting, std::string_view text);
 
 /// Text of a setting's value. A bool is a switch, turned by a name that begins with "no-", or a choice of two where its
 /// setting has a form "off|on". A whole number is one of a few where its setting has a form "2|4".
 std::string value_text(const Setting&, const auto&... fields) { return to_text(fields...); }
-std::string value_text(const Setting& setting, const bool& field);
+CHIARO_EXPORT std::string value_text(const Setting& setting, const bool& field);
 
 /// The inverse of value_text. Throws Error{usage}.
 void read_value(const Setting&, std::string_view text, auto&... fields) { from_text(text, fields...); }
-void read_value(const Setting& setting, std::string_view text, bool& field);
-void read_value(const Setting& setting, std::string_view text, int& field);
+CHIARO_EXPORT void read_value(const Setting& setting, std::string_view text, bool& field);
+CHIARO_EXPORT void read_value(const Setting& setting, std::string_view text, int& field);
 
 /// Sets the fields of a setting from text, within its range. Throws Error{code} that begins with `who` ("--step 0").
 template <class... Fields>

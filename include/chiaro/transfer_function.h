@@ -1,5 +1,6 @@
 // What a value looks like: colour and opacity.
 #pragma once
+#include <chiaro/export.h>
 #include <chiaro/volume.h>
 
 #include <array>
@@ -32,37 +33,37 @@ struct TransferFunction {
 };
 
 /// Colour and opacity at `value`, interpolated in the function's own rgb_space. It has no name.
-ControlPoint evaluate(const TransferFunction& tf, double value);
+CHIARO_EXPORT ControlPoint evaluate(const TransferFunction& tf, double value);
 
 /// Throws Error{input} with one sentence unless the points are finite, in range and in order.
-void validate(const TransferFunction& tf);
+CHIARO_EXPORT void validate(const TransferFunction& tf);
 
 /// Moves the function so that its [first, last] point values span the window.
-TransferFunction with_window(TransferFunction tf, double center, double width);
+CHIARO_EXPORT TransferFunction with_window(TransferFunction tf, double center, double width);
 
 struct PresetInfo {
     std::string name, modality, sentence;
     bool stretched;
 };
 /// Our presets, then the colour maps (matplotlib's names; each also with `_r`).
-std::vector<PresetInfo> list_presets();
+CHIARO_EXPORT std::vector<PresetInfo> list_presets();
 
 /// A preset or colour map by name. CT presets are in HU and never stretched; the others are stretched to the data.
 /// Throws Error{usage} with "did you mean" for an unknown name.
-TransferFunction preset(const std::string& name, const Statistics& data);
+CHIARO_EXPORT TransferFunction preset(const std::string& name, const Statistics& data);
 
 /// A file of ours (JSON: the `transfer_function` object of a scene), else a preset or colour map of that name.
-TransferFunction load_transfer_function(const std::string& file_or_preset, const Statistics& data);
-TransferFunction parse_transfer_function(const std::string& json, const std::string& origin);
-std::string to_json(const TransferFunction& tf);
+CHIARO_EXPORT TransferFunction load_transfer_function(const std::string& file_or_preset, const Statistics& data);
+CHIARO_EXPORT TransferFunction parse_transfer_function(const std::string& json, const std::string& origin);
+CHIARO_EXPORT std::string to_json(const TransferFunction& tf);
 
 /// What kind of data this seems to be and which preset suits it, with the reason in words.
 struct Guess {
     std::string modality, preset, reason;
 };
-Guess guess(const Volume& volume, const Statistics& data);
+CHIARO_EXPORT Guess guess(const Volume& volume, const Statistics& data);
 
 /// CSS colour name, `#rgb`, `#rrggbb` or `r,g,b` in [0, 1]; sRGB. Throws Error{usage} with "did you mean".
-Rgb parse_color(const std::string& text);
+CHIARO_EXPORT Rgb parse_color(const std::string& text);
 
 }  // namespace chiaro

@@ -1,5 +1,6 @@
 // A volume in host memory: voxels as they were stored, their geometry and what their values mean.
 #pragma once
+#include <chiaro/export.h>
 #include <chiaro/geometry.h>
 
 #include <array>
@@ -15,9 +16,9 @@ namespace chiaro {
 
 enum class VoxelType { u8, i8, u16, i16, u32, i32, u64, i64, f32, f64 };
 
-std::size_t size_of(VoxelType type);
+CHIARO_EXPORT std::size_t size_of(VoxelType type);
 /// "uint8", "int16", "float32", ...
-std::string_view name_of(VoxelType type);
+CHIARO_EXPORT std::string_view name_of(VoxelType type);
 
 template <class T>
 constexpr VoxelType voxel_type_of();
@@ -94,18 +95,18 @@ class VoxelBuffer {
 public:
     VoxelBuffer() = default;
     /// Throws Error{output} when the memory cannot be had.
-    explicit VoxelBuffer(std::size_t bytes);
+    CHIARO_EXPORT explicit VoxelBuffer(std::size_t bytes);
     /// Takes over a memory mapping (of a memfd, when `shared`) of exactly `bytes` bytes.
-    static VoxelBuffer adopt(void* mapping, std::size_t bytes, bool shared);
-    VoxelBuffer(VoxelBuffer&& other) noexcept;
-    VoxelBuffer& operator=(VoxelBuffer&& other) noexcept;
-    ~VoxelBuffer();
+    CHIARO_EXPORT static VoxelBuffer adopt(void* mapping, std::size_t bytes, bool shared);
+    CHIARO_EXPORT VoxelBuffer(VoxelBuffer&& other) noexcept;
+    CHIARO_EXPORT VoxelBuffer& operator=(VoxelBuffer&& other) noexcept;
+    CHIARO_EXPORT ~VoxelBuffer();
 
     std::byte* data() noexcept { return data_; }
     const std::byte* data() const noexcept { return data_; }
     std::size_t size() const noexcept { return bytes_; }
     /// Gives the whole pages within [0, end) back; what they held reads as zero from then on.
-    void discard_before(std::size_t end) noexcept;
+    CHIARO_EXPORT void discard_before(std::size_t end) noexcept;
 
 private:
     std::byte* data_ = nullptr;
@@ -142,7 +143,7 @@ struct Volume {
 
 /// An empty (zero) volume of the given shape with unit geometry. Throws Error{input} unless every dimension is
 /// in 1..65535.
-Volume make_volume(std::array<int, 3> dimensions, VoxelType type);
+CHIARO_EXPORT Volume make_volume(std::array<int, 3> dimensions, VoxelType type);
 
 /// What the values of a volume are, after slope and intercept; non-finite voxels are counted and left out.
 struct Statistics {
@@ -153,6 +154,6 @@ struct Statistics {
 };
 
 /// One or two passes over the voxels, all cores. Throws Error{input} if no voxel is finite.
-Statistics measure(const Volume& volume);
+CHIARO_EXPORT Statistics measure(const Volume& volume);
 
 }  // namespace chiaro

@@ -1,5 +1,7 @@
 #include "core/threads.h"
 
+#include "core/thread_limit.h"
+
 #include <sched.h>
 
 #include <algorithm>
@@ -8,8 +10,16 @@
 #include <thread>
 
 namespace chiaro {
+namespace {
+
+std::atomic<int> thread_limit{0};
+
+}  // namespace
+
+void limit_threads(int count) { thread_limit.store(count, std::memory_order_relaxed); }
 
 int usable_threads() {
+    if (const int limit = thread_limit.load(std::memory_order_relaxed)) return limit;
     cpu_set_t set;
     if (sched_getaffinity(0, sizeof set, &set) == 0) return std::max(1, CPU_COUNT(&set));
     return std::max(1u, std::thread::hardware_concurrency());

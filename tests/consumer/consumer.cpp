@@ -9,4 +9,10 @@ int main(int, char** arguments) {
     chiaro::Progress progress;
     const chiaro::Image image = chiaro::render_image(chiaro::Device::cpu(), scene, progress);
     chiaro::write_png(image, arguments[1]);
+    try {  // an error crosses the border of the library
+        chiaro::make_sample("none");
+        return 1;
+    } catch (const chiaro::Error& error) {
+        return error.code() == chiaro::ErrorCode::usage ? 0 : 2;
+    }
 }

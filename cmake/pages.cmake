@@ -1,0 +1,16 @@
+# The manual page and the completions of shells, printed by the tool that they are of.
+set(pages ${PROJECT_BINARY_DIR}/pages)
+set(CHIARO_PAGES "")
+foreach(page man/chiaro.1 bash/chiaro zsh/_chiaro fish/chiaro.fish)
+  cmake_path(GET page PARENT_PATH kind)
+  file(MAKE_DIRECTORY ${pages}/${kind})
+  add_custom_command(OUTPUT ${pages}/${page} COMMAND chiaro-cli --print ${kind} > ${pages}/${page} DEPENDS chiaro-cli VERBATIM)
+  list(APPEND CHIARO_PAGES ${pages}/${page})
+endforeach()
+if(NOT CHIARO_SANITIZE)  # a build for tests alone
+  add_custom_target(pages ALL DEPENDS ${CHIARO_PAGES})
+endif()
+install(FILES ${pages}/man/chiaro.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT tool)
+install(FILES ${pages}/bash/chiaro DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT tool)
+install(FILES ${pages}/zsh/_chiaro DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions COMPONENT tool)
+install(FILES ${pages}/fish/chiaro.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT tool)
