@@ -63,6 +63,11 @@ struct CellValues {
         return reinterpret_cast<const std::uint16_t*>(buffer.on_card(stream));
     }
 
+    /// Gives back the memory of the slices in front of z, which read as 0 from then on.
+    void discard_slices_before(int z) {
+        if (z > 0) buffer.discard_before(grid.index(0, 0, z) * sizeof(std::uint16_t));
+    }
+
     static constexpr std::size_t spare = 8;  ///< look-ups read two cells at a time
 };
 
@@ -102,6 +107,7 @@ struct BlockMap {
     /// First cell and end of a block, within the grid.
     std::array<std::pair<int, int>, 3> cells(std::size_t block, const std::array<int, 3>& grid) const;
     std::vector<std::size_t> held() const;  ///< the blocks that are set, in order
+    std::vector<std::size_t> held(int first_layer, int end_layer) const;  ///< of layers along z
 
 private:
     static int blocks(int cells) { return (cells + block_edge - 1) / block_edge; }

@@ -55,7 +55,33 @@ CellValues lift_on_card(const Device& device, const CellValues& access, const Ce
     return out.leave();
 }
 
+/// Of a block, the pieces that are asked for.
+void copy_pieces(const std::vector<std::uint16_t>& from, const Block& block, const BlockPieces& pieces,
+                 CellValues& out) {
+    constexpr int width = BlockPieces::width;
+    const auto [x, y, z] = block;
+    for (int k = 0; k < z.second - z.first; ++k)
+        for (int j = 0; j < y.second - y.first; ++j)
+            for (int i = 0; i < x.second - x.first; i += width)
+                if (kernel::is_asked(pieces.bits, i, j, k))
+                    std::copy_n(&from[(k * Tile::edge + j) * Tile::edge + i], std::min(width, x.second - x.first - i),
+                                out.data() + out.grid.index(x.first + i, y.first + j, z.first + k));
+}
+
 }  // namespace
+
+std::function<void(std::size_t)> block_lifter(const Device& device, const CellValues& access, const CellValues& opacity,
+                                              double normal_factor, const BlockMap& map, CellValues& out) {
+    return [=, &access, &opacity, &map, &out, lift = kernel::lift_block_for(device.isa)](std::size_t b) {
+        thread_local std::vector<float> tiles(2 * Tile::size);
+        thread_local std::vector<std::uint16_t> lifted(Tile::edge * Tile::edge * Tile::edge);
+        const Block block = map.cells(b, out.grid.count);
+        load_tile(access, block, true, &tiles[0]);
+        load_tile(opacity, block, false, &tiles[Tile::size]);
+        lift(&tiles[0], &tiles[Tile::size], float(normal_factor), map.pieces_of(b).bits, lifted.data());
+        copy_pieces(lifted, block, map.pieces_of(b), out);
+    };
+}
 
 CellValues lift_off_surfaces(const Device& device, const CellValues& access, const CellValues& opacity,
                              double normal_factor, const BlockMap& map, Progress& progress) {
@@ -63,22 +89,10 @@ CellValues lift_off_surfaces(const Device& device, const CellValues& access, con
     const auto on_card = [&] { made.emplace(lift_on_card(device, access, opacity, normal_factor, map, progress)); };
     if (cuda::done_on_card(device, on_card)) return *std::move(made);
     CellValues out(access.grid);
-    const auto lift = kernel::lift_block_for(device.isa);
     const auto blocks = map.held();
-    const auto work = [&](std::int64_t b, std::int64_t) {
-        thread_local std::vector<float> tiles(2 * Tile::size);
-        thread_local std::vector<std::uint16_t> lifted(Tile::edge * Tile::edge * Tile::edge);
-        const Block block = map.cells(blocks[b], out.grid.count);
-        load_tile(access, block, true, &tiles[0]);
-        load_tile(opacity, block, false, &tiles[Tile::size]);
-        lift(&tiles[0], &tiles[Tile::size], float(normal_factor), map.pieces_of(blocks[b]).bits, lifted.data());
-        const auto [x, y, z] = block;
-        for (int k = z.first; k < z.second; ++k)
-            for (int j = y.first; j < y.second; ++j)
-                std::copy_n(&lifted[((k - z.first) * Tile::edge + j - y.first) * Tile::edge], x.second - x.first,
-                            out.data() + out.grid.index(x.first, j, k));
-    };
-    parallel_for(device.threads, std::int64_t(blocks.size()), 1, "lift", progress, work);
+    const auto lift = block_lifter(device, access, opacity, normal_factor, map, out);
+    parallel_for(device.threads, std::int64_t(blocks.size()), 1, "lift", progress,
+                 [&](std::int64_t b, std::int64_t) { lift(blocks[b]); });
     progress.check();
     return out;
 }

@@ -15,4 +15,9 @@ namespace chiaro {
 CellValues lift_off_surfaces(const Device& device, const CellValues& access, const CellValues& opacity,
                              double normal_factor, const BlockMap& blocks, Progress& progress);
 
+/// The same block by block, into `out`: what lifts one, by one thread. All that is named must stay where it is.
+std::function<void(std::size_t block)> block_lifter(const Device& device, const CellValues& access,
+                                                    const CellValues& opacity, double normal_factor,
+                                                    const BlockMap& blocks, CellValues& out);
+
 }  // namespace chiaro

@@ -2,6 +2,8 @@
 #pragma once
 #include <chiaro/progress.h>
 
+#include <functional>
+
 #include "illumination/cells/grid.h"
 
 namespace chiaro {
@@ -19,6 +21,11 @@ struct CellOpacity {
 CellOpacity cell_opacity(const Device& device, const Medium::Data& medium, Progress& progress);
 /// The same by the volume's device.
 CellOpacity cell_opacity(const Medium::Data& medium, Progress& progress);
+
+/// The same block by block: the grid and what of it is asked for, all opacities 0 yet; and what fills the blocks of
+/// `matter`, each by one thread. `out` must stay where it is.
+CellOpacity no_opacity_yet(const Medium::Data& medium);
+std::function<void(std::size_t block)> opacity_filler(const Medium::Data& medium, CellOpacity& out);
 
 /// Extinction per cell edge of entry j of the optical table: the same quantity unrounded.
 std::vector<float> extinction_per_edge(const Medium::Data& medium, const CellGrid& grid);
