@@ -138,6 +138,17 @@ std::vector<std::size_t> BlockMap::held(int first_layer, int end_layer) const {
     return list;
 }
 
+std::vector<std::array<int, 2>> BlockMap::columns(int first, int end) const {
+    std::vector<std::array<int, 2>> list;
+    for (int y = 0; y < count[1]; ++y)
+        for (int x = 0; x < count[0]; ++x) {
+            bool any = false;
+            for (int z = first / block_edge; z * block_edge < end; ++z) any = any || at(x, y, z);
+            if (any) list.push_back({x, y});
+        }
+    return list;
+}
+
 BlockMap visible_blocks(const Medium::Data& medium, const CellGrid& grid, double reach) {
     const Occupied occupied(medium, grid, reach);
     BlockMap map(grid.count);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include "illumination/cells/cell_kernel.h"
 #include "illumination/cells/place.h"
 #include "illumination/cells/twin_buffer.h"
@@ -98,6 +99,7 @@ struct BlockMap {
         return {int(block % count[0]), int(block / count[0] % count[1]), int(block / count[0] / count[1])};
     }
     std::uint8_t& operator()(int x, int y, int z) { return holds[(std::size_t(z) * count[1] + y) * count[0] + x]; }
+    std::size_t index(int x, int y, int z) const { return (std::size_t(z) * count[1] + y) * count[0] + x; }
     const BlockPieces& pieces_of(std::size_t block) const { return pieces.empty() ? all_pieces : pieces[block]; }
     bool at(int x, int y, int z) const { return holds[(std::size_t(z) * count[1] + y) * count[0] + x]; }
     bool any_in_row(int y, int z) const {
@@ -108,10 +110,15 @@ struct BlockMap {
     std::array<std::pair<int, int>, 3> cells(std::size_t block, const std::array<int, 3>& grid) const;
     std::vector<std::size_t> held() const;  ///< the blocks that are set, in order
     std::vector<std::size_t> held(int first_layer, int end_layer) const;  ///< of layers along z
+    /// The columns of which a block that holds slices [first, end) of cells is set.
+    std::vector<std::array<int, 2>> columns(int first, int end) const;
 
 private:
     static int blocks(int cells) { return (cells + block_edge - 1) / block_edge; }
 };
+
+/// Work on slices [first, end) of cells of a column of blocks (x, y).
+using SliceWork = std::function<void(std::array<int, 2> column, int first, int end)>;
 
 /// The blocks, and pieces of them, within `reach` cells of which a ray may see something.
 BlockMap visible_blocks(const Medium::Data& medium, const CellGrid& grid, double reach);

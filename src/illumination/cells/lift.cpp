@@ -55,6 +55,19 @@ CellValues lift_on_card(const Device& device, const CellValues& access, const Ce
     return out.leave();
 }
 
+/// What is asked for of slices that may begin within a block.
+BlockPieces pieces_of_slices(const BlockMap& map, std::array<int, 2> column, int first, int end) {
+    constexpr int height = BlockPieces::height;
+    BlockPieces pieces{};
+    for (int z = first; z < end; z += height) {
+        const std::size_t block = map.index(column[0], column[1], z / block_edge);
+        if (map.holds[block])
+            std::copy_n(map.pieces_of(block).bits[z % block_edge / height], block_edge / height,
+                        pieces.bits[(z - first) / height]);
+    }
+    return pieces;
+}
+
 /// Of a block, the pieces that are asked for.
 void copy_pieces(const std::vector<std::uint16_t>& from, const Block& block, const BlockPieces& pieces,
                  CellValues& out) {
@@ -70,16 +83,19 @@ void copy_pieces(const std::vector<std::uint16_t>& from, const Block& block, con
 
 }  // namespace
 
-std::function<void(std::size_t)> block_lifter(const Device& device, const CellValues& access, const CellValues& opacity,
-                                              double normal_factor, const BlockMap& map, CellValues& out) {
-    return [=, &access, &opacity, &map, &out, lift = kernel::lift_block_for(device.isa)](std::size_t b) {
+SliceWork slice_lifter(const Device& device, const CellValues& access, const CellValues& opacity, double normal_factor,
+                       const BlockMap& map, CellValues& out) {
+    const auto lift = kernel::lift_block_for(device.isa);
+    return [=, &access, &opacity, &map, &out](std::array<int, 2> column, int first, int end) {
         thread_local std::vector<float> tiles(2 * Tile::size);
         thread_local std::vector<std::uint16_t> lifted(Tile::edge * Tile::edge * Tile::edge);
-        const Block block = map.cells(b, out.grid.count);
+        Block block = map.cells(map.index(column[0], column[1], 0), out.grid.count);
+        block[2] = {first, end};
+        const BlockPieces pieces = pieces_of_slices(map, column, first, end);
         load_tile(access, block, true, &tiles[0]);
         load_tile(opacity, block, false, &tiles[Tile::size]);
-        lift(&tiles[0], &tiles[Tile::size], float(normal_factor), map.pieces_of(b).bits, lifted.data());
-        copy_pieces(lifted, block, map.pieces_of(b), out);
+        lift(&tiles[0], &tiles[Tile::size], float(normal_factor), pieces.bits, lifted.data());
+        copy_pieces(lifted, block, pieces, out);
     };
 }
 
@@ -90,9 +106,12 @@ CellValues lift_off_surfaces(const Device& device, const CellValues& access, con
     if (cuda::done_on_card(device, on_card)) return *std::move(made);
     CellValues out(access.grid);
     const auto blocks = map.held();
-    const auto lift = block_lifter(device, access, opacity, normal_factor, map, out);
+    const auto lift = slice_lifter(device, access, opacity, normal_factor, map, out);
     parallel_for(device.threads, std::int64_t(blocks.size()), 1, "lift", progress,
-                 [&](std::int64_t b, std::int64_t) { lift(blocks[b]); });
+                 [&](std::int64_t b, std::int64_t) {
+                     const auto [x, y, z] = map.at(blocks[b]);
+                     lift({x, y}, z * block_edge, std::min((z + 1) * block_edge, out.grid.count[2]));
+                 });
     progress.check();
     return out;
 }

@@ -15,9 +15,9 @@ namespace chiaro {
 CellValues lift_off_surfaces(const Device& device, const CellValues& access, const CellValues& opacity,
                              double normal_factor, const BlockMap& blocks, Progress& progress);
 
-/// The same block by block, into `out`: what lifts one, by one thread. All that is named must stay where it is.
-std::function<void(std::size_t block)> block_lifter(const Device& device, const CellValues& access,
-                                                    const CellValues& opacity, double normal_factor,
-                                                    const BlockMap& blocks, CellValues& out);
+/// The same in parts, into `out`: what lifts at most 32 slices of a column of blocks, the first a multiple of 4, by one
+/// thread. All that is named must stay where it is.
+SliceWork slice_lifter(const Device& device, const CellValues& access, const CellValues& opacity, double normal_factor,
+                       const BlockMap& blocks, CellValues& out);
 
 }  // namespace chiaro

@@ -97,7 +97,10 @@ void classify_cells(const Device& device, const Medium::Data& medium, CellOpacit
     const auto fill = opacity_filler(medium, out);
     const auto blocks = out.matter.held();
     parallel_for(device.threads, std::int64_t(blocks.size()), 1, "opacity", progress,
-                 [&](std::int64_t b, std::int64_t) { fill(blocks[b]); });
+                 [&](std::int64_t b, std::int64_t) {
+                     const auto [x, y, z] = out.matter.at(blocks[b]);
+                     fill({x, y}, z * block_edge, std::min((z + 1) * block_edge, out.values.grid.count[2]));
+                 });
     progress.check();
 }
 
@@ -152,15 +155,18 @@ CellOpacity no_opacity_yet(const Medium::Data& medium) {
     return out;
 }
 
-std::function<void(std::size_t)> opacity_filler(const Medium::Data& medium, CellOpacity& out) {
-    std::function<void(std::size_t)> filler;
+SliceWork opacity_filler(const Medium::Data& medium, CellOpacity& out) {
+    SliceWork filler;
     with_stored_voxel(medium.volume.data(), [&](auto voxel) {
         const auto classifier = std::make_shared<CellClassifier<decltype(voxel)>>(medium, out.values);
-        filler = [classifier, &out](std::size_t block) {
-            const auto [x, y, z] = out.matter.cells(block, out.values.grid.count);
-            for (int k = z.first; k < z.second; ++k)
+        filler = [classifier, &out](std::array<int, 2> column, int first, int end) {
+            for (int k = first; k < end; ++k) {
+                const std::size_t block = out.matter.index(column[0], column[1], k / block_edge);
+                if (!out.matter.holds[block]) continue;
+                const auto [x, y, z] = out.matter.cells(block, out.values.grid.count);
                 for (int j = y.first; j < y.second; ++j)
                     classifier->fill(x.first, x.second, j, k, out.visible.holds[block]);
+            }
         };
     });
     return filler;

@@ -2,8 +2,6 @@
 #pragma once
 #include <chiaro/progress.h>
 
-#include <functional>
-
 #include "illumination/cells/grid.h"
 
 namespace chiaro {
@@ -22,10 +20,10 @@ CellOpacity cell_opacity(const Device& device, const Medium::Data& medium, Progr
 /// The same by the volume's device.
 CellOpacity cell_opacity(const Medium::Data& medium, Progress& progress);
 
-/// The same block by block: the grid and what of it is asked for, all opacities 0 yet; and what fills the blocks of
-/// `matter`, each by one thread. `out` must stay where it is.
+/// The same in parts: the grid and what of it is asked for, all opacities 0 yet; and what fills slices of a column of
+/// blocks where they are held by `matter`, by one thread. `out` must stay where it is.
 CellOpacity no_opacity_yet(const Medium::Data& medium);
-std::function<void(std::size_t block)> opacity_filler(const Medium::Data& medium, CellOpacity& out);
+SliceWork opacity_filler(const Medium::Data& medium, CellOpacity& out);
 
 /// Extinction per cell edge of entry j of the optical table: the same quantity unrounded.
 std::vector<float> extinction_per_edge(const Medium::Data& medium, const CellGrid& grid);

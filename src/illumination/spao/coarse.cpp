@@ -47,7 +47,8 @@ BlockMap CoarseShape::needed_by(const BlockMap& finer) const {
 
 CoarseGrid::CoarseGrid(const Cells& finer, int octants)
     : octants_(octants), shape_(finer), opacity_(shape_.cells_held() * sizeof(std::uint16_t)) {
-    hold(0, shape_.corners[2]);
+    for (int axis = 0; axis < 3; ++axis) corners_[axis] = shape_.count[axis] + 1;
+    hold(0, corners_[2]);
 }
 
 CoarseGrid::CoarseGrid(const CellOpacity& finest, int octants, const Device& device, Progress& progress)
@@ -55,7 +56,7 @@ CoarseGrid::CoarseGrid(const CellOpacity& finest, int octants, const Device& dev
     const kernel::OpacityGrid grid = opacity_grid(finest.values.grid.count, finest.values.data());
     shrink(grid, &finest.matter, device, 0, shape_.count[2]);
     progress.check();
-    find_weights(grid, finest.matter, 1, device, 0, shape_.corners[2]);
+    find_weights(grid, finest.matter, 1, device, 0, corners_[2]);
     progress.check();
 }
 
@@ -64,18 +65,19 @@ CoarseGrid::CoarseGrid(const CoarseGrid& finer, const Device& device, Progress& 
     shrink(finer.opacity(), nullptr, device, 0, shape_.count[2]);
     progress.check();
     if (octants_ == 1) return;
-    const auto [nx, ny, nz] = finer.shape_.corners;
+    const auto [nx, ny, nz] = finer.corners_;
     const kernel::EveryOther weights{as_shorts(finer.weight_), {nx, ny, nz}};
-    for (int z = 0; z < shape_.corners[2]; ++z)
-        for (int y = 0; y < shape_.corners[1]; ++y)
-            for (int x = 0; x < shape_.corners[0]; ++x) as_shorts(weight_)[corner({x, y, z})] = weights.at(x, y, z);
+    for (int z = 0; z < corners_[2]; ++z)
+        for (int y = 0; y < corners_[1]; ++y)
+            for (int x = 0; x < corners_[0]; ++x) as_shorts(weight_)[corner({x, y, z})] = weights.at(x, y, z);
 }
 
 void CoarseGrid::hold(int first_slice, int slices) {
     first_slice_ = first_slice;
     if (slices == slices_) return;
     slices_ = slices;
-    const std::size_t bytes = std::size_t(slices) * shape_.corners[0] * shape_.corners[1] * sizeof(std::uint16_t);
+    constexpr std::size_t spare = kernel::SpaoTile::piece;  // weights are read a piece at a time
+    const std::size_t bytes = (std::size_t(slices) * corners_[0] * corners_[1] + spare) * sizeof(std::uint16_t);
     open_.clear();
     for (int s = 0; s < octants_; ++s) open_.emplace_back(bytes);
     if (octants_ > 1) weight_ = VoxelBuffer(bytes);
@@ -142,14 +144,14 @@ void CoarseGrid::find_weights(const kernel::OpacityGrid& finest, const BlockMap&
                               const Device& device, int first, int end) {
     if (octants_ == 1) return;
     // A row of the first coarse grid, which all of these corners belong to or lie beyond.
-    const std::size_t n = std::size_t(stride) * std::size_t(shape_.corners[0]);
+    const std::size_t n = std::size_t(stride) * std::size_t(corners_[0]);
     parallel_for(device.threads, end - first, 1, [&](std::int64_t i, std::int64_t) {
         const int z = first + int(i);
         std::vector<std::uint16_t> row(n);
-        for (int y = 0; y < shape_.corners[1]; ++y) {
+        for (int y = 0; y < corners_[1]; ++y) {
             weigh_row(finest, matter, device, stride * y, stride * z, row);
             std::uint16_t* to = as_shorts(weight_) + corner({0, y, z});
-            for (int x = 0; x < shape_.corners[0]; ++x) to[x] = row[std::size_t(stride) * std::size_t(x)];
+            for (int x = 0; x < corners_[0]; ++x) to[x] = row[std::size_t(stride) * std::size_t(x)];
         }
     });
 }
@@ -159,11 +161,11 @@ const std::uint16_t* CoarseGrid::weights(const Cells& first) const {
 }
 
 kernel::SpaoOutput CoarseGrid::output(const Cells& first, int slices) {
-    kernel::SpaoOutput to{.row = shape_.corners[0],
-                          .slice = std::int64_t(shape_.corners[0]) * shape_.corners[1],
-                          .nx = block_edge,
-                          .ny = block_edge,
-                          .nz = slices,
+    kernel::SpaoOutput to{.row = corners_[0],
+                          .slice = std::int64_t(corners_[0]) * corners_[1],
+                          .nx = std::min(block_edge, corners_[0] - first[0]),
+                          .ny = std::min(block_edge, corners_[1] - first[1]),
+                          .nz = std::min(slices, corners_[2] - first[2]),
                           .pieces = all_pieces.bits};
     for (int s = 0; s < octants_; ++s) to.at[s] = as_shorts(open_[std::size_t(s)]) + corner(first);
     return to;
@@ -172,12 +174,12 @@ kernel::SpaoOutput CoarseGrid::output(const Cells& first, int slices) {
 void CoarseGrid::load(const Cells& first, kernel::CoarseTile& tile) const {
     constexpr int edge = kernel::CoarseTile::edge;
     const auto copy = [&](const std::uint16_t* from, std::uint16_t* to) {
-        const int x0 = first[0] / 2, inside = std::min(edge, shape_.corners[0] - x0);
+        const int x0 = first[0] / 2, inside = std::min(edge, corners_[0] - x0);
         for (int k = 0; k < edge; ++k)
             for (int j = 0; j < edge; ++j, to += edge) {
                 // Past the last corner lies no cell that asks.
-                const int y = std::min(first[1] / 2 + j, shape_.corners[1] - 1),
-                          z = std::min(first[2] / 2 + k, shape_.corners[2] - 1);
+                const int y = std::min(first[1] / 2 + j, corners_[1] - 1),
+                          z = std::min(first[2] / 2 + k, corners_[2] - 1);
                 const std::uint16_t* row = from + corner({x0, y, z});
                 std::copy_n(row, inside, to);
                 std::fill(to + inside, to + edge, row[inside - 1]);

@@ -12,7 +12,7 @@ inline kernel::OpacityGrid opacity_grid(const std::array<int, 3>& count, const s
 }
 
 /// How many cells and corners there are in a grid of cells twice as wide. Corner i of an axis lies at the low side of
-/// cell i; there is one more than cells, and then whole blocks of them.
+/// cell i; there is one more than cells, and then whole blocks of them (which a card holds).
 struct CoarseShape {
     std::array<int, 3> count{0, 0, 0}, corners{0, 0, 0};
 
@@ -37,6 +37,7 @@ public:
     CoarseGrid(const CoarseGrid& finer, const Device& device, Progress& progress);
 
     const CoarseShape& shape() const { return shape_; }
+    const Cells& corners() const { return corners_; }
     kernel::OpacityGrid opacity() const { return opacity_grid(shape_.count, as_shorts(opacity_)); }
     /// Finds slices [first, end) of its cells. `matter` tells which blocks of the finer grid may hold something else
     /// than 0; null: all may.
@@ -48,6 +49,8 @@ public:
     /// From now on only so many slices of corners are held.
     void hold(int first_slice, int slices);
     void free_cells() { opacity_ = VoxelBuffer(); }
+    void free_corners() { hold(0, 0); }
+    void use_small_pages() { opacity_.use_small_pages(); }
     /// What is not read any more.
     void discard_cells_before(int slice);
     void discard_corners_before(int slice);
@@ -68,11 +71,12 @@ private:
     void weigh_row(const kernel::OpacityGrid& finest, const BlockMap& matter, const Device& device, int y, int z,
                    std::vector<std::uint16_t>& to) const;
     std::size_t corner(const Cells& at) const {
-        return (std::size_t(at[2] - first_slice_) * shape_.corners[1] + at[1]) * shape_.corners[0] + at[0];
+        return (std::size_t(at[2] - first_slice_) * corners_[1] + at[1]) * corners_[0] + at[0];
     }
 
     int octants_;
     CoarseShape shape_;
+    Cells corners_{0, 0, 0};            ///< held: one more than cells
     int first_slice_ = 0, slices_ = 0;  ///< of corners, held
     VoxelBuffer opacity_, weight_;
     std::vector<VoxelBuffer> open_;  ///< by octant

@@ -9,6 +9,7 @@ namespace chiaro {
 namespace {
 
 constexpr int half_edge = block_edge / 2;
+constexpr int margin = 4;                ///< slices that are asked for beyond a layer: the halos of tiles, a piece
 constexpr std::size_t busy_blocks = 64;  ///< so many at a time keep all threads at work
 constexpr double crowded = 0.9;          ///< share of blocks from which on large pages waste nothing
 
@@ -26,7 +27,7 @@ public:
           access_(grid()),
           lifted_(grid()),
           fill_(opacity_filler(medium, opacity_)),
-          lift_(block_lifter(device, access_, opacity_.values, normal_factor, opacity_.visible, lifted_)),
+          lift_(slice_lifter(device, access_, opacity_.values, normal_factor, opacity_.visible, lifted_)),
           layers_(asked_.count[2]),
           together_(int(std::min(busy_blocks, asked_.holds.size()) * std::size_t(layers_) / asked_.holds.size())) {
         together_ = std::max(together_, 1);
@@ -40,10 +41,11 @@ public:
         if (coarse_grids(settings_) > 0) find_coarse();
         for (int first = 0; first < layers_; first += together_) {
             const int end = std::min(first + together_, layers_);
-            fill_up_to(std::min(end + 1, layers_));
+            fill_up_to(end * block_edge + margin);
             if (!coarse_.empty()) steps_.part(name_of_cells(1), [&] { sweep_corners(first, end); });
             steps_.part(name_of_cells(0), [&] { sweep_cells(first, end); });
-            steps_.part("lift", [&] { lift_up_to(end == layers_ ? end : end - 1); });
+            if (!coarse_.empty()) coarse_[0].free_corners();  // before the answer grows
+            steps_.part("lift", [&] { lift_up_to(end == layers_ ? grid().count[2] : end * block_edge - margin); });
             discard_before(end);
             progress_.report("spao", double(end) / layers_);
         }
@@ -66,22 +68,27 @@ private:
         progress_.check();
     }
 
+    /// Slices of opacities.
     void fill_up_to(int end) {
-        steps_.part("opacity", [&] {
-            const auto blocks = opacity_.matter.held(std::min(filled_, end), end);
-            for_all(blocks.size(), [&](std::size_t i) { fill_(blocks[i]); });
-        });
-        filled_ = std::max(filled_, end);
+        steps_.part("opacity", [&] { do_slices(fill_, opacity_.matter, filled_, std::min(end, grid().count[2])); });
+    }
+    void do_slices(const SliceWork& work, const BlockMap& map, int& done, int end) {
+        for (int next = 0; done < end; done = next) {
+            next = std::min(done + block_edge, end);
+            const auto columns = map.columns(done, next);
+            for_all(columns.size(), [&](std::size_t i) { work(columns[i], done, next); });
+        }
     }
 
     /// All that is coarser than the finest corners, whose cells are kept for them.
     void find_coarse() {
         const int octants = octants_of(settings_.model), grids = coarse_grids(settings_);
         coarse_.emplace_back(grid().count, octants);
+        if (is_sparse_) coarse_[0].use_small_pages();
         if (grids > 1) coarse_.emplace_back(coarse_[0].shape().count, octants);
         for (int first = 0; first < layers_; first += together_) {
             const int end = std::min(first + together_, layers_);
-            fill_up_to(end);
+            fill_up_to(end * block_edge);
             steps_.part("spao mipmaps", [&] { shrink_layers(first, end); });
             progress_.report("opacity", double(end) / layers_);
             progress_.check();
@@ -114,7 +121,7 @@ private:
                      until(end * half_edge, grid1.shape().count[2]));
         if (coarse_.size() > 1)
             coarse_[1].find_weights(opacities(), opacity_.matter, 2, device_, first * half_edge / 2,
-                                    until(end * half_edge / 2, coarse_[1].shape().corners[2]));
+                                    until(end * half_edge / 2, coarse_[1].corners()[2]));
         if (!keeps_opacity_) opacity_.values.discard_slices_before(end * block_edge - 1);
     }
 
@@ -130,8 +137,8 @@ private:
     /// Of the first coarse grid, what the cells of some layers read.
     void sweep_corners(int first, int end) {
         CoarseGrid& grid1 = coarse_[0];
-        const int begin = first * half_edge, stop = std::min(end * half_edge + 1, grid1.shape().corners[2]);
-        grid1.hold(begin, std::max(stop - begin, std::min(together_ * half_edge + 1, grid1.shape().corners[2])));
+        const int begin = first * half_edge, stop = std::min(end * half_edge + 1, grid1.corners()[2]);
+        grid1.hold(begin, std::max(stop - begin, std::min(together_ * half_edge + 1, grid1.corners()[2])));
         grid1.find_weights(opacities(), opacity_.matter, 1, device_, begin, stop);
         std::vector<std::array<int, 3>> blocks;
         for (const auto& [x, y] : columns_read(first, end))
@@ -187,16 +194,12 @@ private:
         return block;
     }
 
-    void lift_up_to(int end) {
-        const auto blocks = opacity_.visible.held(std::min(lifted_layers_, end), end);
-        for_all(blocks.size(), [&](std::size_t i) { lift_(blocks[i]); });
-        lifted_layers_ = std::max(lifted_layers_, end);
-    }
+    void lift_up_to(int end) { do_slices(lift_, opacity_.visible, lift_done_, end); }
 
-    /// What the layers from `next` on, and those that are still to be lifted, do not read.
+    /// What the layers from `next` on, and slices that are still to be lifted, do not read.
     void discard_before(int next) {
         constexpr int halo = kernel::SpaoTile::halo;
-        const int slice = lifted_layers_ * block_edge - halo;
+        const int slice = lift_done_ - halo;
         opacity_.values.discard_slices_before(slice);
         access_.discard_slices_before(slice);
         if (!coarse_.empty()) coarse_[0].discard_cells_before(next * half_edge - halo);
@@ -211,11 +214,11 @@ private:
     CellOpacity opacity_;
     const BlockMap asked_;  ///< a sample reads the cells around it, each of which is lifted from a cell further out
     CellValues access_, lifted_;
-    const std::function<void(std::size_t)> fill_, lift_;
+    const SliceWork fill_, lift_;
     const int layers_;
     int together_;  ///< layers
     bool keeps_opacity_, is_sparse_;
-    int filled_ = 0, lifted_layers_ = 0;
+    int filled_ = 0, lift_done_ = 0;  ///< slices
     std::vector<CoarseGrid> coarse_;  ///< of cells twice, four times, ... as wide
 };
 
