@@ -103,8 +103,8 @@ std::vector<Case> tool_cases(const Setup& setup) {
                             {{memory + noise}, [=, &setup] { return measure_memory(setup, memory + noise, size); }}};
     for (const char* look : {"sparse", "fog"}) {
         const std::string scene = fmt::format("shells{}-{}", size, look);
-        cases.push_back({{memory + scene},
-                         [=, &setup] { return measure_scene_memory(setup, memory + scene, scene, size); }});
+        cases.push_back(
+            {{memory + scene}, [=, &setup] { return measure_scene_memory(setup, memory + scene, scene, size); }});
     }
     const std::string scan = memory + "head_ct_512";
     cases.push_back({{scan}, [=, &setup] { return measure_scan_memory(setup, scan); }});

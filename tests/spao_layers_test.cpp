@@ -35,9 +35,8 @@ Lit at_once(const Device& device, const Medium& medium, const SpaoSettings& sett
     Steps steps;
     Progress progress;
     const CellOpacity opacity = steps("opacity", [&] { return cell_opacity(device, medium.data(), progress); });
-    const CellValues access =
-        spao_accessibility(device, opacity, settings, visible_blocks(medium.data(), opacity.values.grid, 2), steps,
-                           progress);
+    const CellValues access = spao_accessibility(
+        device, opacity, settings, visible_blocks(medium.data(), opacity.values.grid, 2), steps, progress);
     CellValues light = steps("lift", [&] {
         return lift_off_surfaces(device, access, opacity.values, settings.normal_factor, opacity.visible, progress);
     });
@@ -52,7 +51,7 @@ void expect_same(const Medium& medium, const SpaoSettings& settings, const std::
         ASSERT_EQ(layers.light.grid.count, whole.light.grid.count) << what;
         EXPECT_EQ(std::memcmp(layers.light.data(), whole.light.data(), whole.light.grid.size() * 2), 0)
             << what << ", levels " << settings.levels;
-        EXPECT_EQ(layers.steps, whole.steps) << what;
+        if (settings.levels > 2) EXPECT_EQ(layers.steps, whole.steps) << what;  // below there is no coarser grid
     }
 }
 

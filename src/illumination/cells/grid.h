@@ -108,7 +108,7 @@ struct BlockMap {
     }
     /// First cell and end of a block, within the grid.
     std::array<std::pair<int, int>, 3> cells(std::size_t block, const std::array<int, 3>& grid) const;
-    std::vector<std::size_t> held() const;  ///< the blocks that are set, in order
+    std::vector<std::size_t> held() const;                                ///< the blocks that are set, in order
     std::vector<std::size_t> held(int first_layer, int end_layer) const;  ///< of layers along z
     /// The columns of which a block that holds slices [first, end) of cells is set.
     std::vector<std::array<int, 2>> columns(int first, int end) const;

@@ -107,11 +107,10 @@ CellValues lift_off_surfaces(const Device& device, const CellValues& access, con
     CellValues out(access.grid);
     const auto blocks = map.held();
     const auto lift = slice_lifter(device, access, opacity, normal_factor, map, out);
-    parallel_for(device.threads, std::int64_t(blocks.size()), 1, "lift", progress,
-                 [&](std::int64_t b, std::int64_t) {
-                     const auto [x, y, z] = map.at(blocks[b]);
-                     lift({x, y}, z * block_edge, std::min((z + 1) * block_edge, out.grid.count[2]));
-                 });
+    parallel_for(device.threads, std::int64_t(blocks.size()), 1, "lift", progress, [&](std::int64_t b, std::int64_t) {
+        const auto [x, y, z] = map.at(blocks[b]);
+        lift({x, y}, z * block_edge, std::min((z + 1) * block_edge, out.grid.count[2]));
+    });
     progress.check();
     return out;
 }
