@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "child.h"
-#include "rows.h"
+#include "turntable.h"
 
 namespace chiaro::bench {
 namespace {
@@ -40,28 +40,75 @@ double peak_mib(const std::filesystem::path& stats) {
     return nlohmann::json::parse(stream).at("peak_memory_bytes").get<double>() / (1 << 20);
 }
 
-std::vector<Row> measure_memory(const Setup& setup, const std::string& name, int size) {
-    const TemporaryFolder folder;
-    const std::string volume = folder / "volume.nrrd", picture = folder / "picture.png", stats = folder / "stats.json";
-    write_nrrd(make_u16(size), volume, NrrdEncoding::raw);
-    const std::vector<std::string> render{"render", volume,    "-o",      picture, "--quiet",
-                                          "--size", "256x192", "--stats", stats};
+/// A sample's bytes as 16 bits.
+Volume widened(const Volume& bytes) {
+    Volume volume = make_volume(bytes.dimensions, VoxelType::u16);
+    std::ranges::copy(bytes.as<std::uint8_t>(), volume.as<std::uint16_t>().begin());
+    return volume;
+}
+
+/// `what` and `voxel_bytes`: what the tool is to render, and how much the voxels of that are.
+std::vector<Row> peak_row(const Setup& setup, const std::string& name, const TemporaryFolder& folder,
+                          std::vector<std::string> what, double voxel_bytes) {
+    const std::string picture = folder / "picture.png", stats = folder / "stats.json";
+    std::vector<std::string> render{"render", "-o", picture, "--quiet", "--size", "256x192", "--stats", stats};
+    render.insert(render.end(), what.begin(), what.end());
     const Measure peak = [&] {
         run_program(setup.tool, render);
         return peak_mib(stats);
     };
     const auto series = in_turns(setup.runs, {peak});
-    const double volume_mib = double(size) * size * size * sizeof(std::uint16_t) / (1 << 20);
-    return {{name, "MiB", spread_of(series[0]), spread_of(series[0]).median / volume_mib, "bytes of the volume"}};
+    const double volume_mib = voxel_bytes / (1 << 20);
+    return {{name, "MiB", spread_of(series[0]), spread_of(series[0]).median / volume_mib, "bytes of the volume",
+             fmt::format("a volume of {:.0f} MiB", volume_mib)}};
+}
+
+double cube_bytes(int size) { return double(size) * size * size * sizeof(std::uint16_t); }
+
+std::vector<Row> measure_memory(const Setup& setup, const std::string& name, int size) {
+    const TemporaryFolder folder;
+    const std::string volume = folder / "volume.nrrd";
+    write_nrrd(make_u16(size), volume, NrrdEncoding::raw);
+    return peak_row(setup, name, folder, {volume}, cube_bytes(size));
+}
+
+/// A scene of bench/scenes with 16 bits a voxel, lit by the default method.
+std::vector<Row> measure_scene_memory(const Setup& setup, const std::string& name, const std::string& scene_name,
+                                      int size) {
+    const TemporaryFolder folder;
+    const std::string file = folder / "scene.json";
+    Scene scene = *find_scene(setup, scene_name);
+    scene.volume = folder / "volume.nrrd";
+    scene.illumination = {.method = Method::spao};
+    write_nrrd(widened(make_sample("shells", size)), scene.volume, NrrdEncoding::raw);
+    std::ofstream(file) << to_json(scene);
+    return peak_row(setup, name, folder, {"--scene", file}, cube_bytes(size));
+}
+
+/// A real scan as it is rendered by default.
+std::vector<Row> measure_scan_memory(const Setup& setup, const std::string& name) {
+    const auto file = setup.data / "head_ct_512.nrrd";
+    std::error_code unreadable;
+    if (setup.data.empty() || !std::filesystem::exists(file, unreadable)) return {{name, "MiB", {}, {}, {}, no_data}};
+    const double bytes = double(read_volume(file.string(), {}, setup.progress).voxels.size());
+    return peak_row(setup, name, TemporaryFolder(), {file.string()}, bytes);
 }
 
 }  // namespace
 
 std::vector<Case> tool_cases(const Setup& setup) {
     const int size = setup.quick ? 256 : 512;
-    const std::string first = "tool/first-picture", memory = fmt::format("tool/peak-memory/{}-u16", size);
-    return {{{first}, [=, &setup] { return measure_first_picture(setup, first); }},
-            {{memory}, [=, &setup] { return measure_memory(setup, memory, size); }}};
+    const std::string first = "tool/first-picture", memory = "tool/peak-memory/", noise = fmt::format("{}-u16", size);
+    std::vector<Case> cases{{{first}, [=, &setup] { return measure_first_picture(setup, first); }},
+                            {{memory + noise}, [=, &setup] { return measure_memory(setup, memory + noise, size); }}};
+    for (const char* look : {"sparse", "fog"}) {
+        const std::string scene = fmt::format("shells{}-{}", size, look);
+        cases.push_back(
+            {{memory + scene}, [=, &setup] { return measure_scene_memory(setup, memory + scene, scene, size); }});
+    }
+    const std::string scan = memory + "head_ct_512";
+    cases.push_back({{scan}, [=, &setup] { return measure_scan_memory(setup, scan); }});
+    return cases;
 }
 
 }  // namespace chiaro::bench

@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "io/memory.h"
+#include "volume/bricks.h"
 
 namespace chiaro::server {
 namespace {
@@ -45,10 +46,18 @@ void average(const Volume& from, Volume& to) {
 
 /// Bricks beside the voxels that were read, and the light of the default method.
 double needed_beyond(const Volume& volume) {
-    return 1.2 * double(volume.voxels.size()) + light_bytes({.method = Method::spao}, double(volume.voxel_count()));
+    return brick_bytes(volume) + light_bytes({.method = Method::spao}, double(volume.voxel_count()));
 }
 
+constexpr double transport_cell_bytes = 55 * sizeof(float);  ///< of a light grid's cell (src/illumination/transport)
+
 }  // namespace
+
+double brick_bytes(const Volume& volume) {
+    double bytes = brick_voxels * double(std::min(size_of(volume.type), sizeof(float)));
+    for (const int n : volume.dimensions) bytes *= brick_count(n);
+    return bytes;
+}
 
 OutOfMemory::OutOfMemory(double needed, double free)
     : Error(ErrorCode::output, fmt::format("Needs {:.1f} GB, {:.1f} GB are free.", needed / 1e9, free / 1e9)) {}
@@ -76,6 +85,8 @@ double light_bytes(const IlluminationSettings& settings, double cells) {
             return 2 * cells + 16 * cells / std::pow(settings.histogram.subsample, 3);
         case Method::reference:
             return is_path_traced(settings) ? cells / 16 : 8 * cells;
+        case Method::transport:  // opacity, from which the light grid is made; no grid is finer than the volume
+            return 2 * cells + transport_cell_bytes * std::min(cells, std::pow(settings.transport.grid, 3));
         default:
             return 0;
     }

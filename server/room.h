@@ -24,6 +24,10 @@ void check_room(double needed);
 /// empty it is less.
 double light_bytes(const IlluminationSettings& settings, double cells);
 
+/// Bytes of the volume's bricks (src/volume/bricks.h): voxels with the border that each brick keeps, 1.31 × the voxels
+/// of a large volume. Of numbers wider than 4 bytes at most.
+double brick_bytes(const Volume& volume);
+
 /// Means of 2³ voxels (along an axis of one voxel, of one); at odd ends, of what there is. Where a mean would need
 /// numbers that the type has not, it is rounded. Cost: one pass.
 Volume halved(const Volume& volume);

@@ -9,6 +9,8 @@
 #include "illumination/field.h"
 #include "illumination/prepared.h"
 #include "illumination/probe/lambert.h"
+#include "illumination/spao/layers.h"
+#include "illumination/spao/spao.h"
 #include "illumination/visibility/visibility.h"
 
 namespace chiaro {
@@ -47,6 +49,11 @@ void check_picture(const IlluminationSettings& settings) {
 IlluminationField light_of(const Device& device, const Medium::Data& medium, const IlluminationSettings& settings,
                            Progress& progress) {
     Steps steps;
+    if (settings.method == Method::spao && is_fused(settings.spao) && !settings.on_particles && !device.has_card()) {
+        CellValues lit = spao_light(device, medium, settings.spao, outward_factor(settings), steps, progress);
+        const kernel::GridView cells = view_of(lit.grid);
+        return field_of(std::move(lit), cells, steps);
+    }
     const CellOpacity opacity = steps("opacity", [&] { return cell_opacity(device, medium, progress); });
     // A sample reads the cells around it, each of which was lifted from a cell further out.
     CellValues access = accessibility(device, medium, opacity, settings, visible_blocks(medium, opacity.values.grid, 2),

@@ -2,6 +2,7 @@
 #pragma once
 #include <chiaro/progress.h>
 
+#include <algorithm>
 #include <chrono>
 #include <string>
 #include <utility>
@@ -17,6 +18,12 @@ public:
         const Clock clock(*this, std::move(name));
         return step();
     }
+    /// The same for a step that is done in parts: the time of parts of one name is added.
+    template <class Step>
+    auto part(const std::string& name, Step&& step) {
+        const Clock clock(*this, name, true);
+        return step();
+    }
     const std::vector<Stage>& stages() const { return stages_; }
     std::vector<Stage> take() { return std::move(stages_); }
 
@@ -24,11 +31,17 @@ private:
     struct Clock {
         Steps& steps;
         std::string name;
+        bool is_part;
         std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
-        Clock(Steps& s, std::string n) : steps(s), name(std::move(n)) {}
+        Clock(Steps& s, std::string n, bool part = false) : steps(s), name(std::move(n)), is_part(part) {}
         ~Clock() {
             const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
-            steps.stages_.push_back({std::move(name), time.count()});
+            const auto same = std::find_if(steps.stages_.begin(), steps.stages_.end(),
+                                           [&](const Stage& stage) { return is_part && stage.name == name; });
+            if (same != steps.stages_.end())
+                same->seconds += time.count();
+            else
+                steps.stages_.push_back({std::move(name), time.count()});
         }
     };
     std::vector<Stage> stages_;

@@ -3,6 +3,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace chiaro {
@@ -51,11 +52,15 @@ VoxelBuffer::~VoxelBuffer() {
 
 void VoxelBuffer::discard_before(std::size_t end) noexcept {
     const std::size_t page = std::size_t(sysconf(_SC_PAGESIZE));
-    const std::size_t whole = end / page * page;
+    const std::size_t whole = std::min(end, bytes_) / page * page;
     if (whole <= discarded_) return;
     // Shared pages (of a memfd) live until they are punched out; private ones are simply forgotten.
     madvise(data_ + discarded_, whole - discarded_, shared_ ? MADV_REMOVE : MADV_DONTNEED);
     discarded_ = whole;
+}
+
+void VoxelBuffer::use_small_pages() noexcept {
+    if (data_) madvise(data_, bytes_, MADV_NOHUGEPAGE);
 }
 
 Volume make_volume(std::array<int, 3> dimensions, VoxelType type) {

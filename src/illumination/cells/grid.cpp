@@ -128,10 +128,24 @@ std::array<std::pair<int, int>, 3> BlockMap::cells(std::size_t block, const std:
     return ranges;
 }
 
-std::vector<std::size_t> BlockMap::held() const {
+std::vector<std::size_t> BlockMap::held() const { return held(0, count[2]); }
+
+std::vector<std::size_t> BlockMap::held(int first_layer, int end_layer) const {
+    const std::size_t layer = std::size_t(count[0]) * count[1];
     std::vector<std::size_t> list;
-    for (std::size_t b = 0; b < holds.size(); ++b)
+    for (std::size_t b = std::size_t(first_layer) * layer; b < std::size_t(end_layer) * layer; ++b)
         if (holds[b]) list.push_back(b);
+    return list;
+}
+
+std::vector<std::array<int, 2>> BlockMap::columns(int first, int end) const {
+    std::vector<std::array<int, 2>> list;
+    for (int y = 0; y < count[1]; ++y)
+        for (int x = 0; x < count[0]; ++x) {
+            bool any = false;
+            for (int z = first / block_edge; z * block_edge < end; ++z) any = any || at(x, y, z);
+            if (any) list.push_back({x, y});
+        }
     return list;
 }
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include "illumination/cells/cell_kernel.h"
 #include "illumination/cells/place.h"
 #include "illumination/cells/twin_buffer.h"
@@ -63,6 +64,11 @@ struct CellValues {
         return reinterpret_cast<const std::uint16_t*>(buffer.on_card(stream));
     }
 
+    /// Gives back the memory of the slices in front of z, which read as 0 from then on.
+    void discard_slices_before(int z) {
+        if (z > 0) buffer.discard_before(grid.index(0, 0, z) * sizeof(std::uint16_t));
+    }
+
     static constexpr std::size_t spare = 8;  ///< look-ups read two cells at a time
 };
 
@@ -93,6 +99,7 @@ struct BlockMap {
         return {int(block % count[0]), int(block / count[0] % count[1]), int(block / count[0] / count[1])};
     }
     std::uint8_t& operator()(int x, int y, int z) { return holds[(std::size_t(z) * count[1] + y) * count[0] + x]; }
+    std::size_t index(int x, int y, int z) const { return (std::size_t(z) * count[1] + y) * count[0] + x; }
     const BlockPieces& pieces_of(std::size_t block) const { return pieces.empty() ? all_pieces : pieces[block]; }
     bool at(int x, int y, int z) const { return holds[(std::size_t(z) * count[1] + y) * count[0] + x]; }
     bool any_in_row(int y, int z) const {
@@ -101,11 +108,17 @@ struct BlockMap {
     }
     /// First cell and end of a block, within the grid.
     std::array<std::pair<int, int>, 3> cells(std::size_t block, const std::array<int, 3>& grid) const;
-    std::vector<std::size_t> held() const;  ///< the blocks that are set, in order
+    std::vector<std::size_t> held() const;                                ///< the blocks that are set, in order
+    std::vector<std::size_t> held(int first_layer, int end_layer) const;  ///< of layers along z
+    /// The columns of which a block that holds slices [first, end) of cells is set.
+    std::vector<std::array<int, 2>> columns(int first, int end) const;
 
 private:
     static int blocks(int cells) { return (cells + block_edge - 1) / block_edge; }
 };
+
+/// Work on slices [first, end) of cells of a column of blocks (x, y).
+using SliceWork = std::function<void(std::array<int, 2> column, int first, int end)>;
 
 /// The blocks, and pieces of them, within `reach` cells of which a ray may see something.
 BlockMap visible_blocks(const Medium::Data& medium, const CellGrid& grid, double reach);

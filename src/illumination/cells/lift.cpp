@@ -55,7 +55,49 @@ CellValues lift_on_card(const Device& device, const CellValues& access, const Ce
     return out.leave();
 }
 
+/// What is asked for of slices that may begin within a block.
+BlockPieces pieces_of_slices(const BlockMap& map, std::array<int, 2> column, int first, int end) {
+    constexpr int height = BlockPieces::height;
+    BlockPieces pieces{};
+    for (int z = first; z < end; z += height) {
+        const std::size_t block = map.index(column[0], column[1], z / block_edge);
+        if (map.holds[block])
+            std::copy_n(map.pieces_of(block).bits[z % block_edge / height], block_edge / height,
+                        pieces.bits[(z - first) / height]);
+    }
+    return pieces;
+}
+
+/// Of a block, the pieces that are asked for.
+void copy_pieces(const std::vector<std::uint16_t>& from, const Block& block, const BlockPieces& pieces,
+                 CellValues& out) {
+    constexpr int width = BlockPieces::width;
+    const auto [x, y, z] = block;
+    for (int k = 0; k < z.second - z.first; ++k)
+        for (int j = 0; j < y.second - y.first; ++j)
+            for (int i = 0; i < x.second - x.first; i += width)
+                if (kernel::is_asked(pieces.bits, i, j, k))
+                    std::copy_n(&from[(k * Tile::edge + j) * Tile::edge + i], std::min(width, x.second - x.first - i),
+                                out.data() + out.grid.index(x.first + i, y.first + j, z.first + k));
+}
+
 }  // namespace
+
+SliceWork slice_lifter(const Device& device, const CellValues& access, const CellValues& opacity, double normal_factor,
+                       const BlockMap& map, CellValues& out) {
+    const auto lift = kernel::lift_block_for(device.isa);
+    return [=, &access, &opacity, &map, &out](std::array<int, 2> column, int first, int end) {
+        thread_local std::vector<float> tiles(2 * Tile::size);
+        thread_local std::vector<std::uint16_t> lifted(Tile::edge * Tile::edge * Tile::edge);
+        Block block = map.cells(map.index(column[0], column[1], 0), out.grid.count);
+        block[2] = {first, end};
+        const BlockPieces pieces = pieces_of_slices(map, column, first, end);
+        load_tile(access, block, true, &tiles[0]);
+        load_tile(opacity, block, false, &tiles[Tile::size]);
+        lift(&tiles[0], &tiles[Tile::size], float(normal_factor), pieces.bits, lifted.data());
+        copy_pieces(lifted, block, pieces, out);
+    };
+}
 
 CellValues lift_off_surfaces(const Device& device, const CellValues& access, const CellValues& opacity,
                              double normal_factor, const BlockMap& map, Progress& progress) {
@@ -63,22 +105,12 @@ CellValues lift_off_surfaces(const Device& device, const CellValues& access, con
     const auto on_card = [&] { made.emplace(lift_on_card(device, access, opacity, normal_factor, map, progress)); };
     if (cuda::done_on_card(device, on_card)) return *std::move(made);
     CellValues out(access.grid);
-    const auto lift = kernel::lift_block_for(device.isa);
     const auto blocks = map.held();
-    const auto work = [&](std::int64_t b, std::int64_t) {
-        thread_local std::vector<float> tiles(2 * Tile::size);
-        thread_local std::vector<std::uint16_t> lifted(Tile::edge * Tile::edge * Tile::edge);
-        const Block block = map.cells(blocks[b], out.grid.count);
-        load_tile(access, block, true, &tiles[0]);
-        load_tile(opacity, block, false, &tiles[Tile::size]);
-        lift(&tiles[0], &tiles[Tile::size], float(normal_factor), map.pieces_of(blocks[b]).bits, lifted.data());
-        const auto [x, y, z] = block;
-        for (int k = z.first; k < z.second; ++k)
-            for (int j = y.first; j < y.second; ++j)
-                std::copy_n(&lifted[((k - z.first) * Tile::edge + j - y.first) * Tile::edge], x.second - x.first,
-                            out.data() + out.grid.index(x.first, j, k));
-    };
-    parallel_for(device.threads, std::int64_t(blocks.size()), 1, "lift", progress, work);
+    const auto lift = slice_lifter(device, access, opacity, normal_factor, map, out);
+    parallel_for(device.threads, std::int64_t(blocks.size()), 1, "lift", progress, [&](std::int64_t b, std::int64_t) {
+        const auto [x, y, z] = map.at(blocks[b]);
+        lift({x, y}, z * block_edge, std::min((z + 1) * block_edge, out.grid.count[2]));
+    });
     progress.check();
     return out;
 }

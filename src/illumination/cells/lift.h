@@ -15,4 +15,9 @@ namespace chiaro {
 CellValues lift_off_surfaces(const Device& device, const CellValues& access, const CellValues& opacity,
                              double normal_factor, const BlockMap& blocks, Progress& progress);
 
+/// The same in parts, into `out`: what lifts at most 32 slices of a column of blocks, the first a multiple of 4, by one
+/// thread. All that is named must stay where it is.
+SliceWork slice_lifter(const Device& device, const CellValues& access, const CellValues& opacity, double normal_factor,
+                       const BlockMap& blocks, CellValues& out);
+
 }  // namespace chiaro

@@ -93,16 +93,13 @@ private:
     std::vector<std::uint16_t> of_stored_;  ///< opacities by stored value
 };
 
-template <class Voxel>
 void classify_cells(const Device& device, const Medium::Data& medium, CellOpacity& out, Progress& progress) {
-    CellClassifier<Voxel> classifier(medium, out.values);
+    const auto fill = opacity_filler(medium, out);
     const auto blocks = out.matter.held();
     parallel_for(device.threads, std::int64_t(blocks.size()), 1, "opacity", progress,
                  [&](std::int64_t b, std::int64_t) {
-                     const auto [x, y, z] = out.matter.cells(blocks[b], out.values.grid.count);
-                     for (int k = z.first; k < z.second; ++k)
-                         for (int j = y.first; j < y.second; ++j)
-                             classifier.fill(x.first, x.second, j, k, out.visible.holds[blocks[b]]);
+                     const auto [x, y, z] = out.matter.at(blocks[b]);
+                     fill({x, y}, z * block_edge, std::min((z + 1) * block_edge, out.values.grid.count[2]));
                  });
     progress.check();
 }
@@ -149,17 +146,40 @@ CellOpacity cell_opacity(const Medium::Data& medium, Progress& progress) {
     return cell_opacity(medium.volume.data().device, medium, progress);
 }
 
-CellOpacity cell_opacity(const Device& device, const Medium::Data& medium, Progress& progress) {
+CellOpacity no_opacity_yet(const Medium::Data& medium) {
     const DeviceVolume::Data& volume = medium.volume.data();
     const CellGrid grid = make_cell_grid(volume.dimensions, volume.geometry);
     CellOpacity out{CellValues(grid), BlockMap(grid.count, true), visible_blocks(medium, grid, 1)};
     // Nothing is seen inside a surface, but it is matter.
     if (medium.shape.mode != Mode::iso) out.matter = out.visible;
-    with_stored_voxel(volume, [&](auto voxel) {
-        using Voxel = decltype(voxel);
-        const auto on_card = [&] { out.values = classify_on_card<Voxel>(device, medium, out, progress); };
-        if (!cuda::done_on_card(device, on_card)) classify_cells<Voxel>(device, medium, out, progress);
+    return out;
+}
+
+SliceWork opacity_filler(const Medium::Data& medium, CellOpacity& out) {
+    SliceWork filler;
+    with_stored_voxel(medium.volume.data(), [&](auto voxel) {
+        const auto classifier = std::make_shared<CellClassifier<decltype(voxel)>>(medium, out.values);
+        filler = [classifier, &out](std::array<int, 2> column, int first, int end) {
+            for (int k = first; k < end; ++k) {
+                const std::size_t block = out.matter.index(column[0], column[1], k / block_edge);
+                if (!out.matter.holds[block]) continue;
+                const auto [x, y, z] = out.matter.cells(block, out.values.grid.count);
+                for (int j = y.first; j < y.second; ++j)
+                    classifier->fill(x.first, x.second, j, k, out.visible.holds[block]);
+            }
+        };
     });
+    return filler;
+}
+
+CellOpacity cell_opacity(const Device& device, const Medium::Data& medium, Progress& progress) {
+    CellOpacity out = no_opacity_yet(medium);
+    const auto on_card = [&] {
+        with_stored_voxel(medium.volume.data(), [&](auto voxel) {
+            out.values = classify_on_card<decltype(voxel)>(device, medium, out, progress);
+        });
+    };
+    if (!cuda::done_on_card(device, on_card)) classify_cells(device, medium, out, progress);
     return out;
 }
 

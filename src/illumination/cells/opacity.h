@@ -20,6 +20,11 @@ CellOpacity cell_opacity(const Device& device, const Medium::Data& medium, Progr
 /// The same by the volume's device.
 CellOpacity cell_opacity(const Medium::Data& medium, Progress& progress);
 
+/// The same in parts: the grid and what of it is asked for, all opacities 0 yet; and what fills slices of a column of
+/// blocks where they are held by `matter`, by one thread. `out` must stay where it is.
+CellOpacity no_opacity_yet(const Medium::Data& medium);
+SliceWork opacity_filler(const Medium::Data& medium, CellOpacity& out);
+
 /// Extinction per cell edge of entry j of the optical table: the same quantity unrounded.
 std::vector<float> extinction_per_edge(const Medium::Data& medium, const CellGrid& grid);
 

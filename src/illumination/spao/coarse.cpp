@@ -28,134 +28,164 @@ CoarseShape::CoarseShape(const std::array<int, 3>& finer) {
     }
 }
 
+std::pair<int, int> CoarseShape::blocks_read(int axis, int finer_block) const {
+    const int last = corners[axis] / block_edge - 1;
+    return {std::min(finer_block / 2, last), std::min((finer_block * half_block + half_block) / block_edge, last)};
+}
+
 BlockMap CoarseShape::needed_by(const BlockMap& finer) const {
     BlockMap needed(corners);
     for (const std::size_t b : finer.held()) {
         const auto at = finer.at(b);
-        std::array<int, 3> low, high;
-        for (int axis = 0; axis < 3; ++axis) {
-            low[axis] = std::min(at[axis] / 2, needed.count[axis] - 1);
-            high[axis] = std::min((at[axis] * half_block + half_block) / block_edge, needed.count[axis] - 1);
-        }
-        for (int z = low[2]; z <= high[2]; ++z)
-            for (int y = low[1]; y <= high[1]; ++y)
-                for (int x = low[0]; x <= high[0]; ++x) needed(x, y, z) = 1;
+        const auto xs = blocks_read(0, at[0]), ys = blocks_read(1, at[1]), zs = blocks_read(2, at[2]);
+        for (int z = zs.first; z <= zs.second; ++z)
+            for (int y = ys.first; y <= ys.second; ++y)
+                for (int x = xs.first; x <= xs.second; ++x) needed(x, y, z) = 1;
     }
     return needed;
 }
 
+CoarseGrid::CoarseGrid(const Cells& finer, int octants)
+    : octants_(octants), shape_(finer), opacity_(shape_.cells_held() * sizeof(std::uint16_t)) {
+    for (int axis = 0; axis < 3; ++axis) corners_[axis] = shape_.count[axis] + 1;
+    hold(0, corners_[2]);
+}
+
 CoarseGrid::CoarseGrid(const CellOpacity& finest, int octants, const Device& device, Progress& progress)
-    : octants_(octants), shape_(finest.values.grid.count) {
+    : CoarseGrid(finest.values.grid.count, octants) {
     const kernel::OpacityGrid grid = opacity_grid(finest.values.grid.count, finest.values.data());
-    allocate();
-    shrink(grid, &finest.matter, device, progress);
-    if (octants_ > 1) find_weights(grid, finest.matter, device, progress);
+    shrink(grid, &finest.matter, device, 0, shape_.count[2]);
+    progress.check();
+    find_weights(grid, finest.matter, 1, device, 0, corners_[2]);
+    progress.check();
 }
 
 CoarseGrid::CoarseGrid(const CoarseGrid& finer, const Device& device, Progress& progress)
-    : octants_(finer.octants_), shape_(finer.shape_.count) {
-    allocate();
-    shrink(finer.opacity(), nullptr, device, progress);
+    : CoarseGrid(finer.shape_.count, finer.octants_) {
+    shrink(finer.opacity(), nullptr, device, 0, shape_.count[2]);
+    progress.check();
     if (octants_ == 1) return;
-    const auto [nx, ny, nz] = finer.shape_.corners;
+    const auto [nx, ny, nz] = finer.corners_;
     const kernel::EveryOther weights{as_shorts(finer.weight_), {nx, ny, nz}};
-    for (int z = 0; z < shape_.corners[2]; ++z)
-        for (int y = 0; y < shape_.corners[1]; ++y)
-            for (int x = 0; x < shape_.corners[0]; ++x) as_shorts(weight_)[corner({x, y, z})] = weights.at(x, y, z);
+    for (int z = 0; z < corners_[2]; ++z)
+        for (int y = 0; y < corners_[1]; ++y)
+            for (int x = 0; x < corners_[0]; ++x) as_shorts(weight_)[corner({x, y, z})] = weights.at(x, y, z);
 }
 
-void CoarseGrid::allocate() {
-    opacity_ = VoxelBuffer(shape_.cells_held() * sizeof(std::uint16_t));
-    open_ = VoxelBuffer(shape_.corners_held() * octants_ * sizeof(std::uint16_t));
-    if (octants_ > 1) weight_ = VoxelBuffer(shape_.corners_held() * sizeof(std::uint16_t));
+void CoarseGrid::hold(int first_slice, int slices) {
+    first_slice_ = first_slice;
+    if (slices == slices_) return;
+    slices_ = slices;
+    constexpr std::size_t spare = kernel::SpaoTile::piece;  // weights are read a piece at a time
+    const std::size_t bytes = (std::size_t(slices) * corners_[0] * corners_[1] + spare) * sizeof(std::uint16_t);
+    open_.clear();
+    for (int s = 0; s < octants_; ++s) open_.emplace_back(bytes);
+    if (octants_ > 1) weight_ = VoxelBuffer(bytes);
 }
 
-/// `matter` tells which blocks of the finer grid may hold something else than 0; null: all may.
-void CoarseGrid::shrink(const kernel::OpacityGrid& finer, const BlockMap* matter, const Device& device,
-                        Progress& progress) {
+void CoarseGrid::discard_cells_before(int slice) {
+    if (slice > 0)
+        opacity_.discard_before(std::size_t(slice) * shape_.count[0] * shape_.count[1] * sizeof(std::uint16_t));
+}
+
+void CoarseGrid::discard_corners_before(int slice) {
+    const std::size_t end = corner({0, 0, slice}) * sizeof(std::uint16_t);
+    for (VoxelBuffer& open : open_) open.discard_before(end);
+    weight_.discard_before(end);
+}
+
+void CoarseGrid::shrink(const kernel::OpacityGrid& finer, const BlockMap* matter, const Device& device, int first,
+                        int end) {
     const auto functions = kernel::spao_functions_for(device.isa);
     const auto run = octants_ > 1 ? functions.crossing_row : functions.mip_row;
     const std::vector<std::uint16_t> zeros(finer.count[0]);
-    const auto [nx, ny, nz] = shape_.count;
-    const auto slice = [&, nx = nx, ny = ny](std::int64_t z, std::int64_t) {
+    const int nx = shape_.count[0], ny = shape_.count[1];
+    parallel_for(device.threads, end - first, 1, [&](std::int64_t i, std::int64_t) {
+        const int z = first + int(i);
         for (int y = 0; y < ny; ++y) {
             kernel::MipRows rows;
             for (int r = 0; r < 4; ++r) {
-                const int j = 2 * y + (r & 1), k = 2 * int(z) + (r >> 1);
+                const int j = 2 * y + (r & 1), k = 2 * z + (r >> 1);
                 rows.from[r] = j < finer.count[1] && k < finer.count[2] ? finer.row(j, k) : zeros.data();
             }
             std::uint16_t* to = as_shorts(opacity_) + (std::size_t(z) * ny + y) * nx;
             for (int x = 0; x < nx; x += half_block)
-                if (!matter || matter->at(x / half_block, y / half_block, int(z) / half_block))
+                if (!matter || matter->at(x / half_block, y / half_block, z / half_block))
                     shrink_row(run, rows, x, std::min(x + half_block, nx), finer.count[0], to);
         }
-    };
-    parallel_for(device.threads, nz, 1, "spao", progress, slice);
-    progress.check();
+    });
 }
 
-void CoarseGrid::find_weights(const kernel::OpacityGrid& finest, const BlockMap& matter, const Device& device,
-                              Progress& progress) {
+/// Row (y, z) of the corners of the first coarse grid.
+void CoarseGrid::weigh_row(const kernel::OpacityGrid& finest, const BlockMap& matter, const Device& device, int y,
+                           int z, std::vector<std::uint16_t>& to) const {
     const auto run = kernel::spao_functions_for(device.isa);
-    const int n = shape_.corners[0];
-    const auto slice = [&](std::int64_t z, std::int64_t) {
-        std::vector<std::uint16_t> around(4 * std::size_t(2 * n)), opacity(n);
-        for (int y = 0; y < shape_.corners[1]; ++y) {
-            std::uint16_t* to = as_shorts(weight_) + corner({0, y, int(z)});
-            kernel::MipRows rows;
-            bool any = false;
-            for (int r = 0; r < 4; ++r) {  // cells 2 i - 1 and 2 i along each axis
-                const int j = 2 * y - (r & 1), k = 2 * int(z) - (r >> 1);
-                std::uint16_t* row = &around[r * std::size_t(2 * n)];
-                rows.from[r] = row;
-                std::fill_n(row, 2 * n, std::uint16_t(0));
-                if (j < 0 || j >= finest.count[1] || k < 0 || k >= finest.count[2]) continue;
-                if (!matter.any_in_row(j / block_edge, k / block_edge)) continue;
-                std::copy_n(finest.row(j, k), std::min(finest.count[0], 2 * n - 1), row + 1);
-                any = true;
-            }
-            if (!any) {
-                std::fill_n(to, n, std::uint16_t(65535));
-                continue;
-            }
-            run.mip_row(rows, n, opacity.data());
-            for (int x = 0; x < n; ++x) to[x] = kernel::corner_weight(opacity[x]);
+    const int n = int(to.size());
+    thread_local std::vector<std::uint16_t> around, opacity;
+    around.resize(4 * std::size_t(2 * n)), opacity.resize(std::size_t(n));
+    kernel::MipRows rows;
+    bool any = false;
+    for (int r = 0; r < 4; ++r) {  // cells 2 i - 1 and 2 i along each axis
+        const int j = 2 * y - (r & 1), k = 2 * z - (r >> 1);
+        std::uint16_t* row = &around[r * std::size_t(2 * n)];
+        rows.from[r] = row;
+        std::fill_n(row, 2 * n, std::uint16_t(0));
+        if (j < 0 || j >= finest.count[1] || k < 0 || k >= finest.count[2]) continue;
+        if (!matter.any_in_row(j / block_edge, k / block_edge)) continue;
+        std::copy_n(finest.row(j, k), std::min(finest.count[0], 2 * n - 1), row + 1);
+        any = true;
+    }
+    if (!any) return to.assign(to.size(), 65535);
+    run.mip_row(rows, n, opacity.data());
+    for (int x = 0; x < n; ++x) to[std::size_t(x)] = kernel::corner_weight(opacity[std::size_t(x)]);
+}
+
+void CoarseGrid::find_weights(const kernel::OpacityGrid& finest, const BlockMap& matter, int stride,
+                              const Device& device, int first, int end) {
+    if (octants_ == 1) return;
+    // A row of the first coarse grid, which all of these corners belong to or lie beyond.
+    const std::size_t n = std::size_t(stride) * std::size_t(corners_[0]);
+    parallel_for(device.threads, end - first, 1, [&](std::int64_t i, std::int64_t) {
+        const int z = first + int(i);
+        std::vector<std::uint16_t> row(n);
+        for (int y = 0; y < corners_[1]; ++y) {
+            weigh_row(finest, matter, device, stride * y, stride * z, row);
+            std::uint16_t* to = as_shorts(weight_) + corner({0, y, z});
+            for (int x = 0; x < corners_[0]; ++x) to[x] = row[std::size_t(stride) * std::size_t(x)];
         }
-    };
-    parallel_for(device.threads, shape_.corners[2], 1, "spao", progress, slice);
-    progress.check();
+    });
 }
 
 const std::uint16_t* CoarseGrid::weights(const Cells& first) const {
     return octants_ > 1 ? as_shorts(weight_) + corner(first) : nullptr;
 }
 
-kernel::SpaoOutput CoarseGrid::output(const Cells& first) {
-    kernel::SpaoOutput to{.row = shape_.corners[0],
-                          .slice = std::int64_t(shape_.corners[0]) * shape_.corners[1],
-                          .nx = block_edge,
-                          .ny = block_edge,
-                          .nz = block_edge,
+kernel::SpaoOutput CoarseGrid::output(const Cells& first, int slices) {
+    kernel::SpaoOutput to{.row = corners_[0],
+                          .slice = std::int64_t(corners_[0]) * corners_[1],
+                          .nx = std::min(block_edge, corners_[0] - first[0]),
+                          .ny = std::min(block_edge, corners_[1] - first[1]),
+                          .nz = std::min(slices, corners_[2] - first[2]),
                           .pieces = all_pieces.bits};
-    for (int s = 0; s < octants_; ++s) to.at[s] = as_shorts(open_) + s * shape_.corners_held() + corner(first);
+    for (int s = 0; s < octants_; ++s) to.at[s] = as_shorts(open_[std::size_t(s)]) + corner(first);
     return to;
 }
 
 void CoarseGrid::load(const Cells& first, kernel::CoarseTile& tile) const {
     constexpr int edge = kernel::CoarseTile::edge;
     const auto copy = [&](const std::uint16_t* from, std::uint16_t* to) {
-        const int x0 = first[0] / 2, inside = std::min(edge, shape_.corners[0] - x0);
+        const int x0 = first[0] / 2, inside = std::min(edge, corners_[0] - x0);
         for (int k = 0; k < edge; ++k)
             for (int j = 0; j < edge; ++j, to += edge) {
                 // Past the last corner lies no cell that asks.
-                const int y = std::min(first[1] / 2 + j, shape_.corners[1] - 1),
-                          z = std::min(first[2] / 2 + k, shape_.corners[2] - 1);
+                const int y = std::min(first[1] / 2 + j, corners_[1] - 1),
+                          z = std::min(first[2] / 2 + k, corners_[2] - 1);
                 const std::uint16_t* row = from + corner({x0, y, z});
                 std::copy_n(row, inside, to);
                 std::fill(to + inside, to + edge, row[inside - 1]);
             }
     };
-    for (int s = 0; s < octants_; ++s) copy(as_shorts(open_) + s * shape_.corners_held(), tile.open[s]);
+    for (int s = 0; s < octants_; ++s) copy(as_shorts(open_[std::size_t(s)]), tile.open[s]);
     if (octants_ > 1) copy(as_shorts(weight_), tile.weight);
 }
 

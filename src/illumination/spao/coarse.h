@@ -12,7 +12,7 @@ inline kernel::OpacityGrid opacity_grid(const std::array<int, 3>& count, const s
 }
 
 /// How many cells and corners there are in a grid of cells twice as wide. Corner i of an axis lies at the low side of
-/// cell i; there is one more than cells, and then whole blocks of them.
+/// cell i; there is one more than cells, and then whole blocks of them (which a card holds).
 struct CoarseShape {
     std::array<int, 3> count{0, 0, 0}, corners{0, 0, 0};
 
@@ -20,6 +20,8 @@ struct CoarseShape {
     explicit CoarseShape(const std::array<int, 3>& finer);
     std::size_t cells_held() const { return std::size_t(count[0]) * count[1] * count[2]; }
     std::size_t corners_held() const { return std::size_t(corners[0]) * corners[1] * corners[2]; }
+    /// First and last block of corners, along an axis, that a block of the next finer grid reads.
+    std::pair<int, int> blocks_read(int axis, int finer_block) const;
     /// The blocks of corners that blocks of the next finer grid read.
     BlockMap needed_by(const BlockMap& finer) const;
 };
@@ -27,18 +29,37 @@ struct CoarseShape {
 class CoarseGrid {
 public:
     using Cells = std::array<int, 3>;
+    /// Cells twice as wide as `finer` ones, of which nothing is known yet.
+    CoarseGrid(const Cells& finer, int octants);
     /// Cells twice as wide as the finest ones.
     CoarseGrid(const CellOpacity& finest, int octants, const Device& device, Progress& progress);
     /// Twice as wide as those of another.
     CoarseGrid(const CoarseGrid& finer, const Device& device, Progress& progress);
 
+    const CoarseShape& shape() const { return shape_; }
+    const Cells& corners() const { return corners_; }
     kernel::OpacityGrid opacity() const { return opacity_grid(shape_.count, as_shorts(opacity_)); }
+    /// Finds slices [first, end) of its cells. `matter` tells which blocks of the finer grid may hold something else
+    /// than 0; null: all may.
+    void shrink(const kernel::OpacityGrid& finer, const BlockMap* matter, const Device& device, int first, int end);
+    /// Finds the weights of slices [first, end) of corners, `stride` corners of the first coarse grid apart, where
+    /// corners have weights.
+    void find_weights(const kernel::OpacityGrid& finest, const BlockMap& matter, int stride, const Device& device,
+                      int first, int end);
+    /// From now on only so many slices of corners are held.
+    void hold(int first_slice, int slices);
+    void free_cells() { opacity_ = VoxelBuffer(); }
+    void free_corners() { hold(0, 0); }
+    void use_small_pages() { opacity_.use_small_pages(); }
+    /// What is not read any more.
+    void discard_cells_before(int slice);
+    void discard_corners_before(int slice);
     /// The blocks of corners that blocks of the next finer grid read.
     void need(const BlockMap& finer) { needed_ = shape_.needed_by(finer); }
     const BlockMap& needed() const { return needed_; }
     /// Of a block of corners: what they are worth (null when all are worth the same), and where the results go.
     const std::uint16_t* weights(const Cells& first) const;
-    kernel::SpaoOutput output(const Cells& first);
+    kernel::SpaoOutput output(const Cells& first, int slices = block_edge);
     /// What a block of the next finer grid that begins at `first` reads.
     void load(const Cells& first, kernel::CoarseTile& tile) const;
 
@@ -47,17 +68,18 @@ private:
         return reinterpret_cast<const std::uint16_t*>(b.data());
     }
     static std::uint16_t* as_shorts(VoxelBuffer& b) { return reinterpret_cast<std::uint16_t*>(b.data()); }
-    void allocate();
-    void shrink(const kernel::OpacityGrid& finer, const BlockMap* matter, const Device& device, Progress& progress);
-    void find_weights(const kernel::OpacityGrid& finest, const BlockMap& matter, const Device& device,
-                      Progress& progress);
+    void weigh_row(const kernel::OpacityGrid& finest, const BlockMap& matter, const Device& device, int y, int z,
+                   std::vector<std::uint16_t>& to) const;
     std::size_t corner(const Cells& at) const {
-        return (std::size_t(at[2]) * shape_.corners[1] + at[1]) * shape_.corners[0] + at[0];
+        return (std::size_t(at[2] - first_slice_) * corners_[1] + at[1]) * corners_[0] + at[0];
     }
 
     int octants_;
     CoarseShape shape_;
-    VoxelBuffer opacity_, open_, weight_;
+    Cells corners_{0, 0, 0};            ///< held: one more than cells
+    int first_slice_ = 0, slices_ = 0;  ///< of corners, held
+    VoxelBuffer opacity_, weight_;
+    std::vector<VoxelBuffer> open_;  ///< by octant
     BlockMap needed_{{0, 0, 0}};
 };
 

@@ -11,13 +11,13 @@ namespace {
 using Tile = kernel::SpaoTile;
 using Cells = std::array<int, 3>;
 
-/// Everything that one thread needs for a block.
-struct Scratch {
-    Tile tile;
-    kernel::CoarseTile coarse;
-};
+}  // namespace
 
-/// The block's cells and `halo` around them; beyond the grid nothing.
+SpaoScratch& scratch_of_thread() {
+    thread_local const auto scratch = std::make_unique<SpaoScratch>();
+    return *scratch;
+}
+
 void load_tile(const kernel::OpacityGrid& grid, const Cells& first, Tile& tile) {
     const auto [nx, ny, nz] = grid.count;
     const int x0 = first[0] - Tile::halo, begin = std::clamp(-x0, 0, Tile::row),
@@ -32,7 +32,17 @@ void load_tile(const kernel::OpacityGrid& grid, const Cells& first, Tile& tile) 
         }
 }
 
-}  // namespace
+kernel::SpaoOutput output_of_cells(CellValues& access, const BlockMap& blocks, std::size_t block) {
+    const auto [nx, ny, nz] = access.grid.count;
+    const auto [x, y, z] = blocks.cells(block, access.grid.count);
+    return {{access.data() + access.grid.index(x.first, y.first, z.first)},
+            nx,
+            std::int64_t(nx) * ny,
+            x.second - x.first,
+            y.second - y.first,
+            z.second - z.first,
+            blocks.pieces_of(block).bits};
+}
 
 kernel::SpaoBlock spao_block(const SpaoSettings& settings, bool goes_on) {
     const int octants = octants_of(settings.model);
@@ -71,7 +81,7 @@ public:
     /// Grid g > 0: its shell, joined to those of the coarser ones.
     void sweep_corners(int g) {
         CoarseGrid& grid = coarse_[g - 1];
-        for_blocks(grid.needed(), [&](std::size_t, const Cells& first, Scratch& scratch) {
+        for_blocks(grid.needed(), [&](std::size_t, const Cells& first, SpaoScratch& scratch) {
             kernel::SpaoBlock block = block_on(g, first, scratch);
             block.weight = grid.weights(first);
             load_tile(grid.opacity(), first, scratch.tile);
@@ -82,18 +92,10 @@ public:
     CellValues sweep_cells() {
         CellValues access(opacity_.values.grid);
         const kernel::OpacityGrid grid = opacity_grid(access.grid.count, opacity_.values.data());
-        const auto [nx, ny, nz] = grid.count;
-        for_blocks(blocks_, [&, nx = nx, ny = ny, nz = nz](std::size_t b, const Cells& first, Scratch& scratch) {
+        for_blocks(blocks_, [&](std::size_t b, const Cells& first, SpaoScratch& scratch) {
             const kernel::SpaoBlock block = block_on(0, first, scratch);
             load_tile(grid, first, scratch.tile);
-            kernel::SpaoOutput to{{access.data() + access.grid.index(first[0], first[1], first[2])},
-                                  nx,
-                                  std::int64_t(nx) * ny,
-                                  std::min(block_edge, nx - first[0]),
-                                  std::min(block_edge, ny - first[1]),
-                                  std::min(block_edge, nz - first[2]),
-                                  blocks_.pieces_of(b).bits};
-            run_.cells(scratch.tile, block, to);
+            run_.cells(scratch.tile, block, output_of_cells(access, blocks_, b));
         });
         return access;
     }
@@ -105,14 +107,13 @@ private:
         const auto blocks = map.held();
         parallel_for(device_.threads, std::int64_t(blocks.size()), 1, "spao", progress_,
                      [&](std::int64_t b, std::int64_t) {
-                         thread_local const auto scratch = std::make_unique<Scratch>();
                          const auto [x, y, z] = map.at(blocks[b]);
-                         work(blocks[b], Cells{x * block_edge, y * block_edge, z * block_edge}, *scratch);
+                         work(blocks[b], Cells{x * block_edge, y * block_edge, z * block_edge}, scratch_of_thread());
                      });
         progress_.check();
     }
 
-    kernel::SpaoBlock block_on(int g, const Cells& first, Scratch& scratch) const {
+    kernel::SpaoBlock block_on(int g, const Cells& first, SpaoScratch& scratch) const {
         const bool has_coarser = g < int(coarse_.size());
         if (has_coarser) coarse_[g].load(first, scratch.coarse);
         kernel::SpaoBlock block = spao_block(settings_, has_coarser);

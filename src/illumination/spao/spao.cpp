@@ -9,11 +9,6 @@
 namespace chiaro {
 namespace {
 
-/// Look-ups that move with the normal need levels that can be asked for anywhere.
-bool needs_levels(const SpaoSettings& settings) {
-    return settings.model != SpaoModel::corrected && settings.normal_factor > 0;
-}
-
 /// How many of the levels are mipmaps before N-buffers begin.
 int mip_levels(const SpaoSettings& settings) {
     switch (settings.filter) {
@@ -64,10 +59,16 @@ CellValues from_sums(const Device& device, const CellOpacity& opacity, const Spa
 
 }  // namespace
 
+bool is_fused(const SpaoSettings& settings) {
+    // Look-ups that move with the normal need levels that can be asked for anywhere.
+    const bool needs_levels = settings.model != SpaoModel::corrected && settings.normal_factor > 0;
+    return settings.filter == SpaoFilter::automatic && !needs_levels;
+}
+
 CellValues spao_accessibility(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
                               const BlockMap& blocks, Steps& steps, Progress& progress) {
     const bool is_exact = settings.filter == SpaoFilter::exact;
-    const bool is_stored = settings.filter != SpaoFilter::automatic || needs_levels(settings);
+    const bool is_stored = !is_fused(settings);
     std::optional<CellValues> access;
     const auto on_card = [&] {
         access.emplace(is_exact ? exact_on_card(device, opacity, settings, blocks, steps, progress)

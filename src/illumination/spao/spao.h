@@ -4,6 +4,9 @@
 
 namespace chiaro {
 
+/// Whether the fused sweep does it: no look-up moves with the normal, and no filter is asked for by name.
+bool is_fused(const SpaoSettings& settings);
+
 /// Fills the cells of the given blocks.
 CellValues spao_accessibility(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
                               const BlockMap& blocks, Steps& steps, Progress& progress);

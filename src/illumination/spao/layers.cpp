@@ -1,0 +1,233 @@
+#include "illumination/spao/layers.h"
+
+#include "classify/medium.h"
+#include "illumination/cells/lift.h"
+#include "illumination/spao/coarse.h"
+#include "illumination/spao/fused.h"
+
+namespace chiaro {
+namespace {
+
+constexpr int half_edge = block_edge / 2;
+constexpr int margin = 4;                ///< slices that are asked for beyond a layer: the halos of tiles, a piece
+constexpr std::size_t busy_blocks = 64;  ///< so many at a time keep all threads at work
+constexpr double crowded = 0.9;          ///< share of blocks from which on large pages waste nothing
+
+class LayeredLight {
+public:
+    LayeredLight(const Device& device, const Medium::Data& medium, const SpaoSettings& settings, double normal_factor,
+                 Steps& steps, Progress& progress)
+        : device_(device),
+          settings_(settings),
+          run_(kernel::spao_functions_for(device.isa)),
+          steps_(steps),
+          progress_(progress),
+          opacity_(no_opacity_yet(medium)),
+          asked_(visible_blocks(medium, grid(), 2)),
+          access_(grid()),
+          lifted_(grid()),
+          fill_(opacity_filler(medium, opacity_)),
+          lift_(slice_lifter(device, access_, opacity_.values, normal_factor, opacity_.visible, lifted_)),
+          layers_(asked_.count[2]),
+          together_(int(std::min(busy_blocks, asked_.holds.size()) * std::size_t(layers_) / asked_.holds.size())) {
+        together_ = std::max(together_, 1);
+        // Surfaces' opacities take longer to find than to keep.
+        keeps_opacity_ = together_ >= layers_ || medium.shape.mode == Mode::iso;
+        is_sparse_ = double(asked_.held().size()) < crowded * double(asked_.holds.size());
+        for (CellValues* values : {&opacity_.values, &access_, &lifted_}) fit_pages(*values);
+    }
+
+    CellValues run() {
+        if (coarse_grids(settings_) > 0) find_coarse();
+        for (int first = 0; first < layers_; first += together_) {
+            const int end = std::min(first + together_, layers_);
+            fill_up_to(end * block_edge + margin);
+            if (!coarse_.empty()) steps_.part(name_of_cells(1), [&] { sweep_corners(first, end); });
+            steps_.part(name_of_cells(0), [&] { sweep_cells(first, end); });
+            if (!coarse_.empty()) coarse_[0].free_corners();  // before the answer grows
+            steps_.part("lift", [&] { lift_up_to(end == layers_ ? grid().count[2] : end * block_edge - margin); });
+            discard_before(end);
+            progress_.report("spao", double(end) / layers_);
+        }
+        return std::move(lifted_);
+    }
+
+private:
+    const CellGrid& grid() const { return opacity_.values.grid; }
+    kernel::OpacityGrid opacities() const { return opacity_grid(grid().count, opacity_.values.data()); }
+    void fit_pages(CellValues& values) const {
+        if (is_sparse_) values.buffer.use_small_pages();
+    }
+
+    /// work(i) for i in [0, count)
+    template <class Work>
+    void for_all(std::size_t count, const Work& work) {
+        parallel_for(device_.threads, std::int64_t(count), 1, [&](std::int64_t i, std::int64_t) {
+            if (!progress_.cancelled()) work(std::size_t(i));
+        });
+        progress_.check();
+    }
+
+    /// Slices of opacities.
+    void fill_up_to(int end) {
+        steps_.part("opacity", [&] { do_slices(fill_, opacity_.matter, filled_, std::min(end, grid().count[2])); });
+    }
+    void do_slices(const SliceWork& work, const BlockMap& map, int& done, int end) {
+        for (int next = 0; done < end; done = next) {
+            next = std::min(done + block_edge, end);
+            const auto columns = map.columns(done, next);
+            for_all(columns.size(), [&](std::size_t i) { work(columns[i], done, next); });
+        }
+    }
+
+    /// All that is coarser than the finest corners, whose cells are kept for them.
+    void find_coarse() {
+        const int octants = octants_of(settings_.model), grids = coarse_grids(settings_);
+        coarse_.emplace_back(grid().count, octants);
+        if (is_sparse_) coarse_[0].use_small_pages();
+        if (grids > 1) coarse_.emplace_back(coarse_[0].shape().count, octants);
+        for (int first = 0; first < layers_; first += together_) {
+            const int end = std::min(first + together_, layers_);
+            fill_up_to(end * block_edge);
+            steps_.part("spao mipmaps", [&] { shrink_layers(first, end); });
+            progress_.report("opacity", double(end) / layers_);
+            progress_.check();
+        }
+        if (!keeps_opacity_) {
+            opacity_.values = CellValues(grid());
+            fit_pages(opacity_.values);
+            filled_ = 0;
+        }
+        steps_.part("spao mipmaps", [&] {
+            coarse_[0].need(asked_);
+            for (int g = 2; g <= grids; ++g) {
+                if (g > 2) coarse_.emplace_back(coarse_.back(), device_, progress_);
+                if (g == 2) coarse_[1].shrink(coarse_[0].opacity(), nullptr, device_, 0, coarse_[1].shape().count[2]);
+                coarse_[std::size_t(g) - 1].need(coarse_[std::size_t(g) - 2].needed());
+            }
+        });
+        for (int g = grids; g > 1; --g) {
+            steps_.part(name_of_cells(g), [&] { sweep_all_corners(g); });
+            if (coarse_.size() > std::size_t(g)) coarse_.pop_back();
+        }
+        if (grids > 1) coarse_[1].free_cells();
+    }
+
+    /// Cells of the first coarse grid and weights of the second, from layers of opacities that then may go.
+    void shrink_layers(int first, int end) {
+        const auto until = [&](int last, int whole) { return end == layers_ ? whole : last; };
+        CoarseGrid& grid1 = coarse_[0];
+        grid1.shrink(opacities(), &opacity_.matter, device_, first * half_edge,
+                     until(end * half_edge, grid1.shape().count[2]));
+        if (coarse_.size() > 1)
+            coarse_[1].find_weights(opacities(), opacity_.matter, 2, device_, first * half_edge / 2,
+                                    until(end * half_edge / 2, coarse_[1].corners()[2]));
+        if (!keeps_opacity_) opacity_.values.discard_slices_before(end * block_edge - 1);
+    }
+
+    /// Grid g > 1, whole.
+    void sweep_all_corners(int g) {
+        const auto blocks = coarse_[std::size_t(g) - 1].needed().held();
+        for_all(blocks.size(), [&](std::size_t i) {
+            const auto [x, y, z] = coarse_[std::size_t(g) - 1].needed().at(blocks[i]);
+            sweep_block(g, {x * block_edge, y * block_edge, z * block_edge}, block_edge);
+        });
+    }
+
+    /// Of the first coarse grid, what the cells of some layers read.
+    void sweep_corners(int first, int end) {
+        CoarseGrid& grid1 = coarse_[0];
+        const int begin = first * half_edge, stop = std::min(end * half_edge + 1, grid1.corners()[2]);
+        grid1.hold(begin, std::max(stop - begin, std::min(together_ * half_edge + 1, grid1.corners()[2])));
+        grid1.find_weights(opacities(), opacity_.matter, 1, device_, begin, stop);
+        std::vector<std::array<int, 3>> blocks;
+        for (const auto& [x, y] : columns_read(first, end))
+            for (int z = begin; z < stop; z += block_edge) blocks.push_back({x * block_edge, y * block_edge, z});
+        for_all(blocks.size(),
+                [&](std::size_t i) { sweep_block(1, blocks[i], std::min(block_edge, stop - blocks[i][2])); });
+    }
+
+    /// Blocks of the first coarse grid's corners, along x and y.
+    std::vector<std::array<int, 2>> columns_read(int first, int end) const {
+        const CoarseShape& shape = coarse_[0].shape();
+        const int nx = shape.corners[0] / block_edge, ny = shape.corners[1] / block_edge;
+        std::vector<std::uint8_t> is_read(std::size_t(nx) * std::size_t(ny));
+        for (const std::size_t b : asked_.held(first, end)) {
+            const auto at = asked_.at(b);
+            const auto xs = shape.blocks_read(0, at[0]), ys = shape.blocks_read(1, at[1]);
+            for (int y = ys.first; y <= ys.second; ++y)
+                for (int x = xs.first; x <= xs.second; ++x) is_read[std::size_t(y) * std::size_t(nx) + x] = 1;
+        }
+        std::vector<std::array<int, 2>> columns;
+        for (int y = 0; y < ny; ++y)
+            for (int x = 0; x < nx; ++x)
+                if (is_read[std::size_t(y) * std::size_t(nx) + x]) columns.push_back({x, y});
+        return columns;
+    }
+
+    void sweep_block(int g, const std::array<int, 3>& first, int slices) {
+        CoarseGrid& grid = coarse_[std::size_t(g) - 1];
+        SpaoScratch& scratch = scratch_of_thread();
+        kernel::SpaoBlock block = block_on(g, first, scratch);
+        block.weight = grid.weights(first);
+        load_tile(grid.opacity(), first, scratch.tile);
+        run_.corners(scratch.tile, block, grid.output(first, slices));
+    }
+
+    void sweep_cells(int first, int end) {
+        const auto blocks = asked_.held(first, end);
+        for_all(blocks.size(), [&](std::size_t i) {
+            const auto [x, y, z] = asked_.at(blocks[i]);
+            const std::array<int, 3> at{x * block_edge, y * block_edge, z * block_edge};
+            SpaoScratch& scratch = scratch_of_thread();
+            const kernel::SpaoBlock block = block_on(0, at, scratch);
+            load_tile(opacities(), at, scratch.tile);
+            run_.cells(scratch.tile, block, output_of_cells(access_, asked_, blocks[i]));
+        });
+    }
+
+    kernel::SpaoBlock block_on(int g, const std::array<int, 3>& first, SpaoScratch& scratch) const {
+        const bool has_coarser = g < int(coarse_.size());
+        if (has_coarser) coarse_[std::size_t(g)].load(first, scratch.coarse);
+        kernel::SpaoBlock block = spao_block(settings_, has_coarser);
+        block.tile = &scratch.tile, block.coarse = &scratch.coarse;
+        return block;
+    }
+
+    void lift_up_to(int end) { do_slices(lift_, opacity_.visible, lift_done_, end); }
+
+    /// What the layers from `next` on, and slices that are still to be lifted, do not read.
+    void discard_before(int next) {
+        constexpr int halo = kernel::SpaoTile::halo;
+        const int slice = lift_done_ - halo;
+        opacity_.values.discard_slices_before(slice);
+        access_.discard_slices_before(slice);
+        if (!coarse_.empty()) coarse_[0].discard_cells_before(next * half_edge - halo);
+        if (coarse_.size() > 1) coarse_[1].discard_corners_before(next * half_edge / 2);
+    }
+
+    const Device& device_;
+    const SpaoSettings& settings_;
+    const kernel::SpaoFunctions run_;
+    Steps& steps_;
+    Progress& progress_;
+    CellOpacity opacity_;
+    const BlockMap asked_;  ///< a sample reads the cells around it, each of which is lifted from a cell further out
+    CellValues access_, lifted_;
+    const SliceWork fill_, lift_;
+    const int layers_;
+    int together_;  ///< layers
+    bool keeps_opacity_, is_sparse_;
+    int filled_ = 0, lift_done_ = 0;  ///< slices
+    std::vector<CoarseGrid> coarse_;  ///< of cells twice, four times, ... as wide
+};
+
+}  // namespace
+
+CellValues spao_light(const Device& device, const Medium::Data& medium, const SpaoSettings& settings,
+                      double normal_factor, Steps& steps, Progress& progress) {
+    LayeredLight light(device, medium, settings, normal_factor, steps, progress);
+    return light.run();
+}
+
+}  // namespace chiaro
