@@ -11,9 +11,6 @@ namespace chiaro {
 void assign_on_card(const Device& device, const HistogramData& data, HistogramPath path, const Codebook& book,
                     LocalHistograms& out, Progress& progress);
 
-/// `lift` of every node, which stays there until the host reads it.
-void lift_on_card(const Device& device, const BinnedCells& cells, kernel::LiftKernel lift, LocalHistograms& histograms);
-
 /// As find_words, from the members that were taken. Memory there: 16 bytes a bin of each, 1 GiB at most.
 void find_words_on_card(const Device& device, const BinnedCells& cells, const Ball& ball, const WordMembers& taken,
                         LocalHistograms& histograms, Progress& progress);

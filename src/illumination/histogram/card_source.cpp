@@ -1,7 +1,11 @@
+// A second order of steps beside source.cpp, which has the same kernels: the CPU makes histograms row by row and uses
+// them while they are in its cache, a block for each thread; a GPU makes a slab of many blocks, as much as its memory
+// holds.
 #include "illumination/histogram/card_source.h"
 
-#include "illumination/histogram/card_balls.h"
-#include "illumination/histogram/card_fast.h"
+#include "illumination/histogram/fast.h"
+#include "illumination/histogram/slab_source.h"
+#include "illumination/histogram/sweep.h"
 
 namespace chiaro {
 namespace {
@@ -45,6 +49,154 @@ void CardHistograms::find(const BlockMap& map, std::string_view stage, Progress&
     };
     for_blocks(stream_, map, stage, progress, work, together_);
 }
+
+namespace {
+
+/// Those of a histogram by brute force: packed bins at once where every bin goes to one.
+int places_of(const HistogramData& data) {
+    return data.packing.is_one_to_one() ? data.packing.packed : data.cells.binning.count;
+}
+
+HostArrays arrays_of(const Ball& ball, const Packing& packing) {
+    HostArrays arrays;
+    arrays.add(ball.rows), arrays.add(ball.weights);
+    arrays.add(packing.low), arrays.add(packing.share);
+    return arrays;
+}
+
+/// As HistogramPath::exact: room for the places of all cells of a slab, eight numbers each.
+class CardExactHistograms : public CardHistograms {
+public:
+    CardExactHistograms(const Device& device, const HistogramData& data, int step);
+
+private:
+    void fill(const kernel::HistogramSlab& slab, std::int64_t blocks) override;
+
+    const Ball ball_;
+    const cuda::Array<std::uint16_t> places_;
+    cuda::Array<float> counts_;
+    const cuda::Array<float> packed_;
+    cuda::Views views_;
+    kernel::CountSlab count_{};
+    kernel::PackSlab pack_{};
+};
+
+/// As SweptHistograms.
+class CardSweptHistograms : public CardHistograms {
+public:
+    CardSweptHistograms(const Device& device, const HistogramData& data, int step);
+
+private:
+    void fill(const kernel::HistogramSlab& slab, std::int64_t blocks) override;
+
+    const Ball ball_;
+    const cuda::Array<std::int32_t> counts_;
+    cuda::Views views_;
+    kernel::SweepSlab sweep_{};
+};
+
+CardExactHistograms::CardExactHistograms(const Device& device, const HistogramData& data, int step)
+    : CardHistograms(device, data, step,
+                     [&](int planes) {
+                         const int numbers = 2 * (4 * places_of(data) + padded_bins(data.packing.packed));
+                         return std::size_t(planes) * HistogramSlab::plane * std::size_t(numbers) * sizeof(float);
+                     }),
+      ball_(data.radius, true),
+      places_(stream_, data.packing.is_one_to_one() ? data.cells.grid.size() : 1),
+      counts_(stream_, cells_together() * 8 * std::size_t(places_of(data))),
+      packed_(stream_, cells_together() * 2 * std::size_t(bins())),
+      views_(stream_, arrays_of(ball_, data.packing)) {
+    count_.ball = ball_.view(), pack_.packing = data.packing.view();
+    views_.swap(count_.ball.row, count_.ball.weights, pack_.packing.low, pack_.packing.share);
+    count_.places = slab_.grid.bins;
+    count_.count = pack_.count = places_of(data);
+    count_.counts = counts_.data(), pack_.counts = counts_.data(), pack_.packed = packed_.data();
+    if (!data.packing.is_one_to_one()) return;
+    kernel::run_on_card(stream_, std::int64_t(places_.size()),
+                        kernel::PlaceCells{slab_.grid.bins, pack_.packing.low, places_.data()});
+    count_.places = places_.data(), pack_.packing = {};
+}
+
+void CardExactHistograms::fill(const HistogramSlab& slab, std::int64_t blocks) {
+    count_.slab = pack_.slab = slab;
+    counts_.zero();
+    kernel::run_on_card(stream_, blocks * slab.cells() * 2, count_);
+    kernel::run_on_card(stream_, blocks * slab.cells() * 2, pack_);
+}
+
+CardSweptHistograms::CardSweptHistograms(const Device& device, const HistogramData& data, int step)
+    : CardHistograms(device, data, step,
+                     [&](int planes) {
+                         const std::size_t rows = std::size_t(planes) * HistogramSlab::edge;
+                         return rows * std::size_t(padded_bins(data.packing.packed)) * sizeof(std::int32_t);
+                     }),
+      ball_(data.radius, false),
+      counts_(stream_, cells_together() / HistogramSlab::edge * std::size_t(bins())),
+      views_(stream_, arrays_of(ball_, data.packing)) {
+    sweep_.row = swept_row(slab_.grid, data.packing, ball_);
+    views_.swap(sweep_.row.ball.row, sweep_.row.ball.weights, sweep_.row.packing.low, sweep_.row.packing.share);
+    sweep_.counts = counts_.data();
+}
+
+void CardSweptHistograms::fill(const HistogramSlab& slab, std::int64_t blocks) {
+    sweep_.slab = slab;
+    kernel::run_on_card(stream_, blocks * slab.cells() / HistogramSlab::edge, sweep_);
+}
+
+/// Of all planes of nodes and some of cells, so that rooms follow each other.
+std::size_t room_of(kernel::FastBlock& block, int planes, std::byte* memory) {
+    return (give_room(block, {kernel::FastBlock::nodes, planes, block_edge, block_edge}, memory) + 255) / 256 * 256;
+}
+std::size_t room_bytes_of(kernel::FastBlock block, int planes) { return room_of(block, planes, nullptr); }
+
+/// As FastHistograms.
+class CardFastHistograms : public CardHistograms {
+public:
+    CardFastHistograms(const Device& device, const HistogramData& data, int step)
+        : CardFastHistograms(device, data, step, FastShape(data.packing, data.radius)) {}
+
+private:
+    CardFastHistograms(const Device& device, const HistogramData& data, int step, FastShape shape);
+    void begin(const kernel::HistogramSlab& slab, std::int64_t blocks) override;
+    void fill(const kernel::HistogramSlab& slab, std::int64_t blocks) override;
+
+    const FastShape shape_;
+    const cuda::Array<std::uint32_t> code_;
+    const cuda::Array<kernel::FastBlock> blocks_;
+    cuda::Array<std::byte> room_;
+    const cuda::Array<float> normals_;
+    kernel::FastBatch batch_{};
+};
+
+CardFastHistograms::CardFastHistograms(const Device& device, const HistogramData& data, int step, FastShape shape)
+    : CardHistograms(device, data, step, [&](int planes) { return room_bytes_of(shape.block, planes); }),
+      shape_(std::move(shape)),
+      code_(stream_, shape_.code.size()),
+      blocks_(stream_, together_),
+      room_(stream_, together_ * room_bytes_of(shape_.block, slab_.planes)),
+      normals_(stream_, 3 * cells_together()) {
+    std::vector<kernel::FastBlock> blocks(together_, shape_.block);
+    const std::size_t bytes = room_.size() / together_;
+    for (std::size_t i = 0; i < together_; ++i) room_of(blocks[i], slab_.planes, room_.data() + i * bytes);
+    const cuda::Settled settled{stream_};
+    stream_.upload(blocks_.data(), blocks.data(), together_ * sizeof blocks[0]);
+    stream_.upload(code_.data(), shape_.code.data(), code_.size() * sizeof shape_.code[0]);
+    batch_.blocks = blocks_.data(), batch_.code = code_.data(), batch_.normals = normals_.data();
+    batch_.tile_size = shape_.block.tile_size();
+}
+
+void CardFastHistograms::begin(const kernel::HistogramSlab& slab, std::int64_t blocks) {
+    room_.zero();
+    batch_.slab = slab;
+    kernel::fast_sums(stream_, batch_, shape_.block, blocks);
+}
+
+void CardFastHistograms::fill(const kernel::HistogramSlab& slab, std::int64_t blocks) {
+    batch_.slab = slab;
+    kernel::fast_cells(stream_, batch_, blocks);
+}
+
+}  // namespace
 
 std::unique_ptr<CardHistograms> make_card_histograms(const Device& device, const HistogramData& data,
                                                      HistogramPath path, int step) {

@@ -1,9 +1,24 @@
 // The histograms of a training set on a card, which keeps them from one step of training to the next.
 #pragma once
-#include "illumination/histogram/card_left_over.h"
 #include "illumination/histogram/codebook.h"
+#include "illumination/histogram/launch_card.h"
 
 namespace chiaro {
+
+/// Room for histograms that are left over.
+class CardLeftOver {
+public:
+    CardLeftOver(cuda::Stream& stream, std::size_t most) : count_(stream, 1), which_(stream, most) {}
+    /// None yet.
+    kernel::LeftOver none() {
+        count_.zero();
+        return {count_.data(), which_.data()};
+    }
+
+private:
+    cuda::Array<cuda::Count> count_;
+    const cuda::Array<std::uint32_t> which_;
+};
 
 class CardVectors {
 public:

@@ -2,7 +2,7 @@
 
 #include <numeric>
 
-#include "core/threads.h"
+#include "cuda/executor.h"
 #include "illumination/histogram/card.h"
 #include "illumination/histogram/exact.h"
 #include "illumination/histogram/fast.h"
@@ -82,15 +82,27 @@ LocalHistograms find_local_histograms(const Device& device, const DeviceVolume::
     return out;
 }
 
+namespace {
+
+kernel::BinGrid view_in(const CpuExecutor&, const BinnedCells& cells) { return cells.view(); }
+kernel::BinGrid view_in(const GpuExecutor& executor, const BinnedCells& cells) {
+    return cells.view_on_card(executor.stream());
+}
+
+}  // namespace
+
 void lift_identifiers(const Device& device, const BinnedCells& cells, LocalHistograms& h) {
     h.lifted = TwinBuffer(h.identifiers.size());
     const auto [nx, ny, nz] = h.nodes;
-    kernel::LiftKernel lift{{}, nullptr, nullptr, {nx, ny, nz}, h.subsample};
-    if (cuda::done_on_card(device, [&] { lift_on_card(device, cells, lift, h); })) return;
-    lift.cells = cells.view(), lift.words = &h.pairs()[0].forward;
-    lift.lifted = reinterpret_cast<std::uint16_t*>(h.lifted.data());
-    parallel_for(device.threads, std::int64_t(ny) * nz, 1, [&, nx = nx, ny = ny](std::int64_t row, std::int64_t) {
-        for (int x = 0; x < nx; ++x) lift(x, int(row % ny), int(row / ny));
+    run_steps(device, nullptr, [&, nx = nx, ny = ny, nz = nz](auto& executor) {
+        const auto made = executor.template output<std::uint16_t>(h.lifted);
+        const kernel::LiftKernel lift{view_in(executor, cells),
+                                      reinterpret_cast<const std::uint16_t*>(executor.kept(h.life, h.identifiers)),
+                                      made.data(),
+                                      {nx, ny, nz},
+                                      h.subsample};
+        executor.for_each_node(h.nodes, lift, {}, 1);
+        made.keep();
     });
 }
 

@@ -41,8 +41,6 @@ struct PickVectors {
 CHIARO_LAUNCHER void fast_sums(cuda::Stream& stream, FastBatch batch, const FastBlock& shape, std::int64_t blocks);
 CHIARO_LAUNCHER void fast_cells(cuda::Stream& stream, const FastBatch& batch, std::int64_t blocks);
 
-CHIARO_LAUNCHER void lift_nodes(cuda::Stream& stream, const LiftKernel& lift);
-
 /// The nearest word of each of a slab's nodes.
 CHIARO_LAUNCHER void assign_slab(cuda::Stream& stream, const AssignSlab& assign, const LeftOver& left,
                                  std::int64_t blocks);

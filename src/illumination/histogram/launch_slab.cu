@@ -1,16 +1,10 @@
-// Slabs of histograms, and identifiers, on cards: the same source.
+// Slabs of histograms, and identifiers, on cards: the same source, a thread a ball, a row or a node.
+#include "cuda/each_node.h"
 #include "illumination/histogram/left_over.h"
+#include "illumination/histogram/slab_source.h"
 
 namespace chiaro::kernel {
 namespace {
-
-struct LiftNode {
-    LiftKernel lift;
-    CHIARO_ON_CARD void operator()(std::int64_t item) const {
-        const std::int64_t row = item / lift.nodes[0];
-        lift(int(item % lift.nodes[0]), int(row % lift.nodes[1]), int(row / lift.nodes[1]));
-    }
-};
 
 struct FindNear {
     AssignSlab assign;
@@ -34,10 +28,11 @@ void assign_slab(cuda::Stream& stream, const AssignSlab& assign, const LeftOver&
     cuda::launch_items(stream, blocks * assign.slab.cells() * 2, TryAll{assign, left});
 }
 
+template void run_on_card(cuda::Stream&, std::int64_t, const PlaceCells&);
+template void run_on_card(cuda::Stream&, std::int64_t, const CountSlab&);
+template void run_on_card(cuda::Stream&, std::int64_t, const PackSlab&);
+template void run_on_card(cuda::Stream&, std::int64_t, const SweepSlab&);
 template void run_on_card(cuda::Stream&, std::int64_t, const TakeFromSlab&);
-
-void lift_nodes(cuda::Stream& stream, const LiftKernel& lift) {
-    cuda::launch_items(stream, std::int64_t(lift.nodes[0]) * lift.nodes[1] * lift.nodes[2], LiftNode{lift});
-}
+template void run_on_card(cuda::Stream&, std::int64_t, const EachNode<LiftKernel>&);
 
 }  // namespace chiaro::kernel

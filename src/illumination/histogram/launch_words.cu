@@ -1,4 +1,5 @@
-// The table of words on cards: the same source, a thread for each part of a word's sums.
+// Words from their members, a thread a ball, then a bin of a word; and the table of words, a thread for each part of a
+// word's sums: on cards the same source.
 #include "cuda/launch.h"
 #include "illumination/histogram/launch_card.h"
 
@@ -19,6 +20,13 @@ struct FoldParts {
 void find_word_sums(cuda::Stream& stream, const WordTable& table) {
     cuda::launch_items(stream, std::int64_t(table.words) * word_parts, FindPart{table});
     cuda::launch_items(stream, std::int64_t(table.words) * 4, FoldParts{table});
+}
+
+void count_members(cuda::Stream& stream, const CountMembers& count, std::int64_t members) {
+    cuda::launch_items(stream, members, count);
+}
+void add_up_members(cuda::Stream& stream, const AddUpMembers& add_up, std::int64_t words) {
+    cuda::launch_items(stream, words * add_up.bins, add_up);
 }
 
 }  // namespace chiaro::kernel

@@ -11,7 +11,7 @@ struct LiftKernel {
     std::uint16_t* lifted;
     std::int32_t nodes[3], step;  ///< cells from one node to the next
 
-    CHIARO_INLINE void operator()(int x, int y, int z) const {
+    CHIARO_INLINE void operator()(std::int64_t, int x, int y, int z) const {
         const Float3 n = normal(x, y, z);
         const int dx = whole(n.x), dy = whole(n.y), dz = whole(n.z);
         for (const int half : {0, 1}) {

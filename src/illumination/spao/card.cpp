@@ -1,12 +1,13 @@
+// What only a GPU does beside spao/steps.h: a thread for each cell of whole grids, and many blocks at a time, where the
+// CPU takes rows of the blocks that hold something through its cache (fused.cpp, coarse.cpp, means.cpp).
 #include "illumination/spao/card.h"
 
 #include <optional>
 
 #include "illumination/cells/card.h"
 #include "illumination/spao/coarse.h"
-#include "illumination/spao/fused.h"
 #include "illumination/spao/launch_card.h"
-#include "illumination/spao/means.h"
+#include "illumination/spao/steps.h"
 
 namespace chiaro {
 namespace {
@@ -76,7 +77,7 @@ struct CardCoarse {
 
 class CardSweep {
 public:
-    CardSweep(const CardAccess& access, const SpaoSettings& settings, const BlockMap& blocks)
+    CardSweep(CardAccess& access, const SpaoSettings& settings, const BlockMap& blocks)
         : access_(access), settings_(settings), octants_(octants_of(settings.model)), blocks_(blocks) {}
 
     void make_coarse_grids() {
@@ -87,12 +88,13 @@ public:
             fill(grid, finer);
             coarse_.push_back(std::move(grid));
         }
+        tiles_.emplace(access_.stream(), most_together());
         access_.wait(1);
     }
 
-    void sweep_corners(int g, const cuda::Array<kernel::SpaoTile>& tiles) const {
+    void sweep_corners(int g) const {
         const CardCoarse& grid = coarse_[g - 1];
-        kernel::SpaoBatch batch = batch_on(g, grid.cells(), tiles);
+        kernel::SpaoBatch batch = batch_on(g, grid.cells());
         batch.block.weight = octants_ > 1 ? grid.weight.data() : nullptr;
         batch.octants = grid.octants();
         batch.to = target_of(batch.octants ? nullptr : grid.open.data(), grid.shape.corners);
@@ -102,15 +104,17 @@ public:
         });
     }
 
-    void sweep_cells(const cuda::Array<kernel::SpaoTile>& tiles) const {
-        kernel::SpaoBatch batch = batch_on(0, access_.opacity(), tiles);
+    CellValues sweep_cells() {
+        kernel::SpaoBatch batch = batch_on(0, access_.opacity());
         batch.to = access_.target();
         access_.for_blocks(blocks_, [&](const kernel::BlockPlace* places, std::int64_t count) {
             batch.places = places;
             kernel::answer_cells(access_.stream(), batch, count);
         });
+        return access_.leave();
     }
 
+private:
     /// Blocks that any of the sweeps takes at a time.
     std::size_t most_together() const {
         std::size_t most = blocks_.held().size();
@@ -118,7 +122,6 @@ public:
         return std::clamp<std::size_t>(most, 1, blocks_together);
     }
 
-private:
     /// `finer`: none for the first.
     void fill(const CardCoarse& grid, const CardCoarse* finer) const {
         cuda::Stream& stream = access_.stream();
@@ -132,40 +135,44 @@ private:
         kernel::fill_grid(stream, kernel::EveryOther{finer->weight.data(), {nx, ny, nz}}, weights);
     }
 
-    kernel::SpaoBatch batch_on(int g, const kernel::OpacityGrid& opacity,
-                               const cuda::Array<kernel::SpaoTile>& tiles) const {
+    kernel::SpaoBatch batch_on(int g, const kernel::OpacityGrid& opacity) const {
         const bool has_coarser = g < int(coarse_.size());
         kernel::SpaoBatch batch{};
-        batch.tiles = tiles.data();
+        batch.tiles = tiles_->data();
         batch.opacity = opacity;
         batch.block = spao_block(settings_, has_coarser);
         if (has_coarser) batch.coarse = coarse_[g].corners();
         return batch;
     }
 
-    const CardAccess& access_;
+    CardAccess& access_;
     const SpaoSettings& settings_;
     const int octants_;
     const BlockMap& blocks_;
     std::vector<CardCoarse> coarse_;
+    std::optional<cuda::Array<kernel::SpaoTile>> tiles_;
 };
 
 /// As SpaoLevels.
 class CardLevels {
 public:
-    CardLevels(const CardAccess& access, const LevelShape& finest) : access_(access) {
-        const kernel::GridTarget to = add(finest);
-        kernel::fill_grid(access_.stream(), access_.opacity(), within(to));
-    }
+    CardLevels(const CardAccess& access, const CellGrid& grid, int top) : access_(access), grid_(grid), top_(top) {}
 
+    void copy_opacity() {
+        const kernel::GridTarget to = add(LevelShape::of(grid_));
+        kernel::fill_grid(access_.stream(), access_.opacity(), within(to));
+        wait();
+    }
     void add_mipmap() {
         const kernel::MeanOfEight means{back(), 1};
         const kernel::GridTarget to = add(levels_.back().shape.mipmap());
         kernel::fill_grid(access_.stream(), means, within(to));
+        wait();
     }
     void add_nbuffer(int distance) {
         const kernel::NextNBuffer next{back(), distance};
         kernel::fill_grid(access_.stream(), next, add(levels_.back().shape.nbuffer(distance)));
+        wait();
     }
     kernel::StoredLevels view() const {
         kernel::StoredLevels view{};
@@ -191,7 +198,11 @@ private:
         return to;
     }
 
+    void wait() const { access_.wait(double(levels_.size() - 1) / top_); }
+
     const CardAccess& access_;
+    const CellGrid& grid_;
+    const int top_;  ///< the last level
     std::vector<Level> levels_;
 };
 
@@ -211,30 +222,15 @@ CellValues fused_on_card(const Device& device, const CellOpacity& opacity, const
                          const BlockMap& blocks, Steps& steps, Progress& progress) {
     CardAccess access(device, opacity, progress);
     CardSweep sweep(access, settings, blocks);
-    steps("spao mipmaps", [&] { sweep.make_coarse_grids(); });
-    const cuda::Array<kernel::SpaoTile> tiles(access.stream(), sweep.most_together());
-    for (int g = coarse_grids(settings); g > 0; --g) steps(name_of_cells(g), [&] { sweep.sweep_corners(g, tiles); });
-    return steps(name_of_cells(0), [&] {
-        sweep.sweep_cells(tiles);
-        return access.leave();
-    });
+    return fused_steps(sweep, settings, steps);
 }
 
 CellValues stored_on_card(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
                           int mip_levels, const BlockMap& blocks, Steps& steps, Progress& progress) {
     CardAccess access(device, opacity, progress);
-    std::optional<CardLevels> levels;
-    for (int level = 0; level <= settings.levels; ++level)
-        steps(name_of_level(level), [&] {
-            if (level == 0)
-                levels.emplace(access, LevelShape::of(opacity.values.grid));
-            else if (level <= mip_levels)
-                levels->add_mipmap();
-            else
-                levels->add_nbuffer(1 << (level - mip_levels - 1));
-            access.wait(double(level) / settings.levels);
-        });
-    return steps("spao combine", [&] { return combine(access, stored_kernel(levels->view(), settings), blocks); });
+    CardLevels levels(access, opacity.values.grid, settings.levels);
+    level_steps(levels, mip_levels, settings.levels, steps);
+    return steps("spao combine", [&] { return combine(access, stored_kernel(levels.view(), settings), blocks); });
 }
 
 CellValues exact_on_card(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,

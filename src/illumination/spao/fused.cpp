@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "illumination/spao/coarse.h"
+#include "illumination/spao/steps.h"
 
 namespace chiaro {
 namespace {
@@ -135,9 +136,7 @@ private:
 CellValues fused_sweep(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
                        const BlockMap& blocks, Steps& steps, Progress& progress) {
     FusedSweep sweep(device, opacity, settings, blocks, progress);
-    steps("spao mipmaps", [&] { sweep.make_coarse_grids(); });
-    for (int g = coarse_grids(settings); g > 0; --g) steps(name_of_cells(g), [&] { sweep.sweep_corners(g); });
-    return steps(name_of_cells(0), [&] { return sweep.sweep_cells(); });
+    return fused_steps(sweep, settings, steps);
 }
 
 }  // namespace chiaro

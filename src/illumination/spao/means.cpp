@@ -1,6 +1,7 @@
 #include "illumination/spao/means.h"
 
 #include "illumination/spao/coarse.h"
+#include "illumination/spao/steps.h"
 
 namespace chiaro {
 namespace {
@@ -41,12 +42,8 @@ const std::uint16_t* SpaoLevels::Level::row(int y, int z) const { return const_c
 
 SpaoLevels::SpaoLevels(const Device& device, const CellOpacity& opacity, int mip_levels, int top, Steps& steps,
                        Progress& progress)
-    : device_(device), run_(kernel::spao_functions_for(device.isa)) {
-    steps(name_of_level(0), [&] { copy_opacity(opacity, progress); });
-    for (int level = 1; level <= top; ++level)
-        steps(name_of_level(level), [&] {
-            level <= mip_levels ? add_mipmap(progress) : add_nbuffer(1 << (level - mip_levels - 1), progress);
-        });
+    : device_(device), run_(kernel::spao_functions_for(device.isa)), opacity_(opacity), progress_(progress) {
+    level_steps(*this, mip_levels, top, steps);
 }
 
 kernel::StoredLevels SpaoLevels::view() const {
@@ -61,27 +58,27 @@ std::size_t SpaoLevels::bytes() const {
     return sum;
 }
 
-void SpaoLevels::copy_opacity(const CellOpacity& opacity, Progress& progress) {
-    const CellGrid& grid = opacity.values.grid;
+void SpaoLevels::copy_opacity() {
+    const CellGrid& grid = opacity_.values.grid;
     Level level(LevelShape::of(grid));
-    const auto blocks = opacity.matter.held();
-    parallel_for(device_.threads, std::int64_t(blocks.size()), 1, "spao", progress, [&](std::int64_t b, std::int64_t) {
-        const auto [x, y, z] = opacity.matter.cells(blocks[b], grid.count);
+    const auto blocks = opacity_.matter.held();
+    parallel_for(device_.threads, std::int64_t(blocks.size()), 1, "spao", progress_, [&](std::int64_t b, std::int64_t) {
+        const auto [x, y, z] = opacity_.matter.cells(blocks[b], grid.count);
         for (int k = z.first; k < z.second; ++k)
             for (int j = y.first; j < y.second; ++j)
-                std::copy_n(opacity.values.data() + grid.index(x.first, j, k), x.second - x.first,
+                std::copy_n(opacity_.values.data() + grid.index(x.first, j, k), x.second - x.first,
                             level.row(j + 1, k + 1) + x.first + 1);
     });
-    progress.check();
+    progress_.check();
     levels_.push_back(std::move(level));
 }
 
 /// Mipmap cell i covers cells 2 i and 2 i + 1; the layer of zeros stands for the missing one where the number is odd.
-void SpaoLevels::add_mipmap(Progress& progress) {
+void SpaoLevels::add_mipmap() {
     const Level& fine = levels_.back();
     Level level(fine.shape.mipmap());
     const auto& count = level.shape.count;
-    parallel_for(device_.threads, count[2] - 2, 1, "spao", progress, [&](std::int64_t z, std::int64_t) {
+    parallel_for(device_.threads, count[2] - 2, 1, "spao", progress_, [&](std::int64_t z, std::int64_t) {
         for (int y = 0; y < count[1] - 2; ++y) {
             kernel::MipRows rows;
             for (int r = 0; r < 4; ++r)  // the last row of an odd number is followed by the layer of zeros
@@ -89,12 +86,12 @@ void SpaoLevels::add_mipmap(Progress& progress) {
             run_.mip_row(rows, count[0] - 2, level.row(y + 1, int(z) + 1) + 1);
         }
     });
-    progress.check();
+    progress_.check();
     levels_.push_back(std::move(level));
 }
 
 /// B_l grows by `distance` cells at the low end of each axis.
-void SpaoLevels::add_nbuffer(int distance, Progress& progress) {
+void SpaoLevels::add_nbuffer(int distance) {
     const Level& inner = levels_.back();
     Level level(inner.shape.nbuffer(distance));
     const auto &count = level.shape.count, &inside = inner.shape.count;
@@ -103,7 +100,7 @@ void SpaoLevels::add_nbuffer(int distance, Progress& progress) {
     // the cache. Close together, neighbours do.
     const int stride = distance < slab ? 1 : distance;
     const int pieces = stride == 1 ? (count[2] + slab - 1) / slab : distance;
-    parallel_for(device_.threads, pieces, 1, "spao", progress, [&](std::int64_t piece, std::int64_t) {
+    parallel_for(device_.threads, pieces, 1, "spao", progress_, [&](std::int64_t piece, std::int64_t) {
         std::vector<std::uint16_t> scratch(inside[0] + 2 * distance);
         const int first = stride == 1 ? int(piece) * slab : int(piece);
         const int end = stride == 1 ? std::min(first + slab, count[2]) : count[2];
@@ -111,7 +108,7 @@ void SpaoLevels::add_nbuffer(int distance, Progress& progress) {
             const bool outside = y < 0 || y >= inside[1] || z < 0 || z >= inside[2];
             return outside ? zeros.data() : inner.row(y, z);
         };
-        for (int z = first; z < end && !progress.cancelled(); z += stride)
+        for (int z = first; z < end && !progress_.cancelled(); z += stride)
             for (int y = 0; y < count[1]; ++y) {
                 const kernel::NBufferRows rows{{source(y - distance, z - distance), source(y, z - distance),
                                                 source(y - distance, z), source(y, z)},
@@ -120,7 +117,7 @@ void SpaoLevels::add_nbuffer(int distance, Progress& progress) {
                 run_.nbuffer_row(rows, scratch.data(), level.row(y, z));
             }
     });
-    progress.check();
+    progress_.check();
     levels_.push_back(std::move(level));
 }
 

@@ -41,12 +41,17 @@ private:
         std::uint16_t* row(int y, int z);
         const std::uint16_t* row(int y, int z) const;
     };
-    void copy_opacity(const CellOpacity& opacity, Progress& progress);
-    void add_mipmap(Progress& progress);
-    void add_nbuffer(int distance, Progress& progress);
+
+    template <class Levels>
+    friend void level_steps(Levels& levels, int mip_levels, int top, Steps& steps);
+    void copy_opacity();
+    void add_mipmap();
+    void add_nbuffer(int distance);
 
     Device device_;
     kernel::SpaoFunctions run_;
+    const CellOpacity& opacity_;  ///< while levels are made, as
+    Progress& progress_;
     std::vector<Level> levels_;
 };
 

@@ -1,3 +1,7 @@
+// A second order of steps beside solver.cpp and first_light.cpp, which have the same kernels: the CPU sweeps one group
+// of directions for each thread, by rows whose planes stay in the cache; a GPU passes one plane of all groups at a
+// time, a thread for each cell. What is done cell by cell around the sweeps is told once (sun.h, grid.cpp, skin.cpp,
+// matter.cpp).
 #include "illumination/transport/card.h"
 
 #include <algorithm>
@@ -205,21 +209,15 @@ void CardTransport::find_first(const FirstDirections& first, Progress& progress)
 }
 
 void CardTransport::add_sun(const Device& device, const Sun& sun, Progress& progress) {
-    const Density& density = medium_.grid.extinction;
-    const std::vector<std::size_t>& nodes = medium_.opaque.nodes();
-    const CardField seen =
-        sweep_on_card(device, density, {sun.direction}, sun_coefficients, sun_start, SweepLattice::sheared, progress);
-    const cuda::Array<double> mean(*stream_, cells());
-    const cuda::Array<std::size_t> shown(*stream_, std::max<std::size_t>(1, nodes.size()));
-    const cuda::Settled settled{*stream_};
-    stream_->upload(shown.data(), nodes.data(), nodes.size() * sizeof nodes[0]);
-    SunKernels kernels(medium_, sun);
-    kernels.use({seen.data(), seen.density(), clear_, ids_, shown.data(), mean.data(), first_faces_.data()});
+    const CardField seen = sweep_on_card(device, medium_.grid.extinction, {sun.direction}, sun_coefficients, sun_start,
+                                         SweepLattice::sheared, progress);
+    SunPlaces places{seen.data(), seen.density(), clear_, ids_, first_faces_.data(), {}, {}};
     for (int c = 0; c < 3; ++c) {
-        kernels.shine.light[c] = field(first_light_, c);
-        for (int axis = 0; axis < 3; ++axis) kernels.shine.moment[c][axis] = field(first_moment_, 3 * c + axis);
+        places.light[c] = field(first_light_, c);
+        for (int axis = 0; axis < 3; ++axis) places.moment[c][axis] = field(first_moment_, 3 * c + axis);
     }
-    run(nodes.size(), kernels.faces), run(cells(), kernels.share), run(cells(), kernels.shine);
+    GpuExecutor executor(stream_);
+    shine(executor, medium_, sun, places);
 }
 
 void CardTransport::start(const Device& device, const FirstDirections& first, Progress& progress) {

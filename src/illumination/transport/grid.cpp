@@ -1,12 +1,12 @@
 #include "illumination/transport/grid.h"
 
 #include "classify/medium.h"
-#include "core/threads.h"
-#include "cuda/mirror.h"
+#include "cuda/executor.h"
 #include "illumination/transport/axis_places.h"
-#include "illumination/transport/launch_card.h"
+#include "illumination/transport/colour_kernel.h"
 #include "illumination/transport/matter_kernel.h"
 #include "illumination/transport/skin.h"
+#include "illumination/transport/third_kernel.h"
 #include "illumination/transport/tints.h"
 
 namespace chiaro {
@@ -34,21 +34,13 @@ Blocks blocks_for(const CellGrid& cells, int most) {
 Density thirded(const Density& finer, const Device& device, Progress& progress) {
     Density out(coarser(finer.grid, 3));
     const auto [nx, ny, nz] = finer.grid.count;
-    const auto nodes = std::int64_t(out.grid.size());
-    kernel::ThirdKernel third{nullptr, {nx, ny, nz}, nullptr, out.grid.count[0], out.grid.count[1]};
-    const auto on_card = [&] {
-        cuda::Stream& stream = *device.stream;
-        const cuda::Array<float> made(stream, out.grid.size());
-        third.finer = finer.on_card(stream), third.to = made.data();
-        kernel::run_on_card(stream, nodes, third);
-        out.buffer.keep(device.stream, made.data());
-    };
-    if (cuda::done_on_card(device, on_card)) return out;
-    third.finer = finer.data(), third.to = out.numbers();
-    parallel_for(device.threads, nodes, 256, "density", progress, [&](std::int64_t first, std::int64_t end) {
-        for (auto node = first; node < end; ++node) third(node);
+    run_steps(device, &progress, [&, nx = nx, ny = ny, nz = nz](auto& executor) {
+        const auto made = executor.template output<float>(out.buffer);
+        const kernel::ThirdKernel third{
+            executor.values(finer), {nx, ny, nz}, made.data(), out.grid.count[0], out.grid.count[1]};
+        executor.for_each(std::int64_t(out.grid.size()), third, "density", 256);
+        made.keep();
     });
-    progress.check();
     return out;
 }
 
@@ -85,8 +77,19 @@ public:
           progress_(progress) {}
 
     void fill(LightGrid& grid) const {
-        grid.albedo = GridColour(grid.extinction.grid.size());
-        if (!cuda::done_on_card(device_, [&] { fill_on_card(grid); })) fill_here(grid);
+        const CellGrid& nodes = grid.extinction.grid;
+        grid.albedo = GridColour(nodes.size());
+        run_steps(device_, &progress_, [&](auto& executor) {
+            auto sums = executor.template array<Tint>(nodes.size());
+            const float* depths = executor.values(std::as_const(grid).extinction);
+            add_colours(executor, nodes, depths, sums.data());
+            const auto made = executor.template output<float>(grid.albedo.buffer);
+            kernel::AlbedoKernel albedos{depths,        sums.data(), nodes.count[0], nodes.count[1], nodes.count[2],
+                                         tints_.mean(), {}};
+            for (std::size_t c = 0; c < 3; ++c) albedos.albedo[c] = made.data() + c * nodes.size();
+            executor.for_each(std::int64_t(nodes.size()), albedos, "albedo", 512);
+            made.keep();
+        });
     }
 
 private:
@@ -95,62 +98,35 @@ private:
         const auto [nx, ny, nz] = cells_.count;
         return {values, cell_centres(medium_, cells_), tints_.view(), {nx, ny, nz}, edge_, edge_ >= 4 ? 2 : 1};
     }
-    kernel::AlbedoKernel albedo(const CellGrid& nodes, const float* depths, const kernel::Tint* sums) const {
-        return {depths, sums, nodes.count[0], nodes.count[1], nodes.count[2], tints_.mean(), {}};
-    }
-
-    void fill_here(LightGrid& grid) const {
-        const Density& density = grid.extinction;
-        const auto [nx, ny, nz] = density.grid.count;
-        std::vector<Tint> sums(density.grid.size());
-        const auto each_row = [&, ny = ny, nz = nz](const auto& body) {
-            parallel_for(device_.threads, std::int64_t(ny) * nz, 8, "albedo", progress_,
-                         [&](std::int64_t first, std::int64_t end) {
-                             for (auto row = first; row < end; ++row) body(int(row % ny), int(row / ny));
-                         });
-            progress_.check();
-        };
-        with_stored_voxel(medium_.volume.data(), [&, nx = nx](auto voxel) {
+    /// On the CPU row by row, by places found once for each coordinate: a look-up of each cell's own costs twice the
+    /// time.
+    void add_colours(CpuExecutor& executor, const CellGrid& nodes, const float* depths, Tint* sums) const {
+        with_stored_voxel(medium_.volume.data(), [&](auto voxel) {
             using Voxel = decltype(voxel);
             const AxisPlaces<Voxel> places(view_of<Voxel>(medium_.volume.data()), centres_of(cells_));
             const auto of = colours(PlacedValues<Voxel>{places, cells_.is_voxel_grid});
-            each_row([&](int y, int z) {
-                const std::size_t row = density.grid.index(0, y, z);
+            const auto add_row = [&](std::int64_t node_row) {
+                const int y = int(node_row % nodes.count[1]), z = int(node_row / nodes.count[1]);
+                const std::size_t row = nodes.index(0, y, z);
                 for (int k = z * edge_; k < of.end(2, z); k += of.stride)
                     for (int j = y * edge_; j < of.end(1, y); j += of.stride)
-                        for (int x = 0; x < nx; ++x)
-                            if (density.data()[row + x] > 0) of.add_row(x, j, k, sums[row + x]);
-            });
-        });
-        kernel::AlbedoKernel albedos = albedo(density.grid, density.data(), sums.data());
-        for (int c = 0; c < 3; ++c) albedos.albedo[c] = grid.albedo.numbers(std::size_t(c));
-        each_row([&, nx = nx](int y, int z) {
-            for (int x = 0; x < nx; ++x) albedos(std::int64_t(density.grid.index(x, y, z)));
+                        for (int x = 0; x < nodes.count[0]; ++x)
+                            if (depths[row + x] > 0) of.add_row(x, j, k, sums[row + x]);
+            };
+            executor.for_each(std::int64_t(nodes.count[1]) * nodes.count[2], add_row, "albedo", 8);
         });
     }
-
-    void fill_on_card(LightGrid& grid) const {
-        cuda::Stream& stream = *device_.stream;
-        const CellGrid& nodes = grid.extinction.grid;
-        const float* depths = std::as_const(grid).extinction.on_card(stream);
-        const cuda::Array<kernel::Tint> sums(stream, nodes.size());
-        const cuda::Array<float> made(stream, 3 * nodes.size());
+    void add_colours(GpuExecutor& executor, const CellGrid& nodes, const float* depths, Tint* sums) const {
         HostArrays arrays;
         medium_.volume.data().add_to(arrays), tints_.add_to(arrays);
-        cuda::Views views(stream, std::move(arrays));
         with_stored_voxel(medium_.volume.data(), [&](auto voxel) {
             using Values = kernel::StoredValues<decltype(voxel)>;
             kernel::ColourSums<Values> add{
                 colours(Values{view_of<decltype(voxel)>(medium_.volume.data()), cell_centres(medium_, cells_)}), depths,
-                nodes.count[0], nodes.count[1], sums.data()};
-            views.swap(add.colours.values.volume.voxels, add.colours.tints.entries);
-            kernel::run_on_card(stream, std::int64_t(nodes.size()), add);
+                nodes.count[0], nodes.count[1], sums};
+            executor.exchange(arrays, add.colours.values.volume.voxels, add.colours.tints.entries);
+            executor.for_each(std::int64_t(nodes.size()), add);
         });
-        kernel::AlbedoKernel albedos = albedo(nodes, depths, sums.data());
-        for (std::size_t c = 0; c < 3; ++c) albedos.albedo[c] = made.data() + c * nodes.size();
-        kernel::run_on_card(stream, std::int64_t(nodes.size()), albedos);
-        grid.albedo.buffer.keep(device_.stream, made.data());
-        progress_.check();
     }
 
     const Medium::Data& medium_;
@@ -167,20 +143,14 @@ std::vector<std::array<float, 3>> colours_at(const GridColour& colour, const std
                                              const Device& device) {
     std::vector<std::array<float, 3>> found(nodes.size());
     if (nodes.empty()) return found;
-    kernel::GatherKernel gather{nullptr, std::int64_t(colour.nodes), nullptr, nullptr};
-    const auto on_card = [&] {
-        cuda::Stream& stream = *device.stream;
-        const cuda::Array<std::size_t> which(stream, nodes.size());
-        const cuda::Array<float> made(stream, 3 * nodes.size());
-        const cuda::Settled settled{stream};
-        stream.upload(which.data(), nodes.data(), nodes.size() * sizeof nodes[0]);
-        gather.colour = colour.on_card(stream), gather.which = which.data(), gather.out = made.data();
-        kernel::run_on_card(stream, std::int64_t(nodes.size()), gather);
-        stream.fetch(found.data(), made.data(), found.size() * sizeof found[0]);
-    };
-    if (cuda::done_on_card(device, on_card)) return found;
-    gather.colour = colour[0], gather.which = nodes.data(), gather.out = found[0].data();
-    for (std::size_t i = 0; i < nodes.size(); ++i) gather(std::int64_t(i));
+    run_steps(device, nullptr, [&](auto& executor) {
+        auto made = executor.template array<std::array<float, 3>>(nodes.size());
+        executor.for_each(
+            std::int64_t(nodes.size()),
+            kernel::GatherKernel{executor.template values<float>(colour.buffer), std::int64_t(colour.nodes),
+                                 executor.input(nodes), reinterpret_cast<float*>(made.data())});
+        executor.fetch(found, made);
+    });
     return found;
 }
 

@@ -1,4 +1,5 @@
 // Transport on cards: the same source, one thread a cell.
+#include "cuda/each_node.h"
 #include "cuda/launch.h"
 #include "illumination/transport/launch_card.h"
 
@@ -22,11 +23,11 @@ template void run_on_card(cuda::Stream&, std::int64_t, const ColourSums<StoredVa
 template void run_on_card(cuda::Stream&, std::int64_t, const ColourSums<StoredValues<float>>&);
 template void run_on_card(cuda::Stream&, std::int64_t, const AlbedoKernel&);
 template void run_on_card(cuda::Stream&, std::int64_t, const ThirdKernel&);
-template void run_on_card(cuda::Stream&, std::int64_t, const EachCell<MarkOpaque>&);
-template void run_on_card(cuda::Stream&, std::int64_t, const EachCell<FindFillOf<std::uint8_t>>&);
-template void run_on_card(cuda::Stream&, std::int64_t, const EachCell<FindFillOf<std::uint16_t>>&);
-template void run_on_card(cuda::Stream&, std::int64_t, const EachCell<FindFillOf<float>>&);
-template void run_on_card(cuda::Stream&, std::int64_t, const EachCell<FindThin>&);
-template void run_on_card(cuda::Stream&, std::int64_t, const EachCell<OpenSkin>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const EachNode<OnSkin<MarkOpaque>>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const EachNode<OnSkin<FindFillOf<std::uint8_t>>>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const EachNode<OnSkin<FindFillOf<std::uint16_t>>>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const EachNode<OnSkin<FindFillOf<float>>>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const EachNode<OnSkin<FindThin>>&);
+template void run_on_card(cuda::Stream&, std::int64_t, const EachNode<OnSkin<OpenSkin>>&);
 
 }  // namespace chiaro::kernel

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "classify/medium.h"
-#include "cuda/run.h"
+#include "cuda/executor.h"
 #include "illumination/transport/matter_kernel.h"
 
 namespace chiaro {
@@ -41,18 +41,16 @@ GridColour halved_albedo(const LightGrid& finer, const CellGrid& coarse, const D
     const auto [fx, fy, fz] = finer.extinction.grid.count;
     const auto [nx, ny, nz] = coarse.count;
     GridColour out(coarse.size());
-    kernel::HalvedAlbedoKernel halve{nullptr, nullptr, {fx, fy, fz}, {nx, ny, nz}, nullptr};
-    const auto on_card = [&] {
-        cuda::Stream& stream = *device.stream;
-        const cuda::Array<float> made(stream, 3 * coarse.size());
-        halve.depth = finer.extinction.on_card(stream), halve.albedo = finer.albedo.on_card(stream);
-        halve.to = made.data();
-        kernel::run_on_card(stream, std::int64_t(coarse.size()), halve);
-        out.buffer.keep(device.stream, made.data());
-    };
-    if (cuda::done_on_card(device, on_card)) return out;
-    halve.depth = finer.extinction.data(), halve.albedo = finer.albedo[0], halve.to = out.numbers(0);
-    for (std::size_t node = 0; node < coarse.size(); ++node) halve(std::int64_t(node));
+    run_steps(device, nullptr, [&, fx = fx, fy = fy, fz = fz, nx = nx, ny = ny, nz = nz](auto& executor) {
+        const auto made = executor.template output<float>(out.buffer);
+        executor.for_each(std::int64_t(coarse.size()),
+                          kernel::HalvedAlbedoKernel{executor.values(finer.extinction),
+                                                     executor.template values<float>(finer.albedo.buffer),
+                                                     {fx, fy, fz},
+                                                     {nx, ny, nz},
+                                                     made.data()});
+        made.keep();
+    });
     return out;
 }
 

@@ -1,11 +1,10 @@
 #include "illumination/transport/skin.h"
 
 #include "classify/medium.h"
-#include "core/threads.h"
-#include "cuda/mirror.h"
+#include "cuda/executor.h"
 #include "illumination/transport/axis_places.h"
-#include "illumination/transport/launch_card.h"
 #include "illumination/transport/opaque.h"
+#include "illumination/transport/skin_kernel.h"
 
 namespace chiaro {
 namespace {
@@ -49,11 +48,10 @@ public:
         : medium_(medium), device_(device), progress_(progress), extinction_(extinction), grid_(extinction.grid) {
         const float hard = float(1 / medium.volume.data().geometry.smallest_spacing_mm());
         for (const auto& entry : medium.table.entries) is_hard_.push_back(!(entry.extinction_per_mm < hard));
-        open_.resize(grid_.size());
     }
 
     std::vector<std::size_t> open() {
-        if (!cuda::done_on_card(device_, [&] { open_on_card(); })) open_here();
+        run_steps(device_, &progress_, [&](auto& executor) { open(executor); });
         std::vector<std::size_t> skins;
         for (std::size_t node = 0; node < open_.size(); ++node)
             if (open_[node]) skins.push_back(node);
@@ -63,9 +61,6 @@ public:
 private:
     std::size_t halo_size() const {
         return std::size_t(grid_.count[0] + 2) * (grid_.count[1] + 2) * (grid_.count[2] + 2);
-    }
-    kernel::SkinView view(const std::uint8_t* opaque, const kernel::Fill* fills, const std::uint8_t* thin) const {
-        return {grid_.count[0], grid_.count[1], grid_.count[2], 0, opaque, fills, thin};
     }
     template <int n, class Values>
     kernel::HardPoints<Values, n> hard_points(const Values& values) const {
@@ -81,69 +76,54 @@ private:
                  cell_centres(medium_, grid_)}};
     }
 
-    void open_here() {
-        std::vector<std::uint8_t> opaque(halo_size()), thin(grid_.size());
-        std::vector<kernel::Fill> fills(grid_.size());
-        const kernel::SkinView seen = view(opaque.data(), fills.data(), thin.data());
-        const auto [nx, ny, nz] = grid_.count;
-        const auto each = [&, nx = nx, ny = ny, nz = nz](const auto& step) {
-            parallel_for(device_.threads, std::int64_t(ny) * nz, 4, "density", progress_,
-                         [&](std::int64_t first, std::int64_t end) {
-                             for (auto row = first; row < end; ++row)
-                                 for (int x = 0; x < nx; ++x)
-                                     step(seen, row * nx + x, x, std::int32_t(row % ny), std::int32_t(row / ny));
-                         });
-            progress_.check();
-        };
-        float* depth = extinction_.numbers();
-        each(kernel::MarkOpaque{depth, opaque_from, opaque.data()});
-        with_stored_voxel(medium_.volume.data(), [&](auto voxel) {
-            using Voxel = decltype(voxel);
-            const PlacedPoints<Voxel, few_points> at_few(medium_.volume.data(), grid_);
-            const PlacedPoints<Voxel, all_points> at_all(medium_.volume.data(), grid_);
-            const auto few = hard_points<few_points>(Placed{at_few});
-            const auto all = hard_points<all_points>(Placed{at_all});
-            each(kernel::FindFill<decltype(few), decltype(all)>{few, all, fills.data()});
-        });
-        each(kernel::FindThin{thin.data()});
-        each(kernel::OpenSkin{depth, depth, open_.data()});
+    template <class Executor>
+    void open(Executor& executor) {
+        auto opaque = executor.template zeros<std::uint8_t>(halo_size());
+        auto thin = executor.template array<std::uint8_t>(grid_.size());
+        auto is_open = executor.template array<std::uint8_t>(grid_.size());
+        auto fills = executor.template array<kernel::Fill>(grid_.size());
+        const kernel::SkinView seen{grid_.count[0], grid_.count[1], grid_.count[2], 0,
+                                    opaque.data(),  fills.data(),   thin.data()};
+        Density opened(grid_);
+        const auto made = executor.template output<float>(opened.buffer);
+        const float* depth = executor.values(std::as_const(extinction_));
+        each_cell(executor, seen, kernel::MarkOpaque{depth, opaque_from, opaque.data()});
+        with_stored_voxel(medium_.volume.data(),
+                          [&](auto voxel) { find_fill<decltype(voxel)>(executor, seen, fills.data()); });
+        each_cell(executor, seen, kernel::FindThin{thin.data()});
+        each_cell(executor, seen, kernel::OpenSkin{depth, made.data(), is_open.data()});
+        executor.fetch(open_, is_open);
+        made.keep();
+        extinction_ = std::move(opened);
     }
 
-    void open_on_card() {
-        cuda::Stream& stream = *device_.stream;
-        const float* depth = std::as_const(extinction_).on_card(stream);
-        cuda::Array<std::uint8_t> opaque(stream, halo_size());
-        opaque.zero();
-        const cuda::Array<std::uint8_t> thin(stream, grid_.size()), open(stream, grid_.size());
-        const cuda::Array<kernel::Fill> fills(stream, grid_.size());
-        const cuda::Array<float> made(stream, grid_.size());
+    template <class Executor, class Step>
+    void each_cell(Executor& executor, const kernel::SkinView& seen, const Step& step) const {
+        executor.for_each_node(grid_.count, kernel::OnSkin<Step>{step, seen}, "density");
+    }
+
+    /// On the CPU by places found once for each coordinate.
+    template <class Voxel>
+    void find_fill(CpuExecutor& executor, const kernel::SkinView& seen, kernel::Fill* fills) const {
+        const PlacedPoints<Voxel, few_points> at_few(medium_.volume.data(), grid_);
+        const PlacedPoints<Voxel, all_points> at_all(medium_.volume.data(), grid_);
+        const auto few = hard_points<few_points>(Placed{at_few});
+        const auto all = hard_points<all_points>(Placed{at_all});
+        each_cell(executor, seen, kernel::FindFill<decltype(few), decltype(all)>{few, all, fills});
+    }
+    template <class Voxel>
+    void find_fill(GpuExecutor& executor, const kernel::SkinView& seen, kernel::Fill* fills) const {
         HostArrays arrays;
         medium_.volume.data().add_to(arrays), arrays.add(is_hard_);
-        cuda::Views views(stream, std::move(arrays));
-        const kernel::SkinView seen = view(opaque.data(), fills.data(), thin.data());
-        const auto each = [&](const auto& step) {
-            kernel::run_on_card(stream, std::int64_t(grid_.size()),
-                                kernel::EachCell<std::remove_cvref_t<decltype(step)>>{step, seen});
+        const auto there = [&](auto points) {
+            constexpr int n = decltype(points)::n;
+            auto hard = hard_points<n>(kernel::ValuesAtPoints<Voxel, n>{view_of<Voxel>(medium_.volume.data()), points});
+            executor.exchange(arrays, hard.values.volume.voxels, hard.matter.is_hard);
+            return hard;
         };
-        each(kernel::MarkOpaque{depth, opaque_from, opaque.data()});
-        with_stored_voxel(medium_.volume.data(), [&](auto voxel) {
-            const auto there = [&](auto points) {
-                auto hard =
-                    hard_points<decltype(points)::n>(kernel::ValuesAtPoints<decltype(voxel), decltype(points)::n>{
-                        view_of<decltype(voxel)>(medium_.volume.data()), points});
-                views.swap(hard.values.volume.voxels, hard.matter.is_hard);
-                return hard;
-            };
-            each(kernel::FindFillOf<decltype(voxel)>{there(points_of<few_points>(grid_)),
-                                                     there(points_of<all_points>(grid_)), fills.data()});
-        });
-        each(kernel::FindThin{thin.data()});
-        each(kernel::OpenSkin{depth, made.data(), open.data()});
-        stream.download(open_.data(), open.data(), open_.size());
-        stream.wait();
-        Density opened(grid_);
-        opened.buffer.keep(device_.stream, made.data());
-        extinction_ = std::move(opened);
+        each_cell(
+            executor, seen,
+            kernel::FindFillOf<Voxel>{there(points_of<few_points>(grid_)), there(points_of<all_points>(grid_)), fills});
     }
 
     const Medium::Data& medium_;

@@ -159,15 +159,13 @@ struct SkinView {
     }
 };
 
-/// For many threads, a cell each.
+/// A step of the cells of a grid.
 template <class Step>
-struct EachCell {
+struct OnSkin {
     Step step;
     SkinView view;
 
-    CHIARO_INLINE void operator()(std::int64_t cell) const {
-        const std::int32_t x = std::int32_t(cell % view.nx), y = std::int32_t(cell / view.nx % view.ny),
-                           z = std::int32_t(cell / view.nx / view.ny);
+    CHIARO_INLINE void operator()(std::int64_t cell, std::int32_t x, std::int32_t y, std::int32_t z) const {
         step(view, cell, x, y, z);
     }
 };

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/threads.h"
 #include "illumination/visibility/sweep.h"
 
 namespace chiaro {
@@ -23,35 +22,20 @@ SunKernels::SunKernels(const SweptMedium& medium, const Sun& sun) : share{}, fac
     }
 }
 
-void SunKernels::use(const Numbers& numbers) {
-    share.cells.visibility = faces.cells.visibility = numbers.visibility;
-    share.cells.clear = faces.cells.clear = numbers.clear;
-    share.depth = numbers.depth, share.ids = numbers.ids, share.mean = numbers.mean;
-    faces.nodes = numbers.nodes, faces.faces = numbers.faces, shine.mean = numbers.mean;
-}
-
 void add_sun(const Device& device, const SweptMedium& medium, const Sun& sun, Progress& progress, FirstLight& light) {
     const Density& density = medium.grid.extinction;
     const OpaqueCells& opaque = medium.opaque;
     const ShField field = sweep_visibility(device, density, {sun.direction}, sun_coefficients, sun_start,
                                            SweepLattice::sheared, progress);
     const std::vector<std::int32_t> ids = opaque.ids_with_halo();
-    std::vector<double> mean(density.grid.size());
-    SunKernels kernels(medium, sun);
-    kernels.use({field.node(0), density.data(), opaque.clear_cells(), ids.data(), opaque.nodes().data(), mean.data(),
-                 OpaqueCells::numbers(light.faces)});
+    SunPlaces places{
+        field.node(0), density.data(), opaque.clear_cells(), ids.data(), OpaqueCells::numbers(light.faces), {}, {}};
     for (int c = 0; c < 3; ++c) {
-        kernels.shine.light[c] = light.light[c].data();
-        for (int axis = 0; axis < 3; ++axis) kernels.shine.moment[c][axis] = light.moment[c][axis].data();
+        places.light[c] = light.light[c].data();
+        for (int axis = 0; axis < 3; ++axis) places.moment[c][axis] = light.moment[c][axis].data();
     }
-    const auto for_each = [&](std::size_t count, const auto& kernel) {
-        parallel_for(device.threads, std::int64_t(count), 4096, [&](std::int64_t first, std::int64_t end) {
-            for (std::int64_t i = first; i < end; ++i) kernel(i);
-        });
-    };
-    for_each(opaque.count(), kernels.faces);
-    for_each(mean.size(), kernels.share);
-    for_each(mean.size(), kernels.shine);
+    CpuExecutor executor(device.threads, nullptr);
+    shine(executor, medium, sun, places);
 }
 
 }  // namespace chiaro

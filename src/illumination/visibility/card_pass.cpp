@@ -1,3 +1,6 @@
+// A second order of steps beside sweep.cpp, which has the same kernels: the CPU takes one batch of directions after the
+// other through planes that stay in the cache, and shares out the rows of each plane; a GPU passes a plane of all
+// batches side by side, a thread for each node and direction, and adds up their parts in the CPU's order afterwards.
 #include "illumination/visibility/card_pass.h"
 
 #include <algorithm>

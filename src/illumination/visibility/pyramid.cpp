@@ -2,9 +2,7 @@
 
 #include <cmath>
 
-#include "core/threads.h"
-#include "illumination/visibility/card.h"
-#include "illumination/visibility/launch_card.h"
+#include "cuda/executor.h"
 
 namespace chiaro {
 namespace {
@@ -12,6 +10,18 @@ namespace {
 kernel::NextLevel next_kernel(const CellGrid& finer, const CellGrid& grid, const std::uint16_t* from,
                               std::uint16_t* to) {
     return {from, {finer.count[0], finer.count[1], finer.count[2]}, to, grid.count[0], grid.count[1]};
+}
+
+/// From the finest level on; `levels` in the executor's memory.
+template <class Executor>
+void fill_levels(const Executor& executor, const Density& density, const std::vector<CellGrid>& grids,
+                 const std::vector<std::uint16_t*>& levels) {
+    constexpr std::int64_t grain = 1 << 14;
+    executor.for_each(std::int64_t(grids[0].size()), kernel::FinestLevel{executor.values(density), levels[0]},
+                      "pyramid", grain);
+    for (std::size_t l = 1; l < grids.size(); ++l)
+        executor.for_each(std::int64_t(grids[l].size()), next_kernel(grids[l - 1], grids[l], levels[l - 1], levels[l]),
+                          "pyramid", grain);
 }
 
 }  // namespace
@@ -30,32 +40,24 @@ kernel::PyramidLevel pyramid_level(const CellGrid& grid, int number, const std::
 }
 
 TransparencyPyramid::TransparencyPyramid(const Density& density, int threads, Progress& progress) {
-    for (const CellGrid& grid : pyramid_grids(density.grid)) levels_.emplace_back(grid);
-    const auto fill = [&](CellValues& level, const auto& kernel) {
-        parallel_for(threads, std::int64_t(level.grid.size()), 1 << 14, "pyramid", progress,
-                     [&](std::int64_t first, std::int64_t end) {
-                         for (auto node = first; node < end; ++node) kernel(node);
-                     });
-        progress.check();
-        views_.push_back(pyramid_level(level.grid, int(views_.size()), level.data()));
-    };
-    fill(levels_[0], kernel::FinestLevel{density.data(), levels_[0].data()});
-    for (std::size_t l = 1; l < levels_.size(); ++l)
-        fill(levels_[l], next_kernel(levels_[l - 1].grid, levels_[l].grid, levels_[l - 1].data(), levels_[l].data()));
+    const std::vector<CellGrid> grids = pyramid_grids(density.grid);
+    std::vector<std::uint16_t*> levels;
+    for (const CellGrid& grid : grids) levels_.emplace_back(grid), levels.push_back(levels_.back().data());
+    fill_levels(CpuExecutor(threads, &progress), density, grids, levels);
+    for (const CellValues& level : levels_)
+        views_.push_back(pyramid_level(level.grid, int(views_.size()), std::as_const(level).data()));
 }
 
-CardPyramid::CardPyramid(cuda::Stream& stream, const Density& density) {
+CardPyramid::CardPyramid(const std::shared_ptr<cuda::Stream>& stream, const Density& density) {
+    const GpuExecutor executor(stream);
     const std::vector<CellGrid> grids = pyramid_grids(density.grid);
+    std::vector<std::uint16_t*> levels;
     for (const CellGrid& grid : grids) {
-        levels_.emplace_back(stream, grid.size() + CellValues::spare);
-        levels_.back().zero();
-        views_.push_back(pyramid_level(grid, int(views_.size()), levels_.back().data()));
+        levels_.push_back(executor.zeros<std::uint16_t>(grid.size() + CellValues::spare));
+        levels.push_back(levels_.back().data());
+        views_.push_back(pyramid_level(grid, int(views_.size()), levels.back()));
     }
-    kernel::run_on_card(stream, std::int64_t(grids[0].size()),
-                        kernel::FinestLevel{density.on_card(stream), levels_[0].data()});
-    for (std::size_t l = 1; l < grids.size(); ++l)
-        kernel::run_on_card(stream, std::int64_t(grids[l].size()),
-                            next_kernel(grids[l - 1], grids[l], levels_[l - 1].data(), levels_[l].data()));
+    fill_levels(executor, density, grids, levels);
 }
 
 }  // namespace chiaro

@@ -33,7 +33,7 @@ private:
 /// The same there, made there; its work may still be under way.
 class CardPyramid {
 public:
-    CardPyramid(cuda::Stream& stream, const Density& density);
+    CardPyramid(const std::shared_ptr<cuda::Stream>& stream, const Density& density);
     const std::vector<kernel::PyramidLevel>& views() const { return views_; }
 
 private:

@@ -106,7 +106,7 @@ CardField walk_on_card(const Device& device, const Density& density, const Visib
     cuda::Stream& stream = *device.stream;
     const int coefficients = settings.bands * settings.bands;
     CardField field(device, density, coefficients);
-    const CardPyramid pyramid(stream, density);
+    const CardPyramid pyramid(device.stream, density);
     const WalkPlan plan(density.grid, settings, start);
     std::vector<kernel::Float3> directions;
     for (const auto& set : plan.sets)
