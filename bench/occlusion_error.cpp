@@ -52,8 +52,8 @@ std::vector<OcclusionError> occlusion_errors(const DeviceVolume& volume, const L
                   histogram.data());
         const WordPair pair = h.pairs()[node];
         for (std::size_t f = 0; f < functions.size(); ++f) {
-            const double truth = std::inner_product(histogram.begin(), histogram.end(), alphas[f].begin(), 0.0);
-            const double error = sums[f][half ? pair.backward : pair.forward][3] - truth;
+            const double ground_truth = std::inner_product(histogram.begin(), histogram.end(), alphas[f].begin(), 0.0);
+            const double error = sums[f][half ? pair.backward : pair.forward][3] - ground_truth;
             errors[f].rmse += error * error, errors[f].bias += error;
         }
     }

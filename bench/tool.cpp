@@ -13,12 +13,12 @@
 namespace chiaro::bench {
 namespace {
 
-std::vector<Row> measure_first_picture(const Setup& setup, const std::string& name) {
+std::vector<Row> measure_first_image(const Setup& setup, const std::string& name) {
     const TemporaryFolder folder;
-    const std::string volume = folder / "volume.nrrd", picture = folder / "picture.png";
+    const std::string volume = folder / "volume.nrrd", image = folder / "picture.png";
     write_nrrd(make_sample("shells", 256), volume, NrrdEncoding::raw);
     const std::vector<std::string> render{
-        "render", volume, "-o", picture, "--quiet", "--threads", std::to_string(setup.device.threads)};
+        "render", volume, "-o", image, "--quiet", "--threads", std::to_string(setup.device.threads)};
     Series cpu;
     const auto wall = [&] { return wall_seconds([&] { cpu.push_back(run_program(setup.tool, render)); }); };
     const auto series = in_turns(setup.runs, {wall});
@@ -42,9 +42,9 @@ double peak_mib(const std::filesystem::path& stats) {
 
 std::vector<Row> measure_memory(const Setup& setup, const std::string& name, int size) {
     const TemporaryFolder folder;
-    const std::string volume = folder / "volume.nrrd", picture = folder / "picture.png", stats = folder / "stats.json";
+    const std::string volume = folder / "volume.nrrd", image = folder / "picture.png", stats = folder / "stats.json";
     write_nrrd(make_u16(size), volume, NrrdEncoding::raw);
-    const std::vector<std::string> render{"render", volume,    "-o",      picture, "--quiet",
+    const std::vector<std::string> render{"render", volume,    "-o",      image, "--quiet",
                                           "--size", "256x192", "--stats", stats};
     const Measure peak = [&] {
         run_program(setup.tool, render);
@@ -60,7 +60,7 @@ std::vector<Row> measure_memory(const Setup& setup, const std::string& name, int
 std::vector<Case> tool_cases(const Setup& setup) {
     const int size = setup.quick ? 256 : 512;
     const std::string first = "tool/first-picture", memory = fmt::format("tool/peak-memory/{}-u16", size);
-    return {{{first}, [=, &setup] { return measure_first_picture(setup, first); }},
+    return {{{first}, [=, &setup] { return measure_first_image(setup, first); }},
             {{memory}, [=, &setup] { return measure_memory(setup, memory, size); }}};
 }
 

@@ -73,7 +73,7 @@ VisibilitySettings settings_of(int subsample, VisibilityTraversal traversal) {
 }
 
 ShField swept(const Setup& setup, const Density& density, int subsample) {
-    Steps steps;
+    StageTimer steps;
     return find_visibility(setup.device, density, settings_of(subsample, VisibilityTraversal::sweep), steps,
                            setup.progress);
 }

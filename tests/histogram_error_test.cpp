@@ -39,7 +39,7 @@ TEST_P(HistogramErrorTest, OcclusionIsNearDirectSums) {
         halved(read_volume((std::filesystem::path(folder) / "volumes" / GetParam()).string(), {}, progress));
     const Statistics statistics = measure(volume);
     const DeviceVolume voxels = upload(tested_device(), volume);
-    Steps steps;
+    StageTimer steps;
     const LocalHistograms h =
         find_local_histograms(tested_device(), voxels.data(), {.radius = 16, .cache = "none"}, steps, progress);
     const auto functions = bench::four_functions(statistics.min, statistics.p999);

@@ -30,7 +30,7 @@ struct Rays {
 
     ShField operator()(const Volume& volume) const {
         Progress progress;
-        Steps steps;
+        StageTimer steps;
         const Medium medium = classify(upload(device, volume), tf, shape);
         const CellOpacity opacity = cell_opacity(medium.data(), progress);
         return reference_visibility(device, medium.data(), opacity, settings, steps, progress);
@@ -71,7 +71,7 @@ TEST(ReferenceVisibility, OnAnOpaqueHalfSpace) {
             std::array node{128, 128, 128};
             node[axis] = 2;
             Progress progress;
-            Steps steps;
+            StageTimer steps;
             const Medium medium = classify(upload(tested_device(), ground), opaque(), {});
             const CellOpacity opacity = cell_opacity(medium.data(), progress);
             const ExtinctionCells cells(medium.data(), opacity, 1, tested_device(), progress);
@@ -118,7 +118,7 @@ TEST(ReferenceVisibility, BandZeroIsObscurance) {
         Rays rays{.settings = {.rays = 96, .medium = medium}};
         const ShField field = rays(volume);
         Progress progress;
-        Steps steps;
+        StageTimer steps;
         const Medium classified = classify(upload(rays.device, volume), rays.tf, {});
         const CellOpacity opacity = cell_opacity(classified.data(), progress);
         const IlluminationSettings settings{.method = Method::reference, .reference = rays.settings};

@@ -2,10 +2,10 @@
 import { chooseFile, clamp, download, el, fromHex, hex, icon, short } from "./dom.js";
 import { histogramOf } from "./graph.js";
 import { makeGraph } from "./graph-input.js";
-import { highlighted, moved, spanOf, stretched, withShape } from "./hills.js";
+import { highlighted, moved, spanOf, stretched, withShape } from "./peaks.js";
 import { colourRow, numberField, sliderRow } from "./rows.js";
 import { at, read, split, transferOf } from "./scene.js";
-import { words } from "./words.js";
+import { words } from "./texts.js";
 
 export function makeColour(app) {
   const { store, ui } = app, graph = (app.graph = makeGraph(app)), { axis } = graph;
@@ -38,7 +38,7 @@ export function makeColour(app) {
   function chip(hill) {
     let hold = 0, resting = 0, held = false;
     const release = () => (clearTimeout(hold), clearTimeout(resting), app.highlight(null));
-    const made = el("button.chip", { title: words.hillTip, onpointerenter: (e) => e.pointerType === "mouse" && (resting = setTimeout(() => app.highlight(hill.lo, hill.hi, 0.25), 300)), onpointerleave: release,
+    const made = el("button.chip", { title: words.peakTip, onpointerenter: (e) => e.pointerType === "mouse" && (resting = setTimeout(() => app.highlight(hill.lo, hill.hi, 0.25), 300)), onpointerleave: release,
       onpointerdown: () => ((held = false), (hold = setTimeout(() => ((held = true), app.highlight(hill.lo, hill.hi, 0)), 300))), onpointerup: release,
       onclick: () => !held && graph.choose(tf().points.map((_, i) => i).slice(hill.first, hill.last + 1)),
       ondblclick: () => (release(), rename(hill, made)), onkeydown: (e) => e.key === "F2" && rename(hill, made) },
@@ -50,10 +50,10 @@ export function makeColour(app) {
     const done = () => {
       const name = input.value.trim() || undefined;
       chips.dataset.key = "";
-      if (input.isConnected && name !== hill.name) graph.setPoints(words.hillName, tf().points.map((p, i) => (i === hill.first ? { ...p, name } : p)));
+      if (input.isConnected && name !== hill.name) graph.setPoints(words.peakName, tf().points.map((p, i) => (i === hill.first ? { ...p, name } : p)));
       store.redraw();
     };
-    const input = el("input.chip", { value: hill.name ?? "", maxLength: 40, "aria-label": words.hillName, onblur: done, onkeydown: (e) => {
+    const input = el("input.chip", { value: hill.name ?? "", maxLength: 40, "aria-label": words.peakName, onblur: done, onkeydown: (e) => {
       if (e.key === "Escape") input.value = hill.name ?? "";
       if (e.key === "Escape" || e.key === "Enter") input.blur();
     } });
@@ -111,7 +111,7 @@ export function makeColour(app) {
     if (!app.volume ) return;
     log.style.color = axis.log ? "var(--accent)" : "";
     log.setAttribute("aria-pressed", String(axis.log));
-    const hills = graph.hills(), key = JSON.stringify(hills);
+    const hills = graph.peaks(), key = JSON.stringify(hills);
     if (chips.dataset.key !== key && !chips.matches(":active")) (chips.dataset.key = key), chips.replaceChildren(...hills.map(chip));
     hills.forEach((hill, i) => chips.children[i]?.setAttribute("aria-pressed", String(ui.points.length > 0 && ui.points.every((k) => k >= hill.first && k <= hill.last))));
     for (const field of [value, opacity]) field.show();

@@ -2,10 +2,10 @@
 import { arrow, clamp, el, hex, short, tell } from "./dom.js";
 import { Axis, drawGraph, shareOf } from "./graph.js";
 import { makeMarkers } from "./markers.js";
-import { hillsOf, inserted, moved, roundTo, without } from "./hills.js";
+import { peaksOf, inserted, moved, roundTo, without } from "./peaks.js";
 import { draggable } from "./rows.js";
 import { at, read } from "./scene.js";
-import { words } from "./words.js";
+import { words } from "./texts.js";
 
 const snaps = [0, 0.01, 0.03, 0.1, 0.3, 1];
 const nearest = (value, list) => list.reduce((a, b) => (Math.abs(b - value) < Math.abs(a - value) ? b : a));
@@ -19,7 +19,7 @@ export function makeGraph(app) {
   const tf = () => store.state.tf;
   const setPoints = (label, points) => store.set(label, (s) => ({ tf: { ...s.tf, points } }));
   const setStops = (label, stops) => store.set(label, (s) => ({ tf: { ...s.tf, stops } }));
-  const hills = () => hillsOf(tf().points, tf().stops, axis.range);
+  const hills = () => peaksOf(tf().points, tf().stops, axis.range);
   /** What undo calls it: the hill by its name or values. */
   const stepName = (i) => {
     const hill = hills().find((h) => i >= h.first && i <= h.last);

@@ -2,14 +2,14 @@
 import { boxOf, fromScene, toScene, viewOf } from "./camera.js";
 import { makeColour } from "./colour.js";
 import { makeCompare } from "./compare.js";
-import { makeCross } from "./cross.js";
+import { makeCross } from "./orientation.js";
 import { el, fromHex, icon, percent, short } from "./dom.js";
 import { makeFrame } from "./frame.js";
 import { makeGestures } from "./gestures.js";
 import { makeKeys } from "./keys.js";
 import { makeLight, radios } from "./light.js";
 import { Link } from "./link.js";
-import { makeLooks } from "./looks.js";
+import { makeLooks } from "./presets.js";
 import { makeMenus } from "./menus.js";
 import { makeSaving } from "./saving.js";
 import { describe, read, sceneOf, stateOf } from "./scene.js";
@@ -19,7 +19,7 @@ import { makeSections } from "./sections.js";
 import { makeStates, mark } from "./states.js";
 import { Store } from "./store.js";
 import { makeTheme } from "./theme.js";
-import { words } from "./words.js";
+import { words } from "./texts.js";
 
 const bar = document.getElementById("bar"), stage = document.getElementById("stage"), panel = document.getElementById("panel"), dock = document.getElementById("dock");
 const store = new Store({ values: {}, camera: {}, tf: { points: [{ value: 0, opacity: 0 }], stops: [{ value: 0, rgb: [0, 0, 0] }], unit: { key: "opacity_unit_distance", value: 1 }, scale: 1, rest: {} }, threshold: null, iso: [], rest: {} });
@@ -39,7 +39,7 @@ app.doubts = () => [...(app.volume.reduced ? [words.reduced(app.volume.reduced)]
 /** Half way into the densest hill. */
 app.firstSurface = () => {
   const { points } = store.state.tf, peak = (hill) => Math.max(...points.slice(hill.first, hill.last + 1).map((p) => p.opacity));
-  const hills = app.graph.hills().sort((a, b) => peak(b) - peak(a)), [hill] = hills, [low, high] = app.volume.range;
+  const hills = app.graph.peaks().sort((a, b) => peak(b) - peak(a)), [hill] = hills, [low, high] = app.volume.range;
   return hill ? (Math.max(hill.lo, low) + Math.min(hill.hi, high)) / 2 : (low + high) / 2;
 };
 

@@ -25,14 +25,14 @@ public:
     void show(Volume&& volume, Progress& progress);
     /// Another session of the volume that this one shows: the voxels are shared, nothing else. May be called while this
     /// one renders, but not while it is given a volume.
-    Session beside() const;
+    Session share_volume() const;
 
     /// `preview` is handed the picture with each coarse light that comes before the finest (visibility, and each
     /// iteration of transport), while that is still being found; and with each pass of paths (reference).
     const Image& render(const Scene& scene, Progress& progress, const Preview& preview = {});
     /// What can be shown at once: the scene by the light at hand, that of the last render, whatever it was made for; by
     /// none at first. Of the reference's radiance one path a pixel. What render keeps stays kept.
-    const Image& draft(const Scene& scene, Progress& progress);
+    const Image& preview(const Scene& scene, Progress& progress);
     /// Whether a render would have to find light first.
     bool needs_light(const Scene& scene) const;
     /// What the scene's lighting method computes for the shown volume. Throws as chiaro::compute_field.
@@ -43,13 +43,13 @@ public:
     /// Of the last render or field, in order; a verb whose kept result served took 0. What a verb consists of follows
     /// it.
     const std::vector<Stage>& stages() const;
-    const DeviceVolume& volume() const;      ///< shown
-    const Medium& medium() const;            ///< of the last render or draft
-    const IlluminationField& light() const;  ///< of the last render
-    std::vector<std::string> notes() const;  ///< what a user should know: of what was prepared, of the device
-    Outcome outcome() const;                 ///< of the last render; its paths, as frame()
-    std::size_t light_bytes() const;         ///< held: what the last render's lighting prepared, and its light
-    const Statistics& statistics() const;    ///< of the shown volume
+    const DeviceVolume& volume() const;          ///< shown
+    const Medium& medium() const;                ///< of the last render or draft
+    const IlluminationField& light() const;      ///< of the last render
+    std::vector<std::string> notes() const;      ///< what a user should know: of what was prepared, of the device
+    RenderStatistics render_statistics() const;  ///< of the last render; its paths, as frame()
+    std::size_t light_bytes() const;             ///< held: what the last render's lighting prepared, and its light
+    const Statistics& statistics() const;        ///< of the shown volume
     /// What the settings ask for, of the shown volume. Throws as load_transfer_function.
     TransferFunction resolve(const TransferSettings& settings) const;
     const TransferFunction& transfer_function() const;  ///< the one the last render used, window and unit applied

@@ -44,7 +44,8 @@ bool find_texture(const DeviceVolume::Data& volume, cuda::Stream& stream, kernel
     };
     std::string without;
     try {
-        view.texture = stream.mirror()->texture(HostArray::of(volume.weak_from_this(), volume.bricks), stream, make);
+        view.texture =
+            stream.device_cache()->texture(HostArray::of(volume.weak_from_this(), volume.bricks), stream, make);
     } catch (const cuda::NoTexture& why) {
         without = std::string(why.what()) + "; samples are interpolated exactly, not by texture units";
     }

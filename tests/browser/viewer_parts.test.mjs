@@ -319,7 +319,7 @@ visit("what local histograms take on disk is told and cleared", async (page) => 
 
 visit("the picker has the colours of the hills and those that were picked", async (page) => {
   const colours = () => page.locator("#palette option").evaluateAll((all) => all.map((o) => o.value));
-  const hills = await page.evaluate(() => chiaro.graph.hills().length);
+  const hills = await page.evaluate(() => chiaro.graph.peaks().length);
   assert.equal((await colours()).length, hills);
   const swatch = page.locator(".three input[type=color]");
   assert.equal(await swatch.getAttribute("list"), "palette");

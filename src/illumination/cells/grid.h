@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include "illumination/cells/cell_kernel.h"
+#include "illumination/cells/mirrored_buffer.h"
 #include "illumination/cells/place.h"
-#include "illumination/cells/twin_buffer.h"
 
 namespace chiaro {
 
@@ -53,14 +53,14 @@ inline std::uint16_t cell_value(double share) { return kernel::share_value(share
 /// What a card made stays there until the host reads it.
 struct CellValues {
     CellGrid grid;
-    TwinBuffer buffer;
+    MirroredBuffer buffer;
 
     explicit CellValues(const CellGrid& cells) : grid(cells), buffer((cells.size() + spare) * sizeof(std::uint16_t)) {}
     std::uint16_t* data() { return reinterpret_cast<std::uint16_t*>(buffer.data()); }
     const std::uint16_t* data() const { return reinterpret_cast<const std::uint16_t*>(buffer.data()); }
     const std::uint16_t* address() const { return reinterpret_cast<const std::uint16_t*>(buffer.address()); }
-    const std::uint16_t* on_card(cuda::Stream& stream) const {
-        return reinterpret_cast<const std::uint16_t*>(buffer.on_card(stream));
+    const std::uint16_t* on_gpu(cuda::Stream& stream) const {
+        return reinterpret_cast<const std::uint16_t*>(buffer.on_gpu(stream));
     }
 
     static constexpr std::size_t spare = 8;  ///< look-ups read two cells at a time

@@ -4,9 +4,9 @@
 
 namespace chiaro::kernel {
 
-template void run_on_card(cuda::Stream&, std::int64_t, const PlaceCells&);
-template void run_on_card(cuda::Stream&, std::int64_t, const CountSlab&);
-template void run_on_card(cuda::Stream&, std::int64_t, const PackSlab&);
-template void run_on_card(cuda::Stream&, std::int64_t, const SweepSlab&);
+template void run_on_gpu(cuda::Stream&, std::int64_t, const PlaceCells&);
+template void run_on_gpu(cuda::Stream&, std::int64_t, const CountSlab&);
+template void run_on_gpu(cuda::Stream&, std::int64_t, const PackSlab&);
+template void run_on_gpu(cuda::Stream&, std::int64_t, const SweepSlab&);
 
 }  // namespace chiaro::kernel

@@ -132,11 +132,11 @@ private:
 }  // namespace
 
 CellValues fused_sweep(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
-                       const BlockMap& blocks, Steps& steps, Progress& progress) {
+                       const BlockMap& blocks, StageTimer& timer, Progress& progress) {
     FusedSweep sweep(device, opacity, settings, blocks, progress);
-    steps("spao mipmaps", [&] { sweep.make_coarse_grids(); });
-    for (int g = coarse_grids(settings); g > 0; --g) steps(name_of_cells(g), [&] { sweep.sweep_corners(g); });
-    return steps(name_of_cells(0), [&] { return sweep.sweep_cells(); });
+    timer("spao mipmaps", [&] { sweep.make_coarse_grids(); });
+    for (int g = coarse_grids(settings); g > 0; --g) timer(name_of_cells(g), [&] { sweep.sweep_corners(g); });
+    return timer(name_of_cells(0), [&] { return sweep.sweep_cells(); });
 }
 
 }  // namespace chiaro

@@ -19,6 +19,6 @@ inline std::string name_of_cells(int grid) { return "spao cells of " + std::to_s
 /// cell for the result, .6 for coarser opacities and weights, 2.3 for what the coarser grids find out near what is
 /// seen.
 CellValues fused_sweep(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
-                       const BlockMap& blocks, Steps& steps, Progress& progress);
+                       const BlockMap& blocks, StageTimer& timer, Progress& progress);
 
 }  // namespace chiaro

@@ -39,12 +39,12 @@ std::uint16_t* SpaoLevels::Level::row(int y, int z) {
 }
 const std::uint16_t* SpaoLevels::Level::row(int y, int z) const { return const_cast<Level*>(this)->row(y, z); }
 
-SpaoLevels::SpaoLevels(const Device& device, const CellOpacity& opacity, int mip_levels, int top, Steps& steps,
+SpaoLevels::SpaoLevels(const Device& device, const CellOpacity& opacity, int mip_levels, int top, StageTimer& timer,
                        Progress& progress)
     : device_(device), run_(kernel::spao_functions_for(device.isa)) {
-    steps(name_of_level(0), [&] { copy_opacity(opacity, progress); });
+    timer(name_of_level(0), [&] { copy_opacity(opacity, progress); });
     for (int level = 1; level <= top; ++level)
-        steps(name_of_level(level), [&] {
+        timer(name_of_level(level), [&] {
             level <= mip_levels ? add_mipmap(progress) : add_nbuffer(1 << (level - mip_levels - 1), progress);
         });
 }

@@ -6,6 +6,6 @@ namespace chiaro {
 
 /// Fills the cells of the given blocks.
 CellValues spao_accessibility(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
-                              const BlockMap& blocks, Steps& steps, Progress& progress);
+                              const BlockMap& blocks, StageTimer& timer, Progress& progress);
 
 }  // namespace chiaro

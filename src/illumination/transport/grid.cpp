@@ -2,12 +2,12 @@
 
 #include "classify/medium.h"
 #include "core/threads.h"
-#include "cuda/mirror.h"
+#include "cuda/device_cache.h"
 #include "illumination/transport/axis_places.h"
-#include "illumination/transport/launch_card.h"
+#include "illumination/transport/boundary_cells.h"
+#include "illumination/transport/launch_gpu.h"
 #include "illumination/transport/matter_kernel.h"
-#include "illumination/transport/skin.h"
-#include "illumination/transport/tints.h"
+#include "illumination/transport/scattering_colours.h"
 
 namespace chiaro {
 namespace {
@@ -31,19 +31,19 @@ Blocks blocks_for(const CellGrid& cells, int most) {
 }
 
 /// Of blocks of 3³: as `halved` of 2³.
-Density thirded(const Density& finer, const Device& device, Progress& progress) {
+Density downsampled_by_3(const Density& finer, const Device& device, Progress& progress) {
     Density out(coarser(finer.grid, 3));
     const auto [nx, ny, nz] = finer.grid.count;
     const auto nodes = std::int64_t(out.grid.size());
-    kernel::ThirdKernel third{nullptr, {nx, ny, nz}, nullptr, out.grid.count[0], out.grid.count[1]};
-    const auto on_card = [&] {
+    kernel::DownsampleBy3Kernel third{nullptr, {nx, ny, nz}, nullptr, out.grid.count[0], out.grid.count[1]};
+    const auto on_gpu = [&] {
         cuda::Stream& stream = *device.stream;
         const cuda::Array<float> made(stream, out.grid.size());
-        third.finer = finer.on_card(stream), third.to = made.data();
-        kernel::run_on_card(stream, nodes, third);
+        third.finer = finer.on_gpu(stream), third.to = made.data();
+        kernel::run_on_gpu(stream, nodes, third);
         out.buffer.keep(device.stream, made.data());
     };
-    if (cuda::done_on_card(device, on_card)) return out;
+    if (cuda::try_gpu(device, on_gpu)) return out;
     third.finer = finer.data(), third.to = out.numbers();
     parallel_for(device.threads, nodes, 256, "density", progress, [&](std::int64_t first, std::int64_t end) {
         for (auto node = first; node < end; ++node) third(node);
@@ -54,7 +54,7 @@ Density thirded(const Density& finer, const Device& device, Progress& progress) 
 
 Density density_of_nodes(const Medium::Data& medium, Blocks blocks, const Device& device, Progress& progress) {
     Density density = density_for(medium, 1 << blocks.halvings, device, progress);
-    return blocks.by_three ? thirded(density, device, progress) : std::move(density);
+    return blocks.by_three ? downsampled_by_3(density, device, progress) : std::move(density);
 }
 
 /// As StoredValues, by places found once for each coordinate.
@@ -79,30 +79,32 @@ public:
     Colouring(const Medium::Data& medium, double albedo_max, int edge, const Device& device, Progress& progress)
         : medium_(medium),
           cells_(make_cell_grid(medium.volume.data().dimensions, medium.volume.data().geometry)),
-          tints_(medium, albedo_max),
+          scattering_colours_(medium, albedo_max),
           edge_(edge),
           device_(device),
           progress_(progress) {}
 
     void fill(LightGrid& grid) const {
         grid.albedo = GridColour(grid.extinction.grid.size());
-        if (!cuda::done_on_card(device_, [&] { fill_on_card(grid); })) fill_here(grid);
+        if (!cuda::try_gpu(device_, [&] { fill_on_gpu(grid); })) fill_here(grid);
     }
 
 private:
     template <class Values>
     kernel::NodeColours<Values> colours(const Values& values) const {
         const auto [nx, ny, nz] = cells_.count;
-        return {values, cell_centres(medium_, cells_), tints_.view(), {nx, ny, nz}, edge_, edge_ >= 4 ? 2 : 1};
+        return {
+            values, cell_centres(medium_, cells_), scattering_colours_.view(), {nx, ny, nz}, edge_, edge_ >= 4 ? 2 : 1};
     }
-    kernel::AlbedoKernel albedo(const CellGrid& nodes, const float* depths, const kernel::Tint* sums) const {
-        return {depths, sums, nodes.count[0], nodes.count[1], nodes.count[2], tints_.mean(), {}};
+    kernel::AlbedoKernel albedo(const CellGrid& nodes, const float* depths,
+                                const kernel::ScatteringColour* sums) const {
+        return {depths, sums, nodes.count[0], nodes.count[1], nodes.count[2], scattering_colours_.mean(), {}};
     }
 
     void fill_here(LightGrid& grid) const {
         const Density& density = grid.extinction;
         const auto [nx, ny, nz] = density.grid.count;
-        std::vector<Tint> sums(density.grid.size());
+        std::vector<ScatteringColour> sums(density.grid.size());
         const auto each_row = [&, ny = ny, nz = nz](const auto& body) {
             parallel_for(device_.threads, std::int64_t(ny) * nz, 8, "albedo", progress_,
                          [&](std::int64_t first, std::int64_t end) {
@@ -129,33 +131,33 @@ private:
         });
     }
 
-    void fill_on_card(LightGrid& grid) const {
+    void fill_on_gpu(LightGrid& grid) const {
         cuda::Stream& stream = *device_.stream;
         const CellGrid& nodes = grid.extinction.grid;
-        const float* depths = std::as_const(grid).extinction.on_card(stream);
-        const cuda::Array<kernel::Tint> sums(stream, nodes.size());
+        const float* depths = std::as_const(grid).extinction.on_gpu(stream);
+        const cuda::Array<kernel::ScatteringColour> sums(stream, nodes.size());
         const cuda::Array<float> made(stream, 3 * nodes.size());
         HostArrays arrays;
-        medium_.volume.data().add_to(arrays), tints_.add_to(arrays);
+        medium_.volume.data().add_to(arrays), scattering_colours_.add_to(arrays);
         cuda::Views views(stream, std::move(arrays));
         with_stored_voxel(medium_.volume.data(), [&](auto voxel) {
             using Values = kernel::StoredValues<decltype(voxel)>;
             kernel::ColourSums<Values> add{
                 colours(Values{view_of<decltype(voxel)>(medium_.volume.data()), cell_centres(medium_, cells_)}), depths,
                 nodes.count[0], nodes.count[1], sums.data()};
-            views.swap(add.colours.values.volume.voxels, add.colours.tints.entries);
-            kernel::run_on_card(stream, std::int64_t(nodes.size()), add);
+            views.to_device_pointers(add.colours.values.volume.voxels, add.colours.scattering_colours.entries);
+            kernel::run_on_gpu(stream, std::int64_t(nodes.size()), add);
         });
         kernel::AlbedoKernel albedos = albedo(nodes, depths, sums.data());
         for (std::size_t c = 0; c < 3; ++c) albedos.albedo[c] = made.data() + c * nodes.size();
-        kernel::run_on_card(stream, std::int64_t(nodes.size()), albedos);
+        kernel::run_on_gpu(stream, std::int64_t(nodes.size()), albedos);
         grid.albedo.buffer.keep(device_.stream, made.data());
         progress_.check();
     }
 
     const Medium::Data& medium_;
     const CellGrid cells_;
-    const Tints tints_;
+    const ScatteringColours scattering_colours_;
     const int edge_;
     const Device& device_;
     Progress& progress_;
@@ -168,17 +170,17 @@ std::vector<std::array<float, 3>> colours_at(const GridColour& colour, const std
     std::vector<std::array<float, 3>> found(nodes.size());
     if (nodes.empty()) return found;
     kernel::GatherKernel gather{nullptr, std::int64_t(colour.nodes), nullptr, nullptr};
-    const auto on_card = [&] {
+    const auto on_gpu = [&] {
         cuda::Stream& stream = *device.stream;
         const cuda::Array<std::size_t> which(stream, nodes.size());
         const cuda::Array<float> made(stream, 3 * nodes.size());
-        const cuda::Settled settled{stream};
+        const cuda::SyncOnExit sync{stream};
         stream.upload(which.data(), nodes.data(), nodes.size() * sizeof nodes[0]);
-        gather.colour = colour.on_card(stream), gather.which = which.data(), gather.out = made.data();
-        kernel::run_on_card(stream, std::int64_t(nodes.size()), gather);
+        gather.colour = colour.on_gpu(stream), gather.which = which.data(), gather.out = made.data();
+        kernel::run_on_gpu(stream, std::int64_t(nodes.size()), gather);
         stream.fetch(found.data(), made.data(), found.size() * sizeof found[0]);
     };
-    if (cuda::done_on_card(device, on_card)) return found;
+    if (cuda::try_gpu(device, on_gpu)) return found;
     gather.colour = colour[0], gather.which = nodes.data(), gather.out = found[0].data();
     for (std::size_t i = 0; i < nodes.size(); ++i) gather(std::int64_t(i));
     return found;
@@ -189,7 +191,7 @@ LightGrid light_grid(const Medium::Data& medium, int cells, double albedo_max, c
     const DeviceVolume::Data& volume = medium.volume.data();
     const Blocks blocks = blocks_for(make_cell_grid(volume.dimensions, volume.geometry), cells);
     LightGrid out{density_of_nodes(medium, blocks, device, progress), {}, medium.shape.mode == Mode::iso, {}};
-    if (!out.is_surface) out.skins = open_skins(medium, device, progress, out.extinction);
+    if (!out.is_surface) out.boundary_cells = open_boundary_cells(medium, device, progress, out.extinction);
     Colouring(medium, albedo_max, blocks.edge(), device, progress).fill(out);
     return out;
 }

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "core/threads.h"
-#include "illumination/visibility/card.h"
-#include "illumination/visibility/launch_card.h"
+#include "illumination/visibility/gpu.h"
+#include "illumination/visibility/launch_gpu.h"
 
 namespace chiaro {
 namespace {
@@ -44,18 +44,18 @@ TransparencyPyramid::TransparencyPyramid(const Density& density, int threads, Pr
         fill(levels_[l], next_kernel(levels_[l - 1].grid, levels_[l].grid, levels_[l - 1].data(), levels_[l].data()));
 }
 
-CardPyramid::CardPyramid(cuda::Stream& stream, const Density& density) {
+GpuPyramid::GpuPyramid(cuda::Stream& stream, const Density& density) {
     const std::vector<CellGrid> grids = pyramid_grids(density.grid);
     for (const CellGrid& grid : grids) {
         levels_.emplace_back(stream, grid.size() + CellValues::spare);
         levels_.back().zero();
         views_.push_back(pyramid_level(grid, int(views_.size()), levels_.back().data()));
     }
-    kernel::run_on_card(stream, std::int64_t(grids[0].size()),
-                        kernel::FinestLevel{density.on_card(stream), levels_[0].data()});
+    kernel::run_on_gpu(stream, std::int64_t(grids[0].size()),
+                       kernel::FinestLevel{density.on_gpu(stream), levels_[0].data()});
     for (std::size_t l = 1; l < grids.size(); ++l)
-        kernel::run_on_card(stream, std::int64_t(grids[l].size()),
-                            next_kernel(grids[l - 1], grids[l], levels_[l - 1].data(), levels_[l].data()));
+        kernel::run_on_gpu(stream, std::int64_t(grids[l].size()),
+                           next_kernel(grids[l - 1], grids[l], levels_[l - 1].data(), levels_[l].data()));
 }
 
 }  // namespace chiaro
