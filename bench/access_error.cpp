@@ -83,12 +83,12 @@ Frame slice_of(const CellValues& values, int z) {
 }  // namespace
 
 CellValues LitSubject::field(const IlluminationSettings& settings, Progress& progress) const {
-    Steps steps;
+    StageTimer timer;
     const BlockMap all(opacity.values.grid.count, true);
-    return accessibility(device, medium.data(), opacity, settings, all, steps, progress);
+    return accessibility(device, medium.data(), opacity, settings, all, timer, progress);
 }
 
-CellValues LitSubject::truth(ReferenceQuantity quantity, int rays, Progress& progress) const {
+CellValues LitSubject::ground_truth(ReferenceQuantity quantity, int rays, Progress& progress) const {
     IlluminationSettings settings{.method = Method::reference};
     settings.reference.rays = rays, settings.reference.quantity = quantity;
     return field(settings, progress);
@@ -127,11 +127,11 @@ CellMask cells_with_normal(const CellValues& opacity, double least) {
     return mask_of(opacity, [&](int x, int y, int z) { return outward_at(opacity, x, y, z, 0.25 / least).share >= 1; });
 }
 
-AccessError error_of(const CellValues& found, const CellValues& truth, const CellMask& counts) {
+AccessError error_of(const CellValues& found, const CellValues& ground_truth, const CellMask& counts) {
     double n = 0, sum_a = 0, sum_b = 0, aa = 0, bb = 0, ab = 0, squares = 0;
     for (std::size_t i = 0; i < counts.size(); ++i) {
         if (!counts[i]) continue;
-        const double a = found.data()[i] / double(cell_one), b = truth.data()[i] / double(cell_one);
+        const double a = found.data()[i] / double(cell_one), b = ground_truth.data()[i] / double(cell_one);
         n += 1, sum_a += a, sum_b += b, aa += a * a, bb += b * b, ab += a * b, squares += (a - b) * (a - b);
     }
     const double covariance = ab - sum_a * sum_b / n, variances = (aa - sum_a * sum_a / n) * (bb - sum_b * sum_b / n);

@@ -20,7 +20,7 @@ struct LitSubject {
 
     /// Of every cell, by any method.
     CellValues field(const IlluminationSettings& settings, Progress& progress) const;
-    CellValues truth(ReferenceQuantity quantity, int rays, Progress& progress) const;
+    CellValues ground_truth(ReferenceQuantity quantity, int rays, Progress& progress) const;
 };
 
 /// "cornell" and "fog" (samples), "engine", "bonsai" and "cthead" (crops of volumes in the folder `data`).
@@ -40,7 +40,7 @@ struct AccessError {
     double rmse = 0, bias = 0;  ///< of found - truth
     double correlation = 0;     ///< Pearson's
 };
-AccessError error_of(const CellValues& found, const CellValues& truth, const CellMask& counts);
+AccessError error_of(const CellValues& found, const CellValues& ground_truth, const CellMask& counts);
 /// Structural similarity of the slices, on average.
 double mean_ssim(const CellValues& a, const CellValues& b);
 

@@ -15,9 +15,9 @@
 #include "illumination/histogram/optics.h"
 #include "illumination/histogram/source.h"
 #include "occlusion_error.h"
+#include "random_codewords.h"
 #include "rows.h"
 #include "turntable.h"
-#include "words.h"
 
 namespace chiaro::bench {
 namespace {
@@ -84,20 +84,20 @@ std::vector<Row> measure_preprocessing(const Setup& setup, const std::string& na
     const std::string part = "scaled from a random part";
     std::vector<Row> found{one(name + "/exact", "CPU s", exact, part), one(name + "/sweep", "CPU s", sweep, part)};
     found.push_back({name + "/fast", "CPU s", {fast, fast, fast, 1}, exact / fast, "times faster than exact", part});
-    Steps steps;
+    StageTimer timer;
     LocalHistograms h;
     const double seconds =
-        cpu_seconds([&] { h = find_local_histograms(setup.device, voxels.data(), settings, steps, setup.progress); });
-    found.push_back(
-        one(name + "/whole", "CPU s", seconds, fmt::format("{} words, {} packed bins", h.words, data.packing.packed)));
+        cpu_seconds([&] { h = find_local_histograms(setup.device, voxels.data(), settings, timer, setup.progress); });
+    found.push_back(one(name + "/whole", "CPU s", seconds,
+                        fmt::format("{} words, {} packed bins", h.codewords, data.packing.packed)));
     double wall = 0;
-    const auto stages = steps.take();
+    const auto stages = timer.take();
     for (const Stage& stage : stages) wall += stage.seconds;
     for (const Stage& stage : stages)
         found.push_back(one(fmt::format("{}/{}", name, stage.name), "CPU s", seconds * stage.seconds / wall,
                             "the stage's share of the time"));
     const double before = 2.0 * double(h.node_count()) * data.cells.binning.count * 4;
-    found.push_back(one(name + "/size", "MiB", double(h.bytes() - h.lifted.size()) / (1 << 20),
+    found.push_back(one(name + "/size", "MiB", double(h.bytes() - h.displaced.size()) / (1 << 20),
                         fmt::format("as full histograms of floats {:.0f} MiB", before / (1 << 20))));
     return found;
 }
@@ -127,16 +127,16 @@ std::vector<Row> measure_exact(const Setup& setup, const std::string& name) {
 
 /// The table that an edit renews: 2048 words of 4096 bins.
 std::vector<Row> measure_table(const Setup& setup, const std::string& name) {
-    const RandomWords words(setup);
-    VoxelBuffer from(words.bytes()), to(from.size());
+    const RandomCodewords codewords(setup);
+    VoxelBuffer from(codewords.bytes()), to(from.size());
     std::fill_n(from.data(), from.size(), std::byte{1});
     const auto series = in_turns(
-        setup.runs, {[&] { return 1e3 * cpu_seconds([&] { words.sum(setup.device); }); },
+        setup.runs, {[&] { return 1e3 * cpu_seconds([&] { codewords.sum(setup.device); }); },
                      [&] { return 1e3 * cpu_seconds([&] { std::copy_n(from.data(), from.size(), to.data()); }); },
-                     [&] { return 1e3 * wall_seconds([&] { words.sum(setup.device); }); }});
+                     [&] { return 1e3 * wall_seconds([&] { codewords.sum(setup.device); }); }});
     return {{name, "CPU ms", spread_of(series[0]), median_ratio(series[0], series[1]), "memcpy of the words",
-             fmt::format("{} words × 4096 bins; the threads share it: {:.2f} ms of wall", words.histograms->words,
-                         spread_of(series[2]).median)}};
+             fmt::format("{} words × 4096 bins; the threads share it: {:.2f} ms of wall",
+                         codewords.histograms->codewords, spread_of(series[2]).median)}};
 }
 
 std::vector<Row> measure_error(const Setup& setup, const std::string& name, const Subject& subject,
@@ -146,8 +146,8 @@ std::vector<Row> measure_error(const Setup& setup, const std::string& name, cons
     if (setup.quick) settings.radius = 4, settings.clusters = std::min(settings.clusters, 64);
     const Statistics statistics = measure(*volume);
     const DeviceVolume voxels = upload(setup.device, *volume);
-    Steps steps;
-    const LocalHistograms h = find_local_histograms(setup.device, voxels.data(), settings, steps, setup.progress);
+    StageTimer timer;
+    const LocalHistograms h = find_local_histograms(setup.device, voxels.data(), settings, timer, setup.progress);
     auto functions = four_functions(statistics.min, statistics.p999);
     if (!*subject.file) functions = {{"own", sample_transfer_function(subject.name)}};
     const auto errors = occlusion_errors(voxels, h, functions, setup.quick ? 50 : 2000);

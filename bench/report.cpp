@@ -9,14 +9,14 @@
 namespace chiaro::bench {
 namespace {
 
-std::string processor() {
+std::string cpu() {
     std::ifstream info("/proc/cpuinfo");
     for (std::string line; std::getline(info, line);)
         if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
     return "unknown";
 }
 
-std::string card(const Setup& setup) { return setup.device.has_card() ? ", " + setup.device.stream->card().name : ""; }
+std::string gpu(const Setup& setup) { return setup.device.has_gpu() ? ", " + setup.device.stream->gpu().name : ""; }
 
 nlohmann::ordered_json json_of(const Row& row) {
     nlohmann::ordered_json json{{"name", row.name},     {"value", nullptr},    {"unit", row.unit},
@@ -33,8 +33,8 @@ nlohmann::ordered_json json_of(const Row& row) {
 }  // namespace
 
 std::string heading(const Setup& setup) {
-    return fmt::format("{}, {}, {} threads{}, chiaro {} {}\n{:<44} {:>10} {:>10} {:>10}  {}", processor(),
-                       name_of(setup.device.isa), setup.device.threads, card(setup), CHIARO_VERSION, CHIARO_COMMIT,
+    return fmt::format("{}, {}, {} threads{}, chiaro {} {}\n{:<44} {:>10} {:>10} {:>10}  {}", cpu(),
+                       name_of(setup.device.isa), setup.device.threads, gpu(setup), CHIARO_VERSION, CHIARO_COMMIT,
                        "row", "median", "min", "max", "unit");
 }
 
@@ -51,7 +51,7 @@ std::string line_of(const Row& row) {
 
 std::string to_json(const Setup& setup, const std::vector<Row>& rows) {
     nlohmann::ordered_json json{
-        {"chiaro", CHIARO_VERSION},      {"commit", CHIARO_COMMIT},          {"machine", processor() + card(setup)},
+        {"chiaro", CHIARO_VERSION},      {"commit", CHIARO_COMMIT},          {"machine", cpu() + gpu(setup)},
         {"device", setup.device.name()}, {"isa", name_of(setup.device.isa)}, {"threads", setup.device.threads},
         {"quick", setup.quick}};
     json["rows"] = nlohmann::json::array();

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "measure.h"
-#include "papers.h"
+#include "published_figures.h"
 
 namespace chiaro::bench {
 
@@ -62,7 +62,7 @@ std::vector<Case> transport_strip_cases(const Setup& setup);
 std::vector<Case> transport_cases(const Setup& setup);
 std::vector<Case> path_cases(const Setup& setup);
 std::vector<Case> histogram_cases(const Setup& setup);
-std::vector<Case> card_cases(const Setup& setup);
+std::vector<Case> gpu_cases(const Setup& setup);
 std::vector<Case> tool_cases(const Setup& setup);
 
 /// Something costly that several cases share: made for the first, gone with the last.

@@ -50,11 +50,11 @@ public:
         Lighting lighting;
         lighting.shading = Shading::none;
         const RaySettings settings{.step_voxels = 1, .early_termination = 0, .skip_empty = false};
-        Outcome outcome;
+        RenderStatistics render_statistics;
         const double seconds = cpu_seconds(
-            [&] { outcome = raycast(device, medium_, {}, lighting, camera_, settings, frame_, progress_); });
+            [&] { render_statistics = raycast(device, medium_, {}, lighting, camera_, settings, frame_, progress_); });
         progress_.check();
-        return 1e-6 * double(outcome.samples) / seconds;
+        return 1e-6 * double(render_statistics.samples) / seconds;
     }
 
 private:

@@ -13,9 +13,9 @@ namespace chiaro::bench {
 namespace {
 
 /// A subject with its truths, each traced once.
-class Judged {
+class Measured {
 public:
-    Judged(const Setup& setup, const std::string& name)
+    Measured(const Setup& setup, const std::string& name)
         : rays_(setup.quick ? 64 : 1024),
           progress_(setup.progress),
           subject_(find_lit_subject(setup.device, setup.data, name, setup.quick ? 32 : 64, setup.quick ? 24 : 48,
@@ -30,13 +30,13 @@ public:
 
     Row row(const std::string& name, ReferenceQuantity quantity, const SpaoSettings& spao) {
         const CellValues found = subject_->field({.method = Method::spao, .spao = spao}, progress_);
-        const CellValues& truth = truth_of(quantity);
+        const CellValues& ground_truth = ground_truth_of(quantity);
         const bool is_obscurance = quantity == ReferenceQuantity::obscurance;
         const CellMask& counts = is_obscurance ? everywhere_ : with_normal_;
         if (std::none_of(counts.begin(), counts.end(), [](auto counted) { return counted != 0; }))
             return {name, "RMSE", {}, {}, {}, "skipped: no cell with |n| >= 0.1"};
-        const AccessError all = error_of(found, truth, counts);
-        const AccessError visible = error_of(found, truth, visible_);
+        const AccessError all = error_of(found, ground_truth, counts);
+        const AccessError visible = error_of(found, ground_truth, visible_);
         return {name,
                 "RMSE",
                 {all.rmse, all.rmse, all.rmse, 1},
@@ -44,21 +44,21 @@ public:
                 {},
                 fmt::format("{}; bias {:+.4f}; correlation {:.3f}; SSIM {:.3f}; visible cells: RMSE {:.4f}",
                             is_obscurance ? "all cells" : "cells with |n| >= 0.1", all.bias, all.correlation,
-                            mean_ssim(found, truth), visible.rmse)};
+                            mean_ssim(found, ground_truth), visible.rmse)};
     }
 
 private:
-    const CellValues& truth_of(ReferenceQuantity quantity) {
-        const auto known = truths_.find(quantity);
-        if (known != truths_.end()) return known->second;
-        return truths_.emplace(quantity, subject_->truth(quantity, rays_, progress_)).first->second;
+    const CellValues& ground_truth_of(ReferenceQuantity quantity) {
+        const auto known = ground_truths_.find(quantity);
+        if (known != ground_truths_.end()) return known->second;
+        return ground_truths_.emplace(quantity, subject_->ground_truth(quantity, rays_, progress_)).first->second;
     }
 
     int rays_;
     Progress& progress_;
     std::optional<LitSubject> subject_;
     CellMask everywhere_, visible_, with_normal_;
-    std::map<ReferenceQuantity, CellValues> truths_;
+    std::map<ReferenceQuantity, CellValues> ground_truths_;
 };
 
 }  // namespace
@@ -66,7 +66,7 @@ private:
 std::vector<Case> spao_error_cases(const Setup& setup) {
     std::vector<Case> cases;
     for (const std::string& subject : lit_subjects()) {
-        const Shared<Judged> judged([&setup, subject] { return Judged(setup, subject); });
+        const Shared<Measured> measured([&setup, subject] { return Measured(setup, subject); });
         for (const auto& [quantity, factor] : {std::pair{ReferenceQuantity::obscurance, 0.0},
                                                {ReferenceQuantity::ao, 1.0},
                                                {ReferenceQuantity::ao_cosine, 1.0}})
@@ -76,8 +76,8 @@ std::vector<Case> spao_error_cases(const Setup& setup) {
                                                          to_text(model), to_text(filter));
                     const SpaoSettings spao{.filter = filter, .normal_factor = factor, .model = model};
                     const auto measure = [=, quantity = quantity]() -> std::vector<Row> {
-                        if (!*judged) return {{name, "RMSE", {}, {}, {}, no_data}};
-                        return {(*judged).row(name, quantity, spao)};
+                        if (!*measured) return {{name, "RMSE", {}, {}, {}, no_data}};
+                        return {(*measured).row(name, quantity, spao)};
                     };
                     cases.push_back({{name}, measure});
                 }

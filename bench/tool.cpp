@@ -13,12 +13,12 @@
 namespace chiaro::bench {
 namespace {
 
-std::vector<Row> measure_first_picture(const Setup& setup, const std::string& name) {
+std::vector<Row> measure_first_image(const Setup& setup, const std::string& name) {
     const TemporaryFolder folder;
-    const std::string volume = folder / "volume.nrrd", picture = folder / "picture.png";
+    const std::string volume = folder / "volume.nrrd", image = folder / "picture.png";
     write_nrrd(make_sample("shells", 256), volume, NrrdEncoding::raw);
     const std::vector<std::string> render{
-        "render", volume, "-o", picture, "--quiet", "--threads", std::to_string(setup.device.threads)};
+        "render", volume, "-o", image, "--quiet", "--threads", std::to_string(setup.device.threads)};
     Series cpu;
     const auto wall = [&] { return wall_seconds([&] { cpu.push_back(run_program(setup.tool, render)); }); };
     const auto series = in_turns(setup.runs, {wall});
@@ -50,8 +50,8 @@ Volume widened(const Volume& bytes) {
 /// `what` and `voxel_bytes`: what the tool is to render, and how much the voxels of that are.
 std::vector<Row> peak_row(const Setup& setup, const std::string& name, const TemporaryFolder& folder,
                           std::vector<std::string> what, double voxel_bytes) {
-    const std::string picture = folder / "picture.png", stats = folder / "stats.json";
-    std::vector<std::string> render{"render", "-o", picture, "--quiet", "--size", "256x192", "--stats", stats};
+    const std::string image = folder / "picture.png", stats = folder / "stats.json";
+    std::vector<std::string> render{"render", "-o", image, "--quiet", "--size", "256x192", "--stats", stats};
     render.insert(render.end(), what.begin(), what.end());
     const Measure peak = [&] {
         run_program(setup.tool, render);
@@ -99,7 +99,7 @@ std::vector<Row> measure_scan_memory(const Setup& setup, const std::string& name
 std::vector<Case> tool_cases(const Setup& setup) {
     const int size = setup.quick ? 256 : 512;
     const std::string first = "tool/first-picture", memory = "tool/peak-memory/", noise = fmt::format("{}-u16", size);
-    std::vector<Case> cases{{{first}, [=, &setup] { return measure_first_picture(setup, first); }},
+    std::vector<Case> cases{{{first}, [=, &setup] { return measure_first_image(setup, first); }},
                             {{memory + noise}, [=, &setup] { return measure_memory(setup, memory + noise, size); }}};
     for (const char* look : {"sparse", "fog"}) {
         const std::string scene = fmt::format("shells{}-{}", size, look);

@@ -6,8 +6,8 @@
 #include <cstring>
 
 #include "classify/medium.h"
-#include "illumination/transport/first_light.h"
 #include "illumination/transport/transport.h"
+#include "illumination/transport/uncollided_light.h"
 #include "rows.h"
 
 namespace chiaro::bench {
@@ -78,7 +78,7 @@ std::vector<Row> measure_sweeps(const Setup& setup, const std::string& name, con
     const SweptMedium swept(cells, opaque);
     const Geometry& geometry = medium.data().volume.data().geometry;
     const auto first = [&] {
-        first_light(setup.device, swept, FirstDirections(Lighting(), up, geometry, 200), setup.progress);
+        uncollided_light(setup.device, swept, FirstDirections(Lighting(), up, geometry, 200), setup.progress);
     };
     TransportSolver solver = solver_of(setup, medium, grid);
     const auto one = [&] { solver.iterate(setup.progress); };

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "rows.h"
-#include "transport_judge.h"
+#include "transport_metric.h"
 #include "turntable.h"
 
 namespace chiaro::bench {
@@ -17,13 +17,13 @@ constexpr int iterations[] = {1, 4, 16};
 /// A subject under a light, with its truths.
 struct JudgedLight {
     std::optional<ScatteringSubject> subject;
-    std::optional<TransportJudge> judge;
+    std::optional<TransportErrorMetric> metric;
 
     JudgedLight(const Setup& setup, const std::string& name, const ScatteringCase& which) {
         subject = find_scattering_subject(setup.device, setup.data, name, setup.progress);
         if (!subject) return;
-        const TransportJudge::Effort quick{.air = 32, .matter = 16, .paths = 64, .paths_a_pixel = 1};
-        judge.emplace(*subject, which, setup.quick ? quick : TransportJudge::Effort{}, setup.progress);
+        const TransportErrorMetric::Effort quick{.air = 32, .matter = 16, .paths = 64, .paths_a_pixel = 1};
+        metric.emplace(*subject, which, setup.quick ? quick : TransportErrorMetric::Effort{}, setup.progress);
     }
     JudgedLight(JudgedLight&&) = delete;
 };
@@ -32,7 +32,7 @@ Row light_row(const std::string& name, double share, const std::string& note = "
     return {name, "%", {100 * share, 100 * share, 100 * share, 1}, {}, {}, note};
 }
 
-std::string told(const FluenceError& error) {
+std::string told(const MeanRadianceError& error) {
     return fmt::format("bias {:+.1f} %, noise of the truth {:.1f} %", 100 * error.bias, 100 * error.noise);
 }
 
@@ -46,22 +46,22 @@ const std::vector<std::string>& quantities() {
     return list;
 }
 
-std::vector<Row> measure(const TransportJudge& judge, const std::string& prefix, int grid) {
+std::vector<Row> measure(const TransportErrorMetric& metric, const std::string& prefix, int grid) {
     std::vector<Row> rows;
-    const TransportNodes nodes = judge.nodes(grid, {});
-    for (const auto& [kind, error] : {std::pair{"air", judge.in_air(nodes)}, {"matter", judge.in_matter(nodes)}}) {
+    const TransportNodes nodes = metric.nodes(grid, {});
+    for (const auto& [kind, error] : {std::pair{"air", metric.in_air(nodes)}, {"matter", metric.in_medium(nodes)}}) {
         rows.push_back(
             light_row(fmt::format("{}/{}", prefix, kind), error.relative,
                       fmt::format("{}; {} iterations, the last {:.2e}", told(error), nodes.iterations, nodes.change)));
         rows.push_back(light_row(fmt::format("{}/{}-bias", prefix, kind), error.bias));
     }
     const auto add = [&](const std::string& name, const Frame& frame) {
-        const FluenceError error = judge.of_picture(frame);
+        const MeanRadianceError error = metric.of_image(frame);
         rows.push_back(light_row(fmt::format("{}/{}", prefix, name), error.relative, told(error)));
     };
-    add("picture-single", judge.picture(judge.nodes(grid, 0)));
-    for (const int n : iterations) add(fmt::format("picture-{}", n), judge.picture(judge.nodes(grid, n)));
-    add("picture", judge.picture(nodes));
+    add("picture-single", metric.image(metric.nodes(grid, 0)));
+    for (const int n : iterations) add(fmt::format("picture-{}", n), metric.image(metric.nodes(grid, n)));
+    add("picture", metric.image(nodes));
     return rows;
 }
 
@@ -73,16 +73,16 @@ std::vector<Case> transport_error_cases(const Setup& setup) {
         for (const char* probe : probes)
             for (const double albedo : albedos) {
                 const ScatteringCase which{.probe = probe, .albedo = albedo};
-                const Shared<std::unique_ptr<JudgedLight>> judged(
+                const Shared<std::unique_ptr<JudgedLight>> measured(
                     [&setup, subject, which] { return std::make_unique<JudgedLight>(setup, subject, which); });
                 for (const int grid : grids) {
                     const std::string prefix = fmt::format("transport-error/{}/{}/{}/{}", subject, probe, albedo, grid);
                     Case each;
                     for (const std::string& what : quantities()) each.names.push_back(prefix + "/" + what);
                     each.measure = [=]() -> std::vector<Row> {
-                        const JudgedLight& found = **judged;
-                        if (!found.judge) return {{prefix, "%", {}, {}, {}, no_data}};
-                        return measure(*found.judge, prefix, grid);
+                        const JudgedLight& found = **measured;
+                        if (!found.metric) return {{prefix, "%", {}, {}, {}, no_data}};
+                        return measure(*found.metric, prefix, grid);
                     };
                     cases.push_back(std::move(each));
                 }

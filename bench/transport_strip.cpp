@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "rows.h"
-#include "transport_judge.h"
+#include "transport_metric.h"
 #include "turntable.h"
 
 namespace chiaro::bench {
@@ -26,14 +26,15 @@ double stops_for(const Frame& frame) {
 }
 
 /// 4 × how far one is from the other, up or down, block by block: sizes are whole blocks.
-Frame difference(const Frame& found, const Frame& truth) {
+Frame difference(const Frame& found, const Frame& ground_truth) {
     constexpr double times = 4;
-    Frame off(truth.width, truth.height);
+    Frame off(ground_truth.width, ground_truth.height);
     for (int y = 0; y < off.height; ++y)
         for (int x = 0; x < off.width; ++x)
             for (int c = 0; c < 3; ++c) {
                 const auto mean = [&](const Frame& frame) { return block_mean(frame, x / block, y / block, c, block); };
-                off.rgba[4 * (std::size_t(y) * off.width + x) + c] = float(times * std::abs(mean(found) - mean(truth)));
+                off.rgba[4 * (std::size_t(y) * off.width + x) + c] =
+                    float(times * std::abs(mean(found) - mean(ground_truth)));
             }
     return off;
 }
@@ -56,14 +57,15 @@ Row draw(const Setup& setup, const std::string& name, const std::filesystem::pat
     if (!subject) return {path.stem().string(), "%", {}, {}, {}, no_data};
     subject->scene.width = subject->scene.height = 144;
     subject->scene.camera.zoom = std::max(subject->scene.camera.zoom, 1.35);
-    const TransportJudge::Effort effort{.air = 0, .matter = 0, .paths = 1, .paths_a_pixel = setup.quick ? 4 : 512};
-    const TransportJudge judge(*subject, {}, effort, setup.progress);
+    const TransportErrorMetric::Effort effort{
+        .air = 0, .matter = 0, .paths = 1, .paths_a_pixel = setup.quick ? 4 : 512};
+    const TransportErrorMetric metric(*subject, {}, effort, setup.progress);
     std::vector<Frame> frames;
-    for (const int iterations : {0, 1, 4, 16}) frames.push_back(judge.picture(judge.nodes(64, iterations)));
-    const double error = 100 * judge.of_picture(frames.back(), block).relative;
-    frames.push_back(judge.truth());
-    frames.push_back(difference(frames[3], judge.truth()));
-    write_strip(frames, path, stops_for(judge.truth()));
+    for (const int iterations : {0, 1, 4, 16}) frames.push_back(metric.image(metric.nodes(64, iterations)));
+    const double error = 100 * metric.of_image(frames.back(), block).relative;
+    frames.push_back(metric.ground_truth());
+    frames.push_back(difference(frames[3], metric.ground_truth()));
+    write_strip(frames, path, stops_for(metric.ground_truth()));
     return {"transport-strip/" + name, "%", {error, error, error, 1}, {}, {}, path.string()};
 }
 

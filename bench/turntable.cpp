@@ -42,7 +42,7 @@ double Turntable::seconds_per_frame(const Scene& scene) {
             Scene view = scene;
             view.camera = turned(scene.camera, frame);
             session_.render(view, progress_);
-            samples_ += session_.outcome().samples;
+            samples_ += session_.render_statistics().samples;
         }
     };
     return cpu_seconds(turn) / turn_frames;

@@ -37,7 +37,7 @@ void add_common_options(CLI::App& app, CommonOptions& o) {
 
 namespace {
 
-Device processor_of(const CommonOptions& o) {
+Device cpu_of(const CommonOptions& o) {
     if (o.isa.empty()) return Device::cpu(o.threads);
     Isa isa{};
     set(Setting{"isa", "", "", ""}, o.isa, "--isa " + o.isa, ErrorCode::usage, isa);
@@ -45,7 +45,7 @@ Device processor_of(const CommonOptions& o) {
 }
 
 /// N of "cuda:N"; "cuda" is the first.
-std::optional<int> card_in(std::string_view name) {
+std::optional<int> gpu_in(std::string_view name) {
     if (name == "cuda") return 0;
     if (!name.starts_with("cuda:")) return {};
     name.remove_prefix(5);
@@ -58,15 +58,15 @@ std::optional<int> card_in(std::string_view name) {
 }  // namespace
 
 Device device_of(const CommonOptions& o) {
-    const auto card = card_in(o.device);
-    if (!card && o.device != "auto" && o.device != "cpu")
+    const auto gpu = gpu_in(o.device);
+    if (!gpu && o.device != "auto" && o.device != "cpu")
         throw Error(ErrorCode::usage,
                     fmt::format("--device {}: must be auto, cpu or cuda[:N]{}", o.device,
                                 did_you_mean(o.device, std::vector<std::string>{"auto", "cpu", "cuda"})));
-    const Device processor = processor_of(o);
-    if (card) return Device::cuda(*card, processor);
-    if (o.device == "cpu") return processor;
-    const DeviceChoice choice = choose_device(processor);
+    const Device cpu = cpu_of(o);
+    if (gpu) return Device::cuda(*gpu, cpu);
+    if (o.device == "cpu") return cpu;
+    const DeviceChoice choice = choose_device(cpu);
     if (!choice.sentence.empty() && !o.quiet) say(choice.sentence);
     return choice.device;
 }

@@ -25,15 +25,15 @@ struct CompareOptions {
 
 bool is_png(const std::string& name) { return std::filesystem::path(name).extension() == ".png"; }
 bool is_exr(const std::string& name) { return std::filesystem::path(name).extension() == ".exr"; }
-bool is_picture(const std::string& name) { return is_png(name) || is_exr(name); }
+bool is_image(const std::string& name) { return is_png(name) || is_exr(name); }
 
-Frame read_picture(const std::string& name) { return is_png(name) ? display_values(read_png(name)) : read_exr(name); }
+Frame read_image(const std::string& name) { return is_png(name) ? display_values(read_png(name)) : read_exr(name); }
 
-Metrics compare_pictures(const std::string& a, const std::string& b, Stats& stats) {
+Metrics compare_images(const std::string& a, const std::string& b, Stats& stats) {
     if (is_png(a) != is_png(b))
         throw Error(ErrorCode::usage,
                     fmt::format("{} and {}: display values and linear light cannot be compared", a, b));
-    const auto [first, second] = stats.stage("read", [&] { return std::pair(read_picture(a), read_picture(b)); });
+    const auto [first, second] = stats.stage("read", [&] { return std::pair(read_image(a), read_image(b)); });
     return stats.stage("compare", [&, &x = first, &y = second] { return metrics_of(compare(x, y)); });
 }
 
@@ -59,10 +59,10 @@ void compare_files(const CompareOptions& o) {
     if (!o.methods.scene.empty() || !o.methods.output.empty() || o.flags.any())
         throw Error(ErrorCode::usage,
                     "two files are compared as they are: only --methods takes a scene, -o or settings");
-    if (is_picture(o.a) != is_picture(o.b))
+    if (is_image(o.a) != is_image(o.b))
         throw Error(ErrorCode::usage, fmt::format("{} and {}: a picture and a field cannot be compared", o.a, o.b));
     Stats stats;
-    const Metrics metrics = is_picture(o.a) ? compare_pictures(o.a, o.b, stats) : compare_fields(o, stats);
+    const Metrics metrics = is_image(o.a) ? compare_images(o.a, o.b, stats) : compare_fields(o, stats);
     const auto failures = o.limits.broken(metrics);
     print(metrics, o.json);
     if (o.common.verbose) tell_stages(stats);

@@ -75,9 +75,9 @@ void compare_on_volume(const MethodsOptions& options, const Limits& limits, bool
     job.bar.clear();
 
     std::vector<std::string> failures;
-    for (const MethodPicture& picture : comparison.pictures)
-        for (const std::string& failure : limits.broken(metrics_of(picture.distance)))
-            failures.push_back(fmt::format("{}'s {}", to_text(picture.method), failure));
+    for (const MethodImage& image : comparison.images)
+        for (const std::string& failure : limits.broken(metrics_of(image.distance)))
+            failures.push_back(fmt::format("{}'s {}", to_text(image.method), failure));
     if (!options.output.empty()) write(comparison, scene, options.output);
     fmt::print("{}", as_json ? json_of(comparison).dump(2) + "\n" : table_of(comparison));
     if (common.verbose) tell_stages(stats, device);

@@ -30,9 +30,9 @@ void list_presets() {
 void list_devices() {
     const Device device = Device::cpu();
     fmt::print("cpu          {} threads, {}\n", device.threads, name_of(device.isa));
-    for (const CardInfo& card : list_cards())
-        fmt::print("{:<12} {}, {} of {} MiB free\n", fmt::format("cuda:{}", card.index), card.name,
-                   card.free_bytes >> 20, card.memory_bytes >> 20);
+    for (const GpuInfo& gpu : list_gpus())
+        fmt::print("{:<12} {}, {} of {} MiB free\n", fmt::format("cuda:{}", gpu.index), gpu.name, gpu.free_bytes >> 20,
+                   gpu.memory_bytes >> 20);
 }
 
 void list_options() {

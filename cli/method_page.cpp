@@ -48,18 +48,18 @@ std::string escaped(const std::string& text) {
     return html;
 }
 
-std::string figure(const std::string& what, const std::string& caption, const std::string& picture,
-                   bool over_truth = false) {
+std::string figure(const std::string& what, const std::string& caption, const std::string& image,
+                   bool over_ground_truth = false) {
     return fmt::format("<figure><div><img alt=\"{}\" src=\"{}\">{}</div><figcaption>{}</figcaption></figure>\n", what,
-                       picture, over_truth ? "<div class=\"truth\"></div>" : "", caption);
+                       image, over_ground_truth ? "<div class=\"truth\"></div>" : "", caption);
 }
 
 std::string table_html(const MethodComparison& comparison) {
     std::string html = "<table>\n<tr>";
     for (const char* heading : headings) html += fmt::format("<th>{}</th>", heading);
-    for (const MethodPicture& picture : comparison.pictures) {
+    for (const MethodImage& image : comparison.images) {
         html += "</tr>\n<tr>";
-        for (const std::string& cell : cells_of(picture)) html += fmt::format("<td>{}</td>", cell);
+        for (const std::string& cell : cells_of(image)) html += fmt::format("<td>{}</td>", cell);
     }
     return html + "</tr>\n</table>\n";
 }
@@ -74,8 +74,8 @@ std::string legend(double full) {
 }  // namespace
 
 std::string page_of(const MethodComparison& comparison, const std::string& title, const std::string& told) {
-    const Frame& truth = comparison.reference.frame;
-    const std::string reference = embedded(develop(truth, {}));
+    const Frame& ground_truth = comparison.reference.frame;
+    const std::string reference = embedded(develop(ground_truth, {}));
     const double full = full_difference(comparison);
     std::string html = fmt::format(
         "<!doctype html>\n<html lang=\"en\">\n<head><meta charset=\"utf-8\"><title>{0}</title>\n<style>{1}:root {{ "
@@ -84,12 +84,12 @@ std::string page_of(const MethodComparison& comparison, const std::string& title
     html += table_html(comparison);
     html +=
         "<p>" + reference_sentence(comparison) + ". Differences of luminance, in linear light:</p>\n" + legend(full);
-    for (const MethodPicture& picture : comparison.pictures) {
-        const std::string name(to_text(picture.method));
+    for (const MethodImage& image : comparison.images) {
+        const std::string name(to_text(image.method));
         html += "<section>\n" +
-                figure(name, name + "; under the pointer the reference", embedded(develop(picture.frame, {})), true) +
+                figure(name, name + "; under the pointer the reference", embedded(develop(image.frame, {})), true) +
                 figure("difference of " + name, "where " + name + " is brighter or darker",
-                       embedded(difference_picture(picture.frame, truth, full))) +
+                       embedded(difference_image(image.frame, ground_truth, full))) +
                 "</section>\n";
     }
     return html + "<section>\n" + figure("reference", "reference", reference) + "</section>\n</body>\n</html>\n";

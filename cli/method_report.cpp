@@ -19,12 +19,12 @@ std::string bytes_text(std::size_t bytes) { return fmt::format("{:.1f} MB", doub
 
 double full_difference(const MethodComparison& comparison) {
     double full = 0;
-    for (const MethodPicture& picture : comparison.pictures)
-        full = std::max(full, difference_scale(picture.frame, comparison.reference.frame));
+    for (const MethodImage& image : comparison.images)
+        full = std::max(full, difference_scale(image.frame, comparison.reference.frame));
     return full;
 }
 
-std::vector<std::string> cells_of(const MethodPicture& p) {
+std::vector<std::string> cells_of(const MethodImage& p) {
     return {to_text(p.method),
             seconds_text(p.light_seconds),
             seconds_text(p.frame_seconds),
@@ -47,7 +47,7 @@ std::string table_of(const MethodComparison& comparison) {
         text += '\n';
     };
     line(headings);
-    for (const MethodPicture& picture : comparison.pictures) line(cells_of(picture));
+    for (const MethodImage& image : comparison.images) line(cells_of(image));
     return text + reference_sentence(comparison) + '\n';
 }
 
@@ -57,7 +57,7 @@ Json json_of(const MethodComparison& comparison) {
                          {"frame_seconds", comparison.reference.frame_seconds},
                          {"noise", comparison.noise}};
     json["methods"] = Json::array();
-    for (const MethodPicture& p : comparison.pictures)
+    for (const MethodImage& p : comparison.images)
         json["methods"].push_back({{"method", to_text(p.method)},
                                    {"light_seconds", p.light_seconds},
                                    {"frame_seconds", p.frame_seconds},
@@ -72,14 +72,14 @@ Json json_of(const MethodComparison& comparison) {
 
 Image sheet_of(const MethodComparison& comparison) {
     const double full = full_difference(comparison);
-    const Frame& truth = comparison.reference.frame;
+    const Frame& ground_truth = comparison.reference.frame;
     std::vector<std::vector<SheetCell>> rows(2);
-    for (const MethodPicture& p : comparison.pictures) {
+    for (const MethodImage& p : comparison.images) {
         rows[0].push_back({develop(p.frame, {}), std::string(to_text(p.method))});
-        rows[1].push_back({difference_picture(p.frame, truth, full),
+        rows[1].push_back({difference_image(p.frame, ground_truth, full),
                            fmt::format("rmse {:.4f} ssim {:.3f}", p.distance.rmse, p.distance.ssim)});
     }
-    rows[0].push_back({develop(truth, {}), fmt::format("reference noise {:.4f}", comparison.noise)});
+    rows[0].push_back({develop(ground_truth, {}), fmt::format("reference noise {:.4f}", comparison.noise)});
     rows[1].push_back({{}, ""});
     return contact_sheet(rows);
 }

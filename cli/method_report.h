@@ -11,7 +11,7 @@ namespace chiaro::cli {
 
 /// The figures of one method, as people read them, in the order of `headings`.
 inline constexpr const char* headings[] = {"method", "light", "frame", "memory", "RMSE", "PSNR", "SSIM", "bias"};
-std::vector<std::string> cells_of(const MethodPicture& picture);
+std::vector<std::string> cells_of(const MethodImage& image);
 std::string reference_sentence(const MethodComparison& comparison);
 /// The difference that is shown in full colour, one for all methods: the largest that any of them needs.
 double full_difference(const MethodComparison& comparison);

@@ -54,7 +54,7 @@ public:
     void run() {
         Job job(o_.common);
         show(scene_, session_, stats_, job, o_.common);
-        o_.frames ? turntable(job) : picture(job);
+        o_.frames ? turntable(job) : image(job);
         if (!o_.common.stats.empty()) write_stats(o_.common.stats, stats_, device_, scene_);
         job.bar.clear();
         if (stats_.paths.samples && !o_.common.quiet) tell_noise(stats_.paths);
@@ -74,8 +74,8 @@ private:
 
     void count_frame(FrameTime time) {
         stats_.frames.push_back(time);
-        stats_.samples += session_.outcome().samples;
-        stats_.paths = session_.outcome().paths;
+        stats_.samples += session_.render_statistics().samples;
+        stats_.paths = session_.render_statistics().paths;
     }
 
     void write(const Scene& scene, int frame, Job& job) {
@@ -90,7 +90,7 @@ private:
         });
     }
 
-    void picture(Job& job) {
+    void image(Job& job) {
         count_frame(render(scene_, job));
         keep_stages();
         write(scene_, 0, job);

@@ -24,7 +24,7 @@ std::uint64_t peak_memory_bytes() {
 }  // namespace
 
 void tell_stages(const Stats& stats, const Device& device) {
-    std::string line = fmt::format("{}{}, {} threads:", device.has_card() ? device.name() + ", " : "",
+    std::string line = fmt::format("{}{}, {} threads:", device.has_gpu() ? device.name() + ", " : "",
                                    name_of(device.isa), device.threads);
     for (const Stage& stage : stats.stages) line += fmt::format(" {} {:.3f} s", stage.name, stage.seconds);
     say(line);

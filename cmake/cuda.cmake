@@ -22,7 +22,7 @@ else()
 endif()
 file(GLOB_RECURSE CHIARO_CUDA_SOURCES CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/*/launch*.cu)
 set(CHIARO_CUDA_LAUNCHERS ${CHIARO_CUDA_SOURCES})  # those that the library calls; the others are compiled only
-list(FILTER CHIARO_CUDA_LAUNCHERS INCLUDE REGEX "/src/(classify|raycast|pathtrace|image)/|/(spao|cells|histogram|reference|visibility)/|/transport/launch_(card|matter)\\.cu$")
+list(FILTER CHIARO_CUDA_LAUNCHERS INCLUDE REGEX "/src/(classify|raycast|pathtrace|image)/|/(spao|cells|histogram|reference|visibility)/|/transport/launch_(gpu|matter)\\.cu$")
 
 # As C++, with the flags that give the same bits as the scalar kernels: for the tests' emulation.
 function(chiaro_cuda_as_cpp)

@@ -13,7 +13,7 @@ namespace chiaro::server {
 namespace fs = std::filesystem;
 
 constexpr auto lifetime = std::chrono::minutes(5);
-constexpr std::size_t most_offers = 64, most_uploads = 64;
+constexpr std::size_t max_offers = 64, max_uploads = 64;
 
 Store::Store() {
     std::string name = (fs::temp_directory_path() / "chiaro-view-XXXXXX").string();
@@ -32,7 +32,7 @@ fs::path Store::keep(const std::string& name, const std::string& bytes) {
     const std::lock_guard lock(mutex_);
     std::vector<fs::path> kept;
     for (const auto& entry : fs::directory_iterator(uploads_)) kept.push_back(entry.path());
-    if (kept.size() >= most_uploads)
+    if (kept.size() >= max_uploads)
         fs::remove(*std::min_element(kept.begin(), kept.end(), [](const fs::path& a, const fs::path& b) {
             return fs::last_write_time(a) < fs::last_write_time(b);
         }));
@@ -52,7 +52,7 @@ fs::path Store::fresh(const std::string& ending) const { return folder_ / (rando
 std::string Store::offer(const fs::path& file, const std::string& type, const std::string& save_as) {
     const std::lock_guard lock(mutex_);
     const std::string key = random_key();
-    if (offers_.size() >= most_offers) throw Error(ErrorCode::usage, "too many pictures wait to be fetched");
+    if (offers_.size() >= max_offers) throw Error(ErrorCode::usage, "too many pictures wait to be fetched");
     offers_[key] = {file, type, save_as, std::chrono::steady_clock::now() + lifetime};
     return "/download/" + key;
 }

@@ -8,7 +8,7 @@ namespace chiaro::server {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::size_t most_entries = 2000;
+constexpr std::size_t max_entries = 2000;
 
 bool is_below(const fs::path& path, const fs::path& root) {
     const auto [end, ignored] = std::mismatch(root.begin(), root.end(), path.begin(), path.end());
@@ -79,7 +79,8 @@ void Folders::confine(Scene& scene) const {
     if (!is_probe_name(scene.lighting.probe.source) && !scene.lighting.probe.source.empty())
         confined(scene.lighting.probe.source);
     HistogramSettings& histogram = scene.illumination.histogram;
-    if (!histogram.glow.empty() && histogram.glow.find('=') == histogram.glow.npos) confined(histogram.glow);
+    if (!histogram.emission.empty() && histogram.emission.find('=') == histogram.emission.npos)
+        confined(histogram.emission);
     if (histogram.cache != "none") histogram.cache.clear();
 }
 
@@ -94,7 +95,7 @@ Json Folders::list(const std::string& path) const {
     std::error_code error;
     fs::directory_iterator entries(folder, error);
     if (error) throw Error(ErrorCode::input, fmt::format("{}: cannot be read ({})", path, error.message()));
-    for (; entries != fs::directory_iterator() && !error && folders.size() + files.size() < most_entries;
+    for (; entries != fs::directory_iterator() && !error && folders.size() + files.size() < max_entries;
          entries.increment(error)) {
         Json entry = entry_of(*entries);
         if (!entry.is_null()) (entry["kind"] == "folder" ? folders : files).push_back(std::move(entry));

@@ -7,9 +7,9 @@
 namespace chiaro::server {
 
 std::string gzip(std::string_view bytes) {
-    constexpr int as_gzip = 16 + MAX_WBITS, usual_memory = 8;
+    constexpr int as_gzip = 16 + MAX_WBITS, default_memory = 8;
     z_stream stream{};
-    if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, as_gzip, usual_memory, Z_DEFAULT_STRATEGY) != Z_OK)
+    if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, as_gzip, default_memory, Z_DEFAULT_STRATEGY) != Z_OK)
         throw std::bad_alloc();
     std::string out(deflateBound(&stream, uLong(bytes.size())), '\0');
     stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data())), stream.avail_in = uInt(bytes.size());

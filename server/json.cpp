@@ -5,7 +5,7 @@
 #include <cmath>
 #include <new>
 
-#include "room.h"
+#include "memory_budget.h"
 
 namespace chiaro::server {
 namespace {
@@ -128,12 +128,12 @@ Json current_error(const Json& re) {
     }
 }
 
-std::string frame_message(const Json& header, std::string_view picture) {
+std::string frame_message(const Json& header, std::string_view image) {
     const std::string text = text_of(header);
     std::string message = "CHF1";
     for (int shift = 0; shift < 32; shift += 8) message += char(text.size() >> shift & 255);
-    message.reserve(8 + text.size() + picture.size());
-    return message.append(text).append(picture);
+    message.reserve(8 + text.size() + image.size());
+    return message.append(text).append(image);
 }
 
 }  // namespace chiaro::server

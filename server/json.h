@@ -33,6 +33,6 @@ Json error_message(const Json& re, std::string_view code, const std::string& sen
 Json current_error(const Json& re);
 
 /// A binary message: "CHF1", the header's length, the header, the picture.
-std::string frame_message(const Json& header, std::string_view picture);
+std::string frame_message(const Json& header, std::string_view image);
 
 }  // namespace chiaro::server

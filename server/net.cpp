@@ -9,7 +9,7 @@
 namespace chiaro::server {
 namespace {
 
-constexpr std::size_t most_connections = 192;
+constexpr std::size_t max_connections = 192;
 
 tcp::acceptor listening(asio::io_context& io, const Address& address) {
     boost::system::error_code error;
@@ -42,7 +42,7 @@ struct Net::Impl {
     void accept() {
         acceptor.async_accept([this](beast::error_code error, tcp::socket socket) {
             if (context.ending || error == asio::error::operation_aborted) return;
-            if (!error && context.connections < most_connections) {
+            if (!error && context.connections < max_connections) {
                 beast::error_code ignored;
                 socket.set_option(tcp::no_delay(true), ignored);
                 std::make_shared<Connection>(std::move(socket), context)->read();

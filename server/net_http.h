@@ -10,7 +10,7 @@
 namespace chiaro::server {
 
 inline constexpr std::size_t worth_packing = 1024;  // bytes
-inline constexpr std::size_t largest_upload = 64 << 20, most_sockets = 128;
+inline constexpr std::size_t largest_upload = 64 << 20, max_sockets = 128;
 
 /// What every answer says: nothing is loaded from elsewhere, framed by others, guessed or kept.
 template <class Message>
@@ -94,7 +94,7 @@ private:
     void upgrade() {
         const Response admitted = context_.site.admit(request_);
         if (admitted.status != 200) return refuse(admitted.status, admitted.body);
-        if (context_.sockets.size() >= most_sockets) return refuse(503, "Too many pages are open.\n");
+        if (context_.sockets.size() >= max_sockets) return refuse(503, "Too many pages are open.\n");
         stream_.expires_never();
         std::make_shared<WebSocket>(stream_.release_socket(), context_)->open(parser_->release(), request_);
     }

@@ -10,7 +10,7 @@
 namespace chiaro::server {
 namespace {
 
-constexpr std::size_t most_overlays = 4;
+constexpr std::size_t max_overlays = 4;
 
 /// RFC 4648, without line breaks.
 std::vector<std::byte> decode_base64(std::string_view text) {
@@ -78,19 +78,19 @@ std::vector<Overlay> overlays_in(const Json& request, int width, int height) {
     std::vector<Overlay> overlays;
     const auto list = request.find("overlays");
     if (list == request.end()) return overlays;
-    if (!list->is_array() || list->size() > most_overlays)
-        throw Error(ErrorCode::usage, fmt::format("overlays: must be a list of at most {}", most_overlays));
+    if (!list->is_array() || list->size() > max_overlays)
+        throw Error(ErrorCode::usage, fmt::format("overlays: must be a list of at most {}", max_overlays));
     for (const Json& json : *list) overlays.push_back(overlay_of(json, width, height));
     return overlays;
 }
 
-void draw(const Overlay& overlay, Image& picture) {
-    const std::size_t parts = picture.has_alpha ? 4 : 3;
-    for_pixels(overlay, picture.width, [&](std::size_t at, const std::uint8_t* colour, double alpha) {
-        std::uint8_t* below = &picture.pixels[parts * at];
-        const double under = (picture.has_alpha ? below[3] / 255.0 : 1) * (1 - alpha), whole = alpha + under;
+void draw(const Overlay& overlay, Image& image) {
+    const std::size_t parts = image.has_alpha ? 4 : 3;
+    for_pixels(overlay, image.width, [&](std::size_t at, const std::uint8_t* colour, double alpha) {
+        std::uint8_t* below = &image.pixels[parts * at];
+        const double under = (image.has_alpha ? below[3] / 255.0 : 1) * (1 - alpha), whole = alpha + under;
         for (int c = 0; c < 3; ++c) below[c] = std::uint8_t((alpha * colour[c] + under * below[c]) / whole + 0.5);
-        if (picture.has_alpha) below[3] = std::uint8_t(255 * whole + 0.5);
+        if (image.has_alpha) below[3] = std::uint8_t(255 * whole + 0.5);
     });
 }
 

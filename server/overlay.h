@@ -18,7 +18,7 @@ struct Overlay {
 std::vector<Overlay> overlays_in(const Json& request, int width, int height);
 
 /// By its alpha over display colours as they are.
-void draw(const Overlay& overlay, Image& picture);
+void draw(const Overlay& overlay, Image& image);
 /// By its alpha over linear light, in which its colours are display white at most.
 void draw(const Overlay& overlay, Frame& frame);
 

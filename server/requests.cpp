@@ -49,13 +49,13 @@ Json View::cancel(const Json& request) {
     if (found == request.end()) throw Error(ErrorCode::usage, "re: must name a request");
     const std::lock_guard lock(mutex_);
     if (const auto running = running_.find(key_of(*found)); running != running_.end()) running->second->cancel();
-    if (*found == "open") house_.first.cancel();  // another view that waits for it reads it itself
+    if (*found == "open") context_.first.cancel();  // another view that waits for it reads it itself
     return Json::object();
 }
 
 Json View::pick(const Json& request) {
     const double x = number_in(request, "x", -1e5, 1e5), y = number_in(request, "y", -1e5, 1e5);
-    const auto seen = painter_.seen();
+    const auto seen = render_worker_.last_frame();
     if (!seen) return {{"hit", false}};
     const auto found = chiaro::pick(seen->medium, seen->camera, seen->rays, seen->width, seen->height, x, y);
     if (!found) return {{"hit", false}, {"n", seen->n}};
@@ -102,7 +102,7 @@ Json View::export_text(const Json& request) {
 Json View::import_text(const Json& request) { return take_file(text_in(request, "name"), text_in(request, "text")); }
 
 Json View::take_file(const std::string& name, const std::string& bytes) {
-    const fs::path file = house_.store.keep(name, bytes);
+    const fs::path file = context_.store.keep(name, bytes);
     const std::string ending = fs::path(name).extension().string();
     std::string scene;
     if (ending == ".png" || ending == ".exr") {

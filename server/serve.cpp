@@ -14,7 +14,7 @@
 namespace chiaro::server {
 namespace {
 
-constexpr std::size_t most_views = 128, most_alone = 16;
+constexpr std::size_t max_views = 128, max_alone = 16;
 constexpr auto kept_alone = std::chrono::minutes(10);
 
 bool is_view_id(const std::string& id) {
@@ -45,17 +45,17 @@ Response json_response(const Json& json, int status = 200) {
 class ViewerSite : public Site {
 public:
     ViewerSite(const ViewerOptions& options)
-        : house_{Volumes(options.device),
-                 Folders(options.folders, store_.uploads()),
-                 store_,
-                 lists(options.device),
-                 options.scene,
-                 options.data,
-                 Progress(options.report)},
+        : context_{Volumes(options.device),
+                   Folders(options.folders, store_.uploads()),
+                   store_,
+                   lists(options.device),
+                   options.scene,
+                   options.data,
+                   Progress(options.report)},
           read_in_(options.read_in) {
-        if (house_.initial) reading_.post([this] { read_first(); });
+        if (context_.initial) reading_.post([this] { read_first(); });
     }
-    ~ViewerSite() override { house_.first.cancel(); }
+    ~ViewerSite() override { context_.first.cancel(); }
 
     void expect(const std::string& token) { token_ = token; }
     const std::string& token() const { return token_; }
@@ -79,14 +79,14 @@ public:
         if (!has_token(request)) return refusal(403, "The token is not this server's.");
         if (!is_view_id(member(request.query, "view")))
             return refusal(400, "view: must be 8 to 64 of A-Z, a-z, 0-9, _ and -.");
-        if (!make_room(member(request.query, "view"))) return refusal(503, "Too many views are open.");
+        if (!make_space(member(request.query, "view"))) return refusal(503, "Too many views are open.");
         return {};
     }
 
     std::shared_ptr<Listener> welcome(const Request& request, std::shared_ptr<Socket> socket) override {
         const std::string id = member(request.query, "view");
         std::shared_ptr<View>& view = views_[id];
-        if (!view) view = std::make_shared<View>(house_, id);
+        if (!view) view = std::make_shared<View>(context_, id);
         try {
             view->attach(socket, member(request.query, "take") == "1");
         } catch (...) {
@@ -105,7 +105,7 @@ public:
     }
 
     void end() override {
-        house_.first.cancel();
+        context_.first.cancel();
         for (const auto& [id, view] : views_) view->say_goodbye();
     }
 
@@ -116,7 +116,7 @@ private:
     void read_first() {
         try {
             const auto start = std::chrono::steady_clock::now();
-            first_ = house_.volumes.load(*house_.initial, house_.first);
+            first_ = context_.volumes.load(*context_.initial, context_.first);
             const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
             if (read_in_) read_in_(passed.count());
         } catch (const std::exception&) {  // told to each page that asks for it
@@ -124,18 +124,18 @@ private:
     }
 
     /// Those that have been alone for the longest go first.
-    bool make_room(const std::string& id) {
+    bool make_space(const std::string& id) {
         if (views_.contains(id)) return true;
         using Row = std::pair<std::chrono::steady_clock::duration, std::string>;
         std::vector<Row> alone;
         for (const auto& [name, view] : views_)
             if (const auto since = view->alone()) alone.emplace_back(*since, name);
         std::sort(alone.begin(), alone.end());
-        while (!alone.empty() && (alone.size() >= most_alone || views_.size() >= most_views)) {
+        while (!alone.empty() && (alone.size() >= max_alone || views_.size() >= max_views)) {
             views_.erase(alone.back().second);
             alone.pop_back();
         }
-        return views_.size() < most_views;
+        return views_.size() < max_views;
     }
 
     Response upload(const Request& request) {
@@ -149,16 +149,16 @@ private:
     }
 
     Store store_;
-    House house_;
+    ServerContext context_;
     std::string token_;
     std::map<std::string, std::shared_ptr<View>> views_;  // of the network's thread alone
     std::shared_ptr<const Loaded> first_;
     std::function<void(double)> read_in_;
-    Lane reading_;  // the last member: its work uses the others
+    SerialQueue reading_;  // the last member: its work uses the others
 };
 
 Address address_of(const ViewerOptions& options) {
-    return {options.host, options.port.value_or(Viewer::usual_port), !options.port};
+    return {options.host, options.port.value_or(Viewer::default_port), !options.port};
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ struct ViewerOptions {
 /// The server behind server/PROTOCOL.md. Listens from its construction on. Throws Error{usage, output}.
 class Viewer {
 public:
-    static constexpr int usual_port = 8480;
+    static constexpr int default_port = 8480;
 
     explicit Viewer(const ViewerOptions& options);
     ~Viewer();

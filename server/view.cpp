@@ -8,8 +8,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr int largest_canvas = 8192;
-constexpr double most_canvas_pixels = 36e6;
-constexpr std::size_t most_running = 64;
+constexpr double max_canvas_pixels = 36e6;
+constexpr std::size_t max_running = 64;
 
 Json id_of(const Json& request) {
     const auto found = request.find("id");
@@ -20,14 +20,14 @@ Json id_of(const Json& request) {
 
 }  // namespace
 
-View::View(House& house, std::string id)
-    : house_(house),
+View::View(ServerContext& context, std::string id)
+    : context_(context),
       id_(std::move(id)),
-      painter_({[this](int connection, std::string frame) {
-                    const std::lock_guard lock(mutex_);
-                    if (socket_ && connection == connection_) socket_->send_newest(std::move(frame));
-                },
-                [this](int connection, const Json& message) { tell(connection, message); }}) {}
+      render_worker_({[this](int connection, std::string frame) {
+                          const std::lock_guard lock(mutex_);
+                          if (socket_ && connection == connection_) socket_->send_newest(std::move(frame));
+                      },
+                      [this](int connection, const Json& message) { tell(connection, message); }}) {}
 
 View::~View() { cancel_all(); }
 
@@ -66,7 +66,7 @@ void View::gone(const Socket& from) {
         left_ = Clock::now();
     }
     cancel_all();
-    painter_.show(nullptr);  // light is found again when somebody looks
+    render_worker_.show(nullptr);  // light is found again when somebody looks
 }
 
 std::optional<Clock::duration> View::alone() const {
@@ -82,7 +82,7 @@ void View::say_goodbye() {
 
 /// Says hello, and sees that there is something to show.
 void View::greet() {
-    Json hello = house_.lists;
+    Json hello = context_.lists;
     hello["type"] = "hello";
     hello["version"] = CHIARO_VERSION;
     hello["protocol"] = 1;
@@ -90,7 +90,7 @@ void View::greet() {
     hello["volume"] = nullptr, hello["scene"] = nullptr, hello["error"] = nullptr;
     auto loaded = shown();
     Scene scene = loaded ? loaded->source : Scene();
-    if (!loaded && house_.initial && (loaded = house_.volumes.find(*house_.initial))) scene = *house_.initial;
+    if (!loaded && context_.initial && (loaded = context_.volumes.find(*context_.initial))) scene = *context_.initial;
     Json state;
     {
         const std::lock_guard lock(mutex_);
@@ -102,12 +102,12 @@ void View::greet() {
         hello["volume"] = loaded->told;
         if (!state.is_null()) scene = scene_of(state);
         hello["scene"] = scene_json(scene, loaded->session);
-        painter_.show(loaded);
-    } else if (house_.initial) {
-        hello["reading"] = house_.initial->volume;
+        render_worker_.show(loaded);
+    } else if (context_.initial) {
+        hello["reading"] = context_.initial->volume;
     }
     tell(hello);
-    if (!loaded && house_.initial) run(opening_, {{"id", "open"}}, &View::open_initial);
+    if (!loaded && context_.initial) run(opening_, {{"id", "open"}}, &View::open_initial);
 }
 
 void View::hear(const Socket& from, std::string_view text) {
@@ -133,11 +133,11 @@ void View::dispatch(const Json& request) {
                                                     {"resolve", &View::resolve},    {"export", &View::export_text},
                                                     {"import", &View::import_text}, {"cancel", &View::cancel},
                                                     {"ping", &View::ping},          {"cache", &View::cache}};
-    static const std::map<std::string, std::pair<Lane View::*, Handler>> slow{
-        {"folder", {&View::side_lane_, &View::folder}},   {"open", {&View::opening_, &View::open}},
-        {"save", {&View::saving_, &View::save}},          {"look", {&View::side_lane_, &View::look}},
+    static const std::map<std::string, std::pair<SerialQueue View::*, Handler>> slow{
+        {"folder", {&View::side_queue_, &View::folder}},  {"open", {&View::opening_, &View::open}},
+        {"save", {&View::saving_, &View::save}},          {"look", {&View::side_queue_, &View::look}},
         {"compare", {&View::comparing_, &View::compare}}, {"measure", {&View::comparing_, &View::measure}},
-        {"probe", {&View::side_lane_, &View::probe}}};
+        {"probe", {&View::side_queue_, &View::probe}}};
     const std::string type = text_in(request, "type");
     id_of(request);
     if (const auto found = quick.find(type); found != quick.end()) return answer(request, found->second);
@@ -158,14 +158,14 @@ void View::answer(const Json& request, Quick quick) {
 std::string View::key_of(const Json& id) const { return fmt::format("{} of {}", id.dump(), connection_); }
 
 /// In a lane, under an id by which it can be cancelled.
-void View::run(Lane& lane, const Json& request, Handler handler) {
+void View::run(SerialQueue& queue, const Json& request, Handler handler) {
     const Json id = request["id"];
     std::string key;
     const auto progress = std::make_shared<Progress>(report_for(id));
     {
         const std::lock_guard lock(mutex_);
         key = key_of(id);
-        if (running_.size() >= most_running) throw Error(ErrorCode::usage, "too much is asked for at once");
+        if (running_.size() >= max_running) throw Error(ErrorCode::usage, "too much is asked for at once");
         if (!running_.emplace(key, progress).second)
             throw Error(ErrorCode::usage, fmt::format("id {}: is still being answered", id.dump()));
     }
@@ -185,7 +185,7 @@ void View::run(Lane& lane, const Json& request, Handler handler) {
         }
         tell(reply);
     };
-    if (lane.post(work)) return;
+    if (queue.post(work)) return;
     const std::lock_guard lock(mutex_);
     running_.erase(key);
     throw Error(ErrorCode::usage, "too much is asked for at once");
@@ -194,29 +194,29 @@ void View::run(Lane& lane, const Json& request, Handler handler) {
 void View::hear_state(const Json& message) {
     if (!message.contains("n") || !message["n"].is_number_integer())
         throw Error(ErrorCode::usage, "n: must be a whole number");
-    Wish wish;
-    wish.n = message["n"].get<std::int64_t>();
+    FrameRequest wanted;
+    wanted.n = message["n"].get<std::int64_t>();
     try {
         const auto [width, height] = size_in(message, "canvas", largest_canvas);
-        if (double(width) * height > most_canvas_pixels) throw Error(ErrorCode::usage, "canvas: has too many pixels");
+        if (double(width) * height > max_canvas_pixels) throw Error(ErrorCode::usage, "canvas: has too many pixels");
         std::vector<std::string> unknown;
-        wish.scene = scene_of(object_in(message, "scene"), &unknown);
-        wish.scene.width = width, wish.scene.height = height;
-        wish.moving = flag_in(message, "moving", false), wish.preview = flag_in(message, "preview", false);
-        for (const std::string& key : unknown) wish.notes.push_back(fmt::format("unknown key {}", key));
+        wanted.scene = scene_of(object_in(message, "scene"), &unknown);
+        wanted.scene.width = width, wanted.scene.height = height;
+        wanted.moving = flag_in(message, "moving", false), wanted.preview = flag_in(message, "preview", false);
+        for (const std::string& key : unknown) wanted.notes.push_back(fmt::format("unknown key {}", key));
     } catch (...) {
         Json error = current_error(nullptr);
-        error["n"] = wish.n;
+        error["n"] = wanted.n;
         return tell(error);
     }
     {
         const std::lock_guard lock(mutex_);
-        if (wish.n <= newest_) return;  // came late
-        newest_ = wish.n;
-        wish.connection = connection_;
-        if (!wish.preview) state_ = message["scene"];
+        if (wanted.n <= newest_) return;  // came late
+        newest_ = wanted.n;
+        wanted.connection = connection_;
+        if (!wanted.preview) state_ = message["scene"];
     }
-    painter_.wish(std::move(wish));
+    render_worker_.request(std::move(wanted));
 }
 
 std::shared_ptr<const Loaded> View::shown() const {
@@ -231,8 +231,8 @@ Scene View::scene_of(const Json& json, std::vector<std::string>* unknown) const 
     Json own = json;
     own["volume"] = Json::parse(to_json(loaded->source))["volume"];
     std::vector<std::string> ignored;
-    Scene scene = parse_scene(text_of(own), house_.folders.first(), {}, unknown ? *unknown : ignored);
-    house_.folders.confine(scene);
+    Scene scene = parse_scene(text_of(own), context_.folders.first(), {}, unknown ? *unknown : ignored);
+    context_.folders.confine(scene);
     return scene;
 }
 

@@ -10,15 +10,15 @@
 #include "downloads.h"
 #include "folders.h"
 #include "json.h"
-#include "lane.h"
 #include "net.h"
-#include "painter.h"
+#include "render_worker.h"
+#include "serial_queue.h"
 #include "volumes.h"
 
 namespace chiaro::server {
 
 /// What all views share.
-struct House {
+struct ServerContext {
     Volumes volumes;
     Folders folders;
     Store& store;
@@ -30,7 +30,7 @@ struct House {
 
 class View : public Listener {
 public:
-    View(House& house, std::string id);
+    View(ServerContext& context, std::string id);
     ~View() override;
 
     /// Speaks to this page from now on; false (and the page is told) where another has the view and `take` is not said.
@@ -49,7 +49,7 @@ private:
 
     void dispatch(const Json& request);
     void answer(const Json& request, Quick quick);
-    void run(Lane& lane, const Json& request, Handler handler);
+    void run(SerialQueue& queue, const Json& request, Handler handler);
     std::string key_of(const Json& id) const;  ///< while locked
     void hear_state(const Json& message);
     void greet();
@@ -84,7 +84,7 @@ private:
     Progress::Report report_for(const Json& id) const;
     void cancel_all();
 
-    House& house_;
+    ServerContext& context_;
     const std::string id_;
     mutable std::mutex mutex_;
     std::shared_ptr<Socket> socket_;
@@ -97,8 +97,8 @@ private:
 
     std::optional<Session> side_;  ///< of looks; the side lane's own
     std::shared_ptr<const Loaded> side_shown_;
-    Painter painter_;
-    Lane opening_, side_lane_, saving_, comparing_;  // the last members: their work uses the others
+    RenderWorker render_worker_;
+    SerialQueue opening_, side_queue_, saving_, comparing_;  // the last members: their work uses the others
 };
 
 }  // namespace chiaro::server

@@ -8,7 +8,7 @@
 
 #include "core/user_cache.h"
 #include "io/volume_json.h"
-#include "room.h"
+#include "memory_budget.h"
 
 namespace chiaro::server {
 namespace {
@@ -59,7 +59,7 @@ void check_sample(const std::string& name) {
     const std::size_t colon = name.rfind(':');
     if (!name.starts_with("sample:") || colon == 6) return;
     const double size = std::atof(name.c_str() + colon + 1);
-    check_room(10 * size * size * size);
+    check_memory(10 * size * size * size);
 }
 
 std::shared_ptr<const Loaded> read(const Scene& scene, Device device, int halvings, Progress& progress) {

@@ -25,7 +25,7 @@ public:
     explicit Volumes(Device device) : device_(device) {}
 
     /// The scene's volume: the one in memory, or read now; where another thread is reading it that is waited for.
-    /// It is halved so often, or oftener where it would not fit (room.h). Throws as read_volume.
+    /// It is halved so often, or oftener where it would not fit (memory_budget.h). Throws as read_volume.
     std::shared_ptr<const Loaded> load(const Scene& scene, Progress& progress, int halvings = 0);
     /// If it is in memory.
     std::shared_ptr<const Loaded> find(const Scene& scene) const;

@@ -31,7 +31,7 @@ TEST_F(Bench, TellsTheMachineBesideTheRows) {
     EXPECT_LE(row.at("value"), row.at("max"));
 }
 
-TEST_F(Bench, SkippingLeavesThePictureAsItIs) {
+TEST_F(Bench, SkippingLeavesTheImageAsItIs) {
     const auto found = rows("skipping --filter shells");
     ASSERT_EQ(found.size(), 1);
     EXPECT_EQ(found[0].at("note"), "same picture");

@@ -60,7 +60,7 @@ TEST(Preintegration, IsTenDecibelsNearerForShorts) { expect_ten_decibels<std::ui
 TEST(Preintegration, IsTenDecibelsNearerForFloats) { expect_ten_decibels<float>(0.01, Shading::none); }
 TEST(Preintegration, IsTenDecibelsNearerWhereShaded) { expect_ten_decibels<std::uint8_t>(1, Shading::phong); }
 
-TEST(Preintegration, ConvergesToThePictureOfFineSteps) {
+TEST(Preintegration, ConvergesToTheImageOfFineSteps) {
     const DeviceVolume volume = waves<float>();
     Shot shot;
     shot.tf = steep();
@@ -141,7 +141,7 @@ TEST(Preclassification, HasNoHalos) {
     EXPECT_LE(reddest(Classification::pre), 0);
 }
 
-TEST(Compositing, BothOrdersGiveTheSamePicture) {
+TEST(Compositing, BothOrdersGiveTheSameImage) {
     const DeviceVolume volume =
         upload(tested_device(),
                sampled<std::uint8_t>({50, 50, 50}, [](double x, double y, double z) { return shells(x, y, z, 50); }));

@@ -36,9 +36,9 @@ double square(double x) { return x * x; }
 
 }  // namespace
 
-TEST(CompareImages, TheSamePictureDoesNotDiffer) {
-    const Frame picture = gray(40, 30, waves);
-    const ImageDifference d = compare(picture, picture);
+TEST(CompareImages, TheSameImageDoesNotDiffer) {
+    const Frame image = gray(40, 30, waves);
+    const ImageDifference d = compare(image, image);
     EXPECT_EQ(d.rmse, 0);
     EXPECT_EQ(d.max, 0);
     EXPECT_EQ(d.bias, 0);

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "cuda/mirror.h"
+#include "cuda/device_cache.h"
 #include "fixtures.h"
 #ifdef CHIARO_CUDA_EMULATED
 #include <cuda_runtime_api.h>
@@ -18,25 +18,25 @@ inline constexpr double tolerance = 1e-4;  // square roots and quotients are rou
 #endif
 
 /// What a card's threads do too: one pixel at a time.
-inline Device processor() { return Device::cpu(2, Isa::scalar); }
+inline Device cpu() { return Device::cpu(2, Isa::scalar); }
 
-class Cards : public ::testing::Test {
+class Gpus : public ::testing::Test {
 protected:
     void SetUp() override {
-        if (list_cards().empty()) GTEST_SKIP() << "skipped: no CUDA device";
-        card = Device::cuda(0, processor());
+        if (list_gpus().empty()) GTEST_SKIP() << "skipped: no CUDA device";
+        gpu = Device::cuda(0, cpu());
     }
 
 #ifdef CHIARO_CUDA_EMULATED
-    void TearDown() override { EXPECT_GT(cuda_emulated::card().launches, launches_) << "the card did nothing"; }
-    const std::size_t launches_ = cuda_emulated::card().launches;
+    void TearDown() override { EXPECT_GT(cuda_emulated::gpu().launches, launches_) << "the card did nothing"; }
+    const std::size_t launches_ = cuda_emulated::gpu().launches;
 #endif
 
     /// The same shot by both; returns the processor's.
     Frame expect_same(Shot shot, const Volume& volume, const IlluminationSettings& light = {}) {
-        shot.device = processor();
+        shot.device = cpu();
         const Frame expected = shot.lit(volume, light);
-        shot.device = card;
+        shot.device = gpu;
         const Difference d = difference(shot.lit(volume, light), expected, tolerance);
         EXPECT_EQ(d.pixels_beyond, 0) << "by up to " << d.max;
         EXPECT_GT(mean_alpha(expected), 0.02);
@@ -46,8 +46,8 @@ protected:
     /// The same field by both.
     void expect_same_field(const Medium& medium, const IlluminationSettings& light, const std::string& what) {
         Progress progress;
-        const ComputedField expected = compute_field(processor(), medium, {}, {}, light, progress);
-        const ComputedField found = compute_field(card, medium, {}, {}, light, progress);
+        const ComputedField expected = compute_field(cpu(), medium, {}, {}, light, progress);
+        const ComputedField found = compute_field(gpu, medium, {}, {}, light, progress);
         const auto a = expected.volume.as<float>(), b = found.volume.as<float>();
         ASSERT_EQ(a.size(), b.size());
         double worst = 0;
@@ -55,7 +55,7 @@ protected:
         EXPECT_LE(worst, tolerance) << what;
     }
 
-    Device card;
+    Device gpu;
 };
 
 template <class Voxel>

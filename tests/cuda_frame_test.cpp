@@ -48,35 +48,35 @@ std::vector<ToneMap> tones(ColorMode color) {
 
 }  // namespace
 
-TEST_F(Cards, DevelopTheFramesThatTheyHold) {
+TEST_F(Gpus, DevelopTheFramesThatTheyHold) {
     for (const ColorMode color : {ColorMode::linear, ColorMode::display}) {
-        const DeviceFrame expected = Sight{.color = color}.by(processor()), frame = Sight{.color = color}.by(card);
-        EXPECT_FALSE(expected.on_card());
+        const DeviceFrame expected = Sight{.color = color}.by(cpu()), frame = Sight{.color = color}.by(gpu);
+        EXPECT_FALSE(expected.on_gpu());
         for (const ToneMap& tone : tones(color)) {
             const std::string what =
                 fmt::format("{} {} {} {}", int(color), tone.transparent, int(tone.tone), tone.exposure_stops);
             expect_same_image(develop(frame, tone), develop(expected, tone), what);
         }
-        EXPECT_TRUE(frame.on_card());
+        EXPECT_TRUE(frame.on_gpu());
         const Image before = develop(frame, {.color = color});
         EXPECT_EQ(difference(frame.read(), expected.read(), tolerance).pixels_beyond, 0);
-        EXPECT_FALSE(frame.on_card());
+        EXPECT_FALSE(frame.on_gpu());
         expect_same_image(develop(frame, {.color = color}), before, "once it was read");
     }
 }
 
-TEST_F(Cards, PutTheProbeBehind) {
+TEST_F(Gpus, PutTheProbeBehind) {
     for (const ColorMode color : {ColorMode::linear, ColorMode::display})
         for (const Projection projection : {Projection::perspective, Projection::orthographic}) {
             const Sight sight{color, true, projection};
-            const DeviceFrame expected = sight.by(processor()), frame = sight.by(card);
-            EXPECT_TRUE(frame.on_card());
+            const DeviceFrame expected = sight.by(cpu()), frame = sight.by(gpu);
+            EXPECT_TRUE(frame.on_gpu());
             EXPECT_EQ(difference(frame.read(), expected.read(), tolerance).pixels_beyond, 0);
             EXPECT_EQ(mean_alpha(frame.read()), 1);
         }
 }
 
-TEST_F(Cards, KeepTheFramesOfPaths) {
+TEST_F(Gpus, KeepTheFramesOfPaths) {
     const Volume volume = shells_of<std::uint8_t>(24);
     const Camera camera = make_camera({}, volume.geometry, volume.dimensions);
     IlluminationSettings light{.method = Method::reference};
@@ -86,31 +86,31 @@ TEST_F(Cards, KeepTheFramesOfPaths) {
         const Lighting lighting{.probe = {.source = "sky", .background = with_sky}, .loaded_probe = load_probe("sky")};
         std::vector<Image> previews[2];
         DeviceFrame frames[2];
-        for (const bool on_card : {false, true}) {
-            const Device device = on_card ? card : processor();
+        for (const bool on_gpu : {false, true}) {
+            const Device device = on_gpu ? gpu : cpu();
             const Medium medium = classify(upload(device, volume), two_materials(), {});
-            frames[on_card].resize(61, 47);
-            trace_paths(device, medium, lighting, camera, {}, light, frames[on_card], progress,
+            frames[on_gpu].resize(61, 47);
+            trace_paths(device, medium, lighting, camera, {}, light, frames[on_gpu], progress,
                         [&](const DeviceFrame& frame, const PathStatistics&) {
-                            EXPECT_EQ(frame.on_card() != nullptr, on_card);
-                            previews[on_card].push_back(develop(frame, {}));
+                            EXPECT_EQ(frame.on_gpu() != nullptr, on_gpu);
+                            previews[on_gpu].push_back(develop(frame, {}));
                         });
         }
         ASSERT_EQ(previews[1].size(), previews[0].size());
         for (std::size_t i = 0; i < previews[0].size(); ++i) expect_same_image(previews[1][i], previews[0][i], "early");
-        EXPECT_TRUE(frames[1].on_card());
+        EXPECT_TRUE(frames[1].on_gpu());
         EXPECT_EQ(difference(frames[1].read(), frames[0].read(), tolerance).pixels_beyond, 0);
         EXPECT_EQ(mean_alpha(frames[0].read()) == 1, with_sky);
     }
 }
 
-TEST_F(Cards, GiveSessionsPicturesAndFramesThatAreAskedFor) {
+TEST_F(Gpus, GiveSessionsImagesAndFramesThatAreAskedFor) {
     Scene scene;
     scene.width = 61, scene.height = 47;
     scene.transfer.points = two_materials();
     scene.lighting.probe = {.source = "studio", .background = true};
     Progress progress;
-    Session expected(processor()), session(card);
+    Session expected(cpu()), session(gpu);
     for (Session* each : {&expected, &session}) each->show(shells_of<std::uint8_t>(40), progress);
     expect_same_image(session.render(scene, progress), expected.render(scene, progress), "rendered");
     scene.output.tone = Tone::aces;
@@ -118,19 +118,19 @@ TEST_F(Cards, GiveSessionsPicturesAndFramesThatAreAskedFor) {
     EXPECT_EQ(difference(session.frame(), expected.frame(), tolerance).pixels_beyond, 0);
     scene.output.transparent = true;
     expect_same_image(session.render(scene, progress), expected.render(scene, progress), "once it was read");
-    expect_same_image(session.draft(scene, progress), expected.draft(scene, progress), "drafted");
+    expect_same_image(session.preview(scene, progress), expected.preview(scene, progress), "drafted");
 }
 
 #ifdef CHIARO_CUDA_EMULATED
-TEST_F(Cards, BringBackNoMoreThanThePicture) {
+TEST_F(Gpus, BringBackNoMoreThanTheImage) {
     const auto brought = [](auto&& act) {
-        const std::size_t before = cuda_emulated::card().downloaded_bytes;
+        const std::size_t before = cuda_emulated::gpu().downloaded_bytes;
         act();
-        return cuda_emulated::card().downloaded_bytes - before;
+        return cuda_emulated::gpu().downloaded_bytes - before;
     };
     constexpr std::size_t pixels = 61 * 47;
     DeviceFrame frame;
-    const Device plain = Device::cuda(0, processor());
+    const Device plain = Device::cuda(0, cpu());
     const Volume volume = shells_of<std::uint8_t>(40);
     const Medium medium = classify(upload(plain, volume), two_materials(), {});
     const Camera camera = make_camera({}, volume.geometry, volume.dimensions);

@@ -20,9 +20,9 @@ Volume clutter() {
 }
 
 LocalHistograms prepared(const Device& device, const Volume& volume, const HistogramSettings& settings) {
-    Steps steps;
+    StageTimer timer;
     Progress progress;
-    return find_local_histograms(device, upload(device, volume).data(), settings, steps, progress);
+    return find_local_histograms(device, upload(device, volume).data(), settings, timer, progress);
 }
 
 template <class Buffer>
@@ -34,41 +34,41 @@ std::size_t different_bytes(const Buffer& a, const Buffer& b) {
 }
 
 /// Returns how many words they are.
-int expect_same_histograms(const Device& card, const Volume& volume, const HistogramSettings& settings) {
-    const LocalHistograms expected = prepared(processor(), volume, settings), found = prepared(card, volume, settings);
-    EXPECT_EQ(found.words, expected.words);
+int expect_same_histograms(const Device& gpu, const Volume& volume, const HistogramSettings& settings) {
+    const LocalHistograms expected = prepared(cpu(), volume, settings), found = prepared(gpu, volume, settings);
+    EXPECT_EQ(found.codewords, expected.codewords);
     EXPECT_EQ(found.distortions, expected.distortions);
     EXPECT_EQ(different_bytes(found.identifiers, expected.identifiers), 0u);
-    EXPECT_EQ(different_bytes(found.lifted, expected.lifted), 0u);
+    EXPECT_EQ(different_bytes(found.displaced, expected.displaced), 0u);
     EXPECT_EQ(found.shares, expected.shares);
     EXPECT_EQ(found.scale, expected.scale);
-    return found.words;
+    return found.codewords;
 }
 
 constexpr HistogramSettings small{.radius = 6, .clusters = 60, .packed_bins = 16};
 
 }  // namespace
 
-TEST_F(Cards, PrepareLocalHistogramsAsTheProcessorDoes) { expect_same_histograms(card, clutter(), small); }
+TEST_F(Gpus, PrepareLocalHistogramsAsTheCpuDoes) { expect_same_histograms(gpu, clutter(), small); }
 
-TEST_F(Cards, PrepareLocalHistogramsByEveryPath) {
+TEST_F(Gpus, PrepareLocalHistogramsByEveryPath) {
     HistogramSettings settings = small;
     settings.clusters = 30;
     for (const auto path : {HistogramPath::exact, HistogramPath::sweep}) {
         settings.path = path, settings.packing = HistogramPacking::uniform, settings.subsample = 1;
-        expect_same_histograms(card, clutter(), settings);
+        expect_same_histograms(gpu, clutter(), settings);
         settings.packing = HistogramPacking::paper, settings.packed_bins = 21, settings.subsample = 4;
-        expect_same_histograms(card, clutter(), settings);
+        expect_same_histograms(gpu, clutter(), settings);
     }
 }
 
-TEST_F(Cards, FindTheBinsOfCells) {
+TEST_F(Gpus, FindTheBinsOfCells) {
     const auto expect_same_bins = [&](Volume volume) {
         for (const Vec3 spacing_mm : {Vec3{1, 1, 1}, Vec3{1, 1.4, 2.3}}) {
             volume.geometry.spacing_mm = spacing_mm;
             Progress progress;
-            const BinnedCells expected = bin_cells(processor(), upload(processor(), volume).data(), progress),
-                              found = bin_cells(card, upload(card, volume).data(), progress);
+            const BinnedCells expected = bin_cells(cpu(), upload(cpu(), volume).data(), progress),
+                              found = bin_cells(gpu, upload(gpu, volume).data(), progress);
             EXPECT_EQ(found.binning, expected.binning);
             EXPECT_EQ(different_bytes(found.buffer, expected.buffer), 0u);
             EXPECT_EQ(found.counts(), expected.counts());
@@ -80,7 +80,7 @@ TEST_F(Cards, FindTheBinsOfCells) {
     expect_same_bins(sampled<float>({2, 40, 7}, slope));
 }
 
-TEST_F(Cards, ChooseTheTrainingSet) {
+TEST_F(Gpus, ChooseTheTrainingSet) {
     const auto sampled_by = [](const Device& device, const Volume& volume) {
         Progress progress;
         HistogramData data{bin_cells(device, upload(device, volume).data(), progress), {}, 4};
@@ -89,16 +89,17 @@ TEST_F(Cards, ChooseTheTrainingSet) {
     };
     const auto flat = [](double, double, double) { return 7.0; };
     for (const Volume& volume : {clutter(), sampled<float>({9, 8, 70}, flat), sampled<float>({1, 1, 1}, flat)})
-        EXPECT_EQ(different_bytes(sampled_by(card, volume).buffer, sampled_by(processor(), volume).buffer), 0u);
+        EXPECT_EQ(different_bytes(sampled_by(gpu, volume).buffer, sampled_by(cpu(), volume).buffer), 0u);
 }
 
-TEST_F(Cards, ListTheNeighboursOfWords) {
+TEST_F(Gpus, ListTheNeighboursOfCodewords) {
     constexpr int bins = 16;
     for (const int count : {1, 2, 40, 300}) {
-        std::vector<PackedHistogram> words;
-        for (int i = 0; i < count * bins; ++i) words.push_back(PackedHistogram(i / bins * 37 % 7 * (i % bins) * 30));
+        std::vector<PackedHistogram> codewords;
+        for (int i = 0; i < count * bins; ++i)
+            codewords.push_back(PackedHistogram(i / bins * 37 % 7 * (i % bins) * 30));
         for (const auto metric : {HistogramMetric::l2, HistogramMetric::l1, HistogramMetric::lmax}) {
-            const Codebook here(processor(), bins, metric, words), there(card, bins, metric, words);
+            const Codebook here(cpu(), bins, metric, codewords), there(gpu, bins, metric, codewords);
             const kernel::CodebookView expected = here.view(), found = there.view();
             ASSERT_EQ(found.listed, std::min(count - 1, 256));
             for (int i = 0; i < count * found.listed; ++i) {
@@ -109,36 +110,36 @@ TEST_F(Cards, ListTheNeighboursOfWords) {
     }
 }
 
-TEST_F(Cards, PrepareLocalHistogramsOfEverySetting) {
+TEST_F(Gpus, PrepareLocalHistogramsOfEverySetting) {
     HistogramSettings settings = small;
     settings.packing = HistogramPacking::paper, settings.packed_bins = 21;
-    expect_same_histograms(card, clutter(), settings);
+    expect_same_histograms(gpu, clutter(), settings);
     for (const auto metric : {HistogramMetric::l1, HistogramMetric::lmax}) {
         settings.metric = metric, settings.subsample = metric == HistogramMetric::l1 ? 2 : 4;
-        expect_same_histograms(card, clutter(), settings);
+        expect_same_histograms(gpu, clutter(), settings);
     }
     settings.clusters = 1;
-    expect_same_histograms(card, clutter(), settings);
-    expect_same_histograms(card, sampled<float>({5, 3, 4}, [](double, double, double) { return 0.0; }), small);
+    expect_same_histograms(gpu, clutter(), settings);
+    expect_same_histograms(gpu, sampled<float>({5, 3, 4}, [](double, double, double) { return 0.0; }), small);
 }
 
-TEST_F(Cards, FindMoreWordsThanThereIsRoomForAtOnce) {
+TEST_F(Gpus, FindMoreCodewordsThanThereIsRoomForAtOnce) {
     HistogramSettings settings = small;
     settings.clusters = 600;  // of 4096 bins, half a MiB each
     const auto slope = [](double x, double y, double z) { return 0.1 * x + std::sin(y) * z + (int(x + y) % 3); };
-    EXPECT_GT(expect_same_histograms(card, sampled<float>({9, 8, 7}, slope), settings), 512);
+    EXPECT_GT(expect_same_histograms(gpu, sampled<float>({9, 8, 7}, slope), settings), 512);
 }
 
-TEST_F(Cards, KeepTheIdentifiersThatTheyFound) {
-    const auto& mirror = *card.stream->mirror();
-    const DeviceVolume volume = upload(card, clutter());
-    Steps steps;
+TEST_F(Gpus, KeepTheIdentifiersThatTheyFound) {
+    const auto& device_cache = *gpu.stream->device_cache();
+    const DeviceVolume volume = upload(gpu, clutter());
+    StageTimer timer;
     Progress progress;
-    const LocalHistograms h = find_local_histograms(card, volume.data(), small, steps, progress);
-    const auto copied = mirror.copied_bytes();
-    for (const HostArray& made : {HostArray::of(h.life, h.identifiers), h.lifted.array()})
-        card.stream->mirror()->of(made, *card.stream);
-    EXPECT_EQ(mirror.copied_bytes(), copied) << "what was made there is copied again";
+    const LocalHistograms h = find_local_histograms(gpu, volume.data(), small, timer, progress);
+    const auto copied = device_cache.copied_bytes();
+    for (const HostArray& made : {HostArray::of(h.life, h.identifiers), h.displaced.array()})
+        gpu.stream->device_cache()->of(made, *gpu.stream);
+    EXPECT_EQ(device_cache.copied_bytes(), copied) << "what was made there is copied again";
     EXPECT_LT(copied - volume.data().bricks.size(), 60000u)
         << "more than the voxels and words: the training set has 123 KB";
 }

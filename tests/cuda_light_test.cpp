@@ -6,7 +6,7 @@
 #include "illumination/cells/opacity.h"
 #include "illumination/histogram/optics.h"
 #include "illumination/reference/extinction.h"
-#include "illumination/transport/card.h"
+#include "illumination/transport/gpu.h"
 #include "illumination/transport/grid.h"
 #include "illumination/transport/matter.h"
 #include "illumination/visibility/density.h"
@@ -14,7 +14,7 @@
 using namespace chiaro;
 using namespace chiaro::testing;
 
-TEST_F(Cards, ClassifyAsTheProcessorDoes) {
+TEST_F(Gpus, ClassifyAsTheCpuDoes) {
     const auto cells = [](const Device& device, const Volume& volume, const TransferFunction& tf, const Shape& shape) {
         const Medium medium = classify(upload(device, volume), tf, shape);
         return std::pair(medium.data().cells, medium.occupied_fraction());
@@ -27,17 +27,17 @@ TEST_F(Cards, ClassifyAsTheProcessorDoes) {
                                  shells_of<std::uint16_t>(60), sampled<std::uint8_t>({5, 3, 2}, specks)})
         for (const Shape& shape : {Shape{}, surfaces})
             for (const TransferFunction& tf : {two_materials(), constant(0), constant(0.5)})
-                EXPECT_EQ(cells(card, volume, tf, shape), cells(processor(), volume, tf, shape));
+                EXPECT_EQ(cells(gpu, volume, tf, shape), cells(cpu(), volume, tf, shape));
 }
 
 #ifdef CHIARO_CUDA_EMULATED
-TEST_F(Cards, ClassifyOnTheStreamOfTheirOwnSession) {
-    const DeviceVolume voxels = upload(card, shells_of<std::uint8_t>(40));
-    const Device other = card.beside();
+TEST_F(Gpus, ClassifyOnTheStreamOfTheirOwnSession) {
+    const DeviceVolume voxels = upload(gpu, shells_of<std::uint8_t>(40));
+    const Device other = gpu.with_own_stream();
     classify(other, voxels, two_materials(), {});
-    EXPECT_EQ(cuda_emulated::card().last_stream, other.stream->handle());
+    EXPECT_EQ(cuda_emulated::gpu().last_stream, other.stream->handle());
     classify(voxels, two_materials(), {});
-    EXPECT_EQ(cuda_emulated::card().last_stream, card.stream->handle());
+    EXPECT_EQ(cuda_emulated::gpu().last_stream, gpu.stream->handle());
 }
 #endif
 
@@ -67,14 +67,14 @@ std::vector<Shape> shapes_of_every_sort() {
 
 }  // namespace
 
-TEST_F(Cards, StopLightInCellsAsTheProcessorDoes) {
+TEST_F(Gpus, StopLightInCellsAsTheCpuDoes) {
     const auto opacity = [](const Device& device, const Volume& volume, const Shape& shape) {
         Progress progress;
         return cell_opacity(classify(upload(device, volume), two_materials(), shape).data(), progress);
     };
     for (const Volume& volume : volumes_of_every_sort())
         for (const Shape& shape : shapes_of_every_sort()) {
-            const CellOpacity expected = opacity(processor(), volume, shape), found = opacity(card, volume, shape);
+            const CellOpacity expected = opacity(cpu(), volume, shape), found = opacity(gpu, volume, shape);
             const std::size_t cells = expected.values.grid.size();
             EXPECT_TRUE(std::equal(found.values.data(), found.values.data() + cells, expected.values.data()));
             EXPECT_GT(std::count(expected.values.data(), expected.values.data() + cells, 0), 100);
@@ -82,7 +82,7 @@ TEST_F(Cards, StopLightInCellsAsTheProcessorDoes) {
         }
 }
 
-TEST_F(Cards, MeetTheDensityThatTheProcessorMeets) {
+TEST_F(Gpus, MeetTheDensityThatTheCpuMeets) {
     Progress progress;
     for (const Volume& volume : volumes_of_every_sort())
         for (const Shape& shape : shapes_of_every_sort())
@@ -91,20 +91,20 @@ TEST_F(Cards, MeetTheDensityThatTheProcessorMeets) {
                     const Medium medium = classify(upload(device, volume), two_materials(), shape);
                     return density_for(medium.data(), subsample, device, progress);
                 };
-                const Density expected = density(processor()), found = density(card);
+                const Density expected = density(cpu()), found = density(gpu);
                 const std::span<const float> a(expected.data(), expected.grid.size());
                 for (std::size_t i = 0; i < a.size(); ++i) ASSERT_NEAR(found.data()[i], a[i], tolerance);
                 EXPECT_GT(*std::max_element(a.begin(), a.end()), 0.1);
-                const Density coarse = halved(expected, processor(), progress), on_card = halved(found, card, progress);
+                const Density coarse = halved(expected, cpu(), progress), on_gpu = halved(found, gpu, progress);
                 for (std::size_t i = 0; i < coarse.grid.size(); ++i)
-                    ASSERT_NEAR(on_card.data()[i], coarse.data()[i], tolerance);
+                    ASSERT_NEAR(on_gpu.data()[i], coarse.data()[i], tolerance);
             }
 }
 
-TEST_F(Cards, FindVisibilityByEveryTraversal) {
+TEST_F(Gpus, FindVisibilityByEveryTraversal) {
     IlluminationSettings light{.method = Method::visibility};
     const Volume volume = shells_of<std::uint8_t>(27);
-    const Medium medium = classify(upload(card, volume), two_materials(), {});
+    const Medium medium = classify(upload(gpu, volume), two_materials(), {});
     for (const auto traversal :
          {VisibilityTraversal::sheared, VisibilityTraversal::hierarchical, VisibilityTraversal::full}) {
         light.visibility = {.directions = 60, .traversal = traversal};
@@ -120,9 +120,9 @@ TEST_F(Cards, FindVisibilityByEveryTraversal) {
     expect_same_field(medium, light, "several batches");
 }
 
-TEST_F(Cards, LayOutTransportsGridAsTheProcessorDoes) {
+TEST_F(Gpus, LayOutTransportsGridAsTheCpuDoes) {
     Progress progress;
-    std::size_t skins = 0;
+    std::size_t boundary_cells = 0;
     auto volumes = volumes_of_every_sort();
     volumes.push_back(sampled<std::uint8_t>({48, 40, 44}, [](double x, double, double) { return x > 17 ? 200 : 0; }));
     for (const Volume& volume : volumes)
@@ -133,9 +133,9 @@ TEST_F(Cards, LayOutTransportsGridAsTheProcessorDoes) {
                     const Medium medium = classify(upload(device, volume), tf, shape);
                     return light_grid(medium.data(), cells, 0.6, device, progress);
                 };
-                const LightGrid expected = grid(processor()), found = grid(card);
-                EXPECT_EQ(found.skins, expected.skins);
-                skins += expected.skins.size();
+                const LightGrid expected = grid(cpu()), found = grid(gpu);
+                EXPECT_EQ(found.boundary_cells, expected.boundary_cells);
+                boundary_cells += expected.boundary_cells.size();
                 for (std::size_t i = 0; i < expected.extinction.grid.size(); ++i) {
                     ASSERT_NEAR(found.extinction.data()[i], expected.extinction.data()[i], tolerance);
                     for (std::size_t c = 0; c < 3; ++c)
@@ -143,10 +143,10 @@ TEST_F(Cards, LayOutTransportsGridAsTheProcessorDoes) {
                 }
                 EXPECT_GT(*std::max_element(expected.albedo[0], expected.albedo[0] + expected.albedo.nodes), 0.1f);
             }
-    EXPECT_GT(skins, 50u);
+    EXPECT_GT(boundary_cells, 50u);
 }
 
-TEST_F(Cards, KnowTheMatterThatTransportMeets) {
+TEST_F(Gpus, KnowTheMatterThatTransportMeets) {
     Progress progress;
     const Volume volume = shells_of<std::uint8_t>(30);
     const auto expect_near = [](const auto& found, const auto& expected) {
@@ -158,13 +158,13 @@ TEST_F(Cards, KnowTheMatterThatTransportMeets) {
             const Medium medium = classify(upload(device, volume), tf, {});
             return matter_of(device, medium.data(), 40, {}, progress);
         };
-        const SharedMatter whole[]{matter(processor()), matter(card)};
-        const SharedMatter half[]{halved(*whole[0], processor(), progress), halved(*whole[1], card, progress)};
-        for (const SharedMatter* both : {whole, half}) {
-            const TransportMatter &expected = *both[0], &found = *both[1];
+        const SharedTransportMedium whole[]{matter(cpu()), matter(gpu)};
+        const SharedTransportMedium half[]{halved(*whole[0], cpu(), progress), halved(*whole[1], gpu, progress)};
+        for (const SharedTransportMedium* both : {whole, half}) {
+            const TransportMedium &expected = *both[0], &found = *both[1];
             EXPECT_EQ(found.opaque.nodes(), expected.opaque.nodes());
             expect_near(found.weight, expected.weight);
-            expect_near(unlit_nodes(found).answer, unlit_nodes(expected).answer);
+            expect_near(unlit_nodes(found).result, unlit_nodes(expected).result);
             for (std::size_t c = 0; c < 3; ++c) expect_near(found.albedo()[c], expected.albedo()[c]);
             expect_near(found.swept.extinction().along_x, expected.swept.extinction().along_x);
             expect_near(found.swept.extinction().along_y, expected.swept.extinction().along_y);
@@ -173,25 +173,26 @@ TEST_F(Cards, KnowTheMatterThatTransportMeets) {
 }
 
 #ifdef CHIARO_CUDA_EMULATED
-TEST_F(Cards, KeepTheColoursOfTransportsGrid) {
+TEST_F(Gpus, KeepTheColoursOfTransportsGrid) {
     Progress progress;
-    const Medium medium = classify(upload(card, shells_of<std::uint8_t>(50)), walls(), {});
-    const cuda_emulated::Card& emulated = cuda_emulated::card();
+    const Medium medium = classify(upload(gpu, shells_of<std::uint8_t>(50)), walls(), {});
+    const cuda_emulated::Gpu& emulated = cuda_emulated::gpu();
     const std::size_t before = emulated.downloaded_bytes;
-    const SharedMatter matter = matter_of(card, medium.data(), 60, {}, progress);
-    const std::size_t nodes = matter->weight.size(), shown = matter->opaque.count() + matter->grid.skins.size();
+    const SharedTransportMedium matter = matter_of(gpu, medium.data(), 60, {}, progress);
+    const std::size_t nodes = matter->weight.size(),
+                      shown = matter->opaque.count() + matter->grid.boundary_cells.size();
     EXPECT_GT(shown, 0u);
     EXPECT_LE(emulated.downloaded_bytes - before, 5 * nodes + 12 * shown) << "density, and where skins are";
     const std::size_t sent = emulated.uploaded_bytes;
-    const CardTransport transport(card, matter->swept);
+    const GpuTransport transport(gpu, matter->swept);
     EXPECT_LE(emulated.uploaded_bytes - sent, 7 * nodes + 200 * shown) << "opaque cells, with a halo";
 }
 #endif
 
-TEST_F(Cards, FindWhatStopsTheReferencesRays) {
+TEST_F(Gpus, FindWhatStopsTheReferencesRays) {
     Progress progress;
     const auto expect_same = [&](const auto& cells_by) {
-        const ExtinctionCells expected = cells_by(processor()), found = cells_by(card);
+        const ExtinctionCells expected = cells_by(cpu()), found = cells_by(gpu);
         HostArrays arrays;
         found.add_to(arrays), arrays.fetch();
         for (int axis = 0; axis < 3; ++axis) {
@@ -209,7 +210,7 @@ TEST_F(Cards, FindWhatStopsTheReferencesRays) {
     thick.geometry.spacing_mm = {1, 1.3, 2.5};
     const Shape clipped{.clip = {.planes = {{{1, 2, 1}, 70}}}};
     const Shape surface{.mode = Mode::iso, .iso = {{.value = 90, .opacity = 0.5}}};
-    const DeviceVolume cubes = upload(card, shells_of<std::uint8_t>(40)), others = upload(card, thick);
+    const DeviceVolume cubes = upload(gpu, shells_of<std::uint8_t>(40)), others = upload(gpu, thick);
     for (const Medium& medium : {classify(cubes, two_materials(), {}), classify(others, two_materials(), clipped),
                                  classify(others, two_materials(), surface)})
         for (const int stride : {1, 3}) {
@@ -217,18 +218,18 @@ TEST_F(Cards, FindWhatStopsTheReferencesRays) {
             expect_same([&](const Device& device) {
                 return ExtinctionCells(medium.data(), opacity, stride, device, progress);
             });
-            const Density density = density_for(medium.data(), 2, card, progress);
+            const Density density = density_for(medium.data(), 2, gpu, progress);
             expect_same([&](const Device& device) { return ExtinctionCells(density, stride, device, progress); });
         }
 }
 
-TEST_F(Cards, FollowTheRaysOfTheReference) {
+TEST_F(Gpus, FollowTheRaysOfTheReference) {
     using enum ReferenceQuantity;
     IlluminationSettings light{.method = Method::reference};
     Volume thick = shells_of<float>(20);
     thick.geometry.spacing_mm = {1, 1.3, 2.5};
     const Shape surface{.mode = Mode::iso, .iso = {{.value = 90, .opacity = 0.5}}};
-    const DeviceVolume cubes = upload(card, shells_of<std::uint8_t>(20)), others = upload(card, thick);
+    const DeviceVolume cubes = upload(gpu, shells_of<std::uint8_t>(20)), others = upload(gpu, thick);
     for (const Medium& medium : {classify(cubes, two_materials(), {}), classify(others, two_materials(), surface)})
         for (const auto matter : {ReferenceMedium::voxels, ReferenceMedium::trilinear})
             for (const auto quantity : {obscurance, ao, ao_cosine, visibility})
@@ -239,9 +240,9 @@ TEST_F(Cards, FollowTheRaysOfTheReference) {
                 }
 }
 
-TEST_F(Cards, OccludeAsTheProcessorDoes) {
+TEST_F(Gpus, OccludeAsTheCpuDoes) {
     IlluminationSettings light{.method = Method::spao};
-    const Medium medium = classify(upload(card, shells_of<std::uint8_t>(40)), two_materials(), {});
+    const Medium medium = classify(upload(gpu, shells_of<std::uint8_t>(40)), two_materials(), {});
     for (const SpaoModel model : {SpaoModel::paper, SpaoModel::thick, SpaoModel::corrected})
         for (const SpaoFilter filter :
              {SpaoFilter::automatic, SpaoFilter::nbuffer, SpaoFilter::mipmap, SpaoFilter::hybrid, SpaoFilter::exact})
@@ -257,41 +258,41 @@ TEST_F(Cards, OccludeAsTheProcessorDoes) {
     }
 }
 
-TEST_F(Cards, OccludeBlocksOfEverySort) {
+TEST_F(Gpus, OccludeBlocksOfEverySort) {
     IlluminationSettings light{.method = Method::spao};
     const Volume longer = sampled<std::uint8_t>({131, 33, 17}, [](double x, double y, double z) {
         return x > 70 && x < 90 ? 0 : 128 + 100 * std::sin(x / 5) * std::sin(y / 3) * std::cos(z / 4);
     });
-    expect_same_field(classify(upload(card, longer), two_materials(), {}), light, "a long volume");
-    expect_same_field(classify(upload(card, longer), constant(0), {}), light, "nothing to see");
+    expect_same_field(classify(upload(gpu, longer), two_materials(), {}), light, "a long volume");
+    expect_same_field(classify(upload(gpu, longer), constant(0), {}), light, "nothing to see");
     const Shape surface{.mode = Mode::iso, .iso = {{.value = 90, .opacity = 0.5}}};
-    expect_same_field(classify(upload(card, longer), two_materials(), surface), light, "a surface");
+    expect_same_field(classify(upload(gpu, longer), two_materials(), surface), light, "a surface");
     Shot shot = shaded();  // only pieces of blocks are seen
     light.spao.filter = SpaoFilter::automatic;
     expect_same(shot, shells_of<std::uint8_t>(70), light);
 }
 
-TEST_F(Cards, SumTheWordsOfLocalHistograms) {
+TEST_F(Gpus, SumTheWordsOfLocalHistograms) {
     std::mt19937 random(3);
     const auto h = std::make_shared<LocalHistograms>();
-    h->words = 37, h->stride = 112, h->binning.count = 100;
-    for (int i = 0; i < h->words * h->stride; ++i) h->shares.push_back(std::uint16_t(random()));
-    for (int w = 0; w < h->words; ++w) h->scale.push_back(1e-6f * float(1 + w));
+    h->codewords = 37, h->stride = 112, h->binning.count = 100;
+    for (int i = 0; i < h->codewords * h->stride; ++i) h->shares.push_back(std::uint16_t(random()));
+    for (int w = 0; w < h->codewords; ++w) h->scale.push_back(1e-6f * float(1 + w));
     BinOptics optics;
     for (int j = 0; j < h->binning.count; ++j) {
         optics.alpha.push_back(j < 20 || j > 70 ? 0 : float(random() % 100) / 100);
         optics.rgb.push_back({float(j) / 100, 0.5f, 1});
     }
-    const auto expected = word_sums(processor(), *h, optics), found = word_sums(card, *h, optics);
+    const auto expected = codeword_sums(cpu(), *h, optics), found = codeword_sums(gpu, *h, optics);
     ASSERT_EQ(found.size(), 37u);
     for (std::size_t w = 0; w < found.size(); ++w)
         for (std::size_t c = 0; c < 4; ++c) {
             EXPECT_GT(expected[w][c], 0);
             EXPECT_NEAR(found[w][c], expected[w][c], tolerance * expected[w][c]);
         }
-    const auto copied = card.stream->mirror()->copied_bytes();
+    const auto copied = gpu.stream->device_cache()->copied_bytes();
     EXPECT_EQ(copied, h->shares.size() * sizeof h->shares[0]);
     optics.alpha[50] = 1;  // an edit brings only its weights
-    word_sums(card, *h, optics);
-    EXPECT_EQ(card.stream->mirror()->copied_bytes(), copied);
+    codeword_sums(gpu, *h, optics);
+    EXPECT_EQ(gpu.stream->device_cache()->copied_bytes(), copied);
 }

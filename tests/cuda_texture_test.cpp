@@ -8,7 +8,7 @@ using namespace chiaro::testing;
 
 namespace {
 
-constexpr double most_off = 3.0 / 256;  ///< of what eight voxels span: three weights of 8 fractional bits
+constexpr double max_off = 3.0 / 256;  ///< of what eight voxels span: three weights of 8 fractional bits
 
 /// Values that have nothing to do with each other, from 0 to 255.
 template <class Voxel>
@@ -31,22 +31,22 @@ double rms(const Frame& a, const Frame& b) {
 }  // namespace
 
 // Shown as they are, the largest values differ by no more than each value may.
-TEST_F(Cards, TextureUnitsKeepToTheirWeights) {
-    Shot shot{.device = card, .shape = {.mode = Mode::mip}};
+TEST_F(Gpus, TextureUnitsKeepToTheirWeights) {
+    Shot shot{.device = gpu, .shape = {.mode = Mode::mip}};
     shot.tf.rgb_space = RgbSpace::linear;
     shot.tf.points = {{0, {0, 0, 0}, 1}, {255, {1, 1, 1}, 1}};
     for (const auto size : {std::array{40, 43, 35}, std::array{33, 1, 65}, std::array{2, 64, 32}})
         for (const Volume& volume : {noise<std::uint8_t>(size), noise<std::uint16_t>(size), noise<float>(size)}) {
             const Difference found = difference(by_texture(shot)(volume), shot(volume), 0);
-            EXPECT_LT(found.max, most_off + 1.0 / 2048);  // and an entry of the table
-            EXPECT_GT(found.max, 1e-4);                   // it is another way
+            EXPECT_LT(found.max, max_off + 1.0 / 2048);  // and an entry of the table
+            EXPECT_GT(found.max, 1e-4);                  // it is another way
         }
 }
 
-TEST_F(Cards, TextureUnitsShowTheSameThings) {
+TEST_F(Gpus, TextureUnitsShowTheSameThings) {
     const Volume volume = shells_of<std::uint8_t>(40);
     const auto expect_alike = [&](Shot shot, const IlluminationSettings& light, double least) {
-        shot.device = card;
+        shot.device = gpu;
         const Frame exact = shot.lit(volume, light);
         const double found = rms(by_texture(shot).lit(volume, light), exact);
         EXPECT_LT(found, 0.004) << to_text(light.method) << ", " << to_text(shot.rays.classification);
@@ -65,45 +65,45 @@ TEST_F(Cards, TextureUnitsShowTheSameThings) {
     expect_alike(shot, {}, 1e-6);
 }
 
-TEST_F(Cards, TextureUnitsMeetTheLightOfLocalHistograms) {
+TEST_F(Gpus, TextureUnitsMeetTheLightOfLocalHistograms) {
     const Volume volume = shells_of<std::uint8_t>(28);
     const Camera camera = make_camera({}, volume.geometry, volume.dimensions);
-    for (const std::string glow : {"", "160:255=20"}) {
+    for (const std::string emission : {"", "160:255=20"}) {
         IlluminationSettings light{.method = Method::histogram};
         light.histogram.radius = 4, light.histogram.clusters = 32, light.histogram.cache = "none";
-        light.histogram.glow = glow, light.histogram.effects.glow = !glow.empty();
+        light.histogram.emission = emission, light.histogram.effects.emission = !emission.empty();
         Progress progress;
-        const DeviceVolume voxels = upload(card, volume);
+        const DeviceVolume voxels = upload(gpu, volume);
         const Medium medium = classify(voxels, two_materials(), {});
         IlluminationField field;
         const auto keep = [&](IlluminationField f) { field = std::move(f); };
-        illuminate(card, medium, prepare(voxels, light, progress), {}, light, keep, progress);
+        illuminate(gpu, medium, prepare(voxels, light, progress), {}, light, keep, progress);
         Frame exact(61, 47), found(61, 47), unlit(61, 47);
-        raycast(card, medium, field, {}, camera, {}, exact, progress);
+        raycast(gpu, medium, field, {}, camera, {}, exact, progress);
         const RaySettings by_texture{.interpolation = Interpolation::texture};
-        raycast(card, medium, field, {}, camera, by_texture, found, progress);
-        raycast(card, medium, {}, {}, camera, by_texture, unlit, progress);
-        EXPECT_LT(rms(found, exact), 0.004) << glow;
-        EXPECT_GT(rms(found, exact), 1e-6) << glow;
+        raycast(gpu, medium, field, {}, camera, by_texture, found, progress);
+        raycast(gpu, medium, {}, {}, camera, by_texture, unlit, progress);
+        EXPECT_LT(rms(found, exact), 0.004) << emission;
+        EXPECT_GT(rms(found, exact), 1e-6) << emission;
         EXPECT_GT(rms(unlit, exact), 2 * rms(found, exact)) << "the light";
     }
 }
 
-TEST_F(Cards, AloneHaveTextureUnits) {
+TEST_F(Gpus, AloneHaveTextureUnits) {
     const Volume volume = shells_of<std::uint8_t>(40);
     const Frame exact = expect_same(shaded(), volume);
     Shot shot = by_texture(shaded());
-    shot.device = processor();
+    shot.device = cpu();
     EXPECT_EQ(difference(shot(volume), exact, 0).max, 0);
 }
 
 #ifdef CHIARO_CUDA_EMULATED
-TEST_F(Cards, KeepATextureAsLongAsItsVolume) {
-    const auto held = [] { return cuda_emulated::card().held_bytes; };
+TEST_F(Gpus, KeepATextureAsLongAsItsVolume) {
+    const auto held = [] { return cuda_emulated::gpu().held_bytes; };
     Shot shot = by_texture(shaded());
-    shot.device = card;
+    shot.device = gpu;
     const auto bytes_of = [&](const Volume& volume) {
-        const DeviceVolume voxels = upload(card, volume);
+        const DeviceVolume voxels = upload(gpu, volume);
         shot(voxels);
         const auto once = held();
         shot(voxels);
@@ -117,19 +117,19 @@ TEST_F(Cards, KeepATextureAsLongAsItsVolume) {
 /// What is shown where a card that was chosen by itself, or named, has no such texture; `limit` and `lift` set what it
 /// may have.
 void expect_exact(const Device& named, const std::function<void(std::size_t bytes)>& limit,
-                  const std::function<void()>& lift, const std::string& why) {
+                  const std::function<void()>& normal_offset, const std::string& why) {
     const Volume volume = shells_of<std::uint16_t>(60);
     Shot shot = by_texture(shaded());
-    shot.device = processor();
+    shot.device = cpu();
     const Frame expected = shot(volume);
-    for (const Device& device : {named.beside(), choose_device(processor()).device}) {
+    for (const Device& device : {named.with_own_stream(), choose_device(cpu()).device}) {
         shot.device = device;
         const DeviceVolume voxels = upload(shot.device, volume);
         limit(voxels.bytes());
-        const auto launches = cuda_emulated::card().launches;
+        const auto launches = cuda_emulated::gpu().launches;
         EXPECT_EQ(difference(shot(voxels), expected, 0).max, 0);
-        lift();
-        EXPECT_GT(cuda_emulated::card().launches, launches);
+        normal_offset();
+        EXPECT_GT(cuda_emulated::gpu().launches, launches);
         EXPECT_TRUE(device.stream->given_up().empty());
         EXPECT_NE(device.note().find(why), std::string::npos) << device.note();
         EXPECT_NE(device.note().find("; samples are interpolated exactly, not by texture units"), std::string::npos);
@@ -138,18 +138,18 @@ void expect_exact(const Device& named, const std::function<void(std::size_t byte
     }
 }
 
-TEST_F(Cards, WithoutRoomForATextureInterpolateExactly) {
-    cuda_emulated::Card& emulated = cuda_emulated::card();
+TEST_F(Gpus, WithoutRoomForATextureInterpolateExactly) {
+    cuda_emulated::Gpu& emulated = cuda_emulated::gpu();
     const auto limit = [&](std::size_t bytes) { emulated.memory_bytes = emulated.held_bytes + bytes + (300 << 10); };
-    const auto lift = [&] { emulated.memory_bytes = cuda_emulated::Card().memory_bytes; };
-    expect_exact(card, limit, lift, "MiB more do not fit");
+    const auto normal_offset = [&] { emulated.memory_bytes = cuda_emulated::Gpu().memory_bytes; };
+    expect_exact(gpu, limit, normal_offset, "MiB more do not fit");
 }
 
-TEST_F(Cards, WithShorterTexturesInterpolateExactly) {
-    cuda_emulated::Card& emulated = cuda_emulated::card();
-    const auto lift = [&] { emulated.texture_edge = cuda_emulated::Card().texture_edge; };
+TEST_F(Gpus, WithShorterTexturesInterpolateExactly) {
+    cuda_emulated::Gpu& emulated = cuda_emulated::gpu();
+    const auto normal_offset = [&] { emulated.texture_edge = cuda_emulated::Gpu().texture_edge; };
     expect_exact(
-        card, [&](std::size_t) { emulated.texture_edge = 62; }, lift,
+        gpu, [&](std::size_t) { emulated.texture_edge = 62; }, normal_offset,
         "cuda:0 (Emulated): textures have at most 62 voxels along y, and the volume has 63");
 }
 #endif

@@ -16,13 +16,13 @@ target_include_directories(cuda_emulated PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/cud
 target_compile_definitions(cuda_emulated PRIVATE CHIARO_CUDA_EMULATED)
 target_link_libraries(cuda_emulated PRIVATE fmt::fmt chiaro_warnings)
 
-add_executable(cuda_emulated_test cuda_test.cpp cuda_light_test.cpp cuda_histogram_test.cpp cuda_frame_test.cpp cuda_texture_test.cpp cuda_emulated/troubles.cpp cuda_emulated/census.cpp $<TARGET_OBJECTS:cuda_emulated>) # these before the library's own
+add_executable(cuda_emulated_test cuda_test.cpp cuda_light_test.cpp cuda_histogram_test.cpp cuda_frame_test.cpp cuda_texture_test.cpp cuda_emulated/failures.cpp cuda_emulated/launch_counts.cpp $<TARGET_OBJECTS:cuda_emulated>) # these before the library's own
 target_include_directories(cuda_emulated_test PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/cuda_emulated ${PROJECT_SOURCE_DIR}/src ${CMAKE_CURRENT_SOURCE_DIR})
 target_compile_definitions(cuda_emulated_test PRIVATE CHIARO_CUDA_EMULATED)
 target_link_libraries(cuda_emulated_test PRIVATE chiaro_bench chiaro GTest::gtest_main fmt::fmt chiaro_warnings)
 gtest_discover_tests(cuda_emulated_test NO_PRETTY_VALUES TEST_PREFIX Emulated DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT ${CHIARO_TEST_TIMEOUT})
 
-# The tool with that card, for scripts/card_pictures.
+# The tool with that card, for scripts/gpu_pictures.
 find_package(CLI11 REQUIRED)
 add_executable(chiaro_emulated EXCLUDE_FROM_ALL $<TARGET_OBJECTS:chiaro-cli> $<TARGET_OBJECTS:cuda_emulated>)
 target_link_libraries(chiaro_emulated PRIVATE $<TARGET_PROPERTY:chiaro-cli,LINK_LIBRARIES>)

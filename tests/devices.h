@@ -12,15 +12,15 @@ namespace chiaro::testing {
 /// Two threads of the processor, and the card beside them that was asked for. Ends the program with 77, "skipped",
 /// where there is none.
 inline Device find_tested_device() {
-    const Device processor = Device::cpu(2);
+    const Device cpu = Device::cpu(2);
     const char* const asked = std::getenv("CHIARO_TEST_DEVICE");
     const std::string_view name = asked ? asked : "cpu";
-    if (name == "cpu") return processor;
-    if (list_cards().empty()) {
+    if (name == "cpu") return cpu;
+    if (list_gpus().empty()) {
         std::puts("skipped: no CUDA device");
         std::exit(77);
     }
-    return Device::cuda(0, processor);
+    return Device::cuda(0, cpu);
 }
 
 /// The same at every call. Never destroyed: the driver may be gone by then.

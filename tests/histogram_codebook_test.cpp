@@ -26,17 +26,17 @@ std::vector<PackedHistogram> vectors(std::size_t count, int bins = 32) {
     return all;
 }
 
-TEST(Codebook, FindsTheNearestWordOfAll) {
-    const auto words = vectors(700), some = vectors(333);
+TEST(Codebook, FindsTheNearestCodewordOfAll) {
+    const auto codewords = vectors(700), some = vectors(333);
     for (const auto metric : {HistogramMetric::l2, HistogramMetric::l1, HistogramMetric::lmax}) {
-        const Codebook book(tested_device(), 32, metric, words);
+        const Codebook codebook(tested_device(), 32, metric, codewords);
         std::vector<std::int32_t> all(700), found(333);
         for (const Isa isa : available_isas()) {
             const auto kernels = kernel::histogram_functions_for(isa);
             std::vector<std::uint16_t> nearest(333, 5);
-            kernels.assign_each(book.view(), some.data(), 333, nearest.data(), found.data());
+            kernels.assign_each(codebook.view(), some.data(), 333, nearest.data(), found.data());
             for (std::size_t i = 0; i < 333; ++i) {
-                kernels.differences_to(book.view(), some.data() + i * 32, all.data());
+                kernels.differences_to(codebook.view(), some.data() + i * 32, all.data());
                 const auto least = std::min_element(all.begin(), all.end());
                 ASSERT_EQ(nearest[i], least - all.begin()) << i;
                 ASSERT_EQ(found[i], *least);
@@ -47,18 +47,18 @@ TEST(Codebook, FindsTheNearestWordOfAll) {
 
 TEST(Codebook, TellsPureVectorsApart) {
     // The farthest that two can be: nothing in common, all in one bin each.
-    std::vector<PackedHistogram> words(2 * 16, 0), pure(16, 0);
-    words[3] = words[16 + 9] = pure[9] = packed_one;
+    std::vector<PackedHistogram> codewords(2 * 16, 0), pure(16, 0);
+    codewords[3] = codewords[16 + 9] = pure[9] = packed_one;
     for (const auto metric : {HistogramMetric::l2, HistogramMetric::l1, HistogramMetric::lmax}) {
-        const Codebook book(tested_device(), 16, metric, words);
+        const Codebook codebook(tested_device(), 16, metric, codewords);
         for (const Isa isa : available_isas()) {
             const auto kernels = kernel::histogram_functions_for(isa);
             std::int32_t to[2], found;
             std::uint16_t nearest = 0;
-            kernels.differences_to(book.view(), pure.data(), to);
+            kernels.differences_to(codebook.view(), pure.data(), to);
             EXPECT_GT(to[0], 0);
             EXPECT_EQ(to[1], 0);
-            kernels.assign_each(book.view(), pure.data(), 1, &nearest, &found);
+            kernels.assign_each(codebook.view(), pure.data(), 1, &nearest, &found);
             EXPECT_EQ(nearest, 1);
             EXPECT_EQ(found, 0);
         }
@@ -66,12 +66,12 @@ TEST(Codebook, TellsPureVectorsApart) {
 }
 
 TEST(Codebook, MeasuresByItsMetric) {
-    std::vector<PackedHistogram> words(2 * 16, 0);
-    words[0] = 300, words[17] = 400;
+    std::vector<PackedHistogram> codewords(2 * 16, 0);
+    codewords[0] = 300, codewords[17] = 400;
     std::int32_t to[2];
     const auto difference = [&](HistogramMetric metric) {
-        const Codebook book(tested_device(), 16, metric, words);
-        kernel::histogram_functions_for(best_isa()).differences_to(book.view(), words.data(), to);
+        const Codebook codebook(tested_device(), 16, metric, codewords);
+        kernel::histogram_functions_for(best_isa()).differences_to(codebook.view(), codewords.data(), to);
         EXPECT_EQ(to[0], 0);
         return to[1];
     };
@@ -85,21 +85,22 @@ TEST(Codebook, DistortionNeverRises) {
     Progress progress;
     for (const auto metric : {HistogramMetric::l2, HistogramMetric::l1, HistogramMetric::lmax}) {
         Training training{37, metric, 1e-3, {}};
-        const Codebook book = train_codebook(tested_device(), all, 32, training, progress);
-        EXPECT_EQ(book.count(), 37);
+        const Codebook codebook = train_codebook(tested_device(), all, 32, training, progress);
+        EXPECT_EQ(codebook.count(), 37);
         EXPECT_TRUE(std::is_sorted(training.distortions.rbegin(), training.distortions.rend()));
         EXPECT_LT(training.distortions.back(), 0.5 * training.distortions.front());
         Training again{37, metric, 1e-3, {}};
-        EXPECT_EQ(train_codebook(Device::cpu(1, Isa::scalar), all, 32, again, progress).words(), book.words());
+        EXPECT_EQ(train_codebook(Device::cpu(1, Isa::scalar), all, 32, again, progress).codewords(),
+                  codebook.codewords());
     }
 }
 
-TEST(Codebook, HasNoMoreWordsThanThereAreVectors) {
+TEST(Codebook, HasNoMoreCodewordsThanThereAreVectors) {
     const auto few = vectors(20);
     Training training{64, HistogramMetric::l2, 1e-3, {}};
     Progress progress;
-    const Codebook book = train_codebook(tested_device(), few, 32, training, progress);
-    EXPECT_EQ(book.count(), 20);
+    const Codebook codebook = train_codebook(tested_device(), few, 32, training, progress);
+    EXPECT_EQ(codebook.count(), 20);
     EXPECT_EQ(training.distortions.back(), 0);
 }
 

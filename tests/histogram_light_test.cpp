@@ -38,14 +38,14 @@ Session session_with(Volume volume, const Device& device = tested_device()) {
     return session;
 }
 
-std::vector<float> picture(Session& session, const Scene& scene) {
+std::vector<float> image(Session& session, const Scene& scene) {
     Progress progress;
     session.render(scene, progress);
     return session.frame().rgba;
 }
-std::vector<float> picture(Volume volume, const Scene& scene, const Device& device = tested_device()) {
+std::vector<float> image(Volume volume, const Scene& scene, const Device& device = tested_device()) {
     Session session = session_with(std::move(volume), device);
-    return picture(session, scene);
+    return image(session, scene);
 }
 
 double seconds_of(const Session& session, const std::string& stage) {
@@ -63,11 +63,11 @@ double mean(const std::vector<float>& rgba, std::size_t channel) {
 TEST(HistogramLight, IsPreparedOncePerVolume) {
     Session session = session_with(soft_shells());
     Scene scene = scene_of();
-    picture(session, scene);
+    image(session, scene);
     EXPECT_GT(seconds_of(session, "prepare"), 0);
     EXPECT_GT(seconds_of(session, "histograms"), 0);
     scene.transfer.points->points[1].opacity = 0.4;
-    picture(session, scene);
+    image(session, scene);
     EXPECT_EQ(seconds_of(session, "prepare"), 0);
     EXPECT_EQ(seconds_of(session, "histograms"), 0);
     EXPECT_GT(seconds_of(session, "histogram table"), 0);
@@ -76,39 +76,39 @@ TEST(HistogramLight, IsPreparedOncePerVolume) {
     scene.illumination.histogram.effects = {true, true, true, true};
     scene.illumination.histogram.anisotropy = 0.5;
     scene.illumination.spao.levels = 3;
-    picture(session, scene);
+    image(session, scene);
     EXPECT_EQ(seconds_of(session, "prepare"), 0);
     EXPECT_GT(seconds_of(session, "illuminate"), 0);
     scene.illumination.histogram.radius = 5;  // ... but this does.
-    picture(session, scene);
+    image(session, scene);
     EXPECT_GT(seconds_of(session, "prepare"), 0);
 }
 
 TEST(HistogramLight, IsTheSameForAnyNumberOfThreadsAndInstructionSet) {
     Scene scene = scene_of();
     scene.illumination.histogram.effects.scattering = true;
-    const auto one = picture(soft_shells(), scene, Device::cpu(1, Isa::scalar));
-    for (const Isa isa : available_isas()) EXPECT_EQ(picture(soft_shells(), scene, Device::cpu(3, isa)), one);
+    const auto one = image(soft_shells(), scene, Device::cpu(1, Isa::scalar));
+    for (const Isa isa : available_isas()) EXPECT_EQ(image(soft_shells(), scene, Device::cpu(3, isa)), one);
     scene.illumination.histogram.model = HistogramModel::paper;
-    EXPECT_EQ(picture(soft_shells(), scene, Device::cpu(1, Isa::scalar)), picture(soft_shells(), scene));
+    EXPECT_EQ(image(soft_shells(), scene, Device::cpu(1, Isa::scalar)), image(soft_shells(), scene));
 }
 
 TEST(HistogramLight, WithoutStrengthOrEffectsIsNone) {
     Scene scene = scene_of();
     scene.lighting.strength = 0;
-    const auto lit = picture(soft_shells(), scene);
+    const auto lit = image(soft_shells(), scene);
     scene.lighting.strength = 1;
     scene.illumination.histogram.effects = {false, false, false, false};
-    const auto without_effects = picture(soft_shells(), scene);
+    const auto without_effects = image(soft_shells(), scene);
     scene.illumination.method = Method::none;
-    const auto none = picture(soft_shells(), scene);
+    const auto none = image(soft_shells(), scene);
     for (std::size_t i = 0; i < none.size(); ++i) {
         ASSERT_NEAR(lit[i], none[i], 1e-5);
         ASSERT_NEAR(without_effects[i], none[i], 1e-5);
     }
 }
 
-TEST(HistogramLight, EffectsChangeThePictureAloneAndTogether) {
+TEST(HistogramLight, EffectsChangeTheImageAloneAndTogether) {
     Session session = session_with(soft_shells());
     std::vector<std::vector<float>> seen;
     for (const HistogramEffects effects : {HistogramEffects{true, false, false, false},
@@ -118,35 +118,35 @@ TEST(HistogramLight, EffectsChangeThePictureAloneAndTogether) {
         Scene scene = scene_of();
         scene.illumination.histogram.effects = effects;
         scene.illumination.histogram.anisotropy = 0.7;
-        seen.push_back(picture(session, scene));
+        seen.push_back(image(session, scene));
         for (std::size_t other = 0; other + 1 < seen.size(); ++other) EXPECT_NE(seen.back(), seen[other]);
     }
 }
 
-TEST(HistogramLight, GlowsWhereNothingElseIs) {
+TEST(HistogramLight, EmitsWhereNothingElseIs) {
     Session session = session_with(soft_shells());
     Scene scene = scene_of();
     scene.transfer.points->points.erase(scene.transfer.points->points.begin(),
                                         scene.transfer.points->points.begin() + 3);
-    const auto opacity_in = [&](bool glows, bool skips) {
-        scene.illumination.histogram.effects.glow = glows;
-        scene.illumination.histogram.glow = "180:220=4";
+    const auto opacity_in = [&](bool emits, bool skips) {
+        scene.illumination.histogram.effects.emission = emits;
+        scene.illumination.histogram.emission = "180:220=4";
         scene.sampling.skip_empty = skips;
         scene.sampling.early_termination = 0;
-        return picture(session, scene);
+        return image(session, scene);
     };
-    const auto dark = opacity_in(false, true), glowing = opacity_in(true, true);
+    const auto dark = opacity_in(false, true), emissive = opacity_in(true, true);
     EXPECT_EQ(seconds_of(session, "prepare"), 0);
     int lit = 0;
     for (std::size_t i = 3; i < dark.size(); i += 4) {
-        ASSERT_GE(glowing[i], dark[i] - 1e-5);
-        lit += dark[i] == 0 && glowing[i] > 0.01;
+        ASSERT_GE(emissive[i], dark[i] - 1e-5);
+        lit += dark[i] == 0 && emissive[i] > 0.01;
     }
-    EXPECT_GT(lit, 50);                           // pixels that see nothing but glow
-    EXPECT_EQ(glowing, opacity_in(true, false));  // occupancy grew as far as the glow reaches
-    scene.illumination.histogram.glow = "nonsense";
+    EXPECT_GT(lit, 50);                            // pixels that see nothing but glow
+    EXPECT_EQ(emissive, opacity_in(true, false));  // occupancy grew as far as the glow reaches
+    scene.illumination.histogram.emission = "nonsense";
     scene.sampling.skip_empty = true;
-    EXPECT_THROW(picture(session, scene), Error);
+    EXPECT_THROW(image(session, scene), Error);
 }
 
 TEST(HistogramLight, ShowsInEveryModeAndModel) {
@@ -157,10 +157,10 @@ TEST(HistogramLight, ShowsInEveryModeAndModel) {
             scene.mode = mode, scene.iso = {{120}};
             scene.lighting.ambient = 0.8;
             scene.illumination.histogram.model = model;
-            const auto lit = picture(session, scene);
+            const auto lit = image(session, scene);
             for (float v : lit) ASSERT_TRUE(v >= 0 && v <= 1.5f);
             scene.illumination.method = Method::none;
-            const auto none = picture(session, scene);
+            const auto none = image(session, scene);
             EXPECT_NE(lit, none);
             for (std::size_t i = 3; i < lit.size(); i += 4) ASSERT_EQ(lit[i], none[i]);  // opacity is no light
         }
@@ -175,9 +175,9 @@ double brightness_of_halfspace(Mode mode, HistogramModel model, HistogramPath pa
     scene.camera.elevation_deg = 90;
     scene.camera.zoom = 6;
     Session session = session_with(make_sample("halfspace", 48));
-    const double lit = mean(picture(session, scene), 0);
+    const double lit = mean(image(session, scene), 0);
     scene.illumination.method = Method::none;
-    return lit / mean(picture(session, scene), 0);
+    return lit / mean(image(session, scene), 0);
 }
 
 TEST(HistogramLight, KeepsTheBrightnessOfAnOpenFlatSurface) {
@@ -200,15 +200,15 @@ struct Folder {
     }
 };
 
-TEST(HistogramCache, GivesTheSamePicture) {
+TEST(HistogramCache, GivesTheSameImage) {
     const Folder folder;
     Scene scene = scene_of();
-    const auto without = picture(soft_shells(), scene);
+    const auto without = image(soft_shells(), scene);
     scene.illumination.histogram.cache = folder.path;
-    const auto computed = picture(soft_shells(), scene);
+    const auto computed = image(soft_shells(), scene);
     ASSERT_EQ(folder.files().size(), 1u);
     Session session = session_with(soft_shells());
-    const auto kept = picture(session, scene);
+    const auto kept = image(session, scene);
     EXPECT_EQ(seconds_of(session, "histogram training"), -1);  // not found again
     EXPECT_TRUE(session.notes().empty());
     EXPECT_EQ(kept, computed);
@@ -219,16 +219,16 @@ TEST(HistogramCache, HasAFileForEachVolumeAndSetting) {
     const Folder folder;
     Scene scene = scene_of();
     scene.illumination.histogram.cache = folder.path;
-    picture(soft_shells(), scene);
+    image(soft_shells(), scene);
     scene.illumination.histogram.model = HistogramModel::paper;  // of the picture alone
-    picture(soft_shells(), scene);
+    image(soft_shells(), scene);
     EXPECT_EQ(folder.files().size(), 1u);
     scene.illumination.histogram.packed_bins = 32;
-    picture(soft_shells(), scene);
+    image(soft_shells(), scene);
     EXPECT_EQ(folder.files().size(), 2u);
     Volume other = soft_shells();
     other.as<std::uint8_t>()[777] ^= 1;
-    picture(std::move(other), scene);
+    image(std::move(other), scene);
     EXPECT_EQ(folder.files().size(), 3u);
 }
 
@@ -236,7 +236,7 @@ TEST(HistogramCache, ThatIsDamagedIsFoundAgainWithANote) {
     const Folder folder;
     Scene scene = scene_of();
     scene.illumination.histogram.cache = folder.path;
-    const auto computed = picture(soft_shells(), scene);
+    const auto computed = image(soft_shells(), scene);
     const auto file = folder.files().at(0);
     const auto size = std::filesystem::file_size(file);
     const std::function<void()> damages[] = {
@@ -249,7 +249,7 @@ TEST(HistogramCache, ThatIsDamagedIsFoundAgainWithANote) {
     for (const auto& damage : damages) {
         damage();
         Session session = session_with(soft_shells());
-        EXPECT_EQ(picture(session, scene), computed);
+        EXPECT_EQ(image(session, scene), computed);
         ASSERT_EQ(session.notes().size(), 1u);
         EXPECT_NE(session.notes()[0].find("is damaged"), std::string::npos);
         EXPECT_EQ(std::filesystem::file_size(file), size);  // whole again
@@ -262,7 +262,7 @@ TEST(HistogramCache, ThatCannotBeWrittenIsOnlyANote) {
     Scene scene = scene_of();
     scene.illumination.histogram.cache = folder.path;
     Session session = session_with(soft_shells());
-    picture(session, scene);
+    image(session, scene);
     ASSERT_EQ(session.notes().size(), 1u);
     EXPECT_NE(session.notes()[0].find("not kept"), std::string::npos);
 }
@@ -278,7 +278,7 @@ TEST(HistogramLight, CanBeCancelledWhileItIsPrepared) {
     } catch (const Error& error) {
         EXPECT_EQ(error.code(), ErrorCode::interrupted);
     }
-    picture(session, scene_of());  // and made after all
+    image(session, scene_of());  // and made after all
     EXPECT_GT(seconds_of(session, "histograms"), 0);
 }
 
@@ -308,7 +308,7 @@ TEST(HistogramLight, BleedsTheColoursOfTheCornellBox) {
     scene.width = scene.height = size;
     Session session = session_with(make_sample("cornell", 64));
     const auto left_and_right = [&] {
-        const auto rgba = picture(session, scene);
+        const auto rgba = image(session, scene);
         // The back wall beside either coloured wall.
         return std::pair(colour_of(rgba, size, size, 0.20, 0.26, 0.35, 0.65),
                          colour_of(rgba, size, size, 0.74, 0.80, 0.35, 0.65));

@@ -146,7 +146,7 @@ TEST(Develop, TheFilmCurveRisesFromBlackToWhite) {
     EXPECT_EQ(develop(one_pixel(0.25f, 0, 0, 1), tone).pixels[0], int(255 * srgb_from_linear(2.54 / 3.16) + 0.5));
 }
 
-TEST(Develop, ATransparentPictureLooksAsIfMadeForItsBackground) {
+TEST(Develop, ATransparentImageLooksAsIfMadeForItsBackground) {
     ToneMap tone;
     tone.tone = Tone::aces, tone.exposure_stops = 1, tone.background = {0.5, 0.5, 0.5};
     for (float alpha : {0.0f, 0.25f, 0.5f, 1.0f}) {

@@ -59,7 +59,7 @@ protected:
         }
     }
 
-    std::string leftovers() const {
+    std::string all_unresolved() const {
         std::string names;
         for (const auto& entry : fs::directory_iterator(folder))
             if (entry.path().filename().string().starts_with(".chiaro-")) names += entry.path().filename().string();
@@ -130,7 +130,7 @@ private:
             if (!is_there) EXPECT_FALSE(has_old) << what;
             if (is_there && !is_old) EXPECT_TRUE(is_whole(target)) << what << ": " << target;
         }
-        if (signal != SIGKILL) EXPECT_EQ(leftovers(), "") << what;
+        if (signal != SIGKILL) EXPECT_EQ(all_unresolved(), "") << what;
         for (const auto& entry : fs::directory_iterator(folder))
             if (entry.path().filename().string().starts_with(".chiaro-")) fs::remove(entry);
     }
@@ -156,7 +156,7 @@ TEST_F(Interruption, AFileSizeLimitIsOneSentence) {
         EXPECT_TRUE(said.err.find("cannot write '" + command.targets[0].substr(0, 1)) != std::string::npos) << said.err;
         EXPECT_EQ(std::count(said.err.begin(), said.err.end(), '\n'), 1) << said.err;
         EXPECT_FALSE(fs::exists(folder / command.targets[0])) << command.arguments;
-        EXPECT_EQ(leftovers(), "");
+        EXPECT_EQ(all_unresolved(), "");
     }
 }
 

@@ -71,7 +71,7 @@ TEST_F(Isolation, TimeIsLimited) {
 }
 
 // Should the parent sleep (or be stopped), the kernel ends the helper.
-TEST_F(Isolation, ProcessorTimeIsLimitedByTheKernel) {
+TEST_F(Isolation, CpuTimeIsLimitedByTheKernel) {
     options.seconds = 1;  // gives the helper two
     Progress progress;
     const std::string file = folder.write("task.nrrd", "spin\n");

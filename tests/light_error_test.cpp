@@ -76,15 +76,15 @@ TEST(LightError, IsWhatADirectComputationFinds) {
         ASSERT_GT(points.size(), 100u);
         IlluminationSettings settings{.method = Method::reference};
         settings.reference.rays = 4096, settings.scattering.bounces.most = 0;
-        const Fluence truth =
-            trace_fluence(tested_device(), medium, {}, camera.orbit_up, points, settings, subject.progress);
+        const MeanRadiance ground_truth =
+            trace_mean_radiance(tested_device(), medium, {}, camera.orbit_up, points, settings, subject.progress);
         const Volume field = subject.session.compute_field(scene, subject.progress).volume;
         double squares = 0, mean = 0;
         for (std::size_t i = 0; i < points.size(); ++i) {
             // V_00 of visibility in harmonics is √4π of the share.
             const double share =
                 at(field, points[i], 0) / (method == Method::visibility ? std::sqrt(4 * std::numbers::pi) : 1);
-            squares += std::pow(share - truth.mean[i][0], 2), mean += truth.mean[i][0];
+            squares += std::pow(share - ground_truth.mean[i][0], 2), mean += ground_truth.mean[i][0];
         }
         const double direct = std::sqrt(squares / double(points.size())) / (mean / double(points.size()));
         EXPECT_NEAR(told.rmse, direct, 0.15 * direct);

@@ -45,29 +45,29 @@ class MethodsTool : public ToolTest {};
 
 }  // namespace
 
-TEST(DifferencePicture, IsWhiteRedAndBlue) {
-    const Frame truth = flat(4, 3, {0.5, 0.5, 0.5});
-    EXPECT_EQ(pixel(difference_picture(truth, truth, 0.1), 1, 1), (Rgb{255, 255, 255}));
-    const Rgb brighter = pixel(difference_picture(flat(4, 3, {0.6, 0.6, 0.6}), truth, 0.1), 3, 2);
-    const Rgb darker = pixel(difference_picture(flat(4, 3, {0.1, 0.1, 0.1}), truth, 0.1), 0, 0);
+TEST(DifferenceImage, IsWhiteRedAndBlue) {
+    const Frame ground_truth = flat(4, 3, {0.5, 0.5, 0.5});
+    EXPECT_EQ(pixel(difference_image(ground_truth, ground_truth, 0.1), 1, 1), (Rgb{255, 255, 255}));
+    const Rgb brighter = pixel(difference_image(flat(4, 3, {0.6, 0.6, 0.6}), ground_truth, 0.1), 3, 2);
+    const Rgb darker = pixel(difference_image(flat(4, 3, {0.1, 0.1, 0.1}), ground_truth, 0.1), 0, 0);
     EXPECT_GT(brighter[0], brighter[2] + 100);
     EXPECT_GT(darker[2], darker[0] + 100);
     // The colour changes, the luminance does not.
-    const Rgb same = pixel(difference_picture(flat(4, 3, {0.5 + 0.0722, 0.5, 0.5 - 0.2126}), truth, 0.1), 0, 0);
+    const Rgb same = pixel(difference_image(flat(4, 3, {0.5 + 0.0722, 0.5, 0.5 - 0.2126}), ground_truth, 0.1), 0, 0);
     EXPECT_EQ(same, (Rgb{255, 255, 255}));
-    EXPECT_THROW(difference_picture(flat(3, 4, {}), truth, 0.1), Error);
+    EXPECT_THROW(difference_image(flat(3, 4, {}), ground_truth, 0.1), Error);
 }
 
-TEST(DifferencePicture, ScaleIsARoundNumberAboveNearlyAll) {
-    const Frame truth = flat(100, 20, {0.5, 0.5, 0.5});
+TEST(DifferenceImage, ScaleIsARoundNumberAboveNearlyAll) {
+    const Frame ground_truth = flat(100, 20, {0.5, 0.5, 0.5});
     Frame other = flat(100, 20, {0.53, 0.53, 0.53});
     for (int i = 0; i < 8; ++i) other.rgba[4 * i] = 100;  // eight of 2000
-    EXPECT_DOUBLE_EQ(difference_scale(other, truth), 0.05);
+    EXPECT_DOUBLE_EQ(difference_scale(other, ground_truth), 0.05);
     EXPECT_DOUBLE_EQ(difference_scale(flat(9, 9, {0.29, 0.29, 0.29}), flat(9, 9, {0.2, 0.2, 0.2})), 0.1);
-    EXPECT_GT(difference_scale(truth, truth), 0);
+    EXPECT_GT(difference_scale(ground_truth, ground_truth), 0);
 }
 
-TEST(ContactSheet, PutsPicturesInRowsWithCaptionsBelow) {
+TEST(ContactSheet, PutsImagesInRowsWithCaptionsBelow) {
     const Image red = develop(flat(40, 30, {1, 0, 0}), {}), green = develop(flat(40, 30, {0, 1, 0}), {});
     const Image sheet = contact_sheet({{{red, "ab"}, {green, ""}}, {{{}, ""}, {red, ""}}});
     ASSERT_EQ(sheet.width, 8 + 2 * 48);
@@ -94,10 +94,10 @@ TEST(CompareMethods, AllSeeTheSameInAHaze) {
         scene.lighting.probe.source = probe;
         scene.lighting.shading = Shading::phong;  // which the comparison leaves out
         const MethodComparison c = compared(scene, {Method::none, Method::spao, Method::visibility, Method::histogram});
-        ASSERT_EQ(c.pictures.size(), 4u);
+        ASSERT_EQ(c.images.size(), 4u);
         EXPECT_EQ(c.paths, 64);
         EXPECT_GT(c.noise, 0);
-        for (const MethodPicture& p : c.pictures) {
+        for (const MethodImage& p : c.images) {
             EXPECT_NEAR(p.distance.rmse, c.noise, 0.1 * c.noise) << to_text(p.method) << probe;
             // Channels of a pixel differ together.
             EXPECT_LT(std::abs(p.distance.bias), 3 * c.noise / std::sqrt(48 * 36)) << to_text(p.method) << probe;
@@ -115,7 +115,7 @@ TEST(CompareMethods, LightsParticlesAndNoSurfaces) {
     scene.camera.zoom = 3;
     scene.transfer.points.emplace().points = {{0, {1, 1, 1}, 0}, {1, {1, 1, 1}, 0.9}};
     scene.illumination.reference.rays = 64;
-    scene.illumination.reference.start_half_edges = 0;
+    scene.illumination.reference.start_half_voxels = 0;
     scene.illumination.histogram.cache = "none";
     scene.illumination.histogram.radius = 8;
     const MethodComparison c = compared(scene, {Method::none, Method::spao, Method::visibility, Method::histogram});
@@ -125,15 +125,15 @@ TEST(CompareMethods, LightsParticlesAndNoSurfaces) {
             for (int x = 20; x < 28; ++x) sum += frame.rgba[4 * (std::size_t(y) * frame.width + x)] / 64;
         return sum;
     };
-    EXPECT_NEAR(centre(c.pictures[0].frame), 1, 0.01);
+    EXPECT_NEAR(centre(c.images[0].frame), 1, 0.01);
     EXPECT_NEAR(centre(c.reference.frame), 0.5 * (1 - std::log(2.0)), 0.02);
     for (std::size_t i = 1; i < 4; ++i) {
-        EXPECT_LT(centre(c.pictures[i].frame), 0.6) << to_text(c.pictures[i].method);
-        EXPECT_GT(centre(c.pictures[i].frame), 0.05) << to_text(c.pictures[i].method);
+        EXPECT_LT(centre(c.images[i].frame), 0.6) << to_text(c.images[i].method);
+        EXPECT_GT(centre(c.images[i].frame), 0.05) << to_text(c.images[i].method);
     }
 }
 
-TEST(CompareMethods, NaturalLightIsNearerTheTruthThanNone) {
+TEST(CompareMethods, NaturalLightIsNearerTheGroundTruthThanNone) {
     Scene scene;
     scene.volume = "sample:cornell:32";
     scene.width = 64, scene.height = 48;
@@ -142,12 +142,12 @@ TEST(CompareMethods, NaturalLightIsNearerTheTruthThanNone) {
     scene.illumination.reference.rays = 64;
     scene.lighting.probe.source = "sky";
     const MethodComparison c = compared(scene, {Method::none, Method::spao, Method::visibility});
-    EXPECT_LT(c.pictures[1].distance.rmse, 0.7 * c.pictures[0].distance.rmse);
-    EXPECT_LT(c.pictures[2].distance.rmse, 0.8 * c.pictures[1].distance.rmse);
-    EXPECT_GT(c.pictures[2].light_bytes, 0u);
-    EXPECT_GT(c.pictures[1].light_seconds, 0);
+    EXPECT_LT(c.images[1].distance.rmse, 0.7 * c.images[0].distance.rmse);
+    EXPECT_LT(c.images[2].distance.rmse, 0.8 * c.images[1].distance.rmse);
+    EXPECT_GT(c.images[2].light_bytes, 0u);
+    EXPECT_GT(c.images[1].light_seconds, 0);
     const MethodComparison alone = compared(scene, {Method::visibility}, Device::cpu(1));
-    EXPECT_EQ(alone.pictures[0].distance.rmse, c.pictures[2].distance.rmse);
+    EXPECT_EQ(alone.images[0].distance.rmse, c.images[2].distance.rmse);
 }
 
 TEST_F(MethodsTool, TellsATableAndWritesAPageWithItsSheet) {

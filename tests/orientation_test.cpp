@@ -143,7 +143,7 @@ const Format formats[] = {
 constexpr View views[] = {View::anterior, View::posterior, View::left, View::right, View::superior, View::inferior};
 
 /// Shaded, through a smooth ramp of opacity.
-Frame picture(const Volume& volume, View view) {
+Frame image(const Volume& volume, View view) {
     Shot shot{.width = 48, .height = 40};
     shot.camera.view = view;
     shot.lighting.shading = Shading::phong;
@@ -161,9 +161,9 @@ Frame mirrored(const Frame& frame) {
     return result;
 }
 
-std::vector<Frame> pictures_of(const Volume& volume) {
+std::vector<Frame> images_of(const Volume& volume) {
     std::vector<Frame> frames;
-    for (const View view : views) frames.push_back(picture(volume, view));
+    for (const View view : views) frames.push_back(image(volume, view));
     return frames;
 }
 
@@ -188,12 +188,12 @@ private:
 TEST_P(Orientation, AllOrdersOfAxesGiveTheSameSixViews) {
     const auto orders = all_orders();
     ASSERT_EQ(orders.size(), 48U);
-    const auto truth = pictures_of(volume_of(formats[0], orders[0]));
+    const auto ground_truth = images_of(volume_of(formats[0], orders[0]));
     double worst = 0;
     for (const Order& order : orders) {
-        const auto frames = pictures_of(volume_of(GetParam(), order));
+        const auto frames = images_of(volume_of(GetParam(), order));
         for (std::size_t v = 0; v < std::size(views); ++v) {
-            const auto d = difference(frames[v], truth[v], tolerance);
+            const auto d = difference(frames[v], ground_truth[v], tolerance);
             worst = std::max(worst, d.max);
             EXPECT_EQ(d.pixels_beyond, 0)
                 << to_text(views[v]) << " by " << d.max << ", axes " << order.of[0] << order.of[1] << order.of[2]
@@ -206,7 +206,7 @@ TEST_P(Orientation, AllOrdersOfAxesGiveTheSameSixViews) {
 
 /// The test above can fail: no two views are alike, and none is like any other in the mirror.
 TEST_P(Orientation, MirrorsAndOtherViewsWouldShow) {
-    const auto frames = pictures_of(volume_of(GetParam(), all_orders()[0]));
+    const auto frames = images_of(volume_of(GetParam(), all_orders()[0]));
     for (std::size_t a = 0; a < frames.size(); ++a)
         for (std::size_t b = 0; b < frames.size(); ++b) {
             if (a != b) EXPECT_GT(difference(frames[a], frames[b], 0.1).pixels_beyond, 40);

@@ -32,7 +32,7 @@ struct Subject {
     }
     Frame frame(const Volume& volume, int samples) const {
         Frame f(width, height);
-        Filled filled{f};
+        RenderTarget filled{f};
         traced(volume, samples)->show(filled);
         filled.bring();
         return f;

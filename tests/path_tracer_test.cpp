@@ -127,7 +127,7 @@ TEST(LightTable, DrawsFollowTheDensities) {
     lighting.probe.rotation_deg = 33;
     const LightTable table(lighting, {0, 0, 1});
     const kernel::ProbeLightView view = table.view();
-    const ProbePicture& picture = lighting.loaded_probe.data().picture;
+    const ProbeImage& image = lighting.loaded_probe.data().image;
     const Axes probe_from_world = transposed(world_from_probe(33, {0, 0, 1}));
     std::vector<double> counts(48), expected(48);
     constexpr int draws = 200000;
@@ -135,16 +135,16 @@ TEST(LightTable, DrawsFollowTheDensities) {
         const auto key = kernel::random_key<float>(i, 5);
         const kernel::Vec3<float> d = view.towards<float>(kernel::draw(key, 0), kernel::draw(key, 1));
         EXPECT_NEAR(d.x * d.x + d.y * d.y + d.z * d.z, 1, 1e-5);
-        const auto place = picture.place(turned(probe_from_world, {d.x, d.y, d.z}));
+        const auto place = image.place(turned(probe_from_world, {d.x, d.y, d.z}));
         counts[std::size_t(std::min(int(place.y), 5)) * 8 + std::min(int(place.x), 7)] += 1;
     }
     double chi_square = 0, integral = 0;
     int cells = 0;
     for (int y = 0; y < 6; ++y)
         for (int x = 0; x < 8; ++x) {
-            const Vec3 world = turned(transposed(probe_from_world), picture.direction(x + 0.5, y + 0.5));
+            const Vec3 world = turned(transposed(probe_from_world), image.direction(x + 0.5, y + 0.5));
             const auto seen = view.at<float>({float(world.x), float(world.y), float(world.z)});
-            const double share = seen.density * picture.solid_angle(y), n = counts[std::size_t(y) * 8 + x];
+            const double share = seen.density * image.solid_angle(y), n = counts[std::size_t(y) * 8 + x];
             EXPECT_NEAR(seen.radiance.y, rgb[3 * (y * 8 + x) + 1], 1e-6);
             integral += share;
             if (share == 0) {
@@ -189,7 +189,7 @@ struct Call {
     Frame frame{20, 15};
     Progress progress;
 
-    Outcome operator()(const FramePreview& preview = {}) {
+    RenderStatistics operator()(const FramePreview& preview = {}) {
         const DeviceVolume voxels = upload(device, volume);
         return trace_paths(device, classify(voxels, two_materials(), shape), {},
                            make_camera({}, voxels.geometry(), voxels.dimensions()), {}, settings, frame, progress,
@@ -203,7 +203,7 @@ TEST(TracePaths, StopsAtPathsErrorOrTime) {
     Call call;
     call.settings.reference.rays = 21;
     std::vector<Frame> previews;
-    const Outcome all = call([&](const Frame& frame, const PathStatistics&) { previews.push_back(frame); });
+    const RenderStatistics all = call([&](const Frame& frame, const PathStatistics&) { previews.push_back(frame); });
     EXPECT_TRUE(all.complete);
     EXPECT_EQ(all.paths.samples, 21);
     EXPECT_GT(all.paths.noise, 0);
@@ -214,13 +214,13 @@ TEST(TracePaths, StopsAtPathsErrorOrTime) {
 
     call.settings.reference.rays = 60000;
     call.settings.reference.error = 0.05;
-    const Outcome sure = call();
+    const RenderStatistics sure = call();
     EXPECT_LE(sure.paths.relative_noise, 0.05);
     EXPECT_LT(sure.paths.samples, 2000);
 
     call.settings.reference.error.reset();
     call.settings.reference.time_s = 0.05;
-    const Outcome hurried = call();
+    const RenderStatistics hurried = call();
     EXPECT_TRUE(hurried.complete);
     EXPECT_LT(hurried.paths.samples, 60000);
 }
@@ -229,10 +229,10 @@ TEST(TracePaths, CancelsWithinAPass) {
     Call call;
     call.settings.reference.rays = 60000;
     int passes = 0;
-    const Outcome outcome = call([&](const Frame&, const PathStatistics&) {
+    const RenderStatistics render_statistics = call([&](const Frame&, const PathStatistics&) {
         if (++passes == 3) call.progress.cancel();
     });
-    EXPECT_FALSE(outcome.complete);
+    EXPECT_FALSE(render_statistics.complete);
     EXPECT_EQ(passes, 3);
 }
 
@@ -259,7 +259,7 @@ TEST(TracePaths, TakesTheRayCastersPlaceInASession) {
     scene.illumination.scattering.bounces.most = 0;
     std::vector<Image> previews;
     const Image first = session.render(scene, progress, [&](const Image& image) { previews.push_back(image); });
-    EXPECT_EQ(session.outcome().paths.samples, 4);
+    EXPECT_EQ(session.render_statistics().paths.samples, 4);
     ASSERT_EQ(previews.size(), 3u);
     EXPECT_EQ(previews.back().pixels, first.pixels);
     EXPECT_EQ(render_image(Device::cpu(1), scene, progress).pixels, first.pixels);
@@ -268,7 +268,7 @@ TEST(TracePaths, TakesTheRayCastersPlaceInASession) {
     EXPECT_NE(session.render(scene, progress).pixels, first.pixels);
     scene.illumination.reference.quantity = ReferenceQuantity::obscurance;
     session.render(scene, progress);
-    EXPECT_EQ(session.outcome().paths.samples, 0);
+    EXPECT_EQ(session.render_statistics().paths.samples, 0);
 
     // A picture is no field; what is not said is obscurance there.
     scene.illumination.reference.quantity = ReferenceQuantity::radiance;

@@ -90,7 +90,7 @@ class ProbeTool : public ToolTest {};
 
 }  // namespace
 
-TEST(Hdr, DecodesFlatAndCodedPicturesExactly) {
+TEST(Hdr, DecodesFlatAndCodedImagesExactly) {
     for (auto [width, height] : {std::pair(7, 5), {8, 4}, {40, 20}, {300, 11}}) {
         expect_exact(decode_hdr(bytes_of(flat(width, height)), "x"), width, height);
         if (width >= 8) expect_exact(decode_hdr(bytes_of(run_length_coded(width, height)), "x"), width, height);
@@ -227,7 +227,7 @@ TEST(RealProbes, HaveTheMeansThatTheirMakersState) {
     // Stored upside down and not flipped: what is odd in z has the other sign.
     const auto up = load_probe(std::string(data) + "/probes/grace.hdr").data().sh[0];
     const auto down = load_probe(std::string(data) + "/probes/grace.exr").data().sh[0];
-    for (int l = 0; l < most_bands; ++l)
+    for (int l = 0; l < max_bands; ++l)
         for (int m = -l; m <= l; ++m)
             EXPECT_NEAR(up[l * (l + 1) + m], ((l + m) % 2 ? -1 : 1) * down[l * (l + 1) + m], 0.01 * up[0]);
 }
@@ -261,14 +261,14 @@ const Volume& any_volume() {
 TEST(Background, ShowsABrightPixelWhereTheRaySays) {
     const int width = 360, height = 180, x = 100, y = 75;
     const Probe probe = spot(width, height, x, y);
-    const ProbePicture& picture = probe.data().picture;
+    const ProbeImage& image = probe.data().image;
     for (const Vec3 up : {Vec3{0, 0, 1}, {0, -1, 0}, {0.3, 0.5, -0.8}})
         for (const double rotation : {0.0, 110.0}) {
             shots::Shot shot = empty_room(probe);
             shot.lighting.probe.rotation_deg = rotation;
             shot.camera.up = up;
-            const double azimuth = picture.azimuth(x + 0.5) * 180 / std::numbers::pi + rotation;
-            const double elevation = 90 - picture.polar_angle(y + 0.5) * 180 / std::numbers::pi;
+            const double azimuth = image.azimuth(x + 0.5) * 180 / std::numbers::pi + rotation;
+            const double elevation = 90 - image.polar_angle(y + 0.5) * 180 / std::numbers::pi;
             // The camera looks the other way from where it stands; a little aside, so that nothing is hidden in
             // symmetry.
             shot.camera.azimuth_deg = azimuth + 180 + 12, shot.camera.elevation_deg = -elevation + 7;

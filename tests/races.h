@@ -37,8 +37,8 @@ public:
     int pick(int low, int high) { return std::uniform_int_distribution(low, high)(random_); }
     double real(double low, double high) { return std::uniform_real_distribution(low, high)(random_); }
     /// Sleeps for up to so many milliseconds: often a tenth of them, for what happens early happens fast.
-    void wait(double most_ms) {
-        const double ms = pick(0, 1) ? real(0, most_ms) : real(0, most_ms / 10);
+    void wait(double max_ms) {
+        const double ms = pick(0, 1) ? real(0, max_ms) : real(0, max_ms / 10);
         std::this_thread::sleep_for(std::chrono::microseconds(std::int64_t(1000 * ms)));
     }
 

@@ -42,7 +42,7 @@ const Placed cameras[] = {
 
 }  // namespace
 
-TEST(RaySetup, BothGiveTheSamePicture) {
+TEST(RaySetup, BothGiveTheSameImage) {
     const DeviceVolume volume = upload(tested_device(), sampled<std::uint8_t>({86, 84, 81}, balls));
     for (const auto& [name, camera] : cameras)
         for (Mode mode : {Mode::dvr, Mode::iso, Mode::mip})
@@ -108,7 +108,7 @@ TEST(SamplesPerPixel, LieEvenlyInThePixel) {
 }
 
 // A pixel of many rays is the mean of the pixels of a larger picture, premultiplied.
-TEST(SamplesPerPixel, AverageWhatALargerPictureShows) {
+TEST(SamplesPerPixel, AverageWhatALargerImageShows) {
     const DeviceVolume volume = upload(tested_device(), sampled<std::uint8_t>({86, 84, 81}, balls));
     Shot shot{.width = 40, .height = 30};
     shot.lighting.shading = Shading::phong;

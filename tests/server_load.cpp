@@ -41,7 +41,7 @@ void print_row(const std::string& what, const std::vector<double>& seconds, cons
 }
 
 /// Processor time that a process has taken, all threads: /proc/PID/task/*/schedstat; 0 where that cannot be read.
-double processor_seconds(int process) {
+double cpu_seconds(int process) {
     double nanoseconds = 0, of_one;
     std::error_code error;
     const std::filesystem::path tasks = fmt::format("/proc/{}/task", process);
@@ -73,18 +73,18 @@ public:
         std::map<std::string, std::vector<double>> verbs;
         for (int i = 0; i < count; ++i) {
             edit(scene_, i);
-            const double before = processor_seconds(process_);
+            const double before = cpu_seconds(process_);
             const auto start = Clock::now();
             send(true);
             const auto shown = page_.find([&](const Message& m) { return m.is_frame && m.json["n"] == n_; });
             first.push_back(seconds_since(start));
-            first_work.push_back(processor_seconds(process_) - before);
+            first_work.push_back(cpu_seconds(process_) - before);
             if (!shown) throw std::runtime_error("no frame");
             for (const Json& verb : shown->json["verbs"])
                 if (verb["seconds"] > 0) verbs[verb["name"]].push_back(verb["seconds"]);
             page_.of_stage(n_, "final");
             last.push_back(seconds_since(start));
-            work.push_back(processor_seconds(process_) - before);
+            work.push_back(cpu_seconds(process_) - before);
         }
         print_row(name + ": first frame", first, first_target);
         for (const auto& [verb, seconds] : verbs) print_row("  of it " + verb, seconds);

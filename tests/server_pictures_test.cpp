@@ -24,7 +24,7 @@ struct Here {
 
 }  // namespace
 
-TEST(ServerPictures, RestEndsInTheVeryPixelsThatTheToolRenders) {
+TEST(ServerImages, RestEndsInTheVeryPixelsThatTheToolRenders) {
     const Server server;
     Json scene;
     Page page = server.ready(scene);
@@ -34,7 +34,7 @@ TEST(ServerPictures, RestEndsInTheVeryPixelsThatTheToolRenders) {
     ASSERT_TRUE(last);
     EXPECT_EQ(last->json["type"], "png");
     EXPECT_EQ(last->json["size"], Json({64, 48}));
-    write_file(server.folder / "final.png", last->picture);
+    write_file(server.folder / "final.png", last->image);
     const Image shown = read_png(server.folder / "final.png");
     std::vector<std::string> unknown;
     Scene same = parse_scene(scene.dump(), {}, {}, unknown);
@@ -44,7 +44,7 @@ TEST(ServerPictures, RestEndsInTheVeryPixelsThatTheToolRenders) {
     EXPECT_TRUE(shown.pixels == image.pixels);
 }
 
-TEST(ServerPictures, DraftsComeAtOnceAndRestFollowsByItself) {
+TEST(ServerImages, DraftsComeAtOnceAndRestFollowsByItself) {
     const Server server;
     Json scene;
     Page page = server.ready(scene);
@@ -54,12 +54,12 @@ TEST(ServerPictures, DraftsComeAtOnceAndRestFollowsByItself) {
     EXPECT_EQ(first->json["n"], 1);
     EXPECT_EQ(first->json["type"], "jpeg");
     EXPECT_EQ(first->json["canvas"], Json({400, 300}));
-    EXPECT_EQ(first->picture.substr(0, 2), "\xff\xd8");
+    EXPECT_EQ(first->image.substr(0, 2), "\xff\xd8");
     EXPECT_FALSE(first->json["verbs"].empty());
     EXPECT_TRUE(page.of_stage(1, "final"));
 }
 
-TEST(ServerPictures, OnlyTheNewestStateCounts) {
+TEST(ServerImages, OnlyTheNewestStateCounts) {
     const Server server("sample:shells:96");
     Json scene;
     Page page = server.ready(scene);
@@ -84,28 +84,28 @@ TEST(ServerPictures, OnlyTheNewestStateCounts) {
     EXPECT_LT(finals, count / 4) << "of " << frames << " frames: stale work is not given up";
 }
 
-TEST(ServerPictures, SavedPictureRemakesItself) {
+TEST(ServerImages, SavedImageRemakesItself) {
     const Server server;
     Json scene;
     Page page = server.ready(scene);
     scene["output"] = {{"exposure", 0.5}};
     const Json saved = page.ask({{"type", "save"}, {"scene", scene}, {"size", {120, 90}}, {"format", "png"}});
     ASSERT_EQ(saved["type"], "answer") << saved;
-    const auto picture = http(server.port, "GET", saved["url"]);
-    ASSERT_EQ(picture.status, 200);
-    EXPECT_EQ(picture.body.size(), saved["bytes"]);
-    EXPECT_NE(picture.head.find("attachment; filename=\"ball-32.png\""), std::string::npos) << picture.head;
+    const auto image = http(server.port, "GET", saved["url"]);
+    ASSERT_EQ(image.status, 200);
+    EXPECT_EQ(image.body.size(), saved["bytes"]);
+    EXPECT_NE(image.head.find("attachment; filename=\"ball-32.png\""), std::string::npos) << image.head;
     EXPECT_EQ(http(server.port, "GET", saved["url"]).status, 404) << "offered once";
-    write_file(server.folder / "saved.png", picture.body);
+    write_file(server.folder / "saved.png", image.body);
     const std::string command = std::string(CHIARO_BIN) + "/chiaro render --quiet --scene " +
                                 (server.folder / "saved.png").string() + " -o " +
                                 (server.folder / "again.png").string();
     ASSERT_EQ(std::system(command.c_str()), 0);
-    EXPECT_TRUE(file_bytes(server.folder / "again.png") == picture.body);
+    EXPECT_TRUE(file_bytes(server.folder / "again.png") == image.body);
 }
 
 /// What the page draws over a saved picture changes the pixels that it covers and no others.
-TEST(ServerPictures, SavedPicturesCarryWhatThePageDrawsOverThem) {
+TEST(ServerImages, SavedImagesCarryWhatThePageDrawsOverThem) {
     const Server server;
     Json scene;
     Page page = server.ready(scene);
@@ -158,7 +158,7 @@ TEST(ServerPictures, SavedPicturesCarryWhatThePageDrawsOverThem) {
         EXPECT_EQ(refused(wrong)["code"], "usage") << wrong;
 }
 
-TEST(ServerPictures, SavingIsCancelledAndThePageGoesOnMeanwhile) {
+TEST(ServerImages, SavingIsCancelledAndThePageGoesOnMeanwhile) {
     const Server server("sample:shells:64");
     Json scene;
     Page page = server.ready(scene);
@@ -175,7 +175,7 @@ TEST(ServerPictures, SavingIsCancelledAndThePageGoesOnMeanwhile) {
     EXPECT_EQ(ended->json["code"], "interrupted");
 }
 
-TEST(ServerPictures, PicksWhatIsSeen) {
+TEST(ServerImages, PicksWhatIsSeen) {
     const Server server;
     Json scene;
     Page page = server.ready(scene);
@@ -189,7 +189,7 @@ TEST(ServerPictures, PicksWhatIsSeen) {
     EXPECT_EQ(page.ask({{"type", "pick"}, {"x", 0.5}, {"y", 0.5}})["hit"], false);
 }
 
-TEST(ServerPictures, TransferFunctionsAndScenesGoOutAndComeBack) {
+TEST(ServerImages, TransferFunctionsAndScenesGoOutAndComeBack) {
     const Server server;
     Json scene;
     Page page = server.ready(scene);
@@ -215,7 +215,7 @@ TEST(ServerPictures, TransferFunctionsAndScenesGoOutAndComeBack) {
     EXPECT_EQ(http(server.port, "POST", "/upload?view=view-one&name=a.json&token=no", "", "x").status, 403);
 }
 
-TEST(ServerPictures, CommandLineMakesTheSamePicture) {
+TEST(ServerImages, CommandLineMakesTheSameImage) {
     const Server server;
     Json scene;
     Page page = server.ready(scene);
@@ -240,7 +240,7 @@ TEST(ServerPictures, CommandLineMakesTheSamePicture) {
     EXPECT_TRUE(read_png(server.folder / "out.png").pixels == image.pixels) << text;
 }
 
-TEST(ServerPictures, LooksComeAsSmallPictures) {
+TEST(ServerImages, LooksComeAsSmallImages) {
     const Server server;
     Json scene;
     Page page = server.ready(scene);
@@ -253,7 +253,7 @@ TEST(ServerPictures, LooksComeAsSmallPictures) {
 }
 
 /// One frame of the method, then the reference's, whose paths become more and are never begun anew.
-TEST(ServerPictures, ComparesWithAReferenceThatGathersPaths) {
+TEST(ServerImages, ComparesWithAReferenceThatGathersPaths) {
     const Server server("sample:ball:16");
     Json scene;
     Page page = server.ready(scene);
@@ -281,11 +281,11 @@ TEST(ServerPictures, ComparesWithAReferenceThatGathersPaths) {
     // The same figures as in one go.
     Here here(scene, "sample:ball:16", 32, 24);
     const MethodComparison once = compare_methods(here.session, here.scene, {Method::spao}, here.progress);
-    EXPECT_DOUBLE_EQ(done->json["figures"]["rmse"].get<double>(), once.pictures.front().distance.rmse);
+    EXPECT_DOUBLE_EQ(done->json["figures"]["rmse"].get<double>(), once.images.front().distance.rmse);
 }
 
 /// "1.8 % from reference": as the library measures it, and a sentence where there is nothing to measure.
-TEST(ServerPictures, MeasuresHowFarTheLightIsFromTheReference) {
+TEST(ServerImages, MeasuresHowFarTheLightIsFromTheReference) {
     const Server server;
     Json scene;
     Page page = server.ready(scene);
@@ -313,7 +313,7 @@ TEST(ServerPictures, MeasuresHowFarTheLightIsFromTheReference) {
 }
 
 /// What would not fit is told before it is tried; a volume is halved until it fits.
-TEST(ServerPictures, WhatDoesNotFitIsHalvedOrRefused) {
+TEST(ServerImages, WhatDoesNotFitIsHalvedOrRefused) {
     setenv("CHIARO_VIEW_MEMORY", "4", 1);  // MiB
     {
         const Server server("");
@@ -367,7 +367,7 @@ TEST(ServerPictures, WhatDoesNotFitIsHalvedOrRefused) {
     EXPECT_TRUE(page.of_stage(1, "final"));
 }
 
-TEST(ServerPictures, MemoryDoesNotGrow) {
+TEST(ServerImages, MemoryDoesNotGrow) {
     const Server server("sample:shells:48");
     Json scene;
     Page page = server.ready(scene);

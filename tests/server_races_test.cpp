@@ -8,7 +8,7 @@
 #include <mutex>
 
 #include "races.h"
-#include "server/painter.h"
+#include "server/render_worker.h"
 #include "server_case.h"
 
 using namespace chiaro;
@@ -231,7 +231,7 @@ TEST(ServerRaces, PagesEditWhileTheyAskForOtherThings) {
             std::vector<std::string> unknown;
             Scene same = parse_scene(scene.dump(), {}, {}, unknown);
             same.volume = "sample:ball:20", same.width = 24, same.height = 18;
-            EXPECT_TRUE(last->picture == png_of(same)) << scene;
+            EXPECT_TRUE(last->image == png_of(same)) << scene;
         };
         const std::jthread other(visit, "view-of-another", 2 * rounds.seed());
         visit("view-of-one", 2 * rounds.seed() + 1);

@@ -1,7 +1,7 @@
 // What the server takes things to need, against what they take.
 #include <gtest/gtest.h>
 
-#include "server/room.h"
+#include "server/memory_budget.h"
 
 #include <chiaro/chiaro.h>
 

@@ -95,7 +95,7 @@ TEST(Server, ViewsHaveStatesOfTheirOwn) {
     first.send(state(2, one));
     const auto c = first.of_stage(2, "final");
     ASSERT_TRUE(c);
-    EXPECT_EQ(b->picture, c->picture);
+    EXPECT_EQ(b->image, c->image);
 }
 
 TEST(Server, ReconnectedViewGetsItsStateBack) {

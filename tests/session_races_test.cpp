@@ -28,7 +28,7 @@ Session new_session() {
     return session;
 }
 
-Image picture_of(const Scene& scene) {
+Image image_of(const Scene& scene) {
     Progress progress;
     Session session = new_session();
     return session.render(scene, progress);
@@ -101,7 +101,7 @@ private:
             std::size_t seen = 0;
             const auto preview = [&](const Image& coarse) { seen += coarse.pixels.size(); };
             const bool is_done = is_whole([&] {
-                session_.draft(scene, progress);
+                session_.preview(scene, progress);
                 image = session_.render(scene, progress, preview);
             });
             lock.lock();
@@ -135,7 +135,7 @@ TEST(SessionRaces, EditsWhileLightIsRefined) {
                 desk.show(scene);
                 chance.wait(15);
             }
-            expect_same(desk.wait(), picture_of(scene), scene, std::string(to_text(method)));
+            expect_same(desk.wait(), image_of(scene), scene, std::string(to_text(method)));
         }
     }
 }
@@ -159,7 +159,7 @@ TEST(SessionRaces, EditsFromTwoHandsAndAnEndAtAnyMoment) {
         }  // the desk ends whatever it does
         Progress progress;
         const Scene scene = small_scene(Method::spao);
-        expect_same(session.render(scene, progress), picture_of(scene), scene, "after the end");
+        expect_same(session.render(scene, progress), image_of(scene), scene, "after the end");
     }
 }
 
@@ -167,7 +167,7 @@ TEST(SessionRaces, EditsFromTwoHandsAndAnEndAtAnyMoment) {
 TEST(SessionRaces, EveryLongCallIsCancelledAtAnyMoment) {
     const std::pair<const char*, std::function<void(Session&, Scene&, Progress&)>> calls[] = {
         {"render", [](Session& s, Scene& scene, Progress& p) { s.render(scene, p); }},
-        {"draft", [](Session& s, Scene& scene, Progress& p) { s.draft(scene, p); }},
+        {"draft", [](Session& s, Scene& scene, Progress& p) { s.preview(scene, p); }},
         {"field",
          [](Session& s, Scene& scene, Progress& p) {
              if (!is_path_traced(scene.illumination) && scene.illumination.method != Method::none)
@@ -175,13 +175,13 @@ TEST(SessionRaces, EveryLongCallIsCancelledAtAnyMoment) {
          }},
         {"compare",
          [](Session& s, Scene& scene, Progress& p) {
-             Session other = s.beside();
+             Session other = s.with_own_stream();
              compare_methods(other, scene, {scene.illumination.method}, p);
          }},
         {"measure",
          [](Session& s, Scene& scene, Progress& p) {
              if (scene.illumination.method != Method::spao && scene.illumination.method != Method::visibility) return;
-             Session other = s.beside();
+             Session other = s.with_own_stream();
              measure_light(other, scene, p, 32);
          }},
         {"read", [](Session& s, Scene& scene, Progress& p) { s.show(read_volume(scene, p), p); }},
@@ -205,7 +205,7 @@ TEST(SessionRaces, EveryLongCallIsCancelledAtAnyMoment) {
                 session.show(read_volume(scene, again), again);
             }
             Progress progress;
-            expect_same(session.render(scene, progress), picture_of(scene), scene, std::string(to_text(method)));
+            expect_same(session.render(scene, progress), image_of(scene), scene, std::string(to_text(method)));
         }
     }
 }
@@ -218,8 +218,8 @@ TEST(SessionRaces, SessionsThatShareVoxelsDoNotDisturbEachOther) {
             Chance chance(seed);
             Scene scene = small_scene(all_methods[seed % 6]);
             Progress progress;
-            Session session = first.beside();
-            Session beside = session.beside();  // while others are made and render
+            Session session = first.with_own_stream();
+            Session beside = session.share_volume();  // while others are made and render
             for (int i = 0; i < 3; ++i) {
                 edit(scene, chance);
                 session.render(scene, progress);
@@ -227,7 +227,7 @@ TEST(SessionRaces, SessionsThatShareVoxelsDoNotDisturbEachOther) {
             const Image image = session.render(scene, progress);
             const Image same = beside.render(scene, progress);
             const std::lock_guard lock(comparing);
-            expect_same(image, picture_of(scene), scene, std::string(to_text(scene.illumination.method)));
+            expect_same(image, image_of(scene), scene, std::string(to_text(scene.illumination.method)));
             expect_same(image, same, scene, std::string(to_text(scene.illumination.method)));
         };
         std::vector<std::jthread> workers;

@@ -43,7 +43,7 @@ TEST_F(SessionTest, TellsEveryStageInOrder) {
     for (const auto& stage : session.stages()) names += stage.name + " ";
     EXPECT_EQ(names, "measure upload prepare classify illuminate raycast develop ");
     EXPECT_GT(session.stages()[1].seconds, 0);
-    EXPECT_GT(session.outcome().samples, 0u);
+    EXPECT_GT(session.render_statistics().samples, 0u);
 }
 
 TEST_F(SessionTest, LightFollowsAnEditAndItsStepsAreTold) {
@@ -100,7 +100,7 @@ TEST_F(SessionTest, NewVolumesStartOver) {
     EXPECT_NE(session.render(scene, progress).pixels, before);
 }
 
-TEST_F(SessionTest, GivesThePictureOfRenderImage) {
+TEST_F(SessionTest, GivesTheImageOfRenderImage) {
     EXPECT_EQ(session.render(scene, progress).pixels, render_image(Device::cpu(1), scene, progress).pixels);
 }
 
@@ -271,26 +271,26 @@ TEST_F(SessionTest, DraftsByTheLightAtHand) {
     EXPECT_TRUE(session.needs_light(scene));
     const Image lit = session.render(scene, progress);
     EXPECT_FALSE(session.needs_light(scene));
-    EXPECT_TRUE(session.draft(scene, progress).pixels == lit.pixels) << "the light at hand is the right one";
+    EXPECT_TRUE(session.preview(scene, progress).pixels == lit.pixels) << "the light at hand is the right one";
 
     scene.camera.azimuth_deg += 30;
     EXPECT_FALSE(session.needs_light(scene));
     scene.transfer.opacity_scale = 0.2;
     EXPECT_TRUE(session.needs_light(scene));
-    const Image draft = session.draft(scene, progress);
+    const Image preview = session.preview(scene, progress);
     EXPECT_TRUE(session.needs_light(scene)) << "a draft finds none";
     for (const auto& stage : session.stages()) EXPECT_NE(stage.name, "illuminate");
     const Image right = session.render(scene, progress);
-    EXPECT_FALSE(draft.pixels == right.pixels);
+    EXPECT_FALSE(preview.pixels == right.pixels);
 
     Scene small = scene;
     small.width = 20, small.height = 15;
-    EXPECT_EQ(session.draft(small, progress).width, 20);
+    EXPECT_EQ(session.preview(small, progress).width, 20);
     EXPECT_EQ(redone(), "") << "what render keeps stays kept";
 }
 
 TEST_F(SessionTest, SessionsBesideShareTheVoxelsAlone) {
-    Session other = session.beside();
+    Session other = session.share_volume();
     EXPECT_EQ(&other.volume().data(), &session.volume().data());
     scene.transfer.source = "gray";
     const Image theirs = other.render(scene, progress);

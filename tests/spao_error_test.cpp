@@ -33,10 +33,11 @@ protected:
         const CellValues& opacity = subject_->opacity.values;
         const CellMask counts =
             is_obscurance ? CellMask(opacity.grid.size(), 1) : cells_with_normal(opacity, least_normal);
-        const CellValues truth = subject_->truth(quantity, 256, progress_);
+        const CellValues ground_truth = subject_->ground_truth(quantity, 256, progress_);
         const auto rmse = [&](SpaoSettings spao) {
             spao.normal_factor = is_obscurance ? 0 : 1;
-            return error_of(subject_->field({.method = Method::spao, .spao = spao}, progress_), truth, counts).rmse;
+            return error_of(subject_->field({.method = Method::spao, .spao = spao}, progress_), ground_truth, counts)
+                .rmse;
         };
         return {rmse({}), rmse({.filter = SpaoFilter::nbuffer, .model = SpaoModel::paper})};
     }
@@ -56,7 +57,7 @@ TEST_P(SpaoError, TheCorrectedModelIsNearerToRaysThanThePapers) {
 }
 
 /// Bounds whose geometric mean is one half.
-double most_of_papers(const std::string& subject) {
+double max_of_papers(const std::string& subject) {
     if (subject == "cornell") return 0.33;
     if (subject == "engine") return 0.50;
     if (subject == "bonsai") return 0.72;
@@ -66,7 +67,7 @@ double most_of_papers(const std::string& subject) {
 TEST_P(SpaoError, TheCorrectedModelIsNearerToHemispheresOfRays) {
     if (!has_normals()) GTEST_SKIP() << "no surface";
     const Rivals found = rivals(ReferenceQuantity::ao);
-    EXPECT_LT(found.ratio(), most_of_papers(GetParam())) << found.corrected << " " << found.paper;
+    EXPECT_LT(found.ratio(), max_of_papers(GetParam())) << found.corrected << " " << found.paper;
 }
 
 INSTANTIATE_TEST_SUITE_P(Subjects, SpaoError, ::testing::ValuesIn(lit_subjects()),

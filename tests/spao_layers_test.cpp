@@ -6,7 +6,7 @@
 
 #include "classify/medium.h"
 #include "fixtures.h"
-#include "illumination/cells/lift.h"
+#include "illumination/cells/normal_offset.h"
 #include "illumination/spao/layers.h"
 #include "illumination/spao/spao.h"
 
@@ -18,29 +18,30 @@ struct Lit {
     std::vector<std::string> steps;
 };
 
-std::vector<std::string> names_of(const Steps& steps) {
+std::vector<std::string> names_of(const StageTimer& timer) {
     std::vector<std::string> names;
-    for (const Stage& stage : steps.stages()) names.push_back(stage.name);
+    for (const Stage& stage : timer.stages()) names.push_back(stage.name);
     return names;
 }
 
 Lit in_layers(const Device& device, const Medium& medium, const SpaoSettings& settings) {
-    Steps steps;
+    StageTimer timer;
     Progress progress;
-    CellValues light = spao_light(device, medium.data(), settings, settings.normal_factor, steps, progress);
-    return {std::move(light), names_of(steps)};
+    CellValues light = spao_light(device, medium.data(), settings, settings.normal_factor, timer, progress);
+    return {std::move(light), names_of(timer)};
 }
 
 Lit at_once(const Device& device, const Medium& medium, const SpaoSettings& settings) {
-    Steps steps;
+    StageTimer timer;
     Progress progress;
-    const CellOpacity opacity = steps("opacity", [&] { return cell_opacity(device, medium.data(), progress); });
+    const CellOpacity opacity = timer("opacity", [&] { return cell_opacity(device, medium.data(), progress); });
     const CellValues access = spao_accessibility(
-        device, opacity, settings, visible_blocks(medium.data(), opacity.values.grid, 2), steps, progress);
-    CellValues light = steps("lift", [&] {
-        return lift_off_surfaces(device, access, opacity.values, settings.normal_factor, opacity.visible, progress);
+        device, opacity, settings, visible_blocks(medium.data(), opacity.values.grid, 2), timer, progress);
+    CellValues light = timer("lift", [&] {
+        return normal_offset_off_surfaces(device, access, opacity.values, settings.normal_factor, opacity.visible,
+                                          progress);
     });
-    return {std::move(light), names_of(steps)};
+    return {std::move(light), names_of(timer)};
 }
 
 /// Of all cells, those that no ray sees included.
@@ -93,10 +94,10 @@ TEST(SpaoLayers, AreTheWholeBetweenVoxelsOfSurfacesAndWhereCut) {
 TEST(SpaoLayers, CanBeCancelled) {
     const Device device = Device::cpu(2);
     const Medium medium = classify(upload(device, shells<std::uint8_t>(sizes[0])), testing::two_materials(), {});
-    Steps steps;
+    StageTimer timer;
     Progress progress;
     progress.cancel();
-    EXPECT_THROW(spao_light(device, medium.data(), {}, 0.5, steps, progress), Error);
+    EXPECT_THROW(spao_light(device, medium.data(), {}, 0.5, timer, progress), Error);
 }
 
 }  // namespace

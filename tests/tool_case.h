@@ -66,7 +66,7 @@ protected:
             _exit(127);
         }
         if (signal) {
-            while (processor_time(child) < after && !has_ended(child))
+            while (cpu_time(child) < after && !has_ended(child))
                 std::this_thread::sleep_for(std::chrono::milliseconds(5));
             kill(child, signal);
         }
@@ -84,7 +84,7 @@ protected:
     }
 
 private:
-    static std::chrono::nanoseconds processor_time(pid_t process) {
+    static std::chrono::nanoseconds cpu_time(pid_t process) {
         clockid_t clock;
         timespec time{};
         if (clock_getcpuclockid(process, &clock) == 0) clock_gettime(clock, &time);

@@ -109,7 +109,7 @@ TEST_F(Tool, Tells) {
     }
 }
 
-TEST_F(Tool, MoreThreadsThanProcessorsAreFine) {
+TEST_F(Tool, MoreThreadsThanCpusAreFine) {
     const Said said = tool("render sample:ball -o a.png --size 64x64 --threads 37");
     EXPECT_EQ(said.code, 0);
     EXPECT_EQ(said.err, "");

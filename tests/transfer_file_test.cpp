@@ -232,7 +232,7 @@ TEST(TransferFile, GoesToParaViewAndBack) {
     EXPECT_NEAR(evaluate(back, 50).opacity, 0.25, 1e-12);
 }
 
-TEST(TransferFile, GivesTheSamePicture) {
+TEST(TransferFile, GivesTheSameImage) {
     const Volume volume =
         sampled<std::uint8_t>({24, 24, 24}, [](double x, double y, double z) { return shells(x, y, z, 24); });
     Shot shot;

@@ -51,7 +51,7 @@ TEST_F(TransferTool, ConvertsToBothAndBack) {
     EXPECT_NE(tool("--list-formats").out.find("3D Slicer"), std::string::npos);
 }
 
-TEST_F(TransferTool, GivesTheSamePictureConverted) {
+TEST_F(TransferTool, GivesTheSameImageConverted) {
     tool("convert maps.json#Warm own.json");
     EXPECT_EQ(tool(render("maps.json#2") + " -o a.exr").code, 0);
     EXPECT_EQ(tool(render("own.json") + " -o b.exr").code, 0);

@@ -6,7 +6,7 @@
 
 #include "classify/medium.h"
 #include "fixtures.h"
-#include "illumination/transport/detail.h"
+#include "illumination/transport/coarse_to_fine.h"
 #include "illumination/transport/transport.h"
 
 using namespace chiaro;
@@ -31,13 +31,13 @@ protected:
     std::vector<TransportNodes> refine(const Medium& medium, int most = 1000) {
         std::vector<TransportNodes> fields;
         Progress progress;
-        Steps steps;
+        StageTimer timer;
         const auto keep = [&](TransportNodes nodes, bool) {
             fields.push_back(std::move(nodes));
             if (int(fields.size()) == most) progress.cancel();
         };
         const auto go = [&] {
-            refine_transport(device_, medium.data(), lighting_, settings_, {}, {0, 0, 1}, keep, steps, progress,
+            refine_transport(device_, medium.data(), lighting_, settings_, {}, {0, 0, 1}, keep, timer, progress,
                              &memory_);
         };
         if (most < 1000)
@@ -46,10 +46,11 @@ protected:
             go();
         return fields;
     }
-    static double distance(const TransportNodes& found, const TransportNodes& truth) {
+    static double distance(const TransportNodes& found, const TransportNodes& ground_truth) {
         double errors = 0, squares = 0;
-        for (std::size_t i = 0; i < truth.light.size(); ++i)
-            errors += std::pow(found.light[i] - truth.light[i], 2), squares += std::pow(truth.light[i], 2);
+        for (std::size_t i = 0; i < ground_truth.light.size(); ++i)
+            errors += std::pow(found.light[i] - ground_truth.light[i], 2),
+                squares += std::pow(ground_truth.light[i], 2);
         return std::sqrt(errors / squares);
     }
 
@@ -68,13 +69,13 @@ TEST_F(TransportEdit, DetailOfTheSameLightIsThatLight) {
     const TransportNodes fine = refine(shown).back(), half = memory_.half->nodes();
     const TransportNodes found = with_detail(*memory_.fine->matter(), half, {fine, half}, device_);
     EXPECT_LT(distance(found, fine), 1e-3);
-    EXPECT_EQ(found.answer, fine.answer);
+    EXPECT_EQ(found.result, fine.result);
     double errors = 0;
     for (std::size_t i = 0; i < fine.moment.size(); ++i) errors += std::pow(found.moment[i] - fine.moment[i], 2);
     EXPECT_LT(std::sqrt(errors / double(fine.moment.size())), 5e-3);
 }
 
-TEST_F(TransportEdit, TheFirstPictureAfterAnEditIsNearerThanTheLastBefore) {
+TEST_F(TransportEdit, TheFirstImageAfterAnEditIsNearerThanTheLastBefore) {
     const TransportNodes before = refine(medium()).back();
     tf_.points[1].opacity = 0.045;
     const std::vector<TransportNodes> fields = refine(medium());
@@ -88,7 +89,7 @@ TEST_F(TransportEdit, ATurnedLightMeetsTheSameMatter) {
     lighting_.loaded_probe = load_probe("sky");
     const Medium shown = medium();
     refine(shown);
-    const SharedMatter matter = memory_.fine->matter(), half = memory_.half->matter();
+    const SharedTransportMedium matter = memory_.fine->matter(), half = memory_.half->matter();
     lighting_.probe.rotation_deg = 120;
     const std::vector<TransportNodes> fields = refine(shown);
     EXPECT_EQ(memory_.fine->matter(), matter);

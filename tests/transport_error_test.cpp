@@ -38,9 +38,9 @@ protected:
 
 TEST_P(TransportError, OfLightInTheAirIsSmall) {
     const ScatteringCase which{.albedo = GetParam().albedo};
-    const TransportJudge::Effort effort{.air = 64, .matter = 0, .paths = 512, .paths_a_pixel = 1};
-    const TransportJudge judge(*subject_, which, effort, progress_);
-    const FluenceError error = judge.in_air(judge.nodes(64, 16)), once = judge.in_air(judge.nodes(64, 0));
+    const TransportErrorMetric::Effort effort{.air = 64, .matter = 0, .paths = 512, .paths_a_pixel = 1};
+    const TransportErrorMetric metric(*subject_, which, effort, progress_);
+    const MeanRadianceError error = metric.in_air(metric.nodes(64, 16)), once = metric.in_air(metric.nodes(64, 0));
     RecordProperty("relative", std::to_string(error.relative));
     RecordProperty("bias", std::to_string(error.bias));
     EXPECT_LT(error.relative, GetParam().relative) << error.bias << " " << error.noise;

@@ -29,13 +29,13 @@ TransportNodes row_of_nodes(const std::vector<float>& light, const std::vector<f
 }
 
 kernel::Vec3<float> light_at(const ShownLight& shown, float x, float solid = 0) {
-    const kernel::ScatteredLight scattered{.on = true, .skins = shown.skins_view};
+    const kernel::ScatteredLight scattered{.on = true, .boundary_cells = shown.boundary_view};
     kernel::SamplePoint<float> sample{{x, 0, 0}, 0};
     sample.solid = solid;
     return scattered.incident<float>(shown.view, sample, {}).diffuse;
 }
 
-Frame picture(const Volume& volume, const Shot& shot, const TransportSettings& settings = {.grid = 40}) {
+Frame image(const Volume& volume, const Shot& shot, const TransportSettings& settings = {.grid = 40}) {
     return shot.lit(volume, {.method = Method::transport, .transport = settings});
 }
 
@@ -69,7 +69,7 @@ double relative_difference(const Frame& a, const Frame& b, double factor = 1) {
 }  // namespace
 
 /// Bright air beside matter that is 10^4 times as dense shows only where there is nothing but air.
-TEST(TransportPicture, NodesWeighAsTheirMatter) {
+TEST(TransportImage, NodesWeighAsTheirMatter) {
     for (const float thin : {1e-4f, 0.02f, 1.0f}) {
         const std::vector<float> light{1, 0.01f, 0.02f, 4}, weight{thin, 1, thin, thin};
         const TransportLight nodes(tested_device(), row_of_nodes(light, weight), 1, {9, 9, 9});
@@ -88,21 +88,21 @@ TEST(TransportPicture, NodesWeighAsTheirMatter) {
 
 /// A cell that matter fills in part, beside opaque ones: thin samples read its own light, solid ones what a half space
 /// answers to the light before it, others what lies between.
-TEST(TransportPicture, SolidSamplesReadTheLightOfSurfaces) {
+TEST(TransportImage, SolidSamplesReadTheLightOfSurfaces) {
     TransportNodes nodes = row_of_nodes({0.4f, 0.4f, 0.1f, 0.6f, 0.6f}, {1, 1, 0.5f, 1e-6f, 1e-6f});
-    nodes.answer.assign(15, 0);
-    for (int c = 0; c < 3; ++c) nodes.answer[3 + c] = 0.42f;
+    nodes.result.assign(15, 0);
+    for (int c = 0; c < 3; ++c) nodes.result[3 + c] = 0.42f;
     const TransportLight light(tested_device(), std::move(nodes), 1, {9, 9, 9});
     const auto shown = light.shown(Look::particles, upright);
     const float thin = light_at(*shown, 2).x, solid = light_at(*shown, 2, 1).x;
     EXPECT_NEAR(thin, 0.1, 1e-4);
     EXPECT_NEAR(solid, 0.42 * 0.475, 2e-3);  // .5² of its own light, the rest of the air's: .1 / 4 + 3 × .6 / 4
     EXPECT_NEAR(light_at(*shown, 2, 0.25f).x, thin + 0.25f * (solid - thin), 1e-5);
-    EXPECT_EQ(light.shown(Look::flat, upright)->skins_view, nullptr);
+    EXPECT_EQ(light.shown(Look::flat, upright)->boundary_view, nullptr);
 }
 
 /// E = J (1 + |b · n|) of half spaces of two colours: the irradiance of the upper one.
-TEST(TransportPicture, SurfacesAreLitByTheHalfSpaceTheyFace) {
+TEST(TransportImage, SurfacesAreLitByTheHalfSpaceTheyFace) {
     // The second node's surface faces +x.
     TransportNodes nodes = row_of_nodes({0.01f, 0.01f, 0.6f, 0.6f}, {1, 1, 1e-6f, 1e-6f});
     for (int i = 0; i < 4; ++i)
@@ -121,7 +121,7 @@ TEST(TransportPicture, SurfacesAreLitByTheHalfSpaceTheyFace) {
 }
 
 /// Between a wall's bright far side and its near side, no light shines through: the second node looks at nothing.
-TEST(TransportPicture, NodesBesideNoAirCountWhereNothingElseDoes) {
+TEST(TransportImage, NodesBesideNoAirCountWhereNothingElseDoes) {
     const TransportLight light(tested_device(), row_of_nodes({0.9f, 0.9f, 0.05f, 0.1f}, {1, 1, 1, 1e-6f}), 1,
                                {9, 9, 9});
     EXPECT_NEAR(light_at(*light.shown(Look::flat, upright), 1.5f).x, 0.1, 3e-3);
@@ -129,7 +129,7 @@ TEST(TransportPicture, NodesBesideNoAirCountWhereNothingElseDoes) {
 }
 
 /// Surfaces that an earlier light found are taken over where matter is the same, and nowhere else.
-TEST(TransportPicture, KeptSurfacesAreThoseOfTheSameMatter) {
+TEST(TransportImage, KeptSurfacesAreThoseOfTheSameMatter) {
     const std::vector<float> dark{0.01f, 0.02f, 0.1f, 0.1f}, bright{0.3f, 0.2f, 0.6f, 0.8f};
     const TransportLight before(tested_device(), row_of_nodes(dark, {1, 1, 1e-3f, 1e-3f}), 1, {9, 9, 9});
     before.shown(Look::flat, upright), before.shown(Look::particles, upright);
@@ -143,7 +143,7 @@ TEST(TransportPicture, KeptSurfacesAreThoseOfTheSameMatter) {
         }
 }
 
-TEST(TransportPicture, AnOpenFlatSurfaceKeepsItsBrightness) {
+TEST(TransportImage, AnOpenFlatSurfaceKeepsItsBrightness) {
     const Volume volume = open_surface();
     Shot shot = from_above();
     for (const Mode mode : {Mode::dvr, Mode::iso})
@@ -154,13 +154,13 @@ TEST(TransportPicture, AnOpenFlatSurfaceKeepsItsBrightness) {
                 shot.lighting.shading = Shading::none;
                 const auto colors = centre(shot.lit(volume, {}));
                 shot.lighting.shading = shading;
-                const auto lit = centre(picture(volume, shot, {.grid = grid, .first_directions = 100, .error = 0.02}));
+                const auto lit = centre(image(volume, shot, {.grid = grid, .first_directions = 100, .error = 0.02}));
                 for (int c = 0; c < 3; ++c)
                     EXPECT_NEAR(lit[c] / colors[c], 1, 0.02) << to_text(mode) << grid << to_text(shading);
             }
 }
 
-TEST(TransportPicture, ExposureAndStrengthAreFactors) {
+TEST(TransportImage, ExposureAndStrengthAreFactors) {
     const Volume volume = make_sample("tubes", 24);
     Shot shot;
     shot.tf = sample_transfer_function("tubes");
@@ -180,7 +180,7 @@ TEST(TransportPicture, ExposureAndStrengthAreFactors) {
 }
 
 /// Colours are albedos where light may come by more than once: at most albedo-max, the others in proportion.
-TEST(TransportPicture, ColoursAreCappedAsTheReferenceHasThem) {
+TEST(TransportImage, ColoursAreCappedAsTheReferenceHasThem) {
     const Volume volume = open_surface();
     Shot shot = from_above();
     shot.tf.points = {{99, {1, 0.5, 0}, 0}, {101, {1, 0.5, 0}, 1}};
@@ -196,19 +196,19 @@ TEST(TransportPicture, ColoursAreCappedAsTheReferenceHasThem) {
 }
 
 /// The same for any number of threads and all instruction sets, as all pictures are.
-TEST(TransportPicture, IsTheSameOnAllMachines) {
+TEST(TransportImage, IsTheSameOnAllMachines) {
     const Volume volume = make_sample("cornell", 24);
     Shot shot;
     shot.tf = sample_transfer_function("cornell");
     shot.lighting.shading = Shading::phong;
     const TransportSettings settings{.grid = 16, .first_directions = 50};
-    const Frame first = picture(volume, shot, settings);
+    const Frame first = image(volume, shot, settings);
     for (const int threads : {1, 3}) {
         shot.device.threads = threads;
-        EXPECT_EQ(picture(volume, shot, settings).rgba, first.rgba) << threads;
+        EXPECT_EQ(image(volume, shot, settings).rgba, first.rgba) << threads;
     }
     for (const Isa isa : available_isas()) {
         shot.device.isa = isa;
-        EXPECT_EQ(picture(volume, shot, settings).rgba, first.rgba) << to_text(isa);
+        EXPECT_EQ(image(volume, shot, settings).rgba, first.rgba) << to_text(isa);
     }
 }

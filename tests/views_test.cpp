@@ -157,7 +157,7 @@ const Format formats[] = {
     {"NrrdLps", nrrd_lps}, {"NrrdRas", nrrd_ras}, {"Nifti", nifti}, {"MetaImage", meta_image}, {"Dicom", dicom}};
 
 /// Orthographic, everything from 100 on opaque.
-Frame picture(const Volume& volume, View view) {
+Frame image(const Volume& volume, View view) {
     Shot shot{.width = 150, .height = 120};
     shot.camera.view = view;
     shot.camera.projection = Projection::orthographic;
@@ -190,10 +190,10 @@ TEST_P(Views, ShowAnatomyUnmirrored) {
     const Volume plain = read(nrrd_lps(grids[0], other));
     for (const Looking& from : looking) {
         SCOPED_TRACE(to_text(from.view));
-        const Frame frame = picture(volume, from.view);
+        const Frame frame = image(volume, from.view);
         expect_markers(frame, from, grid);
         if (grid.name == "oblique") continue;  // another lattice: other values between the balls' voxels
-        EXPECT_LT(chiaro::testing::difference(frame, picture(plain, from.view), 0.02).pixels_beyond, 40);
+        EXPECT_LT(chiaro::testing::difference(frame, image(plain, from.view), 0.02).pixels_beyond, 40);
     }
 }
 

@@ -31,17 +31,17 @@ protected:
         volumes_ = data ? std::filesystem::path(data) / "volumes" : "";
         subject_ = find_lit_subject(tested_device(), volumes_, GetParam().name, 64, 64, progress_);
         if (!subject_) GTEST_SKIP() << "skipped: no data";
-        judge_.emplace(*subject_, 1, 100, 2048, progress_);
+        metric_.emplace(*subject_, 1, 100, 2048, progress_);
     }
-    Harmonics found(VisibilityTraversal traversal) const { return judge_->found_by({.traversal = traversal}); }
+    Harmonics found(VisibilityTraversal traversal) const { return metric_->found_by({.traversal = traversal}); }
     double percent(VisibilityTraversal traversal) const {
-        return 100 * judge_->relative_error(found(traversal), judge_->by_rays());
+        return 100 * metric_->relative_error(found(traversal), metric_->by_rays());
     }
 
     Progress progress_;
     std::filesystem::path volumes_;
     std::optional<LitSubject> subject_;
-    std::optional<VisibilityJudge> judge_;
+    std::optional<VisibilityErrorMetric> metric_;
 };
 
 TEST_P(VisibilityError, OfCoefficientsIsWhatWasReached) {
@@ -59,7 +59,7 @@ TEST_P(VisibilityError, OfCoefficientsIsWhatWasReached) {
 TEST_P(VisibilityError, OfLightIsSmallUnderProbes) {
     const Harmonics sweep = found(VisibilityTraversal::sweep);
     for (const NamedLight& light : judging_lights(volumes_))
-        EXPECT_LT(100 * judge_->light_error(sweep, judge_->by_rays(), light.light), GetParam().sweep) << light.name;
+        EXPECT_LT(100 * metric_->light_error(sweep, metric_->by_rays(), light.light), GetParam().sweep) << light.name;
 }
 
 INSTANTIATE_TEST_SUITE_P(Subjects, VisibilityError, ::testing::ValuesIn(all_bounds),

@@ -34,20 +34,20 @@ Density density_of_volume(const Volume& volume, const TransferFunction& tf, int 
 
 ShField walked(const Density& density, const VisibilitySettings& settings, double start = 0.5,
                const Device& device = tested_device()) {
-    Steps steps;
-    return walk_visibility(device, density, settings, start, steps, quiet());
+    StageTimer timer;
+    return walk_visibility(device, density, settings, start, timer, quiet());
 }
 
 const float* at(const ShField& field, int x, int y, int z) { return field.node(field.grid.index(x, y, z)); }
 
 /// Some runs of nodes, with what rays through the same density find there.
-struct Truth {
+struct GroundTruth {
     const Density& density;
     double start;
     std::vector<std::array<int, 3>> first;
     std::vector<RunHarmonics> by_rays;
 
-    Truth(const Density& d, double begin, int rays) : density(d), start(begin) {
+    GroundTruth(const Density& d, double begin, int rays) : density(d), start(begin) {
         const auto [nx, ny, nz] = density.grid.count;
         for (int z = 0; z < nz; z += 7)
             for (int y = z % 5; y < ny; y += 5)
@@ -154,22 +154,22 @@ TEST(Walk, ComesNearRays) {
     struct Subject {
         const char* name;
         int subsample;
-        double most_full, most_hierarchical;
+        double max_full, max_hierarchical;
     };
-    for (const auto& [name, subsample, most_full, most_hierarchical] :
+    for (const auto& [name, subsample, max_full, max_hierarchical] :
          {Subject{"cornell", 1, 0.085, 0.22}, Subject{"cornell", 2, 0.19, 0.38}, Subject{"fog", 1, 0.003, 0.003},
           Subject{"fog", 2, 0.003, 0.003}}) {
         const Density density =
             density_of_volume(make_sample(name, 32 * subsample), sample_transfer_function(name), subsample);
-        const Truth truth(density, 0.5 / subsample, 1024);
+        const GroundTruth ground_truth(density, 0.5 / subsample, 1024);
         const auto error = [&](VisibilityTraversal traversal, VisibilityModel model) {
-            return truth.error_of({.directions = 400, .traversal = traversal, .model = model});
+            return ground_truth.error_of({.directions = 400, .traversal = traversal, .model = model});
         };
         const double of_full = error(full, VisibilityModel::corrected),
                      of_steps = error(hierarchical, VisibilityModel::corrected),
                      of_papers = error(hierarchical, VisibilityModel::paper);
-        EXPECT_LT(of_full, most_full) << name << subsample;
-        EXPECT_LT(of_steps, most_hierarchical) << name << subsample;
+        EXPECT_LT(of_full, max_full) << name << subsample;
+        EXPECT_LT(of_steps, max_hierarchical) << name << subsample;
         EXPECT_LT(of_full, 1.1 * of_steps) << name << subsample;
         EXPECT_LT(of_steps, of_papers) << name << subsample;
         RecordProperty(name + std::to_string(subsample), std::to_string(of_full) + " " + std::to_string(of_steps));
@@ -248,8 +248,8 @@ TEST(Walk, StopsWhenCancelled) {
     const Density density = density_of_volume(make_sample("fog", 24), sample_transfer_function("fog"));
     Progress progress;
     progress.cancel();
-    Steps steps;
-    EXPECT_THROW(walk_visibility(tested_device(), density, {.traversal = full}, 0.5, steps, progress), Error);
+    StageTimer timer;
+    EXPECT_THROW(walk_visibility(tested_device(), density, {.traversal = full}, 0.5, timer, progress), Error);
 }
 
 }  // namespace

@@ -110,8 +110,8 @@ inline Answer http(int port, const std::string& method, const std::string& targe
 
 struct Message {
     bool is_frame = false;
-    Json json;            ///< the message, or the frame's header
-    std::string picture;  ///< of a frame
+    Json json;          ///< the message, or the frame's header
+    std::string image;  ///< of a frame
 };
 
 /// A page's socket.

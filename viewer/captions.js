@@ -3,7 +3,7 @@ import { scaleOf } from "./camera.js";
 import { hex, short } from "./dom.js";
 import { ticksOf } from "./graph.js";
 import { at, read } from "./scene.js";
-import { words } from "./words.js";
+import { words } from "./texts.js";
 
 const margin = 16, dark = "rgba(0,0,0,.7)", light = "#fff";
 

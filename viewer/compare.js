@@ -1,7 +1,7 @@
 // Compare: the reference at the right of a wipe line, with its figures.
 import { clamp, el, icon, percent, seconds, short } from "./dom.js";
 import { method } from "./scene.js";
-import { words } from "./words.js";
+import { words } from "./texts.js";
 
 export function makeCompare(app, stage) {
   const canvas = el("canvas"), line = el("div.wipe", { role: "slider", tabIndex: 0, "aria-label": words.wipe.line, "aria-valuemin": "0", "aria-valuemax": "100" }, el("i", {}, icon("wipe")));

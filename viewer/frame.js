@@ -1,7 +1,7 @@
 // The picture and what is said about it: frames in order on one rectangle, and the pill.
 import { bytes, el, percent, seconds } from "./dom.js";
 import { method, read, sceneOf } from "./scene.js";
-import { words } from "./words.js";
+import { words } from "./texts.js";
 
 /** Shares of the ring that the stages end at. */
 const ends = { draft: 0.15, full: 0.25, light: 0.6, accumulate: 1, final: 1 };

@@ -1,9 +1,9 @@
 // The pointer on the picture: orbit, pan, zoom, adjust, light, cut, window, density, and the read-out.
 import { add, scaleOf, viewOf } from "./camera.js";
 import { clamp, el, hex, icon, short } from "./dom.js";
-import { inserted, moved, spanOf, stretched } from "./hills.js";
+import { inserted, moved, spanOf, stretched } from "./peaks.js";
 import { method, read, write } from "./scene.js";
-import { words } from "./words.js";
+import { words } from "./texts.js";
 
 const wrapped = (degrees) => ((((degrees + 180) % 360) + 360) % 360) - 180;
 

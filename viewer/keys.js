@@ -1,5 +1,5 @@
 // Shortcuts. Single keys act only outside text fields and can be switched off.
-import { words } from "./words.js";
+import { words } from "./texts.js";
 
 const springs = { o: "orbit", a: "adjust", l: "light", c: "cut" };
 

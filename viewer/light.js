@@ -4,7 +4,7 @@ import { draggable, settingRow, sliderRow } from "./rows.js";
 import { method, read, write } from "./scene.js";
 import { fold } from "./sections.js";
 import { keyOf, placed } from "./table.js";
-import { words } from "./words.js";
+import { words } from "./texts.js";
 
 const withProbe = ["visibility", "reference", "transport"];
 

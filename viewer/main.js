@@ -2,14 +2,14 @@
 import { boxOf, fromScene, toScene, viewOf } from "./camera.js";
 import { makeColour } from "./colour.js";
 import { makeCompare } from "./compare.js";
-import { makeCross } from "./cross.js";
+import { makeCross } from "./orientation.js";
 import { el, fromHex, icon, percent, short } from "./dom.js";
 import { makeFrame } from "./frame.js";
 import { makeGestures } from "./gestures.js";
 import { makeKeys } from "./keys.js";
 import { makeLight, radios } from "./light.js";
 import { Link } from "./link.js";
-import { makeLooks } from "./looks.js";
+import { makeLooks } from "./presets.js";
 import { makeMenus } from "./menus.js";
 import { makeSaving } from "./saving.js";
 import { describe, read, sceneOf, stateOf } from "./scene.js";
@@ -19,7 +19,7 @@ import { makeSections } from "./sections.js";
 import { makeStates, mark } from "./states.js";
 import { Store } from "./store.js";
 import { makeTheme } from "./theme.js";
-import { words } from "./words.js";
+import { words } from "./texts.js";
 
 const bar = document.getElementById("bar"), stage = document.getElementById("stage"), panel = document.getElementById("panel"), dock = document.getElementById("dock");
 const store = new Store({ values: {}, camera: {}, tf: { points: [{ value: 0, opacity: 0 }], stops: [{ value: 0, rgb: [0, 0, 0] }], unit: { key: "opacity_unit_distance", value: 1 }, scale: 1, rest: {} }, threshold: null, iso: [], rest: {} });
@@ -36,11 +36,11 @@ app.copy = (text) => navigator.clipboard.writeText(text).then(() => app.states.s
 app.fault = (error) => void (error?.sentence && app.states.say(error.sentence, { role: "alert" }));
 /** What is to be known about the volume, in About and as a dot at its name. */
 app.doubts = () => [...(app.volume.reduced ? [words.reduced(app.volume.reduced)] : []), ...app.volume.notes];
-/** Half way into the densest hill. */
+/** Half way into the densest peak. */
 app.firstSurface = () => {
-  const { points } = store.state.tf, peak = (hill) => Math.max(...points.slice(hill.first, hill.last + 1).map((p) => p.opacity));
-  const hills = app.graph.hills().sort((a, b) => peak(b) - peak(a)), [hill] = hills, [low, high] = app.volume.range;
-  return hill ? (Math.max(hill.lo, low) + Math.min(hill.hi, high)) / 2 : (low + high) / 2;
+  const { points } = store.state.tf, height = (peak) => Math.max(...points.slice(peak.first, peak.last + 1).map((p) => p.opacity));
+  const peaks = app.graph.peaks().sort((a, b) => height(b) - height(a)), [peak] = peaks, [low, high] = app.volume.range;
+  return peak ? (Math.max(peak.lo, low) + Math.min(peak.hi, high)) / 2 : (low + high) / 2;
 };
 
 // The picture.
@@ -75,7 +75,7 @@ app.colour = makeColour(app);
 app.light = makeLight(app);
 makePalette(app);
 const folded = makeSections(app), sections = el("div", { id: "sections" });
-const tabs = el("div.tabs", { role: "tablist" }, ...[["look", "looks"], ["colour", "hill"], ["light", "light"], ["cut", "cut"], ["more", "rows"]].map(([name, picture]) => el("button", { role: "tab", onclick: () => tab(name) }, icon(picture), words.tabs[name])));
+const tabs = el("div.tabs", { role: "tablist" }, ...[["look", "looks"], ["colour", "peak"], ["light", "light"], ["cut", "cut"], ["more", "rows"]].map(([name, picture]) => el("button", { role: "tab", onclick: () => tab(name) }, icon(picture), words.tabs[name])));
 const names = ["look", "colour", "light", "cut", "more"];
 function tab(name) {
   document.body.dataset.tab = name;

@@ -2,7 +2,7 @@
 import { arrow, clamp, el, endMoved, tell } from "./dom.js";
 import { draggable } from "./rows.js";
 import { read } from "./scene.js";
-import { words } from "./words.js";
+import { words } from "./texts.js";
 
 export function makeMarkers(app, axis, plot) {
   const { store } = app;

@@ -1,6 +1,6 @@
 // Popovers and menus, About this volume, shortcuts.
 import { chooseFile, download, el, short } from "./dom.js";
-import { words } from "./words.js";
+import { words } from "./texts.js";
 
 export function makeMenus(app) {
   let open = null;

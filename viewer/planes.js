@@ -3,7 +3,7 @@ import { add, cross, dot, project, ray, unit } from "./camera.js";
 import { draggable } from "./rows.js";
 import { arrow, clamp, el, svg, tell } from "./dom.js";
 import { read, write } from "./scene.js";
-import { words } from "./words.js";
+import { words } from "./texts.js";
 
 const steps = [...Array(129).keys()].map((i) => (i * Math.PI) / 64);
 const around = ({ u, v }, t) => add(u.map((c) => c * Math.cos(t)), v, Math.sin(t));

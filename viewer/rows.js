@@ -2,7 +2,7 @@
 import { arrow, clamp, el, endMoved, hex, fromHex, short, typed, tell } from "./dom.js";
 import { read, write } from "./scene.js";
 import { keyOf } from "./table.js";
-import { words } from "./words.js";
+import { words } from "./texts.js";
 
 let ids = 0;
 

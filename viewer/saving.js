@@ -1,7 +1,7 @@
 // Save image: a popover that stays while the picture is made.
 import { captions } from "./captions.js";
 import { bytes, el, seconds } from "./dom.js";
-import { words } from "./words.js";
+import { words } from "./texts.js";
 
 const most = 16384, w = words.saving;
 

@@ -3,7 +3,7 @@ import { el, fromHex, hex, icon, short } from "./dom.js";
 import { choiceRow, colourRow, settingRow, sliderRow } from "./rows.js";
 import { read, write } from "./scene.js";
 import { placed } from "./table.js";
-import { words } from "./words.js";
+import { words } from "./texts.js";
 
 /** A folded part: head with its words, body built once. */
 export function fold(title, says, rows, kind = "", at = "div") {

@@ -1,6 +1,6 @@
 // What stands in the picture's place or over it: no volume, reading, errors, banners; and opening files.
 import { bytes, el, icon, percent, svg } from "./dom.js";
-import { words } from "./words.js";
+import { words } from "./texts.js";
 
 const w = words.states;
 export const mark = () => svg("svg", { viewBox: "0 0 20 20", fill: "none", "aria-hidden": "true" }, svg("circle", { cx: 10, cy: 10, r: 8.75, stroke: "currentColor", "stroke-width": 1.5 }), svg("path", { d: "M10 4a6 6 0 0 1 0 12z", fill: "var(--accent)" }));

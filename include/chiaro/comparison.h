@@ -11,7 +11,7 @@
 namespace chiaro {
 
 /// A method's picture of a scene, and how far it is from the reference's.
-struct MethodPicture {
+struct MethodImage {
     Method method;
     Frame frame;               ///< linear light, over black
     double light_seconds;      ///< to prepare the volume and find the light; of the reference 0
@@ -21,8 +21,8 @@ struct MethodPicture {
 };
 
 struct MethodComparison {
-    std::vector<MethodPicture> pictures;  ///< in the order asked for
-    MethodPicture reference;
+    std::vector<MethodImage> images;  ///< in the order asked for
+    MethodImage reference;
     double noise = 0;  ///< standard error of the reference, RMS over pixels and channels
     int paths = 0;     ///< of a pixel of the reference
 };
@@ -48,13 +48,13 @@ struct LightError {
 };
 
 /// RMSE of the light that arrives, by the scene's method, at so many points of the session's volume, against the
-/// reference's (`trace_fluence`), whose noise is taken off: 1024 paths from each, scattered as often as the method
-/// follows light. The points lie two voxel edges before what contributes most to pixels that are drawn at random,
-/// always the same ones: in the skin of dense matter light ends within a voxel. Light is that on particles, as in
-/// `compare_methods`: neither moved off surfaces nor scaled. Throws Error{usage} where no light arrives that could be
-/// wrong (none, the path-traced reference, histograms without occlusion, Mode::mip, a picture of nothing), else as
-/// Session::render, which it uses: give it a session of its own (`Session::beside`). Cost: the method's light once
-/// more, if this session has not it yet, and some core-seconds for the paths.
+/// reference's (`trace_mean_radiance`), whose noise is taken off: 1024 paths from each, scattered as often as the
+/// method follows light. The points lie two voxel edges before what contributes most to pixels that are drawn at
+/// random, always the same ones: in the skin of dense matter light ends within a voxel. Light is that on particles, as
+/// in `compare_methods`: neither moved off surfaces nor scaled. Throws Error{usage} where no light arrives that could
+/// be wrong (none, the path-traced reference, histograms without occlusion, Mode::mip, a picture of nothing), else as
+/// Session::render, which it uses: give it a session of its own (`Session::share_volume`). Cost: the method's light
+/// once more, if this session has not it yet, and some core-seconds for the paths.
 CHIARO_EXPORT LightError measure_light(Session& session, const Scene& scene, Progress& progress, int points = 1024);
 
 }  // namespace chiaro

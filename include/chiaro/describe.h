@@ -52,7 +52,7 @@ void describe(Visit&& visit, S& s) {
 }
 
 /// Scene files only: no flags.
-template <class Visit, SettingsOf<StatedVolume> S>
+template <class Visit, SettingsOf<ExpectedVolume> S>
 void describe(Visit&& visit, S& s) {
     visit(Setting{"", "volume.dims", "voxels",
                   "size of the volume, checked"}.within(1, 65535).written("XxYxZ"), s.dimensions);
@@ -212,7 +212,7 @@ void describe(Visit&& visit, S& s) {
                   "of scattering (Henyey and Greenstein): below 0 backwards, above 0 forwards"}
           .within(-0.95, 0.95).of("histogram"), s.anisotropy);
     visit(Setting{"glow", "lighting.glow", "", "values that glow, and how strongly (1: not at all)"}
-          .written("FILE|LO:HI=STRENGTH").of("histogram"), s.glow);
+          .written("FILE|LO:HI=STRENGTH").of("histogram"), s.emission);
     visit(Setting{"cache", "lighting.cache", "", "folder where prepared volumes are kept (the user's cache), or none"}
           .written("DIR|none").of("histogram"), s.cache);
 }
@@ -238,7 +238,7 @@ void describe(Visit&& visit, S& s) {
     visit(Setting{"reference-medium", "lighting.medium", "", "extinction constant in each voxel, or interpolated"}
           .of("reference"), s.medium);
     visit(Setting{"reference-start", "lighting.start", "half edges", "distance from a voxel's centre at which rays begin"}
-          .within(0, 1000).written("HALF_EDGES").of("reference"), s.start_half_edges);
+          .within(0, 1000).written("HALF_EDGES").of("reference"), s.start_half_voxels);
     visit(Setting{"reference-subsample", "lighting.subsample", "", "rays from every Nth voxel per axis only"}
           .within(1, 64).of("reference"), s.subsample);
     visit(Setting{"reference-time", "lighting.time", "seconds", "of radiance and fluence: no further paths after this time"}

@@ -34,10 +34,10 @@ struct Device {
     Isa isa = Isa::scalar;
     std::shared_ptr<cuda::Stream> stream;  ///< of a card; none: the processor does everything
 
-    bool has_card() const { return stream != nullptr; }
+    bool has_gpu() const { return stream != nullptr; }
     CHIARO_EXPORT std::string name() const;  ///< "cpu" or "cuda:0"
     /// The same, with a stream of its own on the card, which keeps one copy of what both read.
-    CHIARO_EXPORT Device beside() const;
+    CHIARO_EXPORT Device with_own_stream() const;
     /// Why the processor took over what a card that was chosen by itself could not do, or what any card does without
     /// (textures); empty: neither.
     CHIARO_EXPORT std::string note() const;
@@ -46,18 +46,18 @@ struct Device {
     /// for an instruction set that this build or this processor lacks.
     CHIARO_EXPORT static Device cpu(int threads = 0);
     CHIARO_EXPORT static Device cpu(int threads, Isa isa);
-    /// Card `index` of list_cards(), and `host` for the rest. Throws Error{output} where there is none: why.
+    /// Card `index` of list_gpus(), and `host` for the rest. Throws Error{output} where there is none: why.
     CHIARO_EXPORT static Device cuda(int index, const Device& host);
 };
 
 /// A card that this build could use.
-struct CardInfo {
+struct GpuInfo {
     int index = 0;
     std::string name;  ///< "NVIDIA H200"
     std::size_t memory_bytes = 0, free_bytes = 0;
 };
 /// None without a driver, a card, or CUDA in this build.
-CHIARO_EXPORT std::vector<CardInfo> list_cards();
+CHIARO_EXPORT std::vector<GpuInfo> list_gpus();
 
 struct DeviceChoice {
     Device device;

@@ -46,12 +46,12 @@ public:
     /// The host's, to be filled: what a card holds is let go of.
     CHIARO_EXPORT Frame& write();
 
-    const std::shared_ptr<cuda::Pixels>& on_card() const { return on_card_; }  ///< none: the host has them
-    void keep_on_card(std::shared_ptr<cuda::Pixels> pixels) { on_card_ = std::move(pixels); }
+    const std::shared_ptr<cuda::Pixels>& on_gpu() const { return on_gpu_; }  ///< none: the host has them
+    void keep_on_gpu(std::shared_ptr<cuda::Pixels> pixels) { on_gpu_ = std::move(pixels); }
 
 private:
     mutable Frame frame_;
-    mutable std::shared_ptr<cuda::Pixels> on_card_;
+    mutable std::shared_ptr<cuda::Pixels> on_gpu_;
 };
 
 /// 8 bit sRGB, row 0 on top, straight alpha.

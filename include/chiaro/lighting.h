@@ -103,7 +103,7 @@ enum class HistogramModel { corrected, paper };
 
 /// What is shown of the light that histograms know; each alone, or together.
 struct HistogramEffects {
-    bool ao = true, bleeding = true, scattering = false, glow = false;
+    bool ao = true, bleeding = true, scattering = false, emission = false;
     bool operator==(const HistogramEffects&) const = default;
 };
 
@@ -119,7 +119,7 @@ struct HistogramSettings {
     HistogramModel model = HistogramModel::corrected;
     HistogramEffects effects;
     double anisotropy = 0;  ///< g of Henyey and Greenstein, > 0: forward
-    std::string glow;       ///< "LO:HI=STRENGTH" in data units, or a file of lines "VALUE STRENGTH"
+    std::string emission;   ///< "LO:HI=STRENGTH" in data units, or a file of lines "VALUE STRENGTH"
     std::string cache;      ///< folder of prepared volumes; "": the user's own; "none"
     bool operator==(const HistogramSettings&) const = default;
 };
@@ -128,7 +128,7 @@ struct HistogramSettings {
 /// weighted by their cosine, or its 16 coefficients in spherical harmonics (a field only, no picture); or along paths
 /// that scatter: for every voxel the mean radiance over all directions (fluence, a field only), for every pixel
 /// radiance (a picture only, no field).
-enum class ReferenceQuantity { obscurance, ao, ao_cosine, visibility, fluence, radiance };
+enum class ReferenceQuantity { obscurance, ao, ao_cosine, visibility, mean_radiance, radiance };
 /// Whether the extinction is constant in each voxel or interpolated between them.
 enum class ReferenceMedium { voxels, trilinear };
 
@@ -137,7 +137,7 @@ struct ReferenceSettings {
     int rays = 256;                             ///< or paths from a voxel, through a pixel
     std::optional<ReferenceQuantity> quantity;  ///< missing: radiance for a picture, obscurance for a field
     ReferenceMedium medium = ReferenceMedium::voxels;
-    double start_half_edges = 1;   ///< rays begin this far from the centre, in half cell edges
+    double start_half_voxels = 1;  ///< rays begin this far from the centre, in half cell edges
     int subsample = 1;             ///< only every so many voxels per axis; between them trilinear (harmonics: one node)
     std::optional<double> time_s;  ///< of radiance and fluence: no more paths after this time,
     std::optional<double> error;   ///< nor when the RMS standard error over the RMS luminance is so small

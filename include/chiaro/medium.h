@@ -101,7 +101,8 @@ private:
 /// Throws Error{input} for a transfer function that `validate` refuses, Error{usage} for a shape that shows nothing (a
 /// clip box without inside, no isosurface) or too much (more isosurfaces or planes than there is room for).
 CHIARO_EXPORT Medium classify(const DeviceVolume& volume, const TransferFunction& tf, const Shape& shape);
-/// The same by another device than the volume's: of sessions that share a volume each has its own (Device::beside).
+/// The same by another device than the volume's: of sessions that share a volume each has its own
+/// (Device::with_own_stream).
 CHIARO_EXPORT Medium classify(const Device& device, const DeviceVolume& volume, const TransferFunction& tf,
                               const Shape& shape);
 

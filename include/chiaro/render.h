@@ -51,7 +51,7 @@ struct PathStatistics {
 };
 
 /// What a ray-casting or path-tracing call did.
-struct Outcome {
+struct RenderStatistics {
     bool complete = true;       ///< false: cancelled; rows may be missing
     std::uint64_t samples = 0;  ///< at which the volume was read
     PathStatistics paths;       ///< of path tracing
@@ -62,14 +62,14 @@ struct Outcome {
 /// made for each call. The picture does not depend on the number of threads, nor (up to rounding) on the order. Fills
 /// `frame`, whose size is the picture's; where `lighting.probe.background` says so, with the probe behind the volume.
 /// Cost: proportional to the samples in occupied cells; pre-integrated 4 to 20 core-ms for the table.
-CHIARO_EXPORT Outcome raycast(const Device& device, const Medium& medium, const IlluminationField& field,
-                              const Lighting& lighting, const Camera& camera, const RaySettings& settings, Frame& frame,
-                              Progress& progress);
+CHIARO_EXPORT RenderStatistics raycast(const Device& device, const Medium& medium, const IlluminationField& field,
+                                       const Lighting& lighting, const Camera& camera, const RaySettings& settings,
+                                       Frame& frame, Progress& progress);
 
 /// The same; what a card made stays there until it is read.
-CHIARO_EXPORT Outcome raycast(const Device& device, const Medium& medium, const IlluminationField& field,
-                              const Lighting& lighting, const Camera& camera, const RaySettings& settings,
-                              DeviceFrame& frame, Progress& progress);
+CHIARO_EXPORT RenderStatistics raycast(const Device& device, const Medium& medium, const IlluminationField& field,
+                                       const Lighting& lighting, const Camera& camera, const RaySettings& settings,
+                                       DeviceFrame& frame, Progress& progress);
 
 /// Receives a frame that a better one follows, and how sure it is.
 using FramePreview = std::function<void(const Frame&, const PathStatistics&)>;
@@ -84,30 +84,32 @@ using DeviceFramePreview = std::function<void(const DeviceFrame&, const PathStat
 /// what the time allows. `preview` sees the frame after each pass of 1, 1, 2, 4, ... 16 paths a pixel. Throws
 /// Error{usage} for Mode::mip. Cost: about 1 µs a path and scattering on one core; memory: 40 bytes a pixel, 4 a 4³
 /// cell.
-CHIARO_EXPORT Outcome trace_paths(const Device& device, const Medium& medium, const Lighting& lighting,
-                                  const Camera& camera, const RaySettings& rays, const IlluminationSettings& settings,
-                                  Frame& frame, Progress& progress, const FramePreview& preview = {});
+CHIARO_EXPORT RenderStatistics trace_paths(const Device& device, const Medium& medium, const Lighting& lighting,
+                                           const Camera& camera, const RaySettings& rays,
+                                           const IlluminationSettings& settings, Frame& frame, Progress& progress,
+                                           const FramePreview& preview = {});
 
 /// The same; what a card made stays there until it is read.
-CHIARO_EXPORT Outcome trace_paths(const Device& device, const Medium& medium, const Lighting& lighting,
-                                  const Camera& camera, const RaySettings& rays, const IlluminationSettings& settings,
-                                  DeviceFrame& frame, Progress& progress, const DeviceFramePreview& preview = {});
+CHIARO_EXPORT RenderStatistics trace_paths(const Device& device, const Medium& medium, const Lighting& lighting,
+                                           const Camera& camera, const RaySettings& rays,
+                                           const IlluminationSettings& settings, DeviceFrame& frame, Progress& progress,
+                                           const DeviceFramePreview& preview = {});
 
 /// The mean radiance J over all directions at points.
-struct Fluence {
-    std::vector<Rgb> mean;      ///< linear; 1 in an empty white probe
-    std::vector<double> error;  ///< its standard error at each point, RMS over the channels
-    Outcome outcome;            ///< paths: over all points
+struct MeanRadiance {
+    std::vector<Rgb> mean;               ///< linear; 1 in an empty white probe
+    std::vector<double> error;           ///< its standard error at each point, RMS over the channels
+    RenderStatistics render_statistics;  ///< paths: over all points
 };
 
 /// J by paths that begin at points (index space, voxel centres at integers; they may lie outside) in directions drawn
 /// evenly over the sphere; after that they are those of `trace_paths`, light being scattered at most
 /// `settings.scattering.bounces` times on its way to a point. Settings, when it stops, and that the answer depends on
-/// no number of threads, as there; the probe stands on `orbit_up`. With `reference.start_half_edges` above 0 the matter
-/// around a point does not dim its light. Throws Error{usage} for Mode::mip. Cost: about 1 µs a path and scattering on
-/// one core; memory: 120 bytes a point.
-CHIARO_EXPORT Fluence trace_fluence(const Device& device, const Medium& medium, const Lighting& lighting, Vec3 orbit_up,
-                                    std::span<const Vec3> points_voxel, const IlluminationSettings& settings,
-                                    Progress& progress);
+/// no number of threads, as there; the probe stands on `orbit_up`. With `reference.start_half_voxels` above 0 the
+/// matter around a point does not dim its light. Throws Error{usage} for Mode::mip. Cost: about 1 µs a path and
+/// scattering on one core; memory: 120 bytes a point.
+CHIARO_EXPORT MeanRadiance trace_mean_radiance(const Device& device, const Medium& medium, const Lighting& lighting,
+                                               Vec3 orbit_up, std::span<const Vec3> points_voxel,
+                                               const IlluminationSettings& settings, Progress& progress);
 
 }  // namespace chiaro

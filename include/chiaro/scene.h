@@ -29,17 +29,17 @@ struct TransferSettings {
 };
 
 /// What a scene tells of its volume. Size and type are checked; the spacing replaces the file's.
-struct StatedVolume {
+struct ExpectedVolume {
     std::optional<std::array<int, 3>> dimensions;
     std::optional<VoxelType> type;
     std::optional<Vec3> spacing_mm;
-    bool operator==(const StatedVolume&) const = default;
+    bool operator==(const ExpectedVolume&) const = default;
 };
 
 /// The same scene gives the same picture.
 struct Scene {
     std::string volume;  ///< as for read_volume; relative names are resolved by read_scene
-    StatedVolume stated;
+    ExpectedVolume stated;
     ReadOptions read;
     TransferSettings transfer;
     Mode mode = Mode::dvr;

@@ -26,14 +26,14 @@ public:
     CHIARO_EXPORT void show(Volume&& volume, Progress& progress);
     /// Another session of the volume that this one shows: the voxels are shared, nothing else. May be called while this
     /// one renders, but not while it is given a volume.
-    CHIARO_EXPORT Session beside() const;
+    CHIARO_EXPORT Session share_volume() const;
 
     /// `preview` is handed the picture with each coarse light that comes before the finest (visibility, and each
     /// iteration of transport), while that is still being found; and with each pass of paths (reference).
     CHIARO_EXPORT const Image& render(const Scene& scene, Progress& progress, const Preview& preview = {});
     /// What can be shown at once: the scene by the light at hand, that of the last render, whatever it was made for; by
     /// none at first. Of the reference's radiance one path a pixel. What render keeps stays kept.
-    CHIARO_EXPORT const Image& draft(const Scene& scene, Progress& progress);
+    CHIARO_EXPORT const Image& preview(const Scene& scene, Progress& progress);
     /// Whether a render would have to find light first.
     CHIARO_EXPORT bool needs_light(const Scene& scene) const;
     /// What the scene's lighting method computes for the shown volume. Throws as chiaro::compute_field.
@@ -49,7 +49,7 @@ public:
     CHIARO_EXPORT const IlluminationField& light() const;  ///< of the last render
     /// What a user should know: of what was prepared, of the device.
     CHIARO_EXPORT std::vector<std::string> notes() const;
-    CHIARO_EXPORT Outcome outcome() const;          ///< of the last render; its paths, as frame()
+    CHIARO_EXPORT RenderStatistics render_statistics() const;  ///< of the last render; its paths, as frame()
     CHIARO_EXPORT std::size_t light_bytes() const;  ///< held: what the last render's lighting prepared, and its light
     CHIARO_EXPORT const Statistics& statistics() const;  ///< of the shown volume
     /// What the settings ask for, of the shown volume. Throws as load_transfer_function.

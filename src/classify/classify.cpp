@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "classify/card.h"
+#include "classify/gpu.h"
 #include "classify/medium.h"
 
 namespace chiaro {
@@ -26,13 +26,13 @@ namespace {
 /// On the card, which then holds it, or here.
 void find_occupancy(const Device& device, const RangeTest& is_visible, Medium::Data& data) {
     const DeviceVolume::Data& volume = data.volume.data();
-    const auto on_card = [&] {
+    const auto on_gpu = [&] {
         cuda::Stream& stream = *device.stream;
-        CardOccupancy made = occupancy_on_card(stream, volume, is_visible);
+        GpuOccupancy made = occupancy_on_gpu(stream, volume, is_visible);
         data.cells = std::move(made.codes);
-        stream.mirror()->keep(HostArray::of(data.weak_from_this(), data.cells), made.on_card.data(), stream);
+        stream.device_cache()->keep(HostArray::of(data.weak_from_this(), data.cells), made.on_gpu.data(), stream);
     };
-    if (!cuda::done_on_card(device, on_card))
+    if (!cuda::try_gpu(device, on_gpu))
         data.cells = make_occupancy(volume.cells, std::cref(is_visible), device.threads);
     std::size_t occupied = 0;
     for (const std::uint8_t code : data.cells) occupied += code & 1;

@@ -1,5 +1,5 @@
 // Occupancy on cards: one thread a cell.
-#include "classify/launch_card.h"
+#include "classify/launch_gpu.h"
 #include "cuda/launch.h"
 
 namespace chiaro::kernel {
@@ -8,18 +8,18 @@ namespace {
 struct Begin {
     CellValueRanges ranges;
     OccupancyPass pass;
-    CHIARO_ON_CARD void operator()(std::int64_t i) const { pass.begin(i, ranges.occupied(i)); }
+    CHIARO_DEVICE void operator()(std::int64_t i) const { pass.begin(i, ranges.occupied(i)); }
 };
 struct Spread {
     OccupancyPass pass;
     std::int64_t stride;
     std::int32_t n;
-    CHIARO_ON_CARD void operator()(std::int64_t i) const { pass.along(i, stride, n); }
+    CHIARO_DEVICE void operator()(std::int64_t i) const { pass.along(i, stride, n); }
 };
 struct Write {
     OccupancyPass pass;
     std::uint8_t* codes;
-    CHIARO_ON_CARD void operator()(std::int64_t i) const { codes[i] = pass.code(i); }
+    CHIARO_DEVICE void operator()(std::int64_t i) const { codes[i] = pass.code(i); }
 };
 
 }  // namespace

@@ -99,7 +99,7 @@ RangeTest visible_range(const OpticalTable& table) {
 }
 
 RangeTest crossed_range(const DeviceVolume::Data& volume, const std::vector<IsoSurface>& surfaces) {
-    static_assert(max_isosurfaces <= kernel::RangeView::most_surfaces);
+    static_assert(max_isosurfaces <= kernel::RangeView::max_surfaces);
     RangeTest test;
     for (const IsoSurface& surface : surfaces)
         test.view.surfaces[test.view.surface_count++] = (surface.value - volume.offset) / volume.scale;

@@ -6,10 +6,10 @@ namespace chiaro::kernel {
 
 /// Whether something may be seen where the stored values lie between two: of a transfer function or of isosurfaces.
 struct RangeView {
-    static constexpr int most_surfaces = 8;
+    static constexpr int max_surfaces = 8;
     const std::int32_t* before;              ///< how many entries of the optical table before each are visible;
     double index_scale, index_offset, last;  ///< null: surfaces
-    double surfaces[most_surfaces];          ///< stored values
+    double surfaces[max_surfaces];           ///< stored values
     std::int32_t surface_count;
 
     CHIARO_INLINE bool operator()(float low, float high) const {

@@ -9,9 +9,9 @@
 namespace chiaro {
 
 /// What another memory holds and the host has not read yet.
-class Late {
+class DeferredDownload {
 public:
-    explicit Late(std::function<void()> fetch) : fetch_(std::move(fetch)) {}
+    explicit DeferredDownload(std::function<void()> fetch) : fetch_(std::move(fetch)) {}
     /// Fetches it at the first call; any thread may ask.
     void fetch() const { std::call_once(once_, fetch_); }
 
@@ -25,8 +25,8 @@ struct HostArray {
     std::weak_ptr<const void> owner;
     const void* data = nullptr;
     std::size_t bytes = 0;
-    bool is_shared = false;               ///< has an owner, alive or not
-    std::weak_ptr<const Late> late = {};  ///< what fetches it, where it may not be here yet
+    bool is_shared = false;                               ///< has an owner, alive or not
+    std::weak_ptr<const DeferredDownload> deferred = {};  ///< what fetches it, where it may not be here yet
 
     /// A range of anything contiguous (a vector, a VoxelBuffer) that `owner` keeps; without one it is a call's own.
     template <class Range>
@@ -35,7 +35,7 @@ struct HostArray {
     }
     /// Before the host reads it.
     void fetch() const {
-        if (const auto its = late.lock()) its->fetch();
+        if (const auto its = deferred.lock()) its->fetch();
     }
 };
 

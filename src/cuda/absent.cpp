@@ -8,16 +8,16 @@ namespace {
 
 }  // namespace
 
-std::vector<CardInfo> find_cards(std::string& why) {
+std::vector<GpuInfo> find_gpus(std::string& why) {
     why = "this build has the processor only";
     return {};
 }
 
-Stream::Stream(CardInfo, std::shared_ptr<Mirror>, bool) : is_optional_(false) { refuse(); }
+Stream::Stream(GpuInfo, std::shared_ptr<DeviceCache>, bool) : is_optional_(false) { refuse(); }
 Stream::~Stream() = default;
 void* Stream::allocate(std::size_t) { refuse(); }
 void Stream::release(void*) noexcept {}
-std::size_t Stream::room() const { refuse(); }
+std::size_t Stream::free_bytes() const { refuse(); }
 void Stream::release_at_once(int, void*) noexcept {}
 void Stream::upload(void*, const void*, std::size_t) { refuse(); }
 void Stream::download(void*, const void*, std::size_t) { refuse(); }
@@ -28,7 +28,7 @@ void Stream::launched() { refuse(); }
 void Stream::settle() noexcept {}
 void Stream::wait() { refuse(); }
 
-Texture::Texture(Stream&, Texel texel, std::array<int, 3>) : card_(0), texel_(texel) { refuse(); }
+Texture::Texture(Stream&, Texel texel, std::array<int, 3>) : gpu_(0), texel_(texel) { refuse(); }
 Texture::~Texture() = default;
 void Texture::copy(Stream&, const Box&) { refuse(); }
 

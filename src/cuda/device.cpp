@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "cuda/mirror.h"
+#include "cuda/device_cache.h"
 #include "cuda/stream.h"
 
 namespace chiaro {
@@ -13,9 +13,9 @@ namespace {
 
 constexpr std::size_t least_free_bytes = std::size_t(1) << 30;
 
-Device with_card(const Device& host, const CardInfo& card, bool is_optional) {
+Device with_gpu(const Device& host, const GpuInfo& gpu, bool is_optional) {
     Device device = host;
-    device.stream = std::make_shared<cuda::Stream>(card, std::make_shared<cuda::Mirror>(card.index), is_optional);
+    device.stream = std::make_shared<cuda::Stream>(gpu, std::make_shared<cuda::DeviceCache>(gpu.index), is_optional);
     return device;
 }
 
@@ -59,11 +59,12 @@ std::string Stream::note() const {
 
 }  // namespace cuda
 
-std::string Device::name() const { return stream ? fmt::format("cuda:{}", stream->card().index) : "cpu"; }
+std::string Device::name() const { return stream ? fmt::format("cuda:{}", stream->gpu().index) : "cpu"; }
 
-Device Device::beside() const {
+Device Device::with_own_stream() const {
     Device device = *this;
-    if (stream) device.stream = std::make_shared<cuda::Stream>(stream->card(), stream->mirror(), stream->is_optional());
+    if (stream)
+        device.stream = std::make_shared<cuda::Stream>(stream->gpu(), stream->device_cache(), stream->is_optional());
     return device;
 }
 
@@ -71,31 +72,31 @@ std::string Device::note() const { return stream ? stream->note() : ""; }
 
 Device Device::cuda(int index, const Device& host) {
     std::string why;
-    const auto cards = cuda::find_cards(why);
-    if (cards.empty()) throw Error(ErrorCode::output, fmt::format("--device cuda: {}", why));
-    const auto card = std::find_if(cards.begin(), cards.end(), [&](const auto& each) { return each.index == index; });
-    if (card == cards.end())
+    const auto gpus = cuda::find_gpus(why);
+    if (gpus.empty()) throw Error(ErrorCode::output, fmt::format("--device cuda: {}", why));
+    const auto gpu = std::find_if(gpus.begin(), gpus.end(), [&](const auto& each) { return each.index == index; });
+    if (gpu == gpus.end())
         throw Error(ErrorCode::output,
-                    fmt::format("--device cuda:{}: there is no such card (0 to {})", index, cards.back().index));
-    return with_card(host, *card, false);
+                    fmt::format("--device cuda:{}: there is no such card (0 to {})", index, gpus.back().index));
+    return with_gpu(host, *gpu, false);
 }
 
-std::vector<CardInfo> list_cards() {
+std::vector<GpuInfo> list_gpus() {
     std::string why;
-    return cuda::find_cards(why);
+    return cuda::find_gpus(why);
 }
 
 DeviceChoice choose_device(const Device& host) {
-    const auto cards = list_cards();
-    if (cards.empty()) return {host, ""};
-    const auto card = std::max_element(cards.begin(), cards.end(),
-                                       [](const auto& a, const auto& b) { return a.free_bytes < b.free_bytes; });
-    const std::string name = fmt::format("cuda:{} ({})", card->index, card->name);
-    if (card->free_bytes < least_free_bytes)
+    const auto gpus = list_gpus();
+    if (gpus.empty()) return {host, ""};
+    const auto gpu = std::max_element(gpus.begin(), gpus.end(),
+                                      [](const auto& a, const auto& b) { return a.free_bytes < b.free_bytes; });
+    const std::string name = fmt::format("cuda:{} ({})", gpu->index, gpu->name);
+    if (gpu->free_bytes < least_free_bytes)
         return {host, fmt::format("{} has {} MiB free, too few to be chosen by itself: the processor does the work",
-                                  name, card->free_bytes >> 20)};
+                                  name, gpu->free_bytes >> 20)};
     try {
-        return {with_card(host, *card, true), fmt::format("on {}, {} MiB free", name, card->free_bytes >> 20)};
+        return {with_gpu(host, *gpu, true), fmt::format("on {}, {} MiB free", name, gpu->free_bytes >> 20)};
     } catch (const Error& error) {
         return {host, fmt::format("{}: the processor does the work", error.what())};
     }

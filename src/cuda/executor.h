@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "core/threads.h"
+#include "cuda/device_cache.h"
 #include "cuda/each_node.h"
-#include "cuda/mirror.h"
 #include "cuda/run.h"
 
 namespace chiaro {
@@ -128,20 +128,20 @@ public:
     }
     template <class Range>
     auto kept(const std::weak_ptr<const void>& owner, const Range& range) const {
-        const std::byte* copy = stream_->mirror()->of(HostArray::of(owner, range), *stream_);
+        const std::byte* copy = stream_->device_cache()->of(HostArray::of(owner, range), *stream_);
         return reinterpret_cast<decltype(range.data())>(copy);
     }
     template <class Values>
     auto values(const Values& values) const {
-        return values.on_card(*stream_);
+        return values.on_gpu(*stream_);
     }
     template <class T, class Buffer>
     const T* values(const Buffer& buffer) const {
-        return reinterpret_cast<const T*>(buffer.on_card(*stream_));
+        return reinterpret_cast<const T*>(buffer.on_gpu(*stream_));
     }
     template <class... T>
     void exchange(const HostArrays& arrays, const T*&... pointers) {
-        inputs_.emplace_back(*stream_, arrays).swap(pointers...);
+        inputs_.emplace_back(*stream_, arrays).to_device_pointers(pointers...);
     }
 
     template <class T, class Buffer>
@@ -164,7 +164,7 @@ public:
 
     template <class Kernel>
     void for_each(std::int64_t count, const Kernel& kernel, std::string_view = {}, std::int64_t = 0) const {
-        kernel::run_on_card(*stream_, count, kernel);
+        kernel::run_on_gpu(*stream_, count, kernel);
         if (progress_) progress_->check();
     }
     template <class Kernel>
@@ -182,13 +182,13 @@ private:
 
 /// steps(executor) on the device's GPU, or on the CPU where there is none or it has no memory left: then from the first
 /// step on, so steps keep their results last.
-template <class Steps>
-void run_steps(const Device& device, Progress* progress, const Steps& steps) {
+template <class StageTimer>
+void run_steps(const Device& device, Progress* progress, const StageTimer& steps) {
     const auto on_gpu = [&] {
         GpuExecutor executor(device.stream, progress);
         steps(executor);
     };
-    if (cuda::done_on_card(device, on_gpu)) return;
+    if (cuda::try_gpu(device, on_gpu)) return;
     CpuExecutor executor(device.threads, progress);
     steps(executor);
 }

@@ -9,16 +9,16 @@
 #include "kernel/lanes.h"
 
 #if defined(__CUDACC__)
-#define CHIARO_ON_CARD __device__ __forceinline__
+#define CHIARO_DEVICE __device__ __forceinline__
 #define CHIARO_LAUNCH(kernel, grid, block, stream, ...) \
     kernel<<<grid, block, 0, static_cast<cudaStream_t>((stream).handle())>>>(__VA_ARGS__)
 #elif defined(CHIARO_CUDA_EMULATED)
 #include <cuda_runtime_api.h>
-#define CHIARO_ON_CARD inline
+#define CHIARO_DEVICE inline
 #define CHIARO_LAUNCH(kernel, grid, block, stream, ...) \
     cuda_emulated::launch(kernel, grid, block, (stream).handle(), __VA_ARGS__)
 #else
-#define CHIARO_ON_CARD inline
+#define CHIARO_DEVICE inline
 unsigned long long atomicAdd(unsigned long long* to, unsigned long long more);  // named, never called
 #endif
 
@@ -37,7 +37,7 @@ CHIARO_INLINE float texel_at(std::uint64_t, float, float, float) { return 0; }  
 namespace chiaro::cuda {
 
 /// Adds for a pixel: those of a warp to one place.
-CHIARO_ON_CARD void count(Count* places, std::int32_t pixel, std::int64_t more) {
+CHIARO_DEVICE void count(Count* places, std::int32_t pixel, std::int64_t more) {
     atomicAdd(places + (pixel / 32 & (count_places - 1)), Count(more));
 }
 
@@ -94,7 +94,7 @@ void launch_pixels(Stream& stream, std::int32_t, std::int32_t, const Body&) {
 namespace chiaro::kernel {
 
 template <class Kernel>
-void run_on_card(cuda::Stream& stream, std::int64_t count, const Kernel& kernel) {
+void run_on_gpu(cuda::Stream& stream, std::int64_t count, const Kernel& kernel) {
     cuda::launch_items(stream, count, kernel);
 }
 

@@ -6,6 +6,6 @@ namespace chiaro::kernel {
 
 /// kernel(i) for each i of [0, count), a thread each; pointers are the card's.
 template <class Kernel>
-CHIARO_LAUNCHER void run_on_card(cuda::Stream& stream, std::int64_t count, const Kernel& kernel);
+CHIARO_LAUNCHER void run_on_gpu(cuda::Stream& stream, std::int64_t count, const Kernel& kernel);
 
 }  // namespace chiaro::kernel

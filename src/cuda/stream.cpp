@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kept_bytes = std::size_t(256) << 20;  ///< freed memory that a card holds ready for the next frame
 constexpr int oldest = 75;  ///< compute capability × 10 that the kernels are compiled for
 
-std::string name_of_card(const CardInfo& card) { return fmt::format("cuda:{} ({})", card.index, card.name); }
+std::string name_of_gpu(const GpuInfo& gpu) { return fmt::format("cuda:{} ({})", gpu.index, gpu.name); }
 
 bool means_lost(cudaError_t error) {
     switch (error) {
@@ -31,20 +31,20 @@ bool means_lost(cudaError_t error) {
 }
 
 /// `wanted`: bytes, where memory was asked for.
-void check(cudaError_t error, const CardInfo& card, std::size_t wanted = 0) {
+void check(cudaError_t error, const GpuInfo& gpu, std::size_t wanted = 0) {
     if (error == cudaSuccess) return;
     const std::string told = cudaGetErrorString(error);
     (void)cudaGetLastError();  // else the next call tells it again
     if (error == cudaErrorMemoryAllocation) {
         std::size_t free = 0, all = 0;
-        if (cudaMemGetInfo(&free, &all) != cudaSuccess) free = 0, all = card.memory_bytes;
-        throw OutOfMemory(fmt::format("{}: {} MiB more do not fit: {} of {} MiB are free", name_of_card(card),
+        if (cudaMemGetInfo(&free, &all) != cudaSuccess) free = 0, all = gpu.memory_bytes;
+        throw OutOfMemory(fmt::format("{}: {} MiB more do not fit: {} of {} MiB are free", name_of_gpu(gpu),
                                       (wanted >> 20) + 1, free >> 20, all >> 20));
     }
     if (means_lost(error))
         throw Error(ErrorCode::output,
-                    fmt::format("{} was lost: {}; start again, or use --device cpu", name_of_card(card), told));
-    throw Error(ErrorCode::output, fmt::format("{}: {}", name_of_card(card), told));
+                    fmt::format("{} was lost: {}; start again, or use --device cpu", name_of_gpu(gpu), told));
+    throw Error(ErrorCode::output, fmt::format("{}: {}", name_of_gpu(gpu), told));
 }
 
 cudaStream_t stream_of(void* handle) { return static_cast<cudaStream_t>(handle); }
@@ -64,118 +64,118 @@ std::string why_none(cudaError_t error) {
 
 }  // namespace
 
-std::vector<CardInfo> find_cards(std::string& why) {
+std::vector<GpuInfo> find_gpus(std::string& why) {
     int count = 0;
     const cudaError_t error = cudaGetDeviceCount(&count);
-    std::vector<CardInfo> cards;
+    std::vector<GpuInfo> gpus;
     if (error != cudaSuccess || count == 0) {
         why = why_none(error);
-        return cards;
+        return gpus;
     }
     for (int index = 0; index < count; ++index) {
         cudaDeviceProp properties;
-        CardInfo card{.index = index};
+        GpuInfo gpu{.index = index};
         if (cudaGetDeviceProperties(&properties, index) != cudaSuccess) continue;
-        card.name = properties.name;
+        gpu.name = properties.name;
         if (10 * properties.major + properties.minor < oldest) {
-            why = fmt::format("{} is older than what this build runs on (compute capability {}.{})", name_of_card(card),
+            why = fmt::format("{} is older than what this build runs on (compute capability {}.{})", name_of_gpu(gpu),
                               oldest / 10, oldest % 10);
             continue;
         }
         if (const cudaError_t failed = cudaSetDevice(index); failed != cudaSuccess) {
-            why = fmt::format("{} cannot be used: {}", name_of_card(card), cudaGetErrorString(failed));
+            why = fmt::format("{} cannot be used: {}", name_of_gpu(gpu), cudaGetErrorString(failed));
             (void)cudaGetLastError();
             continue;
         }
-        if (cudaMemGetInfo(&card.free_bytes, &card.memory_bytes) == cudaSuccess) cards.push_back(card);
+        if (cudaMemGetInfo(&gpu.free_bytes, &gpu.memory_bytes) == cudaSuccess) gpus.push_back(gpu);
     }
-    return cards;
+    return gpus;
 }
 
-Stream::Stream(CardInfo card, std::shared_ptr<Mirror> mirror, bool is_optional)
-    : card_(std::move(card)), mirror_(std::move(mirror)), is_optional_(is_optional) {
+Stream::Stream(GpuInfo gpu, std::shared_ptr<DeviceCache> device_cache, bool is_optional)
+    : gpu_(std::move(gpu)), device_cache_(std::move(device_cache)), is_optional_(is_optional) {
     use();
     cudaStream_t stream{};
-    check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), card_);
+    check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), gpu_);
     handle_ = stream;
     cudaMemPool_t pool{};
-    check(cudaDeviceGetDefaultMemPool(&pool, card_.index), card_);
+    check(cudaDeviceGetDefaultMemPool(&pool, gpu_.index), gpu_);
     std::uint64_t keep = kept_bytes;
-    check(cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &keep), card_);
+    check(cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &keep), gpu_);
 }
 
 Stream::~Stream() {
-    if (cudaSetDevice(card_.index) != cudaSuccess) return;
+    if (cudaSetDevice(gpu_.index) != cudaSuccess) return;
     (void)cudaStreamSynchronize(stream_of(handle_));
     (void)cudaStreamDestroy(stream_of(handle_));
     if (landing_) (void)cudaFreeHost(landing_);
 }
 
 /// Which card is meant is each thread's own state.
-void Stream::use() const { check(cudaSetDevice(card_.index), card_); }
+void Stream::use() const { check(cudaSetDevice(gpu_.index), gpu_); }
 
 void* Stream::allocate(std::size_t bytes) {
     use();
     void* memory = nullptr;
-    check(cudaMallocAsync(&memory, bytes, stream_of(handle_)), card_, bytes);
+    check(cudaMallocAsync(&memory, bytes, stream_of(handle_)), gpu_, bytes);
     return memory;
 }
 
 void Stream::release(void* memory) noexcept {
-    if (cudaSetDevice(card_.index) == cudaSuccess) (void)cudaFreeAsync(memory, stream_of(handle_));
+    if (cudaSetDevice(gpu_.index) == cudaSuccess) (void)cudaFreeAsync(memory, stream_of(handle_));
 }
 
-void Stream::release_at_once(int card, void* memory) noexcept {
-    if (cudaSetDevice(card) == cudaSuccess) (void)cudaFree(memory);
+void Stream::release_at_once(int gpu, void* memory) noexcept {
+    if (cudaSetDevice(gpu) == cudaSuccess) (void)cudaFree(memory);
 }
 
-std::size_t Stream::room() const {
+std::size_t Stream::free_bytes() const {
     use();
     std::size_t free = 0, all = 0;
-    check(cudaMemGetInfo(&free, &all), card_);
+    check(cudaMemGetInfo(&free, &all), gpu_);
     return free;
 }
 
 void Stream::upload(void* to, const void* from, std::size_t bytes) {
     use();
-    check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyHostToDevice, stream_of(handle_)), card_);
+    check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyHostToDevice, stream_of(handle_)), gpu_);
 }
 
 void Stream::download(void* to, const void* from, std::size_t bytes) {
     use();
-    check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToHost, stream_of(handle_)), card_);
+    check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToHost, stream_of(handle_)), gpu_);
 }
 
 void Stream::copy(void* to, const void* from, std::size_t bytes) {
     use();
-    check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToDevice, stream_of(handle_)), card_);
+    check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToDevice, stream_of(handle_)), gpu_);
 }
 
 void Stream::zero(void* memory, std::size_t bytes) {
     use();
-    check(cudaMemsetAsync(memory, 0, bytes, stream_of(handle_)), card_);
+    check(cudaMemsetAsync(memory, 0, bytes, stream_of(handle_)), gpu_);
 }
 
 std::byte* Stream::landing(std::size_t bytes) {
     if (bytes <= landing_bytes_) return landing_;
     use();
-    if (landing_) check(cudaFreeHost(std::exchange(landing_, nullptr)), card_);
+    if (landing_) check(cudaFreeHost(std::exchange(landing_, nullptr)), gpu_);
     landing_bytes_ = 0;
     void* memory = nullptr;
-    check(cudaMallocHost(&memory, bytes), card_, bytes);
+    check(cudaMallocHost(&memory, bytes), gpu_, bytes);
     landing_ = static_cast<std::byte*>(memory), landing_bytes_ = bytes;
     return landing_;
 }
 
-void Stream::launched() { check(cudaGetLastError(), card_); }
+void Stream::launched() { check(cudaGetLastError(), gpu_); }
 
 void Stream::settle() noexcept {
-    if (cudaSetDevice(card_.index) == cudaSuccess) (void)cudaStreamSynchronize(stream_of(handle_));
+    if (cudaSetDevice(gpu_.index) == cudaSuccess) (void)cudaStreamSynchronize(stream_of(handle_));
 }
 
 void Stream::wait() {
     use();
-    check(cudaStreamSynchronize(stream_of(handle_)), card_);
+    check(cudaStreamSynchronize(stream_of(handle_)), gpu_);
 }
 
 namespace {
@@ -195,36 +195,36 @@ cudaTextureDesc lookup_of(Texel texel) {
     return lookup;
 }
 
-void check_edges(const std::array<int, 3>& size, const CardInfo& card) {
+void check_edges(const std::array<int, 3>& size, const GpuInfo& gpu) {
     constexpr cudaDeviceAttr longest[] = {cudaDevAttrMaxTexture3DWidth, cudaDevAttrMaxTexture3DHeight,
                                           cudaDevAttrMaxTexture3DDepth};
     for (int axis = 0; axis < 3; ++axis) {
         int most = 0;
-        check(cudaDeviceGetAttribute(&most, longest[axis], card.index), card);
+        check(cudaDeviceGetAttribute(&most, longest[axis], gpu.index), gpu);
         if (size[std::size_t(axis)] > most)
             throw NoTexture(fmt::format("{}: textures have at most {} voxels along {}, and the volume has {}",
-                                        name_of_card(card), most, "xyz"[axis], size[std::size_t(axis)]));
+                                        name_of_gpu(gpu), most, "xyz"[axis], size[std::size_t(axis)]));
     }
 }
 
 }  // namespace
 
-Texture::Texture(Stream& stream, Texel texel, std::array<int, 3> size) : card_(stream.card().index), texel_(texel) {
-    check(cudaSetDevice(card_), stream.card());
-    check_edges(size, stream.card());
+Texture::Texture(Stream& stream, Texel texel, std::array<int, 3> size) : gpu_(stream.gpu().index), texel_(texel) {
+    check(cudaSetDevice(gpu_), stream.gpu());
+    check_edges(size, stream.gpu());
     try {
-        make(stream.card(), size);
+        make(stream.gpu(), size);
     } catch (const OutOfMemory& error) {
         throw NoTexture(error.what());
     }
 }
 
-void Texture::make(const CardInfo& card, std::array<int, 3> size) {
+void Texture::make(const GpuInfo& gpu, std::array<int, 3> size) {
     const auto [x, y, z] = size;
     const std::size_t bytes = std::size_t(x) * std::size_t(y) * std::size_t(z) * std::size_t(bytes_of(texel_));
     const cudaChannelFormatDesc format = format_of(texel_);
     cudaArray_t array{};
-    check(cudaMalloc3DArray(&array, &format, cudaExtent{std::size_t(x), std::size_t(y), std::size_t(z)}), card, bytes);
+    check(cudaMalloc3DArray(&array, &format, cudaExtent{std::size_t(x), std::size_t(y), std::size_t(z)}), gpu, bytes);
     cudaResourceDesc resource{};
     resource.resType = cudaResourceTypeArray;
     resource.res.array.array = array;
@@ -232,12 +232,12 @@ void Texture::make(const CardInfo& card, std::array<int, 3> size) {
     cudaTextureObject_t handle{};
     const cudaError_t made = cudaCreateTextureObject(&handle, &resource, &lookup, nullptr);
     if (made != cudaSuccess) (void)cudaFreeArray(array);
-    check(made, card, bytes);
+    check(made, gpu, bytes);
     array_ = array, handle_ = handle;
 }
 
 Texture::~Texture() {
-    if (cudaSetDevice(card_) != cudaSuccess) return;
+    if (cudaSetDevice(gpu_) != cudaSuccess) return;
     (void)cudaDestroyTextureObject(handle_);
     (void)cudaFreeArray(static_cast<cudaArray_t>(array_));
 }
@@ -254,8 +254,8 @@ void Texture::copy(Stream& stream, const Box& box) {
     copy.dstPos = {to[0], to[1], to[2]};
     copy.extent = {size[0], size[1], size[2]};
     copy.kind = cudaMemcpyDeviceToDevice;
-    check(cudaSetDevice(card_), stream.card());
-    check(cudaMemcpy3DAsync(&copy, stream_of(stream.handle())), stream.card());
+    check(cudaSetDevice(gpu_), stream.gpu());
+    check(cudaMemcpy3DAsync(&copy, stream_of(stream.handle())), stream.gpu());
 }
 
 }  // namespace chiaro::cuda

@@ -17,7 +17,7 @@
 
 namespace chiaro::cuda {
 
-class Mirror;
+class DeviceCache;
 
 /// The card has too little memory for something; the processor could still do it.
 class OutOfMemory : public Error {
@@ -26,7 +26,7 @@ public:
 };
 
 /// The cards, or in `why` the reason why there are none.
-std::vector<CardInfo> find_cards(std::string& why);
+std::vector<GpuInfo> find_gpus(std::string& why);
 
 /// Work that is done in order, beside the host's, until the host waits for it. Every call may throw Error{output}: what
 /// the driver told (of an earlier call too), OutOfMemory, or that the card was lost.
@@ -34,18 +34,18 @@ class Stream {
 public:
     /// `mirror`: what the streams of one card keep there in common. `is_optional`: the card was chosen by itself, and
     /// the processor may take over.
-    Stream(CardInfo card, std::shared_ptr<Mirror> mirror, bool is_optional);
+    Stream(GpuInfo gpu, std::shared_ptr<DeviceCache> device_cache, bool is_optional);
     ~Stream();
     Stream(const Stream&) = delete;
     Stream& operator=(const Stream&) = delete;
 
-    const CardInfo& card() const { return card_; }
-    const std::shared_ptr<Mirror>& mirror() const { return mirror_; }
+    const GpuInfo& gpu() const { return gpu_; }
+    const std::shared_ptr<DeviceCache>& device_cache() const { return device_cache_; }
     void* handle() const { return handle_; }  ///< a cudaStream_t
 
     void* allocate(std::size_t bytes);  ///< for what is done later on this stream
     void release(void* memory) noexcept;
-    std::size_t room() const;                                      ///< bytes that are free now
+    std::size_t free_bytes() const;                                ///< bytes that are free now
     void upload(void* to, const void* from, std::size_t bytes);    ///< `from` stays as it is until the host has waited
     void download(void* to, const void* from, std::size_t bytes);  ///< `to` is there when the host has waited
     void copy(void* to, const void* from, std::size_t bytes);      ///< on the card
@@ -59,7 +59,7 @@ public:
     void settle() noexcept;  ///< waits, whatever happened: before what is still read or written goes
 
     /// Of any stream's or of none, at any time.
-    static void release_at_once(int card, void* memory) noexcept;
+    static void release_at_once(int gpu, void* memory) noexcept;
 
     bool is_optional() const { return is_optional_; }
     void give_up(const OutOfMemory& error);  ///< throws it again where the card must do the work
@@ -71,8 +71,8 @@ public:
 private:
     void use() const;
 
-    const CardInfo card_;
-    const std::shared_ptr<Mirror> mirror_;
+    const GpuInfo gpu_;
+    const std::shared_ptr<DeviceCache> device_cache_;
     const bool is_optional_;
     void* handle_ = nullptr;
     std::mutex landing_mutex_;  ///< sessions that share voxels may share the stream of whoever brought them
@@ -87,7 +87,7 @@ inline bool works(const Device& device) { return device.stream && device.stream-
 
 /// Has the card do the work; false where it was chosen by itself and has no room: it has given up, or does now.
 template <class Work>
-bool done_on_card(Stream& stream, const Work& work) {
+bool try_gpu(Stream& stream, const Work& work) {
     if (!stream.given_up().empty()) return false;
     try {
         work();
@@ -99,14 +99,14 @@ bool done_on_card(Stream& stream, const Work& work) {
 }
 /// False too where the device has none.
 template <class Work>
-bool done_on_card(const Device& device, const Work& work) {
-    return device.stream && done_on_card(*device.stream, work);
+bool try_gpu(const Device& device, const Work& work) {
+    return device.stream && try_gpu(*device.stream, work);
 }
 
 /// Nothing that is still copied goes before the copy is done, also when something fails.
-struct Settled {
+struct SyncOnExit {
     Stream& stream;
-    ~Settled() { stream.settle(); }
+    ~SyncOnExit() { stream.settle(); }
 };
 
 /// An owned array on a card, for the work of one stream.

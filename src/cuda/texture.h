@@ -36,9 +36,9 @@ public:
     std::uint64_t handle() const { return handle_; }
 
 private:
-    void make(const CardInfo& card, std::array<int, 3> size);
+    void make(const GpuInfo& gpu, std::array<int, 3> size);
 
-    const int card_;
+    const int gpu_;
     const Texel texel_;
     void* array_ = nullptr;     ///< a cudaArray_t
     std::uint64_t handle_ = 0;  ///< a cudaTextureObject_t

@@ -1,6 +1,6 @@
 #include "decode/byte_source.h"
 
-#include "core/cut_file.h"
+#include "core/truncated_file.h"
 #include "decode/output.h"
 
 #include <fcntl.h>

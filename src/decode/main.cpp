@@ -17,7 +17,7 @@
 #include <exception>
 #include <string>
 
-#include "core/cut_file.h"
+#include "core/truncated_file.h"
 #include "io/wire.h"
 
 namespace {
@@ -34,7 +34,7 @@ void become_program_for(const std::string& format, char** argv) {
 }
 
 /// Bytes of a file, the most there can be of anything else. Libraries that read by themselves would not see a cut
-/// (core/cut_file.h).
+/// (core/truncated_file.h).
 std::uintmax_t size_of(const char* path) {
     std::error_code none;
     return std::filesystem::is_regular_file(path, none) ? std::filesystem::file_size(path, none) : UINTMAX_MAX;

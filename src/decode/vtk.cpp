@@ -106,7 +106,7 @@ std::int64_t count_from(const std::vector<std::string>& line, std::size_t at, st
     return count;
 }
 
-constexpr std::int64_t most_values = std::int64_t(1) << 40;
+constexpr std::int64_t max_values = std::int64_t(1) << 40;
 
 /// Walks through a file keyword by keyword, and keeps where the arrays lie.
 class Walk {
@@ -136,7 +136,7 @@ private:
             take_geometry(word, line);
         } else if (word == "point_data" || word == "cell_data") {
             of_cells_ = word == "cell_data";
-            tuples_ = count_from(line, 1, most_values);
+            tuples_ = count_from(line, 1, max_values);
         } else if (word == "field") {
             for (auto n = count_from(line, 2, 4096); n > 0; --n) take_field_array();
         } else if (word == "metadata") {
@@ -170,7 +170,7 @@ private:
             return take_field_array();
         }
         if (line.size() != 4) refuse("has a field array '" + line[0].substr(0, 40) + "' without its counts and type");
-        const auto components = count_from(line, 1, 65535), tuples = count_from(line, 2, most_values);
+        const auto components = count_from(line, 1, 65535), tuples = count_from(line, 2, max_values);
         if (lower(line[3]) == "string") refuse("has the text array '" + line[0] + "', which cannot be skipped");
         add({.name = line[0], .type = vtk_type(line[3]), .components = components}, tuples);
     }

@@ -12,11 +12,11 @@ constexpr double at_once = 10;
 }  // namespace
 
 CellValues accessibility(const Device& device, const Medium::Data& medium, const CellOpacity& opacity,
-                         const IlluminationSettings& settings, const BlockMap& blocks, Steps& steps,
+                         const IlluminationSettings& settings, const BlockMap& blocks, StageTimer& timer,
                          Progress& progress) {
     if (settings.method == Method::spao)
-        return spao_accessibility(device, opacity, settings.spao, blocks, steps, progress);
-    return reference_accessibility(device, medium, opacity, settings.reference, blocks, steps, progress);
+        return spao_accessibility(device, opacity, settings.spao, blocks, timer, progress);
+    return reference_accessibility(device, medium, opacity, settings.reference, blocks, timer, progress);
 }
 
 double outward_factor(const IlluminationSettings& settings) {

@@ -5,7 +5,7 @@
 #include "classify/medium.h"
 #include "core/threads.h"
 #include "illumination/access.h"
-#include "illumination/cells/lift.h"
+#include "illumination/cells/normal_offset.h"
 #include "illumination/field.h"
 #include "illumination/prepared.h"
 #include "illumination/probe/lambert.h"
@@ -18,66 +18,67 @@ namespace {
 
 kernel::AccessView view_of(const CellValues& values) { return {values.data(), view_of(values.grid), 1}; }
 
-IlluminationField field_of(CellValues values, const kernel::GridView& nodes, Steps& steps) {
+IlluminationField field_of(CellValues values, const kernel::GridView& nodes, StageTimer& timer) {
     auto data = std::make_shared<IlluminationField::Data>();
     auto access = std::make_shared<const CellValues>(std::move(values));
     data->view = kernel::AccessView{access->address(), nodes, 1};  // a card may be all that reads it
     data->access = std::move(access);
-    data->stages = steps.take();
+    data->stages = timer.take();
     return IlluminationField(std::move(data));
 }
 
-IlluminationField field_of(const Device& device, VisibilityNodes nodes, bool is_coarse, Steps& steps) {
+IlluminationField field_of(const Device& device, VisibilityNodes nodes, bool is_coarse, StageTimer& timer) {
     auto data = std::make_shared<IlluminationField::Data>();
     data->is_coarse = is_coarse;
     data->visibility = std::make_shared<const LitNodes>(device, std::move(nodes));
-    data->stages = steps.stages();
+    data->stages = timer.stages();
     return IlluminationField(std::move(data));
 }
 
-void check_picture(const IlluminationSettings& settings) {
+void check_image(const IlluminationSettings& settings) {
     const auto quantity = settings.reference.quantity;
     if (settings.method != Method::reference || !quantity) return;
-    if (quantity == ReferenceQuantity::visibility || quantity == ReferenceQuantity::fluence)
+    if (quantity == ReferenceQuantity::visibility || quantity == ReferenceQuantity::mean_radiance)
         throw Error(
             ErrorCode::usage,
             fmt::format("the reference's quantity {} is a field, no picture: write it with chiaro illuminate, or "
                         "choose radiance, obscurance, ao or ao-cosine",
-                        quantity == ReferenceQuantity::fluence ? "fluence" : "visibility"));
+                        quantity == ReferenceQuantity::mean_radiance ? "fluence" : "visibility"));
 }
 
 IlluminationField light_of(const Device& device, const Medium::Data& medium, const IlluminationSettings& settings,
                            Progress& progress) {
-    Steps steps;
-    if (settings.method == Method::spao && is_fused(settings.spao) && !settings.on_particles && !device.has_card()) {
-        CellValues lit = spao_light(device, medium, settings.spao, outward_factor(settings), steps, progress);
+    StageTimer timer;
+    if (settings.method == Method::spao && is_fused(settings.spao) && !settings.on_particles && !device.has_gpu()) {
+        CellValues lit = spao_light(device, medium, settings.spao, outward_factor(settings), timer, progress);
         const kernel::GridView cells = view_of(lit.grid);
-        return field_of(std::move(lit), cells, steps);
+        return field_of(std::move(lit), cells, timer);
     }
-    const CellOpacity opacity = steps("opacity", [&] { return cell_opacity(device, medium, progress); });
+    const CellOpacity opacity = timer("opacity", [&] { return cell_opacity(device, medium, progress); });
     // A sample reads the cells around it, each of which was lifted from a cell further out.
     CellValues access = accessibility(device, medium, opacity, settings, visible_blocks(medium, opacity.values.grid, 2),
-                                      steps, progress);
+                                      timer, progress);
     const kernel::GridView cells = view_of(access.grid);
-    if (settings.on_particles) return field_of(std::move(access), cells, steps);
-    CellValues lifted = steps("lift", [&] {
-        return lift_off_surfaces(device, access, opacity.values, outward_factor(settings), opacity.visible, progress);
+    if (settings.on_particles) return field_of(std::move(access), cells, timer);
+    CellValues displaced = timer("lift", [&] {
+        return normal_offset_off_surfaces(device, access, opacity.values, outward_factor(settings), opacity.visible,
+                                          progress);
     });
-    return field_of(std::move(lifted), cells, steps);
+    return field_of(std::move(displaced), cells, timer);
 }
 
 void light(const Device& device, const Medium::Data& medium, const IlluminationSettings& settings, const Sink& sink,
            Progress& progress) {
     if (settings.method != Method::visibility) return sink(light_of(device, medium, settings, progress));
-    Steps steps;
+    StageTimer timer;
     const auto keep = [&](VisibilityNodes nodes, bool is_coarse) {
-        sink(field_of(device, std::move(nodes), is_coarse, steps));
+        sink(field_of(device, std::move(nodes), is_coarse, timer));
     };
-    refine_visibility(device, medium, settings.visibility, keep, steps, progress);
+    refine_visibility(device, medium, settings.visibility, keep, timer, progress);
 }
 
 /// Of a surface that sees half of all the light there is, whichever way it faces: per channel.
-std::array<float, 3> most_on_a_surface(const Lighting& lighting, Vec3 orbit_up, const Geometry& geometry) {
+std::array<float, 3> max_on_a_surface(const Lighting& lighting, Vec3 orbit_up, const Geometry& geometry) {
     std::array<float, 3> most{};
     const float all = std::sqrt(4 * std::numbers::pi_v<float>);  // V_00 where nothing stops light
     for (const LambertTable::Entry& entry : lambert_table(lighting, orbit_up, geometry, ShWindow::none).entries)
@@ -90,12 +91,12 @@ void scatter(const Device& device, const Medium::Data& medium, const Lighting& l
              const IlluminationField& warm) {
     Lighting unexposed = lighting;
     unexposed.probe.exposure_stops = 0;  // a factor, which needs no light to be found again
-    Steps steps;
+    StageTimer timer;
     // All fields of this call share it: each leaves the newest solver.
     const auto memory = std::make_shared<TransportMemory>(warm.data().memory ? *warm.data().memory : TransportMemory{});
     const Vec3 up = lighting.probe_up.value_or(Vec3{0, 0, 1});
     const Geometry& geometry = medium.volume.geometry();
-    const std::array<float, 3> most = most_on_a_surface(unexposed, up, geometry);
+    const std::array<float, 3> most = max_on_a_surface(unexposed, up, geometry);
     std::shared_ptr<const TransportLight> before = warm.data().transport;
     const auto keep = [&](TransportNodes nodes, bool is_coarse) {
         auto data = std::make_shared<IlluminationField::Data>();
@@ -106,10 +107,10 @@ void scatter(const Device& device, const Medium::Data& medium, const Lighting& l
         data->albedo_limit = settings.scattering.albedo_limit();
         data->on_particles = settings.on_particles;
         data->is_coarse = is_coarse;
-        data->stages = steps.stages();
+        data->stages = timer.stages();
         sink(IlluminationField(std::move(data)));
     };
-    refine_transport(device, medium, unexposed, settings.transport, settings.scattering, up, keep, steps, progress,
+    refine_transport(device, medium, unexposed, settings.transport, settings.scattering, up, keep, timer, progress,
                      memory.get());
 }
 
@@ -137,39 +138,39 @@ const std::shared_ptr<const LocalHistograms>& histograms_of(const Prepared& prep
 
 IlluminationField light_of_histograms(const Device& device, const Medium::Data& medium, const Prepared& prepared,
                                       const IlluminationSettings& settings) {
-    Steps steps;
+    StageTimer timer;
     if (settings.on_particles) {
-        ParticleLight light = steps("histogram table", [&] {
+        ParticleLight light = timer("histogram table", [&] {
             return light_on_particles(device, medium, *histograms_of(prepared), settings.histogram);
         });
-        return field_of(std::move(light.open), light.nodes, steps);
+        return field_of(std::move(light.open), light.nodes, timer);
     }
     auto data = std::make_shared<IlluminationField::Data>();
-    data->histogram = steps("histogram table", [&] {
+    data->histogram = timer("histogram table", [&] {
         return make_histogram_light(device, medium, histograms_of(prepared), settings.histogram);
     });
     data->view = data->histogram->view;
-    data->stages = steps.take();
+    data->stages = timer.take();
     return IlluminationField(std::move(data));
 }
 
 }  // namespace
 
 Volume field_of_voxels(const Device& device, const Medium::Data& medium, const Prepared& prepared,
-                       const IlluminationSettings& settings, Steps& steps, Progress& progress) {
+                       const IlluminationSettings& settings, StageTimer& timer, Progress& progress) {
     if (settings.method == Method::histogram)
-        return steps("voxels", [&] {
+        return timer("voxels", [&] {
             return histogram_field(device, medium, *histograms_of(prepared), settings.histogram, progress);
         });
-    return accessibility_of_voxels(device, medium, settings, steps, progress);
+    return accessibility_of_voxels(device, medium, settings, timer, progress);
 }
 
 Volume accessibility_of_voxels(const Device& device, const Medium::Data& medium, const IlluminationSettings& settings,
-                               Steps& steps, Progress& progress) {
-    const CellOpacity opacity = steps("opacity", [&] { return cell_opacity(device, medium, progress); });
+                               StageTimer& timer, Progress& progress) {
+    const CellOpacity opacity = timer("opacity", [&] { return cell_opacity(device, medium, progress); });
     const BlockMap all(opacity.values.grid.count, true);
-    const CellValues access = accessibility(device, medium, opacity, settings, all, steps, progress);
-    return steps("voxels", [&] { return sampled_back(device, access, medium.volume, progress); });
+    const CellValues access = accessibility(device, medium, opacity, settings, all, timer, progress);
+    return timer("voxels", [&] { return sampled_back(device, access, medium.volume, progress); });
 }
 
 IlluminationField::IlluminationField() : data_(std::make_shared<Data>()) {}
@@ -197,7 +198,7 @@ bool illuminate(const Device& device, const Medium& medium, const Prepared& prep
                 const IlluminationSettings& settings, const Sink& sink, Progress& progress,
                 const IlluminationField& warm) try {
     progress.check();
-    check_picture(settings);
+    check_image(settings);
     // A maximum along a ray has no place in which it could be lit; paths find their light themselves.
     if (settings.method == Method::none || medium.data().shape.mode == Mode::mip || is_path_traced(settings))
         sink(IlluminationField());

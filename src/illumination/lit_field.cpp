@@ -39,14 +39,14 @@ LitField lit_by_transport(const IlluminationField::Data& data, const Lighting& l
     view.light = shown->view;
     view.scattered = {.on = true,
                       .turned = shown->turned_view,
-                      .skins = shown->skins_view,
+                      .boundary_cells = shown->boundary_view,
                       .shown = float(strength * gain),
                       .clear = float3((1 - strength) * Vec3{probe.mean[0], probe.mean[1], probe.mean[2]}),
                       .share = float(probe.directionality)};
     HostArrays arrays;
     arrays.add(shown, shown->light);
     arrays.add(shown, shown->turned);
-    arrays.add(shown, shown->skins);
+    arrays.add(shown, shown->boundary_cells);
     return {view, MainLight{probe.dominant, 1}, shown, data.albedo_limit, arrays};
 }
 

@@ -35,9 +35,9 @@ Prepared prepare(const Device& device, const DeviceVolume& volume, const Illumin
                  Progress& progress) {
     if (settings.method != Method::histogram) return {};
     auto data = std::make_shared<Prepared::Data>();
-    Steps steps;
-    data->histograms = prepare_histograms(device, volume, settings.histogram, steps, data->notes, progress);
-    data->stages = steps.take();
+    StageTimer timer;
+    data->histograms = prepare_histograms(device, volume, settings.histogram, timer, data->notes, progress);
+    data->stages = timer.take();
     return Prepared(std::move(data));
 }
 

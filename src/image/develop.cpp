@@ -7,7 +7,7 @@
 
 #include "core/srgb.h"
 #include "core/threads.h"
-#include "image/card.h"
+#include "image/gpu.h"
 
 namespace chiaro {
 namespace {
@@ -84,14 +84,14 @@ Image develop(const Frame& frame, const ToneMap& tone) {
 }
 
 Image develop(const DeviceFrame& frame, const ToneMap& tone) {
-    if (!frame.on_card()) return develop(frame.read(), tone);
-    const cuda::Pixels& pixels = *frame.on_card();
+    if (!frame.on_gpu()) return develop(frame.read(), tone);
+    const cuda::Pixels& pixels = *frame.on_gpu();
     Image image = undeveloped(frame.width(), frame.height(), tone);
     HostArrays arrays;
     arrays.add(srgb_table(), srgb_table()->lowest);
     arrays.add(srgb_table(), srgb_table()->code);
-    const bool done = cuda::done_on_card(pixels.stream(), [&] {
-        with_kernel(tone, [&](const auto& kernel) { develop_on_card(pixels, kernel, arrays, image.pixels); });
+    const bool done = cuda::try_gpu(pixels.stream(), [&] {
+        with_kernel(tone, [&](const auto& kernel) { develop_on_gpu(pixels, kernel, arrays, image.pixels); });
     });
     return done ? image : develop(frame.read(), tone);
 }

@@ -5,13 +5,13 @@
 namespace chiaro {
 
 const Frame& DeviceFrame::read() const {
-    if (on_card_) on_card_->bring_to(frame_.rgba.data());
-    on_card_.reset();
+    if (on_gpu_) on_gpu_->bring_to(frame_.rgba.data());
+    on_gpu_.reset();
     return frame_;
 }
 
 Frame& DeviceFrame::write() {
-    on_card_.reset();
+    on_gpu_.reset();
     return frame_;
 }
 

@@ -4,7 +4,7 @@
 
 namespace chiaro::kernel {
 
-template void run_on_card(cuda::Stream&, std::int64_t, const DevelopKernel<SrgbCode>&);
-template void run_on_card(cuda::Stream&, std::int64_t, const DevelopKernel<RoundToByte>&);
+template void run_on_gpu(cuda::Stream&, std::int64_t, const DevelopKernel<SrgbCode>&);
+template void run_on_gpu(cuda::Stream&, std::int64_t, const DevelopKernel<RoundToByte>&);
 
 }  // namespace chiaro::kernel

@@ -150,7 +150,7 @@ Volume decode_isolated(const DecodeRequest& request, const ReadOptions& options,
     try {
         return decode_into({make_memory_file("chiaro voxels"), true, max_bytes}, request, options, progress);
     } catch (const TooLarge&) {
-        const std::uint64_t on_disk = room_on_disk(options.spill);
+        const std::uint64_t on_disk = free_disk_bytes(options.spill);
         if (on_disk <= max_bytes || request.standard_input >= 0) throw;
         return decode_into({make_spill_file(options.spill), false, on_disk}, request, options, progress);
     }

@@ -1,8 +1,8 @@
 #include "io/raw.h"
 
-#include "core/cut_file.h"
 #include "core/text.h"
 #include "core/threads.h"
+#include "core/truncated_file.h"
 #include "io/helper_process.h"
 #include "io/memory.h"
 #include "io/spill.h"
@@ -117,7 +117,7 @@ Volume read_raw(const std::filesystem::path& path, const ReadOptions& options, P
                                  volume.dimensions[0], volume.dimensions[1], volume.dimensions[2], name_of(volume.type),
                                  layout.offset, bytes + layout.offset));
     const auto room = memory_within(options.max_bytes);
-    if (bytes > room && bytes > room_on_disk(options.spill))
+    if (bytes > room && bytes > free_disk_bytes(options.spill))
         refuse(path, fmt::format("its voxels take {} MiB, but at most {} MiB may be used", bytes >> 20, room >> 20));
     volume.voxels = bytes > room ? make_spilled_voxels(options.spill, bytes) : VoxelBuffer(bytes);
     read_bytes(path, layout.offset, volume.voxels, progress);

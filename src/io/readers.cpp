@@ -64,15 +64,15 @@ std::pair<std::string, std::string> split_part(const std::string& name) {
 
 /// A folder of pictures rather than of DICOM files: as many TIFF files as others.
 bool is_tiff_folder(const std::string& folder) {
-    std::size_t pictures = 0, others = 0;
+    std::size_t images = 0, others = 0;
     std::error_code error;
     for (const auto& entry : fs::directory_iterator(folder, error)) {
         const std::string ending = lower(entry.path().extension().string());
-        const bool picture = ending == ".tif" || ending == ".tiff";
-        pictures += picture;
-        others += !picture && entry.is_regular_file(error);
+        const bool image = ending == ".tif" || ending == ".tiff";
+        images += image;
+        others += !image && entry.is_regular_file(error);
     }
-    return pictures > 0 && pictures >= others;
+    return images > 0 && images >= others;
 }
 
 Candidate examine(const std::string& stated_name, const ReadOptions& options) {

@@ -22,7 +22,7 @@ Descriptor make_spill_file(const std::filesystem::path& folder) {
     return moved_up(std::move(file));
 }
 
-std::uint64_t room_on_disk(const std::filesystem::path& folder) {
+std::uint64_t free_disk_bytes(const std::filesystem::path& folder) {
     std::error_code error;
     std::filesystem::path there = folder;
     while (!there.empty() && !std::filesystem::exists(there, error) && there != there.parent_path())

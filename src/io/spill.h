@@ -15,7 +15,7 @@ Descriptor make_spill_file(const std::filesystem::path& folder);
 
 /// Bytes that may be written below the folder, leaving a tenth of what is free; 0 where there is none, and for no
 /// folder.
-std::uint64_t room_on_disk(const std::filesystem::path& folder);
+std::uint64_t free_disk_bytes(const std::filesystem::path& folder);
 
 /// Voxels in such a file. Throws Error{output}.
 VoxelBuffer make_spilled_voxels(const std::filesystem::path& folder, std::uint64_t bytes);

@@ -8,11 +8,11 @@
 #ifdef __CUDACC__
 #define CHIARO_INLINE __host__ __device__ __forceinline__
 #define CHIARO_INLINE_LAMBDA
-#define CHIARO_APART __host__ __device__ inline
+#define CHIARO_NOINLINE __host__ __device__ inline
 #else
 #define CHIARO_INLINE inline __attribute__((always_inline))
 #define CHIARO_INLINE_LAMBDA __attribute__((always_inline))  // lambdas in kernels must be forced too
-#define CHIARO_APART __attribute__((noinline))               // what is rare, kept out of the way of what is not
+#define CHIARO_NOINLINE __attribute__((noinline))            // what is rare, kept out of the way of what is not
 #endif
 
 namespace chiaro::kernel {

@@ -58,9 +58,9 @@ struct PathKernel {
     Box seen, lit;  ///< what the camera looks into; what light passes through
     ClipView clip_view;
     ProbeLightView probe;
-    std::int32_t most_scatterings;
-    float start_mm;  ///< light paths begin this far from where they scatter
-    float lift_mm;   ///< and so far above a surface
+    std::int32_t max_scatterings;
+    float start_mm;          ///< light paths begin this far from where they scatter
+    float normal_offset_mm;  ///< and so far above a surface
     std::int32_t sub_pixels;
     std::int32_t pixel_key, sample_key;  ///< from the seed
     std::int32_t width;                  ///< of the frame
@@ -176,7 +176,7 @@ private:
     template <class F>
     CHIARO_INLINE void set_off_towards(Path<F>& path, Mask<F> lanes, Vec3<F> direction) const {
         Vec3<F> from = path.place;
-        if constexpr (Matter::has_normals) from = mad(F(lift_mm), axes.to_voxels(path.normal), from);
+        if constexpr (Matter::has_normals) from = mad(F(normal_offset_mm), axes.to_voxels(path.normal), from);
         set_off(path, lanes, Ray<F>{from, axes.to_voxels(direction)}, F(start_mm), lit);
     }
 
@@ -186,7 +186,7 @@ private:
         using I = Int<F>;
         Mask<F> lanes = at_stage(path, collided);
         if (!any(lanes)) return;
-        const Mask<F> spent = lanes & (path.scatterings >= I(most_scatterings));
+        const Mask<F> spent = lanes & (path.scatterings >= I(max_scatterings));
         path.stage = select(spent, I(ended), path.stage);
         lanes = lanes & !spent;
         path.scatterings += select(lanes, I(1), I(0));

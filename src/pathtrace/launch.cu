@@ -1,6 +1,6 @@
 // The path tracer's kernel on cards: the same source, one thread a pixel.
 #include "cuda/launch.h"
-#include "pathtrace/launch_card.h"
+#include "pathtrace/launch_gpu.h"
 
 namespace chiaro::kernel {
 
@@ -11,7 +11,7 @@ struct TracePixel {
     cuda::Count* collisions;
     Kernel kernel;
 
-    CHIARO_ON_CARD void operator()(std::int32_t x, std::int32_t y) const {
+    CHIARO_DEVICE void operator()(std::int32_t x, std::int32_t y) const {
         const std::int32_t pixel = y * width + x;
         Rgba path{0, 0, 0, 0};
         const auto met = kernel.template operator()<float>(PathTask{{x, y, x + 1, y + 1}, sample, &path});

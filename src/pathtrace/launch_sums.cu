@@ -4,7 +4,7 @@
 
 namespace chiaro::kernel {
 
-template void run_on_card(cuda::Stream&, std::int64_t, const MeanKernel&);
-template void run_on_card(cuda::Stream&, std::int64_t, const NoiseKernel&);
+template void run_on_gpu(cuda::Stream&, std::int64_t, const MeanKernel&);
+template void run_on_gpu(cuda::Stream&, std::int64_t, const NoiseKernel&);
 
 }  // namespace chiaro::kernel

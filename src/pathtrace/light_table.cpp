@@ -10,7 +10,7 @@
 namespace chiaro {
 namespace {
 
-constexpr std::int64_t most_bins = 1 << 21;
+constexpr std::int64_t max_bins = 1 << 21;
 
 /// Vose's way: places with less than their share are filled up by those with more.
 void make_alias(const double* weights, int count, float* threshold, float* alias) {
@@ -47,10 +47,10 @@ LightTable::LightTable(const Lighting& lighting, Vec3 orbit_up)
 }
 
 void LightTable::make_bins() {
-    const ProbePicture& picture = probe_.data().picture;
+    const ProbeImage& image = probe_.data().image;
     int edge = 1;
-    while (std::int64_t(picture.width) * picture.height > most_bins * edge * edge) edge *= 2;
-    bins_x_ = (picture.width + edge - 1) / edge, bins_y_ = (picture.height + edge - 1) / edge;
+    while (std::int64_t(image.width) * image.height > max_bins * edge * edge) edge *= 2;
+    bins_x_ = (image.width + edge - 1) / edge, bins_y_ = (image.height + edge - 1) / edge;
     // Bins of equal size that cover the picture: a pixel's light may lie in two, so each takes the pixels it touches.
     const std::size_t bins = std::size_t(bins_x_) * bins_y_;
     std::vector<double> light(bins), rows(bins_y_);
@@ -61,13 +61,13 @@ void LightTable::make_bins() {
                 return std::pair(int(std::int64_t(bin) * n / count),
                                  int((std::int64_t(bin + 1) * n + count - 1) / count));
             };
-            const auto [left, right] = span(x, bins_x_, picture.width);
-            const auto [top, bottom] = span(y, bins_y_, picture.height);
+            const auto [left, right] = span(x, bins_x_, image.width);
+            const auto [top, bottom] = span(y, bins_y_, image.height);
             double& sum = light[std::size_t(y) * bins_x_ + x];
             for (int j = top; j < bottom; ++j)
                 for (int i = left; i < right; ++i)
                     for (int c = 0; c < 3; ++c)
-                        sum += luminance_weights[c] * picture.rgb[3 * (std::size_t(j) * picture.width + i) + c];
+                        sum += luminance_weights[c] * image.rgb[3 * (std::size_t(j) * image.width + i) + c];
         }
     }
     cosines_.push_back(-1);
@@ -89,21 +89,21 @@ void LightTable::make_bins() {
 }
 
 void LightTable::add_to(HostArrays& arrays) const {
-    arrays.add(probe_.data().weak_from_this(), probe_.data().picture.rgb);
+    arrays.add(probe_.data().weak_from_this(), probe_.data().image.rgb);
     for (const auto* numbers :
          {&row_threshold_, &row_alias_, &column_threshold_, &column_alias_, &cosines_, &densities_})
         arrays.add(*numbers);
 }
 
 kernel::ProbeLightView LightTable::view() const {
-    const ProbePicture& picture = probe_.data().picture;
+    const ProbeImage& image = probe_.data().image;
     const float gain = float(std::exp2(lighting_.probe.exposure_stops));
     const Axes axes = world_from_probe(lighting_.probe.rotation_deg, up_);
     return {.even = even_,
-            .radiance = {gain * picture.rgb[0], gain * picture.rgb[1], gain * picture.rgb[2]},
-            .rgb = picture.rgb.data(),
-            .width = picture.width,
-            .height = picture.height,
+            .radiance = {gain * image.rgb[0], gain * image.rgb[1], gain * image.rgb[2]},
+            .rgb = image.rgb.data(),
+            .width = image.width,
+            .height = image.height,
             .gain = gain,
             .bins_x = bins_x_,
             .bins_y = bins_y_,

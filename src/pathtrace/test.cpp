@@ -23,7 +23,7 @@ struct Slab {
         subject.camera.projection = Projection::orthographic;
         subject.camera.elevation_deg = 90;
         subject.camera.zoom = 1e4;
-        subject.options = {.albedo_max = 1, .start_half_edges = 0};
+        subject.options = {.albedo_max = 1, .start_half_voxels = 0};
         subject.width = subject.height = 64;
     }
     /// Mean and its standard error over all pixels, which all see the same.
@@ -142,17 +142,17 @@ struct DrawnLight {
 TEST(LightTable, DensityIntegratesToOneAndIsProportionalToLuminance) {
     for (const char* name : {"sky", "studio", "windows"}) {
         const Probe probe = builtin_probe(name);
-        const ProbePicture& picture = probe.data().picture;
+        const ProbeImage& image = probe.data().image;
         const DrawnLight light(probe);
         double sum = 0, light_sum = 0, worst = 0;
         std::vector<std::pair<double, double>> pairs;
-        for (int y = 0; y < picture.height; ++y)
-            for (int x = 0; x < picture.width; ++x) {
+        for (int y = 0; y < image.height; ++y)
+            for (int x = 0; x < image.width; ++x) {
                 double luminance = 0;
                 for (int c = 0; c < 3; ++c)
-                    luminance += luminance_weights[c] * picture.rgb[3 * (std::size_t(y) * picture.width + x) + c];
-                pairs.emplace_back(light.density(picture.direction(x + 0.5, y + 0.5)), luminance);
-                sum += pairs.back().first * picture.solid_angle(y), light_sum += luminance * picture.solid_angle(y);
+                    luminance += luminance_weights[c] * image.rgb[3 * (std::size_t(y) * image.width + x) + c];
+                pairs.emplace_back(light.density(image.direction(x + 0.5, y + 0.5)), luminance);
+                sum += pairs.back().first * image.solid_angle(y), light_sum += luminance * image.solid_angle(y);
             }
         for (const auto& [density, luminance] : pairs)
             worst = std::max(worst, std::abs(density - luminance / light_sum) / density);
@@ -168,28 +168,28 @@ TEST(LightTable, NothingIsDrawnFromEvenLight) {
 
 TEST(LightTable, DrawsFollowTheDensity) {
     constexpr int width = 16, height = 8, count = 200000;
-    ProbePicture picture{width, height, {}};
+    ProbeImage image{width, height, {}};
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
-            const Vec3 d = picture.direction(x + 0.5, y + 0.5);
+            const Vec3 d = image.direction(x + 0.5, y + 0.5);
             const float brightness = d.z > 0 ? 0 : float(1 + d.x);
-            picture.rgb.insert(picture.rgb.end(), {brightness, brightness, 1e-3f});
+            image.rgb.insert(image.rgb.end(), {brightness, brightness, 1e-3f});
         }
-    const DrawnLight light(Probe(width, height, picture.rgb));
+    const DrawnLight light(Probe(width, height, image.rgb));
     std::vector<int> hits(width * height);
     Vec3 inverse;  // Σ ω / density: even over the sphere, so it is ∫ ω
     double area = 0;
     for (int i = 0; i < count; ++i) {
         const Vec3 d = light.direction(i);
         ASSERT_NEAR(length(d), 1, 1e-6);
-        const auto [x, y] = picture.place(d);
+        const auto [x, y] = image.place(d);
         ++hits[width * std::min(int(y), height - 1) + int(x) % width];
         const double weight = 1 / light.density(d) / count;
         if (d.z < 0) area += weight, inverse = inverse + weight * d;
     }
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
-            const double share = light.density(picture.direction(x + 0.5, y + 0.5)) * picture.solid_angle(y),
+            const double share = light.density(image.direction(x + 0.5, y + 0.5)) * image.solid_angle(y),
                          expected = count * share;
             EXPECT_NEAR(hits[width * y + x], expected, 5 * std::sqrt(expected) + 1) << x << " " << y;
         }
@@ -204,7 +204,7 @@ TEST(PathTracer, FurnaceIsInvisible) {
     Subject subject;
     for (ControlPoint& point : subject.tf.points) point.rgb = {1, 1, 1};
     for (double start : {0.0, 1.0}) {
-        subject.options = {.albedo_max = 1, .start_half_edges = start};
+        subject.options = {.albedo_max = 1, .start_half_voxels = start};
         const auto tracer = subject.traced(volume, 8);
         for (const PixelSum& pixel : tracer->sums()) EXPECT_EQ(pixel.g, pixel.a);
     }
@@ -289,7 +289,7 @@ TEST(PathTracer, LightIsThatOfMarching) {
     subject.options.bounces = 0;
     const Marched marched(volume, subject.tf, subject.shape);
     const auto directions = fibonacci_directions(200);
-    const ProbePicture& picture = subject.lighting.loaded_probe.data().picture;
+    const ProbeImage& image = subject.lighting.loaded_probe.data().image;
     const auto expected_at = [&](int x, int y) {
         const Camera camera = make_camera(subject.camera, volume.geometry, volume.dimensions);
         const double px = ((x + 0.5) / subject.width * 2 - 1) * camera.half_height * subject.width / subject.height,
@@ -306,7 +306,7 @@ TEST(PathTracer, LightIsThatOfMarching) {
             if (entry.extinction_per_mm == 0) continue;
             double arrives = 0;
             for (const Vec3& d : directions)
-                if (const float radiance = picture.rgb[3 * std::min(int(picture.place(d).y), 3)]; radiance > 0)
+                if (const float radiance = image.rgb[3 * std::min(int(image.place(d).y), 3)]; radiance > 0)
                     arrives += radiance * marched.transmittance(p, d, 0.5, 0.25) / double(directions.size());
             const double share = -std::expm1(-step * entry.extinction_per_mm);
             light += std::exp(-depth) * share * entry.g * arrives;

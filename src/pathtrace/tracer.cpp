@@ -17,8 +17,8 @@
 namespace chiaro {
 namespace {
 
-constexpr int tile_edge = 64;        ///< pixels; large, so that few lanes wait for the last paths
-constexpr double lift_edges = 0.01;  ///< more than what bisection leaves uncertain
+constexpr int tile_edge = 64;                 ///< pixels; large, so that few lanes wait for the last paths
+constexpr double normal_offset_edges = 0.01;  ///< more than what bisection leaves uncertain
 
 kernel::AxesView axes_view(const Geometry& g) {
     const auto voxels = [&](Vec3 mm) { return float3(g.voxel_from_world_vector(mm)); };
@@ -79,7 +79,7 @@ constexpr int unlimited_bounces = 1'000'000;
 
 PathOptions path_options(const IlluminationSettings& settings) {
     return {settings.scattering.bounces.most, settings.scattering.albedo_max, settings.scattering.anisotropy,
-            settings.reference.start_half_edges, settings.scattering.seed};
+            settings.reference.start_half_voxels, settings.scattering.seed};
 }
 
 PathTracer::PathTracer(const Device& device, const Medium& medium, const Lighting& lighting, const Camera& camera,
@@ -97,7 +97,7 @@ PathTracer::PathTracer(const Device& device, const Medium& medium, const Lightin
     trace_tile_ = with_stored_voxel(medium.data().volume.data(), [&](auto voxel) {
         return tracer_through<decltype(voxel)>(camera, lighting, settings, options);
     });
-    if (!card_) sums_.resize(std::size_t(width) * height);
+    if (!gpu_) sums_.resize(std::size_t(width) * height);
 }
 
 /// One scattering shows the colour as it is. With more it is the albedo: light may come by any number of times, so it
@@ -172,36 +172,36 @@ PathTracer::TraceTile PathTracer::tracer_of(const Matter& matter, const Camera& 
         .lit = box_of(volume.dimensions, true),
         .clip_view = clip_view(medium_.data().shape.clip, volume.geometry, volume.dimensions),
         .probe = light_.view(),
-        .most_scatterings = options.bounces.value_or(unlimited_bounces) + 1,
-        .start_mm = float(0.5 * edge * options.start_half_edges),
-        .lift_mm = float(lift_edges * edge),
+        .max_scatterings = options.bounces.value_or(unlimited_bounces) + 1,
+        .start_mm = float(0.5 * edge * options.start_half_voxels),
+        .normal_offset_mm = float(normal_offset_edges * edge),
         .sub_pixels = settings.samples_per_pixel,
         .pixel_key = std::int32_t(words),
         .sample_key = std::int32_t(words >> 32),
         .width = width_};
-    cuda::done_on_card(device_, [&] { card_ = card_tracer_of(kernel); });
+    cuda::try_gpu(device_, [&] { gpu_ = gpu_tracer_of(kernel); });
     return [kernel, trace = kernel::trace_tile_for<kernel::PathKernel<Matter>>(device_.isa)](
                const kernel::PathTask& task) { return trace(kernel, task); };
 }
 
 template <class Kernel>
-std::unique_ptr<CardPaths> PathTracer::card_tracer_of(const Kernel& kernel) const {
+std::unique_ptr<GpuPaths> PathTracer::gpu_tracer_of(const Kernel& kernel) const {
     HostArrays arrays;
     medium_.data().add_to(arrays);
     light_.add_to(arrays);
     const std::vector<float>* const own[] = {&majorants_.cells, &majorants_.runs, &extinction_, &red_, &green_, &blue_,
                                              &points_.x,        &points_.y,       &points_.z};
     for (const auto* numbers : own) arrays.add(*numbers);
-    return std::make_unique<CardTracer<Kernel>>(device_, kernel, arrays, width_, height_);
+    return std::make_unique<GpuTracer<Kernel>>(device_, kernel, arrays, width_, height_);
 }
 
 /// False where the processor must: where the card gives way, it goes on from the sums that the card has.
 template <class Work>
 bool PathTracer::done_there(const Work& work) {
-    if (!card_) return false;
-    if (cuda::done_on_card(device_, work)) return true;
-    sums_ = card_->sums(), collisions_ = card_->collisions(), samples_ = card_->samples();
-    card_.reset();
+    if (!gpu_) return false;
+    if (cuda::try_gpu(device_, work)) return true;
+    sums_ = gpu_->sums(), collisions_ = gpu_->collisions(), samples_ = gpu_->samples();
+    gpu_.reset();
     return false;
 }
 
@@ -219,7 +219,7 @@ std::int64_t PathTracer::trace(const kernel::Tile& tile, int first, int end, con
 
 bool PathTracer::add(int samples, const Progress& progress) {
     const int end = samples_ + samples;
-    if (!done_there([&] { card_->add_up_to(end, progress); })) add_here(end, progress);
+    if (!done_there([&] { gpu_->add_up_to(end, progress); })) add_here(end, progress);
     samples_ = end;
     return !progress.cancelled();
 }
@@ -235,23 +235,23 @@ void PathTracer::add_here(int end, const Progress& progress) {
     collisions_ += std::uint64_t(collisions);
 }
 
-void PathTracer::show(Filled& filled) {
-    if (done_there([&] { card_->show(filled.pixels); })) return;
-    filled.pixels.reset();
-    const kernel::MeanKernel mean{sums_.data(), reinterpret_cast<kernel::Rgba*>(filled.frame.rgba.data()),
+void PathTracer::show(RenderTarget& target) {
+    if (done_there([&] { gpu_->show(target.pixels); })) return;
+    target.pixels.reset();
+    const kernel::MeanKernel mean{sums_.data(), reinterpret_cast<kernel::Rgba*>(target.frame.rgba.data()),
                                   1.0 / std::max(samples_, 1)};
     for (std::int64_t i = 0; i < std::int64_t(sums_.size()); ++i) mean(i);
 }
 
 const std::vector<PixelSum>& PathTracer::sums() {
-    if (card_) sums_ = card_->sums();
+    if (gpu_) sums_ = gpu_->sums();
     return sums_;
 }
 
 PathStatistics PathTracer::statistics() {
     const double pixels = double(width_) * height_;
     std::vector<kernel::PathNoise> runs;
-    if (!done_there([&] { card_->measure(runs); })) {
+    if (!done_there([&] { gpu_->measure(runs); })) {
         runs.resize(std::size_t(kernel::NoiseKernel::runs(std::int64_t(pixels))));
         const kernel::NoiseKernel measure{sums_.data(), runs.data(), std::int64_t(pixels), double(samples_)};
         for (std::int64_t i = 0; i < std::int64_t(runs.size()); ++i) measure(i);

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "classify/medium.h"
-#include "pathtrace/card.h"
+#include "pathtrace/gpu.h"
 #include "pathtrace/light_table.h"
 #include "pathtrace/majorants.h"
-#include "raycast/filled.h"
+#include "raycast/render_target.h"
 
 namespace chiaro {
 
@@ -19,7 +19,7 @@ struct PathOptions {
     std::optional<int> bounces;  ///< scatterings beyond the first; none: any number
     double albedo_max = 0.9;
     double anisotropy = 0;
-    double start_half_edges = 1;
+    double start_half_voxels = 1;
     std::uint64_t seed = 0;
     bool plain = false;  ///< one majorant for the whole volume
 };
@@ -42,9 +42,9 @@ public:
     /// Adds so many paths to every pixel; false when cancelled, and then the sums are of no use.
     bool add(int samples, const Progress& progress);
 
-    void show(Filled& filled);  ///< the mean, on the card that has made it; of the frame's size
+    void show(RenderTarget& target);  ///< the mean, on the card that has made it; of the frame's size
     PathStatistics statistics();
-    std::uint64_t collisions() const { return card_ ? card_->collisions() : collisions_; }  ///< tentative ones too
+    std::uint64_t collisions() const { return gpu_ ? gpu_->collisions() : collisions_; }  ///< tentative ones too
     const std::vector<PixelSum>& sums();
 
 private:
@@ -56,7 +56,7 @@ private:
     TraceTile tracer_through(const Camera& camera, const Lighting& lighting, const RaySettings& settings,
                              const PathOptions& options);
     template <class Kernel>
-    std::unique_ptr<CardPaths> card_tracer_of(const Kernel& kernel) const;
+    std::unique_ptr<GpuPaths> gpu_tracer_of(const Kernel& kernel) const;
     template <class Work>
     bool done_there(const Work& work);
     void make_colours(const PathOptions& options);
@@ -73,7 +73,7 @@ private:
     const PathPoints points_;
     TraceTile trace_tile_;
     int samples_ = 0;
-    std::unique_ptr<CardPaths> card_;  ///< it has the sums; none: they are here
+    std::unique_ptr<GpuPaths> gpu_;  ///< it has the sums; none: they are here
     std::uint64_t collisions_ = 0;
     std::vector<PixelSum> sums_;
 };

@@ -1,7 +1,7 @@
 #include "raycast/background.h"
 
 #include "core/threads.h"
-#include "cuda/mirror.h"
+#include "cuda/device_cache.h"
 #include "illumination/probe/data.h"
 #include "illumination/probe/light.h"
 #include "raycast/launch_background.h"
@@ -14,7 +14,7 @@ kernel::Vec3<double> components(Vec3 v) { return {v.x, v.y, v.z}; }
 /// Without pixels; see CameraView::ray for the directions.
 kernel::BackgroundKernel background(const Probe& probe, const Lighting& lighting, const Camera& camera, ColorMode color,
                                     int width, int height) {
-    const ProbePicture& picture = probe.data().picture;
+    const ProbeImage& image = probe.data().image;
     const Axes axes = transposed(world_from_probe(lighting.probe.rotation_deg, camera.orbit_up));
     Vec3 first = turned(axes, camera.forward), right, down;
     if (camera.projection != Projection::orthographic) {
@@ -25,7 +25,7 @@ kernel::BackgroundKernel background(const Probe& probe, const Lighting& lighting
     }
     return {.pixels = nullptr,
             .width = width,
-            .picture = {picture.rgb.data(), picture.width, picture.height},
+            .image = {image.rgb.data(), image.width, image.height},
             .first = components(first),
             .right = components(right),
             .down = components(down),
@@ -36,8 +36,8 @@ kernel::BackgroundKernel background(const Probe& probe, const Lighting& lighting
 void put_there(cuda::Pixels& pixels, const Probe& probe, kernel::BackgroundKernel kernel, const Frame& frame) {
     kernel.pixels = pixels.data();
     HostArrays arrays;
-    arrays.add(probe.data().weak_from_this(), probe.data().picture.rgb);
-    cuda::Views(pixels.stream(), std::move(arrays)).swap(kernel.picture.rgb);
+    arrays.add(probe.data().weak_from_this(), probe.data().image.rgb);
+    cuda::Views(pixels.stream(), std::move(arrays)).to_device_pointers(kernel.image.rgb);
     kernel::put_background(pixels.stream(), kernel, frame.width, frame.height);
     pixels.stream().wait();  // nobody else may hold the probe
 }
@@ -45,13 +45,13 @@ void put_there(cuda::Pixels& pixels, const Probe& probe, kernel::BackgroundKerne
 }  // namespace
 
 bool put_probe_behind(const Device& device, const Lighting& lighting, const Camera& camera, ColorMode color,
-                      Filled& filled, Progress& progress) {
-    Frame& frame = filled.frame;
+                      RenderTarget& target, Progress& progress) {
+    Frame& frame = target.frame;
     const Probe probe = lighting_probe(lighting);
     auto kernel = background(probe, lighting, camera, color, frame.width, frame.height);
-    const auto on_card = [&] { put_there(*filled.pixels, probe, kernel, frame); };
-    if (filled.pixels && cuda::done_on_card(device, on_card)) return !progress.cancelled();
-    filled.bring();
+    const auto on_gpu = [&] { put_there(*target.pixels, probe, kernel, frame); };
+    if (target.pixels && cuda::try_gpu(device, on_gpu)) return !progress.cancelled();
+    target.bring();
     kernel.pixels = reinterpret_cast<kernel::Rgba*>(frame.rgba.data());
     const auto fill_row = [&](std::int64_t y, std::int64_t) {
         for (int x = 0; x < frame.width; ++x) kernel(x, int(y));

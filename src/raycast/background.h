@@ -3,7 +3,7 @@
 #include <chiaro/camera.h>
 #include <chiaro/lighting.h>
 
-#include "raycast/filled.h"
+#include "raycast/render_target.h"
 
 namespace chiaro {
 
@@ -12,6 +12,6 @@ namespace chiaro {
 /// is. Done where the pixels are; the same for any number of threads. Cost: some 50 ns a pixel. Returns false when
 /// cancelled.
 bool put_probe_behind(const Device& device, const Lighting& lighting, const Camera& camera, ColorMode color,
-                      Filled& filled, Progress& progress);
+                      RenderTarget& target, Progress& progress);
 
 }  // namespace chiaro

@@ -19,15 +19,15 @@ CHIARO_INLINE float turns(float y, float x) {
     return y < 0 ? -angle : angle;
 }
 
-/// A picture of radiance (ProbePicture).
-struct PictureView {
+/// A picture of radiance (ProbeImage).
+struct ImageView {
     const float* rgb;
     std::int32_t width, height;
 
     /// Between pixel centres bilinear, around the azimuth without an end; up and down the outermost rows go on.
     CHIARO_INLINE Vec3<float> towards(Vec3<double> d) const {
         const float dx = float(d.x), dy = float(d.y), dz = float(d.z);
-        const float x = (0.5f - turns(dy, dx)) * float(width);  // as ProbePicture::place
+        const float x = (0.5f - turns(dy, dx)) * float(width);  // as ProbeImage::place
         const float y = 2 * turns(sqrt(dx * dx + dy * dy), dz) * float(height);
         const std::int32_t left = truncate(x + 0.5f) - 1, above = truncate(y + 0.5f) - 1;
         const float along = x - 0.5f - float(left), down = y - 0.5f - float(above);
@@ -51,7 +51,7 @@ private:
 struct BackgroundKernel {
     Rgba* pixels;
     std::int32_t width;
-    PictureView picture;
+    ImageView image;
     Vec3<double> first, right, down;  ///< in the probe's frame, towards pixel (0, 0) and from one to the next
     float gain;
     bool linear;  ///< else the light is encoded as the frame's is
@@ -61,7 +61,7 @@ struct BackgroundKernel {
         const float open = 1 - pixel.a;
         pixel.a = 1;
         if (!(open > 0)) return;
-        const Vec3<float> light = picture.towards(first + double(x) * right + double(y) * down);
+        const Vec3<float> light = image.towards(first + double(x) * right + double(y) * down);
         pixel.r += open * shown(light.x);
         pixel.g += open * shown(light.y);
         pixel.b += open * shown(light.z);

@@ -25,7 +25,7 @@ struct RaycastKernel {
     SurfacesView surfaces;
     MaximumView maximum;
     March mode;
-    AnyWay way;  ///< of March::volume
+    MarchOptions way;  ///< of March::volume
     float step_mm;
     std::int32_t rays_per_pixel;
     BoundsView bounds;  ///< of the tile
@@ -64,9 +64,9 @@ private:
         if (mode == March::surfaces) return march_to_surfaces(matter, surfaces, lattice, cut, alive, composite);
         if (mode == March::maximum) return march_for_maximum(matter, maximum, lattice, alive, composite);
         alive &= lattice.first < lattice.end;
-        if (way.classification == UsualWay::classification && way.backwards == UsualWay::backwards)
-            return march_volume(matter, UsualWay{}, lattice, cut, alive, composite);
-        return march_any_way(matter, way, lattice, cut, alive, composite);
+        if (way.classification == CommonMarch::classification && way.backwards == CommonMarch::backwards)
+            return march_volume(matter, CommonMarch{}, lattice, cut, alive, composite);
+        return march_with_options(matter, way, lattice, cut, alive, composite);
     }
 };
 

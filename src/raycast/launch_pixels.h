@@ -4,7 +4,7 @@
 #pragma nv_diag_suppress 549  // "used before its value is set": only where a field glows, and then it is set
 #endif
 #include "cuda/launch.h"
-#include "raycast/launch_card.h"
+#include "raycast/launch_gpu.h"
 
 namespace chiaro::kernel {
 
@@ -14,7 +14,7 @@ struct CastPixel {
     cuda::Count* samples;
     Kernel kernel;
 
-    CHIARO_ON_CARD void operator()(std::int32_t x, std::int32_t y) const {
+    CHIARO_DEVICE void operator()(std::int32_t x, std::int32_t y) const {
         cuda::count(samples, y * (tile.x1 - tile.x0) + x,
                     sum(kernel(pixel_block<float>(tile.x0 + x, tile.y0 + y, tile.x1, tile.y1))));
     }

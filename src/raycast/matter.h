@@ -42,8 +42,8 @@ struct Matter {
     /// sample `behind` p, moved on by as many as the cube still holds; the others learn in `leave` where their occupied
     /// cube ends. Samples stay on the lattice.
     template <class F>
-    CHIARO_INLINE Mask<F> leap(const Lattice<F>& lattice, Mask<F> lost, Vec3<F> p, VoxelIndex<F> voxel, F behind,
-                               F& next, F& leave) const {
+    CHIARO_INLINE Mask<F> skip_empty_cells(const Lattice<F>& lattice, Mask<F> lost, Vec3<F> p, VoxelIndex<F> voxel,
+                                           F behind, F& next, F& leave) const {
         const Cube<F> cube = occupancy.around(voxel);
         behind = behind + steps_to_leave(cube, voxel, p, lattice.ahead, lattice.steps_per_voxel);
         const Mask<F> empty = lost & cube.empty;

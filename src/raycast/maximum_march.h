@@ -11,8 +11,8 @@ struct MaximumView {
 };
 
 template <class F, class Matter>
-CHIARO_APART Int<F> march_for_maximum(const Matter& matter, const MaximumView& maximum, const Lattice<F>& lattice,
-                                      Mask<F> alive, Composite<F>& ray) {
+CHIARO_NOINLINE Int<F> march_for_maximum(const Matter& matter, const MaximumView& maximum, const Lattice<F>& lattice,
+                                         Mask<F> alive, Composite<F>& ray) {
     const Mask<F> seen = alive;
     F k(0), best(-3e38f);
     Int<F> samples(0);

@@ -65,7 +65,7 @@ Witness cast(const Kernel& kernel, float column, float row) {
     else if (kernel.mode == kernel::March::maximum)
         find_maximum(matter, lattice, witness);
     else
-        kernel::march_any_way(matter, kernel.way, lattice, cut, alive, composite);
+        kernel::march_with_options(matter, kernel.way, lattice, cut, alive, composite);
     return witness;
 }
 

@@ -13,22 +13,24 @@ template <class Views>
 void swap_pointers(Views&, kernel::NoneView&) {}
 template <class Views>
 void swap_pointers(Views& views, kernel::AccessView& view) {
-    views.swap(view.cells);
+    views.to_device_pointers(view.cells);
 }
 template <class Views>
 void swap_pointers(Views& views, kernel::VisibilityView& view) {
-    views.swap(view.light.nodes);
+    views.to_device_pointers(view.light.nodes);
     if (!view.surface.entries) view.harmonics.nodes = nullptr;  // not read
-    views.swap(view.harmonics.nodes, view.surface.entries, view.scattered.turned, view.scattered.skins);
+    views.to_device_pointers(view.harmonics.nodes, view.surface.entries, view.scattered.turned,
+                             view.scattered.boundary_cells);
 }
 template <class Views>
 void swap_pointers(Views& views, kernel::HistogramView& view) {
-    views.swap(view.identifiers, view.words, view.side, view.albedo, view.glow_words, view.occupancy);
+    views.to_device_pointers(view.identifiers, view.codewords, view.side, view.albedo, view.emission_codewords,
+                             view.occupancy);
 }
 
 template <class Views, class Voxel>
 void swap_pointers(Views& views, kernel::VolumeView<Voxel>& view) {
-    views.swap(view.voxels);
+    views.to_device_pointers(view.voxels);
 }
 template <class Views>
 void swap_pointers(Views&, kernel::VolumeView<kernel::Texel>&) {}
@@ -37,10 +39,10 @@ void swap_pointers(Views&, kernel::VolumeView<kernel::Texel>&) {}
 template <class Views, class Voxel, class Field>
 void swap_pointers(Views& views, kernel::RaycastKernel<Voxel, Field>& kernel) {
     swap_pointers(views, kernel.matter.volume);
-    views.swap(kernel.matter.occupancy.cells, kernel.matter.table.entries, kernel.matter.segments.entries,
-               kernel.matter.segments.visible_before);
+    views.to_device_pointers(kernel.matter.occupancy.cells, kernel.matter.table.entries, kernel.matter.segments.entries,
+                             kernel.matter.segments.visible_before);
     if (kernel.mode != kernel::March::maximum) kernel.maximum.cell_high = nullptr;  // not read
-    views.swap(kernel.maximum.cell_high, kernel.bounds.near_mm, kernel.bounds.far_mm);
+    views.to_device_pointers(kernel.maximum.cell_high, kernel.bounds.near_mm, kernel.bounds.far_mm);
     swap_pointers(views, kernel.matter.field);
 }
 

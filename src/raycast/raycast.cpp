@@ -9,7 +9,7 @@
 #include "illumination/lit_field.h"
 #include "raycast/background.h"
 #include "raycast/bounds.h"
-#include "raycast/card.h"
+#include "raycast/gpu.h"
 #include "raycast/launch.h"
 #include "raycast/texture.h"
 #include "raycast/views.h"
@@ -19,8 +19,8 @@ namespace {
 
 /// Casts all tiles of the frame. Tiles are independent, so the picture is the same for any number of threads.
 template <class Kernel>
-Outcome cast(const Device& device, const Kernel& kernel, const BoundingGeometry* geometry, const Frame& frame,
-             Progress& progress) {
+RenderStatistics cast(const Device& device, const Kernel& kernel, const BoundingGeometry* geometry, const Frame& frame,
+                      Progress& progress) {
     constexpr int edge = kernel::tile_edge;
     const auto tile_function = kernel::raycast_tile_for<Kernel>(device.isa);
     const int tiles_x = (frame.width + edge - 1) / edge, tiles_y = (frame.height + edge - 1) / edge;
@@ -44,8 +44,8 @@ Outcome cast(const Device& device, const Kernel& kernel, const BoundingGeometry*
 
 /// Whether light shines where nothing is.
 template <class View>
-bool glows(const View& view) {
-    if constexpr (View::adds_opacity) return view.glows;
+bool emits(const View& view) {
+    if constexpr (View::adds_opacity) return view.emits;
     return false;
 }
 
@@ -59,94 +59,100 @@ struct Caster {
     const RaySettings& settings;
     const RayTables& tables;
     const HostArrays& arrays;
-    Filled& filled;
+    RenderTarget& target;
     Progress& progress;
 
     template <class View>
-    Outcome operator()(View view) const {
+    RenderStatistics operator()(View view) const {
         if constexpr (View::adds_opacity) view.step_edges = float(settings.step_voxels);
         const DeviceVolume::Data& volume = medium.volume.data();
-        Outcome outcome;
-        if (settings.interpolation == Interpolation::texture && cast_by_texture(view, outcome)) return outcome;
+        RenderStatistics render_statistics;
+        if (settings.interpolation == Interpolation::texture && cast_by_texture(view, render_statistics))
+            return render_statistics;
         return with_stored_voxel(volume, [&](auto voxel) {
             const auto kernel = kernel_of(voxel, view);
-            return cast_there(kernel, outcome) ? outcome : cast_here(kernel);
+            return cast_there(kernel, render_statistics) ? render_statistics : cast_here(kernel);
         });
     }
 
 private:
     /// False where the device has no card that does it; nor is there one where the card cannot have the texture.
     template <class View>
-    bool cast_by_texture(const View& view, Outcome& outcome) const {
+    bool cast_by_texture(const View& view, RenderStatistics& render_statistics) const {
         auto kernel = kernel_of(kernel::Texel(), view);
         bool found = false;
         const auto find = [&] { found = find_texture(medium.volume.data(), *device.stream, kernel.matter.volume); };
-        return cuda::done_on_card(device, find) && found && cast_there(kernel, outcome);
+        return cuda::try_gpu(device, find) && found && cast_there(kernel, render_statistics);
     }
 
     template <class Voxel, class View>
     auto kernel_of(Voxel, const View& view) const {
         auto kernel =
-            make_kernel<Voxel>(medium, tables, view, lighting, camera, settings, filled.frame, lit.albedo_limit);
+            make_kernel<Voxel>(medium, tables, view, lighting, camera, settings, target.frame, lit.albedo_limit);
         if (lit.main) shine_from(*lit.main, lighting, camera, kernel.matter.shading);
         if constexpr (View::adds_opacity)
-            if (view.glows) kernel.matter.occupancy.cells = view.occupancy;
+            if (view.emits) kernel.matter.occupancy.cells = view.occupancy;
         return kernel;
     }
 
     /// False where the device has no card that does it.
     template <class Kernel>
-    bool cast_there(const Kernel& kernel, Outcome& outcome) const {
-        return cuda::done_on_card(device, [&] {
-            const auto [width, height] = std::pair(filled.frame.width, filled.frame.height);
+    bool cast_there(const Kernel& kernel, RenderStatistics& render_statistics) const {
+        return cuda::try_gpu(device, [&] {
+            const auto [width, height] = std::pair(target.frame.width, target.frame.height);
             const auto pixels = std::make_shared<cuda::Pixels>(device.stream, std::size_t(width) * height);
-            outcome = cast_on_card(kernel, arrays, width, height, *pixels, progress);
-            if (outcome.complete) filled.pixels = pixels;
+            render_statistics = cast_on_gpu(kernel, arrays, width, height, *pixels, progress);
+            if (render_statistics.complete) target.pixels = pixels;
         });
     }
 
     template <class Kernel>
-    Outcome cast_here(const Kernel& kernel) const {
+    RenderStatistics cast_here(const Kernel& kernel) const {
         arrays.fetch();
         std::optional<BoundingGeometry> geometry;  // the largest value is looked for everywhere
-        const Frame& frame = filled.frame;
-        if (settings.ray_setup == RaySetup::raster && medium.shape.mode != Mode::mip && !glows(kernel.matter.field))
+        const Frame& frame = target.frame;
+        if (settings.ray_setup == RaySetup::raster && medium.shape.mode != Mode::mip && !emits(kernel.matter.field))
             geometry.emplace(medium, camera_view(camera, medium.volume.geometry(), frame.width, frame.height));
         return cast(device, kernel, geometry ? &*geometry : nullptr, frame, progress);
     }
 };
 
-Outcome fill(const Device& device, const Medium& medium, const IlluminationField& field, const Lighting& lighting,
-             const Camera& camera, const RaySettings& settings, Filled& filled, Progress& progress) {
+RenderStatistics fill(const Device& device, const Medium& medium, const IlluminationField& field,
+                      const Lighting& lighting, const Camera& camera, const RaySettings& settings, RenderTarget& target,
+                      Progress& progress) {
     const Medium::Data& data = medium.data();
     const LitField lit = lit_field(field, lighting, camera, data);
     const RayTables tables = make_tables(data, settings, device.threads, lit.albedo_limit);
     HostArrays arrays = lit.arrays;
     data.add_to(arrays);
     tables.add_to(arrays);
-    const Caster cast{device, data, lit, lighting, camera, settings, tables, arrays, filled, progress};
-    Outcome outcome = std::visit(cast, lit.view);
-    if (lighting.probe.background && outcome.complete)
-        outcome.complete = put_probe_behind(device, lighting, camera, data.shape.color, filled, progress);
-    return outcome;
+    const Caster cast{device, data, lit, lighting, camera, settings, tables, arrays, target, progress};
+    RenderStatistics render_statistics = std::visit(cast, lit.view);
+    if (lighting.probe.background && render_statistics.complete)
+        render_statistics.complete = put_probe_behind(device, lighting, camera, data.shape.color, target, progress);
+    return render_statistics;
 }
 
 }  // namespace
 
-Outcome raycast(const Device& device, const Medium& medium, const IlluminationField& field, const Lighting& lighting,
-                const Camera& camera, const RaySettings& settings, Frame& frame, Progress& progress) {
-    Filled filled{frame};
-    const Outcome outcome = fill(device, medium, field, lighting, camera, settings, filled, progress);
-    filled.bring();
-    return outcome;
+RenderStatistics raycast(const Device& device, const Medium& medium, const IlluminationField& field,
+                         const Lighting& lighting, const Camera& camera, const RaySettings& settings, Frame& frame,
+                         Progress& progress) {
+    RenderTarget target{frame};
+    const RenderStatistics render_statistics =
+        fill(device, medium, field, lighting, camera, settings, target, progress);
+    target.bring();
+    return render_statistics;
 }
 
-Outcome raycast(const Device& device, const Medium& medium, const IlluminationField& field, const Lighting& lighting,
-                const Camera& camera, const RaySettings& settings, DeviceFrame& frame, Progress& progress) {
-    Filled filled{frame.write()};
-    const Outcome outcome = fill(device, medium, field, lighting, camera, settings, filled, progress);
-    frame.keep_on_card(std::move(filled.pixels));
-    return outcome;
+RenderStatistics raycast(const Device& device, const Medium& medium, const IlluminationField& field,
+                         const Lighting& lighting, const Camera& camera, const RaySettings& settings,
+                         DeviceFrame& frame, Progress& progress) {
+    RenderTarget target{frame.write()};
+    const RenderStatistics render_statistics =
+        fill(device, medium, field, lighting, camera, settings, target, progress);
+    frame.keep_on_gpu(std::move(target.pixels));
+    return render_statistics;
 }
 
 }  // namespace chiaro

@@ -22,8 +22,8 @@ struct Piece {
 };
 
 template <class F, class Matter>
-CHIARO_APART void show_surface(const Matter& matter, const SurfacesView& surfaces, std::int32_t i, Vec3<F> p,
-                               const Cut<F>& cut, const Mask<F>& hit, Composite<F>& ray) {
+CHIARO_NOINLINE void show_surface(const Matter& matter, const SurfacesView& surfaces, std::int32_t i, Vec3<F> p,
+                                  const Cut<F>& cut, const Mask<F>& hit, Composite<F>& ray) {
     p = matter.volume.clamp(p);
     const auto at = matter.volume.locate(p, matter.volume.voxel(p));
     RgbaLanes<F> colour = load_rgba(surfaces.colours, Int<F>(i));
@@ -86,8 +86,8 @@ CHIARO_INLINE void cross_all(const Matter& matter, const SurfacesView& surfaces,
 /// Piece m ends at sample m, the last at the exit; the first begins at the entry. In an empty cube all values lie on
 /// one side of every surface, so behind it the side is still known.
 template <class F, class Matter>
-CHIARO_APART Int<F> march_to_surfaces(const Matter& matter, const SurfacesView& surfaces, Lattice<F> lattice,
-                                      const Cut<F>& cut, Mask<F> alive, Composite<F>& ray) {
+CHIARO_NOINLINE Int<F> march_to_surfaces(const Matter& matter, const SurfacesView& surfaces, Lattice<F> lattice,
+                                         const Cut<F>& cut, Mask<F> alive, Composite<F>& ray) {
     const bool backwards = surfaces.backwards;
     const F exit = lattice.exit(), pieces = min(floor(exit + F(0.5f)), lattice.end) + F(1);
     if (backwards) lattice = lattice.reversed();
@@ -109,7 +109,7 @@ CHIARO_APART Int<F> march_to_surfaces(const Matter& matter, const SurfacesView& 
         before = value;
         F next = j + F(1);
         const Mask<F> lost = alive & (j >= leave);
-        if (matter.skip_empty && any(lost)) matter.leap(lattice, lost, p, voxel, next, next, leave);
+        if (matter.skip_empty && any(lost)) matter.skip_empty_cells(lattice, lost, p, voxel, next, next, leave);
         alive &= (next < pieces) & (ray.transmittance > F(matter.cutoff));
         j = next;
     }

@@ -75,7 +75,7 @@ TEST_P(HomogeneousSlab, TransmittanceIsExponential) {
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    Truth, HomogeneousSlab,
+    GroundTruth, HomogeneousSlab,
     ::testing::Values(
         SlabCase{"oblique", {40, 40, 40}, {1, 1, 1}, {}, 0.5}, SlabCase{"coarse", {40, 40, 40}, {1, 1, 1}, {}, 3.7},
         SlabCase{"fine", {40, 40, 40}, {1, 1, 1}, {}, 0.13},
@@ -312,8 +312,9 @@ TEST(RayCaster, CancelsBetweenTiles) {
     Progress progress;
     progress.cancel();
     Frame frame(100, 100);
-    const Outcome outcome = raycast(device, classify(on_device, constant(0.5), {}), IlluminationField(), {},
-                                    make_camera({}, on_device.geometry(), on_device.dimensions()), {}, frame, progress);
-    EXPECT_FALSE(outcome.complete);
-    EXPECT_EQ(outcome.samples, 0u);
+    const RenderStatistics render_statistics =
+        raycast(device, classify(on_device, constant(0.5), {}), IlluminationField(), {},
+                make_camera({}, on_device.geometry(), on_device.dimensions()), {}, frame, progress);
+    EXPECT_FALSE(render_statistics.complete);
+    EXPECT_EQ(render_statistics.samples, 0u);
 }

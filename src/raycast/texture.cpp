@@ -31,7 +31,7 @@ bool find_texture(const DeviceVolume::Data& volume, cuda::Stream& stream, kernel
     HostArrays arrays;
     volume.add_to(arrays);
     const std::byte* bricks = volume.bricks.data();
-    cuda::Views(stream, std::move(arrays)).swap(bricks);
+    cuda::Views(stream, std::move(arrays)).to_device_pointers(bricks);
     const auto make = [&] {
         return with_stored_voxel(volume, [&](auto voxel) {
             constexpr auto texel = sizeof voxel == 1   ? cuda::Texel::u8
@@ -44,7 +44,8 @@ bool find_texture(const DeviceVolume::Data& volume, cuda::Stream& stream, kernel
     };
     std::string without;
     try {
-        view.texture = stream.mirror()->texture(HostArray::of(volume.weak_from_this(), volume.bricks), stream, make);
+        view.texture =
+            stream.device_cache()->texture(HostArray::of(volume.weak_from_this(), volume.bricks), stream, make);
     } catch (const cuda::NoTexture& why) {
         without = std::string(why.what()) + "; samples are interpolated exactly, not by texture units";
     }

@@ -1,6 +1,6 @@
 // The volume's texture on a card.
 #pragma once
-#include "cuda/mirror.h"
+#include "cuda/device_cache.h"
 #include "volume/device_view.h"
 #include "volume/texture_view.h"
 

@@ -8,11 +8,11 @@ namespace chiaro::kernel {
 enum class Classification : std::int32_t { post, pre, preintegrated };
 
 /// How a volume is marched through: the usual way, known when compiling, and any other.
-struct UsualWay {
+struct CommonMarch {
     static constexpr Classification classification = Classification::post;
     static constexpr bool backwards = false;
 };
-struct AnyWay {
+struct MarchOptions {
     Classification classification;
     bool backwards;
 };
@@ -74,12 +74,12 @@ CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& 
 
     F alpha = select(sampled, alpha_of(c.colour), F(0));
     Mask<F> visible = alpha > F(0);
-    RgbaLanes<F> glow;
-    bool glows = false;
+    RgbaLanes<F> emission;
+    bool emits = false;
     if constexpr (Matter::adds_opacity) {
-        if ((glows = matter.field.glows)) {
-            glow = matter.field.glow(p, alpha);
-            visible = visible | (sampled & (alpha_of(glow) > F(0)));
+        if ((emits = matter.field.emits)) {
+            emission = matter.field.emission(p, alpha);
+            visible = visible | (sampled & (alpha_of(emission) > F(0)));
         }
     }
     if (!any(visible)) return;
@@ -89,9 +89,9 @@ CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& 
     sample.solid = matter.solid.of(alpha);
     shorten_last(lattice, visible & (k >= lattice.full), c.colour, alpha);
     matter.light(at, solid, sample, c.colour);
-    if (glows) {
-        c.colour = accumulate(c.colour, F(1), glow);
-        alpha = alpha + alpha_of(glow);
+    if (emits) {
+        c.colour = accumulate(c.colour, F(1), emission);
+        alpha = alpha + alpha_of(emission);
     }
     ray.add(way.backwards, visible, c.colour, alpha);
 }
@@ -115,7 +115,7 @@ CHIARO_INLINE Int<F> march_volume(const Matter& matter, Way way, const Lattice<F
         if (matter.skip_empty) {
             const Mask<F> lost = alive & (j >= leave);
             if (any(lost)) {
-                Mask<F> empty = matter.leap(lattice, lost, p, voxel, by_ends ? j : next, next, leave);
+                Mask<F> empty = matter.skip_empty_cells(lattice, lost, p, voxel, by_ends ? j : next, next, leave);
                 if (by_ends) empty = empty & (next > j), next = max(next, j + F(1));
                 sampled = alive & !empty;
                 if (!any(sampled)) {
@@ -135,8 +135,8 @@ CHIARO_INLINE Int<F> march_volume(const Matter& matter, Way way, const Lattice<F
 
 /// As any way; apart, so that the usual one keeps its registers.
 template <class F, class Matter>
-CHIARO_APART Int<F> march_any_way(const Matter& matter, const AnyWay& way, const Lattice<F>& lattice, const Cut<F>& cut,
-                                  const Mask<F>& alive, Composite<F>& ray) {
+CHIARO_NOINLINE Int<F> march_with_options(const Matter& matter, const MarchOptions& way, const Lattice<F>& lattice,
+                                          const Cut<F>& cut, const Mask<F>& alive, Composite<F>& ray) {
     return march_volume(matter, way, way.backwards ? lattice.reversed() : lattice, cut, alive, ray);
 }
 

@@ -29,20 +29,20 @@ void light_by_mean(Frame& frame, Rgb mean) {
         for (std::size_t c = 0; c < 3; ++c) frame.rgba[i + c] *= float(mean[c]);
 }
 
-MethodPicture picture_by(Session& session, const Scene& scene, Progress& progress, const Preview& preview = {}) {
+MethodImage image_by(Session& session, const Scene& scene, Progress& progress, const Preview& preview = {}) {
     session.render(scene, progress, preview);
-    MethodPicture picture{scene.illumination.method, session.frame(), 0, 0, 0, {}};
-    picture.light_seconds = seconds_of(session.stages(), {"prepare", "illuminate"});
-    picture.light_bytes = session.light_bytes();
+    MethodImage image{scene.illumination.method, session.frame(), 0, 0, 0, {}};
+    image.light_seconds = seconds_of(session.stages(), {"prepare", "illuminate"});
+    image.light_bytes = session.light_bytes();
     if (!is_path_traced(scene.illumination)) {
         // Again, by light that is all there: what a moved camera costs.
         Scene moved = scene;
         moved.camera.zoom *= 1 + 1e-9;
         session.render(moved, progress);
     }
-    picture.frame_seconds = seconds_of(session.stages(), {"raycast"});
-    put_over_black(picture.frame);
-    return picture;
+    image.frame_seconds = seconds_of(session.stages(), {"raycast"});
+    put_over_black(image.frame);
+    return image;
 }
 
 }  // namespace
@@ -56,24 +56,23 @@ MethodComparison compare_methods(Session& session, const Scene& scene, const std
     const Rgb mean = mean_radiance(with_probe(scene.lighting));
     for (const Method method : methods) {
         const Scene plain = plainly_lit(scene, method);
-        MethodPicture picture = picture_by(session, plain, progress);
-        if (!finds_light(plain.illumination)) light_by_mean(picture.frame, mean);
-        comparison.pictures.push_back(std::move(picture));
+        MethodImage image = image_by(session, plain, progress);
+        if (!finds_light(plain.illumination)) light_by_mean(image.frame, mean);
+        comparison.images.push_back(std::move(image));
     }
-    const auto judge = [&](MethodPicture reference) {
+    const auto judge = [&](MethodImage reference) {
         comparison.reference = std::move(reference);
-        comparison.paths = session.outcome().paths.samples;
-        comparison.noise = session.outcome().paths.noise;
-        for (MethodPicture& picture : comparison.pictures)
-            picture.distance = compare(comparison.reference.frame, picture.frame);
+        comparison.paths = session.render_statistics().paths.samples;
+        comparison.noise = session.render_statistics().paths.noise;
+        for (MethodImage& image : comparison.images) image.distance = compare(comparison.reference.frame, image.frame);
     };
     const auto show = [&](const Image&) {
-        MethodPicture partial{Method::reference, session.frame(), 0, 0, 0, {}};
+        MethodImage partial{Method::reference, session.frame(), 0, 0, 0, {}};
         put_over_black(partial.frame);
         judge(std::move(partial));
         preview(comparison);
     };
-    judge(picture_by(session, plainly_lit(scene, Method::reference), progress, preview ? show : Preview()));
+    judge(image_by(session, plainly_lit(scene, Method::reference), progress, preview ? show : Preview()));
     return comparison;
 }
 

@@ -66,16 +66,16 @@ std::vector<Vec3> visible_points(const Medium& medium, const Camera& camera, con
 }
 
 /// The truth's own noise is taken off each square; their mean is known as well as they scatter.
-LightError judge(const std::vector<Rgb>& found, const Fluence& truth) {
+LightError judge(const std::vector<Rgb>& found, const MeanRadiance& ground_truth) {
     const auto n = double(found.size());
     double mean = 0, sum = 0, squares = 0, largest = 0;
     for (std::size_t i = 0; i < found.size(); ++i) {
         double square = 0;
         for (int c = 0; c < 3; ++c) {
-            mean += truth.mean[i][c] / (3 * n);
-            square += (found[i][c] - truth.mean[i][c]) * (found[i][c] - truth.mean[i][c]) / 3;
+            mean += ground_truth.mean[i][c] / (3 * n);
+            square += (found[i][c] - ground_truth.mean[i][c]) * (found[i][c] - ground_truth.mean[i][c]) / 3;
         }
-        square -= truth.error[i] * truth.error[i];
+        square -= ground_truth.error[i] * ground_truth.error[i];
         sum += square, squares += square * square;
         largest = std::max(largest, square);
     }
@@ -107,10 +107,10 @@ LightError measure_light(Session& session, const Scene& scene, Progress& progres
     }
     IlluminationSettings reference = plain.illumination;
     reference.reference = {.rays = paths};
-    const Fluence truth =
-        trace_fluence(volume.data().device, medium, lighting, camera.orbit_up, seen, reference, progress);
+    const MeanRadiance ground_truth =
+        trace_mean_radiance(volume.data().device, medium, lighting, camera.orbit_up, seen, reference, progress);
     progress.check();
-    return judge(found, truth);
+    return judge(found, ground_truth);
 }
 
 }  // namespace chiaro

@@ -223,8 +223,9 @@ Scene parse_scene(const std::string& json, const std::filesystem::path& folder,
     read_settings(root, scene);
     read_transfer_function(root, folder, data_folder, scene.transfer);
     scene.lighting.probe.source = read_probe(root, folder, data_folder);
-    if (std::string& glow = scene.illumination.histogram.glow; !glow.empty() && glow.find('=') == glow.npos)
-        glow = found_file(glow, folder, data_folder);
+    if (std::string& emission = scene.illumination.histogram.emission;
+        !emission.empty() && emission.find('=') == emission.npos)
+        emission = found_file(emission, folder, data_folder);
     check(scene, ErrorCode::input);
     unknown_keys = unknown_keys_of(root);
     return scene;

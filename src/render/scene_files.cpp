@@ -63,7 +63,7 @@ Scene seen_from(Scene scene, const fs::path& folder) {
         scene.transfer.source = see(file) + (function.empty() ? "" : "#" + function);
     if (std::string& probe = scene.lighting.probe.source; !is_probe_name(probe)) probe = see(probe);
     HistogramSettings& histogram = scene.illumination.histogram;
-    if (is_file(histogram.glow)) histogram.glow = see(histogram.glow);
+    if (is_file(histogram.emission)) histogram.emission = see(histogram.emission);
     if (histogram.cache != "none") histogram.cache.clear();  // where this machine keeps things is nobody else's
     return scene;
 }

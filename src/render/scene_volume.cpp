@@ -7,7 +7,7 @@
 namespace chiaro {
 namespace {
 
-void check_against(const StatedVolume& stated, const Volume& volume) {
+void check_against(const ExpectedVolume& stated, const Volume& volume) {
     if (stated.dimensions && *stated.dimensions != volume.dimensions)
         throw Error(ErrorCode::input, fmt::format("{}: holds {} voxels, where the scene states {}", volume.source,
                                                   to_text(volume.dimensions), to_text(stated.dimensions)));

@@ -40,13 +40,13 @@ struct Classified {
 
 struct Cast {
     DeviceFrame frame;
-    Outcome outcome;
+    RenderStatistics render_statistics;
 };
 
 }  // namespace
 
 struct Session::State {
-    explicit State(const Device& where) : device(where.beside()) {}  // a stream of its own
+    explicit State(const Device& where) : device(where.with_own_stream()) {}  // a stream of its own
 
     Device device;
     Subject subject;
@@ -62,8 +62,8 @@ struct Session::State {
     Kept<IlluminationField, Version, Version, IlluminationSettings, HeldLight> illuminate;
     Kept<Cast, Version, Version, Lighting, Camera, RaySettings, std::pair<int, int>> raycast;
     Kept<Image, Version, ToneMap> develop;
-    Cast drafted;
-    Image drafted_image;
+    Cast previewed;
+    Image previewed_image;
 
     /// Calls verb(result), unless the kept result was made from these very inputs.
     template <class Result, class... Inputs, class Verb>
@@ -156,7 +156,7 @@ void Session::show(Volume&& volume, Progress& progress) {
     s.shown = s.stages;
 }
 
-Session Session::beside() const {
+Session Session::share_volume() const {
     Session other(state_->device);
     State& s = *other.state_;
     s.subject = state_->subject;
@@ -196,14 +196,15 @@ const Image& Session::render(const Scene& scene, Progress& progress, const Previ
                DeviceFrame& frame = cast.frame;
                frame.resize(scene.width, scene.height);
                const auto keep = [&](const DeviceFrame& better, const PathStatistics& paths) {
-                   cast.outcome.paths = paths;
+                   cast.render_statistics.paths = paths;
                    preview(develop(better, scene.output));
                };
-               cast.outcome = is_path_traced(scene.illumination)
-                                  ? trace_paths(s.device, medium, lighting, camera, scene.sampling, scene.illumination,
-                                                frame, progress, preview ? keep : DeviceFramePreview())
-                                  : raycast(s.device, medium, s.illuminate.result, lighting, camera, scene.sampling,
-                                            frame, progress);
+               cast.render_statistics =
+                   is_path_traced(scene.illumination)
+                       ? trace_paths(s.device, medium, lighting, camera, scene.sampling, scene.illumination, frame,
+                                     progress, preview ? keep : DeviceFramePreview())
+                       : raycast(s.device, medium, s.illuminate.result, lighting, camera, scene.sampling, frame,
+                                 progress);
                progress.check();
            });
 
@@ -212,26 +213,26 @@ const Image& Session::render(const Scene& scene, Progress& progress, const Previ
     return s.develop.result;
 }
 
-const Image& Session::draft(const Scene& scene, Progress& progress) {
+const Image& Session::preview(const Scene& scene, Progress& progress) {
     State& s = *state_;
     s.begin();
     s.redo_classify(scene);
     const Medium& medium = s.classify.result.medium;
     const Camera camera = make_camera(scene.camera, volume().geometry(), volume().dimensions());
     const Lighting lighting = s.lighting_of(scene, camera);
-    DeviceFrame& frame = s.drafted.frame;
+    DeviceFrame& frame = s.previewed.frame;
     frame.resize(scene.width, scene.height);
     s.timed("raycast", [&] {
         IlluminationSettings settings = scene.illumination;
         settings.reference.rays = 1;
-        s.drafted.outcome =
+        s.previewed.render_statistics =
             is_path_traced(settings)
                 ? trace_paths(s.device, medium, lighting, camera, scene.sampling, settings, frame, progress)
                 : raycast(s.device, medium, s.illuminate.result, lighting, camera, scene.sampling, frame, progress);
         progress.check();
     });
-    s.timed("develop", [&] { s.drafted_image = develop(frame, scene.output); });
-    return s.drafted_image;
+    s.timed("develop", [&] { s.previewed_image = develop(frame, scene.output); });
+    return s.previewed_image;
 }
 
 bool Session::needs_light(const Scene& scene) const {
@@ -260,7 +261,7 @@ const Medium& Session::medium() const { return state_->classify.result.medium; }
 const IlluminationField& Session::light() const { return state_->illuminate.result; }
 const Frame& Session::frame() const { return state_->raycast.result.frame.read(); }
 const std::vector<Stage>& Session::stages() const { return state_->stages; }
-Outcome Session::outcome() const { return state_->raycast.result.outcome; }
+RenderStatistics Session::render_statistics() const { return state_->raycast.result.render_statistics; }
 std::size_t Session::light_bytes() const { return state_->prepare.result.bytes() + state_->illuminate.result.bytes(); }
 std::vector<std::string> Session::notes() const {
     std::vector<std::string> notes = state_->prepare.result.notes();

@@ -83,7 +83,8 @@ std::string to_text(const HistogramEffects& value) {
     const auto add = [&](bool on, const char* name) {
         if (on) text += (text.empty() ? "" : ",") + std::string(name);
     };
-    add(value.ao, "ao"), add(value.bleeding, "bleeding"), add(value.scattering, "scattering"), add(value.glow, "glow");
+    add(value.ao, "ao"), add(value.bleeding, "bleeding"), add(value.scattering, "scattering"),
+        add(value.emission, "glow");
     return text.empty() ? "none" : text;
 }
 std::string to_text(const ShSampling& value) {
@@ -154,7 +155,7 @@ void from_text(std::string_view text, HistogramEffects& value) {
     value = {false, false, false, false};
     if (text == "none") return;
     const std::string_view names[] = {"ao", "bleeding", "scattering", "glow"};
-    bool* const effects[] = {&value.ao, &value.bleeding, &value.scattering, &value.glow};
+    bool* const effects[] = {&value.ao, &value.bleeding, &value.scattering, &value.emission};
     for (std::size_t begin = 0; begin <= text.size();) {
         const std::size_t end = std::min(text.find(',', begin), text.size());
         *effects[index_among(text.substr(begin, end - begin), names)] = true;

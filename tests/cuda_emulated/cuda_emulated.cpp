@@ -42,7 +42,7 @@ struct Opened {
     ~Opened() { protect(PROT_NONE); }
 };
 
-bool is_on_card(const void* pointer, std::size_t bytes) {
+bool is_on_gpu(const void* pointer, std::size_t bytes) {
     const char* at = static_cast<const char*>(pointer);
     auto block = blocks.upper_bound(const_cast<char*>(at));
     if (block == blocks.begin()) return false;
@@ -58,7 +58,7 @@ bool is_on_card(const void* pointer, std::size_t bytes) {
 void free_block(void* memory) {
     const auto block = blocks.find(static_cast<char*>(memory));
     if (block == blocks.end()) end("what is freed is not the card's");
-    cuda_emulated::card().held_bytes -= block->second.bytes;
+    cuda_emulated::gpu().held_bytes -= block->second.bytes;
     munmap(block->second.pages, block->second.mapped);
     blocks.erase(block);
 }
@@ -86,11 +86,11 @@ const char* cudaGetErrorString(cudaError_t error) {
     }
 }
 cudaError_t cudaGetLastError() { return std::exchange(last_error, cudaSuccess); }
-cudaError_t cudaDriverGetVersion(int* version) { return *version = cuda_emulated::card().driver_version, cudaSuccess; }
+cudaError_t cudaDriverGetVersion(int* version) { return *version = cuda_emulated::gpu().driver_version, cudaSuccess; }
 cudaError_t cudaRuntimeGetVersion(int* version) { return *version = 13000, cudaSuccess; }
 cudaError_t cudaGetDeviceCount(int* count) {
-    *count = cuda_emulated::card().count;
-    if (cuda_emulated::card().driver_version < 13000) return told(cudaErrorInsufficientDriver);
+    *count = cuda_emulated::gpu().count;
+    if (cuda_emulated::gpu().driver_version < 13000) return told(cudaErrorInsufficientDriver);
     return *count ? cudaSuccess : told(cudaErrorNoDevice);
 }
 cudaError_t cudaGetDeviceProperties(cudaDeviceProp* properties, int) {
@@ -98,12 +98,12 @@ cudaError_t cudaGetDeviceProperties(cudaDeviceProp* properties, int) {
     return cudaSuccess;
 }
 cudaError_t cudaSetDevice(int index) {
-    return index < cuda_emulated::card().count ? cudaSuccess : told(cudaErrorInvalidDevice);
+    return index < cuda_emulated::gpu().count ? cudaSuccess : told(cudaErrorInvalidDevice);
 }
 cudaError_t cudaMemGetInfo(std::size_t* free, std::size_t* all) {
     const std::lock_guard lock(guard);
-    *all = cuda_emulated::card().memory_bytes;
-    *free = *all - std::min(*all, cuda_emulated::card().held_bytes);
+    *all = cuda_emulated::gpu().memory_bytes;
+    *free = *all - std::min(*all, cuda_emulated::gpu().held_bytes);
     return cudaSuccess;
 }
 cudaError_t cudaDeviceGetDefaultMemPool(cudaMemPool_t*, int) { return cudaSuccess; }
@@ -120,18 +120,17 @@ cudaError_t cudaStreamDestroy(cudaStream_t stream) {
 cudaError_t cudaStreamSynchronize(cudaStream_t stream) {
     const std::lock_guard lock(guard);
     if (!stream->work.empty()) {
-        cuda_emulated::card().waits += std::exchange(stream->is_busy, false);
+        cuda_emulated::gpu().waits += std::exchange(stream->is_busy, false);
         const Opened opened;
         for (const auto& work : std::exchange(stream->work, {})) work();
     }
-    return told(std::exchange(cuda_emulated::card().next_wait, cudaSuccess));
+    return told(std::exchange(cuda_emulated::gpu().next_wait, cudaSuccess));
 }
 
 cudaError_t cudaMallocAsync(void** memory, std::size_t bytes, cudaStream_t) {
     const std::lock_guard lock(guard);
-    auto& card = cuda_emulated::card();
-    if (bytes > card.memory_bytes - std::min(card.memory_bytes, card.held_bytes))
-        return told(cudaErrorMemoryAllocation);
+    auto& gpu = cuda_emulated::gpu();
+    if (bytes > gpu.memory_bytes - std::min(gpu.memory_bytes, gpu.held_bytes)) return told(cudaErrorMemoryAllocation);
     const std::size_t page = std::size_t(sysconf(_SC_PAGESIZE)), usable = (bytes + page - 1) / page * page;
     Block block{nullptr, usable + page, usable, bytes};
     void* pages = mmap(nullptr, block.mapped, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
@@ -139,7 +138,7 @@ cudaError_t cudaMallocAsync(void** memory, std::size_t bytes, cudaStream_t) {
     block.pages = static_cast<char*>(pages);
     char* first = block.pages + (usable - bytes) / 16 * 16;
     blocks[first] = block;
-    card.held_bytes += bytes;
+    gpu.held_bytes += bytes;
     return *memory = first, cudaSuccess;
 }
 cudaError_t cudaFreeAsync(void* memory, cudaStream_t stream) {
@@ -151,7 +150,7 @@ cudaError_t cudaFree(void* memory) {
     return free_block(memory), cudaSuccess;
 }
 cudaError_t cudaMallocHost(void** memory, std::size_t bytes) {
-    if (cuda_emulated::card().host_memory != cudaSuccess) return told(cuda_emulated::card().host_memory);
+    if (cuda_emulated::gpu().host_memory != cudaSuccess) return told(cuda_emulated::gpu().host_memory);
     *memory = std::malloc(bytes);
     return *memory ? cudaSuccess : told(cudaErrorMemoryAllocation);
 }
@@ -160,25 +159,25 @@ cudaError_t cudaFreeHost(void* memory) { return std::free(memory), cudaSuccess; 
 cudaError_t cudaMemcpyAsync(void* to, const void* from, std::size_t bytes, cudaMemcpyKind kind, cudaStream_t stream) {
     const std::lock_guard lock(guard);
     const bool up = kind == cudaMemcpyHostToDevice, down = kind == cudaMemcpyDeviceToHost;
-    if ((!up && !is_on_card(from, bytes)) || (!down && !is_on_card(to, bytes)))
+    if ((!up && !is_on_gpu(from, bytes)) || (!down && !is_on_gpu(to, bytes)))
         end("a copy that leaves the card's memory");
-    if (up) ++cuda_emulated::card().uploads, cuda_emulated::card().uploaded_bytes += bytes;
-    if (down) cuda_emulated::card().downloaded_bytes += bytes;
+    if (up) ++cuda_emulated::gpu().uploads, cuda_emulated::gpu().uploaded_bytes += bytes;
+    if (down) cuda_emulated::gpu().downloaded_bytes += bytes;
     later(stream, [=] { std::memcpy(to, from, bytes); });
     return cudaSuccess;
 }
 cudaError_t cudaMemsetAsync(void* memory, int value, std::size_t bytes, cudaStream_t stream) {
     const std::lock_guard lock(guard);
-    if (!is_on_card(memory, bytes)) end("zeros beyond the card's memory");
+    if (!is_on_gpu(memory, bytes)) end("zeros beyond the card's memory");
     later(stream, [=] { std::memset(memory, value, bytes); });
     return cudaSuccess;
 }
 
 namespace cuda_emulated {
 
-Card& card() {
-    static Card the_card;
-    return the_card;
+Gpu& gpu() {
+    static Gpu the_gpu;
+    return the_gpu;
 }
 
 /// Any word that could be read on the host is taken for a pointer: numbers that look like mapped addresses are too rare
@@ -192,7 +191,7 @@ void refuse_host_pointers(const void* argument, const unsigned char* counts, std
         std::memcpy(&counted, counts + at, sizeof counted);
         word &= counted;
         unsigned char in_core;
-        if (word < 65536 || word >> 47 || is_on_card(reinterpret_cast<const void*>(word), 1)) continue;
+        if (word < 65536 || word >> 47 || is_on_gpu(reinterpret_cast<const void*>(word), 1)) continue;
         if (mincore(reinterpret_cast<void*>(word & ~(page - 1)), 1, &in_core) != 0) continue;
         std::fprintf(stderr, "byte %zu of %zu: %zx\n", at, bytes, std::size_t(word));
         end("a kernel is handed a pointer of the host");
@@ -205,8 +204,8 @@ void start(void* stream, dim3 grid, dim3 block, std::function<void()> thread) {
         told(cudaErrorInvalidConfiguration);
         return;
     }
-    if (told(std::exchange(card().next_launch, cudaSuccess)) != cudaSuccess) return;
-    ++card().launches, card().threads += std::size_t(grid.x) * grid.y * grid.z * threads, card().last_stream = stream;
+    if (told(std::exchange(gpu().next_launch, cudaSuccess)) != cudaSuccess) return;
+    ++gpu().launches, gpu().threads += std::size_t(grid.x) * grid.y * grid.z * threads, gpu().last_stream = stream;
     later(static_cast<cudaStream_t>(stream), [=] {
         gridDim = grid, blockDim = block;
         for (unsigned b = 0; b < grid.x * grid.y * grid.z; ++b) {

@@ -55,11 +55,11 @@ cudaError_t cudaGetLastError();
 cudaError_t cudaDriverGetVersion(int* version);
 cudaError_t cudaRuntimeGetVersion(int* version);
 cudaError_t cudaGetDeviceCount(int* count);
-cudaError_t cudaGetDeviceProperties(cudaDeviceProp* properties, int card);
-cudaError_t cudaDeviceGetAttribute(int* value, cudaDeviceAttr attribute, int card);
-cudaError_t cudaSetDevice(int card);
+cudaError_t cudaGetDeviceProperties(cudaDeviceProp* properties, int gpu);
+cudaError_t cudaDeviceGetAttribute(int* value, cudaDeviceAttr attribute, int gpu);
+cudaError_t cudaSetDevice(int gpu);
 cudaError_t cudaMemGetInfo(std::size_t* free, std::size_t* all);
-cudaError_t cudaDeviceGetDefaultMemPool(cudaMemPool_t* pool, int card);
+cudaError_t cudaDeviceGetDefaultMemPool(cudaMemPool_t* pool, int gpu);
 cudaError_t cudaMemPoolSetAttribute(cudaMemPool_t pool, cudaMemPoolAttr attribute, void* value);
 cudaError_t cudaStreamCreateWithFlags(cudaStream_t* stream, unsigned flags);
 cudaError_t cudaStreamDestroy(cudaStream_t stream);
@@ -141,12 +141,12 @@ namespace cuda_emulated {
 
 /// What a card was asked to do so far. Where there is no card to measure, this says how far a real one would be kept
 /// busy: launches that wait for each other, threads to share them, and how often the host stands in between.
-struct Census {
+struct GpuCounts {
     std::size_t launches = 0, threads = 0;  ///< threads: of whole blocks
     std::size_t waits = 0;                  ///< of the host, for work that it had asked for
     std::size_t uploads = 0, uploaded_bytes = 0, downloaded_bytes = 0;
 
-    Census since(const Census& before) const {
+    GpuCounts since(const GpuCounts& before) const {
         return {launches - before.launches,
                 threads - before.threads,
                 waits - before.waits,
@@ -157,7 +157,7 @@ struct Census {
 };
 
 /// What tests set and see.
-struct Card : Census {
+struct Gpu : GpuCounts {
     int count = 1;
     std::size_t memory_bytes = std::size_t(4) << 30;
     int driver_version = 13000;
@@ -168,7 +168,7 @@ struct Card : Census {
     const void* last_stream = nullptr;      ///< of the last launch
     std::size_t held_bytes = 0;             ///< allocated and not yet freed
 };
-Card& card();
+Gpu& gpu();
 
 /// `counts`: 0 for bytes that hold anything.
 void refuse_host_pointers(const void* argument, const unsigned char* counts, std::size_t bytes);

@@ -40,10 +40,10 @@ struct Place {
 }  // namespace
 
 cudaError_t cudaDeviceGetAttribute(int* value, cudaDeviceAttr, int) {
-    return *value = cuda_emulated::card().texture_edge, cudaSuccess;
+    return *value = cuda_emulated::gpu().texture_edge, cudaSuccess;
 }
 cudaError_t cudaMalloc3DArray(cudaArray_t* array, const cudaChannelFormatDesc* format, cudaExtent extent, unsigned) {
-    const auto longest = std::size_t(cuda_emulated::card().texture_edge);
+    const auto longest = std::size_t(cuda_emulated::gpu().texture_edge);
     if (std::max({extent.width, extent.height, extent.depth}) > longest) return cudaErrorInvalidValue;
     void* memory = nullptr;
     const std::size_t texels = extent.width * extent.height * extent.depth;

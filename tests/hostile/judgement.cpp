@@ -1,7 +1,7 @@
 #include "hostile/judgement.h"
 
 #include "illumination/histogram/cache.h"
-#include "illumination/histogram/glow.h"
+#include "illumination/histogram/emission.h"
 #include "illumination/histogram/hash.h"
 
 #include <chiaro/chiaro.h>
@@ -73,10 +73,10 @@ std::uint64_t contents_at(const Seed& seed, const fs::path& path, const VolumeRe
             outcome.is_doubted = has_doubt(file.notes);
             return hash_of(to_json(file.function));
         }
-        case Kind::glow: {
-            const GlowMapping glow{path.string()};
+        case Kind::emission: {
+            const EmissionMapping emission{path.string()};
             std::vector<double> values;
-            for (double v = 0; v < 256; v += 0.5) values.push_back(glow.at(v));
+            for (double v = 0; v < 256; v += 0.5) values.push_back(emission.at(v));
             return hash_of_values(std::span<const double>(values));
         }
         case Kind::cache:

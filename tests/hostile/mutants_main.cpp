@@ -27,7 +27,7 @@ namespace {
 using namespace hostile;
 namespace fs = std::filesystem;
 
-constexpr std::size_t workers = 4, most_seeds = 128;
+constexpr std::size_t workers = 4, max_seeds = 128;
 constexpr std::int64_t longest_seconds = 60;  // the helper has 15 without a sign
 
 struct Counts {
@@ -39,7 +39,7 @@ struct Board {
     std::atomic<std::uint64_t> next{0};
     std::array<std::atomic<std::uint64_t>, workers> current{};  ///< 1 + the mutant that each works on; 0: none
     std::array<std::atomic<std::int64_t>, workers> since{};     ///< in seconds
-    std::array<Counts, most_seeds> counts{};                    ///< of each seed
+    std::array<Counts, max_seeds> counts{};                     ///< of each seed
     std::atomic<std::uint64_t> crashes{0}, hangs{0};
 };
 
@@ -186,7 +186,7 @@ int main(int argc, char** argv) {
     Plan plan;
     if (argc > 1) plan.count = std::strtoull(argv[1], nullptr, 10);
     if (argc > 2) plan.seed = std::strtoull(argv[2], nullptr, 10);
-    for (std::size_t i = 0; i < std::min(seeds().size(), most_seeds); ++i) {
+    for (std::size_t i = 0; i < std::min(seeds().size(), max_seeds); ++i) {
         bool is_wanted = argc <= 3;
         for (int a = 3; a < argc; ++a) is_wanted |= seeds()[i].name.find(argv[a]) != std::string::npos;
         // What is read without a helper costs little.

@@ -232,9 +232,9 @@ void add_foreign_functions(std::vector<Seed>& all) {
         "</Keys></TransFuncIntensity></VoreenData>\n");
 }
 
-void add_glow(std::vector<Seed>& all) {
+void add_emission(std::vector<Seed>& all) {
     all.push_back({.name = "glow.txt",
-                   .kind = Kind::glow,
+                   .kind = Kind::emission,
                    .bytes = "# value strength\n10 1\n100 20.5\n# hot\n200 1e3\n",
                    .is_text = true,
                    .is_open_ended = true});
@@ -250,8 +250,8 @@ void add_cache(std::vector<Seed>& all) {
     const Folder folder;
     const HistogramCache cache(folder.name(), cached_volume().data(), {});
     LocalHistograms h;
-    h.nodes = {3, 2, 2}, h.words = 2, h.stride = 16;
-    h.identifiers = VoxelBuffer((h.node_count() + 1) * sizeof(WordPair));
+    h.nodes = {3, 2, 2}, h.codewords = 2, h.stride = 16;
+    h.identifiers = VoxelBuffer((h.node_count() + 1) * sizeof(CodewordPair));
     std::fill_n(h.identifiers.data(), h.identifiers.size(), std::byte(0));
     h.pairs()[5].forward = 1;
     h.shares.assign(32, 1000), h.scale = {0.5F, 2};
@@ -266,7 +266,7 @@ void add_cache(std::vector<Seed>& all) {
 std::vector<Seed> made() {
     std::vector<Seed> all;
     for (const auto add : {add_nrrd, add_meta, add_nifti, add_dicom, add_vtk, add_tiff, add_hdf5, add_raw, add_probes,
-                           add_scenes, add_transfer_functions, add_foreign_functions, add_glow, add_cache})
+                           add_scenes, add_transfer_functions, add_foreign_functions, add_emission, add_cache})
         add(all);
     return all;
 }

@@ -10,7 +10,7 @@
 namespace hostile {
 
 /// Which part of the program reads it.
-enum class Kind { volume, raw_name, probe, scene, transfer, glow, cache };
+enum class Kind { volume, raw_name, probe, scene, transfer, emission, cache };
 
 struct Seed {
     std::string name;  ///< of the file

@@ -19,12 +19,12 @@ CHIARO_INLINE const Voxel* voxel_address(const VolumeView<Voxel>& volume, std::i
 }
 
 struct CellCentres {
-    static constexpr int most_planes = 12;  ///< a clip box's and a clip's own
+    static constexpr int max_planes = 12;  ///< a clip box's and a clip's own
     struct Plane {
         double x, y, z, d;  ///< n · p > d is clipped away
     };
     double voxels_per_cell[3];
-    Plane planes[most_planes];
+    Plane planes[max_planes];
     std::int32_t plane_count, are_voxels;  ///< not 0: cells are voxels
 
     /// Voxel coordinate of a centre; cells and voxels both cover [-½, n - ½] of their index.

@@ -40,7 +40,7 @@ private:
     double reach_;
 };
 
-constexpr double most_resampled = 1 << 28;  ///< cells; about 6 bytes are needed for each
+constexpr double max_resampled = 1 << 28;  ///< cells; about 6 bytes are needed for each
 
 CellGrid cells_of_edge(double edge_mm, const std::array<int, 3>& dimensions, const Geometry& geometry) {
     CellGrid grid;
@@ -90,7 +90,7 @@ kernel::CellCentres cell_centres(const CellGrid& grid) {
 }
 
 kernel::CellCentres cell_centres(const Medium::Data& medium, const CellGrid& grid) {
-    static_assert(6 + max_clip_planes <= kernel::CellCentres::most_planes);
+    static_assert(6 + max_clip_planes <= kernel::CellCentres::max_planes);
     const DeviceVolume::Data& volume = medium.volume.data();
     kernel::CellCentres centres = cell_centres(grid);
     for (const HalfSpace& kept : half_spaces(medium.shape.clip, volume.geometry, volume.dimensions))
@@ -101,7 +101,7 @@ kernel::CellCentres cell_centres(const Medium::Data& medium, const CellGrid& gri
 CellGrid make_cell_grid(const std::array<int, 3>& dimensions, const Geometry& geometry) {
     const double voxels = double(dimensions[0]) * dimensions[1] * dimensions[2];
     // Very thick slices would make very many cells: then these are wider.
-    const double most = std::max(voxels, std::min(64 * voxels, most_resampled));
+    const double most = std::max(voxels, std::min(64 * voxels, max_resampled));
     for (double edge = geometry.smallest_spacing_mm();; edge *= 1.25) {
         const CellGrid grid = cells_of_edge(edge, dimensions, geometry);
         if (double(grid.count[0]) * grid.count[1] * grid.count[2] <= most) return grid;

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <functional>
 #include "illumination/cells/cell_kernel.h"
+#include "illumination/cells/mirrored_buffer.h"
 #include "illumination/cells/place.h"
-#include "illumination/cells/twin_buffer.h"
 
 namespace chiaro {
 
@@ -54,14 +54,14 @@ inline std::uint16_t cell_value(double share) { return kernel::share_value(share
 /// What a card made stays there until the host reads it.
 struct CellValues {
     CellGrid grid;
-    TwinBuffer buffer;
+    MirroredBuffer buffer;
 
     explicit CellValues(const CellGrid& cells) : grid(cells), buffer((cells.size() + spare) * sizeof(std::uint16_t)) {}
     std::uint16_t* data() { return reinterpret_cast<std::uint16_t*>(buffer.data()); }
     const std::uint16_t* data() const { return reinterpret_cast<const std::uint16_t*>(buffer.data()); }
     const std::uint16_t* address() const { return reinterpret_cast<const std::uint16_t*>(buffer.address()); }
-    const std::uint16_t* on_card(cuda::Stream& stream) const {
-        return reinterpret_cast<const std::uint16_t*>(buffer.on_card(stream));
+    const std::uint16_t* on_gpu(cuda::Stream& stream) const {
+        return reinterpret_cast<const std::uint16_t*>(buffer.on_gpu(stream));
     }
 
     /// Gives back the memory of the slices in front of z, which read as 0 from then on.

@@ -7,7 +7,7 @@
 namespace chiaro::kernel {
 
 /// A block of floats and two cells around it.
-struct LiftTile {
+struct NormalOffsetTile {
     static constexpr int edge = 32, halo = 2, row = edge + 2 * halo, slice = row * row, size = slice * row;
 };
 
@@ -30,11 +30,12 @@ CHIARO_INLINE float towards(float below, float here, float above, float n) {
 
 /// Of a cell with normal n: A × 2 / (1 + q), not clamped yet.
 CHIARO_INLINE float scaled(float access, const float* opacity, float normal_factor) {
-    return access * 2 / (1 + outward_share(step_down(opacity, LiftTile::row, LiftTile::slice), normal_factor));
+    return access * 2 /
+           (1 + outward_share(step_down(opacity, NormalOffsetTile::row, NormalOffsetTile::slice), normal_factor));
 }
 /// The scaled field one edge along the normal: trilinear between the cell and the 7 neighbours on that side.
-CHIARO_INLINE float lifted(const float* access, const float* opacity) {
-    constexpr int row = LiftTile::row, slice = LiftTile::slice;
+CHIARO_INLINE float displaced(const float* access, const float* opacity) {
+    constexpr int row = NormalOffsetTile::row, slice = NormalOffsetTile::slice;
     Vec3<float> n = step_down(opacity, row, slice);
     n = (1 / max(sqrt(dot(n, n)), 1.0f)) * n;
     const auto along_x = [&](const float* a) CHIARO_INLINE_LAMBDA { return towards(a[-1], a[0], a[1], n.x); };
@@ -44,69 +45,69 @@ CHIARO_INLINE float lifted(const float* access, const float* opacity) {
     return min(towards(along_y(access - slice), along_y(access), along_y(access + slice), n.z), 1.0f);
 }
 
-CHIARO_INLINE std::uint16_t lifted_value(const float* scaled, const float* opacity) {
-    return std::uint16_t(std::int32_t(lifted(scaled, opacity) * 65535 + 0.5f));
+CHIARO_INLINE std::uint16_t displaced_value(const float* scaled, const float* opacity) {
+    return std::uint16_t(std::int32_t(displaced(scaled, opacity) * 65535 + 0.5f));
 }
 /// A piece of 16 cells of a row; `scaled` and `opacity` point at its first cell in their tiles.
-CHIARO_INLINE void lift_piece(const float* scaled, const float* opacity, std::uint16_t* out) {
-    for (int x = 0; x < 16; ++x) out[x] = lifted_value(scaled + x, opacity + x);
+CHIARO_INLINE void normal_offset_piece(const float* scaled, const float* opacity, std::uint16_t* out) {
+    for (int x = 0; x < 16; ++x) out[x] = displaced_value(scaled + x, opacity + x);
 }
 
 /// Rows of a block; `access` and `opacity` are tiles, `access` is scaled in place. Only the pieces of 16 × 4 × 4 cells
 /// that bit x of [z][y] asks for.
-CHIARO_INLINE void lift_block(float* access, const float* opacity, float normal_factor,
-                              const std::uint8_t (*pieces)[LiftTile::edge / 4], std::uint16_t* out) {
-    constexpr int row = LiftTile::row, slice = LiftTile::slice, edge = LiftTile::edge;
-    for (int i = slice + row + 1; i < LiftTile::size - slice - row - 1; ++i)
+CHIARO_INLINE void normal_offset_block(float* access, const float* opacity, float normal_factor,
+                                       const std::uint8_t (*pieces)[NormalOffsetTile::edge / 4], std::uint16_t* out) {
+    constexpr int row = NormalOffsetTile::row, slice = NormalOffsetTile::slice, edge = NormalOffsetTile::edge;
+    for (int i = slice + row + 1; i < NormalOffsetTile::size - slice - row - 1; ++i)
         access[i] = scaled(access[i], opacity + i, normal_factor);
     for (int z = 0; z < edge; ++z)
         for (int y = 0; y < edge; ++y, out += edge)
             for (int x = 0; x < edge; x += 16) {
                 if (!is_asked(pieces, x, y, z)) continue;
                 const int at = (z + 2) * slice + (y + 2) * row + 2 + x;
-                lift_piece(access + at, opacity + at, out + x);
+                normal_offset_piece(access + at, opacity + at, out + x);
             }
 }
 
 /// The same for many threads, a cell each of blocks side by side.
-struct LiftBatch {
+struct NormalOffsetBatch {
     const BlockPlace* places;
-    float* tiles;  ///< [block][2][LiftTile::size]: access, opacity
+    float* tiles;  ///< [block][2][NormalOffsetTile::size]: access, opacity
     const std::uint16_t *access, *opacity;
     std::int32_t count[3];
     float normal_factor;
     std::uint16_t* out;
 
-    /// Item i of [0, LiftTile::size) of each block; beyond the grid the nearest cell's access, and no opacity.
+    /// Item i of [0, NormalOffsetTile::size) of each block; beyond the grid the nearest cell's access, and no opacity.
     CHIARO_INLINE void load(std::int64_t item) const {
-        const BlockItem<LiftTile::row, LiftTile::halo, LiftTile::size> its(places, item);
+        const BlockItem<NormalOffsetTile::row, NormalOffsetTile::halo, NormalOffsetTile::size> its(places, item);
         const std::int32_t x = its.grid_x(), y = its.grid_y(), z = its.grid_z();
         const std::int32_t cx = within(x, 0), cy = within(y, 1), cz = within(z, 2);
         const std::int64_t at = (std::int64_t(cz) * count[1] + cy) * count[0] + cx;
         float* tile = tile_of(its.block);
         tile[its.i] = access[at] / 65535.0f;
-        tile[LiftTile::size + its.i] = x == cx && y == cy && z == cz ? opacity[at] / 65535.0f : 0;
+        tile[NormalOffsetTile::size + its.i] = x == cx && y == cy && z == cz ? opacity[at] / 65535.0f : 0;
     }
     CHIARO_INLINE void scale(std::int64_t item) const {
-        const std::int32_t i = std::int32_t(item % LiftTile::size);
-        constexpr int border = LiftTile::slice + LiftTile::row + 1;
-        if (i < border || i >= LiftTile::size - border) return;
-        float* tile = tile_of(item / LiftTile::size);
-        tile[i] = scaled(tile[i], tile + LiftTile::size + i, normal_factor);
+        const std::int32_t i = std::int32_t(item % NormalOffsetTile::size);
+        constexpr int border = NormalOffsetTile::slice + NormalOffsetTile::row + 1;
+        if (i < border || i >= NormalOffsetTile::size - border) return;
+        float* tile = tile_of(item / NormalOffsetTile::size);
+        tile[i] = scaled(tile[i], tile + NormalOffsetTile::size + i, normal_factor);
     }
     /// Item i of [0, BlockPlace::cells).
-    CHIARO_INLINE void answer(std::int64_t item) const {
-        constexpr int halo = LiftTile::halo;
+    CHIARO_INLINE void result(std::int64_t item) const {
+        constexpr int halo = NormalOffsetTile::halo;
         const BlockCell its(places, item);
         const std::int32_t x = its.grid_x(), y = its.grid_y(), z = its.grid_z();
         if (x >= count[0] || y >= count[1] || z >= count[2] || !its.is_asked()) return;
-        const float* tile =
-            tile_of(its.block) + (its.z() + halo) * LiftTile::slice + (its.y() + halo) * LiftTile::row + halo + its.x();
-        out[(std::int64_t(z) * count[1] + y) * count[0] + x] = lifted_value(tile, tile + LiftTile::size);
+        const float* tile = tile_of(its.block) + (its.z() + halo) * NormalOffsetTile::slice +
+                            (its.y() + halo) * NormalOffsetTile::row + halo + its.x();
+        out[(std::int64_t(z) * count[1] + y) * count[0] + x] = displaced_value(tile, tile + NormalOffsetTile::size);
     }
 
 private:
-    CHIARO_INLINE float* tile_of(std::int64_t block) const { return tiles + block * (2 * LiftTile::size); }
+    CHIARO_INLINE float* tile_of(std::int64_t block) const { return tiles + block * (2 * NormalOffsetTile::size); }
     CHIARO_INLINE std::int32_t within(std::int32_t i, int axis) const { return max(min(i, count[axis] - 1), 0); }
 };
 

@@ -1,6 +1,6 @@
 // Opacity of cells on cards: the same source, one thread a cell.
 #include "cuda/launch.h"
-#include "illumination/cells/launch_card.h"
+#include "illumination/cells/launch_gpu.h"
 
 namespace chiaro::kernel {
 

@@ -2,8 +2,8 @@
 
 #include "classify/medium.h"
 #include "core/threads.h"
-#include "illumination/cells/card.h"
-#include "illumination/cells/launch_card.h"
+#include "illumination/cells/gpu.h"
+#include "illumination/cells/launch_gpu.h"
 #include "volume/device_view.h"
 #include "volume/float3.h"
 
@@ -19,7 +19,7 @@ std::vector<std::uint16_t> opacity_entries(const Medium::Data& medium, const Cel
 }
 
 kernel::CoverageView coverage_view(const Medium::Data& medium, const CellGrid& grid) {
-    static_assert(max_isosurfaces <= kernel::CoverageView::most_surfaces);
+    static_assert(max_isosurfaces <= kernel::CoverageView::max_surfaces);
     const DeviceVolume::Data& volume = medium.volume.data();
     kernel::CoverageView view{.values = {},
                               .opacities = {},
@@ -106,12 +106,12 @@ void classify_cells(const Device& device, const Medium::Data& medium, CellOpacit
 
 /// Where voxels and occupancy are, the opacities stay too.
 template <class Voxel>
-CellValues classify_on_card(const Device& device, const Medium::Data& medium, const CellOpacity& out,
-                            Progress& progress) {
+CellValues classify_on_gpu(const Device& device, const Medium::Data& medium, const CellOpacity& out,
+                           Progress& progress) {
     const DeviceVolume::Data& volume = medium.volume.data();
     cuda::Stream& stream = *device.stream;
     const CellGrid& grid = out.values.grid;
-    CardCells made(device, grid);
+    GpuCells made(device, grid);
     const auto entries = opacity_entries(medium, grid);
     HostArrays arrays;
     volume.add_to(arrays), arrays.add(entries);
@@ -119,7 +119,7 @@ CellValues classify_on_card(const Device& device, const Medium::Data& medium, co
     const auto [nx, ny, nz] = grid.count;
     kernel::OpacityBatch<Voxel> batch{
         opacity_kernel<Voxel>(medium, grid, entries), nullptr, {nx, ny, nz}, false, made.data()};
-    views.swap(batch.kernel.volume.voxels, batch.kernel.entries);
+    views.to_device_pointers(batch.kernel.volume.voxels, batch.kernel.entries);
     const auto fill = [&](const BlockMap& map, bool near_surface) {
         batch.near_surface = near_surface;
         for_blocks(stream, map, "opacity", progress, [&](const kernel::BlockPlace* places, std::int64_t blocks) {
@@ -130,7 +130,7 @@ CellValues classify_on_card(const Device& device, const Medium::Data& medium, co
     BlockMap hidden = out.matter;
     for (std::size_t b = 0; b < hidden.holds.size(); ++b) hidden.holds[b] &= !out.visible.holds[b];
     fill(hidden, false), fill(out.visible, true);
-    return made.leave();
+    return made.release();
 }
 
 }  // namespace
@@ -174,12 +174,12 @@ SliceWork opacity_filler(const Medium::Data& medium, CellOpacity& out) {
 
 CellOpacity cell_opacity(const Device& device, const Medium::Data& medium, Progress& progress) {
     CellOpacity out = no_opacity_yet(medium);
-    const auto on_card = [&] {
+    const auto on_gpu = [&] {
         with_stored_voxel(medium.volume.data(), [&](auto voxel) {
-            out.values = classify_on_card<decltype(voxel)>(device, medium, out, progress);
+            out.values = classify_on_gpu<decltype(voxel)>(device, medium, out, progress);
         });
     };
-    if (!cuda::done_on_card(device, on_card)) classify_cells(device, medium, out, progress);
+    if (!cuda::try_gpu(device, on_gpu)) classify_cells(device, medium, out, progress);
     return out;
 }
 

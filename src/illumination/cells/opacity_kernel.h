@@ -7,8 +7,8 @@ namespace chiaro::kernel {
 
 /// Of isosurfaces: how much of a cell lies inside.
 struct CoverageView {
-    static constexpr int most_surfaces = 8;
-    float values[most_surfaces], opacities[most_surfaces];  ///< stored values
+    static constexpr int max_surfaces = 8;
+    float values[max_surfaces], opacities[max_surfaces];  ///< stored values
     std::int32_t count;
     float inwards;    ///< -1 where stored values fall as values rise
     Float3 per_edge;  ///< voxels

@@ -8,7 +8,7 @@ struct BallRow {
     std::int32_t dy, dz, reach;
 };
 struct BallView {
-    static constexpr int most_reach = 64;
+    static constexpr int max_reach = 64;
     const BallRow* row;
     std::int32_t rows;
     const float* weights;  ///< of every cell, row after row

@@ -38,7 +38,7 @@ std::string key_of(const DeviceVolume::Data& v, const HistogramSettings& s) {
 
 /// Everything behind the key that is of fixed size.
 struct Sizes {
-    std::uint64_t identifiers, shares, words;
+    std::uint64_t identifiers, shares, codewords;
     std::int32_t nodes[3], stride;
 };
 
@@ -89,24 +89,25 @@ std::vector<std::byte> contents_of(const std::filesystem::path& path) {
 bool fill(Reader& in, LocalHistograms& h) {
     Sizes sizes;
     if (!in.read(&sizes, sizeof sizes)) return false;
-    h.words = int(sizes.words), h.stride = sizes.stride;
+    h.codewords = int(sizes.codewords), h.stride = sizes.stride;
     std::copy_n(sizes.nodes, 3, h.nodes.begin());
     // First what keeps the products below from overflowing.
     const auto is_within = [](auto value, auto most) { return value >= 1 && value <= most; };
-    if (!is_within(sizes.words, std::uint64_t(65536)) || !is_within(sizes.stride, 65536) ||
+    if (!is_within(sizes.codewords, std::uint64_t(65536)) || !is_within(sizes.stride, 65536) ||
         !std::all_of(sizes.nodes, sizes.nodes + 3, [&](std::int32_t n) { return is_within(n, 65536); }))
         return false;
     const std::uint64_t nodes = std::uint64_t(h.node_count());
-    if (sizes.identifiers != (nodes + 1) * sizeof(WordPair) || sizes.shares != sizes.words * std::uint64_t(h.stride) ||
-        in.left() != sizes.identifiers + 2 * sizes.shares + 4 * sizes.words + 8)
+    if (sizes.identifiers != (nodes + 1) * sizeof(CodewordPair) ||
+        sizes.shares != sizes.codewords * std::uint64_t(h.stride) ||
+        in.left() != sizes.identifiers + 2 * sizes.shares + 4 * sizes.codewords + 8)
         return false;
     h.identifiers = VoxelBuffer(sizes.identifiers);
-    h.shares.resize(sizes.shares), h.scale.resize(sizes.words), h.histograms = 2 * nodes;
+    h.shares.resize(sizes.shares), h.scale.resize(sizes.codewords), h.histograms = 2 * nodes;
     if (!in.read(h.identifiers.data(), sizes.identifiers) || !in.read(h.shares.data(), 2 * sizes.shares) ||
-        !in.read(h.scale.data(), 4 * sizes.words))
+        !in.read(h.scale.data(), 4 * sizes.codewords))
         return false;
-    for (const WordPair& pair : h.pairs())
-        if (pair.forward >= h.words || pair.backward >= h.words) return false;
+    for (const CodewordPair& pair : h.pairs())
+        if (pair.forward >= h.codewords || pair.backward >= h.codewords) return false;
     return true;
 }
 
@@ -138,8 +139,11 @@ std::optional<LocalHistograms> HistogramCache::read(std::vector<std::string>& no
 
 void HistogramCache::write(const LocalHistograms& h, std::vector<std::string>& notes) const {
     if (path_.empty()) return;
-    const Sizes sizes{
-        h.identifiers.size(), h.shares.size(), std::uint64_t(h.words), {h.nodes[0], h.nodes[1], h.nodes[2]}, h.stride};
+    const Sizes sizes{h.identifiers.size(),
+                      h.shares.size(),
+                      std::uint64_t(h.codewords),
+                      {h.nodes[0], h.nodes[1], h.nodes[2]},
+                      h.stride};
     try {
         std::vector<std::byte> bytes;
         bytes.reserve(h.bytes() + 4096);

@@ -36,15 +36,15 @@ void bin_here(const Device& device, const DeviceVolume::Data& volume, BinnedCell
 
 /// Where the voxels are, their bins stay.
 template <class Voxel>
-void bin_on_card(const Device& device, const DeviceVolume::Data& volume, BinnedCells& out) {
+void bin_on_gpu(const Device& device, const DeviceVolume::Data& volume, BinnedCells& out) {
     cuda::Stream& stream = *device.stream;
     const cuda::Array<std::uint16_t> made(stream, out.grid.size());
     kernel::BinKernel<Voxel> kernel = bin_kernel<Voxel>(volume, out, made.data());
     HostArrays arrays;
     volume.add_to(arrays);
     cuda::Views views(stream, std::move(arrays));
-    views.swap(kernel.volume.voxels);
-    kernel::run_on_card(stream, std::int64_t(made.size()), kernel);
+    views.to_device_pointers(kernel.volume.voxels);
+    kernel::run_on_gpu(stream, std::int64_t(made.size()), kernel);
     out.buffer.keep(device.stream, made.data());
 }
 
@@ -64,8 +64,8 @@ std::vector<std::uint64_t> BinnedCells::counts() const {
     return counts;
 }
 
-kernel::BinGrid BinnedCells::view_on_card(cuda::Stream& stream) const {
-    return {reinterpret_cast<const std::uint16_t*>(buffer.on_card(stream)),
+kernel::BinGrid BinnedCells::view_on_gpu(cuda::Stream& stream) const {
+    return {reinterpret_cast<const std::uint16_t*>(buffer.on_gpu(stream)),
             {grid.count[0], grid.count[1], grid.count[2]}};
 }
 
@@ -73,7 +73,7 @@ BinnedCells bin_cells(const Device& device, const DeviceVolume::Data& volume, Pr
     BinnedCells out(make_cell_grid(volume.dimensions, volume.geometry), make_binning(volume));
     with_stored_voxel(volume, [&](auto voxel) {
         using Voxel = decltype(voxel);
-        if (!cuda::done_on_card(device, [&] { bin_on_card<Voxel>(device, volume, out); }))
+        if (!cuda::try_gpu(device, [&] { bin_on_gpu<Voxel>(device, volume, out); }))
             bin_here<Voxel>(device, volume, out, progress);
     });
     progress.check();

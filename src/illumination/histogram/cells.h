@@ -27,7 +27,7 @@ Binning make_binning(const DeviceVolume::Data& volume);
 struct BinnedCells {
     CellGrid grid;
     Binning binning;
-    TwinBuffer buffer;
+    MirroredBuffer buffer;
 
     BinnedCells(const CellGrid& cells, const Binning& bins)
         : grid(cells), binning(bins), buffer(cells.size() * sizeof(std::uint16_t)) {}
@@ -40,7 +40,7 @@ struct BinnedCells {
         return {g.x, g.y, g.z};
     }
     kernel::BinGrid view() const { return {data(), {grid.count[0], grid.count[1], grid.count[2]}}; }
-    kernel::BinGrid view_on_card(cuda::Stream& stream) const;
+    kernel::BinGrid view_on_gpu(cuda::Stream& stream) const;
 };
 
 /// Cost: one look-up a cell. A card keeps them until the host reads them. Throws Error{interrupted} when cancelled.

@@ -1,210 +1,88 @@
-#include "illumination/histogram/codebook.h"
-
 #include <algorithm>
-#include <cmath>
 #include <numeric>
-#include <optional>
-#include <span>
 
 #include "core/threads.h"
-#include "illumination/histogram/card_vectors.h"
+#include "cuda/run.h"
+#include "illumination/histogram/codebook.h"
 #include "illumination/histogram/launch.h"
+#include "illumination/histogram/nearest_kernel.h"
+#include "illumination/histogram/neighbour_kernel.h"
 
 namespace chiaro {
-namespace {
 
-/// Vectors and the words they belong to.
-class Trainer {
-public:
-    Trainer(const Device& device, const PackedHistograms& vectors, int bins, Training& training, Progress& progress)
-        : device_(device),
-          kernels_(kernel::histogram_functions_for(device.isa)),
-          vectors_(vectors),
-          bins_(std::size_t(bins)),
-          count_(vectors.size() / bins_),
-          training_(training),
-          progress_(progress),
-          word_of_(count_, 0),
-          difference_(count_, 0) {
-        cuda::done_on_card(device, [&] { card_.emplace(device, vectors, bins); });
-    }
+Codebook::Codebook(const Device& device, int bins, HistogramMetric metric, std::vector<PackedHistogram> codewords)
+    : bins_(bins), metric_(metric), codewords_(std::move(codewords)) {
+    listed_ = std::min(count() - 1, max_listed);
+    const std::size_t listed = std::size_t(count()) * std::size_t(std::max(listed_, 1));  // a card has no empty arrays
+    neighbours_ = MirroredBuffer(listed * sizeof(std::uint16_t)), distances_ = MirroredBuffer(listed * sizeof(float));
+    if (!cuda::try_gpu(device, [&] { list_on_gpu(device); })) list_neighbours(device);
+}
 
-    Codebook train() {
-        words_ = means({0, count_});
-        assign();
-        while (true) {
-            refine();
-            if (words() >= std::min(std::size_t(training_.words), count_) || distortion_ == 0) break;
-            split();
-            assign();
-        }
-        return make_book();
-    }
-
-private:
-    std::size_t words() const { return words_.size() / bins_; }
-    Codebook make_book() const { return {device_, int(bins_), training_.metric, words_}; }
-
-    template <class Work>
-    bool done_on_card(const Work& work) const {
-        return card_ && cuda::done_on_card(device_, work);
-    }
-
-    /// Every vector to its nearest word.
-    void assign() {
-        const Codebook book = make_book();
-        const auto here = [&](std::int64_t first, std::int64_t end) {
-            kernels_.assign_each(book.view(), vectors_.data() + std::size_t(first) * bins_, std::int32_t(end - first),
-                                 word_of_.data() + first, difference_.data() + first);
-        };
-        if (done_on_card([&] { card_->assign(book, word_of_, difference_); }))
-            progress_.report("histogram training", 1);
-        else
-            parallel_for(device_.threads, std::int64_t(count_), 1024, "histogram training", progress_, here);
-        progress_.check();
-        distortion_ = double(std::accumulate(difference_.begin(), difference_.end(), std::int64_t(0))) / double(count_);
-        training_.distortions.push_back(distortion_ / (training_.metric == HistogramMetric::l2
-                                                           ? double(packed_one) * packed_one
-                                                           : double(packed_one)));
-    }
-
-    /// In the order of their words the vectors of word w are [begin[w], begin[w + 1]).
-    std::vector<std::size_t> begins() const {
-        std::vector<std::size_t> begin(words() + 1, 0);
-        for (std::uint16_t w : word_of_) ++begin[w + 1u];
-        std::partial_sum(begin.begin(), begin.end(), begin.begin());
-        return begin;
-    }
-    std::vector<std::uint32_t> in_order(const std::vector<std::size_t>& begin) const {
-        std::vector<std::uint32_t> order(count_);
-        std::vector<std::size_t> next = begin;
-        for (std::size_t i = 0; i < count_; ++i) order[next[word_of_[i]]++] = std::uint32_t(i);
-        return order;
-    }
-
-    /// Rounded; a word without members keeps its place empty (see fill_empty).
-    std::vector<PackedHistogram> means(const std::vector<std::size_t>& begin) const {
-        const std::size_t n = begin.size() - 1;
-        std::vector<std::int64_t> sums(n * bins_);
-        if (!done_on_card([&] { card_->add_up(word_of_, sums); })) {
-            const auto order = in_order(begin);
-            parallel_for(device_.threads, std::int64_t(n), 16, [&](std::int64_t first, std::int64_t end) {
-                for (auto w = std::size_t(first); w < std::size_t(end); ++w)
-                    add_up({order.begin() + std::ptrdiff_t(begin[w]), order.begin() + std::ptrdiff_t(begin[w + 1])},
-                           sums.data() + w * bins_);
-            });
-        }
-        std::vector<PackedHistogram> means(n * bins_);
-        for (std::size_t w = 0; w < n; ++w)
-            if (const auto members = std::int64_t(begin[w + 1] - begin[w]))
-                for (std::size_t k = w * bins_; k < (w + 1) * bins_; ++k)
-                    means[k] = PackedHistogram((sums[k] + members / 2) / members);
-        return means;
-    }
-    void add_up(std::span<const std::uint32_t> members, std::int64_t* sum) const {
-        const PackedHistogram* const all = vectors_.data();
-        std::vector<std::int32_t> part(bins_);  // of as many members as fit
-        for (std::size_t i = 0; i < members.size();) {
-            std::fill(part.begin(), part.end(), 0);
-            for (const std::size_t last = std::min(i + 65535, members.size()); i < last; ++i)
-                for (std::size_t k = 0; k < bins_; ++k) part[k] += all[members[i] * bins_ + k];
-            for (std::size_t k = 0; k < bins_; ++k) sum[k] += part[k];
-        }
-    }
-
-    void refine() {
-        for (int step = 0; step < most_steps && distortion_ > 0; ++step) {
-            const double before = distortion_;
-            kept_words_ = words_, kept_of_ = word_of_, kept_difference_ = difference_;
-            const auto begin = begins();
-            words_ = means(begin);
-            fill_empty(begin);
-            assign();
-            if (distortion_ > before) {
-                words_ = kept_words_, word_of_ = kept_of_, difference_ = kept_difference_, distortion_ = before;
-                training_.distortions.pop_back();
-                return;
+void Codebook::list_neighbours(const Device& device) {
+    auto* const neighbours = reinterpret_cast<std::uint16_t*>(neighbours_.data());
+    auto* const distances = reinterpret_cast<float*>(distances_.data());
+    const auto kernels = kernel::histogram_functions_for(device.isa);
+    const kernel::CodebookView codebook = view();
+    parallel_for(device.threads, count(), 32, [&](std::int64_t first, std::int64_t end) {
+        std::vector<std::int32_t> difference(std::size_t(count()), 0);
+        std::vector<std::uint16_t> order;
+        for (auto w = first; w < end; ++w) {
+            kernels.differences_to(codebook, codewords_.data() + w * bins_, difference.data());
+            order.resize(std::size_t(count()));
+            std::iota(order.begin(), order.end(), std::uint16_t(0));
+            order.erase(order.begin() + w);
+            const auto nearer = [&](std::uint16_t a, std::uint16_t b) {
+                return difference[a] != difference[b] ? difference[a] < difference[b] : a < b;
+            };
+            std::nth_element(order.begin(), order.begin() + listed_, order.end(), nearer);
+            std::sort(order.begin(), order.begin() + listed_, nearer);
+            for (int i = 0; i < listed_; ++i) {
+                const std::size_t at = std::size_t(w) * std::size_t(listed_) + std::size_t(i);
+                neighbours[at] = order[std::size_t(i)];
+                distances[at] = kernel::distance_of(codebook, difference[order[std::size_t(i)]]);
             }
-            if (before - distortion_ < training_.least_gain * before) return;
         }
-    }
+    });
+}
 
-    /// A word without members takes the vector farthest from its own word that no other took.
-    void fill_empty(const std::vector<std::size_t>& begin) {
-        std::vector<std::size_t> empty;
-        for (std::size_t w = 0; w + 1 < begin.size(); ++w)
-            if (begin[w] == begin[w + 1]) empty.push_back(w);
-        const auto farthest = picked(farthest_vectors(empty.size()));
-        for (std::size_t i = 0; i < empty.size(); ++i)
-            std::copy_n(farthest.data() + i * bins_, bins_, words_.data() + empty[i] * bins_);
-    }
-    std::vector<std::uint32_t> farthest_vectors(std::size_t n) const {
-        if (n == 0) return {};
-        std::vector<std::uint32_t> order(count_);
-        std::iota(order.begin(), order.end(), 0u);
-        const auto farther = [&](std::uint32_t a, std::uint32_t b) {
-            return difference_[a] != difference_[b] ? difference_[a] > difference_[b] : a < b;
-        };
-        std::partial_sort(order.begin(), order.begin() + std::ptrdiff_t(n), order.end(), farther);
-        order.resize(n);
-        return order;
-    }
-    /// Some of the vectors.
-    std::vector<PackedHistogram> picked(const std::vector<std::uint32_t>& which) const {
-        std::vector<PackedHistogram> found(which.size() * bins_);
-        if (which.empty() || done_on_card([&] { card_->pick(which, found); })) return found;
-        for (std::size_t i = 0; i < which.size(); ++i)
-            std::copy_n(vectors_.data() + which[i] * bins_, bins_, found.data() + i * bins_);
-        return found;
-    }
+/// Without sorting: every place is found by itself.
+void Codebook::list_on_gpu(const Device& device) {
+    cuda::Stream& stream = *device.stream;
+    const std::int64_t pairs = std::int64_t(count()) * count();
+    const cuda::Array<std::int32_t> differences(stream, std::size_t(pairs));
+    const cuda::Array<std::byte> neighbours(stream, neighbours_.size()), distances(stream, distances_.size());
+    const kernel::CodebookView codebook = view_of(codewords_on_gpu(stream), nullptr, nullptr);
+    kernel::run_on_gpu(stream, pairs, kernel::CodewordDifferences{codebook, differences.data()});
+    kernel::run_on_gpu(
+        stream, pairs,
+        kernel::RankNeighbours{codebook, differences.data(), reinterpret_cast<std::uint16_t*>(neighbours.data()),
+                               reinterpret_cast<float*>(distances.data())});
+    neighbours_.keep(device.stream, neighbours.data());
+    distances_.keep(device.stream, distances.data());
+}
 
-    void split() {
-        std::vector<double> total(words());
-        std::vector<std::uint32_t> farthest(words());
-        std::vector<std::int32_t> most(words(), -1);
-        for (std::size_t i = 0; i < count_; ++i) {
-            const std::uint16_t w = word_of_[i];
-            total[w] += difference_[i];
-            if (difference_[i] > most[w]) most[w] = difference_[i], farthest[w] = std::uint32_t(i);
-        }
-        std::vector<std::size_t> order(words());
-        std::iota(order.begin(), order.end(), std::size_t(0));
-        std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return total[a] > total[b]; });
-        order.resize(std::min(order.size(), std::size_t(training_.words) - words()));
-        std::erase_if(order, [&](std::size_t w) { return total[w] == 0; });
-        std::vector<std::uint32_t> far(order.size());
-        std::transform(order.begin(), order.end(), far.begin(), [&](std::size_t w) { return farthest[w]; });
-        const auto beside = picked(far);
-        words_.reserve(words_.size() + beside.size());
-        for (std::size_t i = 0; i < order.size(); ++i)
-            for (std::size_t k = 0; k < bins_; ++k)
-                words_.push_back(
-                    PackedHistogram((int(words_[order[i] * bins_ + k]) + int(beside[i * bins_ + k]) + 1) / 2));
-    }
+const PackedHistogram* Codebook::codewords_on_gpu(cuda::Stream& stream) const {
+    return reinterpret_cast<const PackedHistogram*>(
+        stream.device_cache()->of(HostArray::of(life_, codewords_), stream));
+}
 
-    static constexpr int most_steps = 50;
-    const Device& device_;
-    const kernel::HistogramFunctions kernels_;
-    const PackedHistograms& vectors_;
-    const std::size_t bins_, count_;
-    Training& training_;
-    Progress& progress_;
-    std::vector<PackedHistogram> words_;
-    std::vector<std::uint16_t> word_of_;
-    std::vector<std::int32_t> difference_;
-    std::vector<PackedHistogram> kept_words_;  ///< what they were before a step
-    std::vector<std::uint16_t> kept_of_;
-    std::vector<std::int32_t> kept_difference_;
-    double distortion_ = 0;
-    std::optional<CardVectors> card_;
-};
+kernel::CodebookView Codebook::view_of(const PackedHistogram* codewords, const std::byte* neighbours,
+                                       const std::byte* distances) const {
+    return {codewords,
+            count(),
+            bins_,
+            kernel::CodebookMetric(metric_),
+            reinterpret_cast<const std::uint16_t*>(neighbours),
+            reinterpret_cast<const float*>(distances),
+            std::int32_t(listed_)};
+}
 
-}  // namespace
+kernel::CodebookView Codebook::view() const {
+    return view_of(codewords_.data(), neighbours_.data(), distances_.data());
+}
 
-Codebook train_codebook(const Device& device, const PackedHistograms& vectors, int bins, Training& training,
-                        Progress& progress) {
-    training.distortions.clear();
-    return Trainer(device, vectors, bins, training, progress).train();
+kernel::CodebookView Codebook::view_on_gpu(cuda::Stream& stream) const {
+    return view_of(codewords_on_gpu(stream), neighbours_.on_gpu(stream), distances_.on_gpu(stream));
 }
 
 }  // namespace chiaro

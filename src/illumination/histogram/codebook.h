@@ -13,32 +13,32 @@ namespace chiaro {
 /// Words, and for each its nearest others, which is what makes the search for the nearest word short.
 class Codebook {
 public:
-    Codebook(const Device& device, int bins, HistogramMetric metric, std::vector<PackedHistogram> words);
+    Codebook(const Device& device, int bins, HistogramMetric metric, std::vector<PackedHistogram> codewords);
 
-    int count() const { return int(words_.size()) / bins_; }
+    int count() const { return int(codewords_.size()) / bins_; }
     int bins() const { return bins_; }
-    const std::vector<PackedHistogram>& words() const { return words_; }
+    const std::vector<PackedHistogram>& codewords() const { return codewords_; }
     kernel::CodebookView view() const;
-    kernel::CodebookView view_on_card(cuda::Stream& stream) const;
+    kernel::CodebookView view_on_gpu(cuda::Stream& stream) const;
 
 private:
-    kernel::CodebookView view_of(const PackedHistogram* words, const std::byte* neighbours,
+    kernel::CodebookView view_of(const PackedHistogram* codewords, const std::byte* neighbours,
                                  const std::byte* distances) const;
-    const PackedHistogram* words_on_card(cuda::Stream& stream) const;
+    const PackedHistogram* codewords_on_gpu(cuda::Stream& stream) const;
     void list_neighbours(const Device& device);
-    void list_on_card(const Device& device);
+    void list_on_gpu(const Device& device);
 
-    static constexpr int most_listed = 256;
+    static constexpr int max_listed = 256;
     int bins_, listed_ = 0;
     HistogramMetric metric_;
-    std::vector<PackedHistogram> words_;
+    std::vector<PackedHistogram> codewords_;
     std::shared_ptr<const char> life_ = std::make_shared<const char>();  ///< by which a card knows the words
-    TwinBuffer neighbours_{0}, distances_{0};
+    MirroredBuffer neighbours_{0}, distances_{0};
 };
 
 /// What a codebook is trained with, and how it went.
 struct Training {
-    int words = 2048;
+    int codewords = 2048;
     HistogramMetric metric = HistogramMetric::l2;
     double least_gain = 1e-3;  ///< relative; less ends the refinement between two splits
     /// Mean difference of the vectors to their words after each step: squared distance, sum or largest.

@@ -11,7 +11,7 @@ inline constexpr std::int32_t packed_one = 16384;
 enum class CodebookMetric : std::int32_t { l2, l1, lmax };
 
 struct CodebookView {
-    const std::int16_t* words;  ///< `count` vectors of `bins` numbers, packed_one for 1; bins is a multiple of 16
+    const std::int16_t* codewords;  ///< `count` vectors of `bins` numbers, packed_one for 1; bins is a multiple of 16
     std::int32_t count, bins;
     CodebookMetric metric;
     const std::uint16_t* neighbours;  ///< of each word the `listed` nearest others, by distance

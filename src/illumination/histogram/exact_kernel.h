@@ -42,7 +42,7 @@ CHIARO_INLINE void count_row(const std::uint16_t* place, const float* weight, st
 /// plane between the halves count half.
 CHIARO_INLINE void count_ball(const BallView& ball, const CellNeighbours& cell, const float* gradient, bool whole,
                               std::int32_t places, float* counts) {
-    float weights[BallView::most_reach * 2 + 1];
+    float weights[BallView::max_reach * 2 + 1];
     const float* middle = ball.weights;
     for (std::int32_t i = 0; i < ball.rows; middle += ball.row[i++].reach + 1) {
         const BallRow row = ball.row[i];

@@ -31,7 +31,7 @@ FastShape::FastShape(const Packing& packing, int radius) {
                                                   dx + row.dy * block.tile_row + row.dz * block.tile_slice};
 }
 
-std::size_t give_room(Block& b, const FastRoom& room, std::byte* memory) {
+std::size_t carve_workspace(Block& b, const FastWorkspaceSize& room, std::byte* memory) {
     constexpr int n = Block::nodes;
     const int wide = n + 2 * b.reach;
     std::size_t bytes = 0;
@@ -77,8 +77,8 @@ void FastHistograms::find(std::size_t block, int step, const Wanted& wanted, con
 Block FastHistograms::load(const std::array<std::pair<int, int>, 3>& block) const {
     thread_local std::vector<std::byte> room;
     Block data = shape_.block;
-    room.resize(give_room(data, {}, nullptr));
-    give_room(data, {}, room.data());
+    room.resize(carve_workspace(data, {}, nullptr));
+    carve_workspace(data, {}, room.data());
     std::fill_n(data.tile, data.tile_size(), 0);
     const auto [nx, ny, nz] = cells_.grid.count;
     const int fine = data.tile_row;

@@ -17,11 +17,11 @@ struct FastShape {
 };
 
 /// What is in memory at the same time: planes of nodes; planes of cells, rows of each, cells of each.
-struct FastRoom {
+struct FastWorkspaceSize {
     int depths = 1, planes = 1, rows = 1, cells = 1;
 };
 /// Gives a block its room; the bytes it takes of `memory`, which may be null to ask for that.
-std::size_t give_room(kernel::FastBlock& block, const FastRoom& room, std::byte* memory);
+std::size_t carve_workspace(kernel::FastBlock& block, const FastWorkspaceSize& room, std::byte* memory);
 
 /// LH = M0 ± M1 (3/2 + 2 q²) per packed bin, where M0 = Σ w / W over the ball, M1 = n · Σ w ω / W, n = ∇f / |∇f|, q =
 /// M1 / M0: exact for densities that do not depend on the direction, or are those of two half balls, and within .08 of

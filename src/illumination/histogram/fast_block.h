@@ -19,7 +19,7 @@ struct NearCell {
 struct FastBlock {
     static constexpr int edge = 32;  ///< cells
     static constexpr int nodes = edge / 2 + 4;
-    static constexpr int most_near = 32, most_boxes = 15;
+    static constexpr int max_near = 32, max_boxes = 15;
 
     std::int32_t bins;   ///< of a vector, a multiple of 16
     std::int32_t reach;  ///< coarse cells that the tile has around the nodes
@@ -29,8 +29,8 @@ struct FastBlock {
     std::int32_t tile_row, tile_slice;
     std::int32_t fine_first;  ///< the block's first cell along each axis of the tile
 
-    FastBox box[most_boxes];  ///< with the same half_z one after the other
-    NearCell near[most_near];
+    FastBox box[max_boxes];  ///< with the same half_z one after the other
+    NearCell near[max_near];
     std::int32_t boxes, near_count;
 
     // Room, vectors of `bins` numbers; on a card of columns and rows for each plane of nodes:

@@ -194,7 +194,7 @@ CHIARO_INLINE void fast_plane(const FastBlock& b, int fine_z) {
 CHIARO_INLINE void count_near(const FastBlock& b, const std::uint32_t* cell, const float* n, float* near) {
     float *const forward = near, *const backward = near + b.bins;
     for (int k = 0; k < 2 * b.bins; ++k) near[k] = 0;
-    float to_forward[FastBlock::most_near];
+    float to_forward[FastBlock::max_near];
     for (int i = 0; i < b.near_count; ++i) {
         const NearCell& c = b.near[i];
         const float ahead = mad(c.x, n[0], mad(c.y, n[1], c.z * n[2]));

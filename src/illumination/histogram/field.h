@@ -17,9 +17,9 @@ struct HalfLight {
 struct HistogramView {
     static constexpr bool modulates = true, adds_opacity = true;
 
-    const float* identifiers;        ///< WordPair's bits: forward in the low half; x fastest
+    const float* identifiers;        ///< CodewordPair's bits: forward in the low half; x fastest
     GridView grid;                   ///< of the nodes
-    const Rgba* words;               ///< bleeding, v
+    const Rgba* codewords;           ///< bleeding, v
     const float* side;               ///< by value: the half ball that faces outwards, 1 forward, -1 backward, 0 neither
     const Rgba* albedo;              ///< by value; of the paper's model
     float scale, offset;             ///< index by value = stored × scale + offset
@@ -28,18 +28,19 @@ struct HistogramView {
     float shows_ao, shows_bleeding;  ///< 0 or 1
     float anisotropy;                ///< g of Henyey and Greenstein
     bool scatters, is_surface, is_paper;
-    bool glows;
-    const Rgba* glow_words;         ///< G and its colour (premultiplied) of one smallest edge, by word
-    float step_edges;               ///< length of a step; set by the ray caster
-    const std::uint8_t* occupancy;  ///< with the reach of what glows, as volume/occupancy.h reads it
+    bool emits;
+    const Rgba* emission_codewords;  ///< G and its colour (premultiplied) of one smallest edge, by word
+    float step_edges;                ///< length of a step; set by the ray caster
+    const std::uint8_t* occupancy;   ///< with the reach of what glows, as volume/occupancy.h reads it
 
     /// What glows around a sample adds to its step's opacity, α' = max(α, G) (P: only where α is 0), with its own
     /// colour.
     template <class F>
-    CHIARO_APART RgbaLanes<F> glow(const Vec3<F>& p_voxel, const F& alpha) const {
+    CHIARO_NOINLINE RgbaLanes<F> emission(const Vec3<F>& p_voxel, const F& alpha) const {
         const Corners<F> corners = locate(p_voxel);
         const Mask<F> all = corners.t.x >= F(0);
-        const RgbaLanes<F> around = mix<F>(blend(glow_words, corners, all), blend(glow_words, corners, !all), F(0.5f));
+        const RgbaLanes<F> around =
+            mix<F>(blend(emission_codewords, corners, all), blend(emission_codewords, corners, !all), F(0.5f));
         const F g = min(alpha_of(around), F(0.999f));
         const F of_step = F(1) - exp2(F(step_edges) * log2(F(1) - g));
         const F more = is_paper ? select(alpha > F(0), F(0), of_step) : max(of_step - alpha, F(0));
@@ -130,20 +131,20 @@ private:
 
     /// Identifiers are names, not numbers: what they stand for is interpolated.
     template <class F>
-    CHIARO_INLINE RgbaLanes<F> blend(const Rgba* by_word, const Corners<F>& c, Mask<F> forward) const {
-        const auto word = [&](F pair) CHIARO_INLINE_LAMBDA {
+    CHIARO_INLINE RgbaLanes<F> blend(const Rgba* by_codeword, const Corners<F>& c, Mask<F> forward) const {
+        const auto codeword = [&](F pair) CHIARO_INLINE_LAMBDA {
             const Int<F> bits = bits_of(pair);
-            return load_rgba(by_word, select(forward, bits, bits >> Int<F>(16)) & Int<F>(0xffff));
+            return load_rgba(by_codeword, select(forward, bits, bits >> Int<F>(16)) & Int<F>(0xffff));
         };
         const auto along_x = [&](const Two<F>& pair)
-                                 CHIARO_INLINE_LAMBDA { return mix<F>(word(pair.a), word(pair.b), c.t.x); };
+                                 CHIARO_INLINE_LAMBDA { return mix<F>(codeword(pair.a), codeword(pair.b), c.t.x); };
         const RgbaLanes<F> near = mix<F>(along_x(c.pairs.a), along_x(c.pairs.b), c.t.y);
         const RgbaLanes<F> far = mix<F>(along_x(c.pairs.c), along_x(c.pairs.d), c.t.y);
         return mix<F>(near, far, c.t.z);
     }
     template <class F>
     CHIARO_INLINE HalfLight<F> half(const Corners<F>& c, Mask<F> forward) const {
-        return planes(blend(words, c, forward));
+        return planes(blend(codewords, c, forward));
     }
 
     static CHIARO_INLINE HalfLight<float> planes(const Rgba& c) { return {{c.r, c.g, c.b}, c.a}; }

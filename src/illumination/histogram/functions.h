@@ -13,12 +13,13 @@ struct HistogramFunctions {
     void (*fast_plane)(const FastBlock&, int fine_z);
     void (*fast_cells)(const FastBlock&, int fine_y, int fine_z, int count, int step, const float* normals,
                        std::int16_t* histograms);
-    void (*assign_row)(const CodebookView&, const std::int16_t* histograms, std::int32_t count, std::uint16_t* words);
-    void (*assign_each)(const CodebookView&, const std::int16_t* histograms, std::int32_t count, std::uint16_t* words,
-                        std::int32_t* differences);
+    void (*assign_row)(const CodebookView&, const std::int16_t* histograms, std::int32_t count,
+                       std::uint16_t* codewords);
+    void (*assign_each)(const CodebookView&, const std::int16_t* histograms, std::int32_t count,
+                        std::uint16_t* codewords, std::int32_t* differences);
     void (*differences_to)(const CodebookView&, const std::int16_t* histogram, std::int32_t* differences);
-    void (*word_sums)(const std::uint16_t* shares, std::int32_t words, std::int32_t bins, std::int32_t first,
-                      std::int32_t end, const float* weights, float* out);
+    void (*codeword_sums)(const std::uint16_t* shares, std::int32_t codewords, std::int32_t bins, std::int32_t first,
+                          std::int32_t end, const float* weights, float* out);
 };
 
 }  // namespace chiaro::kernel

@@ -16,9 +16,9 @@ inline std::uint64_t hash_of(std::span<const std::byte> bytes, std::uint64_t see
     std::size_t at = 0;
     for (; at + 32 <= bytes.size(); at += 32)
         for (std::size_t c = 0; c < 4; ++c) {
-            std::uint64_t word;
-            std::memcpy(&word, bytes.data() + at + 8 * c, 8);
-            chain[c] = (chain[c] ^ word) * 0x9fb21c651e98df25;
+            std::uint64_t codeword;
+            std::memcpy(&codeword, bytes.data() + at + 8 * c, 8);
+            chain[c] = (chain[c] ^ codeword) * 0x9fb21c651e98df25;
             chain[c] ^= chain[c] >> 29;
         }
     std::uint64_t sum = mixed(bytes.size() + seed);

@@ -17,16 +17,17 @@ HistogramFunctions histogram_functions() {
            std::int16_t* histograms) {
             fast_cells<NativeLanes>(block, fine_y, fine_z, count, step, normals, histograms);
         },
-        [](const CodebookView& book, const std::int16_t* histograms, std::int32_t count, std::uint16_t* words) {
-            assign_row(book, histograms, count, words);
+        [](const CodebookView& codebook, const std::int16_t* histograms, std::int32_t count, std::uint16_t* codewords) {
+            assign_row(codebook, histograms, count, codewords);
         },
-        [](const CodebookView& book, const std::int16_t* histograms, std::int32_t count, std::uint16_t* words,
-           std::int32_t* differences) { assign_each(book, histograms, count, words, differences); },
-        [](const CodebookView& book, const std::int16_t* histogram, std::int32_t* differences) {
-            differences_to(book, histogram, differences);
+        [](const CodebookView& codebook, const std::int16_t* histograms, std::int32_t count, std::uint16_t* codewords,
+           std::int32_t* differences) { assign_each(codebook, histograms, count, codewords, differences); },
+        [](const CodebookView& codebook, const std::int16_t* histogram, std::int32_t* differences) {
+            differences_to(codebook, histogram, differences);
         },
-        [](const std::uint16_t* shares, std::int32_t words, std::int32_t bins, std::int32_t first, std::int32_t end,
-           const float* weights, float* out) { word_sums<NativeLanes>(shares, words, bins, first, end, weights, out); },
+        [](const std::uint16_t* shares, std::int32_t codewords, std::int32_t bins, std::int32_t first, std::int32_t end,
+           const float* weights,
+           float* out) { codeword_sums<NativeLanes>(shares, codewords, bins, first, end, weights, out); },
     };
 }
 

@@ -4,8 +4,8 @@
 
 namespace chiaro::kernel {
 
-template void run_on_card(cuda::Stream&, std::int64_t, const BinKernel<std::uint8_t>&);
-template void run_on_card(cuda::Stream&, std::int64_t, const BinKernel<std::uint16_t>&);
-template void run_on_card(cuda::Stream&, std::int64_t, const BinKernel<float>&);
+template void run_on_gpu(cuda::Stream&, std::int64_t, const BinKernel<std::uint8_t>&);
+template void run_on_gpu(cuda::Stream&, std::int64_t, const BinKernel<std::uint16_t>&);
+template void run_on_gpu(cuda::Stream&, std::int64_t, const BinKernel<float>&);
 
 }  // namespace chiaro::kernel

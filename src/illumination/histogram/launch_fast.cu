@@ -1,6 +1,6 @@
 // Histograms of blocks of cells on cards: the same source, a thread for a column, a bin or a cell.
 #include "cuda/launch.h"
-#include "illumination/histogram/launch_card.h"
+#include "illumination/histogram/launch_gpu.h"
 
 namespace chiaro::kernel {
 namespace {

@@ -1,7 +1,7 @@
 #include "illumination/histogram/light.h"
 
 #include "core/threads.h"
-#include "illumination/histogram/glow.h"
+#include "illumination/histogram/emission.h"
 #include "illumination/histogram/optics.h"
 #include "volume/device_view.h"
 
@@ -43,7 +43,7 @@ kernel::HistogramView view_over(const LocalHistograms& h, const std::byte* ident
 }
 
 /// Bleeding (1 - v) E / O and v; v = exp(-r O), or the paper's 1 - O.
-kernel::Rgba word_light(const std::array<float, 4>& sums, const LocalHistograms& h, HistogramModel model) {
+kernel::Rgba codeword_light(const std::array<float, 4>& sums, const LocalHistograms& h, HistogramModel model) {
     const float o = std::clamp(sums[3], 0.0f, 1.0f);
     const float v = model == HistogramModel::paper ? 1 - o : std::exp(-float(h.radius) * o);
     const float share = sums[3] > 1e-9f ? (1 - v) / sums[3] : 0;
@@ -58,22 +58,23 @@ std::shared_ptr<const HistogramLight> make_histogram_light(const Device& device,
     auto light = std::make_shared<HistogramLight>();
     const LocalHistograms& h = *histograms;
     const auto& effects = settings.effects;
-    const BinOptics optics = optics_of_bins(medium, h, effects.glow ? settings.glow : "");
+    const BinOptics optics = optics_of_bins(medium, h, effects.emission ? settings.emission : "");
     const bool is_paper = settings.model == HistogramModel::paper;
-    for (const auto& sums : word_sums(device, h, optics)) light->words.push_back(word_light(sums, h, settings.model));
+    for (const auto& sums : codeword_sums(device, h, optics))
+        light->codewords.push_back(codeword_light(sums, h, settings.model));
     light->side = outward_sides(medium, h.grid.edge_mm);
     for (const auto& entry : medium.table.entries) light->albedo.push_back({entry.r, entry.g, entry.b, 1});
-    light->view = view_over(h, is_paper ? h.identifiers.data() : h.lifted.address(), medium);
+    light->view = view_over(h, is_paper ? h.identifiers.data() : h.displaced.address(), medium);
     kernel::HistogramView& view = light->view;
-    view.words = light->words.data(), view.side = light->side.data(), view.albedo = light->albedo.data();
+    view.codewords = light->codewords.data(), view.side = light->side.data(), view.albedo = light->albedo.data();
     view.shows_ao = effects.ao, view.shows_bleeding = effects.bleeding;
     view.anisotropy = float(settings.anisotropy), view.scatters = effects.scattering;
     view.is_surface = medium.shape.mode == Mode::iso, view.is_paper = is_paper;
-    if (!optics.glow.empty() && medium.shape.mode == Mode::dvr) {
-        h.lifted.array().fetch();
-        light->glow = glow_of_words(device, h, optics, settings.model);
-        view.glows = true, view.glow_words = light->glow.data();
-        light->occupancy = glowing_occupancy(device, medium, h, view);
+    if (!optics.emission.empty() && medium.shape.mode == Mode::dvr) {
+        h.displaced.array().fetch();
+        light->emission = emission_of_codewords(device, h, optics, settings.model);
+        view.emits = true, view.emission_codewords = light->emission.data();
+        light->occupancy = emissive_occupancy(device, medium, h, view);
         view.occupancy = light->occupancy.data();
     }
     light->histograms = std::move(histograms);
@@ -83,8 +84,8 @@ std::shared_ptr<const HistogramLight> make_histogram_light(const Device& device,
 ParticleLight light_on_particles(const Device& device, const Medium::Data& medium, const LocalHistograms& h,
                                  const HistogramSettings& settings) {
     std::vector<float> open;
-    for (const auto& sums : word_sums(device, h, optics_of_bins(medium, h, "")))
-        open.push_back(word_light(sums, h, settings.model).a);
+    for (const auto& sums : codeword_sums(device, h, optics_of_bins(medium, h, "")))
+        open.push_back(codeword_light(sums, h, settings.model).a);
     CellGrid nodes = h.grid;
     nodes.count = h.nodes;
     ParticleLight light{CellValues(nodes), view_of_nodes(h)};
@@ -97,12 +98,13 @@ ParticleLight light_on_particles(const Device& device, const Medium::Data& mediu
 Volume histogram_field(const Device& device, const Medium::Data& medium, const LocalHistograms& h,
                        const HistogramSettings& settings, Progress& progress) {
     const DeviceVolume::Data& volume = medium.volume.data();
-    std::vector<kernel::Rgba> words;
-    for (const auto& s : word_sums(device, h, optics_of_bins(medium, h, settings.effects.glow ? settings.glow : "")))
-        words.push_back({s[0], s[1], s[2], std::min(s[3], 1.0f)});
+    std::vector<kernel::Rgba> codewords;
+    for (const auto& s :
+         codeword_sums(device, h, optics_of_bins(medium, h, settings.effects.emission ? settings.emission : "")))
+        codewords.push_back({s[0], s[1], s[2], std::min(s[3], 1.0f)});
     const std::vector<float> side = outward_sides(medium, h.grid.edge_mm);
     kernel::HistogramView view = view_over(h, h.identifiers.data(), medium);
-    view.words = words.data(), view.side = side.data(), view.is_paper = true;  // of both halves the mean
+    view.codewords = codewords.data(), view.side = side.data(), view.is_paper = true;  // of both halves the mean
 
     const bool is_colour = settings.effects.bleeding;
     Volume out;

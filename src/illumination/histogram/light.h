@@ -11,24 +11,24 @@ namespace chiaro {
 /// What a picture looks up: everything that a HistogramView points to.
 struct HistogramLight {
     std::shared_ptr<const LocalHistograms> histograms;
-    std::vector<kernel::Rgba> words;
+    std::vector<kernel::Rgba> codewords;
     std::vector<float> side;              ///< by entry of the medium's table
-    std::vector<kernel::Rgba> glow;       ///< of what glows; else empty
+    std::vector<kernel::Rgba> emission;   ///< of what glows; else empty
     std::vector<std::uint8_t> occupancy;  ///< likewise
     std::vector<kernel::Rgba> albedo;     ///< by entry of the medium's table
     kernel::HistogramView view{};
 
     /// Those of `owner`, which is this.
     void add_to(HostArrays& arrays, const std::shared_ptr<const HistogramLight>& owner) const {
-        for (const auto* colours : {&words, &glow, &albedo}) arrays.add(owner, *colours);
+        for (const auto* colours : {&codewords, &emission, &albedo}) arrays.add(owner, *colours);
         arrays.add(owner, side);
         arrays.add(owner, occupancy);
         arrays.add(histograms->life, histograms->identifiers);
-        arrays.add(histograms->lifted.array());
+        arrays.add(histograms->displaced.array());
     }
     std::size_t bytes() const {
-        return (words.size() + glow.size() + albedo.size()) * sizeof words[0] + side.size() * sizeof side[0] +
-               occupancy.size();
+        return (codewords.size() + emission.size() + albedo.size()) * sizeof codewords[0] +
+               side.size() * sizeof side[0] + occupancy.size();
     }
 };
 

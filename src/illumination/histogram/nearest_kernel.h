@@ -42,8 +42,8 @@ CHIARO_INLINE float distance_of(std::int32_t difference) {
 }
 
 /// A word, how far it is, and whether none is nearer.
-struct FoundWord {
-    std::int32_t word, difference;
+struct FoundCodeword {
+    std::int32_t codeword, difference;
     bool is_nearest;
 };
 
@@ -51,42 +51,45 @@ struct FoundWord {
 /// only where d(s, c) <= d(x, s) + d(x, best) for a word s (triangle inequality), so the neighbours of a good guess s
 /// are tried in order until they are too far. Where the list of neighbours ends before that any word may be nearer.
 template <CodebookMetric metric>
-CHIARO_INLINE FoundWord near_word(const CodebookView& book, const std::int16_t* x, std::int32_t guess) {
-    std::int32_t best = guess, least = difference<metric>(x, book.words + std::int64_t(guess) * book.bins, book.bins);
+CHIARO_INLINE FoundCodeword near_codeword(const CodebookView& codebook, const std::int16_t* x, std::int32_t guess) {
+    std::int32_t best = guess,
+                 least = difference<metric>(x, codebook.codewords + std::int64_t(guess) * codebook.bins, codebook.bins);
     for (;;) {
         const std::int32_t start = best;
         const float from_start = distance_of<metric>(least);
         float reach = 2 * from_start * 1.00001f + 0.01f;  // rounding never loses a word
-        const std::uint16_t* const near = book.neighbours + std::int64_t(start) * book.listed;
-        const float* const away = book.distances + std::int64_t(start) * book.listed;
+        const std::uint16_t* const near = codebook.neighbours + std::int64_t(start) * codebook.listed;
+        const float* const away = codebook.distances + std::int64_t(start) * codebook.listed;
         std::int32_t i = 0;
         bool is_far_off = false;
-        for (; i < book.listed && away[i] <= reach && !is_far_off; ++i) {
+        for (; i < codebook.listed && away[i] <= reach && !is_far_off; ++i) {
             const std::int32_t c = near[i];
-            const std::int32_t d = difference<metric>(x, book.words + std::int64_t(c) * book.bins, book.bins, least);
+            const std::int32_t d =
+                difference<metric>(x, codebook.codewords + std::int64_t(c) * codebook.bins, codebook.bins, least);
             if (d > least || (d == least && c > best)) continue;
             best = c, least = d;
             const float to_best = distance_of<metric>(d);
             reach = (from_start + to_best) * 1.00001f + 0.01f;
             is_far_off = to_best < 0.7f * from_start;  // its own neighbours are fewer
         }
-        if (!is_far_off) return {best, least, i < book.listed || book.listed == book.count - 1};
+        if (!is_far_off) return {best, least, i < codebook.listed || codebook.listed == codebook.count - 1};
     }
 }
 /// The nearest of all words, `found` being one.
 template <CodebookMetric metric>
-CHIARO_INLINE FoundWord word_of_all(const CodebookView& book, const std::int16_t* x, FoundWord found) {
-    for (std::int32_t c = 0; c < book.count; ++c) {
-        const std::int32_t d =
-            difference<metric>(x, book.words + std::int64_t(c) * book.bins, book.bins, found.difference);
-        if (d < found.difference || (d == found.difference && c < found.word)) found.word = c, found.difference = d;
+CHIARO_INLINE FoundCodeword codeword_of_all(const CodebookView& codebook, const std::int16_t* x, FoundCodeword found) {
+    for (std::int32_t c = 0; c < codebook.count; ++c) {
+        const std::int32_t d = difference<metric>(x, codebook.codewords + std::int64_t(c) * codebook.bins,
+                                                  codebook.bins, found.difference);
+        if (d < found.difference || (d == found.difference && c < found.codeword))
+            found.codeword = c, found.difference = d;
     }
-    return {found.word, found.difference, true};
+    return {found.codeword, found.difference, true};
 }
 template <CodebookMetric metric>
-CHIARO_INLINE FoundWord nearest_word(const CodebookView& book, const std::int16_t* x, std::int32_t guess) {
-    const FoundWord near = near_word<metric>(book, x, guess);
-    return near.is_nearest ? near : word_of_all<metric>(book, x, near);
+CHIARO_INLINE FoundCodeword nearest_codeword(const CodebookView& codebook, const std::int16_t* x, std::int32_t guess) {
+    const FoundCodeword near = near_codeword<metric>(codebook, x, guess);
+    return near.is_nearest ? near : codeword_of_all<metric>(codebook, x, near);
 }
 
 template <CodebookMetric metric>
@@ -95,65 +98,68 @@ struct OfMetric {
 };
 /// use(of) by the book's metric, decltype(of)::value.
 template <class Use>
-CHIARO_INLINE auto by_metric(const CodebookView& book, Use&& use) {
-    if (book.metric == CodebookMetric::l1) return use(OfMetric<CodebookMetric::l1>());
-    if (book.metric == CodebookMetric::lmax) return use(OfMetric<CodebookMetric::lmax>());
+CHIARO_INLINE auto by_metric(const CodebookView& codebook, Use&& use) {
+    if (codebook.metric == CodebookMetric::l1) return use(OfMetric<CodebookMetric::l1>());
+    if (codebook.metric == CodebookMetric::lmax) return use(OfMetric<CodebookMetric::lmax>());
     return use(OfMetric<CodebookMetric::l2>());
 }
-CHIARO_INLINE std::int32_t difference_of(const CodebookView& book, const std::int16_t* a, const std::int16_t* b) {
-    return by_metric(book,
-                     [&](auto of) CHIARO_INLINE_LAMBDA { return difference<decltype(of)::value>(a, b, book.bins); });
+CHIARO_INLINE std::int32_t difference_of(const CodebookView& codebook, const std::int16_t* a, const std::int16_t* b) {
+    return by_metric(
+        codebook, [&](auto of) CHIARO_INLINE_LAMBDA { return difference<decltype(of)::value>(a, b, codebook.bins); });
 }
-CHIARO_INLINE FoundWord near_word(const CodebookView& book, const std::int16_t* x, std::int32_t guess) {
-    return by_metric(book,
-                     [&](auto of) CHIARO_INLINE_LAMBDA { return near_word<decltype(of)::value>(book, x, guess); });
+CHIARO_INLINE FoundCodeword near_codeword(const CodebookView& codebook, const std::int16_t* x, std::int32_t guess) {
+    return by_metric(
+        codebook, [&](auto of) CHIARO_INLINE_LAMBDA { return near_codeword<decltype(of)::value>(codebook, x, guess); });
 }
-CHIARO_INLINE FoundWord word_of_all(const CodebookView& book, const std::int16_t* x, FoundWord found) {
-    return by_metric(book,
-                     [&](auto of) CHIARO_INLINE_LAMBDA { return word_of_all<decltype(of)::value>(book, x, found); });
+CHIARO_INLINE FoundCodeword codeword_of_all(const CodebookView& codebook, const std::int16_t* x, FoundCodeword found) {
+    return by_metric(codebook, [&](auto of) CHIARO_INLINE_LAMBDA {
+        return codeword_of_all<decltype(of)::value>(codebook, x, found);
+    });
 }
-CHIARO_INLINE FoundWord nearest_word(const CodebookView& book, const std::int16_t* x, std::int32_t guess) {
-    return by_metric(book,
-                     [&](auto of) CHIARO_INLINE_LAMBDA { return nearest_word<decltype(of)::value>(book, x, guess); });
+CHIARO_INLINE FoundCodeword nearest_codeword(const CodebookView& codebook, const std::int16_t* x, std::int32_t guess) {
+    return by_metric(codebook, [&](auto of) CHIARO_INLINE_LAMBDA {
+        return nearest_codeword<decltype(of)::value>(codebook, x, guess);
+    });
 }
-CHIARO_INLINE float distance_of(const CodebookView& book, std::int32_t difference) {
-    return by_metric(book, [&](auto of) CHIARO_INLINE_LAMBDA { return distance_of<decltype(of)::value>(difference); });
+CHIARO_INLINE float distance_of(const CodebookView& codebook, std::int32_t difference) {
+    return by_metric(codebook,
+                     [&](auto of) CHIARO_INLINE_LAMBDA { return distance_of<decltype(of)::value>(difference); });
 }
 
 /// Whether `x` is what lies `beside` it (null: nothing does), so that its word is too.
-CHIARO_INLINE bool is_same(const CodebookView& book, const std::int16_t* beside, const std::int16_t* x) {
-    return beside && difference<CodebookMetric::lmax>(x, beside, book.bins) == 0;
+CHIARO_INLINE bool is_same(const CodebookView& codebook, const std::int16_t* beside, const std::int16_t* x) {
+    return beside && difference<CodebookMetric::lmax>(x, beside, codebook.bins) == 0;
 }
 
 /// Identifiers of a row of cells, two histograms each. A cell's guesses are the words of the one before; the first
 /// one's are in `words`.
-CHIARO_INLINE void assign_row(const CodebookView& book, const std::int16_t* histograms, std::int32_t count,
-                              std::uint16_t* words) {
+CHIARO_INLINE void assign_row(const CodebookView& codebook, const std::int16_t* histograms, std::int32_t count,
+                              std::uint16_t* codewords) {
     for (int side = 0; side < 2; ++side) {
-        std::int32_t word = words[side];
+        std::int32_t codeword = codewords[side];
         const std::int16_t* before = nullptr;
         for (int i = 0; i < count; ++i) {
-            const std::int16_t* x = histograms + (2 * i + side) * book.bins;
-            if (!is_same(book, before, x)) word = nearest_word(book, x, word).word;
-            words[2 * i + side] = std::uint16_t(word);
+            const std::int16_t* x = histograms + (2 * i + side) * codebook.bins;
+            if (!is_same(codebook, before, x)) codeword = nearest_codeword(codebook, x, codeword).codeword;
+            codewords[2 * i + side] = std::uint16_t(codeword);
             before = x;
         }
     }
 }
 
 /// Words of single histograms, and how far they are; `words` holds the guesses.
-CHIARO_INLINE void assign_each(const CodebookView& book, const std::int16_t* histograms, std::int32_t count,
-                               std::uint16_t* words, std::int32_t* differences) {
+CHIARO_INLINE void assign_each(const CodebookView& codebook, const std::int16_t* histograms, std::int32_t count,
+                               std::uint16_t* codewords, std::int32_t* differences) {
     for (int i = 0; i < count; ++i) {
-        const FoundWord found = nearest_word(book, histograms + i * book.bins, words[i]);
-        words[i] = std::uint16_t(found.word), differences[i] = found.difference;
+        const FoundCodeword found = nearest_codeword(codebook, histograms + i * codebook.bins, codewords[i]);
+        codewords[i] = std::uint16_t(found.codeword), differences[i] = found.difference;
     }
 }
 
 /// Differences of one word to all.
-CHIARO_INLINE void differences_to(const CodebookView& book, const std::int16_t* x, std::int32_t* out) {
-    for (std::int32_t c = 0; c < book.count; ++c)
-        out[c] = difference_of(book, x, book.words + std::int64_t(c) * book.bins);
+CHIARO_INLINE void differences_to(const CodebookView& codebook, const std::int16_t* x, std::int32_t* out) {
+    for (std::int32_t c = 0; c < codebook.count; ++c)
+        out[c] = difference_of(codebook, x, codebook.codewords + std::int64_t(c) * codebook.bins);
 }
 
 }  // namespace chiaro::kernel

@@ -2,10 +2,10 @@
 
 #include "core/srgb.h"
 #include "core/threads.h"
-#include "cuda/mirror.h"
-#include "illumination/histogram/glow.h"
+#include "cuda/device_cache.h"
+#include "illumination/histogram/emission.h"
 #include "illumination/histogram/launch.h"
-#include "illumination/histogram/launch_card.h"
+#include "illumination/histogram/launch_gpu.h"
 
 namespace chiaro {
 namespace {
@@ -33,29 +33,30 @@ void add_material(const Medium::Data& medium, double value, const OpticalTable::
 }
 
 /// The words of the bins [first, end) on the device's card, which keeps the histograms.
-void sum_words_on_card(const Device& device, const LocalHistograms& h, std::pair<std::size_t, std::size_t> bins,
-                       const std::vector<float>& weights, std::vector<std::array<float, 4>>& sums) {
+void sum_codewords_on_gpu(const Device& device, const LocalHistograms& h, std::pair<std::size_t, std::size_t> bins,
+                          const std::vector<float>& weights, std::vector<std::array<float, 4>>& sums) {
     cuda::Stream& stream = *device.stream;
     HostArrays arrays;
     arrays.add(h.weak_from_this(), h.shares);
     arrays.add(weights);
     cuda::Views views(stream, std::move(arrays));
-    const cuda::Array<float> parts(stream, 4 * sums.size() * kernel::word_parts), out(stream, 4 * sums.size());
-    kernel::WordTable table{h.shares.data(),           weights.data(), h.words,   h.stride, std::int32_t(bins.first),
-                            std::int32_t(bins.second), parts.data(),   out.data()};
-    views.swap(table.shares, table.weights);
-    kernel::find_word_sums(stream, table);
+    const cuda::Array<float> parts(stream, 4 * sums.size() * kernel::codeword_parts), out(stream, 4 * sums.size());
+    kernel::CodewordTable table{
+        h.shares.data(),           weights.data(), h.codewords, h.stride, std::int32_t(bins.first),
+        std::int32_t(bins.second), parts.data(),   out.data()};
+    views.to_device_pointers(table.shares, table.weights);
+    kernel::find_codeword_sums(stream, table);
     stream.download(sums.data(), out.data(), sums.size() * sizeof sums[0]);
     stream.wait();
 }
 
 }  // namespace
 
-BinOptics optics_of_bins(const Medium::Data& medium, const LocalHistograms& h, const std::string& glow) {
+BinOptics optics_of_bins(const Medium::Data& medium, const LocalHistograms& h, const std::string& emission) {
     const DeviceVolume::Data& volume = medium.volume.data();
     const double edge_mm = h.grid.edge_mm;
     BinOptics optics;
-    const auto glowing = glow.empty() ? GlowMapping() : GlowMapping(glow);
+    const auto emissive = emission.empty() ? EmissionMapping() : EmissionMapping(emission);
     for (int j = 0; j < h.binning.count; ++j) {
         const double stored = h.binning.stored_of(j), value = volume.scale * stored + volume.offset;
         const OpticalTable::Entry& entry = entry_at(medium.table, stored);
@@ -65,30 +66,31 @@ BinOptics optics_of_bins(const Medium::Data& medium, const LocalHistograms& h, c
             optics.alpha.push_back(float(-std::expm1(-entry.extinction_per_mm * edge_mm)));
             optics.rgb.push_back({entry.r, entry.g, entry.b});
         }
-        if (!glow.empty()) optics.glow.push_back(float(glowing.at(value)));
+        if (!emission.empty()) optics.emission.push_back(float(emissive.at(value)));
     }
     return optics;
 }
 
-std::vector<std::array<float, 4>> word_sums(const Device& device, const LocalHistograms& h, const BinOptics& optics) {
+std::vector<std::array<float, 4>> codeword_sums(const Device& device, const LocalHistograms& h,
+                                                const BinOptics& optics) {
     const auto stride = std::size_t(h.stride);
     std::vector<float> weights(4 * stride);
     std::size_t first = stride, end = 0;
     for (std::size_t j = 0; j < optics.alpha.size(); ++j) {
-        const float alpha = optics.alpha[j], glow = optics.glow.empty() ? 1 : optics.glow[j];
-        for (std::size_t c = 0; c < 3; ++c) weights[c * stride + j] = alpha * glow * optics.rgb[j][c];
+        const float alpha = optics.alpha[j], emission = optics.emission.empty() ? 1 : optics.emission[j];
+        for (std::size_t c = 0; c < 3; ++c) weights[c * stride + j] = alpha * emission * optics.rgb[j][c];
         weights[3 * stride + j] = alpha;
         if (alpha > 0) first = std::min(first, j / 16 * 16), end = j + 1;
     }
-    std::vector<std::array<float, 4>> sums(std::size_t(h.words), {0, 0, 0, 0});
+    std::vector<std::array<float, 4>> sums(std::size_t(h.codewords), {0, 0, 0, 0});
     if (end == 0) return sums;
     const auto here = [&](std::int64_t from, std::int64_t to) {
-        const auto run = kernel::histogram_functions_for(device.isa).word_sums;
+        const auto run = kernel::histogram_functions_for(device.isa).codeword_sums;
         run(h.shares.data() + std::size_t(from) * stride, std::int32_t(to - from), h.stride, std::int32_t(first),
             std::int32_t(end), weights.data(), sums[std::size_t(from)].data());
     };
-    const auto on_card = [&] { sum_words_on_card(device, h, {first, end}, weights, sums); };
-    if (!cuda::done_on_card(device, on_card)) parallel_for(device.threads, h.words, 64, here);
+    const auto on_gpu = [&] { sum_codewords_on_gpu(device, h, {first, end}, weights, sums); };
+    if (!cuda::try_gpu(device, on_gpu)) parallel_for(device.threads, h.codewords, 64, here);
     for (std::size_t w = 0; w < sums.size(); ++w)
         for (float& sum : sums[w]) sum *= h.scale[w];
     return sums;

@@ -3,7 +3,7 @@
 #include <cstring>
 #include <vector>
 
-#include "illumination/cells/twin_buffer.h"
+#include "illumination/cells/mirrored_buffer.h"
 #include "illumination/histogram/codebook_view.h"
 
 namespace chiaro {
@@ -15,7 +15,7 @@ constexpr int padded_bins(int packed) { return (packed + 15) / 16 * 16; }
 
 /// What a card made stays there until the host reads it.
 struct PackedHistograms {
-    TwinBuffer buffer;
+    MirroredBuffer buffer;
 
     explicit PackedHistograms(std::size_t numbers) : buffer(numbers * sizeof(PackedHistogram)) {}
     PackedHistograms(const std::vector<PackedHistogram>& list) : PackedHistograms(list.size()) {
@@ -23,8 +23,8 @@ struct PackedHistograms {
     }
     std::size_t size() const { return buffer.size() / sizeof(PackedHistogram); }  ///< numbers
     const PackedHistogram* data() const { return reinterpret_cast<const PackedHistogram*>(buffer.data()); }
-    const PackedHistogram* on_card(cuda::Stream& stream) const {
-        return reinterpret_cast<const PackedHistogram*>(buffer.on_card(stream));
+    const PackedHistogram* on_gpu(cuda::Stream& stream) const {
+        return reinterpret_cast<const PackedHistogram*>(buffer.on_gpu(stream));
     }
 };
 

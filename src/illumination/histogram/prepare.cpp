@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 
 #include "illumination/histogram/cache.h"
+#include "illumination/histogram/emission.h"
 #include "illumination/histogram/exact_kernel.h"
 #include "illumination/histogram/fast.h"
-#include "illumination/histogram/glow.h"
 #include "illumination/histogram/random.h"
 
 namespace chiaro {
@@ -29,13 +29,13 @@ void check_within(const char* name, int value, int least, int most) {
 
 /// What only flags and scene files are held to so far; and all that can be refused before long work.
 void check_settings(const HistogramSettings& settings) {
-    check_within("hist-radius", settings.radius, 0, kernel::BallView::most_reach);
+    check_within("hist-radius", settings.radius, 0, kernel::BallView::max_reach);
     check_within("hist-clusters", settings.clusters, 1, 4096);
     check_within("hist-packed-bins", settings.packed_bins, 2, 256);
     check_within("hist-subsample", settings.subsample, 1, 4);
     if (settings.subsample == 3)  // nodes lie alike in every block
         throw Error(ErrorCode::usage, "hist-subsample 3: must be 1, 2 or 4");
-    if (settings.effects.glow && !settings.glow.empty()) GlowMapping{settings.glow};
+    if (settings.effects.emission && !settings.emission.empty()) EmissionMapping{settings.emission};
 }
 
 }  // namespace
@@ -60,7 +60,7 @@ int proposed_radius(const DeviceVolume& volume) {
 }
 
 std::shared_ptr<const LocalHistograms> prepare_histograms(const Device& device, const DeviceVolume& volume,
-                                                          HistogramSettings settings, Steps& steps,
+                                                          HistogramSettings settings, StageTimer& timer,
                                                           std::vector<std::string>& notes, Progress& progress) {
     check_settings(settings);
     const DeviceVolume::Data& data = volume.data();
@@ -69,19 +69,19 @@ std::shared_ptr<const LocalHistograms> prepare_histograms(const Device& device, 
         notes.push_back(fmt::format("hist-radius {} proposed by the data", settings.radius));
     }
     const HistogramCache cache(settings.cache, data, settings);
-    auto found = steps("histogram cache", [&] { return cache.read(notes); });
+    auto found = timer("histogram cache", [&] { return cache.read(notes); });
     if (found) {
         // Only what cannot be found again at once is kept.
         found->radius = settings.radius, found->subsample = settings.subsample;
-        steps("histogram lift", [&] {
+        timer("histogram lift", [&] {
             const BinnedCells cells = bin_cells(device, data, progress);
             found->grid = cells.grid, found->binning = cells.binning;
-            lift_identifiers(device, cells, *found);
+            normal_offset_identifiers(device, cells, *found);
         });
         return std::make_shared<const LocalHistograms>(std::move(*found));
     }
-    auto made = std::make_shared<LocalHistograms>(find_local_histograms(device, data, settings, steps, progress));
-    steps("histogram keep", [&] { cache.write(*made, notes); });
+    auto made = std::make_shared<LocalHistograms>(find_local_histograms(device, data, settings, timer, progress));
+    timer("histogram keep", [&] { cache.write(*made, notes); });
     return made;
 }
 

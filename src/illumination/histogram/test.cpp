@@ -7,8 +7,8 @@
 #include <random>
 
 #include "fixtures.h"
+#include "illumination/histogram/emission.h"
 #include "illumination/histogram/exact.h"
-#include "illumination/histogram/glow.h"
 #include "illumination/histogram/launch.h"
 #include "illumination/histogram/optics.h"
 #include "illumination/histogram/source.h"
@@ -127,9 +127,9 @@ TEST(LocalHistograms, AreWhatTheDefinitionSays) {
         const auto found = exact(cells, run, 7);
         for (int i = 0; i < run.count; i += 3)
             for (const bool forward : {true, false}) {
-                const Histogram truth = by_definition(cells, run.x + i, run.y, run.z, 7, forward);
+                const Histogram ground_truth = by_definition(cells, run.x + i, run.y, run.z, 7, forward);
                 for (int j = 0; j < bins; ++j)
-                    ASSERT_NEAR(found[std::size_t((2 * i + !forward) * bins + j)], truth[std::size_t(j)], 1e-5)
+                    ASSERT_NEAR(found[std::size_t((2 * i + !forward) * bins + j)], ground_truth[std::size_t(j)], 1e-5)
                         << i << " " << j;
             }
     }
@@ -191,10 +191,10 @@ TEST(LocalHistograms, SweptEqualBruteForceInTheirQuantity) {
         const auto swept = all_histograms(tested_device(), data, HistogramPath::sweep);
         const Ball ball(5, false);
         const int bins = data.cells.binning.count;
-        const ExactHistograms truth(tested_device(), data.cells, ball);
+        const ExactHistograms ground_truth(tested_device(), data.cells, ball);
         for (const auto& [x, y, z] : {std::array{0, 0, 0}, {36, 34, 8}, {20, 17, 4}, {32, 3, 7}}) {
             std::vector<float> full(std::size_t(bins), 0), packed(std::size_t(data.packing.packed));
-            truth.add(x, y, z, ExactHistograms::Half::whole, full.data());
+            ground_truth.add(x, y, z, ExactHistograms::Half::whole, full.data());
             data.packing.pack(full, packed);
             for (int half = 0; half < 2; ++half)
                 for (int k = 0; k < 16; ++k)
@@ -280,18 +280,18 @@ TEST(Packing, CumulativeKeepsTheCumulativeHistogram) {
 
 LocalHistograms histograms_of(const Volume& volume, HistogramSettings settings,
                               const Device& device = tested_device()) {
-    Steps steps;
+    StageTimer timer;
     Progress progress;
-    return find_local_histograms(device, upload(device, volume).data(), settings, steps, progress);
+    return find_local_histograms(device, upload(device, volume).data(), settings, timer, progress);
 }
 
 constexpr HistogramSettings small{.radius = 6, .clusters = 100, .packed_bins = 16};
 
-TEST(LocalHistograms, HaveWordsThatSumToOneAtMost) {
+TEST(LocalHistograms, HaveCodewordsThatSumToOneAtMost) {
     const LocalHistograms h = histograms_of(clutter(), small);
-    EXPECT_GT(h.words, 90);
+    EXPECT_GT(h.codewords, 90);
     double largest = 0;
-    for (int w = 0; w < h.words; ++w) {
+    for (int w = 0; w < h.codewords; ++w) {
         double total = 0;
         for (int j = 0; j < h.stride; ++j)
             total += double(h.shares[std::size_t(w * h.stride + j)]) * h.scale[std::size_t(w)];
@@ -299,7 +299,7 @@ TEST(LocalHistograms, HaveWordsThatSumToOneAtMost) {
         EXPECT_LT(total, 1.001);
     }
     EXPECT_GT(largest, 0.99);  // all members inside
-    for (const WordPair& pair : h.pairs()) ASSERT_TRUE(pair.forward < h.words && pair.backward < h.words);
+    for (const CodewordPair& pair : h.pairs()) ASSERT_TRUE(pair.forward < h.codewords && pair.backward < h.codewords);
 }
 
 TEST(LocalHistograms, AreTheSameForAnyNumberOfThreadsAndInstructionSet) {
@@ -312,7 +312,8 @@ TEST(LocalHistograms, AreTheSameForAnyNumberOfThreadsAndInstructionSet) {
             ASSERT_EQ(one.identifiers.size(), other.identifiers.size());
             EXPECT_TRUE(std::equal(one.identifiers.data(), one.identifiers.data() + one.identifiers.size(),
                                    other.identifiers.data()));
-            EXPECT_TRUE(std::equal(one.lifted.data(), one.lifted.data() + one.lifted.size(), other.lifted.data()));
+            EXPECT_TRUE(
+                std::equal(one.displaced.data(), one.displaced.data() + one.displaced.size(), other.displaced.data()));
             EXPECT_EQ(one.shares, other.shares);
             EXPECT_EQ(one.scale, other.scale);
         }
@@ -323,10 +324,10 @@ Medium medium_of(const Volume& volume, const TransferFunction& tf, const Shape& 
     return classify(upload(tested_device(), volume), tf, shape);
 }
 
-TEST(WordSums, AreOneForOpaqueMatterAndNothingForClear) {
+TEST(CodewordSums, AreOneForOpaqueMatterAndNothingForClear) {
     const LocalHistograms h = histograms_of(clutter(), small);
     const auto sums = [&](const TransferFunction& tf) {
-        return word_sums(tested_device(), h, optics_of_bins(medium_of(clutter(), tf).data(), h, ""));
+        return codeword_sums(tested_device(), h, optics_of_bins(medium_of(clutter(), tf).data(), h, ""));
     };
     double largest = 0;
     for (const auto& s : sums(testing::constant(1))) largest = std::max(largest, double(s[3]));
@@ -342,30 +343,30 @@ TEST(WordSums, AreOneForOpaqueMatterAndNothingForClear) {
     }
 }
 
-TEST(WordSums, AreTheSameOnEveryInstructionSet) {
+TEST(CodewordSums, AreTheSameOnEveryInstructionSet) {
     const LocalHistograms h = histograms_of(clutter(), small);
     const BinOptics optics = optics_of_bins(medium_of(clutter(), testing::two_materials()).data(), h, "100:200=3");
-    const auto plain = word_sums(Device::cpu(1, Isa::scalar), h, optics);
+    const auto plain = codeword_sums(Device::cpu(1, Isa::scalar), h, optics);
     for (std::size_t w = 0; w < plain.size(); ++w) {
         double o = 0, r = 0;
         for (std::size_t j = 0; j < optics.alpha.size(); ++j) {
             const double share = double(h.shares[w * std::size_t(h.stride) + j]) * h.scale[w];
-            o += share * optics.alpha[j], r += share * optics.alpha[j] * optics.rgb[j][0] * optics.glow[j];
+            o += share * optics.alpha[j], r += share * optics.alpha[j] * optics.rgb[j][0] * optics.emission[j];
         }
         ASSERT_NEAR(plain[w][3], o, 1e-5);
         ASSERT_NEAR(plain[w][0], r, 1e-5);
     }
-    for (const Isa isa : available_isas()) EXPECT_EQ(word_sums(Device::cpu(2, isa), h, optics), plain);
+    for (const Isa isa : available_isas()) EXPECT_EQ(codeword_sums(Device::cpu(2, isa), h, optics), plain);
 }
 
-TEST(Glow, IsReadFromTextAndRefusesNonsense) {
-    const GlowMapping box("40:80=3");
+TEST(Emission, IsReadFromTextAndRefusesNonsense) {
+    const EmissionMapping box("40:80=3");
     EXPECT_EQ(box.at(39), 1);
     EXPECT_EQ(box.at(40), 3);
     EXPECT_EQ(box.at(60), 3);
     EXPECT_EQ(box.at(81), 1);
     for (const char* text : {"40:80", "80:40=2", "a:b=2", "40:80=0.5", "/no/such/file"})
-        EXPECT_THROW(GlowMapping{text}, Error) << text;
+        EXPECT_THROW(EmissionMapping{text}, Error) << text;
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <numeric>
 
 #include "core/threads.h"
-#include "illumination/histogram/card.h"
+#include "illumination/histogram/gpu.h"
 
 namespace chiaro {
 namespace {
@@ -89,7 +89,7 @@ PackedHistograms sample_histograms(const Device& device, const HistogramData& da
     for (const std::size_t block : blocks) map.holds[block] = 1;
     const double wanted = double(cells_wanted) / double(blocks.size());
     PackedHistograms found(0);
-    if (!cuda::done_on_card(device, [&] { found = sample_on_card(device, data, path, map, wanted, progress); }))
+    if (!cuda::try_gpu(device, [&] { found = sample_on_gpu(device, data, path, map, wanted, progress); }))
         found = found_here(device, data, path, blocks, wanted, progress);
     if (found.size() > 0) return found;
     return std::vector<PackedHistogram>(std::size_t(padded_bins(data.packing.packed)));  // nothing to tell apart

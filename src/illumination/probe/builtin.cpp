@@ -90,17 +90,17 @@ constexpr Row rows[] = {
 
 /// At the pixels' centres, scaled so that the brightest surface is as bright as under the white one.
 Probe sampled(const Row& row) {
-    ProbePicture picture{2 * row.height, row.height, {}};
-    picture.rgb.resize(std::size_t(3) * picture.width * picture.height);
-    parallel_for(picture.height, 8, [&](std::int64_t first, std::int64_t last) {
+    ProbeImage image{2 * row.height, row.height, {}};
+    image.rgb.resize(std::size_t(3) * image.width * image.height);
+    parallel_for(image.height, 8, [&](std::int64_t first, std::int64_t last) {
         for (auto y = first; y < last; ++y)
-            for (int x = 0; x < picture.width; ++x) {
-                const Rgb radiance = row.radiance(picture.direction(x + 0.5, double(y) + 0.5));
-                float* to = picture.rgb.data() + 3 * (std::size_t(y) * picture.width + x);
+            for (int x = 0; x < image.width; ++x) {
+                const Rgb radiance = row.radiance(image.direction(x + 0.5, double(y) + 0.5));
+                float* to = image.rgb.data() + 3 * (std::size_t(y) * image.width + x);
                 for (int c = 0; c < 3; ++c) to[c] = float(radiance[c] / row.brightest);
             }
     });
-    return Probe(picture.width, picture.height, std::move(picture.rgb));
+    return Probe(image.width, image.height, std::move(image.rgb));
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 
 namespace chiaro {
 
-struct ProbePicture {
+struct ProbeImage {
     int width = 0, height = 0;
     std::vector<float> rgb;  ///< finite, not negative
 
@@ -42,12 +42,12 @@ struct ProbePicture {
 /// L_lm of each channel: L constant in each pixel, integrated exactly, weighted by solid angle and nothing else. As
 /// Y_lm = P(θ) cos mφ (m >= 0) or P(θ) sin |m|φ, a row needs the sums of its pixels times cos mφ and sin mφ alone. The
 /// same for any number of threads.
-std::array<ShCoefficients, 3> project(const ProbePicture& picture);
+std::array<ShCoefficients, 3> project(const ProbeImage& image);
 
 struct Probe::Data : std::enable_shared_from_this<Data> {
-    explicit Data(ProbePicture of) : picture(std::move(of)), sh(project(picture)) {}
+    explicit Data(ProbeImage of) : image(std::move(of)), sh(project(image)) {}
 
-    const ProbePicture picture;
+    const ProbeImage image;
     const std::array<ShCoefficients, 3> sh;  ///< per channel
     const LambertTable& lambert() const {
         return lambert_([&] { return lambert_of_probe(*this); });

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int cells_x = 128, cells_y = 64;
 constexpr int edge = 65;
-constexpr int values = 3 * most_coefficients;
+constexpr int values = 3 * max_coefficients;
 
 /// Light that comes from one place: its direction, and ∫ L Y_lm dω per channel.
 struct Cell {
@@ -35,26 +35,25 @@ Vec3 normal_at(int i, int j) {
 
 /// A cell gathered from its pixels: the direction is the mean one, weighted by luminance, so that a small light keeps
 /// its place. Pixels wider than half a cell are taken in pieces.
-Cell gather(const ProbePicture& picture, int cell_x, int cell_y) {
-    const int pieces_x = 1 + (2 * cells_x - 1) / picture.width, pieces_y = 1 + (2 * cells_y - 1) / picture.height;
-    const std::int64_t fine_x = std::int64_t(picture.width) * pieces_x,
-                       fine_y = std::int64_t(picture.height) * pieces_y;
+Cell gather(const ProbeImage& image, int cell_x, int cell_y) {
+    const int pieces_x = 1 + (2 * cells_x - 1) / image.width, pieces_y = 1 + (2 * cells_y - 1) / image.height;
+    const std::int64_t fine_x = std::int64_t(image.width) * pieces_x, fine_y = std::int64_t(image.height) * pieces_y;
     const auto first = [](int cell, std::int64_t fine, int cells) { return (cell * fine + cells - 1) / cells; };
     std::array<double, 3> flux{};
     Vec3 moment;
     for (auto y = first(cell_y, fine_y, cells_y); y < first(cell_y + 1, fine_y, cells_y); ++y) {
         const double top = double(y) / pieces_y, bottom = double(y + 1) / pieces_y;
         const double solid_angle = 2 * std::numbers::pi / double(fine_x) *
-                                   (std::cos(picture.polar_angle(top)) - std::cos(picture.polar_angle(bottom)));
+                                   (std::cos(image.polar_angle(top)) - std::cos(image.polar_angle(bottom)));
         for (auto x = first(cell_x, fine_x, cells_x); x < first(cell_x + 1, fine_x, cells_x); ++x) {
-            const float* pixel = picture.rgb.data() + 3 * ((y / pieces_y) * picture.width + x / pieces_x);
+            const float* pixel = image.rgb.data() + 3 * ((y / pieces_y) * image.width + x / pieces_x);
             double luminance = 0;
             for (int c = 0; c < 3; ++c) {
                 flux[c] += solid_angle * pixel[c];
                 luminance += luminance_weights[c] * pixel[c];
             }
             moment = moment + solid_angle * luminance *
-                                  picture.direction((double(x) + 0.5) / pieces_x, (double(y) + 0.5) / pieces_y);
+                                  image.direction((double(x) + 0.5) / pieces_x, (double(y) + 0.5) / pieces_y);
         }
     }
     Cell cell{};
@@ -63,15 +62,15 @@ Cell gather(const ProbePicture& picture, int cell_x, int cell_y) {
     const ShCoefficients basis = spherical_harmonics(d);
     cell.direction = {float(d.x), float(d.y), float(d.z)};
     for (int c = 0; c < 3; ++c)
-        for (int i = 0; i < most_coefficients; ++i) cell.light[c * most_coefficients + i] = float(flux[c] * basis[i]);
+        for (int i = 0; i < max_coefficients; ++i) cell.light[c * max_coefficients + i] = float(flux[c] * basis[i]);
     return cell;
 }
 
-std::vector<Cell> gather(const ProbePicture& picture) {
+std::vector<Cell> gather(const ProbeImage& image) {
     std::vector<Cell> cells(std::size_t(cells_x) * cells_y);
     parallel_for(cells_y, 1, [&](std::int64_t first, std::int64_t last) {
         for (auto y = first; y < last; ++y)
-            for (int x = 0; x < cells_x; ++x) cells[y * cells_x + x] = gather(picture, x, int(y));
+            for (int x = 0; x < cells_x; ++x) cells[y * cells_x + x] = gather(image, x, int(y));
     });
     return cells;
 }
@@ -91,7 +90,7 @@ LambertTable::Entry lambert_at(const std::vector<Cell>& cells, Vec3 normal) {
         for (int i = 0; i < values; ++i) sums[i] += part[i];
     }
     LambertTable::Entry entry;
-    for (int i = 0; i < values; ++i) entry[i / most_coefficients][i % most_coefficients] = float(sums[i]);
+    for (int i = 0; i < values; ++i) entry[i / max_coefficients][i % max_coefficients] = float(sums[i]);
     return entry;
 }
 
@@ -115,7 +114,7 @@ LambertTable::Entry LambertTable::at(Vec3 normal) const {
     const Entry* node = entries.data() + std::size_t(j) * edge + i;
     Entry entry;
     for (int c = 0; c < 3; ++c)
-        for (int k = 0; k < most_coefficients; ++k) {
+        for (int k = 0; k < max_coefficients; ++k) {
             const float near = node[0][c][k] + x * (node[1][c][k] - node[0][c][k]);
             const float far = node[edge][c][k] + x * (node[edge + 1][c][k] - node[edge][c][k]);
             entry[c][k] = near + y * (far - near);
@@ -124,7 +123,7 @@ LambertTable::Entry LambertTable::at(Vec3 normal) const {
 }
 
 LambertTable lambert_of_probe(const Probe::Data& probe) {
-    const std::vector<Cell> cells = gather(probe.picture);
+    const std::vector<Cell> cells = gather(probe.image);
     return tabulated([&](Vec3 normal) { return lambert_at(cells, normal); });
 }
 
@@ -142,7 +141,7 @@ LambertTable lambert_table(const Lighting& lighting, Vec3 orbit_up, const Geomet
         LambertTable::Entry entry = own.at(turned(probe_from_grid, normal));
         for (auto& coefficients : entry) {
             coefficients = rotation(coefficients);
-            for (int l = 0; l < most_bands; ++l)
+            for (int l = 0; l < max_bands; ++l)
                 for (int i = l * l; i < (l + 1) * (l + 1); ++i) coefficients[i] *= float(gain * factors[l]);
         }
         return entry;

@@ -9,7 +9,7 @@ namespace chiaro {
 /// The bracket for normals n over an unfolded octahedron (octahedron.h): node (i, j) is the normal at u = i / (edge -
 /// 1), v = j / (edge - 1); between them bilinear.
 struct LambertTable {
-    using Entry = std::array<std::array<float, most_coefficients>, 3>;  ///< per channel
+    using Entry = std::array<std::array<float, max_coefficients>, 3>;  ///< per channel
 
     int edge = 0;                ///< nodes a side
     std::vector<Entry> entries;  ///< u fastest
@@ -26,6 +26,6 @@ LambertTable lambert_of_probe(const Probe::Data& probe);
 /// is the probe's own table looked up at the normal turned back, its coefficients turned. Cost: some 2 ms of processor
 /// time, 811 kB; once a probe .2 s for its own table.
 LambertTable lambert_table(const Lighting& lighting, Vec3 orbit_up, const Geometry& geometry, ShWindow window,
-                           int bands = most_bands);
+                           int bands = max_bands);
 
 }  // namespace chiaro

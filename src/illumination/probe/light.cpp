@@ -12,7 +12,7 @@ Vec3 first_moment(const ShCoefficients& c) { return {c[3], c[1], c[2]}; }
 /// From luminance, in the axes of the grid.
 void find_direction(const Axes& world_from_grid, Vec3 orbit_up, ShLight& light) {
     ShCoefficients luminance{};
-    for (int i = 0; i < most_coefficients; ++i)
+    for (int i = 0; i < max_coefficients; ++i)
         for (int c = 0; c < 3; ++c) luminance[i] += luminance_weights[c] * light.coefficients[c][i];
     const Vec3 moment = first_moment(luminance);
     const double strength = length(moment);
@@ -54,7 +54,7 @@ ShLight sh_light(const Lighting& lighting, Vec3 orbit_up, const Geometry& geomet
 
     const auto factors = window_factors(window, bands);
     for (ShCoefficients& coefficients : light.coefficients)
-        for (int l = 0; l < most_bands; ++l)
+        for (int l = 0; l < max_bands; ++l)
             for (int i = l * l; i < (l + 1) * (l + 1); ++i) coefficients[i] *= factors[l];
     return light;
 }

@@ -25,6 +25,6 @@ struct ShLight {
 
 /// Without a cosine lobe; bands from `bands` on are 0. Cost: some 20 µs, nothing that depends on the probe's size.
 ShLight sh_light(const Lighting& lighting, Vec3 orbit_up, const Geometry& geometry, ShWindow window,
-                 int bands = most_bands);
+                 int bands = max_bands);
 
 }  // namespace chiaro

@@ -26,13 +26,13 @@ Probe::Probe(int width, int height, std::vector<float> rgb) {
                     fmt::format("a light probe of {} x {} pixels with {} values: must have three a pixel", width,
                                 height, rgb.size()));
     for (float& radiance : rgb) radiance = sane(radiance);
-    data_ = std::make_shared<const Data>(ProbePicture{width, height, std::move(rgb)});
+    data_ = std::make_shared<const Data>(ProbeImage{width, height, std::move(rgb)});
 }
 
-int Probe::width() const { return data_ ? data_->picture.width : 0; }
-int Probe::height() const { return data_ ? data_->picture.height : 0; }
+int Probe::width() const { return data_ ? data_->image.width : 0; }
+int Probe::height() const { return data_ ? data_->image.height : 0; }
 std::span<const float> Probe::rgb() const {
-    return data_ ? std::span<const float>(data_->picture.rgb) : std::span<const float>();
+    return data_ ? std::span<const float>(data_->image.rgb) : std::span<const float>();
 }
 
 }  // namespace chiaro

@@ -18,12 +18,12 @@ constexpr double degree = pi / 180;
 
 /// A picture of a function of direction, in the probe's own frame.
 Probe pictured(int width, int height, const std::function<Rgb(Vec3)>& radiance) {
-    ProbePicture picture{width, height, {}};
+    ProbeImage image{width, height, {}};
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x)
-            for (const double channel : radiance(picture.direction(x + 0.5, y + 0.5)))
-                picture.rgb.push_back(float(channel));
-    return Probe(width, height, std::move(picture.rgb));
+            for (const double channel : radiance(image.direction(x + 0.5, y + 0.5)))
+                image.rgb.push_back(float(channel));
+    return Probe(width, height, std::move(image.rgb));
 }
 
 /// One bright pixel; its solid angle and direction in the probe's frame.
@@ -35,10 +35,10 @@ Source narrow_source(int width, int height, int x, int y, Rgb rgb = {1, 1, 1}) {
     std::vector<float> pixels(std::size_t(3) * width * height);
     for (int c = 0; c < 3; ++c) pixels[3 * (std::size_t(y) * width + x) + c] = float(rgb[c]);
     Source source{Probe(width, height, std::move(pixels)), 0, 0, 0};
-    const ProbePicture& picture = source.probe.data().picture;
-    source.azimuth = picture.azimuth(x + 0.5);
-    source.elevation = pi / 2 - picture.polar_angle(y + 0.5);
-    source.solid_angle = picture.solid_angle(y);
+    const ProbeImage& image = source.probe.data().image;
+    source.azimuth = image.azimuth(x + 0.5);
+    source.elevation = pi / 2 - image.polar_angle(y + 0.5);
+    source.solid_angle = image.solid_angle(y);
     return source;
 }
 
@@ -60,7 +60,7 @@ Geometry oblique_grid(bool left_handed) {
 
 }  // namespace
 
-TEST(Probe, RefusesWhatIsNoPicture) {
+TEST(Probe, RefusesWhatIsNoImage) {
     EXPECT_THROW(Probe(0, 1, {}), Error);
     EXPECT_THROW(Probe(2, 1, {1, 2, 3}), Error);
     EXPECT_THROW(Probe(65537, 1, std::vector<float>(3 * 65537)), Error);
@@ -80,18 +80,18 @@ TEST(Probe, OfConstantLightHasBandZeroAlone) {
     for (auto [width, height] : {std::pair(1, 1), {8, 4}, {5, 3}, {200, 100}}) {
         const Probe probe = pictured(width, height, [&](Vec3) { return rgb; });
         for (int c = 0; c < 3; ++c)
-            for (int i = 0; i < most_coefficients; ++i)
+            for (int i = 0; i < max_coefficients; ++i)
                 EXPECT_NEAR(probe.data().sh[c][i], i ? 0 : rgb[c] * std::sqrt(4 * pi), 1e-9) << i;
     }
 }
 
 TEST(Probe, OfAHarmonicHasThatCoefficient) {
-    for (int wanted = 0; wanted < most_coefficients; ++wanted) {
+    for (int wanted = 0; wanted < max_coefficients; ++wanted) {
         const Probe probe = pictured(256, 128, [&](Vec3 d) {
             const double y = spherical_harmonics(d)[wanted];
             return Rgb{2 + y, 2 - y, 2};
         });
-        for (int i = 1; i < most_coefficients; ++i) {
+        for (int i = 1; i < max_coefficients; ++i) {
             EXPECT_NEAR(probe.data().sh[0][i], i == wanted, 1e-3) << wanted << " " << i;
             EXPECT_NEAR(probe.data().sh[1][i], -(i == wanted), 1e-3);
             EXPECT_NEAR(probe.data().sh[2][i], 0, 1e-3);
@@ -102,7 +102,7 @@ TEST(Probe, OfAHarmonicHasThatCoefficient) {
 TEST(Probe, OfANarrowSourceIsADelta) {
     const Source s = narrow_source(720, 360, 100, 80);
     const ShCoefficients y = spherical_harmonics(orbit_direction(s.azimuth, s.elevation, {0, 0, 1}));
-    for (int i = 0; i < most_coefficients; ++i) EXPECT_NEAR(s.probe.data().sh[0][i] / s.solid_angle, y[i], 1e-4) << i;
+    for (int i = 0; i < max_coefficients; ++i) EXPECT_NEAR(s.probe.data().sh[0][i] / s.solid_angle, y[i], 1e-4) << i;
 }
 
 TEST(BuiltinProbe, IsFiniteAndPositiveAndLightsAWhiteSurfaceUpToOne) {
@@ -148,12 +148,12 @@ TEST(ShLight, FindsANarrowSourceInTheWorld) {
                 const ShCoefficients basis =
                     spherical_harmonics({dot(expected, x), dot(expected, y), dot(expected, z)});
                 for (int c = 0; c < 3; ++c)
-                    for (int i = 0; i < most_coefficients; ++i)
+                    for (int i = 0; i < max_coefficients; ++i)
                         EXPECT_NEAR(light.coefficients[c][i] / s.solid_angle, (3 - c) * basis[i], 2e-3) << i;
             }
 }
 
-TEST(ShLight, TurnedIsTheProjectionOfTheTurnedPicture) {
+TEST(ShLight, TurnedIsTheProjectionOfTheTurnedImage) {
     const auto radiance = [](Vec3 d) { return Rgb{std::exp(d.x + d.z), 1 + d.y * d.y, std::exp(2 * d.y)}; };
     const double turn = 40 * degree;
     const Probe plain = pictured(512, 256, radiance),
@@ -163,7 +163,7 @@ TEST(ShLight, TurnedIsTheProjectionOfTheTurnedPicture) {
                 });
     const ShLight a = sh_light(lit_by(plain, 40), {0, 0, 1}, {}, ShWindow::none);
     for (int c = 0; c < 3; ++c)
-        for (int i = 0; i < most_coefficients; ++i)
+        for (int i = 0; i < max_coefficients; ++i)
             EXPECT_NEAR(a.coefficients[c][i], turned_one.data().sh[c][i], 1e-4) << i;
 }
 
@@ -173,7 +173,7 @@ TEST(ShLight, ExposureAndWindowAreFactors) {
     const ShLight bright = sh_light(lit_by(probe, 0, 3), {0, 0, 1}, {}, ShWindow::none);
     const ShLight soft = sh_light(lit_by(probe), {0, 0, 1}, {}, ShWindow::hann),
                   few = sh_light(lit_by(probe), {0, 0, 1}, {}, ShWindow::hann, 2);
-    for (int i = 0; i < most_coefficients; ++i) {
+    for (int i = 0; i < max_coefficients; ++i) {
         EXPECT_DOUBLE_EQ(bright.coefficients[0][i], 8 * plain.coefficients[0][i]);
         const int band = int(std::sqrt(i));
         EXPECT_NEAR(soft.coefficients[0][i], (1 + std::cos(pi * band / 4)) / 2 * plain.coefficients[0][i], 1e-12);
@@ -188,7 +188,7 @@ TEST(ShLight, ExposureAndWindowAreFactors) {
 TEST(ShLight, WithoutAProbeIsWhite) {
     const ShLight light = sh_light({}, {0, 1, 0}, oblique_grid(true), ShWindow::none);
     for (int c = 0; c < 3; ++c)
-        for (int i = 0; i < most_coefficients; ++i)
+        for (int i = 0; i < max_coefficients; ++i)
             EXPECT_NEAR(light.coefficients[c][i], i ? 0 : std::sqrt(4 * pi), 1e-9);
     EXPECT_EQ(light.dominant, (Vec3{0, 1, 0}));
     EXPECT_EQ(light.directionality, 0);
@@ -199,18 +199,18 @@ namespace {
 
 /// ∫ L max(0, n·ω) V(ω) dω over the picture, pixel by pixel; V in spherical harmonics, in the probe's frame.
 Rgb irradiance(const Probe& probe, Vec3 normal, const ShCoefficients& visibility) {
-    const ProbePicture& picture = probe.data().picture;
+    const ProbeImage& image = probe.data().image;
     Rgb sum{};
-    for (int y = 0; y < picture.height; ++y) {
-        const double solid_angle = picture.solid_angle(y);
-        for (int x = 0; x < picture.width; ++x) {
-            const Vec3 d = picture.direction(x + 0.5, y + 0.5);
+    for (int y = 0; y < image.height; ++y) {
+        const double solid_angle = image.solid_angle(y);
+        for (int x = 0; x < image.width; ++x) {
+            const Vec3 d = image.direction(x + 0.5, y + 0.5);
             const double cosine = dot(normal, d);
             if (cosine <= 0) continue;
             const ShCoefficients basis = spherical_harmonics(d);
             double v = 0;
-            for (int i = 0; i < most_coefficients; ++i) v += visibility[i] * basis[i];
-            const float* pixel = picture.rgb.data() + 3 * (std::size_t(y) * picture.width + x);
+            for (int i = 0; i < max_coefficients; ++i) v += visibility[i] * basis[i];
+            const float* pixel = image.rgb.data() + 3 * (std::size_t(y) * image.width + x);
             for (int c = 0; c < 3; ++c) sum[c] += solid_angle * cosine * v * pixel[c];
         }
     }
@@ -220,7 +220,7 @@ Rgb irradiance(const Probe& probe, Vec3 normal, const ShCoefficients& visibility
 Rgb product(const LambertTable::Entry& entry, const ShCoefficients& visibility) {
     Rgb sum{};
     for (int c = 0; c < 3; ++c)
-        for (int i = 0; i < most_coefficients; ++i) sum[c] += visibility[i] * entry[c][i];
+        for (int i = 0; i < max_coefficients; ++i) sum[c] += visibility[i] * entry[c][i];
     return sum;
 }
 
@@ -236,7 +236,7 @@ ShCoefficients half_open(Vec3 normal) {
 
 }  // namespace
 
-TEST(Lambert, GivesTheIrradianceOfTheWholePicture) {
+TEST(Lambert, GivesTheIrradianceOfTheWholeImage) {
     for (const char* name : {"sky", "studio", "windows"}) {
         const Probe probe = builtin_probe(name);
         const LambertTable table = lambert_table(lit_by(probe), {0, 0, 1}, {}, ShWindow::none);
@@ -261,7 +261,7 @@ TEST(Lambert, OfWhiteLightIsTheCosineLobe) {
     for (const Vec3 normal : fibonacci_directions(100)) {
         const ShCoefficients basis = spherical_harmonics(normal);
         const auto entry = table.at(normal);
-        for (int l = 0; l < most_bands; ++l)
+        for (int l = 0; l < max_bands; ++l)
             for (int i = l * l; i < (l + 1) * (l + 1); ++i) EXPECT_NEAR(entry[1][i], bands[l] * basis[i], 0.01) << i;
     }
 }
@@ -299,7 +299,7 @@ TEST(Lambert, HasNoSeamAtTheFolds) {
         Vec3 n{normal(random), normal(random), normal(random)};
         if (i % 4 < 3) n[i % 4] *= 1e-5;  // on both sides of a fold
         const auto a = table.at(n), b = table.at(n + 1e-4 * Vec3{normal(random), normal(random), normal(random)});
-        for (int k = 0; k < most_coefficients; ++k) {
+        for (int k = 0; k < max_coefficients; ++k) {
             scale = std::max(scale, std::abs(double(a[0][k])));
             worst = std::max(worst, std::abs(double(a[0][k]) - b[0][k]));
         }

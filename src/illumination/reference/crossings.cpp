@@ -8,7 +8,7 @@ Crossings::Crossings(const ExtinctionCells& cells) : cells_(cells) {
     for (int axis = 0; axis < 3; ++axis) beyond_[axis].resize(std::size_t(cells.count()[axis]) + 1);
 }
 
-kernel::CellRays Crossings::along(Vec3 direction, int x, double start_half_edges, Vec3 offset) {
+kernel::CellRays Crossings::along(Vec3 direction, int x, double start_half_voxels, Vec3 offset) {
     constexpr double never = std::numeric_limits<double>::infinity();
     const auto& count = cells_.count();
     double steepest = 0;
@@ -22,7 +22,7 @@ kernel::CellRays Crossings::along(Vec3 direction, int x, double start_half_edges
         next[axis] = slope > 0 ? to_wall[axis] / slope : never;
     }
     // The ray starts on the cube of that many half edges; with 1 where it leaves its own cell.
-    const double start = 0.5 * start_half_edges / steepest;
+    const double start = 0.5 * start_half_voxels / steepest;
     std::array<int, 3> moved{0, 0, 0};
     list_.clear();
     for (auto& beyond : beyond_) beyond[0] = 0;

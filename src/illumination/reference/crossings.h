@@ -14,7 +14,7 @@ public:
     /// Lists the crossings of a ray from a cell at `x` (its place among the interleaved ones matters) until it has left
     /// the grid, wherever it started. Rays leave a point that lies `offset` (at most ½ per axis, in edges) off the
     /// cell's centre. Returns what the kernel reads; it is valid until the next call.
-    kernel::CellRays along(Vec3 direction, int x, double start_half_edges, Vec3 offset = {});
+    kernel::CellRays along(Vec3 direction, int x, double start_half_voxels, Vec3 offset = {});
 
     /// What the last call's answer points into, but for the cells.
     void add_to(HostArrays& arrays) const {

@@ -6,15 +6,15 @@
 
 #include "core/threads.h"
 #include "cuda/run.h"
-#include "illumination/cells/card.h"
+#include "illumination/cells/gpu.h"
 #include "volume/device_view.h"
 
 namespace chiaro {
 namespace {
 
-constexpr double most_opaque = 1 - 1e-7;  ///< κ = -ln(1 - α) stays finite
+constexpr double max_opaque = 1 - 1e-7;  ///< κ = -ln(1 - α) stays finite
 
-double extinction_of(double opacity) { return -std::log1p(-std::min(opacity, most_opaque)); }
+double extinction_of(double opacity) { return -std::log1p(-std::min(opacity, max_opaque)); }
 
 /// By opacity of cells of isosurfaces.
 std::vector<float> by_opacity() {
@@ -38,10 +38,12 @@ kernel::CellExtinction<Voxel> extinction_in(const Medium::Data& medium, const Ce
             .count = {nx, ny, nz}};
 }
 
-void swap_pointers(cuda::Views& views, kernel::NodeExtinction& extinction) { views.swap(extinction.density); }
+void swap_pointers(cuda::Views& views, kernel::NodeExtinction& extinction) {
+    views.to_device_pointers(extinction.density);
+}
 template <class Voxel>
 void swap_pointers(cuda::Views& views, kernel::CellExtinction<Voxel>& extinction) {
-    views.swap(extinction.volume.voxels, extinction.opacity, extinction.entries);
+    views.to_device_pointers(extinction.volume.voxels, extinction.opacity, extinction.entries);
 }
 
 ExtinctionTable inside_surfaces(const Medium::Data& medium) {
@@ -74,7 +76,7 @@ ExtinctionCells::ExtinctionCells(const CellGrid& grid, int stride) {
                     "rays through the volume would need more than 2147483647 cells: resample the volume, or choose "
                     "another lighting method");
     layout_ = {stride, phase, int(row), int(row) * count_[1]};
-    buffer_ = TwinBuffer(std::size_t(all) * sizeof(float));
+    buffer_ = MirroredBuffer(std::size_t(all) * sizeof(float));
 }
 
 ExtinctionCells::ExtinctionCells(const Medium::Data& medium, const CellOpacity& opacity, int stride,
@@ -118,7 +120,7 @@ void ExtinctionCells::fill(const CellGrid& grid, const BlockMap& blocks, const E
                            const HostArrays& arrays, const Device& device, Progress& progress) {
     const auto [nx, ny, nz] = grid.count;
     const kernel::ExtinctionRow<Extinction> row{extinction, layout_, {nx, ny, nz}, nullptr};
-    if (cuda::done_on_card(device, [&] { fill_there(row, blocks, arrays, device, progress); })) return;
+    if (cuda::try_gpu(device, [&] { fill_there(row, blocks, arrays, device, progress); })) return;
     arrays.fetch();
     fill_here(row, grid, blocks, device, progress);
 }
@@ -160,7 +162,7 @@ void ExtinctionCells::fill_there(kernel::ExtinctionRow<Extinction> row, const Bl
     const auto order = blocks.held();
     auto block = order.begin();
     for_blocks(stream, blocks, "extinction", progress, [&](const kernel::BlockPlace* places, std::int64_t count) {
-        kernel::run_on_card(stream, count * Fill::rows, Fill{row, places, spans.data()});
+        kernel::run_on_gpu(stream, count * Fill::rows, Fill{row, places, spans.data()});
         found.resize(std::size_t(count) * Fill::rows);
         stream.fetch(found.data(), spans.data(), found.size() * sizeof found[0]);
         for (auto span = found.begin(); span != found.end(); ++block) {

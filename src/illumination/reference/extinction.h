@@ -66,7 +66,7 @@ private:
     std::array<int, 3> count_;
     kernel::ExtinctionLayout layout_{};
     Range held_;
-    TwinBuffer buffer_{0};
+    MirroredBuffer buffer_{0};
 };
 
 }  // namespace chiaro

@@ -28,7 +28,7 @@ public:
 
     /// What the kernel reads for one direction; it keeps its planes in `planes`. Rays leave a point `offset` edges off
     /// their cell's centre.
-    kernel::InterpolatedRays<Voxel> along(Vec3 direction, double start_half_edges,
+    kernel::InterpolatedRays<Voxel> along(Vec3 direction, double start_half_voxels,
                                           std::vector<kernel::HalfSpaceView>& planes, Vec3 offset = {}) const {
         const Vec3& k = grid_.voxels_per_cell;
         const Vec3 voxels{direction.x * k.x, direction.y * k.y, direction.z * k.z};
@@ -48,7 +48,7 @@ public:
                 .origin = {float(0.5 + offset.x), float(0.5 + offset.y), float(0.5 + offset.z)},
                 .planes = planes.data(),
                 .plane_count = int(planes.size()),
-                .start = float(0.5 * start_half_edges / steepest),
+                .start = float(0.5 * start_half_voxels / steepest),
                 .step = float(step_)};
     }
 

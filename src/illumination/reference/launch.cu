@@ -1,6 +1,6 @@
 // The reference's rays on cards: the same source, one thread a node, or a run of sixteen.
 #include "cuda/launch.h"
-#include "illumination/reference/launch_card.h"
+#include "illumination/reference/launch_gpu.h"
 
 namespace chiaro::kernel {
 namespace {
@@ -9,7 +9,7 @@ template <class Rays>
 struct TraceNode {
     RayKernel<Rays> kernel;
     const NodeColumn* columns;
-    CHIARO_ON_CARD void operator()(std::int64_t item) const {
+    CHIARO_DEVICE void operator()(std::int64_t item) const {
         const NodeColumn& column = columns[item / column_nodes];
         const std::int32_t i = std::int32_t(item % column_nodes), row = i / NodeColumn::width;
         const std::int32_t j = row % column_rows, k = row / column_rows;
@@ -23,7 +23,7 @@ struct TraceRun {
     HarmonicsKernel<Rays> kernel;
     const NodeRun* runs;
     HarmonicSums* sums;
-    CHIARO_ON_CARD void operator()(std::int64_t item) const {
+    CHIARO_DEVICE void operator()(std::int64_t item) const {
         kernel.template operator()<float>(runs[item], sums[item]);
     }
 };

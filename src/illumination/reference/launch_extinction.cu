@@ -5,7 +5,7 @@
 namespace chiaro::kernel {
 
 #define CHIARO_INSTANTIATE(Extinction) \
-    template void run_on_card(cuda::Stream&, std::int64_t, const FillExtinction<Extinction>&);
+    template void run_on_gpu(cuda::Stream&, std::int64_t, const FillExtinction<Extinction>&);
 CHIARO_INSTANTIATE(CellExtinction<std::uint8_t>)
 CHIARO_INSTANTIATE(CellExtinction<std::uint16_t>)
 CHIARO_INSTANTIATE(CellExtinction<float>)

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "core/threads.h"
-#include "illumination/reference/card.h"
 #include "illumination/reference/crossings.h"
+#include "illumination/reference/gpu.h"
 #include "illumination/reference/interpolated.h"
 #include "illumination/reference/launch.h"
 #include "illumination/reference/nodes.h"
@@ -123,10 +123,10 @@ private:
 };
 
 /// A call's own copies, which a kernel may write.
-NodeColumn on_card(cuda::Views& views, NodeColumn column) {
+NodeColumn on_gpu(cuda::Views& views, NodeColumn column) {
     const double *light = column.light, *weight = column.weight;
-    views.swap(column.y, column.z, column.cell_x, column.normal_x, column.normal_y, column.normal_z, column.share,
-               light, weight);
+    views.to_device_pointers(column.y, column.z, column.cell_x, column.normal_x, column.normal_y, column.normal_z,
+                             column.share, light, weight);
     column.light = const_cast<double*>(light), column.weight = const_cast<double*>(weight);
     return column;
 }
@@ -135,18 +135,18 @@ constexpr std::size_t columns_together = 64;  ///< on a card: a million threads,
 
 /// The columns' sums, all of them with the same list of crossings.
 template <class Follower>
-void trace_on_card(cuda::Stream& stream, cuda::Views& medium, std::vector<Tracing>& columns, Lobe lobe,
-                   const Follower& follower, const std::vector<Vec3>& directions, Progress& progress) {
+void trace_on_gpu(cuda::Stream& stream, cuda::Views& medium, std::vector<Tracing>& columns, Lobe lobe,
+                  const Follower& follower, const std::vector<Vec3>& directions, Progress& progress) {
     HostArrays arrays;
     for (const Tracing& column : columns) column.add_to(arrays);
     cuda::Views views(stream, std::move(arrays));
     std::vector<NodeColumn> there;
-    for (Tracing& column : columns) there.push_back(on_card(views, column.view(follower(column.x()).place)));
+    for (Tracing& column : columns) there.push_back(on_gpu(views, column.view(follower(column.x()).place)));
     const cuda::Array<NodeColumn> their_columns(stream, there.size());
-    const cuda::Settled settled{stream};
+    const cuda::SyncOnExit sync{stream};
     stream.upload(their_columns.data(), there.data(), there.size() * sizeof there[0]);
     auto follow = follower(columns[0].x());
-    follow_on_card(stream, medium, follow, directions, progress, [&](const auto& rays, Vec3 d) {
+    follow_on_gpu(stream, medium, follow, directions, progress, [&](const auto& rays, Vec3 d) {
         using Rays = std::remove_cvref_t<decltype(rays)>;
         const kernel::RayKernel<Rays> kernel{rays, {float(d.x), float(d.y), float(d.z)}, lobe};
         kernel::trace_columns(stream, kernel, their_columns.data(), std::int64_t(there.size()));
@@ -166,7 +166,7 @@ CellValues trace(const Device& device, const NodeGrid& grid, const ReferenceSett
     const auto columns = columns_of(grid, grid.blocks_for(blocks));
     HostArrays arrays;
     follower(0).add_medium(arrays);
-    const auto on_card = [&] {
+    const auto on_gpu = [&] {
         cuda::Stream& stream = *device.stream;
         cuda::Views medium(stream, arrays);
         for (std::size_t first = 0, end; first < columns.size(); first = end) {
@@ -175,12 +175,12 @@ CellValues trace(const Device& device, const NodeGrid& grid, const ReferenceSett
                               columns[end].is_irregular == columns[first].is_irregular;
                  ++end)
                 together.emplace_back(grid, columns[end], lobe, opacity.values);
-            trace_on_card(stream, medium, together, lobe, follower, directions, progress);
+            trace_on_gpu(stream, medium, together, lobe, follower, directions, progress);
             for (const Tracing& column : together) column.keep(at_nodes, settings.rays);
             progress.report("rays", double(end) / double(columns.size()));
         }
     };
-    if (cuda::done_on_card(device, on_card)) return at_nodes;
+    if (cuda::try_gpu(device, on_gpu)) return at_nodes;
     arrays.fetch();
     const auto trace_column = kernel::trace_column_for<Rays>(device.isa);
     const auto work = [&](std::int64_t c, std::int64_t) {
@@ -222,15 +222,15 @@ struct InterpolatedFollower {
 }  // namespace
 
 CellValues reference_accessibility(const Device& device, const Medium::Data& medium, const CellOpacity& opacity,
-                                   const ReferenceSettings& settings, const BlockMap& blocks, Steps& steps,
+                                   const ReferenceSettings& settings, const BlockMap& blocks, StageTimer& timer,
                                    Progress& progress, double step) {
     const NodeGrid grid(opacity.values.grid, settings.subsample);
-    const double start = settings.start_half_edges;
+    const double start = settings.start_half_voxels;
     const auto through_cells = [&] {
         const ExtinctionCells cells =
-            steps("extinction", [&] { return ExtinctionCells(medium, opacity, settings.subsample, device, progress); });
+            timer("extinction", [&] { return ExtinctionCells(medium, opacity, settings.subsample, device, progress); });
         const auto follower = [&](int x) { return CellFollower{Crossings(cells), x, cells.place(x), start}; };
-        return steps("rays", [&] {
+        return timer("rays", [&] {
             return trace<kernel::CellRays>(device, grid, settings, opacity, blocks, follower, progress);
         });
     };
@@ -238,7 +238,7 @@ CellValues reference_accessibility(const Device& device, const Medium::Data& med
         using Voxel = decltype(voxel);
         const InterpolatedMedium<Voxel> interpolated(medium, grid.cells(), step);
         const auto follower = [&](int) { return InterpolatedFollower<Voxel>{interpolated, start}; };
-        return steps("rays", [&] {
+        return timer("rays", [&] {
             return trace<kernel::InterpolatedRays<Voxel>>(device, grid, settings, opacity, blocks, follower, progress);
         });
     };
@@ -246,7 +246,7 @@ CellValues reference_accessibility(const Device& device, const Medium::Data& med
                               ? through_cells()
                               : with_stored_voxel(medium.volume.data(), through_voxels);
     if (grid.stride() == 1) return at_nodes;
-    return steps("interpolation", [&] { return grid.interpolate(at_nodes, blocks, device.threads, progress); });
+    return timer("interpolation", [&] { return grid.interpolate(at_nodes, blocks, device.threads, progress); });
 }
 
 }  // namespace chiaro

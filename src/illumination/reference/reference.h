@@ -13,7 +13,7 @@ inline constexpr double reference_step = 0.25;
 /// V along N Fibonacci directions, averaged over the sphere or over the hemisphere about the outward normal. Fills the
 /// cells of the given blocks. Cost: rays × cells crossed.
 CellValues reference_accessibility(const Device& device, const Medium::Data& medium, const CellOpacity& opacity,
-                                   const ReferenceSettings& settings, const BlockMap& blocks, Steps& steps,
+                                   const ReferenceSettings& settings, const BlockMap& blocks, StageTimer& timer,
                                    Progress& progress, double step = reference_step);
 
 }  // namespace chiaro

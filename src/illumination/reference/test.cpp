@@ -28,12 +28,12 @@ struct Rays {
 
     CellValues operator()(const Volume& volume) const {
         Progress progress;
-        Steps steps;
+        StageTimer timer;
         const Medium medium = classify(upload(device, volume), tf, shape);
         const CellOpacity opacity = cell_opacity(medium.data(), progress);
         BlockMap blocks(opacity.values.grid.count, only.empty());
         for (const auto& [x, y, z] : only) blocks(x, y, z) = 1;
-        return reference_accessibility(device, medium.data(), opacity, settings, blocks, steps, progress, step);
+        return reference_accessibility(device, medium.data(), opacity, settings, blocks, timer, progress, step);
     }
 };
 
@@ -132,7 +132,7 @@ TEST(Reference, CentreOfAHomogeneousBall) {
         ball.geometry.spacing_mm = {1, 1, double(thickness)};
         for (auto medium : {ReferenceMedium::voxels, ReferenceMedium::trilinear}) {
             const Rays rays{.tf = ramp(),
-                            .settings = {.rays = 1024, .medium = medium, .start_half_edges = 0, .subsample = 31}};
+                            .settings = {.rays = 1024, .medium = medium, .start_half_voxels = 0, .subsample = 31}};
             EXPECT_NEAR(at(rays(ball), 31, 31, 31), std::pow(1 - alpha, radius), 0.003) << thickness << int(medium);
         }
     }
@@ -144,7 +144,7 @@ TEST(Reference, MidPlaneOfASlab) {
         for (double depth : {0.3, 1.0, 2.0}) {  // κ a of half the thickness
             if (medium == ReferenceMedium::trilinear && depth != 1) continue;
             const Rays rays{.tf = constant(-std::expm1(-depth / 10.5)),
-                            .settings = {.rays = 1024, .medium = medium, .start_half_edges = 0, .subsample = 10}};
+                            .settings = {.rays = 1024, .medium = medium, .start_half_voxels = 0, .subsample = 10}};
             EXPECT_NEAR(at(rays(slab), 130, 130, 10), exponential_integral_2(depth), 0.0015) << depth << int(medium);
         }
 }
@@ -225,8 +225,8 @@ TEST(Reference, ConvergesWithTheRays) {
         sampled<std::uint8_t>({24, 24, 24}, [](double x, double y, double z) { return shells(x, y, z, 24); });
     Rays rays{.tf = two_materials()};
     const auto with = [&](int n) { return rays.settings.rays = n, rays(volume); };
-    const CellValues truth = with(8192);
-    const double coarse = rmse(with(256), truth), fine = rmse(with(1024), truth);
+    const CellValues ground_truth = with(8192);
+    const double coarse = rmse(with(256), ground_truth), fine = rmse(with(1024), ground_truth);
     EXPECT_LT(coarse, 0.004);
     EXPECT_LT(fine, coarse / 2);
     RecordProperty("rmse_256", std::to_string(coarse));
@@ -311,9 +311,9 @@ TEST(Reference, StopsWhenCancelled) {
         asked = steady_clock::now();
         progress.cancel();
     });
-    Steps steps;
+    StageTimer timer;
     const ReferenceSettings endless{.rays = 65536};
-    EXPECT_THROW(reference_accessibility(device, medium.data(), opacity, endless, blocks, steps, progress), Error);
+    EXPECT_THROW(reference_accessibility(device, medium.data(), opacity, endless, blocks, timer, progress), Error);
     canceller.join();
     EXPECT_LT(steady_clock::now() - asked, 500ms);
 }

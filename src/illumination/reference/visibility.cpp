@@ -3,8 +3,8 @@
 #include <numbers>
 
 #include "core/threads.h"
-#include "illumination/reference/card.h"
 #include "illumination/reference/crossings.h"
+#include "illumination/reference/gpu.h"
 #include "illumination/reference/interpolated.h"
 #include "illumination/reference/launch.h"
 #include "illumination/reference/reference.h"
@@ -35,23 +35,23 @@ kernel::HarmonicsKernel<Rays> kernel_of(const Rays& rays, int stride, Vec3 direc
     return kernel;
 }
 
-constexpr std::size_t runs_on_card = 1 << 16;  ///< 128 MB of sums
+constexpr std::size_t runs_on_gpu = 1 << 16;  ///< 128 MB of sums
 
 template <class Rays, class Follower, class Found>
-void trace_on_card(cuda::Stream& stream, const std::vector<NodeRun>& runs, int stride,
-                   const std::vector<Vec3>& directions, const Follower& follower, HostArrays arrays, Progress& progress,
-                   const Found& found) {
+void trace_on_gpu(cuda::Stream& stream, const std::vector<NodeRun>& runs, int stride,
+                  const std::vector<Vec3>& directions, const Follower& follower, HostArrays arrays, Progress& progress,
+                  const Found& found) {
     auto follow = follower();
     arrays.add(runs);
     cuda::Views medium(stream, std::move(arrays));
     const NodeRun* there = runs.data();
-    medium.swap(there);
-    cuda::Array<HarmonicSums> sums(stream, std::min(runs_on_card, runs.size()));
+    medium.to_device_pointers(there);
+    cuda::Array<HarmonicSums> sums(stream, std::min(runs_on_gpu, runs.size()));
     std::vector<HarmonicSums> landed(sums.size());
     for (std::size_t first = 0; first < runs.size(); first += sums.size()) {
         const std::size_t count = std::min(sums.size(), runs.size() - first);
         sums.zero();
-        follow_on_card(stream, medium, follow, directions, progress, [&](const Rays& rays, Vec3 d) {
+        follow_on_gpu(stream, medium, follow, directions, progress, [&](const Rays& rays, Vec3 d) {
             kernel::trace_harmonics(stream, kernel_of(rays, stride, d), there + first, std::int64_t(count),
                                     sums.data());
         });
@@ -70,10 +70,10 @@ void trace(const Device& device, const std::vector<NodeRun>& runs, int stride, i
     const auto directions = fibonacci_directions(rays);
     HostArrays arrays;
     follower().add_medium(arrays);
-    const auto on_card = [&] {
-        trace_on_card<Rays>(*device.stream, runs, stride, directions, follower, arrays, progress, found);
+    const auto on_gpu = [&] {
+        trace_on_gpu<Rays>(*device.stream, runs, stride, directions, follower, arrays, progress, found);
     };
-    if (cuda::done_on_card(device, on_card)) return;
+    if (cuda::try_gpu(device, on_gpu)) return;
     arrays.fetch();
     const auto trace_runs = kernel::trace_runs_for<Rays>(device.isa);
     const auto work = [&](std::int64_t first, std::int64_t end) {
@@ -140,25 +140,25 @@ void keep(const HarmonicSums& sums, std::size_t run, double weight, ShField& out
     const int x = int(run % per_row) * run_width;
     for (int i = 0; i < std::min(run_width, out.grid.count[0] - x); ++i) {
         float* to = out.node(run / per_row * std::size_t(out.grid.count[0]) + std::size_t(x + i));
-        for (int c = 0; c < most_coefficients; ++c) to[c] = float(weight * sums.at[c][i]);
+        for (int c = 0; c < max_coefficients; ++c) to[c] = float(weight * sums.at[c][i]);
     }
 }
 
 }  // namespace
 
 ShField reference_visibility(const Device& device, const Medium::Data& medium, const CellOpacity& opacity,
-                             const ReferenceSettings& settings, Steps& steps, Progress& progress) {
+                             const ReferenceSettings& settings, StageTimer& timer, Progress& progress) {
     const int stride = settings.subsample;
-    const double start = settings.start_half_edges;
-    ShField out(coarser(opacity.values.grid, stride), most_coefficients);
+    const double start = settings.start_half_voxels;
+    ShField out(coarser(opacity.values.grid, stride), max_coefficients);
     const auto found = [&](std::int64_t run, const HarmonicSums& sums) {
         keep(sums, std::size_t(run), weight_of(settings.rays), out);
     };
     const auto through_cells = [&] {
         const ExtinctionCells cells =
-            steps("extinction", [&] { return ExtinctionCells(medium, opacity, stride, device, progress); });
+            timer("extinction", [&] { return ExtinctionCells(medium, opacity, stride, device, progress); });
         const auto runs = all_runs(out.grid, stride, &cells);
-        steps("rays", [&] {
+        timer("rays", [&] {
             trace<kernel::CellRays>(device, runs, stride, settings.rays, follower_of(cells, stride, start), progress,
                                     found);
         });
@@ -168,7 +168,7 @@ ShField reference_visibility(const Device& device, const Medium::Data& medium, c
         const InterpolatedMedium<Voxel> interpolated(medium, opacity.values.grid, reference_step);
         const auto follower = [&] { return NodeInterpolatedFollower<Voxel>{interpolated, stride, start}; };
         const auto runs = all_runs(out.grid, stride, nullptr);
-        steps("rays", [&] {
+        timer("rays", [&] {
             trace<kernel::InterpolatedRays<Voxel>>(device, runs, stride, settings.rays, follower, progress, found);
         });
     };
@@ -180,17 +180,17 @@ ShField reference_visibility(const Device& device, const Medium::Data& medium, c
 }
 
 std::vector<RunHarmonics> trace_harmonics(const Device& device, const ExtinctionCells& cells, int stride,
-                                          double start_half_edges, int rays,
+                                          double start_half_voxels, int rays,
                                           const std::vector<std::array<int, 3>>& first_nodes, Progress& progress) {
     std::vector<NodeRun> runs;
     for (const auto& [x, y, z] : first_nodes)
         runs.push_back({cell_of(x, stride), cells.place(cell_of(x, stride)), cell_of(y, stride), cell_of(z, stride)});
     std::vector<RunHarmonics> harmonics(runs.size());
     const auto found = [&](std::int64_t run, const HarmonicSums& sums) {
-        for (int c = 0; c < most_coefficients; ++c)
+        for (int c = 0; c < max_coefficients; ++c)
             for (int i = 0; i < run_width; ++i) harmonics[std::size_t(run)][c][i] = weight_of(rays) * sums.at[c][i];
     };
-    trace<kernel::CellRays>(device, runs, stride, rays, follower_of(cells, stride, start_half_edges), progress, found);
+    trace<kernel::CellRays>(device, runs, stride, rays, follower_of(cells, stride, start_half_voxels), progress, found);
     return harmonics;
 }
 

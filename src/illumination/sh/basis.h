@@ -6,10 +6,10 @@
 
 namespace chiaro {
 
-inline constexpr int most_bands = 4, most_coefficients = most_bands * most_bands;
+inline constexpr int max_bands = 4, max_coefficients = max_bands * max_bands;
 
 /// Y_lm of a unit vector. Y_1 = √(3/4π) (y, z, x).
-inline std::array<double, most_coefficients> spherical_harmonics(Vec3 d) {
+inline std::array<double, max_coefficients> spherical_harmonics(Vec3 d) {
     const double x = d.x, y = d.y, z = d.z;
     return {0.28209479177387814,
             0.4886025119029199 * y,
@@ -30,8 +30,8 @@ inline std::array<double, most_coefficients> spherical_harmonics(Vec3 d) {
 }
 
 /// B_lm = ∫ max(0, Y_lm): no transmittance, 0 to 1 in every direction, has a coefficient beyond it (band 0: below 0).
-inline constexpr std::array<double, most_coefficients> coefficient_bounds{
-    3.5449, 1.5350, 1.5350, 1.5350, 1.4567, 1.4567, 1.5254, 1.4567,
-    1.4567, 1.3903, 1.4453, 1.4268, 1.5241, 1.4268, 1.4453, 1.3903};
+inline constexpr std::array<double, max_coefficients> coefficient_bounds{3.5449, 1.5350, 1.5350, 1.5350, 1.4567, 1.4567,
+                                                                         1.5254, 1.4567, 1.4567, 1.3903, 1.4453, 1.4268,
+                                                                         1.5241, 1.4268, 1.4453, 1.3903};
 
 }  // namespace chiaro

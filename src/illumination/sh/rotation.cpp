@@ -23,7 +23,7 @@ ShRotation::ShRotation(const Axes& map) {
             const double phi = 2 * std::numbers::pi * k / azimuths, r = std::sqrt(1 - z * z);
             const Vec3 d{r * std::cos(phi), r * std::sin(phi), z};
             const ShCoefficients before = spherical_harmonics(d), after = spherical_harmonics(turned(map, d));
-            for (int l = 0; l < most_bands; ++l)
+            for (int l = 0; l < max_bands; ++l)
                 for (int m = l * l; m < (l + 1) * (l + 1); ++m)
                     for (int n = l * l; n < (l + 1) * (l + 1); ++n)
                         matrix_[m][n] += weight * 2 * std::numbers::pi / azimuths * after[m] * before[n];

@@ -4,7 +4,7 @@
 
 namespace chiaro {
 
-using ShCoefficients = std::array<double, most_coefficients>;  ///< index l (l + 1) + m
+using ShCoefficients = std::array<double, max_coefficients>;  ///< index l (l + 1) + m
 
 /// An orthogonal map by the images of x, y and z, its matrix's columns; reflections count.
 using Axes = std::array<Vec3, 3>;
@@ -32,16 +32,16 @@ public:
 
     /// The coefficients of g from those of f; `Number` float or double.
     template <class Number>
-    std::array<Number, most_coefficients> operator()(const std::array<Number, most_coefficients>& f) const {
-        std::array<Number, most_coefficients> g{};
-        for (int l = 0; l < most_bands; ++l)
+    std::array<Number, max_coefficients> operator()(const std::array<Number, max_coefficients>& f) const {
+        std::array<Number, max_coefficients> g{};
+        for (int l = 0; l < max_bands; ++l)
             for (int m = l * l; m < (l + 1) * (l + 1); ++m)
                 for (int n = l * l; n < (l + 1) * (l + 1); ++n) g[m] += Number(matrix_[m][n]) * f[n];
         return g;
     }
 
 private:
-    std::array<ShCoefficients, most_coefficients> matrix_{};  ///< zero between different bands
+    std::array<ShCoefficients, max_coefficients> matrix_{};  ///< zero between different bands
 };
 
 }  // namespace chiaro

@@ -36,12 +36,12 @@ ShCoefficients some_function(unsigned seed) {
 double value_of(const ShCoefficients& c, Vec3 d) {
     const ShCoefficients y = spherical_harmonics(d);
     double sum = 0;
-    for (int i = 0; i < most_coefficients; ++i) sum += c[i] * y[i];
+    for (int i = 0; i < max_coefficients; ++i) sum += c[i] * y[i];
     return sum;
 }
 
 void expect_near(const ShCoefficients& a, const ShCoefficients& b, double tolerance) {
-    for (int i = 0; i < most_coefficients; ++i) EXPECT_NEAR(a[i], b[i], tolerance) << i;
+    for (int i = 0; i < max_coefficients; ++i) EXPECT_NEAR(a[i], b[i], tolerance) << i;
 }
 
 }  // namespace
@@ -49,7 +49,7 @@ void expect_near(const ShCoefficients& a, const ShCoefficients& b, double tolera
 TEST(ShBasis, IsOrthonormal) {
     // The quadrature that rotations rely on: exact for products of two functions.
     const ShRotation identity({{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}});
-    for (int i = 0; i < most_coefficients; ++i) {
+    for (int i = 0; i < max_coefficients; ++i) {
         ShCoefficients unit{};
         unit[i] = 1;
         expect_near(identity(unit), unit, 1e-14);
@@ -68,7 +68,7 @@ TEST(ShRotation, MovesTheFunction) {
 
 TEST(ShRotation, KeepsTheEnergyOfEachBand) {
     const ShCoefficients f = some_function(3), g = ShRotation(some_map(4))(f);
-    for (int l = 0; l < most_bands; ++l) {
+    for (int l = 0; l < max_bands; ++l) {
         double before = 0, after = 0;
         for (int i = l * l; i < (l + 1) * (l + 1); ++i) before += f[i] * f[i], after += g[i] * g[i];
         EXPECT_NEAR(after, before, 1e-12 * before) << l;
@@ -86,7 +86,7 @@ TEST(ShRotation, MirrorsAtAPlane) {
     // y → -y changes the sign of what is odd in y: m < 0.
     const ShRotation mirror({{{1, 0, 0}, {0, -1, 0}, {0, 0, 1}}});
     const ShCoefficients f = some_function(8), g = mirror(f);
-    for (int l = 0; l < most_bands; ++l)
+    for (int l = 0; l < max_bands; ++l)
         for (int m = -l; m <= l; ++m) EXPECT_NEAR(g[l * (l + 1) + m], (m < 0 ? -1 : 1) * f[l * (l + 1) + m], 1e-13);
 }
 

@@ -12,8 +12,8 @@ namespace chiaro {
 
 /// With w = `bands`, the first band that is left out, and x = l / w: Hann (1 + cos πx) / 2, Lanczos sin(πx) / (πx),
 /// else 1; 0 from w on. Four bands by Hann: 1, .854, .5, .146; by Lanczos: 1, .900, .637, .300.
-inline std::array<double, most_bands> window_factors(ShWindow window, int bands) {
-    std::array<double, most_bands> factors{};
+inline std::array<double, max_bands> window_factors(ShWindow window, int bands) {
+    std::array<double, max_bands> factors{};
     for (int l = 0; l < bands; ++l) {
         const double x = std::numbers::pi * l / bands;
         if (window == ShWindow::hann)

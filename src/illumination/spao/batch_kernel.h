@@ -38,7 +38,7 @@ struct SpaoBatch {
     }
     /// Item i of [0, BlockPlace::cells): its answer.
     template <bool at_cells>
-    CHIARO_INLINE void answer(std::int64_t item) const {
+    CHIARO_INLINE void result(std::int64_t item) const {
         constexpr int halo = SpaoTile::halo;
         const BlockCell its(places, item);
         const std::int32_t x = its.grid_x(), y = its.grid_y(), z = its.grid_z();
@@ -66,7 +66,7 @@ struct AccessBatch {
     const BlockPlace* places;
     GridTarget to;
 
-    CHIARO_INLINE void answer(std::int64_t item) const {
+    CHIARO_INLINE void result(std::int64_t item) const {
         const BlockCell its(places, item);
         const std::int32_t x = its.grid_x(), y = its.grid_y(), z = its.grid_z();
         if (x < to.count[0] && y < to.count[1] && z < to.count[2])

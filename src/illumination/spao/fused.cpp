@@ -134,9 +134,9 @@ private:
 }  // namespace
 
 CellValues fused_sweep(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
-                       const BlockMap& blocks, Steps& steps, Progress& progress) {
+                       const BlockMap& blocks, StageTimer& timer, Progress& progress) {
     FusedSweep sweep(device, opacity, settings, blocks, progress);
-    return fused_steps(sweep, settings, steps);
+    return fused_steps(sweep, settings, timer);
 }
 
 }  // namespace chiaro

@@ -31,6 +31,6 @@ kernel::SpaoOutput output_of_cells(CellValues& access, const BlockMap& blocks, s
 /// cell for the result, .6 for coarser opacities and weights, 2.3 for what the coarser grids find out near what is
 /// seen.
 CellValues fused_sweep(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
-                       const BlockMap& blocks, Steps& steps, Progress& progress);
+                       const BlockMap& blocks, StageTimer& timer, Progress& progress);
 
 }  // namespace chiaro

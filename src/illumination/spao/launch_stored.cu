@@ -1,6 +1,6 @@
 // Coarser grids, stored levels and sums on cards: the same source, one thread a cell or line.
 #include "cuda/launch.h"
-#include "illumination/spao/launch_card.h"
+#include "illumination/spao/launch_gpu.h"
 
 namespace chiaro::kernel {
 namespace {
@@ -10,7 +10,7 @@ struct FillCell {
     Source source;
     GridTarget target;
 
-    CHIARO_ON_CARD void operator()(std::int64_t item) const {
+    CHIARO_DEVICE void operator()(std::int64_t item) const {
         const std::int64_t row = item / target.count[0];
         const std::int32_t x = std::int32_t(item % target.count[0]), y = std::int32_t(row % target.count[1]),
                            z = std::int32_t(row / target.count[1]);
@@ -19,22 +19,22 @@ struct FillCell {
 };
 
 template <class Kernel>
-struct AnswerAccess {
+struct ResultAccess {
     AccessBatch<Kernel> batch;
-    CHIARO_ON_CARD void operator()(std::int64_t item) const { batch.answer(item); }
+    CHIARO_DEVICE void operator()(std::int64_t item) const { batch.result(item); }
 };
 
 struct SumAlongX {
     SumTable table;
-    CHIARO_ON_CARD void operator()(std::int64_t item) const { table.along_x(item); }
+    CHIARO_DEVICE void operator()(std::int64_t item) const { table.along_x(item); }
 };
 struct SumAlongY {
     SumTable table;
-    CHIARO_ON_CARD void operator()(std::int64_t item) const { table.along_y(item); }
+    CHIARO_DEVICE void operator()(std::int64_t item) const { table.along_y(item); }
 };
 struct SumAlongZ {
     SumTable table;
-    CHIARO_ON_CARD void operator()(std::int64_t item) const { table.along_z(item); }
+    CHIARO_DEVICE void operator()(std::int64_t item) const { table.along_z(item); }
 };
 
 }  // namespace
@@ -52,11 +52,11 @@ template void fill_grid(cuda::Stream&, const CornerWeights&, const GridTarget&);
 template void fill_grid(cuda::Stream&, const NextNBuffer&, const GridTarget&);
 
 template <class Kernel>
-void answer_access(cuda::Stream& stream, const AccessBatch<Kernel>& batch, std::int64_t blocks) {
-    cuda::launch_items(stream, blocks * BlockPlace::cells, AnswerAccess<Kernel>{batch});
+void result_access(cuda::Stream& stream, const AccessBatch<Kernel>& batch, std::int64_t blocks) {
+    cuda::launch_items(stream, blocks * BlockPlace::cells, ResultAccess<Kernel>{batch});
 }
-template void answer_access(cuda::Stream&, const AccessBatch<StoredKernel>&, std::int64_t);
-template void answer_access(cuda::Stream&, const AccessBatch<ExactKernel>&, std::int64_t);
+template void result_access(cuda::Stream&, const AccessBatch<StoredKernel>&, std::int64_t);
+template void result_access(cuda::Stream&, const AccessBatch<ExactKernel>&, std::int64_t);
 
 void sum_up(cuda::Stream& stream, const SumTable& table) {
     const std::int32_t* n = table.opacity.count;

@@ -1,7 +1,7 @@
 #include "illumination/spao/layers.h"
 
 #include "classify/medium.h"
-#include "illumination/cells/lift.h"
+#include "illumination/cells/normal_offset.h"
 #include "illumination/spao/coarse.h"
 #include "illumination/spao/fused.h"
 
@@ -16,25 +16,25 @@ constexpr double crowded = 0.9;          ///< share of blocks from which on larg
 class LayeredLight {
 public:
     LayeredLight(const Device& device, const Medium::Data& medium, const SpaoSettings& settings, double normal_factor,
-                 Steps& steps, Progress& progress)
+                 StageTimer& timer, Progress& progress)
         : device_(device),
           settings_(settings),
           run_(kernel::spao_functions_for(device.isa)),
-          steps_(steps),
+          steps_(timer),
           progress_(progress),
           opacity_(no_opacity_yet(medium)),
           asked_(visible_blocks(medium, grid(), 2)),
           access_(grid()),
-          lifted_(grid()),
+          displaced_(grid()),
           fill_(opacity_filler(medium, opacity_)),
-          lift_(slice_lifter(device, access_, opacity_.values, normal_factor, opacity_.visible, lifted_)),
+          normal_offset_(slice_lifter(device, access_, opacity_.values, normal_factor, opacity_.visible, displaced_)),
           layers_(asked_.count[2]),
           together_(int(std::min(busy_blocks, asked_.holds.size()) * std::size_t(layers_) / asked_.holds.size())) {
         together_ = std::max(together_, 1);
         // Surfaces' opacities take longer to find than to keep.
         keeps_opacity_ = together_ >= layers_ || medium.shape.mode == Mode::iso;
         is_sparse_ = double(asked_.held().size()) < crowded * double(asked_.holds.size());
-        for (CellValues* values : {&opacity_.values, &access_, &lifted_}) fit_pages(*values);
+        for (CellValues* values : {&opacity_.values, &access_, &displaced_}) fit_pages(*values);
     }
 
     CellValues run() {
@@ -45,11 +45,12 @@ public:
             if (!coarse_.empty()) steps_.part(name_of_cells(1), [&] { sweep_corners(first, end); });
             steps_.part(name_of_cells(0), [&] { sweep_cells(first, end); });
             if (!coarse_.empty()) coarse_[0].free_corners();  // before the answer grows
-            steps_.part("lift", [&] { lift_up_to(end == layers_ ? grid().count[2] : end * block_edge - margin); });
+            steps_.part("lift",
+                        [&] { normal_offset_up_to(end == layers_ ? grid().count[2] : end * block_edge - margin); });
             discard_before(end);
             progress_.report("spao", double(end) / layers_);
         }
-        return std::move(lifted_);
+        return std::move(displaced_);
     }
 
 private:
@@ -194,12 +195,12 @@ private:
         return block;
     }
 
-    void lift_up_to(int end) { do_slices(lift_, opacity_.visible, lift_done_, end); }
+    void normal_offset_up_to(int end) { do_slices(normal_offset_, opacity_.visible, normal_offset_done_, end); }
 
     /// What the layers from `next` on, and slices that are still to be lifted, do not read.
     void discard_before(int next) {
         constexpr int halo = kernel::SpaoTile::halo;
-        const int slice = lift_done_ - halo;
+        const int slice = normal_offset_done_ - halo;
         opacity_.values.discard_slices_before(slice);
         access_.discard_slices_before(slice);
         if (!coarse_.empty()) coarse_[0].discard_cells_before(next * half_edge - halo);
@@ -209,24 +210,24 @@ private:
     const Device& device_;
     const SpaoSettings& settings_;
     const kernel::SpaoFunctions run_;
-    Steps& steps_;
+    StageTimer& steps_;
     Progress& progress_;
     CellOpacity opacity_;
     const BlockMap asked_;  ///< a sample reads the cells around it, each of which is lifted from a cell further out
-    CellValues access_, lifted_;
-    const SliceWork fill_, lift_;
+    CellValues access_, displaced_;
+    const SliceWork fill_, normal_offset_;
     const int layers_;
     int together_;  ///< layers
     bool keeps_opacity_, is_sparse_;
-    int filled_ = 0, lift_done_ = 0;  ///< slices
-    std::vector<CoarseGrid> coarse_;  ///< of cells twice, four times, ... as wide
+    int filled_ = 0, normal_offset_done_ = 0;  ///< slices
+    std::vector<CoarseGrid> coarse_;           ///< of cells twice, four times, ... as wide
 };
 
 }  // namespace
 
 CellValues spao_light(const Device& device, const Medium::Data& medium, const SpaoSettings& settings,
-                      double normal_factor, Steps& steps, Progress& progress) {
-    LayeredLight light(device, medium, settings, normal_factor, steps, progress);
+                      double normal_factor, StageTimer& timer, Progress& progress) {
+    LayeredLight light(device, medium, settings, normal_factor, timer, progress);
     return light.run();
 }
 

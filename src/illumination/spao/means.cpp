@@ -40,10 +40,10 @@ std::uint16_t* SpaoLevels::Level::row(int y, int z) {
 }
 const std::uint16_t* SpaoLevels::Level::row(int y, int z) const { return const_cast<Level*>(this)->row(y, z); }
 
-SpaoLevels::SpaoLevels(const Device& device, const CellOpacity& opacity, int mip_levels, int top, Steps& steps,
+SpaoLevels::SpaoLevels(const Device& device, const CellOpacity& opacity, int mip_levels, int top, StageTimer& timer,
                        Progress& progress)
     : device_(device), run_(kernel::spao_functions_for(device.isa)), opacity_(opacity), progress_(progress) {
-    level_steps(*this, mip_levels, top, steps);
+    level_steps(*this, mip_levels, top, timer);
 }
 
 kernel::StoredLevels SpaoLevels::view() const {

@@ -28,7 +28,7 @@ kernel::StoredKernel stored_kernel(const kernel::StoredLevels& levels, const Spa
 class SpaoLevels {
 public:
     /// Levels 0 to `top`. Throws Error{output} without the memory for them, Error{interrupted} when cancelled.
-    SpaoLevels(const Device& device, const CellOpacity& opacity, int mip_levels, int top, Steps& steps,
+    SpaoLevels(const Device& device, const CellOpacity& opacity, int mip_levels, int top, StageTimer& timer,
                Progress& progress);
     kernel::StoredLevels view() const;
     std::size_t bytes() const;
@@ -43,7 +43,7 @@ private:
     };
 
     template <class Levels>
-    friend void level_steps(Levels& levels, int mip_levels, int top, Steps& steps);
+    friend void level_steps(Levels& levels, int mip_levels, int top, StageTimer& timer);
     void copy_opacity();
     void add_mipmap();
     void add_nbuffer(int distance);

@@ -2,8 +2,8 @@
 
 #include <optional>
 
-#include "illumination/spao/card.h"
 #include "illumination/spao/fused.h"
+#include "illumination/spao/gpu.h"
 #include "illumination/spao/means.h"
 
 namespace chiaro {
@@ -37,21 +37,21 @@ CellValues fill_rows(const Device& device, const CellGrid& grid, const BlockMap&
 }
 
 CellValues from_levels(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
-                       const BlockMap& blocks, Steps& steps, Progress& progress) {
-    const SpaoLevels levels(device, opacity, mip_levels(settings), settings.levels, steps, progress);
+                       const BlockMap& blocks, StageTimer& timer, Progress& progress) {
+    const SpaoLevels levels(device, opacity, mip_levels(settings), settings.levels, timer, progress);
     const kernel::StoredKernel kernel = stored_kernel(levels.view(), settings);
     const auto row = kernel::spao_functions_for(device.isa).stored_row;
-    return steps("spao combine", [&] {
+    return timer("spao combine", [&] {
         return fill_rows(device, opacity.values.grid, blocks, progress,
                          [&](const kernel::SpaoCells& cells) { row(kernel, cells); });
     });
 }
 
 CellValues from_sums(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
-                     const BlockMap& blocks, Steps& steps, Progress& progress) {
-    const SummedOpacity sums = steps("spao sums", [&] { return SummedOpacity(device, opacity.values, progress); });
+                     const BlockMap& blocks, StageTimer& timer, Progress& progress) {
+    const SummedOpacity sums = timer("spao sums", [&] { return SummedOpacity(device, opacity.values, progress); });
     const kernel::ExactKernel kernel = exact_kernel(sums.view(), settings);
-    return steps("spao combine", [&] {
+    return timer("spao combine", [&] {
         return fill_rows(device, opacity.values.grid, blocks, progress,
                          [&](const kernel::SpaoCells& cells) { kernel::access_row<float>(kernel, cells); });
     });
@@ -66,20 +66,20 @@ bool is_fused(const SpaoSettings& settings) {
 }
 
 CellValues spao_accessibility(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
-                              const BlockMap& blocks, Steps& steps, Progress& progress) {
+                              const BlockMap& blocks, StageTimer& timer, Progress& progress) {
     const bool is_exact = settings.filter == SpaoFilter::exact;
     const bool is_stored = !is_fused(settings);
     std::optional<CellValues> access;
-    const auto on_card = [&] {
-        access.emplace(is_exact ? exact_on_card(device, opacity, settings, blocks, steps, progress)
+    const auto on_gpu = [&] {
+        access.emplace(is_exact ? exact_on_gpu(device, opacity, settings, blocks, timer, progress)
                        : is_stored
-                           ? stored_on_card(device, opacity, settings, mip_levels(settings), blocks, steps, progress)
-                           : fused_on_card(device, opacity, settings, blocks, steps, progress));
+                           ? stored_on_gpu(device, opacity, settings, mip_levels(settings), blocks, timer, progress)
+                           : fused_on_gpu(device, opacity, settings, blocks, timer, progress));
     };
-    if (cuda::done_on_card(device, on_card)) return *std::move(access);
-    if (is_exact) return from_sums(device, opacity, settings, blocks, steps, progress);
-    if (is_stored) return from_levels(device, opacity, settings, blocks, steps, progress);
-    return fused_sweep(device, opacity, settings, blocks, steps, progress);
+    if (cuda::try_gpu(device, on_gpu)) return *std::move(access);
+    if (is_exact) return from_sums(device, opacity, settings, blocks, timer, progress);
+    if (is_stored) return from_levels(device, opacity, settings, blocks, timer, progress);
+    return fused_sweep(device, opacity, settings, blocks, timer, progress);
 }
 
 }  // namespace chiaro

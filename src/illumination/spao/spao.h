@@ -9,6 +9,6 @@ bool is_fused(const SpaoSettings& settings);
 
 /// Fills the cells of the given blocks.
 CellValues spao_accessibility(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
-                              const BlockMap& blocks, Steps& steps, Progress& progress);
+                              const BlockMap& blocks, StageTimer& timer, Progress& progress);
 
 }  // namespace chiaro

@@ -41,10 +41,10 @@ struct Occlusion {
 };
 
 Occlusion occlusion(const CellOpacity& opacity, const SpaoSettings& settings, const Device& device = tested_device()) {
-    Steps steps;
+    StageTimer timer;
     Progress progress;
     const BlockMap all(opacity.values.grid.count, true);
-    const CellValues values = spao_accessibility(device, opacity, settings, all, steps, progress);
+    const CellValues values = spao_accessibility(device, opacity, settings, all, timer, progress);
     Occlusion result{values.grid, {}};
     for (std::size_t i = 0; i < values.grid.size(); ++i) result.access.push_back(values.data()[i] / 65535.0);
     return result;
@@ -125,9 +125,9 @@ TEST(Spao, HalfSpace) {
 
 TEST(Spao, MeansAreThoseOfBoxesAtAnyPositionAcrossTheBorderToo) {
     const CellOpacity opacity = clutter({23, 18, 29});
-    Steps steps;
+    StageTimer timer;
     Progress progress;
-    const SpaoLevels levels(tested_device(), opacity, 0, 6, steps, progress);
+    const SpaoLevels levels(tested_device(), opacity, 0, 6, timer, progress);
     const SummedOpacity sums(tested_device(), opacity.values, progress);
     const kernel::StoredLevels view = levels.view();
     std::mt19937 random(1);
@@ -154,9 +154,9 @@ TEST(Spao, SumsAreThoseOfEveryCell) {
 TEST(Spao, NBuffersOfARowByHand) {
     const double row[] = {0, 1, 1, 0, 0, 0, 1, 0};
     const CellOpacity opacity = opacity_from({8, 1, 1}, [&](int x, int, int) { return row[x]; });
-    Steps steps;
+    StageTimer timer;
     Progress progress;
-    const SpaoLevels levels(tested_device(), opacity, 0, 2, steps, progress);
+    const SpaoLevels levels(tested_device(), opacity, 0, 2, timer, progress);
     const double two[] = {0.5, 1, 0.5, 0, 0, 0.5, 0.5, 0}, four[] = {0.5, 0.5, 0.25, 0.25, 0.25, 0.25, 0.25, 0};
     for (int x = 0; x < 8; ++x) {
         // Of one row in an empty space, a window of 2 or 4 cells holds half or a quarter along y and along z.
@@ -169,9 +169,9 @@ TEST(Spao, FiltersAgreeWithExactBoxes) {
     const CellOpacity opacity = clutter();
     for (const SpaoModel model : all_models)
         for (const double factor : {0.0, 1.0}) {
-            const Occlusion truth = occlusion(opacity, with(SpaoFilter::exact, model, 5, factor));
+            const Occlusion ground_truth = occlusion(opacity, with(SpaoFilter::exact, model, 5, factor));
             const auto error = [&](SpaoFilter filter) {
-                return rms(truth, occlusion(opacity, with(filter, model, 5, factor)));
+                return rms(ground_truth, occlusion(opacity, with(filter, model, 5, factor)));
             };
             EXPECT_LT(error(SpaoFilter::nbuffer), 4e-4);
             EXPECT_LT(error(SpaoFilter::automatic), 0.06);
@@ -183,10 +183,11 @@ TEST(Spao, FiltersAgreeWithExactBoxes) {
 TEST(Spao, AnyNumberOfLevels) {
     const CellOpacity opacity = clutter({20, 35, 11});
     for (const int levels : {1, 2, 3, 4, 7, 10}) {
-        const Occlusion truth = occlusion(opacity, with(SpaoFilter::exact, SpaoModel::corrected, levels));
-        EXPECT_LT(rms(truth, occlusion(opacity, with(SpaoFilter::automatic, SpaoModel::corrected, levels))), 0.03)
+        const Occlusion ground_truth = occlusion(opacity, with(SpaoFilter::exact, SpaoModel::corrected, levels));
+        EXPECT_LT(rms(ground_truth, occlusion(opacity, with(SpaoFilter::automatic, SpaoModel::corrected, levels))),
+                  0.03)
             << levels;
-        EXPECT_LT(rms(truth, occlusion(opacity, with(SpaoFilter::nbuffer, SpaoModel::corrected, levels))), 1e-3)
+        EXPECT_LT(rms(ground_truth, occlusion(opacity, with(SpaoFilter::nbuffer, SpaoModel::corrected, levels))), 1e-3)
             << levels;
     }
 }
@@ -237,9 +238,9 @@ TEST(Spao, OnlyTheAskedBlocksAreFilledAndTheyAreTheSame) {
     const Occlusion all = occlusion(opacity, settings);
     BlockMap some(opacity.values.grid.count);
     some(1, 0, 1) = 1;
-    Steps steps;
+    StageTimer timer;
     Progress progress;
-    const CellValues part = spao_accessibility(tested_device(), opacity, settings, some, steps, progress);
+    const CellValues part = spao_accessibility(tested_device(), opacity, settings, some, timer, progress);
     for (int z = 32; z < 64; ++z)
         for (int y = 0; y < 32; ++y)
             for (int x = 32; x < 64; ++x)
@@ -249,18 +250,18 @@ TEST(Spao, OnlyTheAskedBlocksAreFilledAndTheyAreTheSame) {
 
 TEST(Spao, CancelsAndNamesItsSteps) {
     const CellOpacity opacity = clutter();
-    Steps steps;
+    StageTimer timer;
     Progress progress;
     const BlockMap all(opacity.values.grid.count, true);
-    spao_accessibility(tested_device(), opacity, with(SpaoFilter::nbuffer, SpaoModel::paper, 3), all, steps, progress);
+    spao_accessibility(tested_device(), opacity, with(SpaoFilter::nbuffer, SpaoModel::paper, 3), all, timer, progress);
     std::vector<std::string> names;
-    for (const Stage& stage : steps.take()) names.push_back(stage.name);
+    for (const Stage& stage : timer.take()) names.push_back(stage.name);
     EXPECT_EQ(names, (std::vector<std::string>{"spao level 0", "spao level 1", "spao level 2", "spao level 3",
                                                "spao combine"}));
     progress.cancel();
     for (const SpaoFilter filter : all_filters)
         EXPECT_THROW(
-            spao_accessibility(tested_device(), opacity, with(filter, SpaoModel::paper, 5), all, steps, progress),
+            spao_accessibility(tested_device(), opacity, with(filter, SpaoModel::paper, 5), all, timer, progress),
             Error);
 }
 

@@ -17,7 +17,7 @@ FirstBatch::Basis FirstBatch::basis_of(const IncidentRay& ray, Vec3 direction) {
 }
 
 FirstBatch::FirstBatch(SweepBatch batch, const std::vector<Vec3>& all, const IncidentLight& incident)
-    : SweepBatch(std::move(batch)), per_share_(std::size_t(kernel::OctantRays::patterns) * Kernel::most_rays) {
+    : SweepBatch(std::move(batch)), per_share_(std::size_t(kernel::OctantRays::patterns) * Kernel::max_rays) {
     std::vector<float> weights;
     for (std::size_t r = 0; r < rays.size(); ++r) {
         const auto direction = std::size_t(directions[r]);
@@ -30,7 +30,7 @@ FirstBatch::FirstBatch(SweepBatch batch, const std::vector<Vec3>& all, const Inc
         on_faces_.resize(on_faces_.size() + 4);
         for (int pattern = 0; pattern < kernel::OctantRays::patterns; ++pattern)
             if (const float share = open_share(int(r), pattern); share >= kernel::least_open)
-                per_share_[std::size_t(pattern) * Kernel::most_rays + r] = 1 / share;
+                per_share_[std::size_t(pattern) * Kernel::max_rays + r] = 1 / share;
     }
     weigh(weights);
 }

@@ -4,22 +4,22 @@
 
 namespace chiaro::kernel {
 
-struct Tint {
+struct ScatteringColour {
     float weight = 0;   ///< extinction; of isosurfaces 1
     float colour[3]{};  ///< albedo × weight
 
-    CHIARO_INLINE void add(const Tint& other) {
+    CHIARO_INLINE void add(const ScatteringColour& other) {
         weight += other.weight;
         for (int c = 0; c < 3; ++c) colour[c] += other.colour[c];
     }
 };
 
 /// Over the optical table.
-struct TintView {
-    const Tint* entries;
+struct ScatteringColourView {
+    const ScatteringColour* entries;
     float scale, offset, last, unused;
 
-    CHIARO_INLINE const Tint& of(float stored) const {
+    CHIARO_INLINE const ScatteringColour& of(float stored) const {
         return entries[std::uint32_t(min(max(stored * scale + offset, 0.0f), last))];
     }
 };
@@ -42,15 +42,15 @@ template <class Values>
 struct NodeColours {
     Values values;
     CellCentres centres;
-    TintView tints;
+    ScatteringColourView scattering_colours;
     std::int32_t count[4];  ///< cells per axis; the last fills up
     std::int32_t edge, stride;
 
     CHIARO_INLINE std::int32_t end(int axis, std::int32_t node) const { return min((node + 1) * edge, count[axis]); }
     /// Those of node x in a row of cells.
-    CHIARO_INLINE void add_row(std::int32_t x, std::int32_t y, std::int32_t z, Tint& sum) const {
+    CHIARO_INLINE void add_row(std::int32_t x, std::int32_t y, std::int32_t z, ScatteringColour& sum) const {
         for (std::int32_t i = x * edge; i < end(0, x); i += stride) {
-            const Tint& tint = tints.of(values.at(i, y, z));
+            const ScatteringColour& tint = scattering_colours.of(values.at(i, y, z));
             if (tint.weight != 0 && !centres.is_clipped(i, y, z)) sum.add(tint);
         }
     }
@@ -62,12 +62,12 @@ struct ColourSums {
     NodeColours<Values> colours;
     const float* depths;
     std::int32_t nx, ny;
-    Tint* sums;
+    ScatteringColour* sums;
 
     CHIARO_INLINE void operator()(std::int64_t node) const {
         const std::int32_t x = std::int32_t(node % nx), y = std::int32_t(node / nx % ny),
                            z = std::int32_t(node / nx / ny);
-        Tint sum;
+        ScatteringColour sum;
         for (std::int32_t k = z * colours.edge; depths[node] > 0 && k < colours.end(2, z); k += colours.stride)
             for (std::int32_t j = y * colours.edge; j < colours.end(1, y); j += colours.stride)
                 colours.add_row(x, j, k, sum);
@@ -78,13 +78,13 @@ struct ColourSums {
 /// Where matter lies between the places that were looked at: as around it, else as everywhere.
 struct AlbedoKernel {
     const float* depths;
-    const Tint* sums;
+    const ScatteringColour* sums;
     std::int32_t nx, ny, nz;
-    Tint everywhere;
+    ScatteringColour everywhere;
     float* albedo[3];
 
     CHIARO_INLINE void operator()(std::int64_t node) const {
-        Tint tint;
+        ScatteringColour tint;
         if (depths[node] > 0) {
             tint = sums[node];
             if (!(tint.weight > 0)) tint = around(node);
@@ -94,10 +94,10 @@ struct AlbedoKernel {
     }
 
 private:
-    CHIARO_INLINE Tint around(std::int64_t node) const {
+    CHIARO_INLINE ScatteringColour around(std::int64_t node) const {
         const std::int32_t x = std::int32_t(node % nx), y = std::int32_t(node / nx % ny),
                            z = std::int32_t(node / nx / ny);
-        Tint sum;
+        ScatteringColour sum;
         for (std::int32_t k = max(z - 1, 0); k <= min(z + 1, nz - 1); ++k)
             for (std::int32_t j = max(y - 1, 0); j <= min(y + 1, ny - 1); ++j)
                 for (std::int32_t i = max(x - 1, 0); i <= min(x + 1, nx - 1); ++i)

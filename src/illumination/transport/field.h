@@ -17,7 +17,7 @@ struct ScatteredLight {
     bool on = false;
     const Light16* turned =
         nullptr;  ///< [node][4]: (b / most + 1) w / 2, world; nullptr: no light by the sample's normal
-    const Light16* skins =
+    const Light16* boundary_cells =
         nullptr;            ///< [node][4]: as the light, where matter is solid by itself; nullptr: as elsewhere
     float shown = 1;        ///< strength and exposure
     Float3 clear{0, 0, 0};  ///< added: what strength leaves of light that nothing stops
@@ -38,8 +38,8 @@ struct ScatteredLight {
             shining = min(max(F(0.5f) * dot(b, Vec3<F>(shading.to_light)), F(0)), F(share)) * sample.highlight;
             e = (F(1) + abs(dot(b, sample.outward))) * e;
         }
-        if (skins && any(sample.solid > F(0))) {
-            const Four<F> s = light.four(skins, place);
+        if (boundary_cells && any(sample.solid > F(0))) {
+            const Four<F> s = light.four(boundary_cells, place);
             e = mad(sample.solid, mean(light, s, per_weight(s)) - e, e);
         }
         e = mad(F(shown), e, Vec3<F>(clear));

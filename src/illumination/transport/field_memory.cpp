@@ -12,7 +12,7 @@
 namespace chiaro {
 namespace {
 
-constexpr std::size_t line = 64, little = 1 << 16, slab_bytes = 16 << 20, most_kept = 64 << 20;
+constexpr std::size_t line = 64, little = 1 << 16, slab_bytes = 16 << 20, max_kept = 64 << 20;
 
 /// Fields that begin at the same place of a page would take each other's place in the cache.
 std::size_t block_for(std::size_t bytes) { return (bytes + line - 1) / line * line + 5 * line; }
@@ -64,7 +64,7 @@ public:
             --s;
             if (s->used > 0) continue;
             kept += s->memory.size();
-            if (kept > most_kept) s = slabs_.erase(s);
+            if (kept > max_kept) s = slabs_.erase(s);
         }
     }
 

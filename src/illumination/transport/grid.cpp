@@ -3,11 +3,11 @@
 #include "classify/medium.h"
 #include "cuda/executor.h"
 #include "illumination/transport/axis_places.h"
+#include "illumination/transport/boundary_cells.h"
 #include "illumination/transport/colour_kernel.h"
+#include "illumination/transport/downsample_by_3_kernel.h"
 #include "illumination/transport/matter_kernel.h"
-#include "illumination/transport/skin.h"
-#include "illumination/transport/third_kernel.h"
-#include "illumination/transport/tints.h"
+#include "illumination/transport/scattering_colours.h"
 
 namespace chiaro {
 namespace {
@@ -31,12 +31,12 @@ Blocks blocks_for(const CellGrid& cells, int most) {
 }
 
 /// Of blocks of 3³: as `halved` of 2³.
-Density thirded(const Density& finer, const Device& device, Progress& progress) {
+Density downsampled_by_3(const Density& finer, const Device& device, Progress& progress) {
     Density out(coarser(finer.grid, 3));
     const auto [nx, ny, nz] = finer.grid.count;
     run_steps(device, &progress, [&, nx = nx, ny = ny, nz = nz](auto& executor) {
         const auto made = executor.template output<float>(out.buffer);
-        const kernel::ThirdKernel third{
+        const kernel::DownsampleBy3Kernel third{
             executor.values(finer), {nx, ny, nz}, made.data(), out.grid.count[0], out.grid.count[1]};
         executor.for_each(std::int64_t(out.grid.size()), third, "density", 256);
         made.keep();
@@ -46,7 +46,7 @@ Density thirded(const Density& finer, const Device& device, Progress& progress) 
 
 Density density_of_nodes(const Medium::Data& medium, Blocks blocks, const Device& device, Progress& progress) {
     Density density = density_for(medium, 1 << blocks.halvings, device, progress);
-    return blocks.by_three ? thirded(density, device, progress) : std::move(density);
+    return blocks.by_three ? downsampled_by_3(density, device, progress) : std::move(density);
 }
 
 /// As StoredValues, by places found once for each coordinate.
@@ -71,7 +71,7 @@ public:
     Colouring(const Medium::Data& medium, double albedo_max, int edge, const Device& device, Progress& progress)
         : medium_(medium),
           cells_(make_cell_grid(medium.volume.data().dimensions, medium.volume.data().geometry)),
-          tints_(medium, albedo_max),
+          scattering_colours_(medium, albedo_max),
           edge_(edge),
           device_(device),
           progress_(progress) {}
@@ -80,12 +80,12 @@ public:
         const CellGrid& nodes = grid.extinction.grid;
         grid.albedo = GridColour(nodes.size());
         run_steps(device_, &progress_, [&](auto& executor) {
-            auto sums = executor.template array<Tint>(nodes.size());
+            auto sums = executor.template array<ScatteringColour>(nodes.size());
             const float* depths = executor.values(std::as_const(grid).extinction);
             add_colours(executor, nodes, depths, sums.data());
             const auto made = executor.template output<float>(grid.albedo.buffer);
-            kernel::AlbedoKernel albedos{depths,        sums.data(), nodes.count[0], nodes.count[1], nodes.count[2],
-                                         tints_.mean(), {}};
+            kernel::AlbedoKernel albedos{
+                depths, sums.data(), nodes.count[0], nodes.count[1], nodes.count[2], scattering_colours_.mean(), {}};
             for (std::size_t c = 0; c < 3; ++c) albedos.albedo[c] = made.data() + c * nodes.size();
             executor.for_each(std::int64_t(nodes.size()), albedos, "albedo", 512);
             made.keep();
@@ -96,11 +96,12 @@ private:
     template <class Values>
     kernel::NodeColours<Values> colours(const Values& values) const {
         const auto [nx, ny, nz] = cells_.count;
-        return {values, cell_centres(medium_, cells_), tints_.view(), {nx, ny, nz}, edge_, edge_ >= 4 ? 2 : 1};
+        return {
+            values, cell_centres(medium_, cells_), scattering_colours_.view(), {nx, ny, nz}, edge_, edge_ >= 4 ? 2 : 1};
     }
     /// On the CPU row by row, by places found once for each coordinate: a look-up of each cell's own costs twice the
     /// time.
-    void add_colours(CpuExecutor& executor, const CellGrid& nodes, const float* depths, Tint* sums) const {
+    void add_colours(CpuExecutor& executor, const CellGrid& nodes, const float* depths, ScatteringColour* sums) const {
         with_stored_voxel(medium_.volume.data(), [&](auto voxel) {
             using Voxel = decltype(voxel);
             const AxisPlaces<Voxel> places(view_of<Voxel>(medium_.volume.data()), centres_of(cells_));
@@ -116,22 +117,22 @@ private:
             executor.for_each(std::int64_t(nodes.count[1]) * nodes.count[2], add_row, "albedo", 8);
         });
     }
-    void add_colours(GpuExecutor& executor, const CellGrid& nodes, const float* depths, Tint* sums) const {
+    void add_colours(GpuExecutor& executor, const CellGrid& nodes, const float* depths, ScatteringColour* sums) const {
         HostArrays arrays;
-        medium_.volume.data().add_to(arrays), tints_.add_to(arrays);
+        medium_.volume.data().add_to(arrays), scattering_colours_.add_to(arrays);
         with_stored_voxel(medium_.volume.data(), [&](auto voxel) {
             using Values = kernel::StoredValues<decltype(voxel)>;
             kernel::ColourSums<Values> add{
                 colours(Values{view_of<decltype(voxel)>(medium_.volume.data()), cell_centres(medium_, cells_)}), depths,
                 nodes.count[0], nodes.count[1], sums};
-            executor.exchange(arrays, add.colours.values.volume.voxels, add.colours.tints.entries);
+            executor.exchange(arrays, add.colours.values.volume.voxels, add.colours.scattering_colours.entries);
             executor.for_each(std::int64_t(nodes.size()), add);
         });
     }
 
     const Medium::Data& medium_;
     const CellGrid cells_;
-    const Tints tints_;
+    const ScatteringColours scattering_colours_;
     const int edge_;
     const Device& device_;
     Progress& progress_;
@@ -159,7 +160,7 @@ LightGrid light_grid(const Medium::Data& medium, int cells, double albedo_max, c
     const DeviceVolume::Data& volume = medium.volume.data();
     const Blocks blocks = blocks_for(make_cell_grid(volume.dimensions, volume.geometry), cells);
     LightGrid out{density_of_nodes(medium, blocks, device, progress), {}, medium.shape.mode == Mode::iso, {}};
-    if (!out.is_surface) out.skins = open_skins(medium, device, progress, out.extinction);
+    if (!out.is_surface) out.boundary_cells = open_boundary_cells(medium, device, progress, out.extinction);
     Colouring(medium, albedo_max, blocks.edge(), device, progress).fill(out);
     return out;
 }

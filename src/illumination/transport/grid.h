@@ -9,7 +9,7 @@ namespace chiaro {
 /// A colour for each node: per channel, x fastest. What a card made stays there until the host reads it.
 struct GridColour {
     std::size_t nodes;
-    TwinBuffer buffer;
+    MirroredBuffer buffer;
 
     GridColour() : GridColour(0) {}
     explicit GridColour(std::size_t count) : nodes(count), buffer(3 * count * sizeof(float)) {}
@@ -18,7 +18,7 @@ struct GridColour {
     }
     /// To be written.
     float* numbers(std::size_t channel) { return reinterpret_cast<float*>(buffer.data()) + channel * nodes; }
-    const float* on_card(cuda::Stream& stream) const { return reinterpret_cast<const float*>(buffer.on_card(stream)); }
+    const float* on_gpu(cuda::Stream& stream) const { return reinterpret_cast<const float*>(buffer.on_gpu(stream)); }
 };
 
 /// Of a few nodes, from where they are.
@@ -28,8 +28,8 @@ std::vector<std::array<float, 3>> colours_at(const GridColour& colour, const std
 struct LightGrid {
     Density extinction;  ///< optical depth of a cell's edge
     GridColour albedo;
-    bool is_surface;                 ///< isosurfaces, which reflect their albedo (Lambert)
-    std::vector<std::size_t> skins;  ///< nodes that a surface leaves mostly open (skin.h)
+    bool is_surface;                          ///< isosurfaces, which reflect their albedo (Lambert)
+    std::vector<std::size_t> boundary_cells;  ///< nodes that a surface leaves mostly open (boundary_cells.h)
 };
 
 /// At most `cells` on the long axis, each for f³ of the smallest voxels, f of 1, 2, 3, 4, 6, 8, 12 ... Extinction from

@@ -24,20 +24,20 @@ struct Piece {
 };
 
 /// Pixels larger than a cell are cut into pieces.
-std::vector<Piece> gather(const ProbePicture& picture, const Axes& grid_from_probe, double gain) {
+std::vector<Piece> gather(const ProbeImage& image, const Axes& grid_from_probe, double gain) {
     std::vector<Piece> cells(std::size_t(cells_x) * cells_y);
     std::vector<Vec3> moments(cells.size());
-    const int cut_x = 1 + (cells_x - 1) / picture.width, cut_y = 1 + (cells_y - 1) / picture.height;
-    const int fine_x = cut_x * picture.width, fine_y = cut_y * picture.height;
+    const int cut_x = 1 + (cells_x - 1) / image.width, cut_y = 1 + (cells_y - 1) / image.height;
+    const int fine_x = cut_x * image.width, fine_y = cut_y * image.height;
     for (int y = 0; y < fine_y; ++y) {
-        const double top = picture.polar_angle(double(y) / cut_y), bottom = picture.polar_angle(double(y + 1) / cut_y);
+        const double top = image.polar_angle(double(y) / cut_y), bottom = image.polar_angle(double(y + 1) / cut_y);
         const double share = (std::cos(top) - std::cos(bottom)) / (2.0 * fine_x), middle = (top + bottom) / 2;
         const double z = std::cos(middle), r = std::sin(middle);
         Piece* row = cells.data() + std::size_t(y) * cells_y / fine_y * cells_x;
         for (int x = 0; x < fine_x; ++x) {
-            const float* pixel = picture.rgb.data() + 3 * (std::size_t(y / cut_y) * picture.width + x / cut_x);
+            const float* pixel = image.rgb.data() + 3 * (std::size_t(y / cut_y) * image.width + x / cut_x);
             Piece& cell = row[std::int64_t(x) * cells_x / fine_x];
-            const double phi = picture.azimuth((x + 0.5) / cut_x);
+            const double phi = image.azimuth((x + 0.5) / cut_x);
             Vec3& moment = moments[std::size_t(&cell - cells.data())];
             moment = moment + (share * (1e-6 + luminance(pixel))) * Vec3{r * std::cos(phi), r * std::sin(phi), z};
             for (int c = 0; c < 3; ++c) cell.light[c] += gain * share * pixel[c];
@@ -49,7 +49,7 @@ std::vector<Piece> gather(const ProbePicture& picture, const Axes& grid_from_pro
     return cells;
 }
 
-std::optional<Sun> take_sun(std::vector<Piece>& cells) {
+std::optional<DominantLight> take_dominant_light(std::vector<Piece>& cells) {
     constexpr double near = 0.99027, around = 0.96126;  // cos 8°, cos 16°
     const auto dimmer = [](const Piece& a, const Piece& b) { return a.luminance() < b.luminance(); };
     const Vec3 brightest = std::max_element(cells.begin(), cells.end(), dimmer)->direction;
@@ -62,23 +62,23 @@ std::optional<Sun> take_sun(std::vector<Piece>& cells) {
         ring.share += cell.share;
         for (int c = 0; c < 3; ++c) ring.light[c] += cell.light[c];
     }
-    Sun sun{{}, {}};
+    DominantLight dominant{{}, {}};
     std::vector<Piece> rest = cells;
     for (Piece& cell : rest) {
         if (dot(cell.direction, brightest) < near) continue;
         const double more = cell.share * std::max(cell.luminance() - ring.luminance(), 0.0);
         excess += more;
-        sun.direction = sun.direction + more * cell.direction;
+        dominant.direction = dominant.direction + more * cell.direction;
         for (int c = 0; c < 3; ++c) {
             const double kept = std::min(cell.light[c], ring.light[c] / ring.share * cell.share);
-            sun.light[c] += cell.light[c] - kept;
+            dominant.light[c] += cell.light[c] - kept;
             cell.light[c] = kept;
         }
     }
     if (!(excess > 0.1 * all)) return {};
-    sun.direction = normalized(sun.direction);
+    dominant.direction = normalized(dominant.direction);
     cells = std::move(rest);
-    return sun;
+    return dominant;
 }
 
 }  // namespace
@@ -87,8 +87,8 @@ IncidentLight incident_light(const Lighting& lighting, Vec3 orbit_up, const Geom
                              const std::vector<Vec3>& directions) {
     const Probe probe = lighting_probe(lighting);
     const Axes turn = composed(grid_from_world(geometry), world_from_probe(lighting.probe.rotation_deg, orbit_up));
-    std::vector<Piece> cells = gather(probe.data().picture, turn, std::exp2(lighting.probe.exposure_stops));
-    IncidentLight incident{std::vector<IncidentRay>(directions.size()), take_sun(cells)};
+    std::vector<Piece> cells = gather(probe.data().image, turn, std::exp2(lighting.probe.exposure_stops));
+    IncidentLight incident{std::vector<IncidentRay>(directions.size()), take_dominant_light(cells)};
     for (const Piece& cell : cells) {
         std::size_t nearest = 0;
         double best = -2;

@@ -15,14 +15,14 @@ struct IncidentRay {
 };
 
 /// What stands out as a light of its own, narrow enough to throw sharp shadows.
-struct Sun {
+struct DominantLight {
     Vec3 direction;  ///< unit, grid axes, towards it
     std::array<double, 3> light;
 };
 
 struct IncidentLight {
-    std::vector<IncidentRay> rays;  ///< one for each of the directions asked for
-    std::optional<Sun> sun;         ///< taken out of the rays
+    std::vector<IncidentRay> rays;          ///< one for each of the directions asked for
+    std::optional<DominantLight> dominant;  ///< taken out of the rays
 };
 
 /// The probe turned and exposed as `lighting` says, gathered in cells of some 3° and each given to the nearest

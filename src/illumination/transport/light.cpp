@@ -41,7 +41,7 @@ NodeLook on_surface(const LightAround& around, const Float3& normal, const Float
 /// What a half space under light from all around sends in a direction is (1 - s H(μ)) of it, s = √(1 - a), H(μ) = (1 +
 /// 2 μ) / (1 + 2 μ s) (Hapke 1981): over a, 1 / ((1 + s) (1 + 2 μ s)). s from the mean over all directions, R / a = (1
 /// - .139 s) / ((1 + 1.17 s) (1 + s)); s = 0, that of isosurfaces, answers alike everywhere.
-float answer_at(float mean, float cosine) {
+float result_at(float mean, float cosine) {
     const float a = 1.17f * mean, b = 2.17f * mean + 0.139f, c = 1 - mean;
     const float s = a > 0 ? (std::sqrt(b * b + 4 * a * c) - b) / (2 * a) : 1;
     return 1 / ((1 + s) * (1 + 2 * cosine * s));
@@ -67,7 +67,7 @@ NodeLook look_of(const SurfaceNode& surface, const TransportNodes& nodes, const 
     NodeLook seen = on_surface(beside, surface.normal, most, look);
     if (look != Look::particles) return seen;
     const float cosine = eye ? cosine_to(*eye, nodes.grid, surface.normal, surface.x, y, z) : -1;
-    for (int c = 0; c < 3; ++c) seen.light[c] *= cosine < 0 ? surface.answer[c] : answer_at(surface.answer[c], cosine);
+    for (int c = 0; c < 3; ++c) seen.light[c] *= cosine < 0 ? surface.result[c] : result_at(surface.result[c], cosine);
     return seen;
 }
 
@@ -176,10 +176,10 @@ std::shared_ptr<const ShownLight> TransportLight::find(const Asked& asked) const
         });
     };
     keep(look == Look::particles ? Reading::particles : Reading::surfaces, shown->light);
-    if (look == Look::particles && !nodes_.answer.empty()) keep(Reading::skins, shown->skins);
+    if (look == Look::particles && !nodes_.result.empty()) keep(Reading::boundary_cells, shown->boundary_cells);
     shown->view = {numbers(shown->light), view_of(grid), {brightest[0], brightest[1], brightest[2]}};
     if (look == Look::turned) shown->turned_view = numbers(shown->turned);
-    if (shown->skins.size() > 0) shown->skins_view = numbers(shown->skins);
+    if (shown->boundary_cells.size() > 0) shown->boundary_view = numbers(shown->boundary_cells);
     return shown;
 }
 

@@ -23,10 +23,10 @@ enum class Look {
 
 /// What the ray caster reads of it.
 struct ShownLight {
-    VoxelBuffer light, turned, skins;
+    VoxelBuffer light, turned, boundary_cells;
     kernel::NodeLight view;
-    const kernel::Light16 *turned_view = nullptr, *skins_view = nullptr;
-    std::size_t bytes() const { return light.size() + turned.size() + skins.size(); }
+    const kernel::Light16 *turned_view = nullptr, *boundary_view = nullptr;
+    std::size_t bytes() const { return light.size() + turned.size() + boundary_cells.size(); }
 };
 
 class TransportLight {

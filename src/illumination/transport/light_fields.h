@@ -1,6 +1,6 @@
 // The light that an iteration changes and leaves, as the host has it.
 #pragma once
-#include "illumination/transport/first_light.h"
+#include "illumination/transport/uncollided_light.h"
 
 namespace chiaro {
 
@@ -10,7 +10,7 @@ inline Colour colour(const Lattice& lattice) { return {lattice.field(), lattice.
 
 /// Rows along x.
 struct LightFields {
-    FirstLight first;
+    UncollidedLight first;
     Colour source, mean;
     std::array<Colour, 3> moment;                       ///< [channel][axis], running mean
     std::vector<OpaqueCells::Faces> faces, mean_faces;  ///< all the light on opaque cells' faces; its running mean

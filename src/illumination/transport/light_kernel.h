@@ -64,7 +64,7 @@ struct AddUpKernel {
 };
 
 /// A sun's light on top; `mean`: its share that is left in a cell, below 0 in cells that no light reaches.
-struct SunKernel {
+struct DominantLightKernel {
     CellPlaces places;
     double colour[3], direction[3];
     const double* mean;

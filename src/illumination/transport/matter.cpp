@@ -56,47 +56,48 @@ GridColour halved_albedo(const LightGrid& finer, const CellGrid& coarse, const D
 
 }  // namespace
 
-TransportMatter::TransportMatter(LightGrid light_grid, const Geometry& volume, bool counted, const Device& device)
+TransportMedium::TransportMedium(LightGrid light_grid, const Geometry& volume, bool counted, const Device& device)
     : grid(std::move(light_grid)),
       opaque(grid, counted ? std::numeric_limits<float>::infinity() : opaque_from, device),
       swept(grid, opaque),
       weight(grid.extinction.grid.size()),
-      skin_albedo(colours_at(grid.albedo, grid.skins, device)),
+      boundary_albedo(colours_at(grid.albedo, grid.boundary_cells, device)),
       geometry(volume),
       counts_bounces(counted) {
     for (std::size_t node = 0; node < weight.size(); ++node)
         weight[node] = std::max(float(-std::expm1(-grid.extinction.data()[node])), 1e-3f);
 }
 
-const Colour& TransportMatter::albedo() const {
+const Colour& TransportMedium::albedo() const {
     return albedo_([this] { return albedos_of(grid, opaque, swept.lattices.along_x); });
 }
 
-SharedMatter matter_of(const Device& device, const Medium::Data& medium, int cells,
-                       const ScatteringSettings& scattering, Progress& progress) {
-    return std::make_shared<const TransportMatter>(
+SharedTransportMedium matter_of(const Device& device, const Medium::Data& medium, int cells,
+                                const ScatteringSettings& scattering, Progress& progress) {
+    return std::make_shared<const TransportMedium>(
         similar(light_grid(medium, cells, scattering.albedo_max, device, progress), scattering.anisotropy),
         medium.volume.geometry(), scattering.bounces.most.has_value(), device);
 }
 
-SharedMatter halved(const TransportMatter& finer, const Device& device, Progress& progress) {
+SharedTransportMedium halved(const TransportMedium& finer, const Device& device, Progress& progress) {
     LightGrid grid{halved(finer.grid.extinction, device, progress), {}, finer.grid.is_surface, {}};
     grid.albedo = halved_albedo(finer.grid, grid.extinction.grid, device);
-    return std::make_shared<const TransportMatter>(std::move(grid), finer.geometry, finer.counts_bounces, device);
+    return std::make_shared<const TransportMedium>(std::move(grid), finer.geometry, finer.counts_bounces, device);
 }
 
-TransportNodes unlit_nodes(const TransportMatter& matter) {
+TransportNodes unlit_nodes(const TransportMedium& matter) {
     const CellGrid& grid = matter.grid.extinction.grid;
     TransportNodes out{
         grid, std::vector<float>(3 * grid.size()), matter.weight, std::vector<float>(9 * grid.size()), {}};
     if (matter.opaque.count() == 0) return out;
-    out.answer.resize(3 * grid.size());
+    out.result.resize(3 * grid.size());
     for (std::size_t cell = 0; cell < matter.opaque.count(); ++cell)
         std::copy_n(matter.opaque.per_albedo(cell).begin(), 3,
-                    out.answer.begin() + std::ptrdiff_t(3 * matter.opaque.nodes()[cell]));
-    for (std::size_t i = 0; i < matter.skin_albedo.size(); ++i)
+                    out.result.begin() + std::ptrdiff_t(3 * matter.opaque.nodes()[cell]));
+    for (std::size_t i = 0; i < matter.boundary_albedo.size(); ++i)
         for (std::size_t c = 0; c < 3; ++c)
-            out.answer[3 * matter.grid.skins[i] + c] = float(reflected_per_albedo(matter.skin_albedo[i][c]));
+            out.result[3 * matter.grid.boundary_cells[i] + c] =
+                float(reflected_per_albedo(matter.boundary_albedo[i][c]));
     return out;
 }
 

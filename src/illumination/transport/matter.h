@@ -5,18 +5,18 @@
 
 namespace chiaro {
 
-struct TransportMatter {
+struct TransportMedium {
     LightGrid grid;  ///< as light that scatters alike to all sides meets it
     OpaqueCells opaque;
     SweptMedium swept;
-    std::vector<float> weight;                      ///< of each node (nodes.h)
-    std::vector<std::array<float, 3>> skin_albedo;  ///< of the grid's skins
-    Geometry geometry;                              ///< of the volume
+    std::vector<float> weight;                          ///< of each node (nodes.h)
+    std::vector<std::array<float, 3>> boundary_albedo;  ///< of the grid's skins
+    Geometry geometry;                                  ///< of the volume
     bool counts_bounces;  ///< no cell is opaque then, for what those answer is all bounces at once
 
-    TransportMatter(LightGrid light_grid, const Geometry& volume, bool counted, const Device& device);
-    TransportMatter(const TransportMatter&) = delete;
-    TransportMatter& operator=(const TransportMatter&) = delete;
+    TransportMedium(LightGrid light_grid, const Geometry& volume, bool counted, const Device& device);
+    TransportMedium(const TransportMedium&) = delete;
+    TransportMedium& operator=(const TransportMedium&) = delete;
 
     /// For sweeps here, rows along x; 0 in opaque cells.
     const Colour& albedo() const;
@@ -24,14 +24,14 @@ struct TransportMatter {
 private:
     Lazy<Colour> albedo_;
 };
-using SharedMatter = std::shared_ptr<const TransportMatter>;
+using SharedTransportMedium = std::shared_ptr<const TransportMedium>;
 
 /// On a grid of at most `cells`. Cost: that of `light_grid`. Throws Error{interrupted}, as `halved` does.
-SharedMatter matter_of(const Device& device, const Medium::Data& medium, int cells,
-                       const ScatteringSettings& scattering, Progress& progress);
+SharedTransportMedium matter_of(const Device& device, const Medium::Data& medium, int cells,
+                                const ScatteringSettings& scattering, Progress& progress);
 /// The same matter on a grid half as fine, each cell of 2³: κ as in visibility/density.h, albedo weighted by it.
-SharedMatter halved(const TransportMatter& finer, const Device& device, Progress& progress);
+SharedTransportMedium halved(const TransportMedium& finer, const Device& device, Progress& progress);
 /// All that nodes tell but light.
-TransportNodes unlit_nodes(const TransportMatter& matter);
+TransportNodes unlit_nodes(const TransportMedium& matter);
 
 }  // namespace chiaro

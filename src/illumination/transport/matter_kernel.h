@@ -5,12 +5,12 @@
 namespace chiaro::kernel {
 
 /// Deeper cells let no more through than this one does, 2e-9; what the kernels raise two to stays above -126.
-inline constexpr float most_depth = 20;
+inline constexpr float max_depth = 20;
 
 /// Opaque cells let all pass (their light is looked at and replaced) or, where no ray may find them, nothing.
 CHIARO_INLINE float swept_depth(float depth, bool is_opaque, bool is_listed) {
-    if (is_opaque) return is_listed ? 0 : most_depth;
-    return min(depth, most_depth);
+    if (is_opaque) return is_listed ? 0 : max_depth;
+    return min(depth, max_depth);
 }
 
 /// From the grid, x fastest, to its lattices; what lies beside the cells there stays as it is.

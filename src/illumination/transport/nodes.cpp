@@ -39,7 +39,7 @@ void fill_behind(const OpaqueCells& opaque, TransportNodes& nodes) {
 
 /// Light and moment of nodes.
 void TransportSolver::State::gather(std::vector<float>& light, std::vector<float>& moments) const {
-    if (card) return card->nodes(light, moments);
+    if (gpu) return gpu->nodes(light, moments);
     kernel::NodeKernel kernel{
         cell_places(medium.lattices.along_x, medium.lattices.along_y), {}, {}, {}, light.data(), moments.data()};
     for (int c = 0; c < 3; ++c) {
@@ -64,7 +64,7 @@ TransportNodes TransportSolver::nodes() const {
     TransportNodes out = unlit_nodes(*s.matter);
     out.iterations = s.iterations, out.change = s.change;
     s.gather(out.light, out.moment);
-    const auto faces = s.card ? s.card->mean_faces() : s.mean_faces;
+    const auto faces = s.gpu ? s.gpu->mean_faces() : s.mean_faces;
     for (std::size_t cell = 0; cell < s.opaque.count(); ++cell) {
         const auto seen = s.opaque.seen(cell, faces[cell]);
         std::copy(seen.begin(), seen.end(), out.light.begin() + std::ptrdiff_t(3 * s.opaque.nodes()[cell]));

@@ -21,13 +21,13 @@ struct TransportNodes {
     /// the axes of the grid; no longer than J. From all around alike 0, from one direction J × that direction. The
     /// mean over the hemisphere about n is about J + 1.5 m · n, irradiance / π about J + 2 m · n.
     std::vector<float> moment;
-    /// [node][3]: R(a) / a of cells that show a surface (opaque with a face in the open, or skin.h), 0 of all others;
-    /// none where no cell is opaque.
-    std::vector<float> answer;
+    /// [node][3]: R(a) / a of cells that show a surface (opaque with a face in the open, or boundary_cells.h), 0 of all
+    /// others; none where no cell is opaque.
+    std::vector<float> result;
     int iterations = 0;  ///< sweeps of scattered light
     double change = 0;   ///< of J by the last one: relative RMS
 
-    std::size_t bytes() const { return (light.size() + weight.size() + moment.size() + answer.size()) * sizeof(float); }
+    std::size_t bytes() const { return (light.size() + weight.size() + moment.size() + result.size()) * sizeof(float); }
 };
 
 }  // namespace chiaro

@@ -82,9 +82,9 @@ void OpaqueCells::find_behind(const CellGrid& grid) {
                         std::array<int, 3> p{x, y, z};
                         p[axis] += o >> axis & 1 ? 1 : -1;
                         const std::int32_t id = id_of(grid, p[0], p[1], p[2]);
-                        const bool answers = id >= 0 && std::size_t(id) < count() &&
+                        const bool results = id >= 0 && std::size_t(id) < count() &&
                                              (bits_[std::size_t(bit_index(p[0], p[1], p[2]))] >> o & 1);
-                        if (answers) cover.in_front[cover.count++] = id;
+                        if (results) cover.in_front[cover.count++] = id;
                     }
                     if (cover.count == 0) continue;
                     if (cover.id < 0) {

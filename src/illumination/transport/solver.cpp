@@ -15,8 +15,8 @@ namespace chiaro {
 namespace {
 
 constexpr double relaxation = 1.5;
-constexpr int most_iterations = 64;  ///< of a solution that converges
-constexpr double converged = 1e-3;   ///< where no error was asked for
+constexpr int max_iterations = 64;  ///< of a solution that converges
+constexpr double converged = 1e-3;  ///< where no error was asked for
 
 /// The last of n sweeps counts so much in the running mean: early ones, far from the solution, are soon forgotten.
 double share_of_sweep(int n) { return 4.0 / (n + 3); }
@@ -61,20 +61,21 @@ struct NearestNodes {
 
 }  // namespace
 
-TransportSolver::State::State(const Device& d, SharedMatter m, const Lighting& lighting, const TransportSettings& s,
-                              const ScatteringSettings& sc, Vec3 orbit_up, Progress& progress)
+TransportSolver::State::State(const Device& d, SharedTransportMedium m, const Lighting& lighting,
+                              const TransportSettings& s, const ScatteringSettings& sc, Vec3 orbit_up,
+                              Progress& progress)
     : device(d), matter(std::move(m)), settings(s), scattering(sc) {
     const FirstDirections directions(lighting, orbit_up, matter->geometry, s.first_directions);
-    const auto on_card = [&] {
-        auto started = std::make_unique<CardTransport>(device, medium);
+    const auto on_gpu = [&] {
+        auto started = std::make_unique<GpuTransport>(device, medium);
         started->start(device, directions, progress);
-        card = std::move(started);
+        gpu = std::move(started);
     };
-    if (!cuda::done_on_card(device, on_card)) start(directions, progress);
+    if (!cuda::try_gpu(device, on_gpu)) start(directions, progress);
 }
 
 void TransportSolver::State::start(const FirstDirections& directions, Progress& progress) {
-    first = first_light(device, medium, directions, progress);
+    first = uncollided_light(device, medium, directions, progress);
     mean = first.light, faces = mean_faces = first.faces;
     source = colour(medium.lattices.along_x);
     const Colour& albedo = matter->albedo();
@@ -95,15 +96,15 @@ void TransportSolver::State::prepare() {
 }
 
 /// The card has no room any more.
-void TransportSolver::State::give_way() {
-    card->fetch(*this);
-    card.reset();
+void TransportSolver::State::fall_back_to_host() {
+    gpu->fetch(*this);
+    gpu.reset();
     prepare();
 }
 
 bool TransportSolver::State::is_done() const {
     if (scattering.bounces.most) return iterations >= *scattering.bounces.most;
-    return iterations >= most_iterations || change < settings.error.value_or(converged);
+    return iterations >= max_iterations || change < settings.error.value_or(converged);
 }
 
 /// One sweep of scattered light and what follows; returns the relative change of the mean.
@@ -113,9 +114,9 @@ double TransportSolver::State::iterate(const std::vector<Vec3>& directions, Prog
                                       is_accelerated() ? float(iterations == 0 ? 1 : relaxation) : 0.0f,
                                       is_accelerated() ? float(share_of_sweep(iterations + 1)) : 1.0f, float(length)};
     std::vector<float> changes;
-    const auto on_card = [&] { changes = card->iterate(directions, kernel, progress); };
-    if (card && cuda::done_on_card(device, on_card)) return relative_change(changes);
-    if (card) give_way();
+    const auto on_gpu = [&] { changes = gpu->iterate(directions, kernel, progress); };
+    if (gpu && cuda::try_gpu(device, on_gpu)) return relative_change(changes);
+    if (gpu) fall_back_to_host();
     const LatticeField arriving = sweep(directions, progress);
     const double found = update(kernel);
     update_faces(arriving, kernel.share);
@@ -150,10 +151,10 @@ void TransportSolver::State::sweep(const std::vector<Vec3>& directions, const Sw
     Colour& to = sums[side_of(axes)];
     std::fill(arriving.begin(), arriving.end(), 0.0f);
     const int nu = lattice.count()[axes.u], nv = lattice.count()[axes.v];
-    TravellingPlanes planes(nu, nv, Kernel::channels * Kernel::most_rays);
+    TravellingPlanes planes(nu, nv, Kernel::channels * Kernel::max_rays);
     bool is_first = true;
     for (SweepBatch& rays :
-         sweep_batches(directions, group, Kernel::most_rays, Kernel::channels * planes.field(), opaque)) {
+         sweep_batches(directions, group, Kernel::max_rays, Kernel::channels * planes.field(), opaque)) {
         const SourceBatch batch(std::move(rays));
         planes.start(Kernel::channels * batch.count(), 0);
         Kernel kernel = batch.kernel(directions.size(), is_first);
@@ -240,7 +241,7 @@ void TransportSolver::State::start_from(const TransportNodes& warm) {
         kernel.nearest[axis] = nearest.along[axis].data();
         arrays.add(nearest.along[axis]);
     }
-    const auto shine_on = [&](CardTransport::Faces lit) {
+    const auto shine_on = [&](GpuTransport::Faces lit) {
         for (std::size_t cell = 0; cell < opaque.count(); ++cell) {
             const float* light = warm.light.data() + 3 * nearest.of(opaque.nodes()[cell]);
             for (auto& face : lit[cell])
@@ -248,8 +249,8 @@ void TransportSolver::State::start_from(const TransportNodes& warm) {
         }
         return lit;
     };
-    if (card && cuda::done_on_card(device, [&] { card->start_from(kernel, arrays, shine_on(card->faces())); })) return;
-    if (card) give_way();
+    if (gpu && cuda::try_gpu(device, [&] { gpu->start_from(kernel, arrays, shine_on(gpu->faces())); })) return;
+    if (gpu) fall_back_to_host();
     faces = shine_on(std::move(faces));
     for (int c = 0; c < 3; ++c) kernel.albedo[c] = matter->albedo()[c].data(), kernel.source[c] = source[c].data();
     for (std::int64_t cell = 0; cell < kernel.places.count(); ++cell) kernel(cell);
@@ -257,7 +258,7 @@ void TransportSolver::State::start_from(const TransportNodes& warm) {
     turn_source();
 }
 
-TransportSolver::TransportSolver(const Device& device, SharedMatter matter, const Lighting& lighting,
+TransportSolver::TransportSolver(const Device& device, SharedTransportMedium matter, const Lighting& lighting,
                                  const TransportSettings& settings, const ScatteringSettings& scattering, Vec3 orbit_up,
                                  Progress& progress, const TransportNodes* warm)
     : state_(std::make_unique<State>(device, std::move(matter), lighting, settings, scattering, orbit_up, progress)) {
@@ -272,7 +273,7 @@ TransportSolver::TransportSolver(TransportSolver&&) noexcept = default;
 TransportSolver& TransportSolver::operator=(TransportSolver&&) noexcept = default;
 TransportSolver::~TransportSolver() = default;
 
-const SharedMatter& TransportSolver::matter() const { return state_->matter; }
+const SharedTransportMedium& TransportSolver::matter() const { return state_->matter; }
 int TransportSolver::iterations() const { return state_->iterations; }
 double TransportSolver::change() const { return state_->change; }
 

@@ -17,7 +17,7 @@ class TransportSolver {
 public:
     /// Finds the light not yet scattered. `warm`: light in a similar medium, of the same or another grid, from which
     /// scattering starts. Throws Error{interrupted}.
-    TransportSolver(const Device& device, SharedMatter matter, const Lighting& lighting,
+    TransportSolver(const Device& device, SharedTransportMedium matter, const Lighting& lighting,
                     const TransportSettings& settings, const ScatteringSettings& scattering, Vec3 orbit_up,
                     Progress& progress, const TransportNodes* warm = nullptr);
     /// Of a medium, on the light grid of the settings.
@@ -34,7 +34,7 @@ public:
     bool iterate(Progress& progress);
     TransportNodes nodes() const;
 
-    const SharedMatter& matter() const;
+    const SharedTransportMedium& matter() const;
     int iterations() const;
     double change() const;  ///< of J by the last iteration: relative RMS
     struct State;

@@ -2,7 +2,7 @@
 #pragma once
 #include <limits>
 
-#include "illumination/transport/card.h"
+#include "illumination/transport/gpu.h"
 #include "illumination/transport/matter.h"
 #include "illumination/transport/solver.h"
 
@@ -11,7 +11,7 @@ namespace chiaro {
 /// The light is on the card, or else here.
 struct TransportSolver::State : LightFields {
     Device device;
-    SharedMatter matter;
+    SharedTransportMedium matter;
     TransportSettings settings;
     ScatteringSettings scattering;
     const OpaqueCells& opaque = matter->opaque;
@@ -19,18 +19,18 @@ struct TransportSolver::State : LightFields {
     Colour source_across;        ///< the same source, rows along y
     std::array<Colour, 6> sums;  ///< by the side that light comes from; those of x: rows along y
     LatticeField emission;
-    std::unique_ptr<CardTransport> card;
+    std::unique_ptr<GpuTransport> gpu;
     int iterations = 0;
     double change = std::numeric_limits<double>::infinity();
 
-    State(const Device& d, SharedMatter m, const Lighting& lighting, const TransportSettings& s,
+    State(const Device& d, SharedTransportMedium m, const Lighting& lighting, const TransportSettings& s,
           const ScatteringSettings& sc, Vec3 orbit_up, Progress& progress);
 
     bool is_accelerated() const { return !matter->counts_bounces; }
     bool is_done() const;
     void start(const FirstDirections& directions, Progress& progress);
     void prepare();
-    void give_way();
+    void fall_back_to_host();
     double iterate(const std::vector<Vec3>& directions, Progress& progress);
     void sweep(const std::vector<Vec3>& directions, const SweepGroup& group, const Progress& progress,
                std::span<float> arriving);

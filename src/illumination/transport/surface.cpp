@@ -27,7 +27,7 @@ std::vector<float> opacity_of(const Device& device, const TransportNodes& nodes,
 
 /// Of each number and the two beside it.
 template <class Choose>
-void slide(const float* values, int count, const Choose& choose, float* to) {
+void extremum_filter_row(const float* values, int count, const Choose& choose, float* to) {
     for (int x = 0; x < count; ++x) {
         const float before = x > 0 ? values[x - 1] : 0, after = x + 1 < count ? values[x + 1] : 0;
         to[x] = choose(choose(before, values[x]), after);
@@ -36,8 +36,8 @@ void slide(const float* values, int count, const Choose& choose, float* to) {
 
 /// Of each node and its 26 neighbours, axis by axis; 0 outside.
 template <class Choose>
-std::vector<float> slid(const Device& device, const CellGrid& grid, const std::vector<float>& values,
-                        const Choose& choose) {
+std::vector<float> extremum_filter_3x3x3(const Device& device, const CellGrid& grid, const std::vector<float>& values,
+                                         const Choose& choose) {
     const auto [nx, ny, nz] = grid.count;
     const std::vector<float> outside(std::size_t(nx), 0.0f);
     const auto over = [&, nx = nx](const std::vector<float>& from, const std::array<int, 3>& step) {
@@ -52,7 +52,7 @@ std::vector<float> slid(const Device& device, const CellGrid& grid, const std::v
                             *after = row_at(y + step[1], z + step[2]);
                 float* row = to.data() + grid.index(0, y, z);
                 if (step[0])
-                    slide(here, nx, choose, row);
+                    extremum_filter_row(here, nx, choose, row);
                 else
                     for (int x = 0; x < nx; ++x) row[x] = choose(choose(before[x], here[x]), after[x]);
             }
@@ -70,13 +70,13 @@ constexpr auto smaller = [](float a, float b) { return std::min(a, b); };
 SurfaceNodes::SurfaceNodes(const Device& device, const TransportNodes& nodes, double edges, bool as_particles)
     : nodes_(nodes), opacity_(opacity_of(device, nodes, edges)) {
     if (!as_particles) {
-        densest_ = slid(device, nodes.grid, opacity_, larger);
-        clearest_ = slid(device, nodes.grid, opacity_, smaller);
+        densest_ = extremum_filter_3x3x3(device, nodes.grid, opacity_, larger);
+        clearest_ = extremum_filter_3x3x3(device, nodes.grid, opacity_, smaller);
     }
-    if (!as_particles || nodes.answer.empty()) return;
+    if (!as_particles || nodes.result.empty()) return;
     std::vector<float> shown(opacity_.size());
-    for (std::size_t node = 0; node < shown.size(); ++node) shown[node] = nodes.answer[3 * node];
-    answers_ = slid(device, nodes.grid, shown, larger);
+    for (std::size_t node = 0; node < shown.size(); ++node) shown[node] = nodes.result[3 * node];
+    results_ = extremum_filter_3x3x3(device, nodes.grid, shown, larger);
 }
 
 LightAround light_of(const TransportNodes& nodes, std::size_t node) {
@@ -135,7 +135,7 @@ bool SurfaceNodes::is_air(int x, int y, int z) const {
     constexpr float clear = 0.02f;
     if (!nodes_.grid.holds(x, y, z)) return true;
     const std::size_t node = nodes_.grid.index(x, y, z);
-    return nodes_.weight[node] < clear || is_skin(node);
+    return nodes_.weight[node] < clear || is_boundary(node);
 }
 
 /// Air beside opaque matter counts, and what is opaque hardly: its one light is that of all its sides.
@@ -143,35 +143,35 @@ NodeRoles SurfaceNodes::particle_roles(int x, int y, int z) const {
     constexpr float least = 1e-3f;
     const std::size_t node = nodes_.grid.index(x, y, z);
     const float weight = nodes_.weight[node];
-    if (nodes_.answer.empty()) return {weight, 0, 0};
+    if (nodes_.result.empty()) return {weight, 0, 0};
     const bool shows_surface = shows(node);
     if (weight >= opaque_weight && !shows_surface) return {least * least, 0, 0};
-    if (is_air(x, y, z)) return answers_[node] > 0 ? NodeRoles{0, 1, 0} : NodeRoles{weight, 0, 0};
+    if (is_air(x, y, z)) return results_[node] > 0 ? NodeRoles{0, 1, 0} : NodeRoles{weight, 0, 0};
     if (!shows_surface) return {weight, 0, 0};
     const bool has_air = is_air(x - 1, y, z) || is_air(x + 1, y, z) || is_air(x, y - 1, z) || is_air(x, y + 1, z) ||
                          is_air(x, y, z - 1) || is_air(x, y, z + 1);
     return has_air ? NodeRoles{0, 0, least} : NodeRoles{weight, 0, 0};
 }
 
-NodeRoles SurfaceNodes::skin_roles(int x, int y, int z) const {
+NodeRoles SurfaceNodes::boundary_roles(int x, int y, int z) const {
     constexpr float hardly = 1e-6f;
     const std::size_t node = nodes_.grid.index(x, y, z);
     const NodeRoles roles = particle_roles(x, y, z);
-    if (nodes_.answer.empty() || !(roles.particles > 0)) return roles;
+    if (nodes_.result.empty() || !(roles.particles > 0)) return roles;
     if (nodes_.weight[node] >= opaque_weight) return {hardly, 0, 0};
-    return answers_[node] > 0 ? NodeRoles{0, 1, 0} : roles;
+    return results_[node] > 0 ? NodeRoles{0, 1, 0} : roles;
 }
 
-Float3 SurfaceNodes::answer(int x, int y, int z) const {
+Float3 SurfaceNodes::result(int x, int y, int z) const {
     const auto [nx, ny, nz] = nodes_.grid.count;
     Float3 sum{};
     float count = 0;
     for (int k = std::max(z - 1, 0); k <= std::min(z + 1, nz - 1); ++k)
         for (int j = std::max(y - 1, 0); j <= std::min(y + 1, ny - 1); ++j)
             for (int i = std::max(x - 1, 0); i <= std::min(x + 1, nx - 1); ++i) {
-                const float* answer = nodes_.answer.data() + 3 * nodes_.grid.index(i, j, k);
-                if (!(answer[0] > 0)) continue;
-                for (int c = 0; c < 3; ++c) sum[c] += answer[c];
+                const float* result = nodes_.result.data() + 3 * nodes_.grid.index(i, j, k);
+                if (!(result[0] > 0)) continue;
+                for (int c = 0; c < 3; ++c) sum[c] += result[c];
                 count += 1;
             }
     for (float& channel : sum) channel = count > 0 ? channel / count : 0;

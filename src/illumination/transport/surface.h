@@ -62,11 +62,11 @@ public:
     NodeRoles particle_roles(int x, int y, int z) const;
     /// ... for samples that are solid by themselves: cells that matter fills in part, beside opaque ones, are surfaces
     /// too, not fog in the bright light of their air; and inner corners, which touch air by an edge only, do not count.
-    NodeRoles skin_roles(int x, int y, int z) const;
+    NodeRoles boundary_roles(int x, int y, int z) const;
     /// R(a) / a of the surfaces at a node and around it.
-    Float3 answer(int x, int y, int z) const;
+    Float3 result(int x, int y, int z) const;
     /// Whether a surface passes through the node, as far as light knows.
-    bool shows(std::size_t node) const { return !nodes_.answer.empty() && nodes_.answer[3 * node] > 0; }
+    bool shows(std::size_t node) const { return !nodes_.result.empty() && nodes_.result[3 * node] > 0; }
     float weight(std::size_t node) const { return nodes_.weight[node]; }
     /// Trilinear, each node by what it lets through: the light in the air beside matter, not that within.
     LightBeside off(const NodeOutwards& outwards, int x, int y, int z) const;
@@ -74,13 +74,13 @@ public:
 private:
     Float3 step_down(int x, int y, int z, int distance) const;
     float alpha(int x, int y, int z) const;
-    bool is_skin(std::size_t node) const { return shows(node) && nodes_.weight[node] < opaque_weight; }
+    bool is_boundary(std::size_t node) const { return shows(node) && nodes_.weight[node] < opaque_weight; }
     bool is_air(int x, int y, int z) const;
 
     const TransportNodes& nodes_;
     std::vector<float> opacity_;             ///< [node]: of a smallest voxel edge
     std::vector<float> densest_, clearest_;  ///< opacity around each node; not for particles
-    std::vector<float> answers_;             ///< for particles: above 0 where a surface is near
+    std::vector<float> results_;             ///< for particles: above 0 where a surface is near
 };
 
 }  // namespace chiaro

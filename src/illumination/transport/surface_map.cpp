@@ -18,12 +18,12 @@ SurfaceNode surface_at(const SurfaceNodes& surfaces, std::size_t node, float wei
     // Air that shares its cell with matter is as dark as that: there too the light is that one cell out.
     const float passes = surfaces.shows(node) ? 0 : 1 - surfaces.weight(node);
     return {x,          has_air ? weight : std::min(weight, hardly),        has_air ? passes * passes : 1,
-            out.normal, as_particles ? surfaces.answer(x, y, z) : Float3{}, beside};
+            out.normal, as_particles ? surfaces.result(x, y, z) : Float3{}, beside};
 }
 
 NodeRoles roles_at(const SurfaceNodes& surfaces, Reading reading, int x, int y, int z) {
     if (reading == Reading::surfaces) return surfaces.roles(x, y, z);
-    return reading == Reading::skins ? surfaces.skin_roles(x, y, z) : surfaces.particle_roles(x, y, z);
+    return reading == Reading::boundary_cells ? surfaces.boundary_roles(x, y, z) : surfaces.particle_roles(x, y, z);
 }
 
 }  // namespace
@@ -67,7 +67,7 @@ std::size_t SurfaceMaps::bytes() const {
 
 bool is_same_matter(const TransportNodes& a, const TransportNodes& b) {
     return a.grid.count == b.grid.count && a.grid.voxels_per_cell == b.grid.voxels_per_cell && a.weight == b.weight &&
-           a.answer == b.answer;
+           a.result == b.result;
 }
 
 }  // namespace chiaro

@@ -14,12 +14,12 @@ struct SurfaceNode {
     int x = 0;         ///< its place in the row
     float weight = 0;  ///< that the surface has between other nodes
     float own = 0;     ///< how much the node's own light counts; the rest is the light beside
-    Float3 normal{}, answer{};
+    Float3 normal{}, result{};
     LightBeside beside;
 };
 
 /// What samples read: surfaces, particles, or particles that are solid by themselves.
-enum class Reading { surfaces, particles, skins };
+enum class Reading { surfaces, particles, boundary_cells };
 
 struct SurfaceMap {
     std::vector<float> particles;                    ///< [node]: what its own light weighs as particles

@@ -43,10 +43,10 @@ kernel::OctantRays octant_rays(const SweepDirection& d, const SweepAxes& axes, i
 
 }  // namespace
 
-TravellingPlanes::TravellingPlanes(int nu, int nv, int most_fields)
+TravellingPlanes::TravellingPlanes(int nu, int nv, int max_fields)
     : nv_(nv),
       row_((nu + 15) / 16 * 16 + 2 * margin),
-      numbers_(std::size_t(row_) * std::size_t(nv + 2 + aside) * std::size_t(most_fields)) {}
+      numbers_(std::size_t(row_) * std::size_t(nv + 2 + aside) * std::size_t(max_fields)) {}
 
 void TravellingPlanes::start(int fields, float outside) {
     fields_ = fields, outside_ = outside, upwards_ = false;

@@ -32,7 +32,7 @@ inline int side_of(const SweepAxes& axes) { return 2 * axes.major + (axes.sign <
 /// cache.
 class TravellingPlanes {
 public:
-    TravellingPlanes(int nu, int nv, int most_fields);
+    TravellingPlanes(int nu, int nv, int max_fields);
 
     /// From one field's row to the next.
     int field() const { return row_; }

@@ -92,7 +92,7 @@ CHIARO_INLINE F light_before(const SweepRay& ray, const float* before) {
 
 /// Whether any of sixteen cells stops light: decided for all of them, so that every instruction set does the same.
 template <class F>
-CHIARO_INLINE bool holds_matter(const float* extinction) {
+CHIARO_INLINE bool is_occupied(const float* extinction) {
     bool found = false;
     for (std::int32_t lane = 0; lane < 16; lane += LaneTraits<F>::count)
         found |= any(load_row<F>(extinction + lane) > F(0));
@@ -110,12 +110,12 @@ struct FirstSweepRow {
     OpaqueRow opaque;
 };
 struct FirstSweepKernel {
-    static constexpr std::int32_t width = 16, most_rays = 18, sums = 6;
+    static constexpr std::int32_t width = 16, max_rays = 18, sums = 6;
     const SweepRay* rays;
     const float* basis;  ///< [ray][8]: what a ray of T = 1 adds to the sums
     const OctantRays* octants;
     std::int32_t octant_count;
-    const float* per_share;  ///< [pattern][most_rays]: 1 / the share of the open, 0 where a ray does not count
+    const float* per_share;  ///< [pattern][max_rays]: 1 / the share of the open, 0 where a ray does not count
     const float* on_faces;   ///< [ray][axis][4], padded to 16: |cos| × the light that a ray of T = 1 brings
     std::int32_t count;
     bool is_first;  ///< sums are written, not added to
@@ -124,7 +124,7 @@ struct FirstSweepKernel {
     template <class F>
     CHIARO_INLINE void operator()(const FirstSweepRow& row) const {
         for (std::int32_t u = 0; u < row.count; u += width) {
-            const bool matter = holds_matter<F>(row.extinction + u);
+            const bool matter = is_occupied<F>(row.extinction + u);
             for (std::int32_t lane = 0; lane < width; lane += LaneTraits<F>::count) take<F>(row, u + lane, matter);
         }
         for (std::int32_t i = 0; i < row.opaque.count; ++i)
@@ -133,14 +133,14 @@ struct FirstSweepKernel {
     }
     /// One cell, as a thread of a card takes it; `id` among the opaque ones, below 0: it is none.
     CHIARO_INLINE void at(const FirstSweepRow& row, std::int32_t u, std::int32_t id) const {
-        take<float>(row, u, holds_matter<float>(row.extinction + u / width * width));
+        take<float>(row, u, is_occupied<float>(row.extinction + u / width * width));
         for (std::int32_t o = 0; id >= 0 && o < octant_count; ++o) meet<float>(row, {u, id}, octants[o]);
     }
 
 private:
     template <class F>
     CHIARO_INLINE void take(const FirstSweepRow& row, std::int32_t u, bool matter) const {
-        float mean[most_rays * LaneTraits<F>::count];
+        float mean[max_rays * LaneTraits<F>::count];
         if (matter)
             pass<F, true>(row, u, mean);
         else
@@ -185,7 +185,7 @@ private:
             for (std::int32_t lane = 0; lane < width; lane += LaneTraits<F>::count) {
                 F sum(0);
                 for (std::int32_t r = from.first; r < from.end; ++r) {
-                    const float in = here[r * plane.field] * per_share[pattern * most_rays + r];
+                    const float in = here[r * plane.field] * per_share[pattern * max_rays + r];
                     sum = mad(F(in), load_row<F>(on_faces + r * width + lane), sum);
                 }
                 store_row(light + lane, sum);
@@ -205,7 +205,7 @@ struct SourceRow {
     OpaqueRow opaque;
 };
 struct SourceSweepKernel {
-    static constexpr std::int32_t width = 16, most_rays = 6, channels = 3;
+    static constexpr std::int32_t width = 16, max_rays = 6, channels = 3;
     const SweepRay* rays;
     float weight;  ///< of a ray, / 2
     const OctantRays* octants;
@@ -219,7 +219,7 @@ struct SourceSweepKernel {
     template <class F>
     CHIARO_INLINE void operator()(const SourceRow& row) const {
         for (std::int32_t u = 0; u < row.count; u += width) {
-            const bool matter = holds_matter<F>(row.extinction + u);
+            const bool matter = is_occupied<F>(row.extinction + u);
             for (std::int32_t lane = 0; lane < width; lane += LaneTraits<F>::count) take<F>(row, u + lane, matter);
         }
         for (std::int32_t i = 0; i < row.opaque.count; ++i)
@@ -228,7 +228,7 @@ struct SourceSweepKernel {
     }
     /// One cell, as a thread of a card takes it; `id` among the opaque ones, below 0: it is none.
     CHIARO_INLINE void at(const SourceRow& row, std::int32_t u, std::int32_t id) const {
-        take<float>(row, u, holds_matter<float>(row.extinction + u / width * width));
+        take<float>(row, u, is_occupied<float>(row.extinction + u / width * width));
         for (std::int32_t o = 0; id >= 0 && o < octant_count; ++o) meet(row, {u, id}, octants[o]);
     }
 
@@ -242,7 +242,7 @@ private:
     }
     template <class F, bool matter>
     CHIARO_INLINE void pass(const SourceRow& row, std::int32_t u) const {
-        float clear[most_rays * LaneTraits<F>::count];
+        float clear[max_rays * LaneTraits<F>::count];
         if constexpr (matter) {
             const F extinction = load_row<F>(row.extinction + u);
             for (std::int32_t r = 0; r < count; ++r)

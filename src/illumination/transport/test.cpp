@@ -8,9 +8,9 @@
 #include "classify/medium.h"
 #include "fixtures.h"
 #include "illumination/sh/directions.h"
+#include "illumination/transport/boundary_cells.h"
 #include "illumination/transport/directions.h"
 #include "illumination/transport/opaque.h"
-#include "illumination/transport/skin.h"
 #include "illumination/transport/transport.h"
 #include "illumination/visibility/sweep.h"
 
@@ -241,7 +241,7 @@ TEST(Transport, RefinesFromCoarseToFineAndStartsFromTheLast) {
     TransportMemory memory;
     int fields[2]{};
     for (int& count : fields) {
-        Steps steps;
+        StageTimer timer;
         Progress progress;
         bool last_is_coarse = true;
         refine_transport(
@@ -252,7 +252,7 @@ TEST(Transport, RefinesFromCoarseToFineAndStartsFromTheLast) {
                 }
                 last_is_coarse = is_coarse;
             },
-            steps, progress, &memory);
+            timer, progress, &memory);
         EXPECT_FALSE(last_is_coarse);
         ASSERT_TRUE(memory.fine);
     }

@@ -1,7 +1,7 @@
 #include "illumination/transport/transport.h"
 
 #include "classify/medium.h"
-#include "illumination/transport/detail.h"
+#include "illumination/transport/coarse_to_fine.h"
 
 namespace chiaro {
 namespace {
@@ -40,28 +40,28 @@ bool TransportMemory::is_of(const Medium::Data& other, const TransportSettings& 
 
 void refine_transport(const Device& device, const Medium::Data& medium, const Lighting& lighting,
                       const TransportSettings& settings, const ScatteringSettings& scattering, Vec3 orbit_up,
-                      const std::function<void(TransportNodes, bool is_coarse)>& keep, Steps& steps, Progress& progress,
-                      TransportMemory* memory) {
+                      const std::function<void(TransportNodes, bool is_coarse)>& keep, StageTimer& timer,
+                      Progress& progress, TransportMemory* memory) {
     const bool is_known = memory && memory->is_of(medium, settings, scattering);
     const std::optional<LightBefore> before = light_before(memory, medium);
     Found found(memory);
     found.now = {{}, {}, medium.weak_from_this(), medium.volume.data().weak_from_this(), settings.grid, scattering};
-    const auto start = [&](const SharedMatter& matter, const TransportNodes* warm) {
-        return steps("light", [&] {
+    const auto start = [&](const SharedTransportMedium& matter, const TransportNodes* warm) {
+        return timer("light", [&] {
             return std::make_shared<TransportSolver>(device, matter, lighting, settings, scattering, orbit_up, progress,
                                                      warm);
         });
     };
     const auto iterate = [&](TransportSolver& solver, int most) {
-        return steps("scattering", [&] {
+        return timer("scattering", [&] {
             int done = 0;
             while (done < most && solver.iterate(progress)) ++done;
             return done;
         });
     };
-    const SharedMatter matter =
+    const SharedTransportMedium matter =
         is_known ? memory->fine->matter()
-                 : steps("light grid", [&] { return matter_of(device, medium, settings.grid, scattering, progress); });
+                 : timer("light grid", [&] { return matter_of(device, medium, settings.grid, scattering, progress); });
     std::optional<TransportNodes> first;
     if (settings.grid > coarsest) {
         const auto half = start(is_known && memory->half ? memory->half->matter() : halved(*matter, device, progress),

@@ -2,7 +2,7 @@
 #pragma once
 #include <functional>
 
-#include "illumination/steps.h"
+#include "illumination/stage_timer.h"
 #include "illumination/transport/solver.h"
 
 namespace chiaro {
@@ -24,7 +24,7 @@ struct TransportMemory {
 /// are coarse. Throws Error{interrupted}: what was kept before stays valid.
 void refine_transport(const Device& device, const Medium::Data& medium, const Lighting& lighting,
                       const TransportSettings& settings, const ScatteringSettings& scattering, Vec3 orbit_up,
-                      const std::function<void(TransportNodes, bool is_coarse)>& keep, Steps& steps, Progress& progress,
-                      TransportMemory* memory = nullptr);
+                      const std::function<void(TransportNodes, bool is_coarse)>& keep, StageTimer& timer,
+                      Progress& progress, TransportMemory* memory = nullptr);
 
 }  // namespace chiaro

@@ -2,7 +2,7 @@
 
 #include "classify/medium.h"
 #include "core/threads.h"
-#include "illumination/visibility/card.h"
+#include "illumination/visibility/gpu.h"
 #include "illumination/visibility/launch_density.h"
 #include "illumination/visibility/sub_voxel.h"
 
@@ -42,8 +42,8 @@ void keep(const Tile& tile, int edge, const std::array<int, 3>& block, Density& 
 Density assemble(const CellGrid& cells, const BlockMap& blocks, int halvings, const BlockDepths& depths,
                  const Device& device, Progress& progress) {
     Density out(coarser(cells, 1 << halvings));
-    const auto on_card = [&] { assemble_on_card(device, blocks, halvings, depths, out, progress); };
-    if (cuda::done_on_card(device, on_card)) return out;
+    const auto on_gpu = [&] { assemble_on_gpu(device, blocks, halvings, depths, out, progress); };
+    if (cuda::try_gpu(device, on_gpu)) return out;
     const auto rows = kernel::density_rows_for(device.isa);
     const auto held = blocks.held();
     parallel_for(device.threads, std::int64_t(held.size()), 1, "density", progress, [&](std::int64_t b, std::int64_t) {

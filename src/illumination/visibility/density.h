@@ -12,13 +12,13 @@ namespace chiaro {
 /// Optical depth of one node's edge, constant in the node; x fastest. Outside the grid there is nothing.
 struct Density {
     CellGrid grid;
-    TwinBuffer buffer;
+    MirroredBuffer buffer;
 
     explicit Density(const CellGrid& nodes) : grid(nodes), buffer(nodes.size() * sizeof(float)) {}
     /// To be written, by one thread while it may lie on a card.
     float* numbers() { return reinterpret_cast<float*>(buffer.data()); }
     const float* data() const { return reinterpret_cast<const float*>(std::as_const(buffer).data()); }
-    const float* on_card(cuda::Stream& stream) const { return reinterpret_cast<const float*>(buffer.on_card(stream)); }
+    const float* on_gpu(cuda::Stream& stream) const { return reinterpret_cast<const float*>(buffer.on_gpu(stream)); }
 };
 
 /// The grid with half as many nodes per axis (rounded up), each at the centre of a block of 2³.

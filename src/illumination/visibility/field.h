@@ -38,13 +38,13 @@ struct VisibilityView {
 
 private:
     template <class F>
-    CHIARO_APART void scatter(const SamplePoint<F>& sample, const ShadingView& shading, Incident<F>& found) const {
+    CHIARO_NOINLINE void scatter(const SamplePoint<F>& sample, const ShadingView& shading, Incident<F>& found) const {
         found = scattered.incident(light, sample, shading);
     }
 
     /// By the sample's own normal, one lane after the other: there are few surfaces along a ray.
     template <class F>
-    CHIARO_APART void on_surfaces(const SamplePoint<F>& sample, Vec3<F>& e) const {
+    CHIARO_NOINLINE void on_surfaces(const SamplePoint<F>& sample, Vec3<F>& e) const {
         constexpr int lanes = LaneTraits<F>::count;
         const GridLocation<F> at = light.grid.locate(sample.p_voxel);
         std::int32_t node[lanes];

@@ -1,18 +1,18 @@
 // Nodes on cards: the same source, one thread a node.
 #include "cuda/launch.h"
-#include "illumination/visibility/launch_card.h"
+#include "illumination/visibility/launch_gpu.h"
 
 namespace chiaro::kernel {
 namespace {
 
 struct OpacityOfNode {
     OpacityKernel kernel;
-    CHIARO_ON_CARD void operator()(std::int64_t node) const { kernel(node, 1); }
+    CHIARO_DEVICE void operator()(std::int64_t node) const { kernel(node, 1); }
 };
 
 struct KeepNode {
     KeepKernel kernel;
-    CHIARO_ON_CARD void operator()(std::int64_t node) const {
+    CHIARO_DEVICE void operator()(std::int64_t node) const {
         const std::int64_t row = node / kernel.count[0];
         kernel.keep_node(std::int32_t(node % kernel.count[0]), std::int32_t(row % kernel.count[1]),
                          std::int32_t(row / kernel.count[1]));
@@ -21,7 +21,7 @@ struct KeepNode {
 
 struct LightNode {
     LightKernel kernel;
-    CHIARO_ON_CARD void operator()(std::int64_t node) const { kernel(node, 1); }
+    CHIARO_DEVICE void operator()(std::int64_t node) const { kernel(node, 1); }
 };
 
 }  // namespace

@@ -1,11 +1,11 @@
 // The pyramid and the walk through it on cards: the same source, one thread a node.
 #include "cuda/launch.h"
-#include "illumination/visibility/launch_card.h"
+#include "illumination/visibility/launch_gpu.h"
 
 namespace chiaro::kernel {
 
-template void run_on_card(cuda::Stream&, std::int64_t, const FinestLevel&);
-template void run_on_card(cuda::Stream&, std::int64_t, const NextLevel&);
-template void run_on_card(cuda::Stream&, std::int64_t, const WalkNode&);
+template void run_on_gpu(cuda::Stream&, std::int64_t, const FinestLevel&);
+template void run_on_gpu(cuda::Stream&, std::int64_t, const NextLevel&);
+template void run_on_gpu(cuda::Stream&, std::int64_t, const WalkNode&);
 
 }  // namespace chiaro::kernel

@@ -5,7 +5,7 @@
 #include "core/threads.h"
 #include "illumination/probe/lambert.h"
 #include "illumination/probe/light.h"
-#include "illumination/visibility/card.h"
+#include "illumination/visibility/gpu.h"
 #include "illumination/visibility/launch.h"
 #include "volume/float3.h"
 
@@ -17,7 +17,7 @@ constexpr double pi = std::numbers::pi;
 /// Per coefficient as it is kept.
 kernel::HarmonicsLight light_on_particles(const VisibilityNodes& nodes, const ShLight& light) {
     kernel::HarmonicsLight particles{};
-    for (int c = 0; c < most_coefficients; ++c)
+    for (int c = 0; c < max_coefficients; ++c)
         for (int k = 0; k < 3; ++k)
             particles.coefficients[c][k] = float(light.coefficients[k][c] / (4 * pi) * nodes.step(c));
     return particles;
@@ -26,7 +26,7 @@ kernel::HarmonicsLight light_on_particles(const VisibilityNodes& nodes, const Sh
 std::vector<kernel::HarmonicsLight> light_on_surfaces(const VisibilityNodes& nodes, const LambertTable& table) {
     std::vector<kernel::HarmonicsLight> entries(table.entries.size());
     for (std::size_t i = 0; i < entries.size(); ++i)
-        for (int c = 0; c < most_coefficients; ++c)
+        for (int c = 0; c < max_coefficients; ++c)
             for (int k = 0; k < 3; ++k)
                 entries[i].coefficients[c][k] = float(table.entries[i][k][c] / pi * nodes.step(c));
     return entries;
@@ -48,14 +48,14 @@ std::shared_ptr<const LitLight> LitNodes::light(const ProbeLight& probe) const {
 }
 
 void LitNodes::light_all(const kernel::LightKernel& light, const std::vector<kernel::HarmonicsLight>& surface) const {
-    const auto on_card = [&] {
+    const auto on_gpu = [&] {
         HostArrays arrays;
         arrays.add(weak_from_this(), nodes_.harmonics);
         arrays.add(weak_from_this(), nodes_.surfaces);
         arrays.add(surface);
-        light_on_card(device_, light, arrays, nodes_.grid.size());
+        light_on_gpu(device_, light, arrays, nodes_.grid.size());
     };
-    if (cuda::done_on_card(device_, on_card)) return;
+    if (cuda::try_gpu(device_, on_gpu)) return;
     const auto light_nodes = kernel::visibility_functions_for(device_.isa).light;
     parallel_for(device_.threads, std::int64_t(nodes_.grid.size()), 4096,
                  [&](std::int64_t first, std::int64_t end) { light_nodes(light, first, std::int32_t(end - first)); });

@@ -46,7 +46,7 @@ struct KeepKernel {
     CHIARO_INLINE void keep_node(std::int32_t x, std::int32_t y, std::int32_t z) const {
         const std::int64_t node = index(x, y, z);
         const float* from = field + node * coefficients;
-        float lifted[16];
+        float displaced[16];
         if (opacity) {
             const Outwards out = outwards(x, y, z);
             const float size = sqrt(dot(out.n, out.n)), inverse = size > 0 ? 127 / size : 0;
@@ -54,8 +54,8 @@ struct KeepKernel {
             surfaces[node] = {signed_byte(inverse * out.n.x), signed_byte(inverse * out.n.y),
                               signed_byte(inverse * out.n.z), share};
             if (share) {
-                lift((out.edges / max(size, 1.0f)) * out.n, x, y, z, lifted);
-                from = lifted;
+                normal_offset((out.edges / max(size, 1.0f)) * out.n, x, y, z, displaced);
+                from = displaced;
             }
         }
         keep(from, node);
@@ -88,7 +88,7 @@ private:
     static CHIARO_INLINE std::int8_t signed_byte(float v) { return std::int8_t(v < 0 ? v - 0.5f : v + 0.5f); }
 
     /// The field at the node + way, trilinear; beyond the grid the nearest node's.
-    CHIARO_INLINE void lift(Vec3<float> way, std::int32_t x, std::int32_t y, std::int32_t z, float* to) const {
+    CHIARO_INLINE void normal_offset(Vec3<float> way, std::int32_t x, std::int32_t y, std::int32_t z, float* to) const {
         const float p[3] = {float(x) + way.x, float(y) + way.y, float(z) + way.z};
         std::int32_t low[3], high[3];
         float share[3];

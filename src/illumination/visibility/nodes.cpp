@@ -12,14 +12,14 @@ float VisibilityNodes::step(int coefficient) const {
 }
 
 VisibilityNodes make_nodes(const CellGrid& grid, int coefficients, const VisibilitySettings& settings) {
-    const bool lifted = settings.model == VisibilityModel::corrected;
+    const bool displaced = settings.model == VisibilityModel::corrected;
     const std::size_t bytes_per_node = std::size_t(coefficients) << int(settings.storage);
     return {grid,
             settings.storage,
             settings.window,
             coefficients,
             VoxelBuffer(grid.size() * bytes_per_node),
-            lifted ? VoxelBuffer(grid.size() * sizeof(kernel::NodeSurface)) : VoxelBuffer()};
+            displaced ? VoxelBuffer(grid.size() * sizeof(kernel::NodeSurface)) : VoxelBuffer()};
 }
 
 kernel::KeepKernel keep_kernel(VisibilityNodes& nodes, const float* field, const float* opacity) {
@@ -32,7 +32,7 @@ kernel::KeepKernel keep_kernel(VisibilityNodes& nodes, const float* field, const
                             nodes.coefficients,
                             {nx, ny, nz},
                             {}};
-    for (int c = 0; c < most_coefficients; ++c) keep.steps[c] = nodes.step(c);
+    for (int c = 0; c < max_coefficients; ++c) keep.steps[c] = nodes.step(c);
     return keep;
 }
 

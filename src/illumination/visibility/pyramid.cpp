@@ -48,7 +48,7 @@ TransparencyPyramid::TransparencyPyramid(const Density& density, int threads, Pr
         views_.push_back(pyramid_level(level.grid, int(views_.size()), std::as_const(level).data()));
 }
 
-CardPyramid::CardPyramid(const std::shared_ptr<cuda::Stream>& stream, const Density& density) {
+GpuPyramid::GpuPyramid(const std::shared_ptr<cuda::Stream>& stream, const Density& density) {
     const GpuExecutor executor(stream);
     const std::vector<CellGrid> grids = pyramid_grids(density.grid);
     std::vector<std::uint16_t*> levels;

@@ -31,9 +31,9 @@ private:
 };
 
 /// The same there, made there; its work may still be under way.
-class CardPyramid {
+class GpuPyramid {
 public:
-    CardPyramid(const std::shared_ptr<cuda::Stream>& stream, const Density& density);
+    GpuPyramid(const std::shared_ptr<cuda::Stream>& stream, const Density& density);
     const std::vector<kernel::PyramidLevel>& views() const { return views_; }
 
 private:

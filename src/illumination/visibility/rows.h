@@ -17,11 +17,11 @@ struct FourRows {
     const float* at[4];
 };
 
-inline constexpr std::int32_t most_nodes = 16;  ///< of a row
+inline constexpr std::int32_t max_nodes = 16;  ///< of a row
 
 /// Transmittance of the four columns of 2 cells along each axis, added up.
 struct ColumnSums {
-    float along[3][most_nodes];
+    float along[3][max_nodes];
 };
 CHIARO_INLINE void add_columns(const FourRows& rows, std::int32_t nodes, ColumnSums& sums) {
     const float *a = rows.at[0], *b = rows.at[1], *c = rows.at[2], *d = rows.at[3];
@@ -39,7 +39,7 @@ template <class F>
 CHIARO_INLINE void halve_row(const FourRows& rows, std::int32_t nodes, float* to) {
     ColumnSums sums{};
     add_columns(rows, nodes, sums);
-    float depth[most_nodes];
+    float depth[max_nodes];
     for (std::int32_t x = 0; x < nodes; x += LaneTraits<F>::count) {
         // κ stays finite: at most 87
         const auto log_of = [&](int axis) CHIARO_INLINE_LAMBDA {

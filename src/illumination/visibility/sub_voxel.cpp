@@ -2,19 +2,19 @@
 
 #include <memory>
 
-#include "cuda/mirror.h"
+#include "cuda/device_cache.h"
 #include "illumination/visibility/density.h"
-#include "illumination/visibility/half_way.h"
-#include "illumination/visibility/launch_card.h"
+#include "illumination/visibility/launch_gpu.h"
+#include "illumination/visibility/sub_voxel_integral.h"
 #include "volume/device_view.h"
 
 namespace chiaro {
 namespace {
 
 /// A row of cells among its neighbours, `row` and `slice` apart.
-template <class HalfWay, class Value>
-void depth_row(const HalfWay& half_way, const Value* at, int row, int slice, int count, float* to) {
-    for (int x = 0; x < count; ++x) to[x] = kernel::depth_among(half_way, at + x, row, slice);
+template <class SubVoxelIntegral, class Value>
+void depth_row(const SubVoxelIntegral& sub_voxel, const Value* at, int row, int slice, int count, float* to) {
+    for (int x = 0; x < count; ++x) to[x] = kernel::depth_among(sub_voxel, at + x, row, slice);
 }
 
 using Ranges = std::array<std::pair<int, int>, 3>;
@@ -55,24 +55,24 @@ public:
     const kernel::CellCentres& centres() const { return centres_; }
 
     /// Where cells are voxels: a block's row lies in one brick, and its neighbours with it.
-    template <class HalfWay>
-    void fill_from_voxels(const HalfWay& half_way, std::size_t block, float* tile) const {
+    template <class SubVoxelIntegral>
+    void fill_from_voxels(const SubVoxelIntegral& sub_voxel, std::size_t block, float* tile) const {
         const Ranges cells = matter_.cells(block, grid_.count);
         const InTile in{tile, cells};
         for_each_piece(cells, matter_.pieces_of(block), [&](int x, int end, int y, int z) {
-            depth_row(half_way, voxel_address(view_, x, y, z), brick_row, brick_slice, end - x, in.at(x, y, z));
+            depth_row(sub_voxel, voxel_address(view_, x, y, z), brick_row, brick_slice, end - x, in.at(x, y, z));
             clip_row(x, end, y, z, in.at(x, y, z));
         });
     }
 
     /// Else from values at the centres of the block's cells and of one more on each side, where asked for.
-    template <class HalfWay>
-    void fill_between_voxels(const HalfWay& half_way, std::size_t block, float* tile) const {
+    template <class SubVoxelIntegral>
+    void fill_between_voxels(const SubVoxelIntegral& sub_voxel, std::size_t block, float* tile) const {
         const Ranges cells = matter_.cells(block, grid_.count);
         const BlockPieces& pieces = matter_.pieces_of(block);
         const auto [x0, y0, z0] = std::array{cells[0].first, cells[1].first, cells[2].first};
         constexpr int row = block_edge + 2, slice = row * row;
-        std::vector<typename HalfWay::Level> levels(std::size_t(row) * slice);
+        std::vector<typename SubVoxelIntegral::Level> levels(std::size_t(row) * slice);
         const auto level = [&, x0 = x0, y0 = y0, z0 = z0](int x, int y, int z) {
             return levels.data() + (z - z0 + 1) * slice + (y - y0 + 1) * row + x - x0 + 1;
         };
@@ -81,11 +81,11 @@ public:
                 const int asked = pieces_beside(pieces, y - y0, z - z0), middle = x0 + BlockPieces::width;
                 const int first = asked & 1 ? x0 - 1 : middle - 1, last = asked & 2 ? cells[0].second : middle;
                 for (int x = first; asked && x <= std::min(last, cells[0].second); ++x)
-                    *level(x, y, z) = half_way.level_of(value_at(x, y, z));
+                    *level(x, y, z) = sub_voxel.level_of(value_at(x, y, z));
             }
         const InTile in{tile, cells};
         for_each_piece(cells, pieces, [&](int x, int end, int y, int z) {
-            depth_row(half_way, level(x, y, z), row, slice, end - x, in.at(x, y, z));
+            depth_row(sub_voxel, level(x, y, z), row, slice, end - x, in.at(x, y, z));
             clip_row(x, end, y, z, in.at(x, y, z));
         });
     }
@@ -116,43 +116,45 @@ private:
 
 /// With pointers of the card's into `arrays`; `swap_pointers(views, depth)` names them.
 template <class Depth, class SwapPointers>
-FillBlocks on_card(cuda::Stream& stream, HostArrays arrays, const CellGrid& grid, Depth depth,
-                   const SwapPointers& swap_pointers) {
+FillBlocks on_gpu(cuda::Stream& stream, HostArrays arrays, const CellGrid& grid, Depth depth,
+                  const SwapPointers& swap_pointers) {
     const auto views = std::make_shared<cuda::Views>(stream, std::move(arrays));
     swap_pointers(*views, depth);
     const auto [nx, ny, nz] = grid.count;
     return [views, &stream, fill = kernel::FillTiles<Depth>{depth, {nx, ny, nz}, nullptr, nullptr}](
                const kernel::BlockPlace* places, std::int64_t blocks, float* tiles) mutable {
         fill.places = places, fill.tiles = tiles;
-        kernel::run_on_card(stream, blocks * tile_size, fill);
+        kernel::run_on_gpu(stream, blocks * tile_size, fill);
     };
 }
 
-void swap_pointers(cuda::Views& views, kernel::HalfWayOfAny& half_way) {
-    views.swap(half_way.integral.extinction, half_way.integral.before);
+void swap_pointers(cuda::Views& views, kernel::SubVoxelIntegralOfAny& sub_voxel) {
+    views.to_device_pointers(sub_voxel.integral.extinction, sub_voxel.integral.before);
 }
-void swap_pointers(cuda::Views& views, kernel::HalfWayOfLevels& half_way) {
-    views.swap(half_way.integral, half_way.inverse, half_way.sixth);
+void swap_pointers(cuda::Views& views, kernel::SubVoxelIntegralOfLevels& sub_voxel) {
+    views.to_device_pointers(sub_voxel.integral, sub_voxel.inverse, sub_voxel.sixth);
 }
 template <class Voxel>
-void swap_pointers(cuda::Views& views, kernel::HalfWayOfVoxels<Voxel>& half_way) {
-    swap_pointers(views, half_way.levels);
+void swap_pointers(cuda::Views& views, kernel::SubVoxelIntegralOfVoxels<Voxel>& sub_voxel) {
+    swap_pointers(views, sub_voxel.levels);
 }
-void swap_pointers(cuda::Views& views, kernel::HalfWayOfVoxels<std::uint8_t>& half_way) { views.swap(half_way.pairs); }
+void swap_pointers(cuda::Views& views, kernel::SubVoxelIntegralOfVoxels<std::uint8_t>& sub_voxel) {
+    views.to_device_pointers(sub_voxel.pairs);
+}
 
 /// `Depth`: as a card finds it.
 template <template <class, class> class Depth, class Voxel, class Tables>
-std::function<FillBlocks(cuda::Stream&)> depths_on_card(const DeviceVolume::Data& volume,
-                                                        const std::shared_ptr<const Cells<Voxel>>& cells,
-                                                        const std::shared_ptr<const Tables>& tables) {
+std::function<FillBlocks(cuda::Stream&)> depths_on_gpu(const DeviceVolume::Data& volume,
+                                                       const std::shared_ptr<const Cells<Voxel>>& cells,
+                                                       const std::shared_ptr<const Tables>& tables) {
     return [&volume, cells, tables](cuda::Stream& stream) {
         HostArrays arrays;
         volume.add_to(arrays), tables->add_to(arrays);
-        auto half_way = tables->view();
-        const Depth<Voxel, decltype(half_way)> depth{cells->view(), cells->centres(), half_way};
-        return on_card(stream, std::move(arrays), cells->grid(), depth, [](cuda::Views& views, auto& of) {
-            views.swap(of.volume.voxels);
-            swap_pointers(views, of.half_way);
+        auto sub_voxel = tables->view();
+        const Depth<Voxel, decltype(sub_voxel)> depth{cells->view(), cells->centres(), sub_voxel};
+        return on_gpu(stream, std::move(arrays), cells->grid(), depth, [](cuda::Views& views, auto& of) {
+            views.to_device_pointers(of.volume.voxels);
+            swap_pointers(views, of.sub_voxel);
         });
     };
 }
@@ -161,13 +163,13 @@ template <class Voxel, class Tables>
 BlockDepths from_voxels(const DeviceVolume::Data& volume, const std::shared_ptr<const Cells<Voxel>>& cells,
                         const std::shared_ptr<const Tables>& tables) {
     return {[=](std::size_t block, float* tile) { cells->fill_from_voxels(tables->view(), block, tile); },
-            depths_on_card<kernel::DepthOfVoxels>(volume, cells, tables)};
+            depths_on_gpu<kernel::DepthOfVoxels>(volume, cells, tables)};
 }
 template <class Voxel, class Tables>
 BlockDepths between_voxels(const DeviceVolume::Data& volume, const std::shared_ptr<const Cells<Voxel>>& cells,
                            const std::shared_ptr<const Tables>& tables) {
     return {[=](std::size_t block, float* tile) { cells->fill_between_voxels(tables->view(), block, tile); },
-            depths_on_card<kernel::DepthBetweenVoxels>(volume, cells, tables)};
+            depths_on_gpu<kernel::DepthBetweenVoxels>(volume, cells, tables)};
 }
 
 /// Levels a unit of stored whole numbers that are interpolated: as fine as single precision is there.
@@ -214,10 +216,10 @@ BlockDepths block_depths(const CellOpacity& opacity) {
         const CellGrid& grid = opacity.values.grid;
         HostArrays arrays;
         arrays.add(*depth_of);
-        const kernel::DepthOfOpacity depth{opacity.values.on_card(stream), depth_of->data(), grid.count[0],
+        const kernel::DepthOfOpacity depth{opacity.values.on_gpu(stream), depth_of->data(), grid.count[0],
                                            grid.count[1]};
-        return on_card(stream, std::move(arrays), grid, depth,
-                       [](cuda::Views& views, auto& of) { views.swap(of.depth_of); });
+        return on_gpu(stream, std::move(arrays), grid, depth,
+                      [](cuda::Views& views, auto& of) { views.to_device_pointers(of.depth_of); });
     };
     return {here, there};
 }
@@ -231,8 +233,8 @@ BlockDepths block_depths(const Density& density, const BlockMap& all) {
                             tile + ((k - z.first) * block_edge + j - y.first) * block_edge);
     };
     const auto there = [&](cuda::Stream& stream) {
-        const kernel::DepthOfNodes depth{density.on_card(stream), density.grid.count[0], density.grid.count[1]};
-        return on_card(stream, {}, density.grid, depth, [](cuda::Views&, auto&) {});
+        const kernel::DepthOfNodes depth{density.on_gpu(stream), density.grid.count[0], density.grid.count[1]};
+        return on_gpu(stream, {}, density.grid, depth, [](cuda::Views&, auto&) {});
     };
     return {here, there};
 }

@@ -19,7 +19,7 @@ using FillBlocks = std::function<void(const kernel::BlockPlace* places, std::int
 
 struct BlockDepths {
     FillBlock here;
-    std::function<FillBlocks(cuda::Stream&)> on_card;
+    std::function<FillBlocks(cuda::Stream&)> on_gpu;
 };
 
 /// κ = (τx + τy + τz) / 3, τ_a the optical depth across the cell along axis a, the value piecewise linear between the

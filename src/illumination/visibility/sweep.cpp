@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/threads.h"
-#include "illumination/visibility/card_pass.h"
+#include "illumination/visibility/gpu_pass.h"
 #include "illumination/visibility/launch.h"
 #include "illumination/visibility/sweep_pass.h"
 
@@ -73,10 +73,10 @@ void grid_pass(const SweepPass& pass, const DirectionBatch& of, const std::funct
 ShField sweep_visibility(const Device& device, const Density& density, const std::vector<Vec3>& directions,
                          int coefficients, double start, SweepLattice lattice, Progress& progress) {
     ShField field(density.grid, coefficients);
-    const auto on_card = [&] {
-        sweep_on_card(device, density, directions, coefficients, start, lattice, progress).fetch(field);
+    const auto on_gpu = [&] {
+        sweep_on_gpu(device, density, directions, coefficients, start, lattice, progress).fetch(field);
     };
-    if (cuda::done_on_card(device, on_card)) return field;
+    if (cuda::try_gpu(device, on_gpu)) return field;
     const SweepPass pass{device, density, directions, start, field};
     const auto pass_batch = lattice == SweepLattice::grid ? grid_pass : sheared_pass;
     const std::vector<SweepGroup> groups = sweep_groups(directions);
@@ -92,10 +92,10 @@ ShField sweep_visibility(const Device& device, const Density& density, const std
     return field;
 }
 
-CardField sweep_on_card(const Device& device, const Density& density, const std::vector<Vec3>& directions,
-                        int coefficients, double start, SweepLattice lattice, Progress& progress) {
-    CardField field(device, density, coefficients);
-    const auto sweep = lattice == SweepLattice::grid ? grid_sweep_on_card : sheared_sweep_on_card;
+GpuField sweep_on_gpu(const Device& device, const Density& density, const std::vector<Vec3>& directions,
+                      int coefficients, double start, SweepLattice lattice, Progress& progress) {
+    GpuField field(device, density, coefficients);
+    const auto sweep = lattice == SweepLattice::grid ? grid_sweep_on_gpu : sheared_sweep_on_gpu;
     sweep(field, directions, start, progress);
     return field;
 }

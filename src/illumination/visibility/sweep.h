@@ -3,8 +3,8 @@
 #include <chiaro/device.h>
 #include <chiaro/lighting.h>
 
-#include "illumination/visibility/card.h"
 #include "illumination/visibility/density.h"
+#include "illumination/visibility/gpu.h"
 #include "illumination/visibility/sh_field.h"
 
 namespace chiaro {
@@ -23,7 +23,7 @@ ShField sweep_visibility(const Device& device, const Density& density, const std
                          int coefficients, double start, SweepLattice lattice, Progress& progress);
 
 /// On the device's card, where the field stays.
-CardField sweep_on_card(const Device& device, const Density& density, const std::vector<Vec3>& directions,
-                        int coefficients, double start, SweepLattice lattice, Progress& progress);
+GpuField sweep_on_gpu(const Device& device, const Density& density, const std::vector<Vec3>& directions,
+                      int coefficients, double start, SweepLattice lattice, Progress& progress);
 
 }  // namespace chiaro

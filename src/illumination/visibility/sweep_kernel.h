@@ -10,9 +10,9 @@ namespace chiaro::kernel {
 
 /// Sixteen directions of one major axis and sign. Their points one plane back lie between a few nodes: the taps.
 struct SweepPack {
-    static constexpr std::int32_t width = 16, most_taps = 9;
+    static constexpr std::int32_t width = 16, max_taps = 9;
     std::int32_t taps;
-    std::int32_t offset[most_taps];       ///< of a tap from the node, in nodes of a plane with its halo
+    std::int32_t offset[max_taps];        ///< of a tap from the node, in nodes of a plane with its halo
     const float* weights;                 ///< [tap][direction], bilinear
     const float *before, *outer, *inner;  ///< node edges × -log2 e: half a step before the plane, then to where V
                                           ///< starts, then to the node

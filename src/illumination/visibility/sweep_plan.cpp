@@ -12,7 +12,7 @@ namespace {
 using kernel::SweepPack;
 
 constexpr double log2_e = std::numbers::log2e;
-constexpr std::size_t most_together = 80;
+constexpr std::size_t max_together = 80;
 
 SweepAxes axes_of(Vec3 d) {
     const double x = std::abs(d.x), y = std::abs(d.y), z = std::abs(d.z);
@@ -63,8 +63,8 @@ std::vector<SweepGroup> sweep_groups(const std::vector<Vec3>& directions) {
 std::vector<DirectionBatch> direction_batches(const std::vector<SweepGroup>& groups) {
     std::vector<DirectionBatch> batches;
     for (const SweepGroup& group : groups)
-        for (std::size_t first = 0; first < group.directions.size(); first += most_together) {
-            const std::size_t count = std::min(most_together, group.directions.size() - first);
+        for (std::size_t first = 0; first < group.directions.size(); first += max_together) {
+            const std::size_t count = std::min(max_together, group.directions.size() - first);
             batches.push_back({group.axes, std::span(group.directions).subspan(first, count)});
         }
     return batches;
@@ -73,10 +73,10 @@ std::vector<DirectionBatch> direction_batches(const std::vector<SweepGroup>& gro
 BatchHarmonics::BatchHarmonics(const std::vector<Vec3>& all, std::span<const SweepDirection> chosen, int coefficients)
     : sum_(kernel::Harmonics::width), count_(int(chosen.size())), coefficients_(coefficients) {
     const double weight = 4 * std::numbers::pi / double(all.size());
-    std::array<double, most_coefficients> sum{};
+    std::array<double, max_coefficients> sum{};
     for (const SweepDirection& d : chosen) {
         const auto harmonics = spherical_harmonics(all[std::size_t(d.index)]);
-        for (int c = 0; c < most_coefficients; ++c) {
+        for (int c = 0; c < max_coefficients; ++c) {
             const bool used = c < coefficients;
             of_direction_.push_back(used ? float(weight * harmonics[c]) : 0.0f);
             sum[c] += used ? weight * harmonics[c] : 0;

@@ -73,7 +73,7 @@ private:
     void add(std::span<const SweepDirection> directions, int row, double start);
 
     struct Numbers {
-        float weights[kernel::SweepPack::most_taps][kernel::SweepPack::width];
+        float weights[kernel::SweepPack::max_taps][kernel::SweepPack::width];
         float before[kernel::SweepPack::width], outer[kernel::SweepPack::width], inner[kernel::SweepPack::width];
     };
     std::vector<Numbers> numbers_;

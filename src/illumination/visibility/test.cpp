@@ -71,7 +71,7 @@ double depth(const Density& d, std::array<int, 3> at, Vec3 w, double start) {
     }
 }
 
-Coefficients truth(const Density& d, std::array<int, 3> at, int directions, double start = 0.5) {
+Coefficients ground_truth(const Density& d, std::array<int, 3> at, int directions, double start = 0.5) {
     Coefficients sum{};
     for (const Vec3& w : fibonacci_directions(directions)) {
         const double v = std::exp(-depth(d, at, w, start)) * 4 * pi / directions;
@@ -88,7 +88,7 @@ double error_of(const ShField& field, const Density& d, int directions, double s
     for (int i = 0; i < 60; ++i) {
         std::array<int, 3> at;
         for (int a = 0; a < 3; ++a) at[a] = int(random() % unsigned(d.grid.count[a]));
-        const Coefficients expected = truth(d, at, directions, start);
+        const Coefficients expected = ground_truth(d, at, directions, start);
         const float* found = field.node(d.grid.index(at[0], at[1], at[2]));
         for (int c = 0; c < 16; ++c) {
             off += (found[c] - expected[c]) * (found[c] - expected[c]);

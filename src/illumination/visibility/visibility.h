@@ -2,20 +2,20 @@
 #pragma once
 #include "illumination/visibility/nodes.h"
 
-#include "illumination/steps.h"
+#include "illumination/stage_timer.h"
 
 namespace chiaro {
 
 /// V_lm at the nodes of a density, which stand for `settings.subsample`³ cells, in the axes of the grid; V starts half
 /// a cell edge from a node.
-ShField find_visibility(const Device& device, const Density& density, const VisibilitySettings& settings, Steps& steps,
-                        Progress& progress);
+ShField find_visibility(const Device& device, const Density& density, const VisibilitySettings& settings,
+                        StageTimer& timer, Progress& progress);
 
 /// Hands the nodes of a coarse field to `keep` at once, then those of finer ones, the last as the settings ask for:
 /// every 8th cell, 4th ..., the coarse ones with fewer directions (some 5 % of the last one's time in all). Throws
 /// Error{interrupted}.
 void refine_visibility(const Device& device, const Medium::Data& medium, const VisibilitySettings& settings,
-                       const std::function<void(VisibilityNodes, bool is_coarse)>& keep, Steps& steps,
+                       const std::function<void(VisibilityNodes, bool is_coarse)>& keep, StageTimer& timer,
                        Progress& progress);
 
 }  // namespace chiaro

@@ -5,7 +5,7 @@
 #include "core/threads.h"
 #include "illumination/sh/basis.h"
 #include "illumination/sh/directions.h"
-#include "illumination/visibility/launch_card.h"
+#include "illumination/visibility/launch_gpu.h"
 #include "illumination/visibility/launch_walk.h"
 #include "volume/float3.h"
 
@@ -101,12 +101,12 @@ void VisibilityWalk::operator()(int first, int y, int z, Run& harmonics) const {
         for (float& sum : harmonics[c]) sum *= plan_.weight();
 }
 
-CardField walk_on_card(const Device& device, const Density& density, const VisibilitySettings& settings, double start,
-                       Steps& steps, Progress& progress) {
+GpuField walk_on_gpu(const Device& device, const Density& density, const VisibilitySettings& settings, double start,
+                     StageTimer& timer, Progress& progress) {
     cuda::Stream& stream = *device.stream;
     const int coefficients = settings.bands * settings.bands;
-    CardField field(device, density, coefficients);
-    const CardPyramid pyramid(device.stream, density);
+    GpuField field(device, density, coefficients);
+    const GpuPyramid pyramid(device.stream, density);
     const WalkPlan plan(density.grid, settings, start);
     std::vector<kernel::Float3> directions;
     for (const auto& set : plan.sets)
@@ -124,11 +124,11 @@ CardField walk_on_card(const Device& device, const Density& density, const Visib
                           plan.weight(),
                           field.data(),
                           0};
-    views.swap(walk.kernel.levels, walk.kernel.steps, walk.directions);
+    views.to_device_pointers(walk.kernel.levels, walk.kernel.steps, walk.directions);
     const auto nodes = std::int64_t(density.grid.size());
-    steps("walk", [&] {
+    timer("walk", [&] {
         for (; walk.first < nodes; walk.first += nodes_together) {
-            kernel::run_on_card(stream, std::min(nodes_together, nodes - walk.first), walk);
+            kernel::run_on_gpu(stream, std::min(nodes_together, nodes - walk.first), walk);
             stream.wait();
             progress.report("visibility", double(walk.first) / double(nodes));
             progress.check();
@@ -138,12 +138,12 @@ CardField walk_on_card(const Device& device, const Density& density, const Visib
 }
 
 ShField walk_visibility(const Device& device, const Density& density, const VisibilitySettings& settings, double start,
-                        Steps& steps, Progress& progress) {
+                        StageTimer& timer, Progress& progress) {
     ShField field(density.grid, settings.bands * settings.bands);
-    const auto on_card = [&] { walk_on_card(device, density, settings, start, steps, progress).fetch(field); };
-    if (cuda::done_on_card(device, on_card)) return field;
+    const auto on_gpu = [&] { walk_on_gpu(device, density, settings, start, timer, progress).fetch(field); };
+    if (cuda::try_gpu(device, on_gpu)) return field;
     const VisibilityWalk walk =
-        steps("pyramid", [&] { return VisibilityWalk(device, density, settings, start, progress); });
+        timer("pyramid", [&] { return VisibilityWalk(device, density, settings, start, progress); });
     const auto [nx, ny, nz] = density.grid.count;
     const int per_row = (nx + LaneDirections::width - 1) / LaneDirections::width;
     const auto work = [&, nx = nx, ny = ny](std::int64_t run, std::int64_t) {
@@ -154,7 +154,7 @@ ShField walk_visibility(const Device& device, const Density& density, const Visi
             for (int c = 0; c < field.coefficients; ++c)
                 field.node(std::size_t(row) * std::size_t(nx) + std::size_t(x + i))[c] = harmonics[c][i];
     };
-    steps("walk", [&, ny = ny, nz = nz] {
+    timer("walk", [&, ny = ny, nz = nz] {
         parallel_for(device.threads, std::int64_t(per_row) * ny * nz, 1, "visibility", progress, work);
     });
     progress.check();

@@ -4,8 +4,8 @@
 #include <chiaro/lighting.h>
 
 #include "illumination/sh/basis.h"
-#include "illumination/steps.h"
-#include "illumination/visibility/card.h"
+#include "illumination/stage_timer.h"
+#include "illumination/visibility/gpu.h"
 #include "illumination/visibility/pyramid.h"
 #include "illumination/visibility/sh_field.h"
 
@@ -16,11 +16,11 @@ namespace chiaro {
 /// node: ½ at its own border. Cost: nodes × directions × steps: 5 / s_0 + ln(n / 5) / ln 1.2, or n. Memory: the field
 /// and 2.3 bytes a node. Throws Error{interrupted}.
 ShField walk_visibility(const Device& device, const Density& density, const VisibilitySettings& settings, double start,
-                        Steps& steps, Progress& progress);
+                        StageTimer& timer, Progress& progress);
 
 /// On the device's card, where the field stays. Memory there: also the field and 2.3 bytes a node.
-CardField walk_on_card(const Device& device, const Density& density, const VisibilitySettings& settings, double start,
-                       Steps& steps, Progress& progress);
+GpuField walk_on_gpu(const Device& device, const Density& density, const VisibilitySettings& settings, double start,
+                     StageTimer& timer, Progress& progress);
 
 /// Which way rays go, and how far at a time: the same for all nodes.
 struct WalkPlan {
@@ -42,7 +42,7 @@ public:
 
     /// V_lm of sixteen nodes along x, by coefficient; `first` and those behind it may lie beyond the row's end (no
     /// answer there).
-    using Run = float[most_coefficients][kernel::LaneDirections::width];
+    using Run = float[max_coefficients][kernel::LaneDirections::width];
     void operator()(int first, int y, int z, Run& harmonics) const;
 
 private:

@@ -1,0 +1,290 @@
+#include "render_worker.h"
+
+#include <chiaro/text.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "jpeg.h"
+#include "memory_budget.h"
+
+namespace chiaro::server {
+namespace {
+
+using std::chrono::milliseconds;
+using Clock = std::chrono::steady_clock;
+
+constexpr auto rest = milliseconds(120);
+constexpr int moving_quality = 70, still_quality = 92;
+// Light that is quicker than this is found while something moves, for an eighth of the time at most.
+constexpr double quick_light = 0.15, light_share = 8, instant_light = 0.04;
+// Light that is this quick needs no picture of the whole size by the last light before it.
+constexpr double soon = 0.4;
+// A picture of the whole size that takes no longer needs no smaller one before it.
+constexpr double at_once = 0.06;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+Json json_of(const std::vector<Stage>& stages) {
+    Json list = Json::array();
+    for (const Stage& stage : stages) list.push_back({{"name", stage.name}, {"seconds", stage.seconds}});
+    return list;
+}
+
+std::string_view text_in(const std::vector<std::byte>& bytes) {
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+Scene with_samples(Scene scene, int samples) {
+    scene.sampling.samples_per_pixel = samples;
+    return scene;
+}
+
+}  // namespace
+
+RenderWorker::~RenderWorker() {
+    {
+        const std::lock_guard lock(mutex_);
+        ending_ = true;
+        if (steady_) steady_->cancel();
+        if (refining_) refining_->cancel();
+    }
+    changed_.notify_all();
+    if (thread_.joinable()) thread_.join();
+}
+
+void RenderWorker::show(std::shared_ptr<const Loaded> loaded) {
+    const std::lock_guard lock(mutex_);
+    shown_ = std::move(loaded);
+    volume_changed_ = true;
+    newest_.reset();
+    last_frame_.reset();
+    if (steady_) steady_->cancel();
+    if (refining_) refining_->cancel();
+    changed_.notify_all();
+}
+
+void RenderWorker::request(FrameRequest wanted) {
+    const std::lock_guard lock(mutex_);
+    newest_ = std::move(wanted);
+    if (refining_) refining_->cancel();
+    if (!thread_.joinable()) thread_ = std::thread([this] { run(); });
+    changed_.notify_all();
+}
+
+std::optional<LastFrame> RenderWorker::last_frame() const {
+    const std::lock_guard lock(mutex_);
+    return last_frame_;
+}
+
+void RenderWorker::run() {
+    std::unique_lock lock(mutex_);
+    for (;;) {
+        changed_.wait(lock, [&] { return ending_ || volume_changed_ || newest_; });
+        if (ending_) return;
+        if (volume_changed_) {
+            change_volume(lock);
+            continue;
+        }
+        const FrameRequest wanted = std::move(*newest_);
+        newest_.reset();
+        steady_ = std::make_shared<Progress>();
+        lock.unlock();
+        try {
+            if (session_) render_frame(wanted);
+        } catch (...) {
+            Json error = current_error(nullptr);
+            error["n"] = wanted.n;
+            if (error["code"] != "interrupted") callbacks_.tell(wanted.connection, error);
+        }
+        lock.lock();
+        steady_.reset(), refining_.reset();
+    }
+}
+
+void RenderWorker::change_volume(std::unique_lock<std::mutex>& lock) {
+    volume_changed_ = false;
+    const auto shown = shown_;
+    lock.unlock();
+    session_.reset();  // its light goes before anything new comes
+    if (shown) session_.emplace(shown->session.share_volume());
+    resolution_.forget();
+    light_seconds_ = 1e9;
+    lock.lock();
+}
+
+void RenderWorker::render_frame(const FrameRequest& wanted) {
+    preview(wanted);
+    if (wanted.moving && !comes_to_rest(wanted)) return;
+    std::shared_ptr<Progress> progress;
+    {
+        const std::lock_guard lock(mutex_);
+        if (newest_ || volume_changed_ || ending_) return;
+        progress = refining_ = std::make_shared<Progress>(report_for(wanted));
+    }
+    refine(wanted, *progress);
+}
+
+/// Whether nothing newer comes for a while.
+bool RenderWorker::comes_to_rest(const FrameRequest& wanted) {
+    std::unique_lock lock(mutex_);
+    const auto until = std::max(wanted.arrived, Clock::now() - milliseconds(60)) + rest;
+    return !changed_.wait_until(lock, until, [&] { return ending_ || volume_changed_ || newest_; });
+}
+
+/// The picture that is shown at once, by the light at hand.
+void RenderWorker::preview(const FrameRequest& wanted) {
+    const auto start = Clock::now();
+    Scene scene = with_samples(wanted.scene, 1);
+    const double whole = double(scene.width) * scene.height;
+    const bool is_small = wanted.moving || resolution_.expected(whole) == 0 || resolution_.expected(whole) > at_once;
+    if (is_small) std::tie(scene.width, scene.height) = resolution_.size(scene.width, scene.height);
+    is_whole_ = scene.width == wanted.scene.width && scene.height == wanted.scene.height;
+    if (!is_path_traced(scene.illumination) && session_->needs_light(scene) && light_seconds_ < instant_light)
+        return preview_with_light(wanted, scene);
+
+    const Image& image = session_->preview(scene, *steady_);
+    double seconds = 0;
+    for (const Stage& stage : session_->stages())
+        if (stage.name == "raycast" || stage.name == "develop") seconds += stage.seconds;
+    note_frame(wanted, scene);
+    const double since = std::chrono::duration<double>(start - last_preview_).count();
+    preview_interval_ = since < 0.5 ? 0.7 * preview_interval_ + 0.3 * since : 0;
+    last_preview_ = start;
+    const auto encoding = Clock::now();
+    send(wanted, image, is_whole_ ? "full" : "draft", 1);
+    resolution_.learn(double(scene.width) * scene.height, seconds + seconds_since(encoding));
+    if (wanted.moving && is_light_due(scene)) preview_with_light(wanted, scene);
+}
+
+bool RenderWorker::is_light_due(const Scene& scene) const {
+    return light_seconds_ < quick_light && seconds_since(light_found_) > light_share * light_seconds_ &&
+           !is_path_traced(scene.illumination) && session_->needs_light(scene);
+}
+
+/// A draft whose light is its own. It is not given up for a newer wish: else light would never follow a drag.
+void RenderWorker::preview_with_light(const FrameRequest& wanted, const Scene& small) {
+    check_light_fits(small);
+    const Image& image = session_->render(small, *steady_);
+    learn_light();
+    note_frame(wanted, small);
+    send(wanted, image, is_whole_ ? "full" : "draft", 1);
+}
+
+/// Told rather than tried. Voxels stand for cells: of voxels that are no cubes there are more.
+void RenderWorker::check_light_fits(const Scene& scene) const {
+    const auto [nx, ny, nz] = session_->volume().dimensions();
+    check_memory(light_bytes(scene.illumination, double(nx) * ny * nz) - double(session_->light_bytes()));
+}
+
+void RenderWorker::refine(const FrameRequest& wanted, Progress& progress) {
+    if (is_path_traced(wanted.scene.illumination))
+        refine_traced(wanted, progress);
+    else
+        refine_cast(wanted, progress);
+}
+
+/// Light's own paths: better and better, pass by pass.
+void RenderWorker::refine_traced(const FrameRequest& wanted, Progress& progress) {
+    if (wanted.preview) return;
+    auto sent = Clock::now();
+    const auto show = [&](const Image& better) {
+        if (seconds_since(sent) < 0.2) return;
+        send(wanted, better, "accumulate", 0);
+        sent = Clock::now();
+    };
+    const Image& image = session_->render(wanted.scene, progress, show);
+    note_frame(wanted, wanted.scene);
+    send(wanted, image, "final", session_->render_statistics().paths.samples);
+}
+
+void RenderWorker::refine_cast(const FrameRequest& wanted, Progress& progress) {
+    const Scene once = with_samples(wanted.scene, 1);
+    const int samples = wanted.scene.sampling.samples_per_pixel;
+    const bool is_dark = session_->needs_light(once);
+    if (is_dark) check_light_fits(once);
+    if (is_dark && !is_whole_ && (wanted.preview || light_seconds_ > soon)) {
+        const Image& image = session_->preview(once, progress);
+        note_frame(wanted, once);
+        send(wanted, image, "full", 1);
+    }
+    if (wanted.preview && (is_dark || is_whole_)) return;
+    if (is_dark || !is_whole_) {
+        const auto coarse = [&](const Image& image) { send(wanted, image, "light", 1, true); };
+        const Image& image = session_->render(once, progress, coarse);
+        if (is_dark) learn_light();
+        note_frame(wanted, once);
+        send(wanted, image, is_dark ? "light" : "full", 1);
+        if (wanted.preview) return;
+    }
+    for (int finer = 4; finer < samples; finer *= 4)
+        send(wanted, session_->render(with_samples(wanted.scene, finer), progress), "accumulate", finer);
+    const Image& image = session_->render(wanted.scene, progress);
+    note_frame(wanted, wanted.scene);
+    send(wanted, image, "final", samples);
+}
+
+/// What it took, from the verbs that find it.
+void RenderWorker::learn_light() {
+    double seconds = 0;
+    for (const Stage& stage : session_->stages())
+        if (stage.name == "prepare" || stage.name == "illuminate") seconds += stage.seconds;
+    light_seconds_ = seconds;
+    light_found_ = Clock::now();
+}
+
+void RenderWorker::note_frame(const FrameRequest& wanted, const Scene& scene) {
+    const DeviceVolume& volume = session_->volume();
+    LastFrame seen{wanted.n,
+                   session_->medium(),
+                   make_camera(scene.camera, volume.geometry(), volume.dimensions()),
+                   with_samples(scene, 1).sampling,
+                   wanted.scene.width,
+                   wanted.scene.height};
+    const std::lock_guard lock(mutex_);
+    if (!volume_changed_) last_frame_ = std::move(seen);
+}
+
+void RenderWorker::send(const FrameRequest& wanted, const Image& image, const char* stage, int samples,
+                        bool is_coarse) {
+    const bool is_final = std::string_view(stage) == "final";
+    Json header{{"n", wanted.n},
+                {"kind", "state"},
+                {"type", is_final ? "png" : "jpeg"},
+                {"size", {image.width, image.height}},
+                {"canvas", {wanted.scene.width, wanted.scene.height}},
+                {"stage", stage},
+                {"light", {{"coarse", is_coarse}, {"method", to_text(wanted.scene.illumination.method)}}},
+                {"samples", samples},
+                {"moving", wanted.moving},
+                {"preview", wanted.preview},
+                {"fps", wanted.moving && preview_interval_ > 0 ? Json(1 / preview_interval_) : Json()},
+                {"verbs", json_of(session_->stages())},
+                {"notes", wanted.notes}};
+    for (const std::string& note : session_->notes()) header["notes"].push_back(note);
+    const bool is_preview = image.width != wanted.scene.width || wanted.moving;
+    const std::string encoded_image = is_final ? std::string(text_in(encode_png(image)))
+                                               : encode_jpeg(image, is_preview ? moving_quality : still_quality);
+    header["seconds"] = seconds_since(wanted.arrived);
+    callbacks_.frame(wanted.connection, frame_message(header, encoded_image));
+}
+
+/// At most ten times a second, and not about what is quickly done.
+Progress::Report RenderWorker::report_for(const FrameRequest& wanted) {
+    const auto start = Clock::now();
+    return [this, start, n = wanted.n, connection = wanted.connection, last = start + milliseconds(300)](
+               std::string_view stage, double fraction) mutable {
+        if (Clock::now() - last < milliseconds(100)) return;
+        last = Clock::now();
+        const double seconds = seconds_since(start);
+        const Json remaining = fraction > 0.02 ? Json(seconds * (1 - fraction) / fraction) : Json();
+        callbacks_.tell(connection, {{"type", "progress"},
+                                     {"n", n},
+                                     {"stage", stage},
+                                     {"fraction", fraction},
+                                     {"seconds", seconds},
+                                     {"remaining_s", remaining}});
+    };
+}
+
+}  // namespace chiaro::server

@@ -1,0 +1,95 @@
+// A view's pictures: always of the newest state, from the quickest to the best.
+#pragma once
+#include <chiaro/pick.h>
+#include <chiaro/session.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "adaptive_resolution.h"
+#include "json.h"
+#include "volumes.h"
+
+namespace chiaro::server {
+
+/// What a page wants to see.
+struct FrameRequest {
+    std::int64_t n = 0;
+    Scene scene;  ///< its size is the canvas's
+    bool moving = false, preview = false;
+    std::vector<std::string> notes;  ///< to be told with its frames
+    int connection = 0;              ///< which of the view's connections wished it
+    std::chrono::steady_clock::time_point arrived = std::chrono::steady_clock::now();
+};
+
+/// What the last frame showed.
+struct LastFrame {
+    std::int64_t n;
+    Medium medium;
+    Camera camera;
+    RaySettings rays;
+    int width, height;
+};
+
+class RenderWorker {
+public:
+    /// Both may be called from the painter's thread until it is destroyed.
+    struct FrameCallbacks {
+        std::function<void(int connection, std::string frame)> frame;
+        std::function<void(int connection, const Json& message)> tell;
+    };
+
+    explicit RenderWorker(FrameCallbacks callbacks) : callbacks_(std::move(callbacks)) {}
+    ~RenderWorker();
+
+    /// The volume of what is wished from now on; none frees what was made from it.
+    void show(std::shared_ptr<const Loaded> loaded);
+    /// Takes the place of every earlier wish; work that is only for these is given up.
+    void request(FrameRequest wanted);
+    std::optional<LastFrame> last_frame() const;
+
+private:
+    using Clock = std::chrono::steady_clock;
+
+    void run();
+    void change_volume(std::unique_lock<std::mutex>& lock);
+    void render_frame(const FrameRequest& wanted);
+    void preview(const FrameRequest& wanted);
+    void preview_with_light(const FrameRequest& wanted, const Scene& small);
+    bool is_light_due(const Scene& scene) const;
+    void check_light_fits(const Scene& scene) const;
+    bool comes_to_rest(const FrameRequest& wanted);
+    void refine(const FrameRequest& wanted, Progress& progress);
+    void refine_traced(const FrameRequest& wanted, Progress& progress);
+    void refine_cast(const FrameRequest& wanted, Progress& progress);
+    void learn_light();
+    void note_frame(const FrameRequest& wanted, const Scene& scene);
+    void send(const FrameRequest& wanted, const Image& image, const char* stage, int samples, bool is_coarse = false);
+    Progress::Report report_for(const FrameRequest& wanted);
+
+    FrameCallbacks callbacks_;
+    mutable std::mutex mutex_;
+    std::condition_variable changed_;
+    std::optional<FrameRequest> newest_;
+    std::shared_ptr<const Loaded> shown_;
+    bool volume_changed_ = false, ending_ = false;
+    std::shared_ptr<Progress> steady_, refining_;  ///< of drafts; of what a newer wish stops
+    std::optional<LastFrame> last_frame_;
+    std::thread thread_;
+
+    // The thread's own.
+    std::optional<Session> session_;
+    AdaptiveResolution resolution_;
+    double light_seconds_ = 1e9;  ///< what light took last
+    Clock::time_point light_found_, last_preview_;
+    double preview_interval_ = 0;
+    bool is_whole_ = false;  ///< the last draft had the canvas's size and no better light to come
+};
+
+}  // namespace chiaro::server

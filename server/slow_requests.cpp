@@ -1,0 +1,215 @@
+// The answers that take time: each in a lane of its own, reporting and cancellable.
+#include <chiaro/comparison.h>
+#include <chiaro/probe.h>
+#include <chiaro/text.h>
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "jpeg.h"
+#include "memory_budget.h"
+#include "overlay.h"
+#include "view.h"
+
+namespace chiaro::server {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr int largest_image = 16384, largest_look = 512, largest_comparison = 4096;
+
+using Clock = std::chrono::steady_clock;
+constexpr auto between_frames = std::chrono::milliseconds(500);  // of a comparison
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+
+Json figures_of(const MethodComparison& comparison) {
+    const ImageDifference& distance = comparison.images.front().distance;
+    return {{"rmse", number(distance.rmse)}, {"psnr", number(distance.psnr)},     {"ssim", number(distance.ssim)},
+            {"max", number(distance.max)},   {"noise", number(comparison.noise)}, {"paths", comparison.paths}};
+}
+
+std::string stem_of(const std::string& volume) {
+    const std::string name = volume.starts_with("sample:") ? volume.substr(7) : fs::path(volume).stem().string();
+    std::string plain;
+    for (const char c : name) plain += std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_' ? c : '-';
+    return plain.empty() ? "picture" : plain.substr(0, 60);
+}
+
+}  // namespace
+
+Json View::folder(const Json& request, Progress&) { return context_.folders.list(text_in(request, "path", "")); }
+
+/// Reads the scene's volume and shows it.
+Json View::show(const Scene& scene, Progress& progress, int halvings) {
+    const auto loaded = context_.volumes.load(scene, progress, halvings);
+    Json reply{{"volume", loaded->told}, {"scene", scene_json(scene, loaded->session)}};
+    {
+        const std::lock_guard lock(mutex_);
+        shown_ = loaded;
+        state_ = nullptr;
+    }
+    render_worker_.show(loaded);
+    return reply;
+}
+
+Json View::open(const Json& request, Progress& progress) {
+    if (flag_in(request, "half", false)) {
+        const auto loaded = shown();
+        if (!loaded) throw Error(ErrorCode::usage, "no volume is open");
+        return show(loaded->source, progress, loaded->halvings + 1);
+    }
+    if (!request.contains("scene")) {
+        return show(scene_of_volume(context_.folders.allowed_volume(text_in(request, "volume"))), progress);
+    }
+    std::vector<std::string> unknown;
+    Scene scene = read_scene(context_.folders.allowed(text_in(request, "scene")), context_.data, unknown);
+    scene.volume = context_.folders.allowed_volume(scene.volume);
+    context_.folders.confine(scene);
+    Json reply = show(scene, progress);
+    reply["unknown"] = unknown;
+    return reply;
+}
+
+Json View::open_initial(const Json&, Progress& progress) {
+    Json reply = show(*context_.initial, progress);
+    reply["type"] = "opened";
+    return reply;
+}
+
+Json View::save(const Json& request, Progress& progress) {
+    Scene scene = scene_of(object_in(request, "scene"));
+    std::tie(scene.width, scene.height) = size_in(request, "size", largest_image);
+    const std::string format = text_in(request, "format", "png");
+    if (format != "png" && format != "exr")
+        throw Error(ErrorCode::usage, fmt::format("format {}: must be png or exr", format));
+    if (format == "exr" && scene.output.color == ColorMode::display)
+        throw Error(ErrorCode::usage,
+                    "format exr: colours mixed as display values give no linear light, which EXR holds");
+    check_memory(28.0 * scene.width * scene.height);  // frame, picture and what encoding needs
+    const std::vector<Overlay> overlays = overlays_in(request, scene.width, scene.height);
+    // A session of its own: the page goes on with its.
+    Session session = shown()->session.share_volume();
+    Image image = session.render(scene, progress);
+    progress.report("write", 0);
+    Metadata metadata;
+    if (flag_in(request, "metadata", true)) metadata = {{"chiaro", to_json(scene)}};
+    const fs::path file = context_.store.fresh("." + format);
+    const auto draw_over = [&](auto& image) {
+        for (const Overlay& overlay : overlays) draw(overlay, image);
+    };
+    if (format == "png") {
+        draw_over(image);
+        write_png(image, file, metadata);
+    } else {
+        Frame frame = expose(session.frame(), scene.output);
+        draw_over(frame);
+        write_exr(frame, file, metadata);
+    }
+    const std::string name = fmt::format("{}.{}", stem_of(scene.volume), format);
+    const auto bytes = fs::file_size(file);
+    const std::string url = context_.store.offer(file, format == "png" ? "image/png" : "image/x-exr", name);
+    return {{"url", url}, {"name", name}, {"bytes", bytes}};
+}
+
+void View::send_frame(const Json& header, const Image& image) {
+    Json whole = header;
+    whole["type"] = "jpeg";
+    whole["size"] = {image.width, image.height}, whole["canvas"] = whole["size"];
+    std::string frame = frame_message(whole, encode_jpeg(image, 88));
+    const std::lock_guard lock(mutex_);
+    if (socket_) socket_->send_binary(std::move(frame));
+}
+
+/// A look on trial, by the ray caster alone.
+Json View::look(const Json& request, Progress& progress) {
+    Scene scene = scene_of(object_in(request, "scene"));
+    std::tie(scene.width, scene.height) = size_in(request, "size", largest_look);
+    scene.illumination.method = Method::none;
+    scene.lighting.probe.background = false;
+    scene.sampling.samples_per_pixel = 1;
+    if (const auto loaded = shown(); loaded != side_shown_) {
+        side_.emplace(loaded->session.share_volume());
+        side_shown_ = loaded;
+    }
+    const Image& image = side_->render(scene, progress);
+    send_frame({{"n", request["id"]}, {"kind", "look"}, {"stage", "final"}}, image);
+    return Json::object();
+}
+
+/// A light probe as it is, without exposure and rotation: the means over the pixels of a small equirectangular picture.
+Json View::probe(const Json& request, Progress&) {
+    const Scene scene = scene_of({{"probe", object_in(request, "probe")}});
+    const Probe probe = load_probe(scene.lighting.probe.source.empty() ? "white" : scene.lighting.probe.source);
+    const auto [width, height] = size_in(request, "size", largest_look);
+    Frame frame(width, height);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const auto span = [](int i, int n, int pixels) {
+                const int from = int(std::int64_t(i) * pixels / n);
+                return std::pair{from, std::max(from + 1, int(std::int64_t(i + 1) * pixels / n))};
+            };
+            const auto [x0, x1] = span(x, width, probe.width());
+            const auto [y0, y1] = span(y, height, probe.height());
+            float* out = &frame.rgba[4 * (std::size_t(y) * width + x)];
+            for (int row = y0; row < y1; ++row)
+                for (int column = x0; column < x1; ++column)
+                    for (int c = 0; c < 3; ++c)
+                        out[c] += probe.rgb()[3 * (std::size_t(row) * probe.width() + column) + c] /
+                                  float((x1 - x0) * (y1 - y0));
+            out[3] = 1;
+        }
+    send_frame({{"n", request["id"]}, {"kind", "probe"}, {"stage", "final"}}, develop(frame, {}));
+    return Json::object();
+}
+
+/// The reference beside a method: the same picture again and again, as paths are added to it.
+Json View::compare(const Json& request, Progress& progress) {
+    Scene scene = scene_of(object_in(request, "scene"));
+    std::tie(scene.width, scene.height) = size_in(request, "size", largest_comparison);
+    Method method = scene.illumination.method;
+    if (const std::string name = text_in(request, "method", ""); !name.empty()) from_text(name, method);
+    Session session = shown()->session.share_volume();
+    bool is_first = true;
+    const auto send = [&](const MethodComparison& so_far, const char* stage) {
+        const Json figures = figures_of(so_far);
+        const auto send_image = [&](const char* kind, const Frame& frame) {
+            send_frame({{"n", request["id"]},
+                        {"kind", kind},
+                        {"stage", stage},
+                        {"samples", so_far.paths},
+                        {"figures", figures}},
+                       develop(frame, scene.output));
+        };
+        if (std::exchange(is_first, false)) send_image("method", so_far.images.front().frame);
+        send_image("reference", so_far.reference.frame);
+        return figures;
+    };
+    auto sent = Clock::now() - between_frames;
+    const auto show = [&](const MethodComparison& so_far) {
+        if (progress.cancelled() || Clock::now() - sent < between_frames) return;
+        send(so_far, "accumulate");
+        sent = Clock::now();
+    };
+    const MethodComparison all = compare_methods(session, scene, {method}, progress, show);
+    progress.check();
+    return {{"figures", send(all, "final")}};
+}
+
+/// "1.8 % from reference". In a session of its own: light on particles is not that of the picture.
+Json View::measure(const Json& request, Progress& progress) {
+    Scene scene = scene_of(object_in(request, "scene"));
+    if (request.contains("size")) std::tie(scene.width, scene.height) = size_in(request, "size", largest_image);
+    Session session = shown()->session.share_volume();
+    try {
+        const LightError error = measure_light(session, scene, progress);
+        return {{"percent", 100 * error.rmse},
+                {"points", error.points},
+                {"interval", {100 * error.interval[0], 100 * error.interval[1]}},
+                {"largest", 100 * error.largest}};
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::usage) throw;
+        return {{"percent", nullptr}, {"sentence", error.what()}};
+    }
+}
+
+}  // namespace chiaro::server

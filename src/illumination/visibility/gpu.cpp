@@ -1,0 +1,74 @@
+#include "illumination/visibility/gpu.h"
+
+#include <utility>
+
+#include "illumination/cells/gpu.h"
+#include "illumination/visibility/launch_gpu.h"
+
+namespace chiaro {
+
+void assemble_on_gpu(const Device& device, const BlockMap& blocks, int halvings, const BlockDepths& depths,
+                     Density& out, Progress& progress) {
+    cuda::Stream& stream = *device.stream;
+    const std::size_t together = std::clamp<std::size_t>(blocks.held().size(), 1, blocks_together);
+    const cuda::Array<float> tiles(stream, together * tile_size), halves(stream, halvings ? tiles.size() / 8 : 1);
+    cuda::Array<float> made(stream, out.grid.size());
+    made.zero();
+    const FillBlocks fill = depths.on_gpu(stream);
+    const auto [nx, ny, nz] = out.grid.count;
+    for_blocks(stream, blocks, "density", progress, [&](const kernel::BlockPlace* places, std::int64_t count) {
+        fill(places, count, tiles.data());
+        float *from = tiles.data(), *to = halves.data();
+        for (int i = 0; i < halvings; ++i, std::swap(from, to))
+            kernel::run_on_gpu(stream, count * (tile_size >> 3 * (i + 1)),
+                               kernel::HalveTiles{from, to, block_edge >> i});
+        kernel::run_on_gpu(stream, count * (tile_size >> 3 * halvings),
+                           kernel::KeepTiles{from, block_edge >> halvings, places, {nx, ny, nz}, made.data()});
+    });
+    out.buffer.keep(device.stream, made.data());
+}
+
+GpuField::GpuField(const Device& device, const Density& density, int coefficients)
+    : stream_(device.stream),
+      grid_(density.grid),
+      coefficients_(coefficients),
+      density_(density.on_gpu(*stream_)),
+      field_(*stream_, density.grid.size() * std::size_t(coefficients)) {
+    field_.zero();
+}
+
+void GpuField::fetch(ShField& field) const {
+    stream_->download(field.buffer.data(), field_.data(), field_.size() * sizeof(float));
+    stream_->wait();
+}
+
+VisibilityNodes GpuField::keep(const VisibilitySettings& settings) const {
+    VisibilityNodes nodes = make_nodes(grid_, coefficients_, settings);
+    const bool displaced = nodes.surfaces.size() > 0;
+    const cuda::Array<std::byte> harmonics(*stream_, nodes.harmonics.size());
+    const cuda::Array<kernel::NodeSurface> surfaces(*stream_, displaced ? grid_.size() : 1);
+    const cuda::Array<float> opacity(*stream_, displaced ? grid_.size() : 1);
+    if (displaced) kernel::find_opacities(*stream_, {density_, opacity.data()}, std::int64_t(grid_.size()));
+    kernel::KeepKernel keep = keep_kernel(nodes, field_.data(), displaced ? opacity.data() : nullptr);
+    keep.harmonics = harmonics.data(), keep.surfaces = surfaces.data();
+    kernel::keep_all_nodes(*stream_, keep);
+    stream_->download(nodes.harmonics.data(), harmonics.data(), nodes.harmonics.size());
+    if (displaced) stream_->download(nodes.surfaces.data(), surfaces.data(), nodes.surfaces.size());
+    stream_->wait();
+    return nodes;
+}
+
+void light_on_gpu(const Device& device, const kernel::LightKernel& kernel, const HostArrays& arrays,
+                  std::size_t nodes) {
+    cuda::Stream& stream = *device.stream;
+    cuda::Views views(stream, arrays);
+    const cuda::Array<kernel::Light16> light(stream, 4 * nodes);
+    kernel::LightKernel on_gpu = kernel;
+    views.to_device_pointers(on_gpu.harmonics.nodes, on_gpu.surfaces, on_gpu.surface.entries);
+    on_gpu.light = light.data();
+    kernel::light_all_nodes(stream, on_gpu, std::int64_t(nodes));
+    stream.download(kernel.light, light.data(), light.size() * sizeof(kernel::Light16));
+    stream.wait();
+}
+
+}  // namespace chiaro
