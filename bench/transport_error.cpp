@@ -14,7 +14,7 @@ constexpr const char* probes[] = {"white", "studio"};
 constexpr int grids[] = {32, 64, 128};
 constexpr int iterations[] = {1, 4, 16};
 
-/// A subject under a light, with its truths.
+/// A subject under a light, with its ground truths.
 struct Measured {
     std::optional<ScatteringSubject> subject;
     std::optional<TransportErrorMetric> metric;
@@ -33,7 +33,7 @@ Row row_of(const std::string& name, double share, const std::string& note = "") 
 }
 
 std::string told(const MeanRadianceError& error) {
-    return fmt::format("bias {:+.1f} %, noise of the truth {:.1f} %", 100 * error.bias, 100 * error.noise);
+    return fmt::format("bias {:+.1f} %, noise of the ground truth {:.1f} %", 100 * error.bias, 100 * error.noise);
 }
 
 const std::vector<std::string>& quantities() {

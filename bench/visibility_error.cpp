@@ -1,4 +1,4 @@
-// Visibility in spherical harmonics against rays: sweeps and the paper's way, on samples and on crops of CT.
+// Visibility in spherical harmonics against rays: sweeps and the published way, on samples and on crops of CT.
 #include <chiaro/text.h>
 #include <fmt/format.h>
 
@@ -29,7 +29,7 @@ std::vector<Way> ways() {
     return list;
 }
 
-/// A subject with its truths, by subsample.
+/// A subject with its ground truths, by subsample.
 class Measured {
 public:
     Measured(const Setup& setup, const std::string& name) : setup_(setup) {

@@ -162,7 +162,7 @@ bool RenderWorker::is_light_due(const Scene& scene) const {
            !is_path_traced(scene.illumination) && session_->needs_light(scene);
 }
 
-/// A draft whose light is its own. It is not given up for a newer wish: else light would never follow a drag.
+/// A draft whose light is its own. It is not given up for a newer request: else light would never follow a drag.
 void RenderWorker::preview_with_light(const FrameRequest& wanted, const Scene& small) {
     check_light_fits(small);
     const Image& image = session_->render(small, *steady_);
@@ -224,7 +224,7 @@ void RenderWorker::refine_cast(const FrameRequest& wanted, Progress& progress) {
     send(wanted, image, "final", samples);
 }
 
-/// What it took, from the verbs that find it.
+/// What it took, from the stages that find it.
 void RenderWorker::learn_light() {
     double seconds = 0;
     for (const Stage& stage : session_->stages())

@@ -44,7 +44,7 @@ void describe(Visit&& visit, S& s) {
     visit(Setting{"opacity-scale", "transfer_function.opacity_scale", "", "multiplies the extinction"}
           .within(0, 1e6), s.opacity_scale);
     visit(Setting{"opacity-unit", "transfer_function.opacity_unit_distance", "voxels",
-                  "length that opacities belong to, in smallest voxel edges"}
+                  "length that opacities belong to, in units of the smallest voxel size"}
           .above(0), s.opacity_unit);
     visit(Setting{"opacity-unit-mm", "transfer_function.opacity_unit_mm", "mm",
                   "length that opacities belong to, in millimetres"}
@@ -83,7 +83,7 @@ void describe(Visit&& visit, S& s) {
 
 template <class Visit, SettingsOf<RaySettings> S>
 void describe(Visit&& visit, S& s) {
-    visit(Setting{"step", "sampling.step", "voxels", "distance of the samples along a ray, in smallest voxel edges"}
+    visit(Setting{"step", "sampling.step", "voxels", "distance of the samples along a ray, in units of the smallest voxel size"}
           .within(0.001, 100), s.step_voxels);
     visit(Setting{"classification", "sampling.classification", "",
                   "what meets the transfer function: interpolated values, voxels, or all values that a step passes"},
@@ -100,7 +100,7 @@ void describe(Visit&& visit, S& s) {
     visit(Setting{"no-skip-empty", "sampling.no_skip_empty", "", "samples empty space too, as a check of the skipping"},
           s.skip_empty);
     visit(Setting{"interpolation", "sampling.interpolation", "",
-                  "between voxels, where a card casts the rays: exact, or by its texture units, with weights of 8 fractional bits"},
+                  "between voxels, where a GPU casts the rays: exact, or by its texture units, with weights of 8 fractional bits"},
           s.interpolation);
 }
 
@@ -167,7 +167,7 @@ void describe(Visit&& visit, S& s) {
     visit(Setting{"spao-normal-factor", "lighting.normal_factor", "",
                   "0: light from all directions, else from those that the surface faces"}
           .within(0, 2).of("spao"), s.normal_factor);
-    visit(Setting{"spao-model", "lighting.model", "", "the paper's product, with thick shells, or per octant"}
+    visit(Setting{"spao-model", "lighting.model", "", "the published product, with thick shells, or per octant"}
           .of("spao"), s.model);
 }
 
@@ -204,7 +204,7 @@ void describe(Visit&& visit, S& s) {
     visit(Setting{"hist-path", "lighting.path", "", "how histograms are found"}.of("histogram"), s.path);
     visit(Setting{"hist-subsample", "lighting.subsample", "voxels", "distance of the voxels with a histogram"}
           .written("1|2|4").of("histogram"), s.subsample);
-    visit(Setting{"hist-model", "lighting.model", "", "light is exp(-r O) of occlusion O, or the paper's 1 - O"}
+    visit(Setting{"hist-model", "lighting.model", "", "light is exp(-r O) of occlusion O, or the published 1 - O"}
           .of("histogram"), s.model);
     visit(Setting{"hist-effects", "lighting.effects", "", "what is shown of it: some of ao, bleeding, scattering, glow"}
           .written("ao,bleeding,scattering,glow").of("histogram"), s.effects);
@@ -223,7 +223,7 @@ void describe(Visit&& visit, S& s) {
           .within(4, 256).of("transport"), s.grid);
     visit(Setting{"transport-directions", "lighting.directions", "", "directions of scattered light, others each iteration"}
           .within(6, 65536).of("transport"), s.directions);
-    visit(Setting{"transport-first-directions", "lighting.first_directions", "", "directions of light not yet scattered"}
+    visit(Setting{"transport-first-directions", "lighting.first_directions", "", "directions of uncollided light"}
           .within(6, 65536).of("transport"), s.first_directions);
     visit(Setting{"transport-error", "lighting.error", "", "no further iterations once one changes the light by less of it"}
           .above(0).written("E").of("transport"), s.error);

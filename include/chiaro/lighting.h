@@ -45,7 +45,7 @@ enum class Method { none, spao, visibility, histogram, transport, reference };
 /// How the means over cubes are found: all at full resolution, by mipmaps, by N-buffers over some mipmaps, exactly from
 /// a table of sums, or (automatic) by a fused sweep over blocks that keeps no level.
 enum class SpaoFilter { automatic, nbuffer, mipmap, hybrid, exact };
-/// The paper's product over shells; the same with each shell's thickness as exponent; and the product per octant.
+/// The published product over shells; the same with each shell's thickness as exponent; and the product per octant.
 enum class SpaoModel { paper, thick, corrected };
 
 /// Smooth probabilistic ambient occlusion (Kroes, Schut and Eisemann, GPU Zen).
@@ -62,7 +62,7 @@ struct SpaoSettings {
 /// plane before holds (sweep) or along straight rays through one lattice (sheared); or node by node, with steps that
 /// grow through a pyramid (hierarchical), or by steps of one cell (full).
 enum class VisibilityTraversal { sweep, sheared, hierarchical, full };
-/// The level that a growing step reads: the paper's log2 of it, or one below. With `corrected` matter that has a
+/// The level that a growing step reads: the published log2 of it, or one below. With `corrected` matter that has a
 /// surface is also lit as a surface: looked up one edge outwards, by Lambert's law.
 enum class VisibilityModel { corrected, paper };
 /// Factors per band that trade ringing for sharpness.
@@ -97,7 +97,7 @@ enum class HistogramPath { fast, sweep, exact };
 enum class HistogramPacking { paper, uniform, cumulative };
 /// The distance of two histograms: of Euclid, the sum or the largest of the differences.
 enum class HistogramMetric { l2, l1, lmax };
-/// Light is exp(-r O), with O the share of matter around; or the paper's 1 - O, mixed as luma and chroma.
+/// Light is exp(-r O), with O the share of matter around; or the published 1 - O, mixed as luma and chroma.
 enum class HistogramModel { corrected, paper };
 
 /// What is shown of the light that histograms know; each alone, or together.
@@ -108,8 +108,8 @@ struct HistogramEffects {
 
 /// Local histograms (Ropinski et al. 2008): found once for a volume, whatever its transfer function.
 struct HistogramSettings {
-    int radius = 16;       ///< of the ball around a cell, in smallest voxel edges; 0: proposed from the data
-    int clusters = 2048;   ///< histograms that stand for all
+    int radius = 16;      ///< of the ball around a cell, in units of the smallest voxel size; 0: proposed from the data
+    int clusters = 2048;  ///< histograms that stand for all
     int packed_bins = 64;  ///< in which histograms are compared
     HistogramPacking packing = HistogramPacking::uniform;
     HistogramMetric metric = HistogramMetric::l2;
@@ -125,7 +125,7 @@ struct HistogramSettings {
 
 /// What rays find out for every voxel: the mean transmittance over all directions, over those outwards, over those
 /// weighted by their cosine, or its 16 coefficients in spherical harmonics (a field only, no picture); or along paths
-/// that scatter: for every voxel the mean radiance over all directions (fluence, a field only), for every pixel
+/// that scatter: for every voxel the mean radiance over all directions (mean radiance, a field only), for every pixel
 /// radiance (a picture only, no field).
 enum class ReferenceQuantity { obscurance, ao, ao_cosine, visibility, mean_radiance, radiance };
 /// Whether the extinction is constant in each voxel or interpolated between them.
@@ -136,9 +136,9 @@ struct ReferenceSettings {
     int rays = 256;                             ///< or paths from a voxel, through a pixel
     std::optional<ReferenceQuantity> quantity;  ///< missing: radiance for a picture, obscurance for a field
     ReferenceMedium medium = ReferenceMedium::voxels;
-    double start_half_voxels = 1;  ///< rays begin this far from the centre, in half cell edges
+    double start_half_voxels = 1;  ///< rays begin this far from the centre, in half voxel widths
     int subsample = 1;             ///< only every so many voxels per axis; between them trilinear (harmonics: one node)
-    std::optional<double> time_s;  ///< of radiance and fluence: no more paths after this time,
+    std::optional<double> time_s;  ///< of radiance and mean radiance: no more paths after this time,
     std::optional<double> error;   ///< nor when the RMS standard error over the RMS luminance is so small
     bool operator==(const ReferenceSettings&) const = default;
 };
@@ -147,7 +147,7 @@ struct ReferenceSettings {
 struct TransportSettings {
     int grid = 64;                ///< cells of the light grid on the long axis
     int directions = 24;          ///< of scattered light, an iteration
-    int first_directions = 200;   ///< of light not yet scattered
+    int first_directions = 200;   ///< of uncollided light
     std::optional<double> error;  ///< no more iterations once one changes less (relative RMS of J)
     bool operator==(const TransportSettings&) const = default;
 };
@@ -249,7 +249,8 @@ Prepared prepare(const Device& device, const DeviceVolume& volume, const Illumin
 /// equal.
 IlluminationSettings preparation_of(const IlluminationSettings& settings);
 
-/// A radius for local histograms, in smallest voxel edges: how far cells are from the next strong edge, on average.
+/// A radius for local histograms, in units of the smallest voxel size: how far cells are from the next strong edge, on
+/// average.
 int proposed_radius(const DeviceVolume& volume);
 
 /// Hands at least one field to `sink` unless cancelled, which it is between the iterations of transport too. Of
@@ -263,9 +264,9 @@ bool illuminate(const Device& device, const Medium& medium, const Prepared& prep
 /// The method's own answer for every voxel, neither moved off surfaces nor scaled as a picture needs it: accessibility,
 /// 1 = all light arrives; of transport J, the mean radiance (three components, 1 in an empty white probe), at the cells
 /// of its own grid; of the reference's quantity visibility, 16 components in spherical harmonics, a node for every
-/// `subsample`³ cells; of its fluence J too, at the centres of `subsample`³ voxels. Throws Error{usage} for a method
-/// that computes no field and for maxima along rays (which have no place that could be lit), Error{interrupted} when
-/// cancelled.
+/// `subsample`³ cells; of its mean radiance J too, at the centres of `subsample`³ voxels. Throws Error{usage} for a
+/// method that computes no field and for maxima along rays (which have no place that could be lit), Error{interrupted}
+/// when cancelled.
 ComputedField compute_field(const Device& device, const Medium& medium, const Prepared& prepared,
                             const Lighting& lighting, const IlluminationSettings& settings, Progress& progress);
 

@@ -80,7 +80,7 @@ struct Shape {
     bool operator==(const Shape&) const = default;
 };
 
-/// The optical table of a transfer function over a volume, and which of its cells hold matter. Cheap to copy.
+/// The optical table of a transfer function over a volume, and which of its cells are occupied. Cheap to copy.
 class Medium {
 public:
     struct Data;  // src/classify/medium.h
@@ -89,7 +89,7 @@ public:
     const Data& data() const { return *data_; }
     explicit operator bool() const { return data_ != nullptr; }
 
-    /// Share of the 4³ cells that hold matter.
+    /// Share of the 4³ occupied cells.
     double occupied_fraction() const;
 
 private:

@@ -22,8 +22,8 @@ struct TransferSettings {
     std::optional<std::pair<double, double>> window;     ///< centre, width
     std::optional<std::pair<double, double>> threshold;  ///< low, high; outside is transparent
     double opacity_scale = 1;                            ///< multiplies the extinction
-    std::optional<double> opacity_unit;                  ///< in smallest voxel edges; replaces the function's own
-    std::optional<double> opacity_unit_mm;               ///< in mm; one of the two at most
+    std::optional<double> opacity_unit;     ///< in units of the smallest voxel size; replaces the function's own
+    std::optional<double> opacity_unit_mm;  ///< in mm; one of the two at most
     bool operator==(const TransferSettings&) const = default;
 };
 

@@ -1,4 +1,4 @@
-// One viewer's state: each verb's result, kept with the inputs that made it.
+// One viewer's state: each stage's result, kept with the inputs that made it.
 #pragma once
 #include <chiaro/device.h>
 #include <chiaro/scene.h>
@@ -12,11 +12,11 @@ namespace chiaro {
 /// Receives a picture that a better one follows.
 using Preview = std::function<void(const Image&)>;
 
-/// Renders scenes one after the other and redoes only the verbs to the right of what changed: an edit of the transfer
+/// Renders scenes one after the other and redoes only the stages to the right of what changed: an edit of the transfer
 /// function starts at `classify`, a camera move is `raycast` and `develop`.
 class Session {
 public:
-    /// On a card with a stream of its own.
+    /// On a GPU with a stream of its own.
     explicit Session(const Device& device);
     ~Session();
     Session(Session&&) noexcept;
@@ -38,9 +38,9 @@ public:
     /// What the scene's lighting method computes for the shown volume. Throws as chiaro::compute_field.
     ComputedField compute_field(const Scene& scene, Progress& progress);
 
-    /// Of the last render; while `preview` is called with paths, theirs. A card brings it when it is first asked for.
+    /// Of the last render; while `preview` is called with paths, theirs. A GPU brings it when it is first asked for.
     const Frame& frame() const;
-    /// Of the last render or field, in order; a verb whose kept result served took 0. What a verb consists of follows
+    /// Of the last render or field, in order; a stage whose kept result served took 0. What a stage consists of follows
     /// it.
     const std::vector<Stage>& stages() const;
     const DeviceVolume& volume() const;          ///< shown
@@ -60,7 +60,7 @@ private:
     std::unique_ptr<State> state_;
 };
 
-/// A whole picture in one call: read, the six verbs, done.
+/// A whole picture in one call: read, the six pipeline stages, done.
 Image render_image(const Device& device, const Scene& scene, Progress& progress);
 
 }  // namespace chiaro

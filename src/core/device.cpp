@@ -43,7 +43,7 @@ Device Device::cpu(int threads, Isa isa) {
     if (threads < 0 || threads > 1024)
         throw Error(ErrorCode::usage, "threads " + std::to_string(threads) + ": must be 0 (all) to 1024");
     if (isa > best_isa())
-        throw Error(ErrorCode::output, "this processor does not run " + std::string(name_of(isa)) + " (at most " +
+        throw Error(ErrorCode::output, "this CPU does not run " + std::string(name_of(isa)) + " (at most " +
                                            std::string(name_of(best_isa())) + ")");
     return {threads == 0 ? usable_threads() : threads, isa};
 }

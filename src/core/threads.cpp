@@ -18,7 +18,7 @@ using Body = std::function<void(std::int64_t, std::int64_t)>;
 
 void run(int threads, std::int64_t count, std::int64_t grain, const Body& body) {
     const std::int64_t pieces = (count + grain - 1) / grain;
-    // More threads than processors are oneTBB's to refuse, with a line on standard error, unless they are allowed.
+    // More threads than CPUs are oneTBB's to refuse, with a line on standard error, unless they are allowed.
     const oneapi::tbb::global_control allowed(oneapi::tbb::global_control::max_allowed_parallelism,
                                               std::size_t(std::max(threads, usable_threads())));
     oneapi::tbb::task_arena arena(threads);

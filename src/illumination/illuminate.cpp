@@ -19,7 +19,7 @@ kernel::AccessView view_of(const CellValues& values) { return {values.data(), vi
 IlluminationField field_of(CellValues values, const kernel::GridView& nodes, StageTimer& timer) {
     auto data = std::make_shared<IlluminationField::Data>();
     auto access = std::make_shared<const CellValues>(std::move(values));
-    data->view = kernel::AccessView{access->address(), nodes, 1};  // a card may be all that reads it
+    data->view = kernel::AccessView{access->address(), nodes, 1};  // a GPU may be all that reads it
     data->access = std::move(access);
     data->stages = timer.take();
     return IlluminationField(std::move(data));

@@ -25,7 +25,7 @@ private:
         StageTimer& timer;
         std::string name;
         std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
-        Clock(StageTimer& s, std::string n) : steps(s), name(std::move(n)) {}
+        Clock(StageTimer& s, std::string n) : timer(s), name(std::move(n)) {}
         ~Clock() {
             const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
             timer.stages_.push_back({std::move(name), time.count()});

@@ -1,4 +1,4 @@
-// Histograms by brute force and of moving balls, on a card.
+// Histograms by brute force and of moving balls, on a GPU.
 #pragma once
 #include "illumination/histogram/ball.h"
 #include "illumination/histogram/gpu_source.h"

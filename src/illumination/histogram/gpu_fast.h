@@ -1,4 +1,4 @@
-// Histograms of blocks by sums over boxes, on a card.
+// Histograms of blocks by sums over boxes, on a GPU.
 #pragma once
 #include "illumination/histogram/fast.h"
 #include "illumination/histogram/gpu_source.h"

@@ -1,4 +1,4 @@
-// The table of words on cards: the same source, a thread for each part of a word's sums.
+// The table of words on GPUs: the same source, a thread for each part of a word's sums.
 #include "cuda/launch.h"
 #include "illumination/histogram/launch_gpu.h"
 

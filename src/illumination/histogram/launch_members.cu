@@ -1,4 +1,4 @@
-// Words from their members on cards: the same source, a thread a ball, then a bin of a word.
+// Words from their members on GPUs: the same source, a thread a ball, then a bin of a word.
 #include "cuda/launch.h"
 #include "illumination/histogram/launch_gpu.h"
 

@@ -1,4 +1,4 @@
-// Slabs of histograms, and identifiers, on cards: the same source.
+// Slabs of histograms, and identifiers, on GPUs: the same source.
 #include "illumination/histogram/unresolved.h"
 
 namespace chiaro::kernel {

@@ -1,4 +1,4 @@
-// Histograms by brute force and of moving balls on cards: the same source, a thread a ball or a row.
+// Histograms by brute force and of moving balls on GPUs: the same source, a thread a ball or a row.
 #include "cuda/launch.h"
 #include "illumination/histogram/slab_source.h"
 

@@ -17,7 +17,7 @@ struct DominantLightKernels {
 
     DominantLightKernels(const SweptMedium& medium, const DominantLight& dominant);
 
-    /// What they read and write, here or on a card.
+    /// What they read and write, here or on a GPU.
     struct Numbers {
         const float *visibility, *depth;
         const std::uint8_t* clear;

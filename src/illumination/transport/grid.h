@@ -6,7 +6,7 @@
 
 namespace chiaro {
 
-/// A colour for each node: per channel, x fastest. What a card made stays there until the host reads it.
+/// A colour for each node: per channel, x fastest. What a GPU made stays there until the host reads it.
 struct GridColour {
     std::size_t nodes;
     MirroredBuffer buffer;

@@ -95,7 +95,7 @@ void TransportSolver::State::prepare() {
     turn_source();
 }
 
-/// The card has no room any more.
+/// The GPU has no room any more.
 void TransportSolver::State::fall_back_to_host() {
     gpu->fetch(*this);
     gpu.reset();

@@ -126,7 +126,7 @@ NodeRoles SurfaceNodes::roles(int x, int y, int z) const {
     const float here = opacity_[node], densest = densest_[node], clearest = clearest_[node];
     const float weight = nodes_.weight[node];
     const float outside = std::min(4 * (densest - here), 1.0f), inside = std::min(4 * (here - clearest), 1.0f);
-    // Behind a surface opaque matter is dark and counts for less still: what is seen of it lies at its skin.
+    // Behind a surface opaque matter is dark and counts for less still: what is seen of it lies at its boundary.
     const float seen = std::max(1 - 2 * here, 0.0f), buried = least * least;
     return {weight * (1 - std::max(outside, inside)) * seen + buried, outside * (1 - weight), least * inside};
 }

@@ -22,7 +22,7 @@ inline SweepLattice lattice_of(VisibilityTraversal traversal) {
 ShField sweep_visibility(const Device& device, const Density& density, const std::vector<Vec3>& directions,
                          int coefficients, double start, SweepLattice lattice, Progress& progress);
 
-/// On the device's card, where the field stays.
+/// On the device's GPU, where the field stays.
 GpuField sweep_on_gpu(const Device& device, const Density& density, const std::vector<Vec3>& directions,
                       int coefficients, double start, SweepLattice lattice, Progress& progress);
 
