@@ -12,7 +12,7 @@ using chiaro::testing::tested_device;
 
 namespace {
 
-/// Most of the error of light in the air, of Σ ground truth² and of Σ ground truth; illumination.md 5, and what
+/// Most of the error of light in the air, of Σ ground truth² and of Σ ground truth; docs/theory/transport.md, and what
 /// sixty-four points of 512 paths each leave unsure.
 struct Bounds {
     const char* name;

@@ -30,7 +30,7 @@ struct MethodComparison {
 using ComparisonPreview = std::function<void(const MethodComparison&)>;
 
 /// Renders the scene of the session's volume by each method under the same light: the scene's probe (white without
-/// one), all matter particles that scatter it alike in all directions, once (illumination.md 4: L = ∫ κ E T dt). So
+/// one), all matter particles that scatter it alike in all directions, once (L = ∫ κ E T dt, docs/methods.md). So
 /// shading is off, steps are pre-integrated; spao, and rays that find accessibility, give E = A × the probe's mean
 /// radiance, A neither scaled nor moved off surfaces; visibility gives E = (1/4π) Σ V L. The reference is the path
 /// tracer with 0 bounces and the paths that `scene.illumination.reference` asks for. `preview` sees it with each pass

@@ -125,8 +125,8 @@ struct HistogramSettings {
 
 /// What rays find out for every voxel: the mean transmittance over all directions, over those outwards, over those
 /// weighted by their cosine, or its 16 coefficients in spherical harmonics (a field only, no picture); or along paths
-/// that scatter: for every voxel the mean radiance over all directions (mean radiance, a field only), for every pixel
-/// radiance (a picture only, no field).
+/// that scatter: for every voxel the mean radiance J over all directions (the fluence rate over 4π; a field only), for
+/// every pixel radiance (a picture only, no field).
 enum class ReferenceQuantity { obscurance, ao, ao_cosine, visibility, mean_radiance, radiance };
 /// Whether the extinction is constant in each voxel or interpolated between them.
 enum class ReferenceMedium { voxels, trilinear };

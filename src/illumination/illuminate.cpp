@@ -41,7 +41,7 @@ void check_image(const IlluminationSettings& settings) {
             ErrorCode::usage,
             fmt::format("the reference's quantity {} is a field, no picture: write it with chiaro illuminate, or "
                         "choose radiance, obscurance, ao or ao-cosine",
-                        quantity == ReferenceQuantity::mean_radiance ? "fluence" : "visibility"));
+                        quantity == ReferenceQuantity::mean_radiance ? "mean-radiance" : "visibility"));
 }
 
 IlluminationField light_of(const Device& device, const Medium::Data& medium, const IlluminationSettings& settings,

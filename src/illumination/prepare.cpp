@@ -36,7 +36,7 @@ Prepared prepare(const Device& device, const DeviceVolume& volume, const Illumin
     if (settings.method != Method::histogram) return {};
     auto data = std::make_shared<Prepared::Data>();
     StageTimer timer;
-    data->histograms = prepare_histograms(device, volume, settings.histogram, steps, data->notes, progress);
+    data->histograms = prepare_histograms(device, volume, settings.histogram, timer, data->notes, progress);
     data->stages = timer.take();
     return Prepared(std::move(data));
 }

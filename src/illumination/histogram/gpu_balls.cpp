@@ -33,7 +33,7 @@ GpuExactHistograms::GpuExactHistograms(const Device& device, const HistogramData
       packed_(stream_, cells_together() * 2 * std::size_t(bins())),
       views_(stream_, arrays_of(ball_, data.packing)) {
     count_.ball = ball_.view(), pack_.packing = data.packing.view();
-    views_.swap(count_.ball.row, count_.ball.weights, pack_.packing.low, pack_.packing.share);
+    views_.to_device_pointers(count_.ball.row, count_.ball.weights, pack_.packing.low, pack_.packing.share);
     count_.places = slab_.grid.bins;
     count_.count = pack_.count = places_of(data);
     count_.counts = counts_.data(), pack_.counts = counts_.data(), pack_.packed = packed_.data();
@@ -60,7 +60,8 @@ GpuSweptHistograms::GpuSweptHistograms(const Device& device, const HistogramData
       counts_(stream_, cells_together() / HistogramSlab::edge * std::size_t(bins())),
       views_(stream_, arrays_of(ball_, data.packing)) {
     sweep_.row = swept_row(slab_.grid, data.packing, ball_);
-    views_.swap(sweep_.row.ball.row, sweep_.row.ball.weights, sweep_.row.packing.low, sweep_.row.packing.share);
+    views_.to_device_pointers(sweep_.row.ball.row, sweep_.row.ball.weights, sweep_.row.packing.low,
+                              sweep_.row.packing.share);
     sweep_.counts = counts_.data();
 }
 

@@ -45,7 +45,7 @@ void trace_on_gpu(cuda::Stream& stream, const std::vector<NodeRun>& runs, int st
     arrays.add(runs);
     cuda::Views medium(stream, std::move(arrays));
     const NodeRun* there = runs.data();
-    medium.swap(there);
+    medium.to_device_pointers(there);
     cuda::Array<HarmonicSums> sums(stream, std::min(runs_on_gpu, runs.size()));
     std::vector<HarmonicSums> landed(sums.size());
     for (std::size_t first = 0; first < runs.size(); first += sums.size()) {

@@ -56,7 +56,7 @@ GpuTransport::GpuTransport(const Device& device, const SweptMedium& medium)
     medium.opaque.add_to(arrays), arrays.add(ids);
     tables_ = std::make_unique<cuda::Views>(*stream_, std::move(arrays));
     clear_ = medium.opaque.clear_cells(), ids_ = ids.data();
-    tables_->swap(clear_, ids_, reflect_.open, reflect_.reflectance, cover_.covers);
+    tables_->to_device_pointers(clear_, ids_, reflect_.open, reflect_.reflectance, cover_.covers);
     for (Numbers* zero :
          {&extinction_, &albedo_, &emission_, &moment_, &first_light_, &first_moment_, &source_, &mean_, &first_faces_})
         zero->zero();  // beside the cells, where the host's fields are zero

@@ -1,4 +1,4 @@
-// Multiple scattering by iterated sweeps (illumination.md 5).
+// Multiple scattering by iterated sweeps (docs/theory/transport.md).
 #pragma once
 #include <chiaro/device.h>
 #include <chiaro/lighting.h>

@@ -1,5 +1,5 @@
-// A row of cells in a directional sweep through matter that scatters (illumination.md 5): planes perpendicular to the
-// directions' major axis, from the light's side. The item is sixteen cells along the row (F = Lanes) or one.
+// A row of cells in a directional sweep through matter that scatters (docs/theory/transport.md): planes perpendicular
+// to the directions' major axis, from the light's side. The item is sixteen cells along the row (F = Lanes) or one.
 #pragma once
 #include "kernel/row.h"
 

@@ -1,4 +1,4 @@
-// Visibility of all nodes by directional sweeps (illumination.md 2.4): beyond the paper, faster and more exact.
+// Visibility of all nodes by directional sweeps (docs/theory/visibility.md): beyond the paper, faster and more exact.
 #pragma once
 #include <chiaro/device.h>
 #include <chiaro/lighting.h>
