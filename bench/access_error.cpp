@@ -83,9 +83,9 @@ Frame slice_of(const CellValues& values, int z) {
 }  // namespace
 
 CellValues LitSubject::field(const IlluminationSettings& settings, Progress& progress) const {
-    StageTimer steps;
+    StageTimer timer;
     const BlockMap all(opacity.values.grid.count, true);
-    return accessibility(device, medium.data(), opacity, settings, all, steps, progress);
+    return accessibility(device, medium.data(), opacity, settings, all, timer, progress);
 }
 
 CellValues LitSubject::ground_truth(ReferenceQuantity quantity, int rays, Progress& progress) const {

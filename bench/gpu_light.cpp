@@ -33,26 +33,26 @@ std::vector<Row> measure_spao(const Setup& setup, const std::vector<std::string>
     IlluminationSettings settings{.method = Method::spao};
     settings.spao.filter = filter, settings.spao.model = SpaoModel::paper;
     if (filter != SpaoFilter::automatic) settings.spao.levels = 6, settings.spao.normal_factor = 1;
-    StageTimer steps;
+    StageTimer timer;
     std::size_t cells = 0;
     const auto whole = [&] {
         return 1e3 * wall_seconds([&] {
                    const CellOpacity opacity = cell_opacity(medium.data(), setup.progress);
                    cells = opacity.values.grid.size();
                    accessibility(setup.device, medium.data(), opacity, settings,
-                                 BlockMap(opacity.values.grid.count, true), steps, setup.progress);
+                                 BlockMap(opacity.values.grid.count, true), timer, setup.progress);
                });
     };
     const auto levels = [&] {  // of the whole before it
         double seconds = 0;
-        for (const Stage& stage : steps.take())
+        for (const Stage& stage : timer.take())
             if (stage.name.find("level") != std::string::npos) seconds += stage.seconds;
         return 1e3 * seconds;
     };
     std::vector<Measure> measures{whole};
     if (names.size() > 1) measures.push_back(levels);
     whole();
-    steps.take();
+    timer.take();
     return against_pass(setup, names, measures, 2 * cells, "a pass over 2 bytes a cell");
 }
 
@@ -62,10 +62,10 @@ std::vector<Row> measure_visibility(const Setup& setup, const std::string& name,
     const VisibilitySettings settings{.directions = 400, .subsample = subsample};
     std::size_t nodes = 0;
     const auto found = [&] {
-        StageTimer steps;
+        StageTimer timer;
         const Density density = density_for(medium.data(), subsample, setup.device, setup.progress);
         nodes = density.grid.size();
-        find_visibility(setup.device, density, settings, steps, setup.progress);
+        find_visibility(setup.device, density, settings, timer, setup.progress);
     };
     found();
     return against_pass(setup, {name}, {[&] { return 1e3 * wall_seconds(found); }}, nodes * sizeof(float[16]),

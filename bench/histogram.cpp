@@ -84,14 +84,14 @@ std::vector<Row> measure_preprocessing(const Setup& setup, const std::string& na
     const std::string part = "scaled from a random part";
     std::vector<Row> found{one(name + "/exact", "CPU s", exact, part), one(name + "/sweep", "CPU s", sweep, part)};
     found.push_back({name + "/fast", "CPU s", {fast, fast, fast, 1}, exact / fast, "times faster than exact", part});
-    StageTimer steps;
+    StageTimer timer;
     LocalHistograms h;
     const double seconds =
-        cpu_seconds([&] { h = find_local_histograms(setup.device, voxels.data(), settings, steps, setup.progress); });
+        cpu_seconds([&] { h = find_local_histograms(setup.device, voxels.data(), settings, timer, setup.progress); });
     found.push_back(one(name + "/whole", "CPU s", seconds,
                         fmt::format("{} words, {} packed bins", h.codewords, data.packing.packed)));
     double wall = 0;
-    const auto stages = steps.take();
+    const auto stages = timer.take();
     for (const Stage& stage : stages) wall += stage.seconds;
     for (const Stage& stage : stages)
         found.push_back(one(fmt::format("{}/{}", name, stage.name), "CPU s", seconds * stage.seconds / wall,
@@ -146,8 +146,8 @@ std::vector<Row> measure_error(const Setup& setup, const std::string& name, cons
     if (setup.quick) settings.radius = 4, settings.clusters = std::min(settings.clusters, 64);
     const Statistics statistics = measure(*volume);
     const DeviceVolume voxels = upload(setup.device, *volume);
-    StageTimer steps;
-    const LocalHistograms h = find_local_histograms(setup.device, voxels.data(), settings, steps, setup.progress);
+    StageTimer timer;
+    const LocalHistograms h = find_local_histograms(setup.device, voxels.data(), settings, timer, setup.progress);
     auto functions = four_functions(statistics.min, statistics.p999);
     if (!*subject.file) functions = {{"own", sample_transfer_function(subject.name)}};
     const auto errors = occlusion_errors(voxels, h, functions, setup.quick ? 50 : 2000);

@@ -54,11 +54,11 @@ IlluminationSettings settings_of(SpaoFilter filter, SpaoModel model, double norm
 /// Opacity and accessibility of every cell, or of those near something visible.
 double seconds_of(Subject& s, const IlluminationSettings& settings, bool everywhere, Progress& progress) {
     return cpu_seconds([&] {
-        StageTimer steps;
+        StageTimer timer;
         const CellOpacity opacity = cell_opacity(s.medium.data(), progress);
         const CellGrid& grid = opacity.values.grid;
         const BlockMap blocks = everywhere ? BlockMap(grid.count, true) : visible_blocks(s.medium.data(), grid, 2);
-        accessibility(s.device, s.medium.data(), opacity, settings, blocks, steps, progress);
+        accessibility(s.device, s.medium.data(), opacity, settings, blocks, timer, progress);
     });
 }
 
@@ -109,11 +109,11 @@ std::vector<Row> measure_levels(const Setup& setup, const std::string& prefix, S
     std::vector<Series> times;
     Series copies;
     for (int run = -1; run < setup.runs; ++run) {
-        StageTimer steps;
+        StageTimer timer;
         const CellOpacity opacity = cell_opacity(subject.medium.data(), setup.progress);
         accessibility(subject.device, subject.medium.data(), opacity, settings,
-                      BlockMap(opacity.values.grid.count, true), steps, setup.progress);
-        const auto stages = steps.take();
+                      BlockMap(opacity.values.grid.count, true), timer, setup.progress);
+        const auto stages = timer.take();
         times.resize(stages.size()), names.resize(stages.size());
         for (std::size_t i = 0; run >= 0 && i < stages.size(); ++i) {
             names[i] = stages[i].name;
@@ -147,8 +147,8 @@ Chain chain_of(Subject& s, const CellOpacity& opacity, int mip_levels, Progress&
     const auto make = [&](int top) {
         Chain chain{0, 0};
         chain.seconds = cpu_seconds([&] {
-            StageTimer steps;
-            chain.bytes = SpaoLevels(s.device, opacity, std::min(mip_levels, top), top, steps, progress).bytes();
+            StageTimer timer;
+            chain.bytes = SpaoLevels(s.device, opacity, std::min(mip_levels, top), top, timer, progress).bytes();
         });
         return chain;
     };
@@ -186,10 +186,10 @@ std::vector<Row> measure_rays(const Setup& setup, const std::string& name, Subje
     for (const std::size_t block : order) some.holds[block] = 1;
     IlluminationSettings settings{.method = Method::reference};
     settings.reference.rays = setup.quick ? 16 : paper_rays;
-    StageTimer steps;
-    accessibility(subject.device, subject.medium.data(), opacity, settings, some, steps, setup.progress);
+    StageTimer timer;
+    accessibility(subject.device, subject.medium.data(), opacity, settings, some, timer, setup.progress);
     double seconds = 0, share = double(order.size()) / double(some.holds.size());
-    for (const Stage& stage : steps.take()) seconds += stage.name == "rays" ? stage.seconds / share : stage.seconds;
+    for (const Stage& stage : timer.take()) seconds += stage.name == "rays" ? stage.seconds / share : stage.seconds;
     return {
         {name,
          "wall s",

@@ -73,8 +73,8 @@ VisibilitySettings settings_of(int subsample, VisibilityTraversal traversal) {
 }
 
 ShField swept(const Setup& setup, const Density& density, int subsample) {
-    StageTimer steps;
-    return find_visibility(setup.device, density, settings_of(subsample, VisibilityTraversal::sweep), steps,
+    StageTimer timer;
+    return find_visibility(setup.device, density, settings_of(subsample, VisibilityTraversal::sweep), timer,
                            setup.progress);
 }
 

@@ -20,9 +20,9 @@ Volume clutter() {
 }
 
 LocalHistograms prepared(const Device& device, const Volume& volume, const HistogramSettings& settings) {
-    StageTimer steps;
+    StageTimer timer;
     Progress progress;
-    return find_local_histograms(device, upload(device, volume).data(), settings, steps, progress);
+    return find_local_histograms(device, upload(device, volume).data(), settings, timer, progress);
 }
 
 template <class Buffer>
@@ -133,9 +133,9 @@ TEST_F(Gpus, FindMoreCodewordsThanThereIsRoomForAtOnce) {
 TEST_F(Gpus, KeepTheIdentifiersThatTheyFound) {
     const auto& device_cache = *gpu.stream->device_cache();
     const DeviceVolume volume = upload(gpu, clutter());
-    StageTimer steps;
+    StageTimer timer;
     Progress progress;
-    const LocalHistograms h = find_local_histograms(gpu, volume.data(), small, steps, progress);
+    const LocalHistograms h = find_local_histograms(gpu, volume.data(), small, timer, progress);
     const auto copied = device_cache.copied_bytes();
     for (const HostArray& made : {HostArray::of(h.life, h.identifiers), h.displaced.array()})
         gpu.stream->device_cache()->of(made, *gpu.stream);

@@ -39,9 +39,9 @@ TEST_P(HistogramErrorTest, OcclusionIsNearDirectSums) {
         halved(read_volume((std::filesystem::path(folder) / "volumes" / GetParam()).string(), {}, progress));
     const Statistics statistics = measure(volume);
     const DeviceVolume voxels = upload(tested_device(), volume);
-    StageTimer steps;
+    StageTimer timer;
     const LocalHistograms h =
-        find_local_histograms(tested_device(), voxels.data(), {.radius = 16, .cache = "none"}, steps, progress);
+        find_local_histograms(tested_device(), voxels.data(), {.radius = 16, .cache = "none"}, timer, progress);
     const auto functions = bench::four_functions(statistics.min, statistics.p999);
     const auto errors = bench::occlusion_errors(voxels, h, functions, 2000);
     for (std::size_t f = 0; f < functions.size(); ++f) {

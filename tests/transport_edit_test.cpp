@@ -31,13 +31,13 @@ protected:
     std::vector<TransportNodes> refine(const Medium& medium, int most = 1000) {
         std::vector<TransportNodes> fields;
         Progress progress;
-        StageTimer steps;
+        StageTimer timer;
         const auto keep = [&](TransportNodes nodes, bool) {
             fields.push_back(std::move(nodes));
             if (int(fields.size()) == most) progress.cancel();
         };
         const auto go = [&] {
-            refine_transport(device_, medium.data(), lighting_, settings_, {}, {0, 0, 1}, keep, steps, progress,
+            refine_transport(device_, medium.data(), lighting_, settings_, {}, {0, 0, 1}, keep, timer, progress,
                              &memory_);
         };
         if (most < 1000)

@@ -30,10 +30,10 @@ struct Rays {
 
     ShField operator()(const Volume& volume) const {
         Progress progress;
-        StageTimer steps;
+        StageTimer timer;
         const Medium medium = classify(upload(device, volume), tf, shape);
         const CellOpacity opacity = cell_opacity(medium.data(), progress);
-        return reference_visibility(device, medium.data(), opacity, settings, steps, progress);
+        return reference_visibility(device, medium.data(), opacity, settings, timer, progress);
     }
 };
 
@@ -71,7 +71,7 @@ TEST(ReferenceVisibility, OnAnOpaqueHalfSpace) {
             std::array node{128, 128, 128};
             node[axis] = 2;
             Progress progress;
-            StageTimer steps;
+            StageTimer timer;
             const Medium medium = classify(upload(tested_device(), ground), opaque(), {});
             const CellOpacity opacity = cell_opacity(medium.data(), progress);
             const ExtinctionCells cells(medium.data(), opacity, 1, tested_device(), progress);
@@ -118,12 +118,12 @@ TEST(ReferenceVisibility, BandZeroIsObscurance) {
         Rays rays{.settings = {.rays = 96, .medium = medium}};
         const ShField field = rays(volume);
         Progress progress;
-        StageTimer steps;
+        StageTimer timer;
         const Medium classified = classify(upload(rays.device, volume), rays.tf, {});
         const CellOpacity opacity = cell_opacity(classified.data(), progress);
         const IlluminationSettings settings{.method = Method::reference, .reference = rays.settings};
         const CellValues access = accessibility(rays.device, classified.data(), opacity, settings,
-                                                BlockMap(opacity.values.grid.count, true), steps, progress);
+                                                BlockMap(opacity.values.grid.count, true), timer, progress);
         for (std::size_t i = 0; i < field.grid.size(); ++i)
             ASSERT_NEAR(field.node(i)[0] / std::sqrt(4 * pi), access.data()[i] / cell_one, 1.0 / 65535) << i;
     }

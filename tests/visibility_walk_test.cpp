@@ -34,8 +34,8 @@ Density density_of_volume(const Volume& volume, const TransferFunction& tf, int 
 
 ShField walked(const Density& density, const VisibilitySettings& settings, double start = 0.5,
                const Device& device = tested_device()) {
-    StageTimer steps;
-    return walk_visibility(device, density, settings, start, steps, quiet());
+    StageTimer timer;
+    return walk_visibility(device, density, settings, start, timer, quiet());
 }
 
 const float* at(const ShField& field, int x, int y, int z) { return field.node(field.grid.index(x, y, z)); }
@@ -248,8 +248,8 @@ TEST(Walk, StopsWhenCancelled) {
     const Density density = density_of_volume(make_sample("fog", 24), sample_transfer_function("fog"));
     Progress progress;
     progress.cancel();
-    StageTimer steps;
-    EXPECT_THROW(walk_visibility(tested_device(), density, {.traversal = full}, 0.5, steps, progress), Error);
+    StageTimer timer;
+    EXPECT_THROW(walk_visibility(tested_device(), density, {.traversal = full}, 0.5, timer, progress), Error);
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ public:
     /// `preview` is handed the picture with each coarse light that comes before the finest (visibility, and each
     /// iteration of transport), while that is still being found; and with each pass of paths (reference).
     const Image& render(const Scene& scene, Progress& progress, const Preview& preview = {});
-    /// What can be shown at once: the scene by the light at hand, that of the last render, whatever it was made for; by
+    /// What can be shown at once: the scene by the last computed lighting, whatever it was made for; by
     /// none at first. Of the reference's radiance one path a pixel. What render keeps stays kept.
     const Image& preview(const Scene& scene, Progress& progress);
     /// Whether a render would have to find light first.

@@ -52,12 +52,12 @@ IlluminationField light_of(const Device& device, const Medium::Data& medium, con
     CellValues access = accessibility(device, medium, opacity, settings, visible_blocks(medium, opacity.values.grid, 2),
                                       timer, progress);
     const kernel::GridView cells = view_of(access.grid);
-    if (settings.on_particles) return field_of(std::move(access), cells, steps);
+    if (settings.on_particles) return field_of(std::move(access), cells, timer);
     CellValues displaced = timer("lift", [&] {
         return normal_offset_off_surfaces(device, access, opacity.values, outward_factor(settings), opacity.visible,
                                           progress);
     });
-    return field_of(std::move(displaced), cells, steps);
+    return field_of(std::move(displaced), cells, timer);
 }
 
 void light(const Device& device, const Medium::Data& medium, const IlluminationSettings& settings, const Sink& sink,
@@ -65,7 +65,7 @@ void light(const Device& device, const Medium::Data& medium, const IlluminationS
     if (settings.method != Method::visibility) return sink(light_of(device, medium, settings, progress));
     StageTimer timer;
     const auto keep = [&](VisibilityNodes nodes, bool is_coarse) {
-        sink(field_of(device, std::move(nodes), is_coarse, steps));
+        sink(field_of(device, std::move(nodes), is_coarse, timer));
     };
     refine_visibility(device, medium, settings.visibility, keep, timer, progress);
 }
@@ -136,7 +136,7 @@ IlluminationField light_of_histograms(const Device& device, const Medium::Data& 
         ParticleLight light = timer("histogram table", [&] {
             return light_on_particles(device, medium, *histograms_of(prepared), settings.histogram);
         });
-        return field_of(std::move(light.open), light.nodes, steps);
+        return field_of(std::move(light.open), light.nodes, timer);
     }
     auto data = std::make_shared<IlluminationField::Data>();
     data->histogram = timer("histogram table", [&] {

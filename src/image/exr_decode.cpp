@@ -13,11 +13,11 @@
 
 #include "core/text.h"
 #include "image/exr.h"
+#include "image/file_bytes.h"
 
 namespace chiaro {
 namespace {
 
-constexpr std::int64_t max_pixels = 100'000'000;
 constexpr int no_threads = 0;
 
 class Memory : public Imf::IStream {

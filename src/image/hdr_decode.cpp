@@ -7,12 +7,12 @@
 #include <cstdint>
 #include <string_view>
 
+#include "image/file_bytes.h"
 #include "image/hdr.h"
 
 namespace chiaro {
 namespace {
 
-constexpr std::int64_t max_pixels = 100'000'000;
 constexpr int longest_side = 65536;
 using Rgbe = std::array<std::uint8_t, 4>;
 

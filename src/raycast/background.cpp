@@ -37,7 +37,7 @@ void put_there(cuda::Pixels& pixels, const Probe& probe, kernel::BackgroundKerne
     kernel.pixels = pixels.data();
     HostArrays arrays;
     arrays.add(probe.data().weak_from_this(), probe.data().image.rgb);
-    cuda::Views(pixels.stream(), std::move(arrays)).swap(kernel.image.rgb);
+    cuda::Views(pixels.stream(), std::move(arrays)).to_device_pointers(kernel.image.rgb);
     kernel::put_background(pixels.stream(), kernel, frame.width, frame.height);
     pixels.stream().wait();  // nobody else may hold the probe
 }

@@ -31,7 +31,7 @@ bool find_texture(const DeviceVolume::Data& volume, cuda::Stream& stream, kernel
     HostArrays arrays;
     volume.add_to(arrays);
     const std::byte* bricks = volume.bricks.data();
-    cuda::Views(stream, std::move(arrays)).swap(bricks);
+    cuda::Views(stream, std::move(arrays)).to_device_pointers(bricks);
     const auto make = [&] {
         return with_stored_voxel(volume, [&](auto voxel) {
             constexpr auto texel = sizeof voxel == 1   ? cuda::Texel::u8

@@ -20,7 +20,7 @@ Vec3 direction_to_light(const Lighting& lighting, const Camera& camera) {
 }
 
 /// Blinn's; the viewer is directional too: along the camera's axis.
-Vec3 half_way(Vec3 to_light, const Camera& camera) {
+Vec3 half_vector(Vec3 to_light, const Camera& camera) {
     const Vec3 sum = to_light - camera.forward;
     return length(sum) > 1e-9 ? normalized(sum) : to_light;
 }
@@ -69,7 +69,7 @@ kernel::ShadingView shading_view(const Lighting& lighting, const Camera& camera,
         .diffuse = times_color(kd),
         .specular = times_color(ks),
         .to_light = float3(to_light),
-        .half = float3(half_way(to_light, camera)),
+        .half = float3(half_vector(to_light, camera)),
         .gradient_x = float3(edge * x),
         .gradient_y = float3(edge * y),
         .gradient_z = float3(edge * z),
@@ -80,7 +80,7 @@ void shine_from(const MainLight& light, const Lighting& lighting, const Camera& 
     const double ks = lighting.shading == Shading::phong ? lighting.specular * light.share : 0;
     shading.specular = float3({ks, ks, ks});
     shading.to_light = float3(light.direction);
-    shading.half = float3(half_way(light.direction, camera));
+    shading.half = float3(half_vector(light.direction, camera));
 }
 
 kernel::ClipView clip_view(const Clip& clip, const Geometry& geometry, const std::array<int, 3>& dimensions) {

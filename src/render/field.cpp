@@ -40,28 +40,28 @@ bool is_in_harmonics(const IlluminationSettings& settings) {
     return settings.method == Method::reference && settings.reference.quantity == ReferenceQuantity::visibility;
 }
 
-Volume harmonics_of(const Device& device, const Medium& medium, const IlluminationSettings& settings, StageTimer& steps,
+Volume harmonics_of(const Device& device, const Medium& medium, const IlluminationSettings& settings, StageTimer& timer,
                     Progress& progress) {
     const auto traced = [&] {
-        const CellOpacity opacity = steps("opacity", [&] { return cell_opacity(device, medium.data(), progress); });
-        return reference_visibility(device, medium.data(), opacity, settings.reference, steps, progress);
+        const CellOpacity opacity = timer("opacity", [&] { return cell_opacity(device, medium.data(), progress); });
+        return reference_visibility(device, medium.data(), opacity, settings.reference, timer, progress);
     };
     const auto found = [&] {
         const Density density = steps(
             "density", [&] { return density_for(medium.data(), settings.visibility.subsample, device, progress); });
-        return find_visibility(device, density, settings.visibility, steps, progress);
+        return find_visibility(device, density, settings.visibility, timer, progress);
     };
     const ShField field = settings.method == Method::visibility ? found() : traced();
-    return steps("voxels", [&] { return volume_of(device, field, medium.data().volume, progress); });
+    return timer("voxels", [&] { return volume_of(device, field, medium.data().volume, progress); });
 }
 
 /// Mean radiance at the nodes of the light grid.
 Volume swept_light(const Device& device, const Medium& medium, const Lighting& lighting,
-                   const IlluminationSettings& settings, StageTimer& steps, Progress& progress) {
+                   const IlluminationSettings& settings, StageTimer& timer, Progress& progress) {
     std::optional<TransportNodes> found;
     const auto keep = [&](TransportNodes nodes, bool) { found = std::move(nodes); };
     refine_transport(device, medium.data(), lighting, settings.transport, settings.scattering,
-                     lighting.probe_up.value_or(Vec3{0, 0, 1}), keep, steps, progress);
+                     lighting.probe_up.value_or(Vec3{0, 0, 1}), keep, timer, progress);
     Volume out = make_volume(found->grid.count, VoxelType::f32);
     out.geometry = geometry_of(found->grid, medium.data().volume.geometry());
     out.components = 3;
@@ -92,7 +92,7 @@ Volume block_centres(const DeviceVolume& voxels, int edge, int components) {
 
 /// J at every voxel, or at the centres of blocks of them.
 Volume mean_radiance_of(const Device& device, const Medium& medium, const Lighting& lighting,
-                        const IlluminationSettings& settings, StageTimer& steps, Progress& progress) {
+                        const IlluminationSettings& settings, StageTimer& timer, Progress& progress) {
     const DeviceVolume& voxels = medium.data().volume;
     const int edge = settings.reference.subsample;
     Volume field = block_centres(voxels, edge, 3);
@@ -102,7 +102,7 @@ Volume mean_radiance_of(const Device& device, const Medium& medium, const Lighti
     for (int k = 0; k < field.dimensions[2]; ++k)
         for (int j = 0; j < field.dimensions[1]; ++j)
             for (int i = 0; i < field.dimensions[0]; ++i) points.push_back({centre(i), centre(j), centre(k)});
-    const MeanRadiance mean_radiance = steps("paths", [&] {
+    const MeanRadiance mean_radiance = timer("paths", [&] {
         return trace_mean_radiance(device, medium, lighting, lighting.probe_up.value_or(Vec3{0, 0, 1}), points,
                                    settings, progress);
     });
@@ -148,18 +148,18 @@ ComputedField compute_field(const Device& device, const Medium& medium, const Pr
     IlluminationSettings settings = wanted;
     if (!settings.reference.quantity) settings.reference.quantity = ReferenceQuantity::obscurance;
     const auto start = std::chrono::steady_clock::now();
-    StageTimer steps;
+    StageTimer timer;
     const auto found = [&] {
         if (settings.method == Method::transport)
-            return swept_light(device, medium, lighting, settings, steps, progress);
-        if (is_mean_radiance(settings)) return mean_radiance_of(device, medium, lighting, settings, steps, progress);
-        if (is_in_harmonics(settings)) return harmonics_of(device, medium, settings, steps, progress);
-        return field_of_voxels(device, medium.data(), prepared, settings, steps, progress);
+            return swept_light(device, medium, lighting, settings, timer, progress);
+        if (is_mean_radiance(settings)) return mean_radiance_of(device, medium, lighting, settings, timer, progress);
+        if (is_in_harmonics(settings)) return harmonics_of(device, medium, settings, timer, progress);
+        return field_of_voxels(device, medium.data(), prepared, settings, timer, progress);
     };
     ComputedField field{found(), {}};
     field.volume.key_values =
         how_made(settings, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-    field.stages = steps.take();
+    field.stages = timer.take();
     return field;
 }
 

@@ -103,10 +103,10 @@ TEST_F(FailingGpus, GiveWayWhereverMemoryEnds) {
 TEST_F(FailingGpus, GiveWayAtAnyStepOfPreparingHistograms) {
     const Volume volume = shells_of<std::uint8_t>(20);
     const auto prepared = [&](const Device& device) {
-        StageTimer steps;
+        StageTimer timer;
         Progress progress;
         const HistogramSettings settings{.radius = 4, .clusters = 20, .packed_bins = 16};
-        return find_local_histograms(device, upload(device, volume).data(), settings, steps, progress);
+        return find_local_histograms(device, upload(device, volume).data(), settings, timer, progress);
     };
     const LocalHistograms expected = prepared(cpu());
     int gave_way = 0;
@@ -128,9 +128,9 @@ TEST_F(FailingGpus, PrepareHistogramsPlaneByPlaneWhereTheyHaveLittleMemory) {
     for (const HistogramPath path : {HistogramPath::fast, HistogramPath::exact, HistogramPath::sweep}) {
         const HistogramSettings settings{.radius = 3, .clusters = 20, .packed_bins = 16, .path = path};
         const auto prepared = [&](const Device& device) {
-            StageTimer steps;
+            StageTimer timer;
             Progress progress;
-            return find_local_histograms(device, upload(device, volume).data(), settings, steps, progress);
+            return find_local_histograms(device, upload(device, volume).data(), settings, timer, progress);
         };
         const auto on_gpu_of = [&](std::size_t memory, std::size_t& launches) {
             cuda_emulated::gpu().memory_bytes = cuda_emulated::gpu().held_bytes + memory;

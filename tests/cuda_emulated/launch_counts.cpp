@@ -139,10 +139,10 @@ TEST_F(Gpus, TransportFewerDirectionsAtOnceWhereRoomIsLittle) {
 
 TEST_F(Gpus, AreKeptBusyBySpao) {
     Progress progress;
-    StageTimer steps;
+    StageTimer timer;
     const Medium medium = classify(upload(gpu, cube(64)), two_materials(), {});
     const CellOpacity opacity = cell_opacity(medium.data(), progress);
     const GpuCounts found = counts_of(
-        [&] { spao_accessibility(gpu, opacity, {}, BlockMap(opacity.values.grid.count, true), steps, progress); });
+        [&] { spao_accessibility(gpu, opacity, {}, BlockMap(opacity.values.grid.count, true), timer, progress); });
     expect_within(found, {29, 110000, 8, 6, 1600}, "spao");
 }

@@ -13,11 +13,11 @@ template <class Voxel, class SubVoxelIntegral>
 struct DepthOfVoxels {
     VolumeView<Voxel> volume;
     CellCentres cells;
-    SubVoxelIntegral half_way;
+    SubVoxelIntegral sub_voxel;
 
     CHIARO_INLINE float operator()(std::int32_t x, std::int32_t y, std::int32_t z) const {
         if (cells.is_clipped(x, y, z)) return 0;
-        return depth_among(half_way, voxel_address(volume, x, y, z), brick_row, brick_slice);
+        return depth_among(sub_voxel, voxel_address(volume, x, y, z), brick_row, brick_slice);
     }
 };
 
@@ -26,15 +26,15 @@ template <class Voxel, class SubVoxelIntegral>
 struct DepthBetweenVoxels {
     VolumeView<Voxel> volume;
     CellCentres cells;
-    SubVoxelIntegral half_way;
+    SubVoxelIntegral sub_voxel;
 
     CHIARO_INLINE typename SubVoxelIntegral::Level level(std::int32_t x, std::int32_t y, std::int32_t z) const {
         const Vec3<float> p = volume.clamp(cells.of(x, y, z));
-        return half_way.level_of(volume.value(volume.locate(p, volume.voxel(p))));
+        return sub_voxel.level_of(volume.value(volume.locate(p, volume.voxel(p))));
     }
     CHIARO_INLINE float operator()(std::int32_t x, std::int32_t y, std::int32_t z) const {
         if (cells.is_clipped(x, y, z)) return 0;
-        const auto here = half_way.from(level(x, y, z));
+        const auto here = sub_voxel.from(level(x, y, z));
         return (here.to(level(x - 1, y, z)) + here.to(level(x + 1, y, z))) +
                (here.to(level(x, y - 1, z)) + here.to(level(x, y + 1, z))) +
                (here.to(level(x, y, z - 1)) + here.to(level(x, y, z + 1)));

@@ -13,8 +13,8 @@ namespace {
 
 /// A row of cells among its neighbours, `row` and `slice` apart.
 template <class SubVoxelIntegral, class Value>
-void depth_row(const SubVoxelIntegral& half_way, const Value* at, int row, int slice, int count, float* to) {
-    for (int x = 0; x < count; ++x) to[x] = kernel::depth_among(half_way, at + x, row, slice);
+void depth_row(const SubVoxelIntegral& sub_voxel, const Value* at, int row, int slice, int count, float* to) {
+    for (int x = 0; x < count; ++x) to[x] = kernel::depth_among(sub_voxel, at + x, row, slice);
 }
 
 using Ranges = std::array<std::pair<int, int>, 3>;
@@ -56,18 +56,18 @@ public:
 
     /// Where cells are voxels: a block's row lies in one brick, and its neighbours with it.
     template <class SubVoxelIntegral>
-    void fill_from_voxels(const SubVoxelIntegral& half_way, std::size_t block, float* tile) const {
+    void fill_from_voxels(const SubVoxelIntegral& sub_voxel, std::size_t block, float* tile) const {
         const Ranges cells = matter_.cells(block, grid_.count);
         const InTile in{tile, cells};
         for_each_piece(cells, matter_.pieces_of(block), [&](int x, int end, int y, int z) {
-            depth_row(half_way, voxel_address(view_, x, y, z), brick_row, brick_slice, end - x, in.at(x, y, z));
+            depth_row(sub_voxel, voxel_address(view_, x, y, z), brick_row, brick_slice, end - x, in.at(x, y, z));
             clip_row(x, end, y, z, in.at(x, y, z));
         });
     }
 
     /// Else from values at the centres of the block's cells and of one more on each side, where asked for.
     template <class SubVoxelIntegral>
-    void fill_between_voxels(const SubVoxelIntegral& half_way, std::size_t block, float* tile) const {
+    void fill_between_voxels(const SubVoxelIntegral& sub_voxel, std::size_t block, float* tile) const {
         const Ranges cells = matter_.cells(block, grid_.count);
         const BlockPieces& pieces = matter_.pieces_of(block);
         const auto [x0, y0, z0] = std::array{cells[0].first, cells[1].first, cells[2].first};
@@ -81,11 +81,11 @@ public:
                 const int asked = pieces_beside(pieces, y - y0, z - z0), middle = x0 + BlockPieces::width;
                 const int first = asked & 1 ? x0 - 1 : middle - 1, last = asked & 2 ? cells[0].second : middle;
                 for (int x = first; asked && x <= std::min(last, cells[0].second); ++x)
-                    *level(x, y, z) = half_way.level_of(value_at(x, y, z));
+                    *level(x, y, z) = sub_voxel.level_of(value_at(x, y, z));
             }
         const InTile in{tile, cells};
         for_each_piece(cells, pieces, [&](int x, int end, int y, int z) {
-            depth_row(half_way, level(x, y, z), row, slice, end - x, in.at(x, y, z));
+            depth_row(sub_voxel, level(x, y, z), row, slice, end - x, in.at(x, y, z));
             clip_row(x, end, y, z, in.at(x, y, z));
         });
     }
@@ -128,18 +128,18 @@ FillBlocks on_gpu(cuda::Stream& stream, HostArrays arrays, const CellGrid& grid,
     };
 }
 
-void swap_pointers(cuda::Views& views, kernel::SubVoxelIntegralOfAny& half_way) {
-    views.to_device_pointers(half_way.integral.extinction, half_way.integral.before);
+void swap_pointers(cuda::Views& views, kernel::SubVoxelIntegralOfAny& sub_voxel) {
+    views.to_device_pointers(sub_voxel.integral.extinction, sub_voxel.integral.before);
 }
-void swap_pointers(cuda::Views& views, kernel::SubVoxelIntegralOfLevels& half_way) {
-    views.to_device_pointers(half_way.integral, half_way.inverse, half_way.sixth);
+void swap_pointers(cuda::Views& views, kernel::SubVoxelIntegralOfLevels& sub_voxel) {
+    views.to_device_pointers(sub_voxel.integral, sub_voxel.inverse, sub_voxel.sixth);
 }
 template <class Voxel>
-void swap_pointers(cuda::Views& views, kernel::SubVoxelIntegralOfVoxels<Voxel>& half_way) {
-    swap_pointers(views, half_way.levels);
+void swap_pointers(cuda::Views& views, kernel::SubVoxelIntegralOfVoxels<Voxel>& sub_voxel) {
+    swap_pointers(views, sub_voxel.levels);
 }
-void swap_pointers(cuda::Views& views, kernel::SubVoxelIntegralOfVoxels<std::uint8_t>& half_way) {
-    views.to_device_pointers(half_way.pairs);
+void swap_pointers(cuda::Views& views, kernel::SubVoxelIntegralOfVoxels<std::uint8_t>& sub_voxel) {
+    views.to_device_pointers(sub_voxel.pairs);
 }
 
 /// `Depth`: as a GPU finds it.
@@ -150,11 +150,11 @@ std::function<FillBlocks(cuda::Stream&)> depths_on_gpu(const DeviceVolume::Data&
     return [&volume, cells, tables](cuda::Stream& stream) {
         HostArrays arrays;
         volume.add_to(arrays), tables->add_to(arrays);
-        auto half_way = tables->view();
-        const Depth<Voxel, decltype(half_way)> depth{cells->view(), cells->centres(), half_way};
+        auto sub_voxel = tables->view();
+        const Depth<Voxel, decltype(sub_voxel)> depth{cells->view(), cells->centres(), sub_voxel};
         return on_gpu(stream, std::move(arrays), cells->grid(), depth, [](cuda::Views& views, auto& of) {
             views.to_device_pointers(of.volume.voxels);
-            swap_pointers(views, of.half_way);
+            swap_pointers(views, of.sub_voxel);
         });
     };
 }

@@ -107,9 +107,9 @@ struct SubVoxelIntegralOfVoxels<std::uint8_t> {
 
 /// κ of a cell among its neighbours, `row` and `slice` apart.
 template <class SubVoxelIntegral, class Value>
-CHIARO_INLINE float depth_among(const SubVoxelIntegral& half_way, const Value* at, std::int32_t row,
+CHIARO_INLINE float depth_among(const SubVoxelIntegral& sub_voxel, const Value* at, std::int32_t row,
                                 std::int32_t slice) {
-    const auto here = half_way.from(*at);
+    const auto here = sub_voxel.from(*at);
     return (here.to(at[-1]) + here.to(at[1])) + (here.to(at[-row]) + here.to(at[row])) +
            (here.to(at[-slice]) + here.to(at[slice]));
 }
