@@ -30,7 +30,7 @@ struct Device {
     std::string name() const;  ///< "cpu" or "cuda:0"
     /// The same, with a stream of its own on the GPU, which keeps one copy of what both read.
     Device with_own_stream() const;
-    /// Why the CPU took over what a GPU that was chosen by itself could not do, or what any GPU does without
+    /// Why the CPU took over what an automatically chosen GPU could not do, or what any GPU does without
     /// (textures); empty: neither.
     std::string note() const;
 

@@ -1,4 +1,4 @@
-// From a frame of light to a picture in a file.
+// From a frame of radiance to an image file.
 #pragma once
 #include <chiaro/medium.h>
 #include <chiaro/settings.h>
@@ -71,7 +71,7 @@ struct ToneMap {
     bool operator==(const ToneMap&) const = default;
 };
 
-/// Multiplies by the exposure, bends by the tone curve, composites over the background, encodes to sRGB
+/// Tone mapping: multiplies by the exposure, applies the tone curve, composites over the background, encodes to sRGB
 /// (ColorMode::linear) and rounds to 8 bits. The curve bends the volume's straight colour: coverage stays as it is, the
 /// background is shown as picked, and over any background a transparent picture looks as if made for it.
 /// With ColorMode::display exposure and curve apply to the display values as they are.

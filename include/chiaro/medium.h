@@ -68,7 +68,7 @@ struct Clip {
     bool operator==(const Clip&) const = default;
 };
 
-/// What of the classified volume takes part.
+/// What of the classified volume is rendered, and how.
 struct Shape {
     Mode mode = Mode::dvr;
     std::vector<IsoSurface> iso;  ///< for Mode::iso, at least one

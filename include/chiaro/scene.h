@@ -27,7 +27,7 @@ struct TransferSettings {
     bool operator==(const TransferSettings&) const = default;
 };
 
-/// What a scene tells of its volume. Size and type are checked; the spacing replaces the file's.
+/// What a scene file expects of its volume. Size and type are checked; the spacing replaces the file's.
 struct ExpectedVolume {
     std::optional<std::array<int, 3>> dimensions;
     std::optional<VoxelType> type;
