@@ -178,13 +178,14 @@ std::vector<MethodInfo> list_methods() {
     return {
         {"none", "All light arrives everywhere; only the shading model acts."},
         {"spao", "Ambient occlusion by filtering: means of growing cubes, found again after every edit."},
-        {"visibility", "Natural light from a probe, with soft coloured shadows: visibility in spherical harmonics."},
+        {"visibility", "Light of an environment map, with soft coloured shadows: visibility in spherical harmonics."},
         {"histogram",
          "Ambient occlusion and colour bleeding by local histograms: prepared once, an edit only renews a small "
          "table."},
         {"transport",
-         "Natural light that scatters again and again, following an edit: each pass over a grid brings it nearer."},
-        {"reference", "Light's own paths, or rays from every voxel: slow, and what the others are measured against."}};
+         "Multiple scattering by discrete ordinates on a grid, live after an edit: each iteration brings it nearer."},
+        {"reference",
+         "Ground truth by path tracing, or by rays from every voxel: slow; the others are measured against it."}};
 }
 
 bool illuminate(const Device& device, const Medium& medium, const Prepared& prepared, const Lighting& lighting,
