@@ -37,7 +37,7 @@ std::vector<OcclusionError> occlusion_errors(const DeviceVolume& volume, const L
     for (const auto& [name, tf] : functions) {
         const Medium medium = classify(volume, tf, {});
         const BinOptics optics = optics_of_bins(medium.data(), h, "");
-        alphas.push_back(optics.alpha), sums.push_back(word_sums(device, h, optics));
+        alphas.push_back(optics.alpha), sums.push_back(codeword_sums(device, h, optics));
     }
     std::vector<OcclusionError> errors(functions.size());
     std::mt19937 random(11);
@@ -50,7 +50,7 @@ std::vector<OcclusionError> occlusion_errors(const DeviceVolume& volume, const L
         histogram.assign(std::size_t(bins), 0);
         exact.add(x * s, y * s, z * s, half ? ExactHistograms::Half::backward : ExactHistograms::Half::forward,
                   histogram.data());
-        const WordPair pair = h.pairs()[node];
+        const CodewordPair pair = h.pairs()[node];
         for (std::size_t f = 0; f < functions.size(); ++f) {
             const double ground_truth = std::inner_product(histogram.begin(), histogram.end(), alphas[f].begin(), 0.0);
             const double error = sums[f][half ? pair.backward : pair.forward][3] - ground_truth;

@@ -275,15 +275,15 @@ TEST_F(Gpus, OccludeBlocksOfEverySort) {
 TEST_F(Gpus, SumTheWordsOfLocalHistograms) {
     std::mt19937 random(3);
     const auto h = std::make_shared<LocalHistograms>();
-    h->words = 37, h->stride = 112, h->binning.count = 100;
-    for (int i = 0; i < h->words * h->stride; ++i) h->shares.push_back(std::uint16_t(random()));
-    for (int w = 0; w < h->words; ++w) h->scale.push_back(1e-6f * float(1 + w));
+    h->codewords = 37, h->stride = 112, h->binning.count = 100;
+    for (int i = 0; i < h->codewords * h->stride; ++i) h->shares.push_back(std::uint16_t(random()));
+    for (int w = 0; w < h->codewords; ++w) h->scale.push_back(1e-6f * float(1 + w));
     BinOptics optics;
     for (int j = 0; j < h->binning.count; ++j) {
         optics.alpha.push_back(j < 20 || j > 70 ? 0 : float(random() % 100) / 100);
         optics.rgb.push_back({float(j) / 100, 0.5f, 1});
     }
-    const auto expected = word_sums(cpu(), *h, optics), found = word_sums(gpu, *h, optics);
+    const auto expected = codeword_sums(cpu(), *h, optics), found = codeword_sums(gpu, *h, optics);
     ASSERT_EQ(found.size(), 37u);
     for (std::size_t w = 0; w < found.size(); ++w)
         for (std::size_t c = 0; c < 4; ++c) {
@@ -293,6 +293,6 @@ TEST_F(Gpus, SumTheWordsOfLocalHistograms) {
     const auto copied = gpu.stream->device_cache()->copied_bytes();
     EXPECT_EQ(copied, h->shares.size() * sizeof h->shares[0]);
     optics.alpha[50] = 1;  // an edit brings only its weights
-    word_sums(gpu, *h, optics);
+    codeword_sums(gpu, *h, optics);
     EXPECT_EQ(gpu.stream->device_cache()->copied_bytes(), copied);
 }

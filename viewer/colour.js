@@ -1,4 +1,4 @@
-// Colour and opacity: graph, chips of the hills, the chosen point's numbers, density, window, and the section's menu.
+// Colour and opacity: graph, chips of the peaks, the chosen point's numbers, density, window, and the section's menu.
 import { chooseFile, clamp, download, el, fromHex, hex, icon, short } from "./dom.js";
 import { histogramOf } from "./graph.js";
 import { makeGraph } from "./graph-input.js";
@@ -34,34 +34,34 @@ export function makeColour(app) {
   });
 
   // Chips: what people call a material.
-  const chips = el("div.chips", { role: "group", "aria-label": words.hill });
-  function chip(hill) {
+  const chips = el("div.chips", { role: "group", "aria-label": words.peak });
+  function chip(peak) {
     let hold = 0, resting = 0, held = false;
     const release = () => (clearTimeout(hold), clearTimeout(resting), app.highlight(null));
-    const made = el("button.chip", { title: words.peakTip, onpointerenter: (e) => e.pointerType === "mouse" && (resting = setTimeout(() => app.highlight(hill.lo, hill.hi, 0.25), 300)), onpointerleave: release,
-      onpointerdown: () => ((held = false), (hold = setTimeout(() => ((held = true), app.highlight(hill.lo, hill.hi, 0)), 300))), onpointerup: release,
-      onclick: () => !held && graph.choose(tf().points.map((_, i) => i).slice(hill.first, hill.last + 1)),
-      ondblclick: () => (release(), rename(hill, made)), onkeydown: (e) => e.key === "F2" && rename(hill, made) },
-      el("i.blob", { style: `--own:${hex(hill.rgb)}`, onclick: (e) => (e.stopPropagation(), paint(hill)) }), hill.name ? el("b", {}, hill.name) : "", words.range(hill.lo, hill.hi));
+    const made = el("button.chip", { title: words.peakTip, onpointerenter: (e) => e.pointerType === "mouse" && (resting = setTimeout(() => app.highlight(peak.lo, peak.hi, 0.25), 300)), onpointerleave: release,
+      onpointerdown: () => ((held = false), (hold = setTimeout(() => ((held = true), app.highlight(peak.lo, peak.hi, 0)), 300))), onpointerup: release,
+      onclick: () => !held && graph.choose(tf().points.map((_, i) => i).slice(peak.first, peak.last + 1)),
+      ondblclick: () => (release(), rename(peak, made)), onkeydown: (e) => e.key === "F2" && rename(peak, made) },
+      el("i.blob", { style: `--own:${hex(peak.rgb)}`, onclick: (e) => (e.stopPropagation(), paint(peak)) }), peak.name ? el("b", {}, peak.name) : "", words.range(peak.lo, peak.hi));
     return made;
   }
-  /** The name is kept by the hill's first point, so that it is saved with the function. */
-  function rename(hill, made) {
+  /** The name is kept by the peak's first point, so that it is saved with the function. */
+  function rename(peak, made) {
     const done = () => {
       const name = input.value.trim() || undefined;
       chips.dataset.key = "";
-      if (input.isConnected && name !== hill.name) graph.setPoints(words.peakName, tf().points.map((p, i) => (i === hill.first ? { ...p, name } : p)));
+      if (input.isConnected && name !== peak.name) graph.setPoints(words.peakName, tf().points.map((p, i) => (i === peak.first ? { ...p, name } : p)));
       store.redraw();
     };
-    const input = el("input.chip", { value: hill.name ?? "", maxLength: 40, "aria-label": words.peakName, onblur: done, onkeydown: (e) => {
-      if (e.key === "Escape") input.value = hill.name ?? "";
+    const input = el("input.chip", { value: peak.name ?? "", maxLength: 40, "aria-label": words.peakName, onblur: done, onkeydown: (e) => {
+      if (e.key === "Escape") input.value = peak.name ?? "";
       if (e.key === "Escape" || e.key === "Enter") input.blur();
     } });
     made.replaceWith(input);
     input.select();
   }
-  function paint(hill) {
-    const input = el("input", { type: "color", value: hex(hill.rgb), oninput: () => graph.setStops("Colour…", [...tf().stops.filter((s) => s.value < hill.lo), ...[hill.lo, hill.hi].map((value) => ({ value, rgb: fromHex(input.value) })), ...tf().stops.filter((s) => s.value > hill.hi)]) });
+  function paint(peak) {
+    const input = el("input", { type: "color", value: hex(peak.rgb), oninput: () => graph.setStops("Colour…", [...tf().stops.filter((s) => s.value < peak.lo), ...[peak.lo, peak.hi].map((value) => ({ value, rgb: fromHex(input.value) })), ...tf().stops.filter((s) => s.value > peak.hi)]) });
     input.click();
   }
 
@@ -111,9 +111,9 @@ export function makeColour(app) {
     if (!app.volume ) return;
     log.style.color = axis.log ? "var(--accent)" : "";
     log.setAttribute("aria-pressed", String(axis.log));
-    const hills = graph.peaks(), key = JSON.stringify(hills);
-    if (chips.dataset.key !== key && !chips.matches(":active")) (chips.dataset.key = key), chips.replaceChildren(...hills.map(chip));
-    hills.forEach((hill, i) => chips.children[i]?.setAttribute("aria-pressed", String(ui.points.length > 0 && ui.points.every((k) => k >= hill.first && k <= hill.last))));
+    const peaks = graph.peaks(), key = JSON.stringify(peaks);
+    if (chips.dataset.key !== key && !chips.matches(":active")) (chips.dataset.key = key), chips.replaceChildren(...peaks.map(chip));
+    peaks.forEach((peak, i) => chips.children[i]?.setAttribute("aria-pressed", String(ui.points.length > 0 && ui.points.every((k) => k >= peak.first && k <= peak.last))));
     for (const field of [value, opacity]) field.show();
     swatch.value = hex(ui.stop >= 0 ? tf().stops[ui.stop]?.rgb ?? [0, 0, 0] : at(tf().stops, place(), "rgb"));
     opacity.input.disabled = !ui.points.length;

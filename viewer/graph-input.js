@@ -1,4 +1,4 @@
-// The editor on the graph: points, segments, hills, colour stops and the axis, with pointer and keys.
+// The editor on the graph: points, segments, peaks, colour stops and the axis, with pointer and keys.
 import { arrow, clamp, el, hex, short, tell } from "./dom.js";
 import { Axis, drawGraph, shareOf } from "./graph.js";
 import { makeMarkers } from "./markers.js";
@@ -19,11 +19,11 @@ export function makeGraph(app) {
   const tf = () => store.state.tf;
   const setPoints = (label, points) => store.set(label, (s) => ({ tf: { ...s.tf, points } }));
   const setStops = (label, stops) => store.set(label, (s) => ({ tf: { ...s.tf, stops } }));
-  const hills = () => peaksOf(tf().points, tf().stops, axis.range);
-  /** What undo calls it: the hill by its name or values. */
+  const peaks = () => peaksOf(tf().points, tf().stops, axis.range);
+  /** What undo calls it: the peak by its name or values. */
   const stepName = (i) => {
-    const hill = hills().find((h) => i >= h.first && i <= h.last);
-    return words.opacity.toLowerCase() + (hill ? ` of ${hill.name ?? words.range(hill.lo, hill.hi)}` : "");
+    const peak = peaks().find((h) => i >= h.first && i <= h.last);
+    return words.opacity.toLowerCase() + (peak ? ` of ${peak.name ?? words.range(peak.lo, peak.hi)}` : "");
   };
   const choose = (points, stop = -1) => ((ui.points = points), (ui.stop = stop), store.redraw());
 
@@ -109,7 +109,7 @@ export function makeGraph(app) {
 
   const markers = makeMarkers(app, axis, plot);
 
-  // The plot itself: lines, hills, rectangle, axis.
+  // The plot itself: lines, peaks, rectangle, axis.
   const local = (event) => [event.clientX - plot.getBoundingClientRect().left, event.clientY - plot.getBoundingClientRect().top];
   const what = (x, y) => {
     const floor = axis.y(0), value = axis.value(x);
@@ -126,8 +126,8 @@ export function makeGraph(app) {
     if (event.target !== canvas && event.target !== layer) return;
     if (event.button !== 0) return;
     const [x, y] = local(event), kind = what(x, y), value = axis.value(x), opacity = at(tf().points, value, "opacity");
-    const hill = kind === "inside" && hills().find((h) => value >= h.lo && value <= h.hi);
-    const chosen = kind === "line" ? segmentAt(value) : hill ? tf().points.map((_, i) => i).slice(hill.first, hill.last + 1) : [];
+    const peak = kind === "inside" && peaks().find((h) => value >= h.lo && value <= h.hi);
+    const chosen = kind === "line" ? segmentAt(value) : peak ? tf().points.map((_, i) => i).slice(peak.first, peak.last + 1) : [];
     const from = tf().points, view = [...axis.view], far = event.pointerType === "touch" ? 8 : 4;
     let dragging = false;
     plot.setPointerCapture(event.pointerId);
@@ -138,7 +138,7 @@ export function makeGraph(app) {
       dragging = true;
       if (kind === "axis") (axis.view = view.map((v) => v - dx * ((view[1] - view[0]) / axis.width))), store.redraw();
       else if (chosen.length) {
-        // A segment goes up and down, with Shift sideways; a hill goes where it is dragged.
+        // A segment goes up and down, with Shift sideways; a peak goes where it is dragged.
         const [mx, my] = kind === "line" ? (e.shiftKey ? [dx, 0] : [0, dy]) : [dx, dy];
         setPoints(stepName(chosen[0]), shift(from, chosen, { value, opacity: Math.max(opacity, 1e-6) }, mx, my, { ctrlKey: e.ctrlKey, shiftKey: e.shiftKey && kind !== "line" }));
       } else if (kind === "above" || kind === "floor") (marks.box = [x, y, dx, dy]), store.redraw();
@@ -153,7 +153,7 @@ export function makeGraph(app) {
         store.redraw();
       } else if (!dragging && e.type === "pointerup") {
         if (kind === "line" || kind === "above" || kind === "floor") add(value, kind === "above" ? axis.opacity(y) : opacity);
-        else if (hill) choose(chosen);
+        else if (peak) choose(chosen);
       }
     };
     plot.addEventListener("pointermove", move);
@@ -235,5 +235,5 @@ export function makeGraph(app) {
       el("span", {}, words.ofVoxels(app.percent(shareOf(app.histogram, shown - half, shown + half))))]));
   }
   store.watch(draw);
-  return { root, axis, draw, add, hills, setPoints, setStops, choose };
+  return { root, axis, draw, add, peaks, setPoints, setStops, choose };
 }

@@ -36,11 +36,11 @@ app.copy = (text) => navigator.clipboard.writeText(text).then(() => app.states.s
 app.fault = (error) => void (error?.sentence && app.states.say(error.sentence, { role: "alert" }));
 /** What is to be known about the volume, in About and as a dot at its name. */
 app.doubts = () => [...(app.volume.reduced ? [words.reduced(app.volume.reduced)] : []), ...app.volume.notes];
-/** Half way into the densest hill. */
+/** Half way into the densest peak. */
 app.firstSurface = () => {
-  const { points } = store.state.tf, peak = (hill) => Math.max(...points.slice(hill.first, hill.last + 1).map((p) => p.opacity));
-  const hills = app.graph.peaks().sort((a, b) => peak(b) - peak(a)), [hill] = hills, [low, high] = app.volume.range;
-  return hill ? (Math.max(hill.lo, low) + Math.min(hill.hi, high)) / 2 : (low + high) / 2;
+  const { points } = store.state.tf, height = (peak) => Math.max(...points.slice(peak.first, peak.last + 1).map((p) => p.opacity));
+  const peaks = app.graph.peaks().sort((a, b) => height(b) - height(a)), [peak] = peaks, [low, high] = app.volume.range;
+  return peak ? (Math.max(peak.lo, low) + Math.min(peak.hi, high)) / 2 : (low + high) / 2;
 };
 
 // The picture.
@@ -75,7 +75,7 @@ app.colour = makeColour(app);
 app.light = makeLight(app);
 makePalette(app);
 const folded = makeSections(app), sections = el("div", { id: "sections" });
-const tabs = el("div.tabs", { role: "tablist" }, ...[["look", "looks"], ["colour", "hill"], ["light", "light"], ["cut", "cut"], ["more", "rows"]].map(([name, picture]) => el("button", { role: "tab", onclick: () => tab(name) }, icon(picture), words.tabs[name])));
+const tabs = el("div.tabs", { role: "tablist" }, ...[["look", "looks"], ["colour", "peak"], ["light", "light"], ["cut", "cut"], ["more", "rows"]].map(([name, picture]) => el("button", { role: "tab", onclick: () => tab(name) }, icon(picture), words.tabs[name])));
 const names = ["look", "colour", "light", "cut", "more"];
 function tab(name) {
   document.body.dataset.tab = name;

@@ -2,21 +2,21 @@
 import { clamp } from "./dom.js";
 import { at } from "./scene.js";
 
-/** Hills: runs of points between two zeros, what people call a material. lo and hi: where it is not 0.
+/** Peaks: runs of points between two zeros, what people call a material. lo and hi: where it is not 0.
  * @param {any[]} points @param {any[]} stops @param {number[]} range @returns {{first: number, last: number, lo: number, hi: number, rgb: number[], name?: string}[]} */
 export function peaksOf(points, stops, range) {
-  const hills = [];
+  const peaks = [];
   for (let i = 0; i < points.length; ++i) {
     if (!(points[i].opacity > 0)) continue;
     let last = i;
     while (last + 1 < points.length && points[last + 1].opacity > 0) ++last;
     const first = i > 0 ? i - 1 : i, end = last + 1 < points.length ? last + 1 : last;
     const peak = points.slice(first, end + 1).reduce((a, b) => (b.opacity > a.opacity ? b : a));
-    hills.push({ first, last: end, lo: i > 0 ? points[first].value : Math.min(range[0], points[first].value), hi: last + 1 < points.length ? points[end].value : Math.max(range[1], points[end].value),
+    peaks.push({ first, last: end, lo: i > 0 ? points[first].value : Math.min(range[0], points[first].value), hi: last + 1 < points.length ? points[end].value : Math.max(range[1], points[end].value),
       rgb: at(stops, peak.value, "rgb"), name: points[first].name });
     i = last;
   }
-  return hills;
+  return peaks;
 }
 
 /** Moves the chosen points by `dv` as far as their neighbours let them, and their opacity by `factor` (or to `opacity`, of one).

@@ -14,7 +14,7 @@ export class Store {
   #drawing = 0;
   /** Called after each change with {moving}; the link sends from here. */
   onchange = (_) => {};
-  /** What is shown besides and never saved: a highlighted hill, a look on trial, the unlit picture. */
+  /** What is shown besides and never saved: a highlighted peak, a look on trial, the unlit picture. */
   preview = null;
 
   constructor(state) {

@@ -28,7 +28,7 @@ export const words = {
   stopText: (colour, value) => `colour ${colour} at ${value}`,
   point: "Point of the opacity", stop: "Colour stop", shutter: ["Lower threshold", "Upper threshold"],
   voxels: "voxels", ofVoxels: (share) => `${share} of the voxels`,
-  hill: "Matter", peakTip: "Rest: only this keeps its colour. Hold: only this is shown. Double click or F2: name it.", peakName: "Name of this matter",
+  peak: "Matter", peakTip: "Rest: only this keeps its colour. Hold: only this is shown. Double click or F2: name it.", peakName: "Name of this matter",
   methods: {
     none: ["Off", "Colour and opacity alone.", "No lighting"],
     spao: ["Occlusion", "Hollows are darker. Follows every edit at once.", "SPAO, Kroes et al."],

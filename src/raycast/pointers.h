@@ -24,7 +24,8 @@ void swap_pointers(Views& views, kernel::VisibilityView& view) {
 }
 template <class Views>
 void swap_pointers(Views& views, kernel::HistogramView& view) {
-    views.to_device_pointers(view.identifiers, view.words, view.side, view.albedo, view.emission_words, view.occupancy);
+    views.to_device_pointers(view.identifiers, view.codewords, view.side, view.albedo, view.emission_codewords,
+                             view.occupancy);
 }
 
 template <class Views, class Voxel>

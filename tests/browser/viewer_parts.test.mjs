@@ -10,7 +10,7 @@ import { drag, eventually, faint, final, pixels, settled, state } from "./visit.
 const visit = visits();
 const chip = (page, i) => page.locator(".chips .chip").nth(i);
 
-visit("a hill is named by a double click or F2, and its name is saved and loaded", async (page, mock) => {
+visit("a peak is named by a double click or F2, and its name is saved and loaded", async (page, mock) => {
   await chip(page, 0).dblclick();
   await page.keyboard.type("Leaves");
   await page.mouse.move(500, 400); // resting on a chip is a preview
@@ -32,7 +32,7 @@ visit("a hill is named by a double click or F2, and its name is saved and loaded
   assert.equal(await savedScene(page), first);
 });
 
-visit("Esc leaves a hill without a name", async (page) => {
+visit("Esc leaves a peak without a name", async (page) => {
   await chip(page, 0).dblclick();
   await page.keyboard.type("Lea");
   await page.keyboard.press("Escape");
@@ -317,10 +317,10 @@ visit("what local histograms take on disk is told and cleared", async (page) => 
   await page.getByText("0 kB kept in /home/me/.cache/chiaro").waitFor();
 });
 
-visit("the picker has the colours of the hills and those that were picked", async (page) => {
+visit("the picker has the colours of the peaks and those that were picked", async (page) => {
   const colours = () => page.locator("#palette option").evaluateAll((all) => all.map((o) => o.value));
-  const hills = await page.evaluate(() => chiaro.graph.peaks().length);
-  assert.equal((await colours()).length, hills);
+  const peaks = await page.evaluate(() => chiaro.graph.peaks().length);
+  assert.equal((await colours()).length, peaks);
   const swatch = page.locator(".three input[type=color]");
   assert.equal(await swatch.getAttribute("list"), "palette");
   await swatch.fill("#123456");

@@ -250,8 +250,8 @@ void add_cache(std::vector<Seed>& all) {
     const Folder folder;
     const HistogramCache cache(folder.name(), cached_volume().data(), {});
     LocalHistograms h;
-    h.nodes = {3, 2, 2}, h.words = 2, h.stride = 16;
-    h.identifiers = VoxelBuffer((h.node_count() + 1) * sizeof(WordPair));
+    h.nodes = {3, 2, 2}, h.codewords = 2, h.stride = 16;
+    h.identifiers = VoxelBuffer((h.node_count() + 1) * sizeof(CodewordPair));
     std::fill_n(h.identifiers.data(), h.identifiers.size(), std::byte(0));
     h.pairs()[5].forward = 1;
     h.shares.assign(32, 1000), h.scale = {0.5F, 2};
