@@ -48,7 +48,7 @@ Rgb light_at(const TransportNodes& nodes, Vec3 p, bool in_medium) {
     double weights = 0;
     const auto add = [&](int x, int y, int z, double weight) {
         const std::size_t node = grid.index(x, y, z);
-        const bool is_surface = !nodes.answer.empty() && nodes.answer[3 * node] > 0;
+        const bool is_surface = !nodes.result.empty() && nodes.result[3 * node] > 0;
         const double clear = is_surface ? 0 : std::pow(1 - double(nodes.weight[node]), 4);
         weight *= in_medium ? nodes.weight[node] : clear + 1e-6;
         weights += weight;

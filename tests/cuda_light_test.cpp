@@ -164,7 +164,7 @@ TEST_F(Gpus, KnowTheMatterThatTransportMeets) {
             const TransportMedium &expected = *both[0], &found = *both[1];
             EXPECT_EQ(found.opaque.nodes(), expected.opaque.nodes());
             expect_near(found.weight, expected.weight);
-            expect_near(unlit_nodes(found).answer, unlit_nodes(expected).answer);
+            expect_near(unlit_nodes(found).result, unlit_nodes(expected).result);
             for (std::size_t c = 0; c < 3; ++c) expect_near(found.albedo()[c], expected.albedo()[c]);
             expect_near(found.swept.extinction().along_x, expected.swept.extinction().along_x);
             expect_near(found.swept.extinction().along_y, expected.swept.extinction().along_y);
