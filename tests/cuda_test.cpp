@@ -121,7 +121,7 @@ void expect_same_transport(const Device& gpu, const Transported& scene, const Vo
     const TransportNodes expected = scene.by(cpu(), volume, 3), found = scene.by(gpu, volume, 3);
     EXPECT_LE(difference_of(found.light, expected.light), tolerance);
     EXPECT_LE(difference_of(found.moment, expected.moment), tolerance);
-    EXPECT_LE(difference_of(found.answer, expected.answer), tolerance);
+    EXPECT_LE(difference_of(found.result, expected.result), tolerance);
     EXPECT_NEAR(found.change, expected.change, tolerance);
     EXPECT_EQ(found.iterations, expected.iterations);
     EXPECT_GT(expected.change, 0);
@@ -133,7 +133,7 @@ void expect_same_transport(const Device& gpu, const Transported& scene, const Vo
 TEST_F(Gpus, TransportToTheSameNodes) {
     const Volume volume = shells_of<std::uint8_t>(30);  // no two of its edges alike
     Transported scene;
-    const auto has_opaque_cells = [&] { return !scene.by(gpu, volume, 0).answer.empty(); };
+    const auto has_opaque_cells = [&] { return !scene.by(gpu, volume, 0).result.empty(); };
     expect_same_transport(gpu, scene, volume);
     scene.tf = walls();
     EXPECT_TRUE(has_opaque_cells());

@@ -69,7 +69,7 @@ TEST_F(TransportEdit, DetailOfTheSameLightIsThatLight) {
     const TransportNodes fine = refine(shown).back(), half = memory_.half->nodes();
     const TransportNodes found = with_detail(*memory_.fine->matter(), half, {fine, half}, device_);
     EXPECT_LT(distance(found, fine), 1e-3);
-    EXPECT_EQ(found.answer, fine.answer);
+    EXPECT_EQ(found.result, fine.result);
     double errors = 0;
     for (std::size_t i = 0; i < fine.moment.size(); ++i) errors += std::pow(found.moment[i] - fine.moment[i], 2);
     EXPECT_LT(std::sqrt(errors / double(fine.moment.size())), 5e-3);

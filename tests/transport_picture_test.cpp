@@ -90,8 +90,8 @@ TEST(TransportImage, NodesWeighAsTheirMatter) {
 /// answers to the light before it, others what lies between.
 TEST(TransportImage, SolidSamplesReadTheLightOfSurfaces) {
     TransportNodes nodes = row_of_nodes({0.4f, 0.4f, 0.1f, 0.6f, 0.6f}, {1, 1, 0.5f, 1e-6f, 1e-6f});
-    nodes.answer.assign(15, 0);
-    for (int c = 0; c < 3; ++c) nodes.answer[3 + c] = 0.42f;
+    nodes.result.assign(15, 0);
+    for (int c = 0; c < 3; ++c) nodes.result[3 + c] = 0.42f;
     const TransportLight light(tested_device(), std::move(nodes), 1, {9, 9, 9});
     const auto shown = light.shown(Look::particles, upright);
     const float thin = light_at(*shown, 2).x, solid = light_at(*shown, 2, 1).x;
