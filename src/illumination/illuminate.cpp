@@ -48,7 +48,7 @@ IlluminationField light_of(const Device& device, const Medium::Data& medium, con
                            Progress& progress) {
     StageTimer timer;
     const CellOpacity opacity = timer("opacity", [&] { return cell_opacity(device, medium, progress); });
-    // A sample reads the cells around it, each of which was lifted from a cell further out.
+    // A sample reads the cells around it, each of which has the value of a cell further out (normal offset).
     CellValues access = accessibility(device, medium, opacity, settings, visible_blocks(medium, opacity.values.grid, 2),
                                       timer, progress);
     const kernel::GridView cells = view_of(access.grid);

@@ -11,7 +11,7 @@ namespace chiaro {
 void assign_on_gpu(const Device& device, const HistogramData& data, HistogramPath path, const Codebook& codebook,
                    LocalHistograms& out, Progress& progress);
 
-/// `lift` of every node, which stays there until the host reads it.
+/// The values at the normal offset of every node, which stays there until the host reads it.
 void normal_offset_on_gpu(const Device& device, const BinnedCells& cells, kernel::NormalOffsetKernel normal_offset,
                           LocalHistograms& histograms);
 

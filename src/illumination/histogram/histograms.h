@@ -51,7 +51,7 @@ struct LocalHistograms : std::enable_shared_from_this<LocalHistograms> {
 LocalHistograms find_local_histograms(const Device& device, const DeviceVolume::Data& volume,
                                       const HistogramSettings& settings, StageTimer& timer, Progress& progress);
 
-/// Fills `lifted`.
+/// Fills `displaced`.
 void normal_offset_identifiers(const Device& device, const BinnedCells& cells, LocalHistograms& histograms);
 
 }  // namespace chiaro
