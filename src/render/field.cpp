@@ -47,7 +47,7 @@ Volume harmonics_of(const Device& device, const Medium& medium, const Illuminati
         return reference_visibility(device, medium.data(), opacity, settings.reference, timer, progress);
     };
     const auto found = [&] {
-        const Density density = steps(
+        const Density density = timer(
             "density", [&] { return density_for(medium.data(), settings.visibility.subsample, device, progress); });
         return find_visibility(device, density, settings.visibility, timer, progress);
     };
