@@ -1,4 +1,4 @@
-// How far a field of accessibility is from the truth: what is lit, and what is told of the difference.
+// How far a field of accessibility is from the ground truth: what is lit, and what is told of the difference.
 #pragma once
 #include <chiaro/device.h>
 #include <chiaro/lighting.h>
@@ -37,7 +37,7 @@ CellMask visible_cells(const CellValues& opacity);
 CellMask cells_with_normal(const CellValues& opacity, double least);
 
 struct AccessError {
-    double rmse = 0, bias = 0;  ///< of found - truth
+    double rmse = 0, bias = 0;  ///< of found - ground truth
     double correlation = 0;     ///< Pearson's
 };
 AccessError error_of(const CellValues& found, const CellValues& ground_truth, const CellMask& counts);

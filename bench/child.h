@@ -20,7 +20,7 @@ private:
     std::filesystem::path path_;
 };
 
-/// Runs a program to its end; returns the processor seconds of it and of those that it started. Throws Error{internal}
+/// Runs a program to its end; returns the CPU seconds of it and of those that it started. Throws Error{internal}
 /// unless it ends with 0.
 double run_program(const std::filesystem::path& program, const std::vector<std::string>& arguments);
 

@@ -1,4 +1,4 @@
-// A card: what its memory gives, and frames on it by the clock on the wall, against one pass over the voxels there.
+// A GPU: what its memory gives, and frames on it by the clock on the wall, against one pass over the voxels there.
 #include <chiaro/samples.h>
 #include <fmt/format.h>
 
@@ -56,10 +56,10 @@ public:
         scene_.camera.azimuth_deg += 37;
         return 1e3 * wall_seconds([&] { session_.render(scene_, progress_); });
     }
-    /// Of the last frame, the ray caster's part: the frame stays on the card, and developing brings the picture.
+    /// Of the last frame, the ray caster's part: the frame stays on the GPU, and developing brings the picture.
     double raycast_ms() const { return stage_ms("raycast"); }
     /// Of a frame after an edit of the transfer function, the steps whose names begin so, with what travels to and from
-    /// the card.
+    /// the GPU.
     double edited_ms(const std::string& steps) {
         scene_.transfer.opacity_scale = scene_.transfer.opacity_scale == 1 ? 0.99 : 1;
         session_.render(scene_, progress_);

@@ -1,4 +1,4 @@
-// What the rows of a card share.
+// What the rows of a GPU share.
 #pragma once
 #include "rows.h"
 

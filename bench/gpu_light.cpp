@@ -1,4 +1,4 @@
-// Light on a card by the clock on the wall: what the papers measured, on shells, and on a head where there is one.
+// Light on a GPU by the clock on the wall: what the papers measured, on shells, and on a head where there is one.
 #include <chiaro/io.h>
 #include <chiaro/samples.h>
 
@@ -27,7 +27,7 @@ std::vector<Row> against_pass(const Setup& setup, const std::vector<std::string>
     return rows;
 }
 
-/// All that becomes of a classified volume in the paper's model; and the share of its levels, where it stores them.
+/// All that becomes of a classified volume in the published model; and the share of its levels, where it stores them.
 std::vector<Row> measure_spao(const Setup& setup, const std::vector<std::string>& names, SpaoFilter filter) {
     const Medium medium = shells(setup, 512);
     IlluminationSettings settings{.method = Method::spao};
@@ -88,7 +88,7 @@ std::vector<Row> measure_histograms(const Setup& setup, const std::string& name)
     return {{name, "s", spread_of(series[0]), median_ratio(series[0], series[1]), "a pass over the voxels"}};
 }
 
-/// measure(names), where there is a card.
+/// measure(names), where there is a GPU.
 template <class Measured>
 Case case_of(const Setup& setup, const std::vector<std::string>& names, const char* unit, const Measured& measure) {
     return {names, [=, &setup] {

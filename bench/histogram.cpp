@@ -1,4 +1,4 @@
-// Local histograms: the paper's table of preprocessing times, what an edit costs, and errors of occlusion.
+// Local histograms: the published table of preprocessing times, what an edit costs, and errors of occlusion.
 #include <chiaro/error.h>
 #include <chiaro/io.h>
 #include <chiaro/samples.h>
@@ -42,7 +42,7 @@ Row one(const std::string& name, const std::string& unit, double value, const st
     return {name, unit, {value, value, value, 1}, {}, {}, note};
 }
 
-/// Processor seconds of one path for all cells, from some of them: runs of sixteen cells, or blocks.
+/// CPU seconds of one path for all cells, from some of them: runs of sixteen cells, or blocks.
 double scaled_seconds(const Setup& setup, const HistogramData& data, HistogramPath path, std::size_t units) {
     const auto source = make_source(Device::cpu(1, setup.device.isa), data, path);
     const BlockMap blocks(data.cells.grid.count);
@@ -69,7 +69,7 @@ HistogramData data_of(const DeviceVolume& volume, const HistogramSettings& setti
     return data;
 }
 
-/// A row of the paper's Table 1: brute force and moving ball scaled from a part, then the whole as it is.
+/// A row of the published Table 1: brute force and moving ball scaled from a part, then the whole as it is.
 std::vector<Row> measure_preprocessing(const Setup& setup, const std::string& name, const Subject& subject,
                                        HistogramSettings settings) {
     const auto volume = volume_of(setup, subject);

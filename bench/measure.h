@@ -1,4 +1,4 @@
-// Time, and what repeated measurements say. Machines are shared: processor time rather than wall time, and everything
+// Time, and what repeated measurements say. Machines are shared: CPU time rather than wall time, and everything
 // that is compared is measured in turns, so that a noisy minute meets both.
 #pragma once
 #include <functional>

@@ -14,7 +14,7 @@ namespace chiaro::bench {
 std::vector<std::pair<std::string, TransferFunction>> four_functions(double low, double high);
 
 struct OcclusionError {
-    double rmse = 0, bias = 0;  ///< of found - truth
+    double rmse = 0, bias = 0;  ///< of found - ground truth
 };
 /// O of both halves of `probes` nodes at random against Σ α LH by brute force, for each of the functions.
 std::vector<OcclusionError> occlusion_errors(const DeviceVolume& volume, const LocalHistograms& histograms,

@@ -1,4 +1,4 @@
-// The path tracer: processor time of a frame with one path a pixel, and what majorants by region save.
+// The path tracer: CPU time of a frame with one path a pixel, and what majorants by region save.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The verbs before the ray caster, against a copy of the volume's bytes.
+// The stages before the ray caster, against a copy of the volume's bytes.
 #include <chiaro/medium.h>
 #include <chiaro/samples.h>
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// What stands beside a row of the card.
+// What stands beside a row of the GPU.
 #pragma once
 #include <optional>
 #include <string>
@@ -14,7 +14,7 @@ struct Beside {
         std::string_view of;  ///< which way, on which machine
     };
     std::vector<Figure> papers;    ///< what they measured for the same work
-    std::optional<double> target;  ///< what a card like an H200 should take at most
+    std::optional<double> target;  ///< what a GPU like an H200 should take at most
 };
 
 /// Of a row that is not quick; nothing where there is nothing.

@@ -1,4 +1,4 @@
-// The scenes of bench/scenes, at two steps, shaded and not, and in other ways: processor time of a frame, from the
+// The scenes of bench/scenes, at two steps, shaded and not, and in other ways: CPU time of a frame, from the
 // camera to the image.
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-// Ambient occlusion by filtering: each stage and the whole, against copies of the same bytes, and the paper's table.
+// Ambient occlusion by filtering: each stage and the whole, against copies of the same bytes, and the published table.
 #include <chiaro/error.h>
 #include <chiaro/render.h>
 #include <chiaro/samples.h>
@@ -79,10 +79,10 @@ std::vector<Row> measure_models(const Setup& setup, const std::string& name, Sub
     };
     const auto series =
         in_turns(setup.runs, {[&] { return run(SpaoModel::corrected); }, [&] { return run(SpaoModel::paper); }});
-    return {{name, "ms", spread_of(series[0]), median_ratio(series[0], series[1]), "the paper's model"}};
+    return {{name, "ms", spread_of(series[0]), median_ratio(series[0], series[1]), "the published model"}};
 }
 
-/// The paper's figures: milliseconds on a GTX TITAN, 512³, levels 0 to 6, 512 rays.
+/// The published figures: milliseconds on a GTX TITAN, 512³, levels 0 to 6, 512 rays.
 struct PaperTable {
     double levels, access;
 };
@@ -91,7 +91,7 @@ constexpr double paper_rays_s = 425;
 constexpr int paper_levels = 6, paper_rays = 512;
 
 constexpr const char* two_bytes = "memcpy of 2 bytes a cell";
-std::string paper_says(double ms) { return fmt::format("the paper's GTX TITAN at 512³: {:.1f} ms", ms); }
+std::string paper_says(double ms) { return fmt::format("the published GTX TITAN at 512³: {:.1f} ms", ms); }
 
 /// Names of the rows of `measure_levels`.
 std::vector<std::string> level_rows(const std::string& prefix) {
@@ -190,13 +190,14 @@ std::vector<Row> measure_rays(const Setup& setup, const std::string& name, Subje
     accessibility(subject.device, subject.medium.data(), opacity, settings, some, timer, setup.progress);
     double seconds = 0, share = double(order.size()) / double(some.holds.size());
     for (const Stage& stage : timer.take()) seconds += stage.name == "rays" ? stage.seconds / share : stage.seconds;
-    return {{name,
-             "wall s",
-             {seconds, seconds, seconds, 1},
-             {},
-             {},
-             fmt::format("{} rays a cell, from {} of {} blocks at random, scaled; the paper's GTX TITAN at 512³: {} s",
-                         settings.reference.rays, order.size(), some.holds.size(), paper_rays_s)}};
+    return {
+        {name,
+         "wall s",
+         {seconds, seconds, seconds, 1},
+         {},
+         {},
+         fmt::format("{} rays a cell, from {} of {} blocks at random, scaled; the published GTX TITAN at 512³: {} s",
+                     settings.reference.rays, order.size(), some.holds.size(), paper_rays_s)}};
 }
 
 /// What follows an edit of the transfer function: classify and illuminate.

@@ -12,7 +12,7 @@
 namespace chiaro::bench {
 namespace {
 
-/// A subject with its truths, each traced once.
+/// A subject with its ground truths, each traced once.
 class Measured {
 public:
     Measured(const Setup& setup, const std::string& name)

@@ -22,8 +22,7 @@ std::vector<Row> measure_first_image(const Setup& setup, const std::string& name
     Series cpu;
     const auto wall = [&] { return wall_seconds([&] { cpu.push_back(run_program(setup.tool, render)); }); };
     const auto series = in_turns(setup.runs, {wall});
-    return {
-        {name, "s", spread_of(series[0]), {}, {}, fmt::format("{:.2f} s of processor time", spread_of(cpu).median)}};
+    return {{name, "s", spread_of(series[0]), {}, {}, fmt::format("{:.2f} s of CPU time", spread_of(cpu).median)}};
 }
 
 /// 16 bits of noise and slope: what it shows does not matter.

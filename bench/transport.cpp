@@ -35,7 +35,7 @@ Measure copy_of_field(std::size_t cells) {
     return [=] { return cpu_seconds([&] { std::memcpy(to->data(), from->data(), 3 * cells * sizeof(float)); }); };
 }
 
-/// Moments of an edit: wall and processor time when the first frame is there (of a grid half as fine, with the detail
+/// Moments of an edit: wall and CPU time when the first frame is there (of a grid half as fine, with the detail
 /// of the light before), the first of the grid asked for, and the last.
 struct Edited {
     std::vector<double> wall, cpu;  ///< ms, of each frame
@@ -70,7 +70,7 @@ private:
     Progress& progress_;
 };
 
-/// Sweeps alone: light not yet scattered in 200 directions, then four iterations of 24; and one iteration.
+/// Sweeps alone: uncollided light in 200 directions, then four iterations of 24; and one iteration.
 std::vector<Row> measure_sweeps(const Setup& setup, const std::string& name, const std::string& sample, int grid) {
     const Medium medium = medium_of(setup, sample);
     const LightGrid cells = light_grid(medium.data(), grid, 0.9, setup.device, setup.progress);

@@ -14,18 +14,18 @@ constexpr const char* probes[] = {"white", "studio"};
 constexpr int grids[] = {32, 64, 128};
 constexpr int iterations[] = {1, 4, 16};
 
-/// A subject under a light, with its truths.
-struct JudgedLight {
+/// A subject under a light, with its ground truths.
+struct MeasuredLight {
     std::optional<ScatteringSubject> subject;
     std::optional<TransportErrorMetric> metric;
 
-    JudgedLight(const Setup& setup, const std::string& name, const ScatteringCase& which) {
+    MeasuredLight(const Setup& setup, const std::string& name, const ScatteringCase& which) {
         subject = find_scattering_subject(setup.device, setup.data, name, setup.progress);
         if (!subject) return;
         const TransportErrorMetric::Effort quick{.air = 32, .matter = 16, .paths = 64, .paths_a_pixel = 1};
         metric.emplace(*subject, which, setup.quick ? quick : TransportErrorMetric::Effort{}, setup.progress);
     }
-    JudgedLight(JudgedLight&&) = delete;
+    MeasuredLight(MeasuredLight&&) = delete;
 };
 
 Row light_row(const std::string& name, double share, const std::string& note = "") {
@@ -33,7 +33,7 @@ Row light_row(const std::string& name, double share, const std::string& note = "
 }
 
 std::string told(const MeanRadianceError& error) {
-    return fmt::format("bias {:+.1f} %, noise of the truth {:.1f} %", 100 * error.bias, 100 * error.noise);
+    return fmt::format("bias {:+.1f} %, noise of the ground truth {:.1f} %", 100 * error.bias, 100 * error.noise);
 }
 
 const std::vector<std::string>& quantities() {
@@ -73,14 +73,14 @@ std::vector<Case> transport_error_cases(const Setup& setup) {
         for (const char* probe : probes)
             for (const double albedo : albedos) {
                 const ScatteringCase which{.probe = probe, .albedo = albedo};
-                const Shared<std::unique_ptr<JudgedLight>> measured(
-                    [&setup, subject, which] { return std::make_unique<JudgedLight>(setup, subject, which); });
+                const Shared<std::unique_ptr<MeasuredLight>> measured(
+                    [&setup, subject, which] { return std::make_unique<MeasuredLight>(setup, subject, which); });
                 for (const int grid : grids) {
                     const std::string prefix = fmt::format("transport-error/{}/{}/{}/{}", subject, probe, albedo, grid);
                     Case each;
                     for (const std::string& what : quantities()) each.names.push_back(prefix + "/" + what);
                     each.measure = [=]() -> std::vector<Row> {
-                        const JudgedLight& found = **measured;
+                        const MeasuredLight& found = **measured;
                         if (!found.metric) return {{prefix, "%", {}, {}, {}, no_data}};
                         return measure(*found.metric, prefix, grid);
                     };

@@ -19,7 +19,7 @@ struct Sums {
     void add(double f, double t, double variance) {
         errors += (f - t) * (f - t), squares += t * t, noise += variance, found += f, ground_truth += t, ++count;
     }
-    /// The noise adds its variance to the errors and to the truth's squares.
+    /// The noise adds its variance to the errors and to the ground truth's squares.
     MeanRadianceError over_squares() const {
         if (count == 0) return {};
         const double light = std::max(squares - noise, 1e-30);

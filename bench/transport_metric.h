@@ -5,11 +5,11 @@
 
 namespace chiaro::bench {
 
-/// Of what was found, from a truth with noise of its own, which is taken out.
+/// Of what was found, from a ground truth with noise of its own, which is taken out.
 struct MeanRadianceError {
-    double relative = 0;  ///< √(Σ (found - truth)² / Σ truth²) of J; of pictures RMSE / mean
-    double bias = 0;      ///< Σ (found - truth) / Σ truth
-    double noise = 0;     ///< what the truth is unsure by, in the measure of `relative`
+    double relative = 0;  ///< √(Σ (found - ground truth)² / Σ ground truth²) of J; of pictures RMSE / mean
+    double bias = 0;      ///< Σ (found - ground truth) / Σ ground truth
+    double noise = 0;     ///< what the ground truth is unsure by, in the measure of `relative`
 };
 
 MeanRadianceError error_of(const std::vector<Rgb>& found, const MeanRadiance& ground_truth);
@@ -23,7 +23,7 @@ MeanRadianceError error_of(const Frame& found, const Frame& ground_truth, const 
 /// neither takes the other's light.
 std::vector<Rgb> light_between(const TransportNodes& nodes, const std::vector<Vec3>& points, bool in_medium);
 
-/// Points, pictures and their truths of a subject under a light.
+/// Points, pictures and their ground truths of a subject under a light.
 class TransportErrorMetric {
 public:
     struct Effort {

@@ -51,7 +51,7 @@ void write_strip(const std::vector<Frame>& frames, const std::filesystem::path& 
     write_png(develop(strip, {.exposure_stops = stops}), path);
 }
 
-/// Light scattered once, after 1, 4 and 16 iterations of 64 cells, the truth, and 4 × the difference.
+/// Light scattered once, after 1, 4 and 16 iterations of 64 cells, the ground truth, and 4 × the difference.
 Row draw(const Setup& setup, const std::string& name, const std::filesystem::path& path) {
     auto subject = find_scattering_subject(setup.device, setup.data, name, setup.progress);
     if (!subject) return {path.stem().string(), "%", {}, {}, {}, no_data};

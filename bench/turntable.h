@@ -32,7 +32,7 @@ class Turntable {
 public:
     Turntable(const Setup& setup, const Scene& scene);
 
-    /// Processor seconds of one frame, on average over the turn.
+    /// CPU seconds of one frame, on average over the turn.
     double seconds_per_frame(const Scene& scene);
     std::uint64_t samples_per_frame() const { return samples_ / turn_frames; }
 

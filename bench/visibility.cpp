@@ -1,4 +1,4 @@
-// Visibility in spherical harmonics: the paper's Table 1 made again, each way's cost, and an edit's update.
+// Visibility in spherical harmonics: the published Table 1 made again, each way's cost, and an edit's update.
 #include <chiaro/render.h>
 #include <chiaro/samples.h>
 #include <fmt/format.h>
@@ -19,14 +19,14 @@ namespace {
 
 constexpr int directions = 400;
 
-/// The paper's Table 1, 8800 GTX: seconds of set-up and milliseconds a frame of 1024 × 768, by subsample.
+/// The published Table 1, 8800 GTX: seconds of set-up and milliseconds a frame of 1024 × 768, by subsample.
 struct PaperColumn {
     int subsample;
     double set_up_s, frame_ms;
 };
 constexpr PaperColumn paper_table[] = {{1, 70.4, 71}, {2, 12.3, 46}, {4, 4.0, 40}, {8, 2.3, 36}};
 
-/// The paper's volumes where they are at hand, else samples of the same size.
+/// The published volumes where they are at hand, else samples of the same size.
 struct Subject {
     std::string name;
     Scene scene;
@@ -108,7 +108,7 @@ Row row_of(const std::string& name, const std::string& unit, double value, const
 }
 
 std::string paper_says(double value, const char* unit) {
-    return fmt::format("the paper's 8800 GTX: {:.1f} {}", value, unit);
+    return fmt::format("the published 8800 GTX: {:.1f} {}", value, unit);
 }
 
 /// An isosurface where the transfer function is half way to its most opaque.
@@ -136,7 +136,7 @@ std::vector<Row> measure_set_up(const Setup& setup, const std::string& prefix, c
                    fmt::format("from {} of {} nodes at random; {}", walk.timed, walk.nodes, says))};
 }
 
-/// Processor time of a frame from all around, its light kept.
+/// CPU time of a frame from all around, its light kept.
 Row frame_row(const Setup& setup, const std::string& name, Turntable& turntable, const Scene& scene,
               const PaperColumn& paper) {
     const auto series = in_turns(setup.runs, {[&] { return 1e3 * turntable.seconds_per_frame(scene); }});

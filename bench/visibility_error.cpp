@@ -1,4 +1,4 @@
-// Visibility in spherical harmonics against rays: sweeps and the paper's way, on samples and on crops of CT.
+// Visibility in spherical harmonics against rays: sweeps and the published way, on samples and on crops of CT.
 #include <chiaro/text.h>
 #include <fmt/format.h>
 
@@ -29,10 +29,10 @@ std::vector<Way> ways() {
     return list;
 }
 
-/// A subject with its truths, by subsample.
-class JudgedVisibility {
+/// A subject with its ground truths, by subsample.
+class MeasuredVisibility {
 public:
-    JudgedVisibility(const Setup& setup, const std::string& name) : setup_(setup) {
+    MeasuredVisibility(const Setup& setup, const std::string& name) : setup_(setup) {
         const int edge = setup.quick ? 32 : 64;
         lights_ = judging_lights(setup.data);
         subject_ = find_lit_subject(setup.device, setup.data, name, edge, edge, setup.progress);
@@ -101,7 +101,7 @@ Row measure_storage(const VisibilityErrorMetric& metric, const std::string& name
 std::vector<Case> visibility_error_cases(const Setup& setup) {
     std::vector<Case> cases;
     for (const std::string& subject : lit_subjects()) {
-        const Shared<JudgedVisibility> measured([&setup, subject] { return JudgedVisibility(setup, subject); });
+        const Shared<MeasuredVisibility> measured([&setup, subject] { return MeasuredVisibility(setup, subject); });
         for (const int subsample : {1, 2})
             for (const Way& way : ways()) {
                 const std::string name = fmt::format("visibility-error/{}/1:{}/{}", subject, subsample, way.name);

@@ -31,7 +31,7 @@ public:
     const Harmonics& by_rays() const { return by_rays_; }
     const Harmonics& in_full() const { return in_full_.empty() ? by_rays_ : in_full_; }
 
-    /// √(Σ (found - truth)² / Σ truth²) over nodes and coefficients.
+    /// √(Σ (found - ground truth)² / Σ ground truth²) over nodes and coefficients.
     double relative_error(const Harmonics& found, const Harmonics& ground_truth) const;
     /// RMSE over nodes and channels of E = Σ V_lm L_lm / 4π, as a share of what arrives in the open.
     double light_error(const Harmonics& found, const Harmonics& ground_truth, const ShLight& light) const;

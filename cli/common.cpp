@@ -18,16 +18,18 @@ namespace chiaro::cli {
 
 void add_common_options(CLI::App& app, CommonOptions& o) {
     const std::string group = "Common";
-    app.add_option("--device", o.device, "where the work is done [auto]")->type_name("auto|cpu|cuda[:N]")->group(group);
-    app.add_option("--threads", o.threads, "processor threads; 0: all that the process may use [0]")
+    app.add_option("--device", o.device, "device that does the work: the CPU or an NVIDIA GPU [auto]")
+        ->type_name("auto|cpu|cuda[:N]")
+        ->group(group);
+    app.add_option("--threads", o.threads, "CPU threads; 0: all that the process may use [0]")
         ->type_name("N")
         ->group(group);
     app.add_option("--progress", o.progress, "progress bar on long work; auto: on a terminal [auto]")
         ->type_name("auto|always|never")
         ->group(group);
     app.add_option("--stats", o.stats, "writes times and counts as JSON")->type_name("FILE.json")->group(group);
-    app.add_flag("--quiet", o.quiet, "says nothing but results and errors")->group(group);
-    app.add_flag("--verbose", o.verbose, "tells the time of every stage")->group(group);
+    app.add_flag("--quiet", o.quiet, "prints results and errors only")->group(group);
+    app.add_flag("--verbose", o.verbose, "prints the time of every stage")->group(group);
     app.add_option("--isa", o.isa)->group("");  // for finding faults: scalar, x86-64-v2, ...
     app.parse_complete_callback([&o] {
         limit_threads(Device::cpu(o.threads).threads);

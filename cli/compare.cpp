@@ -1,4 +1,4 @@
-// chiaro compare: how far apart two pictures are, or two fields; or lighting methods, from the truth.
+// chiaro compare: how far apart two pictures are, or two fields; or lighting methods, from the ground truth.
 #include <chiaro/compare.h>
 #include <chiaro/error.h>
 #include <chiaro/io.h>
@@ -83,7 +83,7 @@ void run(const CompareOptions& o) {
 Command compare_command(CLI::App& tool) {
     const auto o = std::make_shared<CompareOptions>();
     CLI::App* app = tool.add_subcommand(
-        "compare", "Tells how far apart two pictures are, or two fields, or lighting methods from the truth");
+        "compare", "Tells how far apart two pictures are, or two fields, or lighting methods from the ground truth");
     app->add_option("A", o->a, "picture (.png, .exr), volume or field, as for info; with --methods the volume");
     app->add_option("B", o->b, "what is compared with it, of the same size");
     o->methods.add_to(*app);

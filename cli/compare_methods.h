@@ -1,4 +1,4 @@
-// chiaro compare VOLUME --methods: lighting methods beside the path-traced truth.
+// chiaro compare VOLUME --methods: lighting methods beside the path-traced ground truth.
 #pragma once
 #include <filesystem>
 #include <string>

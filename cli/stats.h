@@ -20,7 +20,7 @@ struct FrameTime {
 
 struct Stats {
     Json volume;
-    std::vector<Stage> stages;      ///< in order; the verbs of the first picture
+    std::vector<Stage> stages;      ///< in order; the stages of the first picture
     std::vector<FrameTime> frames;  ///< one for each picture
     std::uint64_t samples = 0;      ///< at which the volume was read, in all these pictures
     PathStatistics paths;           ///< of the last picture, if it was path-traced

@@ -6,7 +6,7 @@ include(CheckLanguage)
 if(CHIARO_CUDA AND NOT CHIARO_SANITIZE)
   check_language(CUDA)
 endif()
-# One portable kind by itself: drivers compile it for their card when first run. Releases name the cards, which then start at
+# One portable kind by itself: drivers compile it for their GPU when first run. Releases name the GPUs, which then start at
 # once: "75-real;80-real;86-real;89-real;90-real;100-real;120".
 set(CHIARO_CUDA_ARCHITECTURES 75-virtual CACHE STRING "Cards that kernels are compiled for, as CMAKE_CUDA_ARCHITECTURES")
 if(CHIARO_CUDA AND CMAKE_CUDA_COMPILER)
@@ -38,7 +38,7 @@ function(chiaro_add_cuda target)
   endif()
   add_library(chiaro_cuda_kernels OBJECT ${CHIARO_CUDA_SOURCES})
   target_include_directories(chiaro_cuda_kernels PRIVATE ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/include)
-  # CMake 3.25 does not know C++20 for nvcc 13; -fmad=false keeps products and sums apart as on the processor.
+  # CMake 3.25 does not know C++20 for nvcc 13; -fmad=false keeps products and sums apart as on the CPU.
   set_target_properties(chiaro_cuda_kernels PROPERTIES CUDA_STANDARD_REQUIRED OFF CUDA_SEPARABLE_COMPILATION OFF)
   target_compile_options(chiaro_cuda_kernels PRIVATE -std=c++20 -fmad=false --expt-relaxed-constexpr -Werror all-warnings)
   target_sources(${target} PRIVATE src/cuda/stream.cpp $<TARGET_OBJECTS:chiaro_cuda_kernels>)

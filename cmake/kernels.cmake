@@ -1,6 +1,6 @@
 # Kernels are compiled from the launch*.cpp of a folder, once for each instruction set, chosen at start (core/device.cpp).
 # These units must hold no inline code of the standard library: the linker keeps one copy of each such function, and it
-# might keep the one that an older processor cannot run.
+# might keep the one that an older CPU cannot run.
 set(CHIARO_KERNELS native CACHE STRING "Instruction sets that kernels are compiled for: native (scalar and the best of this machine), all, or a list such as scalar;x86_64_v3")
 set(CHIARO_ALL_ISAS scalar x86_64_v2 x86_64_v3 x86_64_v4)
 

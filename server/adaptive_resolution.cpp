@@ -5,6 +5,8 @@
 
 namespace chiaro::server {
 
+// `comfortable` and `weight_of_newest` were chosen by eye as far as history shows: sizes go up later than they go down,
+// so that they do not alternate, and a mean over some two frames follows a scene that becomes slower.
 constexpr int max_steps = 4;          // a quarter a side
 constexpr double comfortable = 0.75;  // of the target: so much must be left before a size goes up again
 constexpr double weight_of_newest = 0.4;

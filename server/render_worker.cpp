@@ -14,7 +14,9 @@ namespace {
 using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 
-constexpr auto rest = milliseconds(120);
+// The limits below are seconds as a user feels them, chosen by eye as far as history shows; scripts/latency measures
+// what they lead to.
+constexpr auto rest = milliseconds(120);  // without a newer request: then the image is refined
 constexpr int moving_quality = 70, still_quality = 92;
 // Light that is quicker than this is found while something moves, for an eighth of the time at most.
 constexpr double quick_light = 0.15, light_share = 8, instant_light = 0.04;
@@ -132,7 +134,7 @@ bool RenderWorker::comes_to_rest(const FrameRequest& wanted) {
     return !changed_.wait_until(lock, until, [&] { return ending_ || volume_changed_ || newest_; });
 }
 
-/// The picture that is shown at once, by the light at hand.
+/// The picture that is shown at once, by the last computed lighting.
 void RenderWorker::preview(const FrameRequest& wanted) {
     const auto start = Clock::now();
     Scene scene = with_samples(wanted.scene, 1);
@@ -162,7 +164,7 @@ bool RenderWorker::is_light_due(const Scene& scene) const {
            !is_path_traced(scene.illumination) && session_->needs_light(scene);
 }
 
-/// A draft whose light is its own. It is not given up for a newer wish: else light would never follow a drag.
+/// A draft whose light is its own. It is not given up for a newer request: else light would never follow a drag.
 void RenderWorker::preview_with_light(const FrameRequest& wanted, const Scene& small) {
     check_light_fits(small);
     const Image& image = session_->render(small, *steady_);
@@ -224,7 +226,7 @@ void RenderWorker::refine_cast(const FrameRequest& wanted, Progress& progress) {
     send(wanted, image, "final", samples);
 }
 
-/// What it took, from the verbs that find it.
+/// What it took, from the stages that find it.
 void RenderWorker::learn_light() {
     double seconds = 0;
     for (const Stage& stage : session_->stages())

@@ -24,7 +24,7 @@ struct FrameRequest {
     Scene scene;  ///< its size is the canvas's
     bool moving = false, preview = false;
     std::vector<std::string> notes;  ///< to be told with its frames
-    int connection = 0;              ///< which of the view's connections wished it
+    int connection = 0;              ///< which of the view's connections requested it
     std::chrono::steady_clock::time_point arrived = std::chrono::steady_clock::now();
 };
 
@@ -39,7 +39,7 @@ struct LastFrame {
 
 class RenderWorker {
 public:
-    /// Both may be called from the painter's thread until it is destroyed.
+    /// Both may be called from the render worker's thread until it is destroyed.
     struct FrameCallbacks {
         std::function<void(int connection, std::string frame)> frame;
         std::function<void(int connection, const Json& message)> tell;
@@ -48,9 +48,9 @@ public:
     explicit RenderWorker(FrameCallbacks callbacks) : callbacks_(std::move(callbacks)) {}
     ~RenderWorker();
 
-    /// The volume of what is wished from now on; none frees what was made from it.
+    /// The volume of what is requested from now on; none frees what was made from it.
     void show(std::shared_ptr<const Loaded> loaded);
-    /// Takes the place of every earlier wish; work that is only for these is given up.
+    /// Takes the place of every earlier request; work that is only for these is given up.
     void request(FrameRequest wanted);
     std::optional<LastFrame> last_frame() const;
 
@@ -79,7 +79,7 @@ private:
     std::optional<FrameRequest> newest_;
     std::shared_ptr<const Loaded> shown_;
     bool volume_changed_ = false, ending_ = false;
-    std::shared_ptr<Progress> steady_, refining_;  ///< of drafts; of what a newer wish stops
+    std::shared_ptr<Progress> steady_, refining_;  ///< of drafts; of what a newer request stops
     std::optional<LastFrame> last_frame_;
     std::thread thread_;
 

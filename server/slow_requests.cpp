@@ -1,4 +1,4 @@
-// The answers that take time: each in a lane of its own, reporting and cancellable.
+// The answers that take time: each in a queue of its own, reporting and cancellable.
 #include <chiaro/comparison.h>
 #include <chiaro/probe.h>
 #include <chiaro/text.h>

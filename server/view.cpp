@@ -157,7 +157,7 @@ void View::answer(const Json& request, Quick quick) {
 /// Requests of a connection that is gone may still be ending.
 std::string View::key_of(const Json& id) const { return fmt::format("{} of {}", id.dump(), connection_); }
 
-/// In a lane, under an id by which it can be cancelled.
+/// In a queue, under an id by which it can be cancelled.
 void View::run(SerialQueue& queue, const Json& request, Handler handler) {
     const Json id = request["id"];
     std::string key;

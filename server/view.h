@@ -95,7 +95,7 @@ private:
     Json state_;  ///< the scene of the last state that was no preview
     std::map<std::string, std::shared_ptr<Progress>> running_;
 
-    std::optional<Session> side_;  ///< of looks; the side lane's own
+    std::optional<Session> side_;  ///< of looks; the side queue's own
     std::shared_ptr<const Loaded> side_shown_;
     RenderWorker render_worker_;
     SerialQueue opening_, side_queue_, saving_, comparing_;  // the last members: their work uses the others

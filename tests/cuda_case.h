@@ -1,4 +1,4 @@
-// Pictures of a card against the processor's.
+// Pictures of a GPU against the CPU's.
 #pragma once
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ inline constexpr double tolerance = 0;
 inline constexpr double tolerance = 1e-4;  // square roots and quotients are rounded alike, so usually 0 too
 #endif
 
-/// What a card's threads do too: one pixel at a time.
+/// What a GPU's threads do too: one pixel at a time.
 inline Device cpu() { return Device::cpu(2, Isa::scalar); }
 
 class Gpus : public ::testing::Test {
@@ -28,11 +28,11 @@ protected:
     }
 
 #ifdef CHIARO_CUDA_EMULATED
-    void TearDown() override { EXPECT_GT(cuda_emulated::gpu().launches, launches_) << "the card did nothing"; }
+    void TearDown() override { EXPECT_GT(cuda_emulated::gpu().launches, launches_) << "the GPU did nothing"; }
     const std::size_t launches_ = cuda_emulated::gpu().launches;
 #endif
 
-    /// The same shot by both; returns the processor's.
+    /// The same shot by both; returns the CPU's.
     Frame expect_same(Shot shot, const Volume& volume, const IlluminationSettings& light = {}) {
         shot.device = cpu();
         const Frame expected = shot.lit(volume, light);

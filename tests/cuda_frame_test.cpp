@@ -1,4 +1,4 @@
-// Frames that stay on the card until they are encoded, against the processor's.
+// Frames that stay on the GPU until they are encoded, against the CPU's.
 #include <cstdlib>
 
 #include "cuda_case.h"
@@ -28,7 +28,7 @@ struct Sight {
     }
 };
 
-/// Of a card, codes may be one off where light lies between two.
+/// Of a GPU, codes may be one off where light lies between two.
 void expect_same_image(const Image& found, const Image& expected, const std::string& what) {
     ASSERT_EQ(found.pixels.size(), expected.pixels.size()) << what;
     EXPECT_EQ(found.has_alpha, expected.has_alpha);

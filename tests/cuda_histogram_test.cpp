@@ -1,4 +1,4 @@
-// What a card prepares of local histograms, number by number against the processor's.
+// What a GPU prepares of local histograms, number by number against the CPU's.
 #include <cstring>
 
 #include "cuda_case.h"

@@ -1,4 +1,4 @@
-// What a card finds after an edit, number by number against the processor's.
+// What a GPU finds after an edit, number by number against the CPU's.
 #include <random>
 
 #include "classify/medium.h"

@@ -1,5 +1,5 @@
-// Pictures of a card against the processor's: on each card there is, and again (cuda_emulated_test) on one of
-// make-believe, where the bits must be the same.
+// Pictures of a GPU against the CPU's: on each GPU there is, and again (cuda_emulated_test) on one of
+// emulated, where the bits must be the same.
 #include <cstring>
 #include <thread>
 
@@ -257,7 +257,7 @@ TEST_F(Gpus, CountTheSamplesThatTheCpuCounts) {
     EXPECT_NEAR(double(samples(gpu)), double(expected), tolerance * double(expected));
 }
 
-// A session keeps on the card what its verbs keep on the host: neither an edit nor another camera brings anything but
+// A session keeps on the GPU what its stages keep on the host: neither an edit nor another camera brings anything but
 // the table.
 TEST_F(Gpus, AreHandedOnlyWhatChanged) {
     const auto copied = [&] { return gpu.stream->device_cache()->copied_bytes(); };
@@ -303,7 +303,7 @@ TEST_F(Gpus, AreHandedThePreintegratedTableOnce) {
     EXPECT_GT(copied_for(80, 0.5), table);  // only the last is kept
 }
 
-// Light that was found on the card is there for its rays.
+// Light that was found on the GPU is there for its rays.
 TEST_F(Gpus, KeepTheLightThatTheyFound) {
     const auto copied = [&] { return gpu.stream->device_cache()->copied_bytes(); };
     const Volume volume = shells_of<std::uint8_t>(40);

@@ -1,4 +1,4 @@
-// Rays whose samples a card's texture units interpolate, against those that are exact.
+// Rays whose samples a GPU's texture units interpolate, against those that are exact.
 #include <random>
 
 #include "cuda_case.h"
@@ -114,7 +114,7 @@ TEST_F(Gpus, KeepATextureAsLongAsItsVolume) {
     EXPECT_EQ(bytes_of(shells_of<std::uint16_t>(40)), first);
 }
 
-/// What is shown where a card that was chosen by itself, or named, has no such texture; `limit` and `lift` set what it
+/// What is shown where a GPU that was chosen by itself, or named, has no such texture; `limit` and `lift` set what it
 /// may have.
 void expect_exact(const Device& named, const std::function<void(std::size_t bytes)>& limit,
                   const std::function<void()>& normal_offset, const std::string& why) {

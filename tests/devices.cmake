@@ -1,6 +1,6 @@
-# What is true of the processor is true of a card: the same tests there (cuda/NAME, "skipped" without one), and on the
-# card of make-believe (emulated/NAME). CHIARO_DEVICE_TESTS: programs that ask devices.h where to work.
-if(CHIARO_SANITIZE)  # these watch the processor: a card has a sanitizer of its own, and the other would be minutes of compiling
+# What is true of the CPU is true of a GPU: the same tests there (cuda/NAME, "skipped" without one), and on the
+# emulated GPU (emulated/NAME). CHIARO_DEVICE_TESTS: programs that ask devices.h where to work.
+if(CHIARO_SANITIZE)  # these watch the CPU: a GPU has a sanitizer of its own, and the other would be minutes of compiling
   return()
 endif()
 add_custom_target(device_tests DEPENDS ${CHIARO_DEVICE_TESTS})
@@ -9,7 +9,7 @@ foreach(name ${CHIARO_DEVICE_TESTS})
   set_tests_properties(cuda/${name} PROPERTIES LABELS cuda TIMEOUT ${CHIARO_TEST_TIMEOUT} SKIP_RETURN_CODE 77 ENVIRONMENT CHIARO_TEST_DEVICE=cuda)
 endforeach()
 
-# That card is the same units, compiled for the processor. It watches its memory itself.
+# That GPU is the same units, compiled for the CPU. It watches its memory itself.
 add_library(cuda_emulated OBJECT ${CHIARO_CUDA_LAUNCHERS} ${PROJECT_SOURCE_DIR}/src/cuda/stream.cpp cuda_emulated/cuda_emulated.cpp cuda_emulated/textures.cpp)
 chiaro_cuda_as_cpp()
 target_include_directories(cuda_emulated PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/cuda_emulated ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/include)
@@ -22,7 +22,7 @@ target_compile_definitions(cuda_emulated_test PRIVATE CHIARO_CUDA_EMULATED)
 target_link_libraries(cuda_emulated_test PRIVATE chiaro_bench chiaro GTest::gtest_main fmt::fmt chiaro_warnings)
 gtest_discover_tests(cuda_emulated_test NO_PRETTY_VALUES TEST_PREFIX Emulated DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT ${CHIARO_TEST_TIMEOUT})
 
-# The tool with that card, for scripts/gpu_pictures.
+# The tool with that GPU, for scripts/gpu_pictures.
 find_package(CLI11 REQUIRED)
 add_executable(chiaro_emulated EXCLUDE_FROM_ALL $<TARGET_OBJECTS:chiaro-cli> $<TARGET_OBJECTS:cuda_emulated>)
 target_link_libraries(chiaro_emulated PRIVATE $<TARGET_PROPERTY:chiaro-cli,LINK_LIBRARIES>)

@@ -9,7 +9,7 @@
 
 namespace chiaro::testing {
 
-/// Two threads of the processor, and the card beside them that was asked for. Ends the program with 77, "skipped",
+/// Two threads of the CPU, and the GPU beside them that was asked for. Ends the program with 77, "skipped",
 /// where there is none.
 inline Device find_tested_device() {
     const Device cpu = Device::cpu(2);
@@ -29,7 +29,7 @@ inline const Device& tested_device() {
     return device;
 }
 
-/// A missing card is told before the first test.
+/// A missing GPU is told before the first test.
 struct TestedDevice : ::testing::Environment {
     void SetUp() override { tested_device(); }
 };

@@ -1,4 +1,4 @@
-// Fluence by paths: closed forms, furnaces, equality over instruction sets and threads, when it stops.
+// Mean radiance by paths: closed forms, furnaces, equality over instruction sets and threads, when it stops.
 #include <chiaro/error.h>
 #include <chiaro/text.h>
 

@@ -1,4 +1,4 @@
-// Lighting methods beside the truth, and the pictures that show where they differ.
+// Lighting methods beside the ground truth, and the pictures that show where they differ.
 #include <chiaro/comparison.h>
 #include <chiaro/samples.h>
 #include <chiaro/sheet.h>

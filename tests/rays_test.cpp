@@ -72,7 +72,7 @@ TEST(RaySetup, WorksForOneSliceAndOneVoxel) {
 }
 
 TEST(RaySetup, RasterisingLeavesEmptySpaceOut) {
-    const Device device = Device::cpu(2);  // cards set rays up at the box
+    const Device device = Device::cpu(2);  // GPUs set rays up at the box
     const DeviceVolume volume = upload(device, sampled<std::uint8_t>({86, 84, 81}, balls));
     const Medium medium = classify(volume, two_materials(), {});
     Progress progress;

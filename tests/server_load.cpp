@@ -1,5 +1,5 @@
 // Loads a running server as scripts/soak and scripts/latency ask: server_load soak PORT TOKEN SECONDS [SEED], or
-// server_load latency PORT TOKEN SECONDS [PROCESS], which reads the processor time of that process.
+// server_load latency PORT TOKEN SECONDS [PROCESS], which reads the CPU time of that process.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -40,7 +40,7 @@ void print_row(const std::string& what, const std::vector<double>& seconds, cons
     std::fflush(stdout);
 }
 
-/// Processor time that a process has taken, all threads: /proc/PID/task/*/schedstat; 0 where that cannot be read.
+/// CPU time that a process has taken, all threads: /proc/PID/task/*/schedstat; 0 where that cannot be read.
 double cpu_seconds(int process) {
     double nanoseconds = 0, of_one;
     std::error_code error;
@@ -66,7 +66,7 @@ public:
         fmt::print("|---|---|---|---|---|---|\n");
     }
 
-    /// One edit from rest: to the first frame, and to the last; and the processor time that each took the server.
+    /// One edit from rest: to the first frame, and to the last; and the CPU time that each took the server.
     void edits(const std::string& name, const char* first_target, int count,
                const std::function<void(Json&, int)>& edit) {
         std::vector<double> first, last, first_work, work;
@@ -88,9 +88,9 @@ public:
         }
         print_row(name + ": first frame", first, first_target);
         for (const auto& [verb, seconds] : verbs) print_row("  of it " + verb, seconds);
-        if (process_) print_row("  processor time", first_work);
+        if (process_) print_row("  CPU time", first_work);
         print_row(name + ": final", last, final_target);
-        if (process_) print_row("  processor time", work);
+        if (process_) print_row("  CPU time", work);
     }
 
     /// States at 60 a second; ages of the frames that answer them.

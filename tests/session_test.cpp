@@ -271,7 +271,7 @@ TEST_F(SessionTest, DraftsByTheLightAtHand) {
     EXPECT_TRUE(session.needs_light(scene));
     const Image lit = session.render(scene, progress);
     EXPECT_FALSE(session.needs_light(scene));
-    EXPECT_TRUE(session.preview(scene, progress).pixels == lit.pixels) << "the light at hand is the right one";
+    EXPECT_TRUE(session.preview(scene, progress).pixels == lit.pixels) << "the last computed lighting is the right one";
 
     scene.camera.azimuth_deg += 30;
     EXPECT_FALSE(session.needs_light(scene));

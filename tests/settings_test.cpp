@@ -132,3 +132,12 @@ TEST(Settings, LightsAndColorsReadAsWritten) {
     from_text("-y", up);
     EXPECT_EQ(up, (Vec3{0, -1, 0}));
 }
+
+TEST(Settings, AnOlderNameOfMeanRadianceIsAccepted) {
+    for (const char* name : {"mean-radiance", "fluence"}) {
+        ReferenceQuantity quantity{};
+        from_text(name, quantity);
+        EXPECT_EQ(quantity, ReferenceQuantity::mean_radiance);
+        EXPECT_EQ(to_text(quantity), "mean-radiance");
+    }
+}

@@ -1,4 +1,5 @@
-// Ambient occlusion by filtering against rays: how far each model is from the truth, on samples and on crops of CT.
+// Ambient occlusion by filtering against rays: how far each model is from the ground truth, on samples and on crops of
+// CT.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,7 +14,7 @@ using chiaro::testing::tested_device;
 
 namespace {
 
-/// RMSE of the corrected model as it is by default, and of the paper's with full N-buffers.
+/// RMSE of the corrected model as it is by default, and of the published with full N-buffers.
 struct Rivals {
     double corrected, paper;
     double ratio() const { return corrected / paper; }

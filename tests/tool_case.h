@@ -56,7 +56,7 @@ protected:
     }
 
     /// Runs `chiaro ARGUMENTS`, as a shell reads them, in the folder. A signal is sent, where given, once it has had
-    /// that much time of a processor: it has come as far however busy the machine is.
+    /// that much time of a CPU: it has come as far however busy the machine is.
     Said tool(const std::string& arguments, int signal = 0, std::chrono::milliseconds after = {}) {
         const auto out = folder / ".out", err = folder / ".err";
         const std::string line = "exec " CHIARO_BIN "/chiaro " + arguments + " >.out 2>.err";

@@ -12,8 +12,8 @@ using chiaro::testing::tested_device;
 
 namespace {
 
-/// Most of the error of light in the air, of Σ truth² and of Σ truth; illumination.md 5, and what sixty-four points of
-/// 512 paths each leave unsure.
+/// Most of the error of light in the air, of Σ ground truth² and of Σ ground truth; docs/theory/transport.md, and what
+/// sixty-four points of 512 paths each leave unsure.
 struct Bounds {
     const char* name;
     double albedo, relative, bias;

@@ -1,4 +1,4 @@
-// The paper's way to visibility: its pyramid, the walk through it, and the error against rays.
+// The published way to visibility: its pyramid, the walk through it, and the error against rays.
 #include "illumination/visibility/walk.h"
 
 #include <chiaro/error.h>
@@ -86,7 +86,7 @@ TEST(TransparencyPyramid, OfAHomogeneousMedium) {
 }
 
 TEST(TransparencyPyramid, TwoOpaqueOfFourCellsLeaveAQuarter) {
-    // The paper's Figure 3: one behind the other or side by side, this rule makes no difference.
+    // The published Figure 3: one behind the other or side by side, this rule makes no difference.
     for (bool behind : {true, false}) {
         const Volume volume = sampled<std::uint8_t>(
             {8, 8, 8}, [&](double x, double y, double) { return (behind ? int(y) : int(x)) % 2 ? 255 : 0; });

@@ -70,7 +70,7 @@ export function makeLight(app) {
     return s.flag === "transport-grid" ? `grid ${v}` : s.label === "Grid" ? `grid 1:${v}` : s.flag === "sh-bands" ? `${v * v} coefficients` : typeof v === "number" ? `${short(v)} ${s.label.toLowerCase().replace("packed ", "")}` : (words.choices[v] ?? String(v)).toLowerCase();
   }).join(", ");
 
-  /** Seconds that finding local histograms takes the first time: about 2.5 µs of a processor for each voxel (docs/theory/histogram.md). */
+  /** Seconds that finding local histograms takes the first time: about 2.5 µs of a CPU for each voxel (docs/theory/histogram.md). */
   const preparing = () => (2.5e-6 * app.volume.dimensions.reduce((a, b) => a * b)) / app.hello.device.threads;
 
   function open() {

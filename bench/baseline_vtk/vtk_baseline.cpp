@@ -1,5 +1,5 @@
-// A scene with VTK's fixed-point volume mapper on the processor: renders a turntable after one warm-up frame, writes
-// that first picture, and prints the processor milliseconds of each frame as JSON. vtk_baseline --scene S.json --volume
+// A scene with VTK's fixed-point volume mapper on the CPU: renders a turntable after one warm-up frame, writes
+// that first picture, and prints the CPU milliseconds of each frame as JSON. vtk_baseline --scene S.json --volume
 // V.nrrd --out P.png [--size 1024x768] [--step 1] [--shade 0|1] [--frames 4]
 #include <vtkCamera.h>
 #include <vtkColorTransferFunction.h>

@@ -1,4 +1,4 @@
-// Lighting methods beside the truth.
+// Lighting methods compared with the ground truth.
 #pragma once
 #include <chiaro/compare.h>
 #include <chiaro/export.h>
@@ -31,15 +31,16 @@ struct MethodComparison {
 using ComparisonPreview = std::function<void(const MethodComparison&)>;
 
 /// Renders the scene of the session's volume by each method under the same light: the scene's probe (white without
-/// one), all matter particles that scatter it alike in all directions, once (illumination.md 4: L = ∫ κ E T dt). So
+/// one), all matter particles (isotropic volume scattering, no surfaces), once (L = ∫ κ E T dt, docs/methods.md). So
 /// shading is off, steps are pre-integrated; spao, and rays that find accessibility, give E = A × the probe's mean
-/// radiance, A neither scaled nor moved off surfaces; visibility gives E = (1/4π) Σ V L. The reference is the path
+/// radiance, A neither scaled nor read at a normal offset; visibility gives E = (1/4π) Σ V L. The reference is the path
 /// tracer with 0 bounces and the paths that `scene.illumination.reference` asks for. `preview` sees it with each pass
 /// of paths, 1, 1, 2, 4, ... 16 a pixel. Throws Error{usage} but for Mode::dvr, else as Session::render.
 CHIARO_EXPORT MethodComparison compare_methods(Session& session, const Scene& scene, const std::vector<Method>& methods,
                                                Progress& progress, const ComparisonPreview& preview = {});
 
-/// How far a method's light is from the truth where matter is seen. All but `points` are shares of the mean light.
+/// How far a method's light is from the ground truth where matter is seen. All but `points` are fractions of the mean
+/// light.
 struct LightError {
     int points = 0;                        ///< at which something is seen
     double rmse = 0;                       ///< over points and channels
@@ -49,12 +50,12 @@ struct LightError {
 
 /// RMSE of the light that arrives, by the scene's method, at so many points of the session's volume, against the
 /// reference's (`trace_mean_radiance`), whose noise is taken off: 1024 paths from each, scattered as often as the
-/// method follows light. The points lie two voxel edges before what contributes most to pixels that are drawn at
-/// random, always the same ones: in the skin of dense matter light ends within a voxel. Light is that on particles, as
-/// in `compare_methods`: neither moved off surfaces nor scaled. Throws Error{usage} where no light arrives that could
-/// be wrong (none, the path-traced reference, histograms without occlusion, Mode::mip, a picture of nothing), else as
-/// Session::render, which it uses: give it a session of its own (`Session::share_volume`). Cost: the method's light
-/// once more, if this session has not it yet, and some core-seconds for the paths.
+/// method follows light. The points lie two voxel widths before what contributes most to pixels that are drawn at
+/// random, always the same ones: at the boundary of dense matter light ends within a voxel. Light is that on particles,
+/// as in `compare_methods`: neither read at a normal offset nor scaled. Throws Error{usage} where no light arrives that
+/// could be wrong (none, the path-traced reference, histograms without occlusion, Mode::mip, a picture of nothing),
+/// else as Session::render, which it uses: give it a session of its own (`Session::share_volume`). Cost: the method's
+/// light once more, if this session has not it yet, and some core-seconds for the paths.
 CHIARO_EXPORT LightError measure_light(Session& session, const Scene& scene, Progress& progress, int points = 1024);
 
 }  // namespace chiaro

@@ -44,7 +44,7 @@ void describe(Visit&& visit, S& s) {
     visit(Setting{"opacity-scale", "transfer_function.opacity_scale", "", "multiplies the extinction"}
           .within(0, 1e6), s.opacity_scale);
     visit(Setting{"opacity-unit", "transfer_function.opacity_unit_distance", "voxels",
-                  "length that opacities belong to, in smallest voxel edges"}
+                  "length that opacities belong to, in units of the smallest voxel size"}
           .above(0), s.opacity_unit);
     visit(Setting{"opacity-unit-mm", "transfer_function.opacity_unit_mm", "mm",
                   "length that opacities belong to, in millimetres"}
@@ -69,7 +69,7 @@ void describe(Visit&& visit, S& s) {
     visit(Setting{"iso", "iso", "", "adds an isosurface at a value, in the transfer function's colour or another"}
           .written("VALUE[,COLOR][@OPACITY]").kept(SceneForm::surfaces), s.iso);
     visit(Setting{"background", "background", "",
-                  "colour behind the volume: a CSS name, #rrggbb or r,g,b; or nothing, or the light probe"}
+                  "colour behind the volume: a CSS name, #rrggbb or r,g,b; or nothing, or the environment map"}
           .written("COLOR|transparent|probe"), s.output.background, s.output.transparent, s.lighting.probe.background);
 }
 
@@ -83,7 +83,7 @@ void describe(Visit&& visit, S& s) {
 
 template <class Visit, SettingsOf<RaySettings> S>
 void describe(Visit&& visit, S& s) {
-    visit(Setting{"step", "sampling.step", "voxels", "distance of the samples along a ray, in smallest voxel edges"}
+    visit(Setting{"step", "sampling.step", "voxels", "distance of the samples along a ray, in units of the smallest voxel size"}
           .within(0.001, 100), s.step_voxels);
     visit(Setting{"classification", "sampling.classification", "",
                   "what meets the transfer function: interpolated values, voxels, or all values that a step passes"},
@@ -100,7 +100,7 @@ void describe(Visit&& visit, S& s) {
     visit(Setting{"no-skip-empty", "sampling.no_skip_empty", "", "samples empty space too, as a check of the skipping"},
           s.skip_empty);
     visit(Setting{"interpolation", "sampling.interpolation", "",
-                  "between voxels, where a card casts the rays: exact, or by its texture units, with weights of 8 fractional bits"},
+                  "interpolation between voxels, where a GPU casts the rays: exact, or by its texture units, with weights of 8 fractional bits"},
           s.interpolation);
 }
 
@@ -127,9 +127,9 @@ void describe(Visit&& visit, S& s) {
 template <class Visit, SettingsOf<Lighting> S>
 void describe(Visit&& visit, S& s) {
     visit(Setting{"shading", "shading.enabled", "", "reflection model of surfaces"}.kept(SceneForm::on_off), s.shading);
-    visit(Setting{"ambient", "shading.ambient", "", "share of light that comes from everywhere"}
+    visit(Setting{"ambient", "shading.ambient", "", "ambient reflection: fraction of light that comes from all directions"}
           .within(0, 10), s.ambient);
-    visit(Setting{"diffuse", "shading.diffuse", "", "share of light reflected diffusely"}.within(0, 10), s.diffuse);
+    visit(Setting{"diffuse", "shading.diffuse", "", "diffuse reflection: fraction of light reflected diffusely"}.within(0, 10), s.diffuse);
     visit(Setting{"specular", "shading.specular", "", "strength of highlights"}.within(0, 10), s.specular);
     visit(Setting{"shininess", "shading.specular_power", "", "exponent of highlights: higher is smaller"}
           .within(0, 10000), s.shininess);
@@ -142,13 +142,13 @@ void describe(Visit&& visit, S& s) {
 template <class Visit, SettingsOf<ProbeSettings> S>
 void describe(Visit&& visit, S& s) {
     visit(Setting{"probe", "probe", "",
-                  "light from all around: an equirectangular picture, or one of ours (for visibility, transport and reference white)"}
+                  "environment map (HDRI) that lights the volume: an equirectangular image file, or a built-in one (default of visibility, transport and reference: white)"}
           .written("FILE.hdr|.exr|white|sky|studio|windows").kept(SceneForm::custom), s.source);
-    visit(Setting{"probe-rotation", "probe.rotation", "degrees", "turns the probe around the up axis"}
+    visit(Setting{"probe-rotation", "probe.rotation", "degrees", "turns the environment map around the up axis"}
           .within(-36000, 36000).written("DEG"), s.rotation_deg);
-    visit(Setting{"probe-exposure", "probe.exposure", "stops", "multiplies the probe's light by 2 to this power"}
+    visit(Setting{"probe-exposure", "probe.exposure", "stops", "multiplies the environment map's light by 2 to this power"}
           .within(-32, 32).written("STOPS"), s.exposure_stops);
-    visit(Setting{"probe-background", "probe.background", "", "shows the probe behind the volume"}, s.background);
+    visit(Setting{"probe-background", "probe.background", "", "shows the environment map behind the volume"}, s.background);
 }
 
 template <class Visit, SettingsOf<IlluminationSettings> S>
@@ -159,7 +159,7 @@ void describe(Visit&& visit, S& s) {
 
 template <class Visit, SettingsOf<SpaoSettings> S>
 void describe(Visit&& visit, S& s) {
-    visit(Setting{"spao-filter", "lighting.filter", "", "how the means over cubes are found"}.of("spao"), s.filter);
+    visit(Setting{"spao-filter", "lighting.filter", "", "how mean opacities over cubes are computed"}.of("spao"), s.filter);
     visit(Setting{"spao-levels", "lighting.levels", "", "shells: cubes of width 1 to 2^N voxels"}
           .within(1, 14).of("spao"), s.levels);
     visit(Setting{"spao-mip-levels", "lighting.mip_levels", "", "mipmaps of the hybrid before its N-buffers"}
@@ -167,7 +167,7 @@ void describe(Visit&& visit, S& s) {
     visit(Setting{"spao-normal-factor", "lighting.normal_factor", "",
                   "0: light from all directions, else from those that the surface faces"}
           .within(0, 2).of("spao"), s.normal_factor);
-    visit(Setting{"spao-model", "lighting.model", "", "the paper's product, with thick shells, or per octant"}
+    visit(Setting{"spao-model", "lighting.model", "", "the published product, with thick shells, or per octant"}
           .of("spao"), s.model);
 }
 
@@ -175,43 +175,43 @@ template <class Visit, SettingsOf<VisibilitySettings> S>
 void describe(Visit&& visit, S& s) {
     visit(Setting{"sh-bands", "lighting.bands", "", "bands of spherical harmonics: 2 for 4 coefficients, 4 for 16"}
           .written("2|4").of("visibility"), s.bands);
-    visit(Setting{"sh-directions", "lighting.directions", "", "directions in which each node looks for light"}
+    visit(Setting{"sh-directions", "lighting.directions", "", "directions in which each node computes visibility"}
           .within(4, 65536).of("visibility"), s.directions);
     visit(Setting{"sh-subsample", "lighting.subsample", "voxels", "distance of the nodes"}
           .written("1|2|4|8").of("visibility"), s.subsample);
-    visit(Setting{"sh-traversal", "lighting.traversal", "", "how the light from a direction is followed"}
+    visit(Setting{"sh-traversal", "lighting.traversal", "", "how transmittance along each direction is computed"}
           .of("visibility"), s.traversal);
     visit(Setting{"sh-sampling", "lighting.sampling", "", "one set of directions, or one of M jittered sets for each node"}
           .written("fibonacci|jittered[:M]").of("visibility"), s.sampling);
-    visit(Setting{"sh-model", "lighting.model", "", "light on surfaces as on surfaces, or the paper's"}
+    visit(Setting{"sh-model", "lighting.model", "", "surfaces lit by Lambert's law at a normal offset, or the model as published (Ritschel 2007)"}
           .of("visibility"), s.model);
     visit(Setting{"sh-window", "lighting.window", "", "damps high bands: less ringing, more error"}
           .of("visibility"), s.window);
-    visit(Setting{"sh-storage", "lighting.storage", "", "of a coefficient"}.of("visibility"), s.storage);
+    visit(Setting{"sh-storage", "lighting.storage", "", "number type of a stored coefficient"}.of("visibility"), s.storage);
 }
 
 template <class Visit, SettingsOf<HistogramSettings> S>
 void describe(Visit&& visit, S& s) {
-    visit(Setting{"hist-radius", "lighting.radius", "voxels", "of the ball around a voxel; 0: proposed from the data"}
+    visit(Setting{"hist-radius", "lighting.radius", "voxels", "radius of the spherical neighbourhood of a voxel, in units of the smallest voxel size; 0: proposed from the data"}
           .within(0, 64).of("histogram"), s.radius);
-    visit(Setting{"hist-clusters", "lighting.clusters", "", "histograms that stand for those of all voxels"}
+    visit(Setting{"hist-clusters", "lighting.clusters", "", "size of the codebook: histograms that stand for those of all voxels"}
           .within(1, 4096).of("histogram"), s.clusters);
     visit(Setting{"hist-packed-bins", "lighting.packed_bins", "", "bins in which histograms are compared"}
           .within(2, 256).of("histogram"), s.packed_bins);
-    visit(Setting{"hist-packing", "lighting.packing", "", "which bins are joined for that"}
+    visit(Setting{"hist-packing", "lighting.packing", "", "which bins are joined before histograms are compared"}
           .of("histogram"), s.packing);
     visit(Setting{"hist-metric", "lighting.metric", "", "distance of two histograms"}.of("histogram"), s.metric);
-    visit(Setting{"hist-path", "lighting.path", "", "how histograms are found"}.of("histogram"), s.path);
+    visit(Setting{"hist-path", "lighting.path", "", "how local histograms are computed"}.of("histogram"), s.path);
     visit(Setting{"hist-subsample", "lighting.subsample", "voxels", "distance of the voxels with a histogram"}
           .written("1|2|4").of("histogram"), s.subsample);
-    visit(Setting{"hist-model", "lighting.model", "", "light is exp(-r O) of occlusion O, or the paper's 1 - O"}
+    visit(Setting{"hist-model", "lighting.model", "", "light is exp(-r O) of occlusion O, or the published 1 - O"}
           .of("histogram"), s.model);
-    visit(Setting{"hist-effects", "lighting.effects", "", "what is shown of it: some of ao, bleeding, scattering, glow"}
+    visit(Setting{"hist-effects", "lighting.effects", "", "effects shown: some of ao (ambient occlusion), bleeding (colour), scattering, glow (emission)"}
           .written("ao,bleeding,scattering,glow").of("histogram"), s.effects);
     visit(Setting{"hist-anisotropy", "lighting.anisotropy", "",
-                  "of scattering (Henyey and Greenstein): below 0 backwards, above 0 forwards"}
+                  "anisotropy g of scattering (Henyey and Greenstein): below 0 backwards, above 0 forwards"}
           .within(-0.95, 0.95).of("histogram"), s.anisotropy);
-    visit(Setting{"glow", "lighting.glow", "", "values that glow, and how strongly (1: not at all)"}
+    visit(Setting{"glow", "lighting.glow", "", "emission: values that glow, and how strongly (1: not at all)"}
           .written("FILE|LO:HI=STRENGTH").of("histogram"), s.emission);
     visit(Setting{"cache", "lighting.cache", "", "folder where prepared volumes are kept (the user's cache), or none"}
           .written("DIR|none").of("histogram"), s.cache);
@@ -219,32 +219,32 @@ void describe(Visit&& visit, S& s) {
 
 template <class Visit, SettingsOf<TransportSettings> S>
 void describe(Visit&& visit, S& s) {
-    visit(Setting{"transport-grid", "lighting.grid", "cells", "of the grid of light, along the volume's longest axis"}
+    visit(Setting{"transport-grid", "lighting.grid", "cells", "cells of the lighting grid along the volume's longest axis"}
           .within(4, 256).of("transport"), s.grid);
-    visit(Setting{"transport-directions", "lighting.directions", "", "directions of scattered light, others each iteration"}
+    visit(Setting{"transport-directions", "lighting.directions", "", "discrete ordinates: directions of scattered light, other ones in each iteration"}
           .within(6, 65536).of("transport"), s.directions);
-    visit(Setting{"transport-first-directions", "lighting.first_directions", "", "directions of light not yet scattered"}
+    visit(Setting{"transport-first-directions", "lighting.first_directions", "", "directions of uncollided light (light that is not yet scattered)"}
           .within(6, 65536).of("transport"), s.first_directions);
-    visit(Setting{"transport-error", "lighting.error", "", "no further iterations once one changes the light by less of it"}
+    visit(Setting{"transport-error", "lighting.error", "", "stops when an iteration changes the light by less than this relative error"}
           .above(0).written("E").of("transport"), s.error);
 }
 
 template <class Visit, SettingsOf<ReferenceSettings> S>
 void describe(Visit&& visit, S& s) {
-    visit(Setting{"reference-rays", "lighting.rays", "", "rays or paths from every voxel; of radiance paths through every pixel"}
+    visit(Setting{"reference-rays", "lighting.rays", "", "rays or paths from every voxel; for radiance, paths through every pixel"}
           .within(1, 65536).of("reference"), s.rays);
-    visit(Setting{"reference-quantity", "lighting.quantity", "", "share of open directions: all (fields), outwards, by cosine; in spherical harmonics; or light by paths: fluence (fields), radiance (pictures)"}
+    visit(Setting{"reference-quantity", "lighting.quantity", "", "visibility averaged over all directions (fields), over the outward hemisphere, or cosine-weighted; in spherical harmonics; or light by path tracing: mean-radiance (fields; also called fluence), radiance (pictures)"}
           .of("reference"), s.quantity);
     visit(Setting{"reference-medium", "lighting.medium", "", "extinction constant in each voxel, or interpolated"}
           .of("reference"), s.medium);
-    visit(Setting{"reference-start", "lighting.start", "half edges", "distance from a voxel's centre at which rays begin"}
-          .within(0, 1000).written("HALF_EDGES").of("reference"), s.start_half_voxels);
+    visit(Setting{"reference-start", "lighting.start", "half voxels", "distance from a voxel's centre at which rays begin"}
+          .within(0, 1000).written("HALF_VOXELS").of("reference"), s.start_half_voxels);
     visit(Setting{"reference-subsample", "lighting.subsample", "", "rays from every Nth voxel per axis only"}
           .within(1, 64).of("reference"), s.subsample);
-    visit(Setting{"reference-time", "lighting.time", "seconds", "of radiance and fluence: no further paths after this time"}
+    visit(Setting{"reference-time", "lighting.time", "seconds", "stops path tracing of radiance and mean radiance after this time"}
           .above(0).written("S").of("reference"), s.time_s);
     visit(Setting{"reference-error", "lighting.error", "",
-                  "of radiance and fluence: no further paths at this standard error over the picture's brightness"}
+                  "stops path tracing of radiance and mean radiance at this standard error relative to the picture's brightness"}
           .above(0).written("E").of("reference"), s.error);
 }
 
@@ -253,9 +253,9 @@ void describe(Visit&& visit, S& s) {
     visit(Setting{"bounces", "lighting.bounces", "", "how often light is scattered beyond the first time"}
           .within(0, 1e6).written("N|unlimited").of("transport|reference"), s.bounces);
     visit(Setting{"albedo-max", "lighting.albedo_max", "",
-                  "largest share that is scattered on, where light is scattered more than once"}
+                  "largest albedo, where light is scattered more than once"}
           .within(0, 1).of("transport|reference"), s.albedo_max);
-    visit(Setting{"seed", "lighting.seed", "", "of all that is drawn at random: paths, and how directions are turned"}
+    visit(Setting{"seed", "lighting.seed", "", "seed of all random numbers: paths, and how directions are turned"}
           .within(0, 4294967295.0).of("transport|reference"), s.seed);
 }
 

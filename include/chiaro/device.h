@@ -27,44 +27,44 @@ namespace cuda {
 class Stream;  // src/cuda/stream.h
 }
 
-/// The processor, with a number of threads and an instruction set; or beside it a card of NVIDIA, for the verbs that
-/// run there (docs/gpu.md). A small value; copies of a card's device share its stream, on which work is done in order.
+/// The CPU, with a number of threads and an instruction set; or beside it an NVIDIA GPU, for the stages that
+/// run there (docs/gpu.md). A small value; copies of a GPU's device share its stream, on which work is done in order.
 struct Device {
     int threads = 1;
     Isa isa = Isa::scalar;
-    std::shared_ptr<cuda::Stream> stream;  ///< of a card; none: the processor does everything
+    std::shared_ptr<cuda::Stream> stream;  ///< of a GPU; none: the CPU does everything
 
     bool has_gpu() const { return stream != nullptr; }
     CHIARO_EXPORT std::string name() const;  ///< "cpu" or "cuda:0"
-    /// The same, with a stream of its own on the card, which keeps one copy of what both read.
+    /// The same, with a stream of its own on the GPU, which keeps one copy of what both read.
     CHIARO_EXPORT Device with_own_stream() const;
-    /// Why the processor took over what a card that was chosen by itself could not do, or what any card does without
+    /// Why the CPU took over what an automatically chosen GPU could not do, or what any GPU does without
     /// (textures); empty: neither.
     CHIARO_EXPORT std::string note() const;
 
     /// threads 0: all that the process may use. Throws Error{usage} for threads outside 0..1024 and Error{output}
-    /// for an instruction set that this build or this processor lacks.
+    /// for an instruction set that this build or this CPU lacks.
     CHIARO_EXPORT static Device cpu(int threads = 0);
     CHIARO_EXPORT static Device cpu(int threads, Isa isa);
-    /// Card `index` of list_gpus(), and `host` for the rest. Throws Error{output} where there is none: why.
+    /// GPU `index` of list_gpus(), and `host` for the rest. Throws Error{output} where there is none: why.
     CHIARO_EXPORT static Device cuda(int index, const Device& host);
 };
 
-/// A card that this build could use.
+/// A GPU that this build could use.
 struct GpuInfo {
     int index = 0;
     std::string name;  ///< "NVIDIA H200"
     std::size_t memory_bytes = 0, free_bytes = 0;
 };
-/// None without a driver, a card, or CUDA in this build.
+/// None without a driver, a GPU, or CUDA in this build.
 CHIARO_EXPORT std::vector<GpuInfo> list_gpus();
 
 struct DeviceChoice {
     Device device;
-    std::string sentence;  ///< which card was chosen, or why not the one there is; empty: there is none
+    std::string sentence;  ///< which GPU was chosen, or why not the one there is; empty: there is none
 };
-/// The card with the most free memory where that is 1 GiB or more, else `host`. Where what is shown later does not fit
-/// the card, the processor takes over (Device::note).
+/// The GPU with the most free memory where that is 1 GiB or more, else `host`. Where what is shown later does not fit
+/// the GPU, the CPU takes over (Device::note).
 CHIARO_EXPORT DeviceChoice choose_device(const Device& host);
 
 }  // namespace chiaro

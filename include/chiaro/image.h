@@ -1,4 +1,4 @@
-// From a frame of light to a picture in a file.
+// From a frame of radiance to an image file.
 #pragma once
 #include <chiaro/export.h>
 #include <chiaro/medium.h>
@@ -25,8 +25,8 @@ namespace cuda {
 class Pixels;  // src/cuda/pixels.h
 }
 
-/// A frame on the device that made it: a card keeps its pixels for `develop` until the host reads them. To move, not to
-/// copy: copies would share what the card holds.
+/// A frame on the device that made it: a GPU keeps its pixels for `develop` until the host reads them. To move, not to
+/// copy: copies would share what the GPU holds.
 class DeviceFrame {
 public:
     DeviceFrame() = default;
@@ -40,10 +40,10 @@ public:
     void resize(int width, int height) {
         if (width != frame_.width || height != frame_.height) *this = DeviceFrame(width, height);
     }
-    /// The host's, brought from the card (16 bytes a pixel) when first asked for. Throws Error{output} for a card that
+    /// The host's, brought from the GPU (16 bytes a pixel) when first asked for. Throws Error{output} for a GPU that
     /// was lost.
     CHIARO_EXPORT const Frame& read() const;
-    /// The host's, to be filled: what a card holds is let go of.
+    /// The host's, to be filled: what a GPU holds is let go of.
     CHIARO_EXPORT Frame& write();
 
     const std::shared_ptr<cuda::Pixels>& on_gpu() const { return on_gpu_; }  ///< none: the host has them
@@ -72,12 +72,12 @@ struct ToneMap {
     bool operator==(const ToneMap&) const = default;
 };
 
-/// Multiplies by the exposure, bends by the tone curve, composites over the background, encodes to sRGB
+/// Tone mapping: multiplies by the exposure, applies the tone curve, composites over the background, encodes to sRGB
 /// (ColorMode::linear) and rounds to 8 bits. The curve bends the volume's straight colour: coverage stays as it is, the
 /// background is shown as picked, and over any background a transparent picture looks as if made for it.
 /// With ColorMode::display exposure and curve apply to the display values as they are.
 CHIARO_EXPORT Image develop(const Frame& frame, const ToneMap& tone);
-/// The same, on the card that holds the frame: 3 or 4 bytes a pixel come back.
+/// The same, on the GPU that holds the frame: 3 or 4 bytes a pixel come back.
 CHIARO_EXPORT Image develop(const DeviceFrame& frame, const ToneMap& tone);
 
 /// The frame with its light multiplied by the exposure: what an .exr holds. Neither tone curve nor background.

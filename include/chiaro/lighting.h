@@ -17,7 +17,7 @@ namespace chiaro {
 
 enum class Shading { none, lambert, phong };
 
-/// Light from all around, and how it stands in the world.
+/// The environment map (HDRI, light probe) that lights the volume, and how it is turned in the world.
 struct ProbeSettings {
     std::string source;         ///< a file, or one of list_probes(); empty: the lighting method's own default
     double rotation_deg = 0;    ///< added to the azimuth of what the probe shows
@@ -35,7 +35,7 @@ struct Lighting {
     Rgb color{1, 1, 1};                         ///< sRGB, as picked
     double strength = 1;                        ///< of the illumination method: A' = 1 - strength (1 - A)
     ProbeSettings probe;
-    Probe loaded_probe;            ///< of `probe.source`; none: a white one where light from all around is needed
+    Probe loaded_probe;            ///< of `probe.source`; none: a white one where an environment map is needed
     std::optional<Vec3> probe_up;  ///< for `illuminate`: Camera::orbit_up of the picture; none: +z
     bool operator==(const Lighting&) const = default;
 };
@@ -46,7 +46,8 @@ enum class Method { none, spao, visibility, histogram, transport, reference };
 /// How the means over cubes are found: all at full resolution, by mipmaps, by N-buffers over some mipmaps, exactly from
 /// a table of sums, or (automatic) by a fused sweep over blocks that keeps no level.
 enum class SpaoFilter { automatic, nbuffer, mipmap, hybrid, exact };
-/// The paper's product over shells; the same with each shell's thickness as exponent; and the product per octant.
+/// The published product over shells (paper); the same with each shell's thickness as exponent; and the product per
+/// octant.
 enum class SpaoModel { paper, thick, corrected };
 
 /// Smooth probabilistic ambient occlusion (Kroes, Schut and Eisemann, GPU Zen).
@@ -63,8 +64,8 @@ struct SpaoSettings {
 /// plane before holds (sweep) or along straight rays through one lattice (sheared); or node by node, with steps that
 /// grow through a pyramid (hierarchical), or by steps of one cell (full).
 enum class VisibilityTraversal { sweep, sheared, hierarchical, full };
-/// The level that a growing step reads: the paper's log2 of it, or one below. With `corrected` matter that has a
-/// surface is also lit as a surface: looked up one edge outwards, by Lambert's law.
+/// The level that a growing step reads: the published log2 of it, or one below. With `corrected` matter that has a
+/// surface is also lit as a surface: looked up one voxel outwards (normal offset), by Lambert's law.
 enum class VisibilityModel { corrected, paper };
 /// Factors per band that trade ringing for sharpness.
 enum class ShWindow { none, hann, lanczos };
@@ -91,14 +92,15 @@ struct VisibilitySettings {
 };
 
 /// How the histograms around each cell are found: by box filters fitted to 1/d² and the first moment of direction
-/// (fast); all cells of the ball alike, from the neighbour's (sweep: no weights, no hemispheres); or cell by cell.
+/// (fast); all cells of the spherical neighbourhood alike, from the neighbour's (sweep: no weights, no hemispheres); or
+/// cell by cell.
 enum class HistogramPath { fast, sweep, exact };
 /// How bins are joined before histograms are compared: the smallest into its neighbours (paper), evenly, or so that the
 /// volume's cumulative histogram changes least.
 enum class HistogramPacking { paper, uniform, cumulative };
 /// The distance of two histograms: of Euclid, the sum or the largest of the differences.
 enum class HistogramMetric { l2, l1, lmax };
-/// Light is exp(-r O), with O the share of matter around; or the paper's 1 - O, mixed as luma and chroma.
+/// Light is exp(-r O), with O the fraction of matter around; or the published 1 - O, mixed as luma and chroma.
 enum class HistogramModel { corrected, paper };
 
 /// What is shown of the light that histograms know; each alone, or together.
@@ -109,8 +111,9 @@ struct HistogramEffects {
 
 /// Local histograms (Ropinski et al. 2008): found once for a volume, whatever its transfer function.
 struct HistogramSettings {
-    int radius = 16;       ///< of the ball around a cell, in smallest voxel edges; 0: proposed from the data
-    int clusters = 2048;   ///< histograms that stand for all
+    int radius = 16;  ///< of the spherical neighbourhood of a cell, in units of the smallest voxel size; 0: proposed
+                      ///< from the data
+    int clusters = 2048;   ///< size of the codebook: histograms that stand for all
     int packed_bins = 64;  ///< in which histograms are compared
     HistogramPacking packing = HistogramPacking::uniform;
     HistogramMetric metric = HistogramMetric::l2;
@@ -126,29 +129,29 @@ struct HistogramSettings {
 
 /// What rays find out for every voxel: the mean transmittance over all directions, over those outwards, over those
 /// weighted by their cosine, or its 16 coefficients in spherical harmonics (a field only, no picture); or along paths
-/// that scatter: for every voxel the mean radiance over all directions (fluence, a field only), for every pixel
-/// radiance (a picture only, no field).
+/// that scatter: for every voxel the mean radiance J over all directions (the fluence rate over 4π; a field only), for
+/// every pixel radiance (a picture only, no field).
 enum class ReferenceQuantity { obscurance, ao, ao_cosine, visibility, mean_radiance, radiance };
 /// Whether the extinction is constant in each voxel or interpolated between them.
 enum class ReferenceMedium { voxels, trilinear };
 
-/// Brute force: rays in all directions from every voxel, or paths through every pixel.
+/// The ground truth, by brute force: rays in all directions from every voxel, or paths through every pixel.
 struct ReferenceSettings {
     int rays = 256;                             ///< or paths from a voxel, through a pixel
     std::optional<ReferenceQuantity> quantity;  ///< missing: radiance for a picture, obscurance for a field
     ReferenceMedium medium = ReferenceMedium::voxels;
-    double start_half_voxels = 1;  ///< rays begin this far from the centre, in half cell edges
+    double start_half_voxels = 1;  ///< rays begin this far from the centre, in half voxel widths
     int subsample = 1;             ///< only every so many voxels per axis; between them trilinear (harmonics: one node)
-    std::optional<double> time_s;  ///< of radiance and fluence: no more paths after this time,
+    std::optional<double> time_s;  ///< of radiance and mean radiance: no more paths after this time,
     std::optional<double> error;   ///< nor when the RMS standard error over the RMS luminance is so small
     bool operator==(const ReferenceSettings&) const = default;
 };
 
-/// Multiple scattering by iterated sweeps.
+/// Multiple scattering by discrete ordinates (S_N): iterated sweeps in few directions.
 struct TransportSettings {
     int grid = 64;                ///< cells of the light grid on the long axis
     int directions = 24;          ///< of scattered light, an iteration
-    int first_directions = 200;   ///< of light not yet scattered
+    int first_directions = 200;   ///< of uncollided light
     std::optional<double> error;  ///< no more iterations once one changes less (relative RMS of J)
     bool operator==(const TransportSettings&) const = default;
 };
@@ -178,7 +181,8 @@ struct IlluminationSettings {
     TransportSettings transport;
     ReferenceSettings reference;
     ScatteringSettings scattering;
-    bool on_particles = false;  ///< no surfaces: accessibility is neither moved off them nor scaled (compare_methods)
+    bool on_particles = false;  ///< no surfaces: isotropic volume scattering: accessibility is neither read at a normal
+                                ///< offset nor scaled (compare_methods)
     bool operator==(const IlluminationSettings&) const = default;
 };
 
@@ -251,7 +255,8 @@ CHIARO_EXPORT Prepared prepare(const Device& device, const DeviceVolume& volume,
 /// equal.
 CHIARO_EXPORT IlluminationSettings preparation_of(const IlluminationSettings& settings);
 
-/// A radius for local histograms, in smallest voxel edges: how far cells are from the next strong edge, on average.
+/// A radius for local histograms, in units of the smallest voxel size: how far cells are from the next strong edge, on
+/// average.
 CHIARO_EXPORT int proposed_radius(const DeviceVolume& volume);
 
 /// Hands at least one field to `sink` unless cancelled, which it is between the iterations of transport too. Of
@@ -262,12 +267,12 @@ CHIARO_EXPORT bool illuminate(const Device& device, const Medium& medium, const 
                               const Lighting& lighting, const IlluminationSettings& settings, const Sink& sink,
                               Progress& progress, const IlluminationField& warm = {});
 
-/// The method's own answer for every voxel, neither moved off surfaces nor scaled as a picture needs it: accessibility,
-/// 1 = all light arrives; of transport J, the mean radiance (three components, 1 in an empty white probe), at the cells
-/// of its own grid; of the reference's quantity visibility, 16 components in spherical harmonics, a node for every
-/// `subsample`³ cells; of its fluence J too, at the centres of `subsample`³ voxels. Throws Error{usage} for a method
-/// that computes no field and for maxima along rays (which have no place that could be lit), Error{interrupted} when
-/// cancelled.
+/// The method's own result for every voxel, neither read at a normal offset nor scaled as a picture needs it:
+/// accessibility, 1 = all light arrives; of transport J, the mean radiance (three components, 1 in an empty white
+/// probe), at the cells of its own grid; of the reference's quantity visibility, 16 components in spherical harmonics,
+/// a node for every `subsample`³ cells; of its mean radiance J too, at the centres of `subsample`³ voxels. Throws
+/// Error{usage} for a method that computes no field and for maxima along rays (which have no place that could be lit),
+/// Error{interrupted} when cancelled.
 CHIARO_EXPORT ComputedField compute_field(const Device& device, const Medium& medium, const Prepared& prepared,
                                           const Lighting& lighting, const IlluminationSettings& settings,
                                           Progress& progress);

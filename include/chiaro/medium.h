@@ -69,7 +69,7 @@ struct Clip {
     bool operator==(const Clip&) const = default;
 };
 
-/// What of the classified volume takes part.
+/// What of the classified volume is rendered, and how.
 struct Shape {
     Mode mode = Mode::dvr;
     std::vector<IsoSurface> iso;  ///< for Mode::iso, at least one
@@ -81,7 +81,7 @@ struct Shape {
     bool operator==(const Shape&) const = default;
 };
 
-/// The optical table of a transfer function over a volume, and which of its cells hold matter. Cheap to copy.
+/// The optical table of a transfer function over a volume, and which of its cells are occupied. Cheap to copy.
 class Medium {
 public:
     struct Data;  // src/classify/medium.h
@@ -90,7 +90,7 @@ public:
     const Data& data() const { return *data_; }
     explicit operator bool() const { return data_ != nullptr; }
 
-    /// Share of the 4³ cells that hold matter.
+    /// Share of the 4³ occupied cells.
     CHIARO_EXPORT double occupied_fraction() const;
 
 private:

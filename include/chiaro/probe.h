@@ -1,4 +1,4 @@
-// Light from all around: an equirectangular picture of radiance.
+// An environment map (HDRI, light probe): an equirectangular image of radiance.
 #pragma once
 #include <chiaro/export.h>
 
@@ -9,8 +9,8 @@
 
 namespace chiaro {
 
-/// Linear radiance (Rec. 709 primaries) over the sphere. Row 0 is up; what lies at the share s of the width, 0 at the
-/// left, has azimuth 360° (½ - s). Cheap to copy; the picture is shared and never changes. Two are equal where they
+/// Linear radiance (Rec. 709 primaries) over the sphere. Row 0 is up; what lies at the fraction s of the width, 0 at
+/// the left, has azimuth 360° (½ - s). Cheap to copy; the image is shared and never changes. Two are equal where they
 /// share it.
 class Probe {
 public:
@@ -18,7 +18,7 @@ public:
 
     Probe() = default;  ///< none
     /// Three floats a pixel, row after row; of any aspect. Negative values and NaN count as 0, infinite ones as 65504
-    /// (the largest half). Projects the picture on spherical harmonics: some 10 ns a pixel, on all cores. Throws
+    /// (the largest half). Projects the image on spherical harmonics: some 10 ns a pixel, on all cores. Throws
     /// Error{input} unless there are 1 to 65536 pixels a side and three values for each.
     CHIARO_EXPORT Probe(int width, int height, std::vector<float> rgb);
 
@@ -43,7 +43,8 @@ CHIARO_EXPORT std::vector<ProbeInfo> list_probes();
 /// Error{usage} with "did you mean".
 CHIARO_EXPORT Probe builtin_probe(const std::string& name);
 
-/// Whether this names a probe of ours, rightly or wrongly, and no file: it holds neither '/' nor '.'.
+/// Whether this is meant as the name of a built-in probe, known or not, and not as a file: it holds neither '/' nor
+/// '.'.
 CHIARO_EXPORT bool is_probe_name(const std::string& source);
 
 /// A probe by name, or from a Radiance (.hdr) or OpenEXR file of at most 100 megapixels. A file that stands upside down

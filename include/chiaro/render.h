@@ -1,6 +1,6 @@
 // The ray caster, and the whole way from a scene to a picture.
 //
-// A frame is upload -> prepare -> classify -> illuminate -> raycast -> develop: six verbs, each needing only the
+// A frame is upload -> prepare -> classify -> illuminate -> raycast -> develop: six stages, each needing only the
 // results to its left.
 #pragma once
 #include <chiaro/camera.h>
@@ -26,13 +26,13 @@ enum class Compositing { front_to_back, back_to_front };
 /// are the same.
 enum class RaySetup { box, raster };
 
-/// Between voxels values are interpolated by the kernels, in single precision; or, where a card casts the rays, by its
+/// Between voxels values are interpolated by the kernels, in single precision; or, where a GPU casts the rays, by its
 /// texture units, whose weights have 8 fractional bits: each is off by up to 1/256, a value by up to 3/256 of what the
-/// eight voxels around it span. A processor is always exact, and so are paths.
+/// eight voxels around it span. A CPU is always exact, and so are paths.
 enum class Interpolation { exact, texture };
 
 struct RaySettings {
-    double step_voxels = 0.5;                              ///< distance of the samples, in smallest voxel edges
+    double step_voxels = 0.5;  ///< distance of the samples, in units of the smallest voxel size
     Classification classification = Classification::post;  ///< for Mode::dvr
     Compositing compositing = Compositing::front_to_back;  ///< back to front no ray ends early
     int samples_per_pixel = 1;                             ///< rays through a pixel, averaged
@@ -66,7 +66,7 @@ CHIARO_EXPORT RenderStatistics raycast(const Device& device, const Medium& mediu
                                        const Lighting& lighting, const Camera& camera, const RaySettings& settings,
                                        Frame& frame, Progress& progress);
 
-/// The same; what a card made stays there until it is read.
+/// The same; what a GPU made stays there until it is read.
 CHIARO_EXPORT RenderStatistics raycast(const Device& device, const Medium& medium, const IlluminationField& field,
                                        const Lighting& lighting, const Camera& camera, const RaySettings& settings,
                                        DeviceFrame& frame, Progress& progress);
@@ -89,7 +89,7 @@ CHIARO_EXPORT RenderStatistics trace_paths(const Device& device, const Medium& m
                                            const IlluminationSettings& settings, Frame& frame, Progress& progress,
                                            const FramePreview& preview = {});
 
-/// The same; what a card made stays there until it is read.
+/// The same; what a GPU made stays there until it is read.
 CHIARO_EXPORT RenderStatistics trace_paths(const Device& device, const Medium& medium, const Lighting& lighting,
                                            const Camera& camera, const RaySettings& rays,
                                            const IlluminationSettings& settings, DeviceFrame& frame, Progress& progress,

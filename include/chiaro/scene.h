@@ -23,12 +23,12 @@ struct TransferSettings {
     std::optional<std::pair<double, double>> window;     ///< centre, width
     std::optional<std::pair<double, double>> threshold;  ///< low, high; outside is transparent
     double opacity_scale = 1;                            ///< multiplies the extinction
-    std::optional<double> opacity_unit;                  ///< in smallest voxel edges; replaces the function's own
-    std::optional<double> opacity_unit_mm;               ///< in mm; one of the two at most
+    std::optional<double> opacity_unit;     ///< in units of the smallest voxel size; replaces the function's own
+    std::optional<double> opacity_unit_mm;  ///< in mm; one of the two at most
     bool operator==(const TransferSettings&) const = default;
 };
 
-/// What a scene tells of its volume. Size and type are checked; the spacing replaces the file's.
+/// What a scene file expects of its volume. Size and type are checked; the spacing replaces the file's.
 struct ExpectedVolume {
     std::optional<std::array<int, 3>> dimensions;
     std::optional<VoxelType> type;

@@ -1,4 +1,4 @@
-// One viewer's state: each verb's result, kept with the inputs that made it.
+// One viewer's state: each stage's result, kept with the inputs that made it.
 #pragma once
 #include <chiaro/device.h>
 #include <chiaro/export.h>
@@ -13,11 +13,11 @@ namespace chiaro {
 /// Receives a picture that a better one follows.
 using Preview = std::function<void(const Image&)>;
 
-/// Renders scenes one after the other and redoes only the verbs to the right of what changed: an edit of the transfer
+/// Renders scenes one after the other and redoes only the stages to the right of what changed: an edit of the transfer
 /// function starts at `classify`, a camera move is `raycast` and `develop`.
 class Session {
 public:
-    /// On a card with a stream of its own.
+    /// On a GPU with a stream of its own.
     CHIARO_EXPORT explicit Session(const Device& device);
     CHIARO_EXPORT ~Session();
     CHIARO_EXPORT Session(Session&&) noexcept;
@@ -31,7 +31,7 @@ public:
     /// `preview` is handed the picture with each coarse light that comes before the finest (visibility, and each
     /// iteration of transport), while that is still being found; and with each pass of paths (reference).
     CHIARO_EXPORT const Image& render(const Scene& scene, Progress& progress, const Preview& preview = {});
-    /// What can be shown at once: the scene by the light at hand, that of the last render, whatever it was made for; by
+    /// What can be shown at once: the scene by the last computed lighting, whatever it was made for; by
     /// none at first. Of the reference's radiance one path a pixel. What render keeps stays kept.
     CHIARO_EXPORT const Image& preview(const Scene& scene, Progress& progress);
     /// Whether a render would have to find light first.
@@ -39,9 +39,9 @@ public:
     /// What the scene's lighting method computes for the shown volume. Throws as chiaro::compute_field.
     CHIARO_EXPORT ComputedField compute_field(const Scene& scene, Progress& progress);
 
-    /// Of the last render; while `preview` is called with paths, theirs. A card brings it when it is first asked for.
+    /// Of the last render; while `preview` is called with paths, theirs. A GPU brings it when it is first asked for.
     CHIARO_EXPORT const Frame& frame() const;
-    /// Of the last render or field, in order; a verb whose kept result served took 0. What a verb consists of follows
+    /// Of the last render or field, in order; a stage whose kept result served took 0. What a stage consists of follows
     /// it.
     CHIARO_EXPORT const std::vector<Stage>& stages() const;
     CHIARO_EXPORT const DeviceVolume& volume() const;      ///< shown
@@ -63,7 +63,7 @@ private:
     std::unique_ptr<State> state_;
 };
 
-/// A whole picture in one call: read, the six verbs, done.
+/// A whole picture in one call: read, the six pipeline stages, done.
 CHIARO_EXPORT Image render_image(const Device& device, const Scene& scene, Progress& progress);
 
 }  // namespace chiaro

@@ -1,6 +1,6 @@
 // Settings told once: every settings struct has `describe(visit, settings)` in <chiaro/describe.h>, which hands each
-// setting to the visitor with its name, unit, range and one sentence. Flags, --help, JSON, validation and the
-// documentation's tables come from it.
+// setting to the visitor with its name, unit, range and one line of description. Flags, --help, JSON, validation and
+// the documentation's tables come from it.
 #pragma once
 #include <limits>
 #include <string_view>

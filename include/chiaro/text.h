@@ -50,7 +50,8 @@ constexpr auto names_of(HistogramPacking) {
 constexpr auto names_of(HistogramMetric) { return std::to_array<std::string_view>({"l2", "l1", "lmax"}); }
 constexpr auto names_of(HistogramModel) { return std::to_array<std::string_view>({"corrected", "paper"}); }
 constexpr auto names_of(ReferenceQuantity) {
-    return std::to_array<std::string_view>({"obscurance", "ao", "ao-cosine", "visibility", "fluence", "radiance"});
+    return std::to_array<std::string_view>(
+        {"obscurance", "ao", "ao-cosine", "visibility", "mean-radiance", "radiance"});
 }
 constexpr auto names_of(ReferenceMedium) { return std::to_array<std::string_view>({"voxels", "trilinear"}); }
 constexpr auto names_of(Mode) { return std::to_array<std::string_view>({"dvr", "iso", "mip"}); }
@@ -134,6 +135,10 @@ CHIARO_EXPORT std::size_t index_among(std::string_view text, std::span<const std
 void from_text(std::string_view text, Named auto& value) {
     using E = std::remove_reference_t<decltype(value)>;
     value = E(index_among(text, names_of(value)));
+}
+/// Accepts "fluence" too, an older name of mean-radiance.
+inline void from_text(std::string_view text, ReferenceQuantity& value) {
+    value = ReferenceQuantity(index_among(text == "fluence" ? "mean-radiance" : text, names_of(value)));
 }
 template <class T>
 void from_text(std::string_view text, std::optional<T>& value) {

@@ -27,7 +27,7 @@ struct TransferFunction {
     std::vector<ControlPoint> points;  ///< at least one, values not falling
     RgbSpace rgb_space = RgbSpace::srgb;
     double opacity_unit = 1;          ///< the length that `opacity` belongs to, > 0 ...
-    bool opacity_unit_is_mm = false;  ///< ... in millimetres, or else in smallest voxel edges
+    bool opacity_unit_is_mm = false;  ///< ... in millimetres, or else in units of the smallest voxel size
     std::string name;                 ///< preset, file or colour map it came from
     bool operator==(const TransferFunction&) const = default;
 };

@@ -23,7 +23,7 @@ void validate(const Shape& shape) {
 
 namespace {
 
-/// On the card, which then holds it, or here.
+/// On the GPU, which then holds it, or here.
 void find_occupancy(const Device& device, const RangeTest& is_visible, Medium::Data& data) {
     const DeviceVolume::Data& volume = data.volume.data();
     const auto on_gpu = [&] {

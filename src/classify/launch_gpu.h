@@ -1,4 +1,4 @@
-// The kernels of occupancy as a card has them, compiled by launch_occupancy.cu; pointers are the card's.
+// The kernels of occupancy as a GPU has them, compiled by launch_occupancy.cu; pointers are the GPU's.
 #pragma once
 #include "classify/occupancy_kernel.h"
 #include "cuda/stream.h"

@@ -1,4 +1,4 @@
-// Occupancy on cards: one thread a cell.
+// Occupancy on GPUs: one thread a cell.
 #include "classify/launch_gpu.h"
 #include "cuda/launch.h"
 

@@ -6,6 +6,7 @@
 #include <charconv>
 
 #include "classify/presets.h"
+#include "core/color_map_opacity.h"
 #include "core/did_you_mean.h"
 
 namespace chiaro {
@@ -49,9 +50,9 @@ std::vector<ControlPoint> parse_stops(std::string_view stops) {
     return points;
 }
 
-/// Opacity 0 over the lowest tenth, where the background lies, then rising to a quarter a voxel.
+/// With the opacity of ColorMapOpacity.
 TransferFunction from_color_map(const ColorMapRow& row, bool reversed) {
-    constexpr double start = 0.1, highest = 0.25;
+    constexpr double start = ColorMapOpacity::start, highest = ColorMapOpacity::highest;
     TransferFunction tf;
     tf.points = parse_stops(row.stops);
     if (reversed) {

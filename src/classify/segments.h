@@ -24,7 +24,7 @@ SegmentTable make_segment_table(const DeviceVolume::Data& volume, const OpticalT
                                 int threads);
 
 /// The medium's, its colours scaled down to `albedo_limit`; it keeps the last one, so that frames of the same steps
-/// share it, and a card knows it.
+/// share it, and a GPU knows it.
 std::shared_ptr<const SegmentTable> segment_table(const Medium::Data& medium, double step_mm,
                                                   std::optional<double> albedo_limit, int threads);
 

@@ -82,7 +82,7 @@ Device Device::cpu(int threads, Isa isa) {
         throw Error(ErrorCode::output, "this build has no kernels for " + std::string(name_of(isa)) + ", only for " +
                                            names_of(isas) + " (CMake option CHIARO_KERNELS)");
     if (!this_machine_runs(isa))
-        throw Error(ErrorCode::output, "this processor does not run " + std::string(name_of(isa)) + " (at most " +
+        throw Error(ErrorCode::output, "this CPU does not run " + std::string(name_of(isa)) + " (at most " +
                                            std::string(name_of(best_isa())) + ")");
     return {threads == 0 ? usable_threads() : threads, isa};
 }

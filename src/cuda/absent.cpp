@@ -1,15 +1,15 @@
-// In the place of stream.cpp where there is no nvcc to compile kernels with: there are no cards.
+// In the place of stream.cpp where there is no nvcc to compile kernels with: there are no GPUs.
 #include "cuda/texture.h"
 
 namespace chiaro::cuda {
 namespace {
 
-[[noreturn]] void refuse() { throw Error(ErrorCode::internal, "a card is used by a build without CUDA"); }
+[[noreturn]] void refuse() { throw Error(ErrorCode::internal, "a GPU is used by a build without CUDA"); }
 
 }  // namespace
 
 std::vector<GpuInfo> find_gpus(std::string& why) {
-    why = "this build has the processor only";
+    why = "this build has the CPU only";
     return {};
 }
 

@@ -1,4 +1,4 @@
-// Devices with a card.
+// Devices with a GPU.
 #include <chiaro/device.h>
 #include <fmt/format.h>
 
@@ -39,7 +39,7 @@ void Stream::fetch(void* to, const void* from, std::size_t bytes) {
 void Stream::give_up(const OutOfMemory& error) {
     if (!is_optional_) throw error;
     const std::lock_guard lock(mutex_);
-    given_up_ = std::string(error.what()) + "; the processor does the work";
+    given_up_ = std::string(error.what()) + "; the CPU does the work";
 }
 
 std::string Stream::given_up() const {
@@ -93,12 +93,12 @@ DeviceChoice choose_device(const Device& host) {
                                       [](const auto& a, const auto& b) { return a.free_bytes < b.free_bytes; });
     const std::string name = fmt::format("cuda:{} ({})", gpu->index, gpu->name);
     if (gpu->free_bytes < least_free_bytes)
-        return {host, fmt::format("{} has {} MiB free, too few to be chosen by itself: the processor does the work",
-                                  name, gpu->free_bytes >> 20)};
+        return {host, fmt::format("{} has {} MiB free, too few to be chosen by itself: the CPU does the work", name,
+                                  gpu->free_bytes >> 20)};
     try {
         return {with_gpu(host, *gpu, true), fmt::format("on {}, {} MiB free", name, gpu->free_bytes >> 20)};
     } catch (const Error& error) {
-        return {host, fmt::format("{}: the processor does the work", error.what())};
+        return {host, fmt::format("{}: the CPU does the work", error.what())};
     }
 }
 

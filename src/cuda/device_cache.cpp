@@ -20,7 +20,7 @@ const std::byte* DeviceCache::of(const HostArray& array, Stream& stream) {
     std::unique_lock lock(mutex_);
     if (const std::byte* memory = kept(array)) return memory;
     lock.unlock();
-    array.fetch();  // from another card, perhaps, whose mirror may be waiting for this one
+    array.fetch();  // from another GPU, perhaps, whose mirror may be waiting for this one
     lock.lock();
     if (const std::byte* memory = kept(array)) return memory;
     const std::byte* memory = add(array, stream, [&](std::byte* to) { stream.upload(to, array.data, array.bytes); });

@@ -1,4 +1,4 @@
-// What a card keeps of host memory: every array is copied there once, and stays as long as its owner on the host does.
+// What a GPU keeps of host memory: every array is copied there once, and stays as long as its owner on the host does.
 #pragma once
 #include <atomic>
 #include <functional>
@@ -11,7 +11,7 @@
 
 namespace chiaro::cuda {
 
-/// The copies that the streams of a card share. Arrays are known by owner and address: an owner's arrays never change,
+/// The copies that the streams of a GPU share. Arrays are known by owner and address: an owner's arrays never change,
 /// and the address of one that has gone is not taken for its own (weak pointers tell owners apart for ever).
 class DeviceCache {
 public:
@@ -20,9 +20,9 @@ public:
     DeviceCache(const DeviceCache&) = delete;
     DeviceCache& operator=(const DeviceCache&) = delete;
 
-    /// Where the array lies on the card; waits for the copy where there was none.
+    /// Where the array lies on the GPU; waits for the copy where there was none.
     const std::byte* of(const HostArray& array, Stream& stream);
-    /// The array was made on the card, at `made`: a copy from there is kept, and none comes from the host.
+    /// The array was made on the GPU, at `made`: a copy from there is kept, and none comes from the host.
     void keep(const HostArray& array, const void* made, Stream& stream);
     /// The texture of an array, which `make` makes on the stream when it is first asked for; waits for that.
     std::uint64_t texture(const HostArray& array, Stream& stream,
@@ -48,11 +48,11 @@ private:
     std::atomic<std::uint64_t> copied_bytes_{0};
 };
 
-/// The card keeps what was `made` there as its copy of the array; what is returned fetches it to `to`.
+/// The GPU keeps what was `made` there as its copy of the array; what is returned fetches it to `to`.
 std::shared_ptr<const DeferredDownload> keep_resident(const std::shared_ptr<Stream>& stream, const HostArray& array,
                                                       const void* made, void* to);
 
-/// One call's kernels: turns their pointers into host arrays into pointers to the card's copies of those.
+/// One call's kernels: turns their pointers into host arrays into pointers to the GPU's copies of those.
 class Views {
 public:
     Views(Stream& stream, HostArrays arrays) : stream_(stream), arrays_(std::move(arrays)) {}

@@ -1,5 +1,5 @@
-// From a kernel to threads of a card, for launch*.cu alone. They are compiled by nvcc; by the compiler of the tests for
-// a card that these make believe (CHIARO_CUDA_EMULATED, tests/cuda_emulated); and where there is no nvcc by the
+// From a kernel to threads of a GPU, for launch*.cu alone. They are compiled by nvcc; by the compiler of the tests for
+// a GPU that these make believe (CHIARO_CUDA_EMULATED, tests/cuda_emulated); and where there is no nvcc by the
 // compiler of the library, which then makes nothing of the kernels.
 #pragma once
 #include <cstdint>

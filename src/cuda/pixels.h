@@ -1,4 +1,4 @@
-// A frame that stays on the card.
+// A frame that stays on the GPU.
 #pragma once
 #include <memory>
 

@@ -4,7 +4,7 @@
 
 namespace chiaro::kernel {
 
-/// kernel(i) for each i of [0, count), a thread each; pointers are the card's.
+/// kernel(i) for each i of [0, count), a thread each; pointers are the GPU's.
 template <class Kernel>
 CHIARO_LAUNCHER void run_on_gpu(cuda::Stream& stream, std::int64_t count, const Kernel& kernel);
 

@@ -8,7 +8,7 @@
 namespace chiaro::cuda {
 namespace {
 
-constexpr std::size_t kept_bytes = std::size_t(256) << 20;  ///< freed memory that a card holds ready for the next frame
+constexpr std::size_t kept_bytes = std::size_t(256) << 20;  ///< freed memory that a GPU holds ready for the next frame
 constexpr int oldest = 75;  ///< compute capability × 10 that the kernels are compiled for
 
 std::string name_of_gpu(const GpuInfo& gpu) { return fmt::format("cuda:{} ({})", gpu.index, gpu.name); }
@@ -58,7 +58,7 @@ std::string why_none(cudaError_t error) {
     if (error == cudaErrorInsufficientDriver)
         return fmt::format("the NVIDIA driver is for CUDA {}.{}, and this build needs {}.{}", driver / 1000,
                            driver % 1000 / 10, runtime / 1000, runtime % 1000 / 10);
-    if (error == cudaErrorNoDevice || error == cudaSuccess) return "there is no NVIDIA card";
+    if (error == cudaErrorNoDevice || error == cudaSuccess) return "there is no NVIDIA GPU";
     return fmt::format("the NVIDIA driver says: {}", cudaGetErrorString(error));
 }
 
@@ -111,7 +111,7 @@ Stream::~Stream() {
     if (landing_) (void)cudaFreeHost(landing_);
 }
 
-/// Which card is meant is each thread's own state.
+/// Which GPU is meant is each thread's own state.
 void Stream::use() const { check(cudaSetDevice(gpu_.index), gpu_); }
 
 void* Stream::allocate(std::size_t bytes) {

@@ -1,4 +1,4 @@
-// A card of NVIDIA as the host sees it: its memory, copies to and from it, and an order of work. No type of CUDA's is
+// An NVIDIA GPU as the host sees it: its memory, copies to and from it, and an order of work. No type of CUDA's is
 // named here, so that everything but stream.cpp and the launch*.cu compiles without it (absent.cpp then says so).
 #pragma once
 #include <chiaro/device.h>
@@ -19,21 +19,21 @@ namespace chiaro::cuda {
 
 class DeviceCache;
 
-/// The card has too little memory for something; the processor could still do it.
+/// The GPU has too little memory for something; the CPU could still do it.
 class OutOfMemory : public Error {
 public:
     explicit OutOfMemory(const std::string& sentence) : Error(ErrorCode::output, sentence) {}
 };
 
-/// The cards, or in `why` the reason why there are none.
+/// The GPUs, or in `why` the reason why there are none.
 std::vector<GpuInfo> find_gpus(std::string& why);
 
 /// Work that is done in order, beside the host's, until the host waits for it. Every call may throw Error{output}: what
-/// the driver told (of an earlier call too), OutOfMemory, or that the card was lost.
+/// the driver told (of an earlier call too), OutOfMemory, or that the GPU was lost.
 class Stream {
 public:
-    /// `mirror`: what the streams of one card keep there in common. `is_optional`: the card was chosen by itself, and
-    /// the processor may take over.
+    /// `mirror`: what the streams of one GPU keep there in common. `is_optional`: the GPU was chosen by itself, and
+    /// the CPU may take over.
     Stream(GpuInfo gpu, std::shared_ptr<DeviceCache> device_cache, bool is_optional);
     ~Stream();
     Stream(const Stream&) = delete;
@@ -48,9 +48,9 @@ public:
     std::size_t free_bytes() const;                                ///< bytes that are free now
     void upload(void* to, const void* from, std::size_t bytes);    ///< `from` stays as it is until the host has waited
     void download(void* to, const void* from, std::size_t bytes);  ///< `to` is there when the host has waited
-    void copy(void* to, const void* from, std::size_t bytes);      ///< on the card
+    void copy(void* to, const void* from, std::size_t bytes);      ///< on the GPU
     void zero(void* memory, std::size_t bytes);
-    /// Page-locked memory of the host that the card writes to at full speed: the same at each call, until it must grow.
+    /// Page-locked memory of the host that the GPU writes to at full speed: the same at each call, until it must grow.
     std::byte* landing(std::size_t bytes);
     /// Waits until `bytes` have come to `to`, any memory: by the landing, or where there is no room for that straight.
     void fetch(void* to, const void* from, std::size_t bytes);
@@ -62,10 +62,10 @@ public:
     static void release_at_once(int gpu, void* memory) noexcept;
 
     bool is_optional() const { return is_optional_; }
-    void give_up(const OutOfMemory& error);  ///< throws it again where the card must do the work
+    void give_up(const OutOfMemory& error);  ///< throws it again where the GPU must do the work
     std::string given_up() const;            ///< why; empty: it has not
     void do_without(
-        const std::string& sentence);  ///< tells what the card cannot do, while it does the rest; empty: nothing
+        const std::string& sentence);  ///< tells what the GPU cannot do, while it does the rest; empty: nothing
     std::string note() const;          ///< what a user should know of all this; empty: nothing
 
 private:
@@ -82,10 +82,10 @@ private:
     std::string given_up_, done_without_;
 };
 
-/// Whether the device has a card that has not given up.
+/// Whether the device has a GPU that has not given up.
 inline bool works(const Device& device) { return device.stream && device.stream->given_up().empty(); }
 
-/// Has the card do the work; false where it was chosen by itself and has no room: it has given up, or does now.
+/// Has the GPU do the work; false where it was chosen by itself and has no room: it has given up, or does now.
 template <class Work>
 bool try_gpu(Stream& stream, const Work& work) {
     if (!stream.given_up().empty()) return false;
@@ -109,7 +109,7 @@ struct SyncOnExit {
     ~SyncOnExit() { stream.settle(); }
 };
 
-/// An owned array on a card, for the work of one stream.
+/// An owned array on a GPU, for the work of one stream.
 template <class T>
 class Array {
 public:

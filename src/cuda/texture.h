@@ -1,4 +1,4 @@
-// A volume as a card's texture units read it.
+// A volume as a GPU's texture units read it.
 #pragma once
 #include <array>
 
@@ -9,7 +9,7 @@ namespace chiaro::cuda {
 /// What is stored. Whole numbers come out as shares of the largest.
 enum class Texel { u8, u16, f32 };
 
-/// A card can have no such texture: there is no room for it, or none may be as large.
+/// A GPU can have no such texture: there is no room for it, or none may be as large.
 class NoTexture : public Error {
 public:
     explicit NoTexture(const std::string& sentence) : Error(ErrorCode::output, sentence) {}
@@ -19,7 +19,7 @@ public:
 /// with weights of 8 fractional bits, beyond the outermost these.
 class Texture {
 public:
-    /// A box of texels that lies on the card, in rows of `row` texels, `row` of them a slice.
+    /// A box of texels that lies on the GPU, in rows of `row` texels, `row` of them a slice.
     struct Box {
         const std::byte* from;
         int row;

@@ -9,7 +9,7 @@ struct Limits {
     unsigned cpu_seconds = 0;
 };
 
-/// Limits memory, processor time, file size and open files; forbids core dumps and all that restrict_system_calls does;
+/// Limits memory, CPU time, file size and open files; forbids core dumps and all that restrict_system_calls does;
 /// ties the helper's life to its parent's. Whatever the kernel lacks is left out: the parent checks the results all the
 /// same.
 void limit_this_process(const Limits& limits);

@@ -24,7 +24,7 @@ double outward_factor(const IlluminationSettings& settings) {
     if (settings.method == Method::reference)
         return settings.reference.quantity.value_or(obscurance) == obscurance ? 0 : reference_normal_factor;
     if (settings.spao.model == SpaoModel::corrected) return settings.spao.normal_factor;
-    return settings.spao.normal_factor == 0 ? 0 : at_once;  // the paper's cubes move outwards as a whole
+    return settings.spao.normal_factor == 0 ? 0 : at_once;  // the published cubes move outwards as a whole
 }
 
 }  // namespace chiaro

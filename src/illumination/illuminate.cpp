@@ -21,7 +21,7 @@ kernel::AccessView view_of(const CellValues& values) { return {values.data(), vi
 IlluminationField field_of(CellValues values, const kernel::GridView& nodes, StageTimer& timer) {
     auto data = std::make_shared<IlluminationField::Data>();
     auto access = std::make_shared<const CellValues>(std::move(values));
-    data->view = kernel::AccessView{access->address(), nodes, 1};  // a card may be all that reads it
+    data->view = kernel::AccessView{access->address(), nodes, 1};  // a GPU may be all that reads it
     data->access = std::move(access);
     data->stages = timer.take();
     return IlluminationField(std::move(data));
@@ -43,7 +43,7 @@ void check_image(const IlluminationSettings& settings) {
             ErrorCode::usage,
             fmt::format("the reference's quantity {} is a field, no picture: write it with chiaro illuminate, or "
                         "choose radiance, obscurance, ao or ao-cosine",
-                        quantity == ReferenceQuantity::mean_radiance ? "fluence" : "visibility"));
+                        quantity == ReferenceQuantity::mean_radiance ? "mean-radiance" : "visibility"));
 }
 
 IlluminationField light_of(const Device& device, const Medium::Data& medium, const IlluminationSettings& settings,
@@ -55,7 +55,7 @@ IlluminationField light_of(const Device& device, const Medium::Data& medium, con
         return field_of(std::move(lit), cells, timer);
     }
     const CellOpacity opacity = timer("opacity", [&] { return cell_opacity(device, medium, progress); });
-    // A sample reads the cells around it, each of which was lifted from a cell further out.
+    // A sample reads the cells around it, each of which has the value of a cell further out (normal offset).
     CellValues access = accessibility(device, medium, opacity, settings, visible_blocks(medium, opacity.values.grid, 2),
                                       timer, progress);
     const kernel::GridView cells = view_of(access.grid);
@@ -185,13 +185,14 @@ std::vector<MethodInfo> list_methods() {
     return {
         {"none", "All light arrives everywhere; only the shading model acts."},
         {"spao", "Ambient occlusion by filtering: means of growing cubes, found again after every edit."},
-        {"visibility", "Natural light from a probe, with soft coloured shadows: visibility in spherical harmonics."},
+        {"visibility", "Light of an environment map, with soft coloured shadows: visibility in spherical harmonics."},
         {"histogram",
          "Ambient occlusion and colour bleeding by local histograms: prepared once, an edit only renews a small "
          "table."},
         {"transport",
-         "Natural light that scatters again and again, following an edit: each pass over a grid brings it nearer."},
-        {"reference", "Light's own paths, or rays from every voxel: slow, and what the others are measured against."}};
+         "Multiple scattering by discrete ordinates on a grid, live after an edit: each iteration brings it nearer."},
+        {"reference",
+         "Ground truth by path tracing, or by rays from every voxel: slow; the others are measured against it."}};
 }
 
 bool illuminate(const Device& device, const Medium& medium, const Prepared& prepared, const Lighting& lighting,

@@ -28,7 +28,7 @@ struct SrgbTable {
     }
 };
 
-/// One for all frames, so that a card needs it once.
+/// One for all frames, so that a GPU needs it once.
 const std::shared_ptr<const SrgbTable>& srgb_table() {
     static const auto table = std::make_shared<const SrgbTable>();
     return table;

@@ -47,11 +47,11 @@ std::int64_t pixels_of(const Imath::Box2i& box) {
 void check_claims(const Imf::Header& header, std::size_t file_bytes) {
     constexpr std::int64_t densest = 4096;  // pixels to a byte
     const std::int64_t pixels = pixels_of(header.dataWindow());
-    if (pixels > max_decoded_pixels) throw std::runtime_error("more than 100 megapixels");
+    if (pixels > max_pixels) throw std::runtime_error("more than 100 megapixels");
     if (pixels / densest > std::int64_t(file_bytes)) throw std::runtime_error("the file is too short for its pixels");
     if (header.hasTileDescription()) {
         const Imf::TileDescription& tile = header.tileDescription();
-        if (std::uint64_t(tile.xSize) * tile.ySize > std::uint64_t(max_decoded_pixels))
+        if (std::uint64_t(tile.xSize) * tile.ySize > std::uint64_t(max_pixels))
             throw std::runtime_error("tiles of more than 100 megapixels");
     }
     for (const char* name : {"R", "G", "B"})

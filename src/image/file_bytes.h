@@ -7,8 +7,8 @@
 
 namespace chiaro {
 
-/// What any decoder of images accepts: 100 megapixels.
-inline constexpr std::int64_t max_decoded_pixels = 100'000'000;
+/// Larger images are refused before memory is taken for them.
+inline constexpr std::int64_t max_pixels = 100'000'000;
 
 /// At most 2 GiB. Throws Error{input} that names the file and the reason.
 std::vector<std::byte> file_bytes(const std::filesystem::path& path);

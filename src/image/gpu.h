@@ -1,4 +1,4 @@
-// Developing on the card that holds the frame.
+// Developing on the GPU that holds the frame.
 #pragma once
 #include "cuda/device_cache.h"
 #include "cuda/pixels.h"

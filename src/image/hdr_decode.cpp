@@ -73,7 +73,7 @@ Size read_size(HdrInput& in) {
     if (!line.starts_with("-Y ") || x == line.npos)
         in.refuse("it does not begin at the top left, with -Y HEIGHT +X WIDTH");
     const Size size{number_after(" +X ", x), number_after("-Y ", 0)};
-    if (std::int64_t(size.width) * size.height > max_decoded_pixels) in.refuse("more than 100 megapixels");
+    if (std::int64_t(size.width) * size.height > max_pixels) in.refuse("more than 100 megapixels");
     if (std::max(size.width, size.height) > longest_side) in.refuse("more than 65536 pixels a side");
     return size;
 }

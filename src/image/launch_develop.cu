@@ -1,4 +1,4 @@
-// Developing on cards: the same source, a thread a pixel.
+// Developing on GPUs: the same source, a thread a pixel.
 #include "cuda/launch.h"
 #include "image/develop_kernel.h"
 

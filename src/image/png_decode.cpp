@@ -52,7 +52,7 @@ bool read_header(png_structp png, png_infop info, std::size_t file_bytes) {
     if (std::uint64_t(png_get_rowbytes(png, info)) * png_get_image_height(png, info) / largest_deflate_ratio >
         file_bytes)
         png_error(png, "the file is too short for its pixels");
-    if (std::uint64_t(png_get_image_width(png, info)) * png_get_image_height(png, info) > max_decoded_pixels)
+    if (std::uint64_t(png_get_image_width(png, info)) * png_get_image_height(png, info) > std::uint64_t(max_pixels))
         png_error(png, "more than 100 megapixels");
     png_set_expand(png);
     png_set_scale_16(png);

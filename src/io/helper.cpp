@@ -38,7 +38,7 @@ std::string sentence_about(const DecodeRequest& request, const std::string& sent
 std::string text_of_end(int signal, const std::string& at) {
     const std::string what = at.empty() ? "it" : "'" + at + "'";
     if (signal == SIGXCPU || signal == SIGKILL)
-        return "decoding " + what + " took more processor time or memory than is permitted";
+        return "decoding " + what + " took more CPU time or memory than is permitted";
     if (signal != 0)
         return fmt::format("the decoder crashed on {} (signal {}), so the file is damaged or of an unknown kind", what,
                            signal);

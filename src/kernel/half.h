@@ -20,7 +20,7 @@ CHIARO_INLINE std::uint16_t to_half(float value) {
 }
 
 /// A half of at least 2^-14, or 0, which reads as 2^-15: so its bits need only be shifted, and no sum of a few is so
-/// small that it takes a processor long.
+/// small that it takes a CPU long.
 struct Light16 {
     static constexpr float most = 65504;
     std::uint16_t bits;

@@ -4,8 +4,8 @@
 
 namespace chiaro::kernel {
 
-/// use(a[k], b[k]) for k of [first, end), whole sixteens, of vectors that begin at such. A thread of a card reads eight
-/// numbers at once, or it would wait for each; the processor's compiler does so by itself.
+/// use(a[k], b[k]) for k of [first, end), whole sixteens, of vectors that begin at such. A thread of a GPU reads eight
+/// numbers at once, or it would wait for each; the CPU's compiler does so by itself.
 template <class Use>
 CHIARO_INLINE void for_both(const std::int16_t* a, const std::int16_t* b, int first, int end, Use&& use) {
 #ifdef __CUDACC__

@@ -1,4 +1,4 @@
-// The path tracer on a card: one thread a pixel, whose sums stay there.
+// The path tracer on a GPU: one thread a pixel, whose sums stay there.
 #pragma once
 #include <chiaro/progress.h>
 
@@ -36,7 +36,7 @@ void swap_pointers(Views& views, kernel::PathKernel<Matter>& kernel) {
     swap_pointers(views, kernel.probe);
 }
 
-/// A frame's sums on a card.
+/// A frame's sums on a GPU.
 class GpuPaths {
 public:
     GpuPaths(const Device& device, int width, int height);

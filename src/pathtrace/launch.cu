@@ -1,4 +1,4 @@
-// The path tracer's kernel on cards: the same source, one thread a pixel.
+// The path tracer's kernel on GPUs: the same source, one thread a pixel.
 #include "cuda/launch.h"
 #include "pathtrace/launch_gpu.h"
 

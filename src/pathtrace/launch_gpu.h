@@ -1,4 +1,4 @@
-// The path tracer's kernels as a card has them, compiled by launch.cu.
+// The path tracer's kernels as a GPU has them, compiled by launch.cu.
 #pragma once
 #include "cuda/counters.h"
 #include "pathtrace/kernel.h"
@@ -6,7 +6,7 @@
 
 namespace chiaro::kernel {
 
-/// A path for each pixel of the frame, added to `sums`; collisions are counted. Pointers are the card's.
+/// A path for each pixel of the frame, added to `sums`; collisions are counted. Pointers are the GPU's.
 template <class Kernel>
 CHIARO_LAUNCHER void trace_frame(cuda::Stream& stream, const Kernel& kernel, std::int32_t width, std::int32_t height,
                                  std::int32_t sample, PixelSum* sums, cuda::Count* collisions);

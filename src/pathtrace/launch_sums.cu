@@ -1,4 +1,4 @@
-// What is told of a frame's sums on cards: the same source, a thread a pixel or a run of them.
+// What is told of a frame's sums on GPUs: the same source, a thread a pixel or a run of them.
 #include "cuda/launch.h"
 #include "pathtrace/sums_kernel.h"
 

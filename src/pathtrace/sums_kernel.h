@@ -22,7 +22,7 @@ struct PathNoise {
     double light = 0;   ///< the mean's
 };
 
-/// A run of pixels: an item each, so that what comes back from a card is little.
+/// A run of pixels: an item each, so that what comes back from a GPU is little.
 struct NoiseKernel {
     static constexpr std::int64_t run = 128;
     static constexpr std::int64_t runs(std::int64_t pixels) { return (pixels + run - 1) / run; }

@@ -195,7 +195,7 @@ std::unique_ptr<GpuPaths> PathTracer::gpu_tracer_of(const Kernel& kernel) const 
     return std::make_unique<GpuTracer<Kernel>>(device_, kernel, arrays, width_, height_);
 }
 
-/// False where the processor must: where the card gives way, it goes on from the sums that the card has.
+/// False where the CPU must: where the GPU gives way, it goes on from the sums that the GPU has.
 template <class Work>
 bool PathTracer::done_there(const Work& work) {
     if (!gpu_) return false;

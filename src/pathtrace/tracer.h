@@ -42,7 +42,7 @@ public:
     /// Adds so many paths to every pixel; false when cancelled, and then the sums are of no use.
     bool add(int samples, const Progress& progress);
 
-    void show(RenderTarget& target);  ///< the mean, on the card that has made it; of the frame's size
+    void show(RenderTarget& target);  ///< the mean, on the GPU that has made it; of the frame's size
     PathStatistics statistics();
     std::uint64_t collisions() const { return gpu_ ? gpu_->collisions() : collisions_; }  ///< tentative ones too
     const std::vector<PixelSum>& sums();

@@ -9,7 +9,7 @@ namespace chiaro::kernel {
 CHIARO_INLINE float turns(float y, float x) {
     const float across = ::fabsf(y), along = ::fabsf(x), more = max(across, along);
     const float t = min(across, along) / max(more, 1e-30f), q = t * t, qq = q * q;
-    // In pairs of terms, which a processor finds side by side.
+    // In pairs of terms, which a CPU finds side by side.
     const float ends = (0.0429096138f - 0.0161657367f * q) + 0.0028662257f * qq;
     const float middle = (0.1065626393f - 0.0752896400f * q) + ends * qq;
     const float series = (1 - 0.3333314528f * q) + ((0.1999355085f - 0.1420889944f * q) + middle * qq) * qq;

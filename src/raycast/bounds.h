@@ -15,7 +15,7 @@ struct TileBounds {
     kernel::BoundsView view(kernel::Tile tile) const { return {near_mm.data(), far_mm.data(), tile.x0, tile.y0}; }
 };
 
-/// The faces between blocks of 16³ voxels that hold matter and those that do not, seen by a camera.
+/// The faces between blocks of 16³ voxels that are occupied and those that do not, seen by a camera.
 class BoundingGeometry {
 public:
     BoundingGeometry(const Medium::Data& medium, const kernel::CameraView& camera);

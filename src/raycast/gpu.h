@@ -1,4 +1,4 @@
-// The ray caster on a card: one thread a pixel.
+// The ray caster on a GPU: one thread a pixel.
 #pragma once
 #include <chiaro/render.h>
 

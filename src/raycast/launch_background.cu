@@ -1,4 +1,4 @@
-// The probe behind pixels on cards: the same source, a thread each.
+// The probe behind pixels on GPUs: the same source, a thread each.
 #include "cuda/launch.h"
 #include "raycast/launch_background.h"
 

@@ -1,4 +1,4 @@
-// The background as a card has it, compiled by launch_background.cu; pointers are the card's.
+// The background as a GPU has it, compiled by launch_background.cu; pointers are the GPU's.
 #pragma once
 #include "cuda/stream.h"
 #include "raycast/background_kernel.h"

@@ -1,4 +1,4 @@
-// Where the pointers of the ray caster's views are: all in which a card's kernel differs from the processor's.
+// Where the pointers of the ray caster's views are: all in which a GPU's kernel differs from the CPU's.
 #pragma once
 #include "illumination/cells/field.h"
 #include "illumination/histogram/field.h"

@@ -76,7 +76,7 @@ struct Caster {
     }
 
 private:
-    /// False where the device has no card that does it; nor is there one where the card cannot have the texture.
+    /// False where the device has no GPU that does it; nor is there one where the GPU cannot have the texture.
     template <class View>
     bool cast_by_texture(const View& view, RenderStatistics& render_statistics) const {
         auto kernel = kernel_of(kernel::Texel(), view);
@@ -95,7 +95,7 @@ private:
         return kernel;
     }
 
-    /// False where the device has no card that does it.
+    /// False where the device has no GPU that does it.
     template <class Kernel>
     bool cast_there(const Kernel& kernel, RenderStatistics& render_statistics) const {
         return cuda::try_gpu(device, [&] {

@@ -1,4 +1,4 @@
-// A frame that is being filled, here or on a card.
+// A frame that is being filled, here or on a GPU.
 #pragma once
 #include <chiaro/image.h>
 
@@ -8,9 +8,9 @@ namespace chiaro {
 
 struct RenderTarget {
     Frame& frame;
-    std::shared_ptr<cuda::Pixels> pixels = nullptr;  ///< where a card has them; else the frame does
+    std::shared_ptr<cuda::Pixels> pixels = nullptr;  ///< where a GPU has them; else the frame does
 
-    /// To the host, where the card has them.
+    /// To the host, where the GPU has them.
     void bring() {
         if (pixels) pixels->bring_to(frame.rgba.data());
         pixels.reset();

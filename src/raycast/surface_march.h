@@ -46,7 +46,7 @@ CHIARO_INLINE void show_cut(const Matter& matter, const SurfacesView& surfaces, 
 }
 
 /// Composites surface i where it is crossed in the piece: bisected to 1/128 of a step, then linear. The values at the
-/// ends are read again, for behind a leap only their side of the surface is known.
+/// ends are read again, for behind a skip only their side of the surface is known.
 template <class F, class Matter>
 CHIARO_INLINE void cross(const Matter& matter, const SurfacesView& surfaces, std::int32_t i, const Lattice<F>& lattice,
                          Mask<F> alive, Piece<F> piece, Composite<F>& ray) {

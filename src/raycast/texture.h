@@ -1,4 +1,4 @@
-// The volume's texture on a card.
+// The volume's texture on a GPU.
 #pragma once
 #include "cuda/device_cache.h"
 #include "volume/device_view.h"
@@ -6,8 +6,8 @@
 
 namespace chiaro {
 
-/// Made of the bricks when first asked for, and kept there as long as the volume is; false where the card cannot have
-/// it, and the stream then tells so. Cost: the voxels once more in the card's memory.
+/// Made of the bricks when first asked for, and kept there as long as the volume is; false where the GPU cannot have
+/// it, and the stream then tells so. Cost: the voxels once more in the GPU's memory.
 bool find_texture(const DeviceVolume::Data& volume, cuda::Stream& stream, kernel::VolumeView<kernel::Texel>& view);
 
 /// Without a texture.

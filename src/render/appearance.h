@@ -1,4 +1,4 @@
-// From the settings of a scene to what the verbs take.
+// From the settings of a scene to what the stages take.
 #pragma once
 #include <chiaro/scene.h>
 

@@ -11,7 +11,7 @@
 namespace chiaro {
 namespace {
 
-/// Of the verbs that are named.
+/// Of the stages that are named.
 double seconds_of(const std::vector<Stage>& stages, std::initializer_list<std::string_view> verbs) {
     double sum = 0;
     for (const Stage& stage : stages)

@@ -24,7 +24,7 @@ void check_computable(const Shape& shape, const IlluminationSettings& settings) 
     if (settings.method == Method::reference && settings.reference.quantity == ReferenceQuantity::radiance)
         throw Error(ErrorCode::usage,
                     "the reference's quantity radiance is a picture, no field: write it with chiaro render, or choose "
-                    "obscurance, ao, ao-cosine, visibility or fluence");
+                    "obscurance, ao, ao-cosine, visibility or mean-radiance");
 }
 
 /// "chiaro_spao_levels" of the flag "spao-levels".

@@ -65,7 +65,7 @@ std::vector<Vec3> visible_points(const Medium& medium, const Camera& camera, con
     return points;
 }
 
-/// The truth's own noise is taken off each square; their mean is known as well as they scatter.
+/// The ground truth's own noise is taken off each square; their mean is known as well as they scatter.
 LightError judge(const std::vector<Rgb>& found, const MeanRadiance& ground_truth) {
     const auto n = double(found.size());
     double mean = 0, sum = 0, squares = 0, largest = 0;

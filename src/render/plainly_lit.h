@@ -1,4 +1,4 @@
-// What all methods are asked alike, so that they can be compared: the light on particles (illumination.md 4).
+// What all methods are asked alike, so that they can be compared: the light on particles (docs/methods.md).
 #pragma once
 #include <chiaro/scene.h>
 

@@ -25,12 +25,12 @@ HeldLight held_light(const Lighting& lighting, const IlluminationSettings& setti
     return {lighting.loaded_probe, lighting.probe.rotation_deg, *lighting.probe_up};
 }
 
-/// A verb's result, kept with the inputs that made it.
+/// A stage's result, kept with the inputs that made it.
 template <class Result, class... Inputs>
 struct Kept {
     Result result;
     std::optional<std::tuple<Inputs...>> inputs;
-    Version version = 0;  ///< names the result among the inputs of the verbs to its right
+    Version version = 0;  ///< names the result among the inputs of the stages to its right
 };
 
 struct Classified {
@@ -54,7 +54,7 @@ struct Session::State {
     std::vector<Stage> stages;  // of the last render
     Version last_version = 0;
 
-    // The table: what each verb makes, and from what.
+    // The table: what each stage makes, and from what.
     Kept<DeviceVolume, Version> upload;
     Kept<Prepared, Version, IlluminationSettings> prepare;
     Kept<Classified, Version, TransferSettings, Shape> classify;
@@ -65,12 +65,12 @@ struct Session::State {
     Cast previewed;
     Image previewed_image;
 
-    /// Calls verb(result), unless the kept result was made from these very inputs.
+    /// Calls stage(result), unless the kept result was made from these very inputs.
     template <class Result, class... Inputs, class Verb>
     void redo(std::string name, Kept<Result, Inputs...>& kept, std::tuple<Inputs...> inputs, Verb&& verb) {
         stages.push_back({std::move(name), 0});
         if (kept.inputs == inputs) return;
-        kept.inputs.reset();  // a verb that throws leaves nothing that could serve
+        kept.inputs.reset();  // a stage that throws leaves nothing that could serve
         const auto start = std::chrono::steady_clock::now();
         verb(kept.result);
         stages.back().seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -104,7 +104,7 @@ struct Session::State {
         for (Stage& stage : shown) stage.seconds = 0;
     }
 
-    /// The verbs that pictures and fields have in common.
+    /// The stages that pictures and fields have in common.
     void redo_up_to_classify(const Scene& scene, Progress& progress) {
         begin();
         const DeviceVolume& voxels = upload.result;
@@ -123,14 +123,14 @@ struct Session::State {
         });
     }
 
-    /// A verb that is done anew each time.
+    /// A stage that is done anew each time.
     template <class Verb>
     void timed(std::string name, Verb&& verb) {
         Kept<int> nothing;
         redo(std::move(name), nothing, {}, [&](int&) { verb(); });
     }
 
-    /// What the last verb consisted of.
+    /// What the last stage consisted of.
     void tell_steps(const std::vector<Stage>& steps) {
         const bool is_kept = stages.back().seconds == 0;
         for (const Stage& step : steps) stages.push_back({step.name, is_kept ? 0 : step.seconds});

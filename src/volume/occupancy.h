@@ -1,4 +1,4 @@
-// Which parts of a classified volume hold matter: one byte per 4³ cell, the radius of the largest cube of cells around
+// Which parts of a classified volume are occupied: one byte per 4³ cell, the radius of the largest cube of cells around
 // it that are all empty or all occupied like itself. A ray crosses such a cube in one jump. Against 8³ cells and
 // aligned cubes this takes a third off a frame of thin structures.
 #pragma once

@@ -1,4 +1,4 @@
-// The volume as a card's texture units read it.
+// The volume as a GPU's texture units read it.
 #pragma once
 #include "volume/view.h"
 
@@ -7,7 +7,7 @@ namespace chiaro::kernel {
 /// In the place of a stored type: any, in a texture.
 struct Texel {};
 
-/// What a texture unit says at a point, texel centres lying ½ beyond whole numbers. Cards alone have it
+/// What a texture unit says at a point, texel centres lying ½ beyond whole numbers. GPUs alone have it
 /// (cuda/launch.h).
 CHIARO_INLINE float texel_at(std::uint64_t texture, float x, float y, float z);
 

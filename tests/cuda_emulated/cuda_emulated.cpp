@@ -17,7 +17,7 @@ struct EmulatedStream {
 
 namespace {
 
-/// Memory of the card: pages of its own, the last byte (but for 16 at most) at their end, and one more page that none
+/// Memory of the GPU: pages of its own, the last byte (but for 16 at most) at their end, and one more page that none
 /// may touch.
 struct Block {
     char* pages;
@@ -36,7 +36,7 @@ cudaError_t told(cudaError_t error) {
 void protect(int how) {
     for (const auto& [memory, block] : blocks) mprotect(block.pages, block.usable, how);
 }
-/// While it lives the card may touch its memory, and so may the host, which does nothing meanwhile.
+/// While it lives the GPU may touch its memory, and so may the host, which does nothing meanwhile.
 struct Opened {
     Opened() { protect(PROT_READ | PROT_WRITE); }
     ~Opened() { protect(PROT_NONE); }
@@ -51,13 +51,13 @@ bool is_on_gpu(const void* pointer, std::size_t bytes) {
 }
 
 [[noreturn]] void end(const char* why) {
-    std::fprintf(stderr, "emulated card: %s\n", why);
+    std::fprintf(stderr, "emulated GPU: %s\n", why);
     std::abort();
 }
 
 void free_block(void* memory) {
     const auto block = blocks.find(static_cast<char*>(memory));
-    if (block == blocks.end()) end("what is freed is not the card's");
+    if (block == blocks.end()) end("what is freed is not the GPU's");
     cuda_emulated::gpu().held_bytes -= block->second.bytes;
     munmap(block->second.pages, block->second.mapped);
     blocks.erase(block);
@@ -160,7 +160,7 @@ cudaError_t cudaMemcpyAsync(void* to, const void* from, std::size_t bytes, cudaM
     const std::lock_guard lock(guard);
     const bool up = kind == cudaMemcpyHostToDevice, down = kind == cudaMemcpyDeviceToHost;
     if ((!up && !is_on_gpu(from, bytes)) || (!down && !is_on_gpu(to, bytes)))
-        end("a copy that leaves the card's memory");
+        end("a copy that leaves the GPU's memory");
     if (up) ++cuda_emulated::gpu().uploads, cuda_emulated::gpu().uploaded_bytes += bytes;
     if (down) cuda_emulated::gpu().downloaded_bytes += bytes;
     later(stream, [=] { std::memcpy(to, from, bytes); });
@@ -168,7 +168,7 @@ cudaError_t cudaMemcpyAsync(void* to, const void* from, std::size_t bytes, cudaM
 }
 cudaError_t cudaMemsetAsync(void* memory, int value, std::size_t bytes, cudaStream_t stream) {
     const std::lock_guard lock(guard);
-    if (!is_on_gpu(memory, bytes)) end("zeros beyond the card's memory");
+    if (!is_on_gpu(memory, bytes)) end("zeros beyond the GPU's memory");
     later(stream, [=] { std::memset(memory, value, bytes); });
     return cudaSuccess;
 }

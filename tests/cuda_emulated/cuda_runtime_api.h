@@ -1,6 +1,6 @@
-// A card for tests where there is none: the few calls of the CUDA runtime that src/cuda makes, and kernels as plain
-// functions. It is stricter than a card. Work waits in its stream until the host waits for it, so what is read or freed
-// too early is wrong every time; memory of the card cannot be touched outside of kernels and copies, lies between pages
+// A GPU for tests where there is none: the few calls of the CUDA runtime that src/cuda makes, and kernels as plain
+// functions. It is stricter than a GPU. Work waits in its stream until the host waits for it, so what is read or freed
+// too early is wrong every time; memory of the GPU cannot be touched outside of kernels and copies, lies between pages
 // that never can be, and a kernel that is handed a pointer of the host ends the test.
 #pragma once
 #include <algorithm>
@@ -139,7 +139,7 @@ T atomicAdd(T* to, T more) {
 
 namespace cuda_emulated {
 
-/// What a card was asked to do so far. Where there is no card to measure, this says how far a real one would be kept
+/// What a GPU was asked to do so far. Where there is no GPU to measure, this says how far a real one would be kept
 /// busy: launches that wait for each other, threads to share them, and how often the host stands in between.
 struct GpuCounts {
     std::size_t launches = 0, threads = 0;  ///< threads: of whole blocks

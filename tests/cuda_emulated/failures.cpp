@@ -1,4 +1,4 @@
-// What goes wrong with cards, and whether the one of make-believe is one.
+// What goes wrong with GPUs, and whether the one on the emulated GPU is one.
 #include <cstring>
 #include <thread>
 
@@ -61,7 +61,7 @@ TEST_F(FailingGpus, AreChosenWhereTheyHaveMemory) {
     const DeviceChoice small = choose_device(Device::cpu(2));
     EXPECT_EQ(small.device.name(), "cpu");
     EXPECT_EQ(small.sentence.find("cuda:0 (Emulated) has "), 0u) << small.sentence;
-    EXPECT_NE(small.sentence.find("the processor does the work"), std::string::npos) << small.sentence;
+    EXPECT_NE(small.sentence.find("the CPU does the work"), std::string::npos) << small.sentence;
 }
 
 TEST_F(FailingGpus, WithoutRoomGiveWayOnlyWhereTheyWereChosenByThemselves) {
@@ -74,7 +74,7 @@ TEST_F(FailingGpus, WithoutRoomGiveWayOnlyWhereTheyWereChosenByThemselves) {
     EXPECT_NE(error_of([&] { shot(volume); }).find("MiB more do not fit: 0 of"), std::string::npos);
     shot.device = choice.device;
     EXPECT_EQ(difference(shot(volume), expected, 0).pixels_beyond, 0);
-    EXPECT_NE(shot.device.note().find("; the processor does the work"), std::string::npos) << shot.device.note();
+    EXPECT_NE(shot.device.note().find("; the CPU does the work"), std::string::npos) << shot.device.note();
     EXPECT_EQ(choice.device.with_own_stream().note(), "");
 }
 
@@ -332,13 +332,13 @@ TEST(RowsOfGpus, StandBesideWhatThePapersMeasured) {
         EXPECT_NE(json.find(told), std::string::npos) << told;
 }
 
-// The make-believe card must be one: what the tests rely on.
+// The emulated GPU must be one: what the tests rely on.
 TEST(EmulatedGpuDeathTest, KeepsTheHostOut) {
     const Device gpu = Device::cuda(0, Device::cpu(1));
     cuda::Array<int> numbers(*gpu.stream, 10);
     int host[10] = {};
     EXPECT_DEATH(std::memcpy(host, numbers.data(), 4), "");
-    EXPECT_DEATH(gpu.stream->upload(numbers.data() + 5, host, sizeof host), "leaves the card's memory");
+    EXPECT_DEATH(gpu.stream->upload(numbers.data() + 5, host, sizeof host), "leaves the GPU's memory");
     const void* pointer = host;
     EXPECT_DEATH(cuda_emulated::refuse_host_pointers_in(pointer), "pointer of the host");
     numbers.zero();

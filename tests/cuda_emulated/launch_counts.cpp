@@ -1,4 +1,4 @@
-// How much of a card its work can keep busy, counted where there is none to measure it (docs/gpu.md: the census). The
+// How much of a GPU its work can keep busy, counted where there is none to measure it (docs/gpu.md: the census). The
 // bounds are what was counted, and a little more: a launch or a wait that comes back is noticed.
 #include <cstring>
 

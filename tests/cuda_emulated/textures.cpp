@@ -1,4 +1,4 @@
-// Texture units of the card of make-believe: eight texels, with weights of 8 fractional bits.
+// Texture units of the emulated GPU: eight texels, with weights of 8 fractional bits.
 #include <cuda_runtime_api.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// A block of cells as a card's threads are told of it.
+// A block of cells as a GPU's threads are told of it.
 #pragma once
 #include <cstdint>
 

@@ -1,4 +1,4 @@
-// Cells on a card: where their numbers lie there, and blocks of them for many threads.
+// Cells on a GPU: where their numbers lie there, and blocks of them for many threads.
 #pragma once
 #include <chiaro/progress.h>
 
@@ -21,7 +21,7 @@ struct Turns {
     Turns(std::size_t blocks_of_long_work) : blocks(blocks_of_long_work), in_flight(1) {}
 };
 
-/// Numbers of cells that are made on a card: 0 at first.
+/// Numbers of cells that are made on a GPU: 0 at first.
 class GpuCells {
 public:
     GpuCells(const Device& device, const CellGrid& grid)
@@ -29,7 +29,7 @@ public:
         made_.zero();
     }
     std::uint16_t* data() const { return reinterpret_cast<std::uint16_t*>(made_.data()); }
-    /// The card keeps them; they come when the host first reads what is returned.
+    /// The GPU keeps them; they come when the host first reads what is returned.
     CellValues release() {
         values_.buffer.keep(stream_, made_.data());
         return std::move(values_);

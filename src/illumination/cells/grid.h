@@ -51,7 +51,7 @@ inline constexpr float cell_one = 65535;
 inline std::uint16_t cell_value(double share) { return kernel::share_value(share); }
 
 /// One number in [0, 1] for every cell, as 65535ths; x fastest. What was never written takes no memory and reads as 0.
-/// What a card made stays there until the host reads it.
+/// What a GPU made stays there until the host reads it.
 struct CellValues {
     CellGrid grid;
     MirroredBuffer buffer;

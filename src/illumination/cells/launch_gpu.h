@@ -1,5 +1,5 @@
-// Opacity and lifting as a card has them, compiled by launch_opacity.cu and launch_normal_offset.cu; pointers are the
-// card's.
+// Opacity and lifting as a GPU has them, compiled by launch_opacity.cu and launch_normal_offset.cu; pointers are the
+// GPU's.
 #pragma once
 #include "cuda/stream.h"
 #include "illumination/cells/kernel.h"

@@ -1,4 +1,4 @@
-// Lifting off surfaces on cards: the same source, one thread a cell.
+// Lifting off surfaces on GPUs: the same source, one thread a cell.
 #include "cuda/launch.h"
 #include "illumination/cells/launch_gpu.h"
 

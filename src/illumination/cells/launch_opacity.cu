@@ -1,4 +1,4 @@
-// Opacity of cells on cards: the same source, one thread a cell.
+// Opacity of cells on GPUs: the same source, one thread a cell.
 #include "cuda/launch.h"
 #include "illumination/cells/launch_gpu.h"
 

@@ -1,4 +1,4 @@
-// Numbers that the host and a card both know.
+// Numbers that the host and a GPU both know.
 #pragma once
 #include <chiaro/volume.h>
 
@@ -8,7 +8,7 @@
 
 namespace chiaro {
 
-/// Memory of the host whose numbers a card may have made: there they stay, and here they come when first read.
+/// Memory of the host whose numbers a GPU may have made: there they stay, and here they come when first read.
 class MirroredBuffer {
 public:
     explicit MirroredBuffer(std::size_t bytes) : here_(bytes) {}
@@ -17,7 +17,7 @@ public:
         if (deferred_) deferred_->fetch();
         return here_.data();
     }
-    /// To be written, after which no card knows them. By one thread while they may still have to come.
+    /// To be written, after which no GPU knows them. By one thread while they may still have to come.
     std::byte* data() {
         if (deferred_) forget_gpu();
         return here_.data();
@@ -29,9 +29,9 @@ public:
     void discard_before(std::size_t end) { here_.discard_before(end); }
     void use_small_pages() { here_.use_small_pages(); }
 
-    /// The card's copy, made when first asked for.
+    /// The GPU's copy, made when first asked for.
     const std::byte* on_gpu(cuda::Stream& stream) const { return stream.device_cache()->of(array(), stream); }
-    /// The card made them, at `made`, and keeps a copy.
+    /// The GPU made them, at `made`, and keeps a copy.
     void keep(const std::shared_ptr<cuda::Stream>& stream, const void* made) {
         deferred_ = cuda::keep_resident(stream, array(), made, here_.data());
     }
@@ -50,7 +50,7 @@ private:
     }
 
     VoxelBuffer here_;
-    std::shared_ptr<const char> life_ = std::make_shared<const char>();  ///< by which a card knows them, once filled
+    std::shared_ptr<const char> life_ = std::make_shared<const char>();  ///< by which a GPU knows them, once filled
     std::shared_ptr<const DeferredDownload> deferred_;                   ///< fetches them, where they may be elsewhere
 };
 

@@ -24,7 +24,7 @@ public:
     /// `folder` as in HistogramSettings::cache: "" is $XDG_CACHE_HOME/chiaro or ~/.cache/chiaro, "none" keeps nothing.
     HistogramCache(const std::string& folder, const DeviceVolume::Data& volume, const HistogramSettings& settings);
 
-    /// What was kept, all but what is lifted. A file that is damaged is told in `notes`.
+    /// What was kept, all but what is read at a normal offset. A file that is damaged is told in `notes`.
     std::optional<LocalHistograms> read(std::vector<std::string>& notes) const;
     /// A file that cannot be written is told in `notes`.
     void write(const LocalHistograms& histograms, std::vector<std::string>& notes) const;

@@ -43,7 +43,7 @@ struct BinnedCells {
     kernel::BinGrid view_on_gpu(cuda::Stream& stream) const;
 };
 
-/// Cost: one look-up a cell. A card keeps them until the host reads them. Throws Error{interrupted} when cancelled.
+/// Cost: one look-up a cell. A GPU keeps them until the host reads them. Throws Error{interrupted} when cancelled.
 BinnedCells bin_cells(const Device& device, const DeviceVolume::Data& volume, Progress& progress);
 
 }  // namespace chiaro

@@ -28,7 +28,7 @@ struct EdgeTest {
     }
 };
 
-/// Rows of blocks side by side, as a card's threads look at them.
+/// Rows of blocks side by side, as a GPU's threads look at them.
 struct BlockRows {
     static constexpr int of_block = BlockPlace::edge * BlockPlace::edge;
     EdgeTest is_at_edge;

@@ -13,7 +13,7 @@ namespace chiaro {
 Codebook::Codebook(const Device& device, int bins, HistogramMetric metric, std::vector<PackedHistogram> codewords)
     : bins_(bins), metric_(metric), codewords_(std::move(codewords)) {
     listed_ = std::min(count() - 1, max_listed);
-    const std::size_t listed = std::size_t(count()) * std::size_t(std::max(listed_, 1));  // a card has no empty arrays
+    const std::size_t listed = std::size_t(count()) * std::size_t(std::max(listed_, 1));  // a GPU has no empty arrays
     neighbours_ = MirroredBuffer(listed * sizeof(std::uint16_t)), distances_ = MirroredBuffer(listed * sizeof(float));
     if (!cuda::try_gpu(device, [&] { list_on_gpu(device); })) list_neighbours(device);
 }

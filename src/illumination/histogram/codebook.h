@@ -32,7 +32,7 @@ private:
     int bins_, listed_ = 0;
     HistogramMetric metric_;
     std::vector<PackedHistogram> codewords_;
-    std::shared_ptr<const char> life_ = std::make_shared<const char>();  ///< by which a card knows the words
+    std::shared_ptr<const char> life_ = std::make_shared<const char>();  ///< by which a GPU knows the words
     MirroredBuffer neighbours_{0}, distances_{0};
 };
 

@@ -1,4 +1,4 @@
-// The unpacked histograms of words' members, as threads of a card add them up.
+// The unpacked histograms of words' members, as threads of a GPU add them up.
 #pragma once
 #include "illumination/histogram/exact_kernel.h"
 

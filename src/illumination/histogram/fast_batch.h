@@ -1,4 +1,4 @@
-// The same kernels as a card's threads call them: a column, a bin of a row or a cell each, of many blocks side by side.
+// The same kernels as a GPU's threads call them: a column, a bin of a row or a cell each, of many blocks side by side.
 #pragma once
 #include "illumination/histogram/fast_kernel.h"
 #include "illumination/histogram/slab.h"

@@ -21,7 +21,7 @@ struct HistogramView {
     GridView grid;                   ///< of the nodes
     const Rgba* codewords;           ///< bleeding, v
     const float* side;               ///< by value: the half ball that faces outwards, 1 forward, -1 backward, 0 neither
-    const Rgba* albedo;              ///< by value; of the paper's model
+    const Rgba* albedo;              ///< by value; of the published model
     float scale, offset;             ///< index by value = stored × scale + offset
     float highest;                   ///< index
     float strength;                  ///< set by the ray caster

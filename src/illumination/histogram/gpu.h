@@ -1,4 +1,4 @@
-// What cards do of local histograms.
+// What GPUs do of local histograms.
 #pragma once
 #include "illumination/histogram/codebook.h"
 #include "illumination/histogram/gpu_source.h"

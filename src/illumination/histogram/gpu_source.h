@@ -1,4 +1,4 @@
-// Packed histograms on a card, where they are made, used and forgotten: one class for each path.
+// Packed histograms on a GPU, where they are made, used and forgotten: one class for each path.
 #pragma once
 #include <optional>
 
@@ -9,7 +9,7 @@
 
 namespace chiaro {
 
-/// As HistogramSource, on the device's card: slabs of many blocks at a time. Memory there: cells' bins, and a quarter
+/// As HistogramSource, on the device's GPU: slabs of many blocks at a time. Memory there: cells' bins, and a quarter
 /// of what was free, 8 GiB at most.
 class GpuHistograms {
 public:

@@ -1,4 +1,4 @@
-// The histograms of a training set on a card, which keeps them from one step of training to the next.
+// The histograms of a training set on a GPU, which keeps them from one step of training to the next.
 #pragma once
 #include "illumination/histogram/codebook.h"
 #include "illumination/histogram/launch_gpu.h"

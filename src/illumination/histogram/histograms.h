@@ -33,7 +33,7 @@ struct LocalHistograms : std::enable_shared_from_this<LocalHistograms> {
     std::vector<float> scale;              ///< of each word: LH_j = share × scale
     std::size_t histograms = 0;            ///< how many the words stand for
     std::vector<double> distortions = {};  ///< of training; empty when read from a cache
-    std::shared_ptr<const char> life = std::make_shared<const char>();  ///< by which a card knows the identifiers
+    std::shared_ptr<const char> life = std::make_shared<const char>();  ///< by which a GPU knows the identifiers
 
     std::size_t node_count() const { return std::size_t(nodes[0]) * std::size_t(nodes[1]) * std::size_t(nodes[2]); }
     std::span<const CodewordPair> pairs() const {
@@ -51,7 +51,7 @@ struct LocalHistograms : std::enable_shared_from_this<LocalHistograms> {
 LocalHistograms find_local_histograms(const Device& device, const DeviceVolume::Data& volume,
                                       const HistogramSettings& settings, StageTimer& timer, Progress& progress);
 
-/// Fills `lifted`.
+/// Fills `displaced`.
 void normal_offset_identifiers(const Device& device, const BinnedCells& cells, LocalHistograms& histograms);
 
 }  // namespace chiaro

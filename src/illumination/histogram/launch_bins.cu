@@ -1,4 +1,4 @@
-// Bins of cells on cards: the same source, a thread a cell.
+// Bins of cells on GPUs: the same source, a thread a cell.
 #include "cuda/launch.h"
 #include "illumination/histogram/bin_kernel.h"
 

@@ -1,5 +1,5 @@
 // Words from their members, a thread a ball, then a bin of a word; and the table of words, a thread for each part of a
-// word's sums: on cards the same source.
+// word's sums: on GPUs the same source.
 #include "cuda/launch.h"
 #include "illumination/histogram/launch_gpu.h"
 

@@ -1,4 +1,4 @@
-// Histograms of blocks of cells on cards: the same source, a thread for a column, a bin or a cell.
+// Histograms of blocks of cells on GPUs: the same source, a thread for a column, a bin or a cell.
 #include "cuda/launch.h"
 #include "illumination/histogram/launch_gpu.h"
 

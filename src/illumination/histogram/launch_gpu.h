@@ -1,4 +1,4 @@
-// The kernels of local histograms as a card has them, compiled by launch_*.cu; pointers are the card's.
+// The kernels of local histograms as a GPU has them, compiled by launch_*.cu; pointers are the GPU's.
 #pragma once
 #include "cuda/counters.h"
 #include "illumination/histogram/choice_kernel.h"

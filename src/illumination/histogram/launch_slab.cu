@@ -1,4 +1,4 @@
-// Slabs of histograms, and identifiers, on cards: the same source, a thread a ball, a row or a node.
+// Slabs of histograms, and identifiers, on GPUs: the same source, a thread a ball, a row or a node.
 #include "cuda/each_node.h"
 #include "illumination/histogram/slab_source.h"
 #include "illumination/histogram/unresolved.h"

@@ -1,4 +1,4 @@
-// Training a codebook on cards: the same source, one thread a histogram; sums of whole numbers, in any order.
+// Training a codebook on GPUs: the same source, one thread a histogram; sums of whole numbers, in any order.
 #include "illumination/histogram/unresolved.h"
 
 namespace chiaro::kernel {

@@ -42,7 +42,7 @@ kernel::HistogramView view_over(const LocalHistograms& h, const std::byte* ident
     return view;
 }
 
-/// Bleeding (1 - v) E / O and v; v = exp(-r O), or the paper's 1 - O.
+/// Bleeding (1 - v) E / O and v; v = exp(-r O), or the published 1 - O.
 kernel::Rgba codeword_light(const std::array<float, 4>& sums, const LocalHistograms& h, HistogramModel model) {
     const float o = std::clamp(sums[3], 0.0f, 1.0f);
     const float v = model == HistogramModel::paper ? 1 - o : std::exp(-float(h.radius) * o);

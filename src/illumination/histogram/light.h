@@ -37,7 +37,7 @@ std::shared_ptr<const HistogramLight> make_histogram_light(const Device& device,
                                                            std::shared_ptr<const LocalHistograms> histograms,
                                                            const HistogramSettings& settings);
 
-/// v of every node as light on particles, which face nowhere: the mean of both halves, not lifted.
+/// v of every node as light on particles, which face nowhere: the mean of both halves, at no normal offset.
 struct ParticleLight {
     CellValues open;
     kernel::GridView nodes;

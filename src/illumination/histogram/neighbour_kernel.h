@@ -1,4 +1,4 @@
-// The nearest others of every word, as a card's threads find them.
+// The nearest others of every word, as a GPU's threads find them.
 #pragma once
 #include "illumination/histogram/nearest_kernel.h"
 

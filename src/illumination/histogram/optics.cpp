@@ -32,7 +32,7 @@ void add_material(const Medium::Data& medium, double value, const OpticalTable::
     optics.alpha.push_back(float(1 - clear)), optics.rgb.push_back(rgb);
 }
 
-/// The words of the bins [first, end) on the device's card, which keeps the histograms.
+/// The words of the bins [first, end) on the device's GPU, which keeps the histograms.
 void sum_codewords_on_gpu(const Device& device, const LocalHistograms& h, std::pair<std::size_t, std::size_t> bins,
                           const std::vector<float>& weights, std::vector<std::array<float, 4>>& sums) {
     cuda::Stream& stream = *device.stream;

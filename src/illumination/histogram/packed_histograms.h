@@ -1,4 +1,4 @@
-// Packed histograms one after the other, which a card may have made.
+// Packed histograms one after the other, which a GPU may have made.
 #pragma once
 #include <cstring>
 #include <vector>
@@ -13,7 +13,7 @@ using PackedHistogram = std::int16_t;
 using kernel::packed_one;
 constexpr int padded_bins(int packed) { return (packed + 15) / 16 * 16; }
 
-/// What a card made stays there until the host reads it.
+/// What a GPU made stays there until the host reads it.
 struct PackedHistograms {
     MirroredBuffer buffer;
 

@@ -41,6 +41,8 @@ void check_settings(const HistogramSettings& settings) {
 }  // namespace
 
 int proposed_radius(const DeviceVolume& volume) {
+    // Of 4096 random cells; an edge is strong where it changes the value by an eighth of its range, and cells in the
+    // lowest sixteenth are taken as empty. Chosen by eye as far as history shows.
     constexpr int probes = 4096, least = 4, most = 32;
     Progress progress;
     const BinnedCells cells = bin_cells(volume.data().device, volume.data(), progress);

@@ -1,4 +1,4 @@
-// Packed histograms of some planes of cells of each of many blocks, as a card's threads make and use them.
+// Packed histograms of some planes of cells of each of many blocks, as a GPU's threads make and use them.
 #pragma once
 #include "illumination/cells/block_place.h"
 #include "illumination/histogram/bin_grid.h"

@@ -1,4 +1,4 @@
-// What threads of a card do with slabs of histograms, which nobody keeps.
+// What threads of a GPU do with slabs of histograms, which nobody keeps.
 #pragma once
 #include "illumination/histogram/nearest_kernel.h"
 #include "illumination/histogram/slab.h"

@@ -1,4 +1,4 @@
-// Slabs of histograms by brute force and of moving balls, as threads of a card find them.
+// Slabs of histograms by brute force and of moving balls, as threads of a GPU find them.
 #pragma once
 #include "illumination/histogram/exact_kernel.h"
 #include "illumination/histogram/packing_view.h"

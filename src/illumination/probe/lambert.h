@@ -23,7 +23,7 @@ struct LambertTable {
 LambertTable lambert_of_probe(const Probe::Data& probe);
 
 /// Normals and coefficients in the axes of the voxel grid; turned, exposed and windowed as in sh_light. A turned light
-/// is the probe's own table looked up at the normal turned back, its coefficients turned. Cost: some 2 ms of processor
+/// is the probe's own table looked up at the normal turned back, its coefficients turned. Cost: some 2 ms of CPU
 /// time, 811 kB; once a probe .2 s for its own table.
 LambertTable lambert_table(const Lighting& lighting, Vec3 orbit_up, const Geometry& geometry, ShWindow window,
                            int bands = max_bands);

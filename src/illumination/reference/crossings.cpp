@@ -21,7 +21,7 @@ kernel::CellRays Crossings::along(Vec3 direction, int x, double start_half_voxel
         to_wall[axis] = direction[axis] < 0 ? 0.5 + offset[axis] : 0.5 - offset[axis];
         next[axis] = slope > 0 ? to_wall[axis] / slope : never;
     }
-    // The ray starts on the cube of that many half edges; with 1 where it leaves its own cell.
+    // The ray starts on the cube of that many half voxel widths; with 1 where it leaves its own cell.
     const double start = 0.5 * start_half_voxels / steepest;
     std::array<int, 3> moved{0, 0, 0};
     list_.clear();

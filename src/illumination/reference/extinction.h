@@ -20,7 +20,7 @@ struct ExtinctionTable {
 ExtinctionTable extinction_table(const Medium::Data& medium, const CellGrid& grid);
 
 /// Extinction of every cell, in rows with gaps, so that sixteen rays in lock step can be read where some have left the
-/// grid. Cells `stride` apart along x are neighbours in memory: those are the ones that march together. What a card
+/// grid. Cells `stride` apart along x are neighbours in memory: those are the ones that march together. What a GPU
 /// made stays there until the host reads it.
 class ExtinctionCells {
 public:

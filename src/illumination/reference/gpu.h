@@ -1,4 +1,4 @@
-// The reference's rays on a card: the medium goes there once, and what a direction's rays need when it is their turn.
+// The reference's rays on a GPU: the medium goes there once, and what a direction's rays need when it is their turn.
 #pragma once
 #include "cuda/device_cache.h"
 #include "illumination/reference/launch_gpu.h"
@@ -18,7 +18,7 @@ void swap_way(cuda::Views& views, kernel::InterpolatedRays<Voxel>& rays) {
     views.to_device_pointers(rays.planes);
 }
 
-/// run(rays, direction) for each of the directions, `follow(direction)` with pointers of the card's. `medium`: what
+/// run(rays, direction) for each of the directions, `follow(direction)` with pointers of the GPU's. `medium`: what
 /// follow.add_medium(arrays) tells of. Throws Error{interrupted}.
 template <class Follower, class Run>
 void follow_on_gpu(cuda::Stream& stream, cuda::Views& medium, Follower& follow, const std::vector<Vec3>& directions,

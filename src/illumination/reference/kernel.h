@@ -48,7 +48,7 @@ struct Crossing {
 };
 
 /// Extinction constant in each cell, crossed exactly (Amanatides and Woo 1987). What a ray crosses is the same list for
-/// every cell that it may start from; only the part of the list that may hold matter differs.
+/// every cell that it may start from; only the part of the list that may are occupied differs.
 struct CellRays {
     const float* extinction;  ///< per edge; 0 in the gaps between rows
     std::int32_t row, slice;

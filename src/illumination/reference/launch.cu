@@ -1,4 +1,4 @@
-// The reference's rays on cards: the same source, one thread a node, or a run of sixteen.
+// The reference's rays on GPUs: the same source, one thread a node, or a run of sixteen.
 #include "cuda/launch.h"
 #include "illumination/reference/launch_gpu.h"
 

@@ -1,4 +1,4 @@
-// Extinction of cells on cards: the same source, a thread a row of a block.
+// Extinction of cells on GPUs: the same source, a thread a row of a block.
 #include "cuda/launch.h"
 #include "illumination/reference/extinction_kernel.h"
 

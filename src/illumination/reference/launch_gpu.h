@@ -1,4 +1,4 @@
-// The reference's rays as a card has them, compiled by launch.cu; pointers are the card's.
+// The reference's rays as a GPU has them, compiled by launch.cu; pointers are the GPU's.
 #pragma once
 #include "cuda/stream.h"
 #include "illumination/reference/harmonics.h"

@@ -85,7 +85,7 @@ public:
         arrays.add(y_), arrays.add(z_), arrays.add(cell_x_), arrays.add(light_), arrays.add(weight_);
         for (const auto& component : outward_) arrays.add(component);
     }
-    /// Sums that a card added to its copies.
+    /// Sums that a GPU added to its copies.
     void land(cuda::Stream& stream, const NodeColumn& there) {
         stream.download(light_.data(), there.light, light_.size() * sizeof(double));
         if (!weight_.empty()) stream.download(weight_.data(), there.weight, weight_.size() * sizeof(double));
@@ -131,7 +131,7 @@ NodeColumn on_gpu(cuda::Views& views, NodeColumn column) {
     return column;
 }
 
-constexpr std::size_t columns_together = 64;  ///< on a card: a million threads, 32 MB
+constexpr std::size_t columns_together = 64;  ///< on a GPU: a million threads, 32 MB
 
 /// The columns' sums, all of them with the same list of crossings.
 template <class Follower>

@@ -12,7 +12,7 @@ namespace chiaro {
 
 /// V_lm = (4π/N) Σ V(x, ω_i) Y_lm(ω_i) at every node, by rays in N Fibonacci directions; 16 coefficients, axes of the
 /// grid. `settings.subsample` makes one node of so many cells per axis, at their centre; rays still cross the cells.
-/// Rays begin on the cube of `start_half_voxels` half cell edges about the node. Cost: rays × cells crossed.
+/// Rays begin on the cube of `start_half_voxels` half voxel widths about the node. Cost: rays × cells crossed.
 ShField reference_visibility(const Device& device, const Medium::Data& medium, const CellOpacity& opacity,
                              const ReferenceSettings& settings, StageTimer& timer, Progress& progress);
 

@@ -1,4 +1,4 @@
-// The same kernels as a card's threads call them: a cell each, of a whole grid or of many blocks side by side.
+// The same kernels as a GPU's threads call them: a cell each, of a whole grid or of many blocks side by side.
 #pragma once
 #include "illumination/cells/block_place.h"
 #include "illumination/spao/kernel.h"

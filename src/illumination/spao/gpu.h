@@ -1,11 +1,11 @@
-// SPAO on a card: from opacities there, by levels and coarser grids that are made there; the answer stays.
+// SPAO on a GPU: from opacities there, by levels and coarser grids that are made there; the answer stays.
 #pragma once
 #include "cuda/stream.h"
 #include "illumination/access.h"
 
 namespace chiaro {
 
-/// As fused_sweep on the device's card. Memory there: 6 bytes a cell, what fused_sweep keeps of coarser grids, 72 MB of
+/// As fused_sweep on the device's GPU. Memory there: 6 bytes a cell, what fused_sweep keeps of coarser grids, 72 MB of
 /// tiles.
 CellValues fused_on_gpu(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
                         const BlockMap& blocks, StageTimer& timer, Progress& progress);

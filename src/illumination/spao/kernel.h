@@ -105,7 +105,7 @@ CHIARO_INLINE void octants_piece(const SpaoBlock& b, const SpaoPiece<Coarse>& p,
     }
 }
 
-/// Means of the eight octants: the paper's cubes.
+/// Means of the eight octants: the published cubes.
 template <int width>
 CHIARO_INLINE void cube_piece(const std::uint16_t* mean, int level, std::uint16_t (&piece)[width]) {
     for (int x = 0; x < width; ++x) {

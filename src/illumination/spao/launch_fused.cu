@@ -1,4 +1,4 @@
-// The fused sweep on cards: the same source, one thread a cell or corner.
+// The fused sweep on GPUs: the same source, one thread a cell or corner.
 #include "cuda/launch.h"
 #include "illumination/spao/launch_gpu.h"
 

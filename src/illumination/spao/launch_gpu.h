@@ -1,4 +1,4 @@
-// The kernels of SPAO as a card has them, compiled by launch_fused.cu and launch_stored.cu; pointers are the card's.
+// The kernels of SPAO as a GPU has them, compiled by launch_fused.cu and launch_stored.cu; pointers are the GPU's.
 #pragma once
 #include "cuda/stream.h"
 #include "illumination/spao/batch_kernel.h"

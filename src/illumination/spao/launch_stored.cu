@@ -1,4 +1,4 @@
-// Coarser grids, stored levels and sums on cards: the same source, one thread a cell or line.
+// Coarser grids, stored levels and sums on GPUs: the same source, one thread a cell or line.
 #include "cuda/launch.h"
 #include "illumination/spao/launch_gpu.h"
 

@@ -112,7 +112,7 @@ TEST(Spao, HalfSpace) {
         // The sweep interpolates what lies further out, across the surface too.
         const double below = filter == SpaoFilter::automatic ? 0.65 : 0.4;
         EXPECT_LT(occlusion(half, with(filter, SpaoModel::corrected, 4, 1))(20, 20, 23), below);
-        // The paper's cubes leave the matter when they move outwards.
+        // The published cubes leave the matter when they move outwards.
         EXPECT_GT(occlusion(half, with(filter, SpaoModel::paper, 4, 1))(20, 20, 24),
                   occlusion(half, with(filter, SpaoModel::paper, 4, 0))(20, 20, 24) + 0.2);
     }

@@ -6,7 +6,7 @@
 
 namespace chiaro {
 
-/// Of light not yet scattered.
+/// Of uncollided light.
 class FirstBatch : SweepBatch {
 public:
     using Kernel = kernel::FirstSweepKernel;

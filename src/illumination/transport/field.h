@@ -5,7 +5,7 @@
 
 namespace chiaro::kernel {
 
-/// Beside NodeLight, whose nodes hold J w and w, the weight that a node has between others (illumination.md 5.3):
+/// Beside NodeLight, whose nodes hold J w and w, the weight that a node has between others (docs/theory/transport.md):
 ///
 ///     J = Σ t_i w_i J_i / Σ t_i w_i,      E = J (1 + |b · n|),      b = 2 q M / J
 ///

@@ -1,4 +1,4 @@
-// Transport on a card: all fields stay there from the first sweep to the last; an iteration brings back its change.
+// Transport on a GPU: all fields stay there from the first sweep to the last; an iteration brings back its change.
 #pragma once
 #include "cuda/device_cache.h"
 #include "illumination/transport/gpu_kernel.h"
@@ -7,7 +7,7 @@
 
 namespace chiaro {
 
-/// Light on its way through a medium, on the device's card. What it must have room for it has from the start, but for
+/// Light on its way through a medium, on the device's GPU. What it must have room for it has from the start, but for
 /// what the directions of a sweep need.
 class GpuTransport {
 public:
@@ -30,7 +30,7 @@ public:
     void nodes(std::vector<float>& light, std::vector<float>& moment) const;
     Faces faces() const { return faces_of(faces_); }
     Faces mean_faces() const { return faces_of(mean_faces_); }
-    /// Everything, where the processor is to go on.
+    /// Everything, where the CPU is to go on.
     void fetch(LightFields& fields) const;
 
 private:

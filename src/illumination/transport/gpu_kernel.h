@@ -1,11 +1,11 @@
-// A sweep as a card's threads do it: a thread for each cell of a plane, for each group of directions.
+// A sweep as a GPU's threads do it: a thread for each cell of a plane, for each group of directions.
 #pragma once
 #include "illumination/transport/sweep_kernel.h"
 #include "illumination/visibility/swept_places.h"
 
 namespace chiaro::kernel {
 
-/// The cells as one group of directions meets them. Pointers are the card's.
+/// The cells as one group of directions meets them. Pointers are the GPU's.
 struct SweptCells {
     std::int32_t nu, nv, steps;
     SweptPlaces in_field, in_halo;

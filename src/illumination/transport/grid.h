@@ -6,7 +6,7 @@
 
 namespace chiaro {
 
-/// A colour for each node: per channel, x fastest. What a card made stays there until the host reads it.
+/// A colour for each node: per channel, x fastest. What a GPU made stays there until the host reads it.
 struct GridColour {
     std::size_t nodes;
     MirroredBuffer buffer;
@@ -35,8 +35,8 @@ struct LightGrid {
 /// At most `cells` on the long axis, each for f³ of the smallest voxels, f of 1, 2, 3, 4, 6, 8, 12 ... Extinction from
 /// the mean transmittance of columns, geometric mean over the axes (visibility/density.h); albedo the mean of the
 /// classified colours, weighted by extinction, each scaled down to `albedo_max` where a channel is above
-/// (illumination.md 4). Cost: that of the density, and a look at every voxel, or where f >= 4 at every second one per
-/// axis. Throws Error{interrupted}.
+/// (docs/theory/transport.md). Cost: that of the density, and a look at every voxel, or where f >= 4 at every second
+/// one per axis. Throws Error{interrupted}.
 LightGrid light_grid(const Medium::Data& medium, int cells, double albedo_max, const Device& device,
                      Progress& progress);
 

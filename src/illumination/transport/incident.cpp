@@ -50,6 +50,9 @@ std::vector<Piece> gather(const ProbeImage& image, const Axes& grid_from_probe, 
 }
 
 std::optional<DominantLight> take_dominant_light(std::vector<Piece>& cells) {
+    // A disc of 8° about the brightest piece, above the mean of the ring from 8° to 16° about it, is taken as one light
+    // of its own if it is more than a tenth of all light. Pieces are 2.8° wide, so the disc holds some 25 of them. The
+    // three numbers are as in the first version; how they were chosen is not recorded.
     constexpr double near = 0.99027, around = 0.96126;  // cos 8°, cos 16°
     const auto dimmer = [](const Piece& a, const Piece& b) { return a.luminance() < b.luminance(); };
     const Vec3 brightest = std::max_element(cells.begin(), cells.end(), dimmer)->direction;

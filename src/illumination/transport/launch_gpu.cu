@@ -1,4 +1,4 @@
-// Transport on cards: the same source, one thread a cell.
+// Transport on GPUs: the same source, one thread a cell.
 #include "cuda/each_node.h"
 #include "cuda/launch.h"
 #include "illumination/transport/launch_gpu.h"

@@ -1,4 +1,4 @@
-// The kernels of transport as a card has them, compiled by launch_gpu.cu.
+// The kernels of transport as a GPU has them, compiled by launch_gpu.cu.
 #pragma once
 #include "cuda/run.h"
 #include "illumination/transport/boundary_kernel.h"

@@ -1,4 +1,4 @@
-// The medium of sweeps, and a sun in it, on cards: the same source, a thread a cell.
+// The medium of sweeps, and a sun in it, on GPUs: the same source, a thread a cell.
 #include "cuda/launch.h"
 #include "illumination/transport/dominant_light_kernel.h"
 #include "illumination/transport/matter_kernel.h"

@@ -81,7 +81,7 @@ struct DominantLightKernel {
     }
 };
 
-/// Before the first iteration there is the light not yet scattered.
+/// Before the first iteration there is the uncollided light.
 struct StartKernel {
     CellPlaces places;
     const float *albedo, *first;  ///< [channel]

@@ -10,7 +10,7 @@ struct TransportMedium {
     OpaqueCells opaque;
     SweptMedium swept;
     std::vector<float> weight;                          ///< of each node (nodes.h)
-    std::vector<std::array<float, 3>> boundary_albedo;  ///< of the grid's skins
+    std::vector<std::array<float, 3>> boundary_albedo;  ///< of the grid's boundary cells
     Geometry geometry;                                  ///< of the volume
     bool counts_bounces;  ///< no cell is opaque then, for what those answer is all bounces at once
 

@@ -11,7 +11,8 @@
 
 namespace chiaro {
 
-/// Cells whose optical thickness is at least this are opaque.
+/// Cells whose optical thickness is at least this are opaque. Measured on the engine, albedo .95: the mean radiance in
+/// the air is 4.5 % too bright with 4, and .4 % too dark with 2.
 inline constexpr float opaque_from = 2;
 /// What such a cell stops at least: 1 - exp(-opaque_from), rounded down.
 inline constexpr float opaque_weight = 0.8646f;

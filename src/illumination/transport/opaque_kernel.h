@@ -21,7 +21,7 @@ struct FaceKernel {
     const float* arriving;  ///< [group][cell][face][4]
     std::int64_t group;     ///< numbers of a group
     std::int32_t groups;
-    const float* first;  ///< of light not yet scattered, to be added to; nullptr: this is it
+    const float* first;  ///< of uncollided light, to be added to; nullptr: this is it
     float* faces;
     float* mean;  ///< running; nullptr: none
     float share;  ///< in the running mean

@@ -14,11 +14,15 @@
 namespace chiaro {
 namespace {
 
+// The factor of S += relaxation (a J - S) / (1 - a C) in docs/theory/transport.md: over-relaxation, as 1 would take
+// each sweep as it is. 1.5, the limit of 64 iterations and 1e-3 are here unchanged since the solver's first version;
+// how they were chosen is not recorded.
 constexpr double relaxation = 1.5;
-constexpr int max_iterations = 64;  ///< of a solution that converges
-constexpr double converged = 1e-3;  ///< where no error was asked for
+constexpr int max_iterations = 64;  ///< where bounces are unlimited: a bound on the time, should it not converge
+constexpr double converged = 1e-3;  ///< relative change of J that ends the iteration, where no error was asked for
 
-/// The last of n sweeps counts so much in the running mean: early ones, far from the solution, are soon forgotten.
+/// Weight of the n-th sweep in the running mean. A plain mean has 1 / n. With 4 / (n + 3), which is 1 for n = 1, the
+/// weight of an early sweep, far from the solution, falls as n^-4, and the noise of n sweeps as 4 / √(7 n) for large n.
 double share_of_sweep(int n) { return 4.0 / (n + 3); }
 
 /// Cell edges from plane to plane; the inverse of the mean cosine to the major axis.
@@ -95,7 +99,7 @@ void TransportSolver::State::prepare() {
     turn_source();
 }
 
-/// The card has no room any more.
+/// The GPU has no room any more.
 void TransportSolver::State::fall_back_to_host() {
     gpu->fetch(*this);
     gpu.reset();

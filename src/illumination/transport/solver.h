@@ -1,4 +1,4 @@
-// Multiple scattering by iterated sweeps (illumination.md 5).
+// Multiple scattering by iterated sweeps (docs/theory/transport.md).
 #pragma once
 #include <chiaro/device.h>
 #include <chiaro/lighting.h>
@@ -15,7 +15,7 @@ namespace chiaro {
 /// Light on its way through a medium, one iteration after the other. Cheap to move, not to be copied.
 class TransportSolver {
 public:
-    /// Finds the light not yet scattered. `warm`: light in a similar medium, of the same or another grid, from which
+    /// Finds the uncollided light. `warm`: light in a similar medium, of the same or another grid, from which
     /// scattering starts. Throws Error{interrupted}.
     TransportSolver(const Device& device, SharedTransportMedium matter, const Lighting& lighting,
                     const TransportSettings& settings, const ScatteringSettings& scattering, Vec3 orbit_up,

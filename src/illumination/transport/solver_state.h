@@ -8,7 +8,7 @@
 
 namespace chiaro {
 
-/// The light is on the card, or else here.
+/// The light is on the GPU, or else here.
 struct TransportSolver::State : LightFields {
     Device device;
     SharedTransportMedium matter;

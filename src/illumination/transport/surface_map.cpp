@@ -11,6 +11,9 @@ namespace {
 /// a wall's far side, which counts only where nothing else does.
 SurfaceNode surface_at(const SurfaceNodes& surfaces, std::size_t node, float weight, bool as_particles, int x, int y,
                        int z) {
+    // Nodes beside no air weigh a thousandth of others within matter (1e-3 in surface.cpp): with that, Cornell's
+    // picture of albedo .8 and .95 came from 9.2 to 8.2 and from 10.9 to 10.3 % of the paths'. `nothing`: less than a
+    // hundredth of a cell of air is none.
     constexpr float hardly = 1e-6f, nothing = 0.01f;
     const NodeOutwards out = surfaces.outwards(x, y, z);
     const LightBeside beside = surfaces.off(out, x, y, z);

@@ -77,7 +77,7 @@ struct SweptRow {
     kernel::OpaqueRow opaque;
 };
 
-/// Asks for a row long before it is read: what a sweep reads lies in pieces too short for the processor to foresee.
+/// Asks for a row long before it is read: what a sweep reads lies in pieces too short for the CPU to foresee.
 inline void ask_for(const float* row, int count) {
     for (int i = 0; i < count; i += 16) __builtin_prefetch(row + i);
 }

@@ -1,5 +1,5 @@
-// A row of cells in a directional sweep through matter that scatters (illumination.md 5): planes perpendicular to the
-// directions' major axis, from the light's side. The item is sixteen cells along the row (F = Lanes) or one.
+// A row of cells in a directional sweep through matter that scatters (docs/theory/transport.md): planes perpendicular
+// to the directions' major axis, from the light's side. The item is sixteen cells along the row (F = Lanes) or one.
 #pragma once
 #include "kernel/row.h"
 
@@ -131,7 +131,7 @@ struct FirstSweepKernel {
             for (std::int32_t o = 0; o < octant_count; ++o) meet<F>(row, row.opaque.cells[i], octants[o]);
         for (std::int32_t r = 0; r < count; ++r) plane.here[r * plane.field + row.first + row.count] = 1;
     }
-    /// One cell, as a thread of a card takes it; `id` among the opaque ones, below 0: it is none.
+    /// One cell, as a thread of a GPU takes it; `id` among the opaque ones, below 0: it is none.
     CHIARO_INLINE void at(const FirstSweepRow& row, std::int32_t u, std::int32_t id) const {
         take<float>(row, u, is_occupied<float>(row.extinction + u / width * width));
         for (std::int32_t o = 0; id >= 0 && o < octant_count; ++o) meet<float>(row, {u, id}, octants[o]);
@@ -226,7 +226,7 @@ struct SourceSweepKernel {
             for (std::int32_t o = 0; o < octant_count; ++o) meet(row, row.opaque.cells[i], octants[o]);
         for (std::int32_t p = 0; p < count * channels; ++p) plane.here[p * plane.field + row.first + row.count] = 0;
     }
-    /// One cell, as a thread of a card takes it; `id` among the opaque ones, below 0: it is none.
+    /// One cell, as a thread of a GPU takes it; `id` among the opaque ones, below 0: it is none.
     CHIARO_INLINE void at(const SourceRow& row, std::int32_t u, std::int32_t id) const {
         take<float>(row, u, is_occupied<float>(row.extinction + u / width * width));
         for (std::int32_t o = 0; id >= 0 && o < octant_count; ++o) meet(row, {u, id}, octants[o]);

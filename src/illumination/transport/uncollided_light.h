@@ -14,7 +14,7 @@ struct SweptMedium {
 
     SweptMedium(const LightGrid& light_grid, const OpaqueCells& cells)
         : grid(light_grid), opaque(cells), lattices(light_grid.extinction.grid.count) {}
-    /// For sweeps here; a card has its own.
+    /// For sweeps here; a GPU has its own.
     const BothWays& extinction() const {
         return extinction_([this] { return find_extinction(); });
     }

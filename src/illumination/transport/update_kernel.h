@@ -10,7 +10,7 @@ struct UpdateRow {
     std::int32_t count;
     const float* extinction;
     const float* albedo[3];
-    const float* first[3];    ///< J of light not yet scattered
+    const float* first[3];    ///< J of uncollided light
     const float* sums[6][3];  ///< J of scattered light that came from +x, -x, +y ...
     float* source[3];
     float* mean[3];          ///< J, running mean

@@ -15,7 +15,7 @@ struct Density {
     MirroredBuffer buffer;
 
     explicit Density(const CellGrid& nodes) : grid(nodes), buffer(nodes.size() * sizeof(float)) {}
-    /// To be written, by one thread while it may lie on a card.
+    /// To be written, by one thread while it may lie on a GPU.
     float* numbers() { return reinterpret_cast<float*>(buffer.data()); }
     const float* data() const { return reinterpret_cast<const float*>(std::as_const(buffer).data()); }
     const float* on_gpu(cuda::Stream& stream) const { return reinterpret_cast<const float*>(buffer.on_gpu(stream)); }

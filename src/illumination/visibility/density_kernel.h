@@ -1,4 +1,4 @@
-// Density as many threads make it: tiles of 32³ cells side by side, halved, kept. The processor's way to the same
+// Density as many threads make it: tiles of 32³ cells side by side, halved, kept. The CPU's way to the same
 // numbers is sub_voxel.cpp and rows.h, row by row in the cache.
 #pragma once
 #include "illumination/cells/block_place.h"

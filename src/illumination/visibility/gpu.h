@@ -1,4 +1,4 @@
-// Density on a card, and the sweep: planes, packs of directions and coefficients stay there until all directions are
+// Density on a GPU, and the sweep: planes, packs of directions and coefficients stay there until all directions are
 // done.
 #pragma once
 #include "cuda/device_cache.h"
@@ -31,12 +31,12 @@ private:
     cuda::Array<float> field_;
 };
 
-/// Fills a density, which stays on the card: the cells of the blocks, halved so often. Memory there: 4 bytes a node,
+/// Fills a density, which stays on the GPU: the cells of the blocks, halved so often. Memory there: 4 bytes a node,
 /// 144 KiB a block, of up to 256 at a time.
 void assemble_on_gpu(const Device& device, const BlockMap& blocks, int halvings, const BlockDepths& depths,
                      Density& out, Progress& progress);
 
-/// LightKernel on the device's card: `kernel` as it is for the host, which gets the light.
+/// LightKernel on the device's GPU: `kernel` as it is for the host, which gets the light.
 void light_on_gpu(const Device& device, const kernel::LightKernel& kernel, const HostArrays& arrays, std::size_t nodes);
 
 }  // namespace chiaro

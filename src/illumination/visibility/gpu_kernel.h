@@ -1,4 +1,4 @@
-// Sweeps as a card's threads do them: batches of directions side by side, plane by plane; first a thread for each node
+// Sweeps as a GPU's threads do them: batches of directions side by side, plane by plane; first a thread for each node
 // (or point of a lattice) and direction, which takes the light there, then one for each node and coefficient.
 #pragma once
 #include "illumination/visibility/sheared_kernel.h"
@@ -9,7 +9,7 @@ namespace chiaro::kernel {
 
 enum SideWork : std::int32_t { starting, travelling, projecting, kinds_of_work };
 
-/// The nodes as a batch of directions meets them. Pointers are the card's.
+/// The nodes as a batch of directions meets them. Pointers are the GPU's.
 struct SweptNodes {
     std::int32_t nu, nv, steps;
     SweptPlaces places;

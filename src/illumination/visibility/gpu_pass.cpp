@@ -54,7 +54,7 @@ private:
     SweepAxes axes_;
     int row_;
     SweepPacks packs_;
-    std::vector<kernel::SweepPack> there_;  ///< of pointers into the card's memory
+    std::vector<kernel::SweepPack> there_;  ///< of pointers into the GPU's memory
     BatchHarmonics harmonics_;
 };
 
@@ -182,7 +182,7 @@ void pass_planes(const GpuField& field, std::span<Side> sides, const cuda::Array
 }
 
 /// make_side(tables, views) of each batch. Each adds to numbers of its own, but for the first; these are added up in
-/// the order of batches, as the processor adds them.
+/// the order of batches, as the CPU adds them.
 template <class Tables, class MakeSide>
 void sweep(const GpuField& field, const std::vector<Vec3>& directions, double start, Progress& progress,
            const MakeSide& make_side) {

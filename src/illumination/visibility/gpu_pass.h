@@ -1,4 +1,4 @@
-// Sweeps on a card, in the places of grid_pass and sheared_pass: all batches of directions side by side, or as many as
+// Sweeps on a GPU, in the places of grid_pass and sheared_pass: all batches of directions side by side, or as many as
 // there is room for.
 #pragma once
 #include "illumination/visibility/gpu.h"

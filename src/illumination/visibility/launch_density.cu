@@ -1,4 +1,4 @@
-// Density on cards: one thread a cell, or a node.
+// Density on GPUs: one thread a cell, or a node.
 #include "cuda/launch.h"
 #include "illumination/visibility/launch_gpu.h"
 

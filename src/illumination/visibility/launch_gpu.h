@@ -1,4 +1,4 @@
-// The kernels of visibility as a card has them, compiled by launch_*.cu.
+// The kernels of visibility as a GPU has them, compiled by launch_*.cu.
 #pragma once
 #include "cuda/run.h"
 #include "illumination/visibility/density_kernel.h"

@@ -1,4 +1,4 @@
-// Nodes on cards: the same source, one thread a node.
+// Nodes on GPUs: the same source, one thread a node.
 #include "cuda/launch.h"
 #include "illumination/visibility/launch_gpu.h"
 

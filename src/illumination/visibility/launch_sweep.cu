@@ -1,4 +1,4 @@
-// Sweeps on cards: the same source, one thread a node and direction, then one a node and coefficient.
+// Sweeps on GPUs: the same source, one thread a node and direction, then one a node and coefficient.
 #include "cuda/launch.h"
 #include "illumination/visibility/launch_gpu.h"
 

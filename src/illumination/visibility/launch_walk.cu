@@ -1,4 +1,4 @@
-// The pyramid and the walk through it on cards: the same source, one thread a node.
+// The pyramid and the walk through it on GPUs: the same source, one thread a node.
 #include "cuda/launch.h"
 #include "illumination/visibility/launch_gpu.h"
 

@@ -1,4 +1,4 @@
-// The paper's pyramid of expected transparency (Ritschel 2007, section 3).
+// The published pyramid of expected transparency (Ritschel 2007, section 3).
 #pragma once
 #include <vector>
 

@@ -1,4 +1,4 @@
-// Coefficients as they are kept: 8 bits, halves or floats (illumination.md 2.6).
+// Coefficients as they are kept: 8 bits, halves or floats (docs/theory/visibility.md).
 #pragma once
 #include "kernel/half.h"
 

@@ -19,7 +19,7 @@ void depth_row(const SubVoxelIntegral& sub_voxel, const Value* at, int row, int 
 
 using Ranges = std::array<std::pair<int, int>, 3>;
 
-/// Calls visit(x0, x1, y, z) for the pieces of rows that may hold matter.
+/// Calls visit(x0, x1, y, z) for the pieces of rows that may are occupied.
 template <class Visit>
 void for_each_piece(const Ranges& cells, const BlockPieces& pieces, const Visit& visit) {
     const auto [x, y, z] = cells;
@@ -114,7 +114,7 @@ private:
     const kernel::CellCentres centres_;
 };
 
-/// With pointers of the card's into `arrays`; `swap_pointers(views, depth)` names them.
+/// With pointers of the GPU's into `arrays`; `swap_pointers(views, depth)` names them.
 template <class Depth, class SwapPointers>
 FillBlocks on_gpu(cuda::Stream& stream, HostArrays arrays, const CellGrid& grid, Depth depth,
                   const SwapPointers& swap_pointers) {
@@ -142,7 +142,7 @@ void swap_pointers(cuda::Views& views, kernel::SubVoxelIntegralOfVoxels<std::uin
     views.to_device_pointers(sub_voxel.pairs);
 }
 
-/// `Depth`: as a card finds it.
+/// `Depth`: as a GPU finds it.
 template <template <class, class> class Depth, class Voxel, class Tables>
 std::function<FillBlocks(cuda::Stream&)> depths_on_gpu(const DeviceVolume::Data& volume,
                                                        const std::shared_ptr<const Cells<Voxel>>& cells,

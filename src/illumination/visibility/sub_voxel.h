@@ -14,7 +14,7 @@ inline constexpr int tile_size = block_edge * block_edge * block_edge;
 
 /// Fills a tile, all 0 before, with the optical depth of the edges of a block's cells.
 using FillBlock = std::function<void(std::size_t block, float* tile)>;
-/// The same on a card: tiles of blocks side by side, which may hold anything before.
+/// The same on a GPU: tiles of blocks side by side, which may hold anything before.
 using FillBlocks = std::function<void(const kernel::BlockPlace* places, std::int64_t blocks, float* tiles)>;
 
 struct BlockDepths {

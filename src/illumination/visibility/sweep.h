@@ -1,4 +1,4 @@
-// Visibility of all nodes by directional sweeps (illumination.md 2.4): beyond the paper, faster and more exact.
+// Visibility of all nodes by directional sweeps (docs/theory/visibility.md): beyond the paper, faster and more exact.
 #pragma once
 #include <chiaro/device.h>
 #include <chiaro/lighting.h>
@@ -22,7 +22,7 @@ inline SweepLattice lattice_of(VisibilityTraversal traversal) {
 ShField sweep_visibility(const Device& device, const Density& density, const std::vector<Vec3>& directions,
                          int coefficients, double start, SweepLattice lattice, Progress& progress);
 
-/// On the device's card, where the field stays.
+/// On the device's GPU, where the field stays.
 GpuField sweep_on_gpu(const Device& device, const Density& density, const std::vector<Vec3>& directions,
                       int coefficients, double start, SweepLattice lattice, Progress& progress);
 

@@ -1,6 +1,6 @@
-// A directional sweep (illumination.md 2.4): planes perpendicular to the directions' major axis, from the light's side;
-// each node takes the light of the point one plane back along the direction. The item is a node and sixteen directions
-// (F = Lanes) or one (F = float).
+// A directional sweep (docs/theory/visibility.md): planes perpendicular to the directions' major axis, from the light's
+// side; each node takes the light of the point one plane back along the direction. The item is a node and sixteen
+// directions (F = Lanes) or one (F = float).
 #pragma once
 #include "illumination/visibility/project.h"
 #include "kernel/math.h"

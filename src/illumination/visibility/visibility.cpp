@@ -19,7 +19,7 @@ bool is_walk(const VisibilitySettings& settings) {
     return settings.traversal == VisibilityTraversal::hierarchical || settings.traversal == VisibilityTraversal::full;
 }
 
-/// By rays or by sweeps: walk_visibility and sweep_visibility, or those whose field stays on the card.
+/// By rays or by sweeps: walk_visibility and sweep_visibility, or those whose field stays on the GPU.
 template <class Walk, class Sweep>
 auto traverse(const Walk& walk, const Sweep& sweep, const Device& device, const Density& density,
               const VisibilitySettings& settings, StageTimer& timer, Progress& progress) {

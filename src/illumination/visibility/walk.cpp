@@ -16,7 +16,7 @@ using kernel::LaneDirections;
 using kernel::WalkStep;
 
 constexpr double growth = 0.2;                    ///< s = max(1, g t)
-constexpr std::int64_t nodes_together = 1 << 18;  ///< on a card; after which it may be cancelled
+constexpr std::int64_t nodes_together = 1 << 18;  ///< on a GPU; after which it may be cancelled
 
 /// Steps of one node edge, of the finest level.
 std::vector<WalkStep> even_steps(double reach) {

@@ -1,4 +1,4 @@
-// The paper's way to visibility: rays from every node through a pyramid, or step by step through its finest level.
+// The published way to visibility: rays from every node through a pyramid, or step by step through its finest level.
 #pragma once
 #include <chiaro/device.h>
 #include <chiaro/lighting.h>
@@ -18,7 +18,7 @@ namespace chiaro {
 ShField walk_visibility(const Device& device, const Density& density, const VisibilitySettings& settings, double start,
                         StageTimer& timer, Progress& progress);
 
-/// On the device's card, where the field stays. Memory there: also the field and 2.3 bytes a node.
+/// On the device's GPU, where the field stays. Memory there: also the field and 2.3 bytes a node.
 GpuField walk_on_gpu(const Device& device, const Density& density, const VisibilitySettings& settings, double start,
                      StageTimer& timer, Progress& progress);
 

@@ -63,7 +63,7 @@ Rgb lab_from_msh(const Msh& c) {
     return {c.m * std::cos(c.s), c.m * std::sin(c.s) * std::cos(c.h), c.m * std::sin(c.s) * std::sin(c.h)};
 }
 
-/// A hue for an unsaturated end, turned so that the change looks even (the paper's AdjustHue).
+/// A hue for an unsaturated end, turned so that the change looks even (the published AdjustHue).
 double spun_hue(const Msh& saturated, double unsaturated_m) {
     if (saturated.m >= unsaturated_m - 0.1) return saturated.h;
     const double spin = saturated.s * std::sqrt(unsaturated_m * unsaturated_m - saturated.m * saturated.m) /

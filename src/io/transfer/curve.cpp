@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/color_map_opacity.h"
+
 namespace chiaro {
 namespace {
 
@@ -134,7 +136,7 @@ void span_domain(std::vector<ControlPoint>& points, double low, double high) {
 }
 
 OpacityCurve color_map_opacity(double low, double high) {
-    constexpr double start = 0.1, highest = 0.25;
+    constexpr double start = ColorMapOpacity::start, highest = ColorMapOpacity::highest;
     if (!(high > low)) return {{low, {highest}}};
     return {{low, {0}}, {low + start * (high - low), {0}}, {high, {highest}}};
 }

@@ -139,7 +139,7 @@ std::vector<Category> categories_of(const TransferText& text, const JsonNode& ma
     categories.erase(std::unique(categories.begin(), categories.end(), same), categories.end());
     for (Category& c : categories) c.opacity = &c == categories.data() && categories.size() > 1 ? 0 : 0.25;
     found.notes.push_back(
-        "its categories have no opacity: 0 for the lowest value, a quarter a voxel edge for the rest");
+        "its categories have no opacity: 0 for the lowest value, a quarter a voxel size for the rest");
     return categories;
 }
 
@@ -238,7 +238,7 @@ void read_points(const TransferText& text, const JsonNode& map, FoundFunction& f
         if (found.relative) normalise(opacity);
     } else {
         opacity = color_map_opacity(color.front().x, color.back().x);
-        found.notes.push_back("it has no opacity: 0 over the lowest tenth, then rising to a quarter a voxel edge");
+        found.notes.push_back("it has no opacity: 0 over the lowest tenth, then rising to a quarter a voxel size");
     }
     found.function.points = united(color, opacity);
     if (found.relative)
