@@ -26,10 +26,10 @@ std::string png_of(const Scene& scene) {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-/// What a painter sends: all is taken in, and the last picture kept.
+/// What a worker sends: all is taken in, and the last picture kept.
 class Album {
 public:
-    server::Painter::Outlet outlet() {
+    server::RenderWorker::FrameCallbacks callbacks() {
         return {[this](int, std::string frame) { take(frame); },
                 [this](int, const Json& message) {
                     const std::lock_guard lock(mutex_);
@@ -61,11 +61,11 @@ private:
     std::string errors_;
 };
 
-server::Wish wish_of(std::int64_t n, const Scene& scene, Chance& chance) {
-    server::Wish wish;
-    wish.n = n, wish.scene = scene;
-    wish.moving = chance.pick(0, 2) == 0, wish.preview = chance.pick(0, 5) == 0;
-    return wish;
+server::FrameRequest request_of(std::int64_t n, const Scene& scene, Chance& chance) {
+    server::FrameRequest request;
+    request.n = n, request.scene = scene;
+    request.moving = chance.pick(0, 2) == 0, request.preview = chance.pick(0, 5) == 0;
+    return request;
 }
 
 /// One thing that a page may ask for while its picture is drawn.
@@ -122,22 +122,22 @@ void work(Page& page, Json& scene, Chance& chance, int steps) {
 
 }  // namespace
 
-TEST(ServerRaces, WishesArriveWhileThePainterDraws) {
+TEST(ServerRaces, RequestsArriveWhileAFrameIsDrawn) {
     for (Rounds rounds; rounds.next();) {
         server::Volumes volumes(Device::cpu(2));
         Progress progress;
         const auto ball = volumes.load(small_scene(Method::none), progress);
         Album album;
-        server::Painter painter(album.outlet());
-        painter.show(ball);
+        server::RenderWorker worker(album.callbacks());
+        worker.show(ball);
         std::atomic<std::int64_t> n{0};
         const auto hand = [&](std::uint32_t seed) {
             Chance chance(seed);
             for (int i = 0; i < 15; ++i) {
                 Scene scene = small_scene(quick_methods[chance.pick(0, 4)]);
                 chiaro::testing::edit(scene, chance);
-                painter.wish(wish_of(++n, scene, chance));
-                if (const auto seen = painter.seen()) EXPECT_LE(seen->n, n);
+                worker.request(request_of(++n, scene, chance));
+                if (const auto last = worker.last_frame()) EXPECT_LE(last->n, n);
                 chance.wait(20);
             }
         };
@@ -149,24 +149,24 @@ TEST(ServerRaces, WishesArriveWhileThePainterDraws) {
                     Progress reading;
                     Scene shells = small_scene(Method::none);
                     shells.volume = "sample:shells:16";
-                    painter.show(chance.pick(0, 2) ? volumes.load(i % 2 ? shells : ball->source, reading) : nullptr);
+                    worker.show(chance.pick(0, 2) ? volumes.load(i % 2 ? shells : ball->source, reading) : nullptr);
                     chance.wait(60);
                 }
             });
             hand(2 * rounds.seed() + 1);
         }
-        painter.show(ball);
+        worker.show(ball);
         Chance chance(rounds.seed());
         Scene scene = small_scene(quick_methods[chance.pick(0, 4)]);
         chiaro::testing::edit(scene, chance);
-        server::Wish last;
+        server::FrameRequest last;
         last.n = ++n, last.scene = scene;
-        painter.wish(last);
+        worker.request(last);
         EXPECT_TRUE(album.wait_for(last.n) == png_of(scene)) << to_text(scene.illumination.method);
     }
 }
 
-TEST(ServerRaces, APainterEndsWhateverItDoes) {
+TEST(ServerRaces, ARenderWorkerEndsWhateverItDoes) {
     for (Rounds rounds; rounds.next();) {
         server::Volumes volumes(Device::cpu(2));
         Progress progress;
@@ -174,10 +174,10 @@ TEST(ServerRaces, APainterEndsWhateverItDoes) {
         for (std::uint32_t i = 0; i < 6; ++i) {
             Chance chance(6 * rounds.seed() + i);
             Album album;
-            server::Painter painter(album.outlet());
-            painter.show(ball);
+            server::RenderWorker worker(album.callbacks());
+            worker.show(ball);
             const Scene scene = small_scene(i == 5 ? Method::transport : quick_methods[i]);
-            painter.wish(wish_of(1, scene, chance));
+            worker.request(request_of(1, scene, chance));
             chance.wait(60);
         }
     }
