@@ -45,7 +45,7 @@ const Codec codecs[] = {{"RLE", gdcm::TransferSyntax::RLELossless},
                         {"JPEG baseline", gdcm::TransferSyntax::JPEGBaselineProcess1, 6}};
 
 /// Smooth, so that lossy codecs stay close; 40 x 30 pixels.
-Dicom image(int z, bool bytes_only, int frames = 1) {
+Dicom dicom_image(int z, bool bytes_only, int frames = 1) {
     Dicom slice{.columns = 40, .rows = 30, .instance = z + 1, .position = {0, 0, 3.0 * z}, .pixels = {}};
     slice.bytes_only = bytes_only;
     slice.frames = frames;
@@ -75,7 +75,7 @@ TEST(DicomPixels, EveryCodecGivesWhatWasStored) {
             const Folder folder;
             std::vector<Dicom> slices;
             for (int z = 0; z < 3; ++z) {
-                slices.push_back(image(z, bytes_only));
+                slices.push_back(dicom_image(z, bytes_only));
                 folder.write("IM" + std::to_string(z), compressed(slices[std::size_t(z)].bytes(), codec.syntax));
             }
             const auto volume = read(folder.name());
@@ -90,7 +90,7 @@ TEST(DicomPixels, FramesAreCompressedOneByOne) {
     for (const Codec& codec : codecs) {
         SCOPED_TRACE(codec.name);
         const Folder folder;
-        const Dicom image = image(0, true, 4);
+        const Dicom image = dicom_image(0, true, 4);
         const auto volume = read(folder.write("frames.dcm", compressed(image.bytes(), codec.syntax)));
         EXPECT_EQ(volume.dimensions, (std::array{40, 30, 4}));
         expect_pixels<std::uint8_t>(volume, {image}, codec.tolerance);
@@ -99,7 +99,7 @@ TEST(DicomPixels, FramesAreCompressedOneByOne) {
 
 TEST(DicomPixels, SignedPixels) {
     const Folder folder;
-    Dicom image = image(0, false);
+    Dicom image = dicom_image(0, false);
     image.is_signed = true;
     for (auto& pixel : image.pixels) pixel = std::uint16_t(pixel - 5000);
     for (const Codec& codec : codecs) {
@@ -112,7 +112,7 @@ TEST(DicomPixels, SignedPixels) {
 TEST(DicomPixels, TruncatedStreamsAreRefused) {
     const Folder folder;
     for (const Codec& codec : codecs) {
-        const std::string whole = compressed(image(0, true).bytes(), codec.syntax);
+        const std::string whole = compressed(dicom_image(0, true).bytes(), codec.syntax);
         for (const std::size_t left : {whole.size() - 1, whole.size() - 40, whole.size() - 200}) {
             SCOPED_TRACE(codec.name + std::to_string(whole.size() - left));
             EXPECT_THROW(read(folder.write("cut.dcm", whole.substr(0, left))), Error);

@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "devices.h"
-#include "transport_judge.h"
+#include "transport_metric.h"
 
 using namespace chiaro;
 using namespace chiaro::bench;

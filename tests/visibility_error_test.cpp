@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "devices.h"
-#include "visibility_judge.h"
+#include "visibility_metric.h"
 
 using namespace chiaro;
 using namespace chiaro::bench;

@@ -35,12 +35,12 @@ void paste(Image& sheet, const Image& image, int x, int y) {
 
 }  // namespace
 
-Image difference_image(const Frame& image, const Frame& ground_truth, double full) {
-    check_same_size(image, ground_truth);
-    Image image{image.width, image.height, false, {}};
-    image.pixels.resize(image.rgba.size() / 4 * 3);
-    for (std::size_t p = 0; p < image.rgba.size() / 4; ++p) {
-        const double share = std::clamp(luminance_difference(image, ground_truth, p) / full, -1.0, 1.0);
+Image difference_image(const Frame& frame, const Frame& ground_truth, double full) {
+    check_same_size(frame, ground_truth);
+    Image image{frame.width, frame.height, false, {}};
+    image.pixels.resize(frame.rgba.size() / 4 * 3);
+    for (std::size_t p = 0; p < frame.rgba.size() / 4; ++p) {
+        const double share = std::clamp(luminance_difference(frame, ground_truth, p) / full, -1.0, 1.0);
         const double strong[3] = {share > 0 ? 0.70 : 0.02, share > 0 ? 0.01 : 0.19, share > 0 ? 0.07 : 0.58};
         for (int c = 0; c < 3; ++c)
             image.pixels[3 * p + c] = std::uint8_t(255 * (1 + std::abs(share) * (strong[c] - 1)) + 0.5);
@@ -48,10 +48,10 @@ Image difference_image(const Frame& image, const Frame& ground_truth, double ful
     return image;
 }
 
-double difference_scale(const Frame& image, const Frame& ground_truth, double share) {
-    check_same_size(image, ground_truth);
-    std::vector<double> sizes(image.rgba.size() / 4);
-    for (std::size_t p = 0; p < sizes.size(); ++p) sizes[p] = std::abs(luminance_difference(image, ground_truth, p));
+double difference_scale(const Frame& frame, const Frame& ground_truth, double share) {
+    check_same_size(frame, ground_truth);
+    std::vector<double> sizes(frame.rgba.size() / 4);
+    for (std::size_t p = 0; p < sizes.size(); ++p) sizes[p] = std::abs(luminance_difference(frame, ground_truth, p));
     const auto at = sizes.begin() + std::ptrdiff_t(double(sizes.size() - 1) * (1 - share));
     std::nth_element(sizes.begin(), at, sizes.end());
     const double least = std::max(*at, 1e-6), decade = std::pow(10, std::floor(std::log10(least)));
