@@ -175,13 +175,13 @@ TEST(SessionRaces, EveryLongCallIsCancelledAtAnyMoment) {
          }},
         {"compare",
          [](Session& s, Scene& scene, Progress& p) {
-             Session other = s.with_own_stream();
+             Session other = s.share_volume();
              compare_methods(other, scene, {scene.illumination.method}, p);
          }},
         {"measure",
          [](Session& s, Scene& scene, Progress& p) {
              if (scene.illumination.method != Method::spao && scene.illumination.method != Method::visibility) return;
-             Session other = s.with_own_stream();
+             Session other = s.share_volume();
              measure_light(other, scene, p, 32);
          }},
         {"read", [](Session& s, Scene& scene, Progress& p) { s.show(read_volume(scene, p), p); }},
@@ -218,7 +218,7 @@ TEST(SessionRaces, SessionsThatShareVoxelsDoNotDisturbEachOther) {
             Chance chance(seed);
             Scene scene = small_scene(all_methods[seed % 6]);
             Progress progress;
-            Session session = first.with_own_stream();
+            Session session = first.share_volume();
             Session beside = session.share_volume();  // while others are made and render
             for (int i = 0; i < 3; ++i) {
                 edit(scene, chance);
