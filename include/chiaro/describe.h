@@ -167,7 +167,7 @@ void describe(Visit&& visit, S& s) {
     visit(Setting{"spao-normal-factor", "lighting.normal_factor", "",
                   "0: light from all directions, else from those that the surface faces"}
           .within(0, 2).of("spao"), s.normal_factor);
-    visit(Setting{"spao-model", "lighting.model", "", "the published product, with thick shells, or per octant"}
+    visit(Setting{"spao-model", "lighting.model", "", "product over shells as published (Kroes, Schut and Eisemann), with each shell's thickness, or per octant"}
           .of("spao"), s.model);
 }
 
@@ -204,7 +204,7 @@ void describe(Visit&& visit, S& s) {
     visit(Setting{"hist-path", "lighting.path", "", "how local histograms are computed"}.of("histogram"), s.path);
     visit(Setting{"hist-subsample", "lighting.subsample", "voxels", "distance of the voxels with a histogram"}
           .written("1|2|4").of("histogram"), s.subsample);
-    visit(Setting{"hist-model", "lighting.model", "", "light is exp(-r O) of occlusion O, or the published 1 - O"}
+    visit(Setting{"hist-model", "lighting.model", "", "light is exp(-r O) of occlusion O, or 1 - O as published (Ropinski et al. 2008)"}
           .of("histogram"), s.model);
     visit(Setting{"hist-effects", "lighting.effects", "", "effects shown: some of ao (ambient occlusion), bleeding (colour), scattering, glow (emission)"}
           .written("ao,bleeding,scattering,glow").of("histogram"), s.effects);

@@ -48,7 +48,7 @@ TEST_F(FailingGpus, AreNamedInOneSentence) {
     EXPECT_FALSE(choose_device(Device::cpu()).device.has_gpu());
     cuda_emulated::gpu().driver_version = 13000;
     cuda_emulated::gpu().count = 0;
-    EXPECT_EQ(error_of(choose), "--device cuda: there is no NVIDIA card");
+    EXPECT_EQ(error_of(choose), "--device cuda: there is no NVIDIA GPU");
     cuda_emulated::gpu().driver_version = 0;
     EXPECT_EQ(error_of(choose), "--device cuda: there is no NVIDIA driver");
 }
