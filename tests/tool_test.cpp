@@ -96,7 +96,7 @@ TEST_F(Tool, Tells) {
         const char *arguments, *text;
     };
     const Case cases[] = {
-        {"--help", "render"},       {"--version", "chiaro 0.1.0"}, {"render --help", "--early-termination"},
+        {"--help", "render"},       {"--version", "chiaro 0.2.0"}, {"render --help", "--early-termination"},
         {"--list-methods", "none"}, {"--list-formats", "NRRD"},    {"--list-presets", "ct-bone"},
         {"--list-devices", "cpu"},  {"sample --list", "cornell"},  {"info sample:ball:16", "16x16x16 uint8"},
         {"convert --help", "gzip"},
