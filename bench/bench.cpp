@@ -29,7 +29,7 @@ constexpr auto suite_table = std::to_array<Suite>({
     {"paths", "the path tracer: a frame of one path a pixel, and what majorants by region save", path_cases},
     {"histogram", "local histograms: the published table of preprocessing, an edit's table, errors of occlusion",
      histogram_cases},
-    {"card", "frames on a GPU by the clock (--device cuda), and what its memory gives", gpu_cases},
+    {"gpu", "frames on a GPU by the clock (--device cuda), and what its memory gives", gpu_cases},
     {"tool", "first picture and peak memory of the program itself", tool_cases},
 });
 

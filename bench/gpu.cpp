@@ -125,7 +125,7 @@ std::vector<Row> measure_codewords(const Setup& setup, const std::string& name) 
 
 void add_scene(const Setup& setup, const std::string& scene, Method method, std::vector<Case>& cases) {
     const std::string of = fmt::format("{}/{}", scene, method == Method::reference ? "path" : "none");
-    const std::vector<std::string> names{"card/frame/" + of, "card/raycast/" + of};
+    const std::vector<std::string> names{"gpu/frame/" + of, "gpu/raycast/" + of};
     cases.push_back({names, [=, &setup] { return measure_scene(setup, names, scene, method); }});
 }
 
@@ -196,19 +196,17 @@ double pass_ms(const Setup& setup, std::size_t bytes) {
 }
 
 std::vector<Case> gpu_cases(const Setup& setup) {
-    const std::vector<std::string> memory{"card/copy", "card/upload", "card/download"};
+    const std::vector<std::string> memory{"gpu/copy", "gpu/upload", "gpu/download"};
     std::vector<Case> cases{{memory, [=, &setup] { return measure_memory(setup, memory); }}};
-    cases.push_back({{"card/words"}, [&setup] { return measure_codewords(setup, "card/words"); }});
-    const std::vector<std::string> transport{"card/transport/first", "card/transport/iteration",
-                                             "card/transport/whole"};
+    cases.push_back({{"gpu/words"}, [&setup] { return measure_codewords(setup, "gpu/words"); }});
+    const std::vector<std::string> transport{"gpu/transport/first", "gpu/transport/iteration", "gpu/transport/whole"};
     cases.push_back({transport, [=, &setup] { return measure_transport(setup, transport); }});
-    const std::vector<std::string> visibility{"card/visibility/sweep", "card/visibility/sheared",
-                                              "card/visibility/walk"};
+    const std::vector<std::string> visibility{"gpu/visibility/sweep", "gpu/visibility/sheared", "gpu/visibility/walk"};
     cases.push_back({visibility, [=, &setup] { return measure_visibility(setup, visibility); }});
     for (const SceneText& text : scene_texts()) {
         for (const Method method : {Method::none, Method::reference}) add_scene(setup, text.name, method, cases);
         for (const std::string steps : {"classify", "opacity", "spao", "density"}) {
-            const std::string name = fmt::format("card/edit/{}/{}", text.name, steps);
+            const std::string name = fmt::format("gpu/edit/{}/{}", text.name, steps);
             cases.push_back({{name}, [=, &setup] { return measure_edit(setup, name, text.name, steps); }});
         }
     }

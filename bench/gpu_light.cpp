@@ -108,16 +108,16 @@ std::vector<Case> gpu_light_cases(const Setup& setup) {
             return measure_spao(setup, of, filter);
         }));
     };
-    add_spao({"card/spao/nbuffer/whole", "card/spao/nbuffer/levels"}, SpaoFilter::nbuffer);
-    add_spao({"card/spao/mipmap/whole", "card/spao/mipmap/levels"}, SpaoFilter::mipmap);
-    add_spao({"card/spao/fused/whole"}, SpaoFilter::automatic);
+    add_spao({"gpu/spao/nbuffer/whole", "gpu/spao/nbuffer/levels"}, SpaoFilter::nbuffer);
+    add_spao({"gpu/spao/mipmap/whole", "gpu/spao/mipmap/levels"}, SpaoFilter::mipmap);
+    add_spao({"gpu/spao/fused/whole"}, SpaoFilter::automatic);
     for (const int subsample : {2, 1}) {
-        const std::string name = subsample == 2 ? "card/visibility/128" : "card/visibility/256";
+        const std::string name = subsample == 2 ? "gpu/visibility/128" : "gpu/visibility/256";
         cases.push_back(case_of(setup, {name}, "ms", [&setup, subsample](const std::vector<std::string>& names) {
             return measure_visibility(setup, names[0], subsample);
         }));
     }
-    cases.push_back(case_of(setup, {"card/histogram/prepare"}, "s", [&setup](const std::vector<std::string>& names) {
+    cases.push_back(case_of(setup, {"gpu/histogram/prepare"}, "s", [&setup](const std::vector<std::string>& names) {
         return measure_histograms(setup, names[0]);
     }));
     return cases;

@@ -17,18 +17,18 @@ struct Entry {
 /// Kroes, Schut and Eisemann (512³, levels 0 to 6), Ritschel (256³, 400 directions), and local histograms (head of
 /// 256 × 256 × 147, radius 16, 64 bins, 2048 words: histograms and codebook).
 const std::array entries{
-    Entry{"card/spao/nbuffer/levels", {{{268.9, titan_nbuffers}}, {}}},
-    Entry{"card/spao/nbuffer/whole", {{{332.1, titan_nbuffers}}, {}}},
-    Entry{"card/spao/mipmap/levels", {{{38.8, titan_mipmaps}}, {}}},
-    Entry{"card/spao/mipmap/whole", {{{149.2, titan_mipmaps}}, {}}},
-    Entry{"card/spao/fused/whole", {{{332.1, titan_nbuffers}, {149.2, titan_mipmaps}}, 3}},
-    Entry{"card/visibility/128", {{{12.3e3, gtx}}, 20}},
-    Entry{"card/visibility/256", {{{70.4e3, gtx}}, {}}},
-    Entry{"card/transport/whole", {{}, 10}},
-    Entry{"card/histogram/prepare", {{{60 * (101.6 + 61.6), opterons}, {60 * (10.26 + 61.6), ball}}, 0.5}},
-    Entry{"card/frame/shells512-fog/none", {{}, 2}},
-    Entry{"card/frame/shells512-opaque/none", {{}, 2}},
-    Entry{"card/frame/shells512-sparse/none", {{}, 2}},
+    Entry{"gpu/spao/nbuffer/levels", {{{268.9, titan_nbuffers}}, {}}},
+    Entry{"gpu/spao/nbuffer/whole", {{{332.1, titan_nbuffers}}, {}}},
+    Entry{"gpu/spao/mipmap/levels", {{{38.8, titan_mipmaps}}, {}}},
+    Entry{"gpu/spao/mipmap/whole", {{{149.2, titan_mipmaps}}, {}}},
+    Entry{"gpu/spao/fused/whole", {{{332.1, titan_nbuffers}, {149.2, titan_mipmaps}}, 3}},
+    Entry{"gpu/visibility/128", {{{12.3e3, gtx}}, 20}},
+    Entry{"gpu/visibility/256", {{{70.4e3, gtx}}, {}}},
+    Entry{"gpu/transport/whole", {{}, 10}},
+    Entry{"gpu/histogram/prepare", {{{60 * (101.6 + 61.6), opterons}, {60 * (10.26 + 61.6), ball}}, 0.5}},
+    Entry{"gpu/frame/shells512-fog/none", {{}, 2}},
+    Entry{"gpu/frame/shells512-opaque/none", {{}, 2}},
+    Entry{"gpu/frame/shells512-sparse/none", {{}, 2}},
 };
 
 }  // namespace

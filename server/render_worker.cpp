@@ -164,7 +164,7 @@ bool RenderWorker::is_light_due(const Scene& scene) const {
            !is_path_traced(scene.illumination) && session_->needs_light(scene);
 }
 
-/// A draft whose light is its own. It is not given up for a newer request: else light would never follow a drag.
+/// A preview whose light is its own. It is not given up for a newer request: else light would never follow a drag.
 void RenderWorker::preview_with_light(const FrameRequest& wanted, const Scene& small) {
     check_light_fits(small);
     const Image& image = session_->render(small, *steady_);

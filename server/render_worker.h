@@ -79,7 +79,7 @@ private:
     std::optional<FrameRequest> newest_;
     std::shared_ptr<const Loaded> shown_;
     bool volume_changed_ = false, ending_ = false;
-    std::shared_ptr<Progress> steady_, refining_;  ///< of drafts; of what a newer request stops
+    std::shared_ptr<Progress> steady_, refining_;  ///< of previews; of what a newer request stops
     std::optional<LastFrame> last_frame_;
     std::thread thread_;
 
@@ -89,7 +89,7 @@ private:
     double light_seconds_ = 1e9;  ///< what light took last
     Clock::time_point light_found_, last_preview_;
     double preview_interval_ = 0;
-    bool is_whole_ = false;  ///< the last draft had the canvas's size and no better light to come
+    bool is_whole_ = false;  ///< the last preview had the canvas's size and no better light to come
 };
 
 }  // namespace chiaro::server

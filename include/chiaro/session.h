@@ -45,7 +45,7 @@ public:
     /// it.
     CHIARO_EXPORT const std::vector<Stage>& stages() const;
     CHIARO_EXPORT const DeviceVolume& volume() const;      ///< shown
-    CHIARO_EXPORT const Medium& medium() const;            ///< of the last render or draft
+    CHIARO_EXPORT const Medium& medium() const;            ///< of the last render or preview
     CHIARO_EXPORT const IlluminationField& light() const;  ///< of the last render
     /// What a user should know: of what was prepared, of the device.
     CHIARO_EXPORT std::vector<std::string> notes() const;

@@ -77,7 +77,7 @@ Device Device::cuda(int index, const Device& host) {
     const auto gpu = std::find_if(gpus.begin(), gpus.end(), [&](const auto& each) { return each.index == index; });
     if (gpu == gpus.end())
         throw Error(ErrorCode::output,
-                    fmt::format("--device cuda:{}: there is no such card (0 to {})", index, gpus.back().index));
+                    fmt::format("--device cuda:{}: there is no such GPU (0 to {})", index, gpus.back().index));
     return with_gpu(host, *gpu, false);
 }
 

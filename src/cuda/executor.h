@@ -182,8 +182,8 @@ private:
 
 /// steps(executor) on the device's GPU, or on the CPU where there is none or it has no memory left: then from the first
 /// step on, so steps keep their results last.
-template <class StageTimer>
-void run_steps(const Device& device, Progress* progress, const StageTimer& steps) {
+template <class Steps>
+void run_steps(const Device& device, Progress* progress, const Steps& steps) {
     const auto on_gpu = [&] {
         GpuExecutor executor(device.stream, progress);
         steps(executor);

@@ -41,7 +41,7 @@ protected:
 
 TEST_F(FailingGpus, AreNamedInOneSentence) {
     const auto choose = [] { Device::cuda(0, Device::cpu()); };
-    EXPECT_EQ(error_of([] { Device::cuda(3, Device::cpu()); }), "--device cuda:3: there is no such card (0 to 0)");
+    EXPECT_EQ(error_of([] { Device::cuda(3, Device::cpu()); }), "--device cuda:3: there is no such GPU (0 to 0)");
     cuda_emulated::gpu().driver_version = 12020;
     EXPECT_EQ(error_of(choose), "--device cuda: the NVIDIA driver is for CUDA 12.2, and this build needs 13.0");
     EXPECT_TRUE(list_gpus().empty());
@@ -305,13 +305,13 @@ TEST_F(Gpus, AreTimedByTheBench) {
     std::vector<bench::Row> rows;
     bench::run(
         setup,
-        {{"card"}, "copy|upload|download|words|transport|card/(spao|visib|histogram)|shells256-opaque.(none|classify)"},
+        {{"gpu"}, "copy|upload|download|words|transport|gpu/(spao|visib|histogram)|shells256-opaque.(none|classify)"},
         [&](const bench::Row& row) { rows.push_back(row); });
     ASSERT_EQ(rows.size(), 21u);
     for (const bench::Row& row : rows) {
         EXPECT_EQ(row.value.runs, 2) << row.name << row.note;
         EXPECT_GT(row.value.min, 0) << row.name;
-        EXPECT_EQ(row.ratio.has_value(), row.name != "card/copy") << row.name;
+        EXPECT_EQ(row.ratio.has_value(), row.name != "gpu/copy") << row.name;
     }
 }
 
@@ -323,7 +323,7 @@ TEST(RowsOfGpus, StandBesideWhatThePapersMeasured) {
         for (const std::string& name : each.names)
             rows += !bench::beside(name).papers.empty() || bench::beside(name).target;
     EXPECT_EQ(rows, 12);  // all there are
-    bench::Row row{"card/spao/fused/whole", "ms", {5, 4, 6, 3}};
+    bench::Row row{"gpu/spao/fused/whole", "ms", {5, 4, 6, 3}};
     row.beside = bench::beside(row.name);
     EXPECT_NE(bench::line_of(row).find("; paper 332.1, N-buffers on a GTX TITAN; paper 149.2, "), std::string::npos);
     EXPECT_NE(bench::line_of(row).find("; target 3"), std::string::npos);

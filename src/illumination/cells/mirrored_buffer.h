@@ -25,7 +25,7 @@ public:
     /// Where they are once they have come.
     const std::byte* address() const { return here_.data(); }
     std::size_t size() const { return here_.size(); }
-    /// As of a VoxelBuffer; of numbers that no card knows.
+    /// As of a VoxelBuffer; of numbers that no GPU knows.
     void discard_before(std::size_t end) { here_.discard_before(end); }
     void use_small_pages() { here_.use_small_pages(); }
 

@@ -12,7 +12,7 @@ inline kernel::OpacityGrid opacity_grid(const std::array<int, 3>& count, const s
 }
 
 /// How many cells and corners there are in a grid of cells twice as wide. Corner i of an axis lies at the low side of
-/// cell i; there is one more than cells, and then whole blocks of them (which a card holds).
+/// cell i; there is one more than cells, and then whole blocks of them (which a GPU holds).
 struct CoarseShape {
     std::array<int, 3> count{0, 0, 0}, corners{0, 0, 0};
 
