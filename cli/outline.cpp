@@ -57,7 +57,7 @@ void add_known_names(const std::string& command, const OptionOutline& option, Ca
     if (command == "sample" && name == "NAME")
         for (const SampleInfo& sample : list_samples()) candidates.words.push_back(sample.name);
     if (name == "--transfer")
-        for (const PresetInfo& preset : list_presets()) candidates.words.push_back(preset.name);
+        for (const PresetInfo& preset : chiaro::list_presets()) candidates.words.push_back(preset.name);
     if (name == "--methods")
         for (const auto method : names_of(Method{})) candidates.words.emplace_back(method);
 }

@@ -89,7 +89,7 @@ Json View::save(const Json& request, Progress& progress) {
     const std::vector<Overlay> overlays = overlays_in(request, scene.width, scene.height);
     // A session of its own: the page goes on with its.
     Session session = shown()->session.share_volume();
-    Image image = session.render(scene, progress);
+    Image picture = session.render(scene, progress);
     progress.report("write", 0);
     Metadata metadata;
     if (flag_in(request, "metadata", true)) metadata = {{"chiaro", to_json(scene)}};
@@ -98,8 +98,8 @@ Json View::save(const Json& request, Progress& progress) {
         for (const Overlay& overlay : overlays) draw(overlay, image);
     };
     if (format == "png") {
-        draw_over(image);
-        write_png(image, file, metadata);
+        draw_over(picture);
+        write_png(picture, file, metadata);
     } else {
         Frame frame = expose(session.frame(), scene.output);
         draw_over(frame);
