@@ -107,8 +107,9 @@ public:
     std::size_t size() const noexcept { return bytes_; }
     /// Gives the whole pages within [0, end) back; what they held reads as zero from then on.
     CHIARO_EXPORT void discard_before(std::size_t end) noexcept;
-    /// For what will be written here and there: from now on a write takes the smallest page, not a large one.
-    CHIARO_EXPORT void use_small_pages() noexcept;
+    /// For what will be written here and there, from the byte `begin` on: a write takes the smallest page, not a large
+    /// one. Pages that were never written take no memory.
+    CHIARO_EXPORT void use_small_pages(std::size_t begin = 0) noexcept;
 
 private:
     std::byte* data_ = nullptr;

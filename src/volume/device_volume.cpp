@@ -54,13 +54,18 @@ Conversion<Source> stored_range(const Volume& volume, int threads) {
     return all;
 }
 
+/// Slices of a layer of bricks that are read: behind the volume, what the ranges of its last cells touch.
+int slices_read(const Volume& volume, int layer) {
+    return std::min(brick_row, volume.dimensions[2] + cell_edge - layer * brick_edge);
+}
+
 /// Fills one brick, border included, from the volume; outside, the nearest voxel stands.
 template <class Source, class Device>
 void fill_brick(const Volume& volume, const Conversion<Source>& conversion, std::array<int, 3> brick, Device* out) {
     const auto voxels = volume.as<Source>();
     const auto [nx, ny, nz] = volume.dimensions;
     const int x0 = brick[0] * brick_edge - brick_before;
-    for (int z = 0; z < brick_row; ++z)
+    for (int z = 0; z < slices_read(volume, brick[2]); ++z)
         for (int y = 0; y < brick_row; ++y) {
             const int sz = std::clamp(brick[2] * brick_edge - brick_before + z, 0, nz - 1);
             const int sy = std::clamp(brick[1] * brick_edge - brick_before + y, 0, ny - 1);
@@ -113,6 +118,10 @@ void fill_bricks(const Volume& volume, int threads, VoxelBuffer* discard, const 
     // Gathers read up to three voxels behind the last one they need.
     data.bricks = VoxelBuffer((layer_bricks * bricks[2] * brick_voxels + 4) * sizeof(Device));
     Device* out = reinterpret_cast<Device*>(data.bricks.data());
+    // The last layer's other slices are never written, and with small pages take no memory.
+    if (const std::size_t last = (bricks[2] - 1) * layer_bricks * brick_voxels;
+        slices_read(volume, bricks[2] - 1) < brick_row)
+        data.bricks.use_small_pages(last * sizeof(Device));
     for (int bz = 0; bz < bricks[2]; ++bz) {
         parallel_for(threads, std::int64_t(layer_bricks), 1, [&](std::int64_t b, std::int64_t) {
             const std::array<int, 3> at{int(b % bricks[0]), int(b / bricks[0]), bz};

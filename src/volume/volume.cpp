@@ -59,8 +59,9 @@ void VoxelBuffer::discard_before(std::size_t end) noexcept {
     discarded_ = whole;
 }
 
-void VoxelBuffer::use_small_pages() noexcept {
-    if (data_) madvise(data_, bytes_, MADV_NOHUGEPAGE);
+void VoxelBuffer::use_small_pages(std::size_t begin) noexcept {
+    const std::size_t page = std::size_t(sysconf(_SC_PAGESIZE)), first = begin / page * page;
+    if (first < bytes_) madvise(data_ + first, bytes_ - first, MADV_NOHUGEPAGE);
 }
 
 Volume make_volume(std::array<int, 3> dimensions, VoxelType type) {
