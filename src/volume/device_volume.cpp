@@ -56,7 +56,7 @@ Conversion<Source> stored_range(const Volume& volume, int threads) {
 
 /// Slices of a layer of bricks that are read: behind the volume, what the ranges of its last cells touch.
 int slices_read(const Volume& volume, int layer) {
-    return std::min(brick_row, volume.dimensions[2] + cell_edge - layer * brick_edge);
+    return std::min(brick_row, brick_before + volume.dimensions[2] + cell_edge - layer * brick_edge);
 }
 
 /// Fills one brick, border included, from the volume; outside, the nearest voxel stands.
