@@ -54,6 +54,7 @@ public:
     void run() {
         Job job(o_.common);
         show(scene_, session_, stats_, job, o_.common);
+        session_.expect_one_look();
         o_.frames ? turntable(job) : image(job);
         if (!o_.common.stats.empty()) write_stats(o_.common.stats, stats_, device_, scene_);
         job.bar.clear();

@@ -297,3 +297,35 @@ TEST_F(SessionTest, SessionsBesideShareTheVoxelsAlone) {
     EXPECT_TRUE(session.render(scene, progress).pixels == theirs.pixels);
     EXPECT_EQ(other.guess().preset, session.guess().preset);
 }
+
+// What a session of one look gives back is in none of its pictures.
+TEST(OneLook, PicturesAreTheSameAndOthersAreRefused) {
+    Progress progress;
+    Scene scene;
+    scene.volume = "sample:shells:96";
+    scene.width = 64, scene.height = 48;
+    scene.transfer.threshold = {{100, 1000}};
+    for (const Method method : {Method::none, Method::spao, Method::visibility})
+        for (const Classification classification :
+             {Classification::post, Classification::pre, Classification::preintegrated}) {
+            scene.illumination.method = method;
+            scene.sampling.classification = classification;
+            Session whole(tested_device()), one(tested_device());
+            whole.show(make_sample("shells", 96), progress);
+            one.show(make_sample("shells", 96), progress);
+            one.expect_one_look();
+            for (const double azimuth : {0.0, 50.0}) {
+                scene.camera.azimuth_deg = azimuth;
+                const Image expected = whole.render(scene, progress);
+                EXPECT_EQ(one.render(scene, progress).pixels, expected.pixels) << int(method) << int(classification);
+            }
+            if (method == Method::visibility || classification == Classification::preintegrated) continue;
+            Scene other = scene;
+            other.transfer.threshold = {{50, 1000}};
+            EXPECT_THROW(one.render(other, progress), Error);
+            other = scene;
+            other.illumination.method = Method::visibility;
+            EXPECT_THROW(one.render(other, progress), Error);
+            EXPECT_THROW(one.compute_field(scene, progress), Error);
+        }
+}

@@ -37,10 +37,10 @@ protected:
     double ratio_of(const std::string& look) { return (peak_of(look) - peak("sample:shells:8")) / volume_bytes; }
 };
 
-// Bricks are 1.34 of it, the value ranges of cells .06. A layer of blocks is an eighth of this volume, where it is a
-// sixteenth of one of 512³.
+// Bricks are 1.34 of it where all of them show something, the value ranges of cells .06. A layer of blocks is an eighth
+// of this volume, where it is a sixteenth of one of 512³.
 TEST_F(ToolMemory, LightOfFogIsHardlyMoreThanItsAnswer) { EXPECT_LT(ratio_of("fog"), 3.1); }
-TEST_F(ToolMemory, LightOfThinShellsIsHardlyMoreThanTheirCells) { EXPECT_LT(ratio_of("sparse"), 2.6); }
+TEST_F(ToolMemory, LightOfThinShellsIsHardlyMoreThanTheirCells) { EXPECT_LT(ratio_of("sparse"), 2.1); }
 
 }  // namespace
 }  // namespace chiaro

@@ -24,6 +24,10 @@ public:
 
     /// Takes the volume that later scenes show (read_volume or make_sample gave it).
     CHIARO_EXPORT void show(Volume&& volume, Progress& progress);
+    /// Promises that all renders to come look like the first one but for the camera, as the frames of a turntable do:
+    /// voxels that cannot be seen are then given back. Renders with another transfer function, shape or classification,
+    /// or light that needs all voxels, and fields throw Error{internal}.
+    CHIARO_EXPORT void expect_one_look();
     /// Another session of the volume that this one shows: the voxels are shared, nothing else. May be called while this
     /// one renders, but not while it is given a volume.
     CHIARO_EXPORT Session share_volume() const;

@@ -105,7 +105,9 @@ public:
     std::byte* data() noexcept { return data_; }
     const std::byte* data() const noexcept { return data_; }
     std::size_t size() const noexcept { return bytes_; }
-    /// Gives the whole pages within [0, end) back; what they held reads as zero from then on.
+    /// Gives the whole pages within [begin, end) back; what they held reads as zero from then on.
+    CHIARO_EXPORT void discard(std::size_t begin, std::size_t end) noexcept;
+    /// The same of [0, end), where less went before.
     CHIARO_EXPORT void discard_before(std::size_t end) noexcept;
     /// For what will be written here and there, from the byte `begin` on: a write takes the smallest page, not a large
     /// one. Pages that were never written take no memory.

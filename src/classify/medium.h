@@ -50,6 +50,12 @@ struct Medium::Data : std::enable_shared_from_this<Data> {
     }
 };
 
+/// Gives back the memory of the bricks in which the medium shows nothing: of many scans, half. They read as stored 0
+/// from then on, so the volume is good for this medium alone, and for what looks up values where they are occupied or
+/// classified one by one: rays without pre-integration, and the light of none and spao. Nothing is done where stored 0
+/// would show, for isosurfaces and for maxima.
+void discard_unseen(const Medium& medium);
+
 /// The table of a transfer function over the stored values that occur (classify/table.cpp). About 4096 entries; for
 /// whole numbers a power of two per unit, so that every stored value has an entry of its own wherever they fit.
 OpticalTable make_optical_table(const DeviceVolume::Data& volume, const TransferFunction& tf, const Shape& shape);

@@ -150,3 +150,36 @@ TEST(Occupancy, AnEmptyVolumeIsOneCube) {
     EXPECT_EQ(medium.occupied_fraction(), 0);
     EXPECT_EQ(medium.data().cells.front(), 2 * 125);
 }
+
+// Bricks that show something stay as they are, the others lose what whole pages hold; where zeros would show, all
+// stays.
+TEST(Unseen, OnlyBricksThatShowNothingAreGivenBack) {
+    const auto make = [](const TransferFunction& tf, const Shape& shape, int matter = 110) {
+        // Values of 30 are empty, in the corner at the origin there is matter.
+        const Volume volume = sampled<std::uint8_t>(
+            {100, 70, 65}, [&](double x, double y, double z) { return x + y + z < 20 ? matter : 30; });
+        return classify(upload(tested_device(), volume), tf, shape);
+    };
+    const auto zeros = [](const Medium& medium, std::size_t first_brick, std::size_t end_brick) {
+        const std::byte* bricks = medium.data().volume.data().bricks.data();
+        return std::count(bricks + first_brick * brick_voxels, bricks + end_brick * brick_voxels, std::byte(0));
+    };
+    const std::size_t bricks = 4 * 3 * 2;
+    const Medium medium = make(two_materials(), {});
+    ASSERT_EQ(zeros(medium, 0, bricks), 0);
+    discard_unseen(medium);
+    EXPECT_EQ(zeros(medium, 0, 1), 0);
+    EXPECT_GT(zeros(medium, 1, bricks), 0.9 * double((bricks - 1) * brick_voxels));
+
+    for (const Shape& shape : {Shape{.mode = Mode::mip}, Shape{.mode = Mode::iso, .iso = {{.value = 60}}}}) {
+        const Medium whole = make(two_materials(), shape);
+        discard_unseen(whole);
+        EXPECT_EQ(zeros(whole, 0, bricks), 0);
+    }
+    // Opaque below 10.
+    TransferFunction shows_zero = two_materials();
+    shows_zero.points.insert(shows_zero.points.begin(), {{0, {1, 1, 1}, 1}, {10, {1, 1, 1}, 0}});
+    const Medium whole = make(shows_zero, {}, 5);
+    discard_unseen(whole);
+    EXPECT_EQ(zeros(whole, 0, bricks), 0);
+}

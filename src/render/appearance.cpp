@@ -40,6 +40,12 @@ Shape shape_for(const Scene& scene) {
     return shape;
 }
 
+bool looks_at_visible_voxels(const Scene& scene) {
+    const Method method = scene.illumination.method;
+    return scene.sampling.classification != Classification::preintegrated &&
+           (method == Method::none || method == Method::spao);
+}
+
 Lighting with_probe(Lighting lighting) {
     if (!lighting.probe.source.empty()) lighting.loaded_probe = load_probe(lighting.probe.source);
     return lighting;

@@ -21,6 +21,9 @@ TransferFunction transfer_function_for(const TransferSettings& settings, const S
 
 Shape shape_for(const Scene& scene);
 
+/// Whether its pictures look up voxels only where the medium shows something (see discard_unseen).
+bool looks_at_visible_voxels(const Scene& scene);
+
 /// With the probe that its settings name; as it is where they name none. Throws as load_probe.
 Lighting with_probe(Lighting lighting);
 

@@ -1,5 +1,6 @@
 #include <chiaro/session.h>
 
+#include "classify/medium.h"
 #include "render/appearance.h"
 
 namespace chiaro {
@@ -18,6 +19,7 @@ Image render_image(const Device& device, const Scene& scene, Progress& progress)
     // What it looks like.
     const TransferFunction tf = transfer_function_for(scene.transfer, subject);
     const Medium medium = classify(voxels, tf, shape_for(scene));
+    if (looks_at_visible_voxels(scene)) discard_unseen(medium);  // no other will be asked for
 
     // What lights it.
     const Camera camera = make_camera(scene.camera, geometry, dimensions);

@@ -6,6 +6,7 @@
 #include <optional>
 #include <tuple>
 
+#include "classify/medium.h"
 #include "render/appearance.h"
 
 namespace chiaro {
@@ -53,6 +54,7 @@ struct Session::State {
     std::vector<Stage> shown;   // what it took to show the volume, until a render has told it
     std::vector<Stage> stages;  // of the last render
     Version last_version = 0;
+    bool one_look = false, gave_back = false;  // voxels that the one look cannot show
 
     // The table: what each stage makes, and from what.
     Kept<DeviceVolume, Version> upload;
@@ -117,9 +119,14 @@ struct Session::State {
 
     void redo_classify(const Scene& scene) {
         const Shape shape = shape_for(scene);
-        redo("classify", classify, {upload.version, scene.transfer, shape}, [&](Classified& classified) {
+        const std::tuple inputs(upload.version, scene.transfer, shape);
+        if (gave_back && (classify.inputs != inputs || !looks_at_visible_voxels(scene)))
+            throw Error(ErrorCode::internal, "a session of one look was asked for another");
+        redo("classify", classify, inputs, [&](Classified& classified) {
             classified.tf = transfer_function_for(scene.transfer, subject);
             classified.medium = chiaro::classify(device, upload.result, classified.tf, shape);
+            gave_back = one_look && looks_at_visible_voxels(scene);
+            if (gave_back) discard_unseen(classified.medium);
         });
     }
 
@@ -155,6 +162,8 @@ void Session::show(Volume&& volume, Progress& progress) {
     progress.check();
     s.shown = s.stages;
 }
+
+void Session::expect_one_look() { state_->one_look = true; }
 
 Session Session::share_volume() const {
     Session other(state_->device);
@@ -244,6 +253,7 @@ bool Session::needs_light(const Scene& scene) const {
 
 ComputedField Session::compute_field(const Scene& scene, Progress& progress) {
     State& s = *state_;
+    if (s.gave_back) throw Error(ErrorCode::internal, "a session of one look has no whole volume");
     s.redo_up_to_classify(scene, progress);
     const DeviceVolume& voxels = s.upload.result;
     const Lighting lighting = s.lighting_of(scene, make_camera(scene.camera, voxels.geometry(), voxels.dimensions()));

@@ -50,13 +50,18 @@ VoxelBuffer::~VoxelBuffer() {
     if (data_) munmap(data_, bytes_);
 }
 
-void VoxelBuffer::discard_before(std::size_t end) noexcept {
+void VoxelBuffer::discard(std::size_t begin, std::size_t end) noexcept {
     const std::size_t page = std::size_t(sysconf(_SC_PAGESIZE));
-    const std::size_t whole = std::min(end, bytes_) / page * page;
-    if (whole <= discarded_) return;
+    const std::size_t first = (begin + page - 1) / page * page, last = std::min(end, bytes_) / page * page;
     // Shared pages (of a memfd) live until they are punched out; private ones are simply forgotten.
-    madvise(data_ + discarded_, whole - discarded_, shared_ ? MADV_REMOVE : MADV_DONTNEED);
-    discarded_ = whole;
+    if (first < last) madvise(data_ + first, last - first, shared_ ? MADV_REMOVE : MADV_DONTNEED);
+}
+
+void VoxelBuffer::discard_before(std::size_t end) noexcept {
+    if (end <= discarded_) return;
+    discard(discarded_, end);
+    const std::size_t page = std::size_t(sysconf(_SC_PAGESIZE));
+    discarded_ = end / page * page;
 }
 
 void VoxelBuffer::use_small_pages(std::size_t begin) noexcept {

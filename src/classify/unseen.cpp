@@ -1,0 +1,38 @@
+#include "classify/medium.h"
+
+namespace chiaro {
+namespace {
+
+/// Whether any of a brick's 4³ cells is occupied.
+bool shows_something(const Medium::Data& medium, const std::array<int, 3>& brick) {
+    constexpr int per_brick = brick_edge / cell_edge;
+    const auto& count = medium.volume.data().cells.count;
+    const auto end = [&](int axis) { return std::min((brick[axis] + 1) * per_brick, count[axis]); };
+    for (int z = brick[2] * per_brick; z < end(2); ++z)
+        for (int y = brick[1] * per_brick; y < end(1); ++y)
+            for (int x = brick[0] * per_brick; x < end(0); ++x)
+                if (medium.cells[(std::size_t(z) * count[1] + y) * count[0] + x] & 1) return true;
+    return false;
+}
+
+}  // namespace
+
+void discard_unseen(const Medium& medium) {
+    const Medium::Data& shown = medium.data();
+    if (shown.shape.mode != Mode::dvr || visible_range(shown.table)(0, 0)) return;
+    // What others see of a volume is constant; here none but this medium sees it, and it does not see what goes.
+    auto& volume = const_cast<DeviceVolume::Data&>(shown.volume.data());
+    const auto [nx, ny, nz] = volume.dimensions;
+    const std::size_t bytes = brick_voxels * size_of(volume.stored);
+    std::size_t brick = 0, first = 0;  // of the run of bricks that go
+    for (int z = 0; z < brick_count(nz); ++z)
+        for (int y = 0; y < brick_count(ny); ++y)
+            for (int x = 0; x < brick_count(nx); ++x, ++brick)
+                if (shows_something(shown, {x, y, z})) {
+                    volume.bricks.discard(first * bytes, brick * bytes);
+                    first = brick + 1;
+                }
+    volume.bricks.discard(first * bytes, brick * bytes);
+}
+
+}  // namespace chiaro
