@@ -49,7 +49,7 @@ std::vector<std::filesystem::path> folders_of(const ViewOptions& o, const std::o
         folders.push_back(fs::is_directory(file, ignored) ? file : fs::absolute(file).parent_path());
     };
     if (scene && !scene->volume.starts_with("sample:") && scene->volume != "-")
-        add(scene->volume.substr(0, scene->volume.find(":/")));
+        add(split_volume_name(scene->volume).first);
     if (!o.source.scene.empty()) add(o.source.scene);
     if (!o.source.data.empty()) add(o.source.data);
     return folders;

@@ -57,6 +57,11 @@ std::string Store::offer(const fs::path& file, const std::string& type, const st
     return "/download/" + key;
 }
 
+bool Store::has(const std::string& key) const {
+    const std::lock_guard lock(mutex_);
+    return offers_.contains(key);
+}
+
 Response Store::fetch(const std::string& key) {
     const std::lock_guard lock(mutex_);
     const auto found = offers_.find(key);

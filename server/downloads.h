@@ -23,6 +23,7 @@ public:
     std::filesystem::path fresh(const std::string& ending) const;
     /// Offers a file once, for five minutes; its address.
     std::string offer(const std::filesystem::path& file, const std::string& type, const std::string& save_as);
+    bool has(const std::string& key) const;
     Response fetch(const std::string& key);
     void tick();
 
@@ -34,7 +35,7 @@ private:
     };
 
     std::filesystem::path folder_, uploads_;
-    std::mutex mutex_;
+    mutable std::mutex mutex_;
     std::map<std::string, Offer> offers_;
 };
 

@@ -1,5 +1,6 @@
 #include "folders.h"
 
+#include <chiaro/io.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,6 +14,10 @@ constexpr std::size_t max_entries = 2000;
 bool is_below(const fs::path& path, const fs::path& root) {
     const auto [end, ignored] = std::mismatch(root.begin(), root.end(), path.begin(), path.end());
     return end == root.end();
+}
+
+[[noreturn]] void refuse_path(const std::string& path) {
+    throw Error(ErrorCode::input, fmt::format("{}: lies outside the folders that the viewer was started with", path));
 }
 
 /// By its ending; whether it can be read is found out when it is opened.
@@ -58,16 +63,18 @@ fs::path Folders::allowed(const std::string& path) const {
     const fs::path whole = fs::weakly_canonical(roots_.front() / path, error);
     const auto holds = [&](const fs::path& root) { return is_below(whole, root); };
     if (error || path.find('\0') != path.npos || !(std::any_of(roots_.begin(), roots_.end(), holds) || holds(uploads_)))
-        throw Error(ErrorCode::input,
-                    fmt::format("{}: lies outside the folders that the viewer was started with", path));
+        refuse_path(path);
     return whole;
 }
 
 std::string Folders::allowed_volume(const std::string& name) const {
     if (name.starts_with("sample:")) return name;
     if (name.empty() || name == "-") throw Error(ErrorCode::input, fmt::format("'{}': names no volume", name));
-    const std::size_t inside = std::min(name.find(":/"), name.size());
-    return allowed(name.substr(0, inside)).string() + name.substr(inside);
+    const auto [file, part] = split_volume_name((roots_.front() / name).string());
+    const std::string whole = allowed(file).string(), found = part.empty() ? whole : whole + ":" + part;
+    // What is read is what was looked at: ":/" may stand in a folder's name, too.
+    if (split_volume_name(found).first != whole) refuse_path(name);
+    return found;
 }
 
 void Folders::confine(Scene& scene) const {

@@ -48,6 +48,8 @@ class Site {
 public:
     virtual ~Site() = default;
     virtual Response answer(const Request& request) = 0;
+    /// Whether who asks has been let in: has the token, or the key of a download.
+    virtual bool is_known(const Request& request) const = 0;
     /// Whether a WebSocket may be opened: status 200 if so.
     virtual Response admit(const Request& request) = 0;
     virtual std::shared_ptr<Listener> welcome(const Request& request, std::shared_ptr<Socket> socket) = 0;

@@ -10,7 +10,9 @@
 namespace chiaro::server {
 
 inline constexpr std::size_t worth_packing = 1024;  // bytes
-inline constexpr std::size_t largest_upload = 64 << 20, max_sockets = 128;
+inline constexpr std::size_t largest_upload = 64 << 20, max_uploads = 4, max_sockets = 128;
+// A browser opens six connections to a server, and shows the token on the first.
+inline constexpr std::size_t max_strangers = 64, max_strangers_of_address = 32;
 
 /// What every answer says: nothing is loaded from elsewhere, framed by others, guessed or kept.
 template <class Message>
@@ -29,15 +31,22 @@ void add_headers(Message& message) {
 class Connection : public std::enable_shared_from_this<Connection> {
 public:
     Connection(tcp::socket socket, Context& context) : stream_(std::move(socket)), context_(context) {
+        beast::error_code ignored;
+        address_ = stream_.socket().remote_endpoint(ignored).address();
+        make_room_for_strangers();
         ++context_.connections;
+        context_.strangers.push_back(this);
     }
-    ~Connection() { --context_.connections; }
+    ~Connection() {
+        --context_.connections;
+        context_.uploads -= is_upload_;
+        if (!is_known_) context_.strangers.remove(this);
+    }
 
     void read() {
         parser_.emplace();
         parser_->header_limit(16384);
-        parser_->body_limit(largest_upload);
-        stream_.expires_after(std::chrono::seconds(30));
+        stream_.expires_after(std::chrono::seconds(is_known_ ? 30 : 10));
         http::async_read_header(stream_, buffer_, *parser_,
                                 [self = shared_from_this()](beast::error_code error, std::size_t) {
                                     if (!error) return self->header_read();
@@ -47,6 +56,26 @@ public:
     }
 
 private:
+    /// The oldest goes: one that waits for nothing but a page that has just come.
+    void make_room_for_strangers() {
+        auto& strangers = context_.strangers;
+        const auto is_neighbour = [&](const Connection* other) { return other->address_ == address_; };
+        const auto neighbours = std::size_t(std::count_if(strangers.begin(), strangers.end(), is_neighbour));
+        const auto oldest = neighbours >= max_strangers_of_address
+                                ? std::find_if(strangers.begin(), strangers.end(), is_neighbour)
+                                : strangers.begin();
+        if (neighbours < max_strangers_of_address && strangers.size() < max_strangers) return;
+        (*oldest)->stream_.close();
+        (*oldest)->is_known_ = true;  // to the list
+        strangers.erase(oldest);
+    }
+
+    void get_to_know() {
+        if (is_known_ || !context_.site.is_known(request_)) return;
+        is_known_ = true;
+        context_.strangers.remove(this);
+    }
+
     std::string field(http::field name) const { return std::string(parser_->get()[name]); }
 
     /// Named, and not with the quality 0.
@@ -63,21 +92,35 @@ private:
         request_ = request_of(std::string(header.method_string()), std::string(header.target()));
         if (request_.method != "GET" && request_.method != "HEAD" && request_.method != "POST")
             return refuse(405, "Only GET, HEAD and POST are understood.\n");
-        const auto told = parser_->content_length();
-        if (told && *told > (request_.method == "POST" ? largest_upload : 0))
-            return refuse(413, fmt::format("A file may have at most {} MiB.\n", largest_upload >> 20));
-        if (request_.method == "POST") {
-            const Response admitted = context_.site.admit(request_);
-            if (admitted.status != 200) return refuse(admitted.status, admitted.body);
-            stream_.expires_after(std::chrono::seconds(300));
-        }
+        get_to_know();
+        if (request_.method == "POST" ? !begin_upload() : !has_no_body()) return;
         http::async_read(stream_, buffer_, *parser_, [self = shared_from_this()](beast::error_code error, std::size_t) {
             if (!error) return self->request_read();
             if (error == http::error::body_limit) self->refuse(413, "The file is too large.\n");
         });
     }
 
+    bool has_no_body() {
+        if (!parser_->chunked() && parser_->content_length().value_or(0) == 0) return true;
+        refuse(413, "Only a file that is sent has a body.\n");
+        return false;
+    }
+
+    /// What a stranger sends is not read; of others, little at a time.
+    bool begin_upload() {
+        if (parser_->content_length().value_or(0) > largest_upload)
+            return refuse(413, fmt::format("A file may have at most {} MiB.\n", largest_upload >> 20)), false;
+        const Response admitted = context_.site.admit(request_);
+        if (admitted.status != 200) return refuse(admitted.status, admitted.body), false;
+        if (context_.uploads >= max_uploads) return refuse(503, "Too many files are being sent.\n"), false;
+        ++context_.uploads, is_upload_ = true;
+        parser_->body_limit(largest_upload);
+        stream_.expires_after(std::chrono::seconds(300));
+        return true;
+    }
+
     void request_read() {
+        if (is_upload_) --context_.uploads, is_upload_ = false;
         if (websocket::is_upgrade(parser_->get())) return upgrade();
         request_.body = std::move(parser_->get().body());
         const bool with_body = request_.method != "HEAD";
@@ -156,7 +199,10 @@ private:
     beast::flat_buffer buffer_;
     std::optional<http::request_parser<http::string_body>> parser_;
     Request request_;
+    asio::ip::address address_;
     bool keep_alive_ = true;
+    bool is_known_ = false;   ///< has shown a token
+    bool is_upload_ = false;  ///< counted among the uploads
 };
 
 }  // namespace chiaro::server

@@ -4,6 +4,7 @@
 
 #include <boost/beast.hpp>
 #include <deque>
+#include <list>
 #include <memory>
 #include <optional>
 #include <set>
@@ -20,13 +21,15 @@ using asio::ip::tcp;
 inline constexpr std::size_t largest_message = 1 << 20, largest_backlog = 256 << 20;
 
 class WebSocket;
+class Connection;
 
 struct Context {
     Context(Site& served, const std::string& host) : site(served), doorman(host) {}
 
     Site& site;
     Doorman doorman;
-    std::size_t connections = 0;
+    std::size_t connections = 0, uploads = 0;
+    std::list<Connection*> strangers;  ///< connections that have not shown a token, the oldest first
     std::set<std::shared_ptr<WebSocket>> sockets;
     bool ending = false;
 };

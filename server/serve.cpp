@@ -73,6 +73,10 @@ public:
         return response;
     }
 
+    bool is_known(const Request& request) const override {
+        return has_token(request) || (request.path.starts_with("/download/") && store_.has(request.path.substr(10)));
+    }
+
     Response admit(const Request& request) override {
         const bool is_known = request.path == (request.method == "POST" ? "/upload" : "/socket");
         if (!is_known) return refusal(404, "There is nothing at this address.");

@@ -251,6 +251,23 @@ TEST(Server, OpensOnlyWhatLiesInItsFolders) {
         EXPECT_EQ(page.ask({{"type", "folder"}, {"path", elsewhere}})["code"], "input") << elsewhere;
     EXPECT_EQ(page.ask({{"type", "open"}, {"volume", "/etc/passwd"}})["code"], "input");
     EXPECT_EQ(page.ask({{"type", "open"}, {"volume", "-"}})["code"], "input");
+    // Folders whose names end as the name of a file does that has parts; a file beside the folder, and its part.
+    const fs::path outside = server.folder.string() + "-outside.nrrd";
+    fs::copy_file(server.folder / "inside" / "slab.nrrd", outside);
+    fs::create_directories(server.folder / "x:" / "y:");
+    write_file(server.folder / "x:" / "y", "no volume");
+    for (const std::string& way :
+         {"x:/../../" + outside.filename().string(), "x:/y:/../../../" + outside.filename().string(),
+          "inside/slab.nrrd:/../../../" + outside.filename().string()}) {
+        const Json answer = page.ask({{"type", "open"}, {"volume", way}});
+        EXPECT_EQ(answer["type"], "error") << way;
+        EXPECT_EQ(answer["code"], "input") << way;
+    }
+    fs::copy_file(outside, server.folder / "x:" / "y:" / "inner.nrrd");
+    EXPECT_EQ(page.ask({{"type", "open"}, {"volume", "x:/y:/inner.nrrd"}})["type"], "answer");
+    fs::copy_file(outside, server.folder / "x:" / "slab.nrrd");
+    EXPECT_EQ(page.ask({{"type", "open"}, {"volume", "x:/slab.nrrd"}})["type"], "answer");
+    fs::remove(outside);
     EXPECT_EQ(page.ask({{"type", "open"}, {"volume", "sample:ball:4096"}})["type"], "error");
     const Json opened = page.ask({{"type", "open"}, {"volume", inside["entries"][0]["path"]}});
     ASSERT_EQ(opened["type"], "answer") << opened;

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace chiaro {
@@ -38,6 +39,8 @@ struct ReadOptions {
 /// consistent volume or throws. NaN and infinite voxels are kept, and counted in `notes`.
 /// Throws Error{input} for everything wrong with the file, Error{interrupted} when cancelled.
 CHIARO_EXPORT Volume read_volume(const std::string& name, const ReadOptions& options, Progress& progress);
+/// A volume's name `file:/part` as file and part, where there is such a file and none of the whole name; else the name.
+CHIARO_EXPORT std::pair<std::string, std::string> split_volume_name(const std::string& name);
 
 enum class NrrdEncoding { raw, gzip };
 

@@ -20,9 +20,20 @@
 #include <functional>
 
 namespace chiaro {
-namespace {
 
 namespace fs = std::filesystem;
+
+std::pair<std::string, std::string> split_volume_name(const std::string& name) {
+    std::error_code error;
+    const auto colon = name.rfind(":/");
+    const auto first = name.find(":/");
+    if (first == std::string::npos || fs::exists(name, error)) return {name, ""};
+    for (const auto at : {first, colon})
+        if (fs::is_regular_file(name.substr(0, at), error)) return {name.substr(0, at), name.substr(at + 1)};
+    return {name, ""};
+}
+
+namespace {
 
 /// What is known of a name before anything is decoded.
 struct Candidate {
@@ -51,17 +62,6 @@ std::string lower(std::string text) {
     return text;
 }
 
-/// `file:/part` into file and part, where there is such a file and none of the whole name.
-std::pair<std::string, std::string> split_part(const std::string& name) {
-    std::error_code error;
-    const auto colon = name.rfind(":/");
-    const auto first = name.find(":/");
-    if (first == std::string::npos || fs::exists(name, error)) return {name, ""};
-    for (const auto at : {first, colon})
-        if (fs::is_regular_file(name.substr(0, at), error)) return {name.substr(0, at), name.substr(at + 1)};
-    return {name, ""};
-}
-
 /// A folder of pictures rather than of DICOM files: as many TIFF files as others.
 bool is_tiff_folder(const std::string& folder) {
     std::size_t images = 0, others = 0;
@@ -76,7 +76,7 @@ bool is_tiff_folder(const std::string& folder) {
 }
 
 Candidate examine(const std::string& stated_name, const ReadOptions& options) {
-    const auto [name, part] = split_part(stated_name);
+    const auto [name, part] = split_volume_name(stated_name);
     Candidate candidate{.name = name,
                         .lower_name = lower(name),
                         .part = part,
