@@ -37,7 +37,7 @@ tcp::acceptor listening(asio::io_context& io, const Address& address) {
 }  // namespace
 
 struct Net::Impl {
-    Impl(const Address& address, Site& site) : context(site, address.host), acceptor(listening(io, address)) {}
+    Impl(const Address& address, Site& site) : context(site, address.host, io), acceptor(listening(io, address)) {}
 
     void accept() {
         acceptor.async_accept([this](beast::error_code error, tcp::socket socket) {
@@ -109,7 +109,9 @@ void Net::run(bool signals) {
     net.tick();
     net.io.run();
     // Those that did not close in time: their pages count as gone, or work that goes on would answer into what ends.
+    net.context.mailbox->close();
     for (const auto& socket : std::set(net.context.sockets)) socket->ended();
+    net.context.answered_later.clear();
 }
 
 void Net::stop() {

@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -35,19 +36,22 @@ public:
     virtual void close(int code, std::string reason) = 0;
 };
 
-/// What a page says. Called by the network's thread, one call at a time.
+/// What a page says. Called by the network's thread, which does nothing else meanwhile: what takes time is done
+/// elsewhere.
 class Listener {
 public:
     virtual ~Listener() = default;
-    virtual void hear(const Socket& from, std::string_view text) = 0;
+    /// `done` may be called by any thread, once; the page's next message is read then.
+    virtual void hear(const Socket& from, std::string text, std::function<void()> done) = 0;
     virtual void gone(const Socket& from) = 0;
 };
 
-/// What is served. Called by the network's thread.
+/// What is served. Called by the network's thread, as a Listener is.
 class Site {
 public:
     virtual ~Site() = default;
-    virtual Response answer(const Request& request) = 0;
+    /// The answer, or nothing where `later` brings it; that may be called by any thread, once.
+    virtual std::optional<Response> answer(Request request, std::function<void(Response)> later) = 0;
     /// Whether who asks has been let in: has the token, or the key of a download.
     virtual bool is_known(const Request& request) const = 0;
     /// Whether a WebSocket may be opened: status 200 if so.

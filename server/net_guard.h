@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <boost/asio.hpp>
 #include <chrono>
+#include <mutex>
 #include <set>
 #include <string>
 
@@ -89,6 +90,24 @@ public:
 private:
     std::set<std::string> names_;
     bool is_everywhere_;
+};
+
+/// From any thread to the network's; nowhere once that has ended.
+class Mailbox {
+public:
+    explicit Mailbox(asio::io_context& io) : io_(&io) {}
+    void post(std::function<void()> work) {
+        const std::lock_guard lock(mutex_);
+        if (io_) asio::post(*io_, std::move(work));
+    }
+    void close() {
+        const std::lock_guard lock(mutex_);
+        io_ = nullptr;
+    }
+
+private:
+    std::mutex mutex_;
+    asio::io_context* io_;
 };
 
 /// So many at once, and so many a second.

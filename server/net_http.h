@@ -120,18 +120,30 @@ private:
     }
 
     void request_read() {
-        if (is_upload_) --context_.uploads, is_upload_ = false;
         if (websocket::is_upgrade(parser_->get())) return upgrade();
         request_.body = std::move(parser_->get().body());
-        const bool with_body = request_.method != "HEAD";
-        if (!with_body) request_.method = "GET";
-        Response response;
+        with_body_ = request_.method != "HEAD";
+        if (!with_body_) request_.method = "GET";
+        const auto come_back = [self = weak_from_this()](const Response& response) {
+            const auto connection = self.lock();
+            if (!connection) return;
+            connection->context_.answered_later.erase(connection);
+            connection->respond(response);
+        };
+        const auto later = [mailbox = context_.mailbox, come_back](Response response) {
+            mailbox->post([come_back, response = std::move(response)] { come_back(response); });
+        };
         try {
-            response = context_.site.answer(request_);
+            if (const auto response = context_.site.answer(std::move(request_), later)) return respond(*response);
         } catch (const std::exception& error) {  // memory, a full disk
             return refuse(500, std::string(error.what()) + "\n");
         }
-        response.file.empty() ? write_text(response, with_body) : write_file(response);
+        context_.answered_later.insert(shared_from_this());
+    }
+
+    void respond(const Response& response) {
+        if (is_upload_) --context_.uploads, is_upload_ = false;
+        response.file.empty() ? write_text(response, with_body_) : write_file(response);
     }
 
     void upgrade() {
@@ -200,7 +212,7 @@ private:
     std::optional<http::request_parser<http::string_body>> parser_;
     Request request_;
     asio::ip::address address_;
-    bool keep_alive_ = true;
+    bool keep_alive_ = true, with_body_ = true;
     bool is_known_ = false;   ///< has shown a token
     bool is_upload_ = false;  ///< counted among the uploads
 };

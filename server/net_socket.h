@@ -24,11 +24,14 @@ class WebSocket;
 class Connection;
 
 struct Context {
-    Context(Site& served, const std::string& host) : site(served), doorman(host) {}
+    Context(Site& served, const std::string& host, asio::io_context& io)
+        : site(served), doorman(host), mailbox(std::make_shared<Mailbox>(io)) {}
 
     Site& site;
     Doorman doorman;
+    const std::shared_ptr<Mailbox> mailbox;
     std::size_t connections = 0, uploads = 0;
+    std::set<std::shared_ptr<Connection>> answered_later;
     std::list<Connection*> strangers;  ///< connections that have not shown a token, the oldest first
     std::set<std::shared_ptr<WebSocket>> sockets;
     bool ending = false;
@@ -143,11 +146,14 @@ private:
             shut(websocket::close_code::policy_error, "too many messages a second");
         else if (!stream_.got_text())
             shut(websocket::close_code::unknown_data, "only text is understood");
-        else if (!closing_)
-            listener_->hear(*this, {static_cast<const char*>(buffer_.data().data()), buffer_.size()});
+        std::string text(static_cast<const char*>(buffer_.data().data()), buffer_.size());
         buffer_.consume(buffer_.size());
         if (buffer_.capacity() > 65536) buffer_.shrink_to_fit();
-        read();
+        if (closing_) return read();
+        const auto read_on = [self = weak_from_this()] {
+            if (const auto socket = self.lock(); socket && socket->is_open_) socket->read();
+        };
+        listener_->hear(*this, std::move(text), [mailbox = context_.mailbox, read_on] { mailbox->post(read_on); });
     }
 
     websocket::stream<beast::tcp_stream> stream_;

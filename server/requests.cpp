@@ -2,9 +2,6 @@
 #include <chiaro/pick.h>
 #include <fmt/format.h>
 
-#include <fstream>
-#include <iterator>
-
 #include "command_line.h"
 #include "core/user_cache.h"
 #include "view.h"
@@ -15,10 +12,7 @@ namespace {
 
 Json json_of(const Vec3& v) { return {v.x, v.y, v.z}; }
 
-std::string text_of_file(const fs::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-}
+constexpr std::size_t largest_json = 4 << 20;  ///< parsed it takes some forty times as much
 
 /// The scene that a picture carries; nothing where it carries none.
 std::string carried_scene(const Metadata& metadata) {
@@ -115,9 +109,11 @@ Json View::take_file(const std::string& name, const std::string& bytes) {
         return {{"kind", "probe"}, {"source", file.string()}};
     }
     if (ending == ".json") {
-        const std::string text = text_of_file(file);
-        const Json json = parse_message(text);
-        if (json.contains("volume") || json.contains("camera") || json.contains("lighting")) scene = text;
+        if (bytes.size() > largest_json)
+            throw Error(ErrorCode::input,
+                        fmt::format("{}: a JSON file may have at most {} MiB", name, largest_json >> 20));
+        const Json json = parse_message(bytes);
+        if (json.contains("volume") || json.contains("camera") || json.contains("lighting")) scene = bytes;
     }
     return scene.empty() ? file_as_transfer(file) : file_as_scene(scene, name);
 }

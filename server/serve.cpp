@@ -60,8 +60,8 @@ public:
     void expect(const std::string& token) { token_ = token; }
     const std::string& token() const { return token_; }
 
-    Response answer(const Request& request) override {
-        if (request.method == "POST") return upload(request);
+    std::optional<Response> answer(Request request, std::function<void(Response)> later) override {
+        if (request.method == "POST") return upload(std::move(request), std::move(later));
         if (request.path.starts_with("/download/")) return store_.fetch(request.path.substr(10));
         const bool is_page = request.path == "/" || request.path == "/index.html";
         if (is_page && !has_token(request))
@@ -142,14 +142,15 @@ private:
         return views_.size() < max_views;
     }
 
-    Response upload(const Request& request) {
+    std::optional<Response> upload(Request request, std::function<void(Response)> later) {
         const auto found = views_.find(member(request.query, "view"));
         if (found == views_.end()) return refusal(404, "This view is not open.");
-        try {
-            return json_response(found->second->take_file(member(request.query, "name"), request.body));
-        } catch (...) {
-            return json_response(current_error(nullptr), 422);
-        }
+        const auto reply = [later](const Json& told) {
+            const bool is_error = told.contains("type") && told["type"] == "error";
+            later(json_response(told, is_error ? 422 : 200));
+        };
+        if (found->second->bring(member(request.query, "name"), std::move(request.body), reply)) return {};
+        return refusal(503, "Too much is asked for at once.");
     }
 
     Store store_;

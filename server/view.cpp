@@ -110,11 +110,37 @@ void View::greet() {
     if (!loaded && context_.initial) run(opening_, {{"id", "open"}}, &View::open_initial);
 }
 
-void View::hear(const Socket& from, std::string_view text) {
+void View::hear(const Socket& from, std::string text, std::function<void()> done) {
+    int connection = 0;
     {
         const std::lock_guard lock(mutex_);
-        if (socket_.get() != &from) return;  // taken over
+        if (socket_.get() == &from) connection = connection_;  // else it was taken over
     }
+    const auto work = [this, connection, text = std::move(text), done] {
+        understand(connection, text);
+        done();
+    };
+    if (connection == 0 || !hearing_.post(work)) done();
+}
+
+bool View::bring(const std::string& name, std::string bytes, std::function<void(const Json&)> reply) {
+    return hearing_.post([this, name, bytes = std::move(bytes), reply = std::move(reply)] {
+        Json told;
+        try {
+            told = take_file(name, bytes);
+        } catch (...) {
+            told = current_error(nullptr);
+        }
+        reply(told);
+    });
+}
+
+void View::understand(int connection, std::string_view text) {
+    {
+        const std::lock_guard lock(mutex_);
+        if (!socket_ || connection != connection_) return;
+    }
+    heard_ = connection;
     Json request;
     try {
         request = parse_message(text);
@@ -124,7 +150,7 @@ void View::hear(const Socket& from, std::string_view text) {
         const bool has_id = request.is_object() && request.contains("id") && request["id"].is_number_integer();
         Json error = current_error(has_id ? request["id"] : Json());
         if (!has_id && error["code"] == "usage") error["code"] = "protocol";
-        tell(error);
+        tell(heard_, error);
     }
 }
 
@@ -151,7 +177,7 @@ void View::dispatch(const Json& request) {
 void View::answer(const Json& request, Quick quick) {
     Json reply = (this->*quick)(request);
     reply["type"] = "answer", reply["re"] = request["id"];
-    tell(reply);
+    tell(heard_, reply);
 }
 
 /// Requests of a connection that is gone may still be ending.
@@ -207,11 +233,11 @@ void View::hear_state(const Json& message) {
     } catch (...) {
         Json error = current_error(nullptr);
         error["n"] = wanted.n;
-        return tell(error);
+        return tell(heard_, error);
     }
     {
         const std::lock_guard lock(mutex_);
-        if (wanted.n <= newest_) return;  // came late
+        if (wanted.n <= newest_ || heard_ != connection_) return;  // came late
         newest_ = wanted.n;
         wanted.connection = connection_;
         if (!wanted.preview) state_ = message["scene"];

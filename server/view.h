@@ -35,10 +35,11 @@ public:
 
     /// Speaks to this page from now on; false (and the page is told) where another has the view and `take` is not said.
     bool attach(std::shared_ptr<Socket> socket, bool take);
-    void hear(const Socket& from, std::string_view text) override;
+    void hear(const Socket& from, std::string text, std::function<void()> done) override;
     void gone(const Socket& from) override;
-    /// What a file that the page brought is.
-    Json take_file(const std::string& name, const std::string& bytes);
+    /// What a file that the page brought is, or an error, to `reply`, after what the page said before; false where too
+    /// much waits.
+    bool bring(const std::string& name, std::string bytes, std::function<void(const Json&)> reply);
     void say_goodbye();
     /// How long no page has been there.
     std::optional<std::chrono::steady_clock::duration> alone() const;
@@ -47,6 +48,7 @@ private:
     using Handler = Json (View::*)(const Json& request, Progress& progress);
     using Quick = Json (View::*)(const Json& request);
 
+    void understand(int connection, std::string_view text);
     void dispatch(const Json& request);
     void answer(const Json& request, Quick quick);
     void run(SerialQueue& queue, const Json& request, Handler handler);
@@ -74,6 +76,7 @@ private:
     Json measure(const Json& request, Progress& progress);
 
     Json show(const Scene& scene, Progress& progress, int halvings = 0);
+    Json take_file(const std::string& name, const std::string& bytes);
     Json file_as_scene(const std::string& text, const std::string& name);
     Json file_as_transfer(const std::filesystem::path& file);
     std::shared_ptr<const Loaded> shown() const;
@@ -95,10 +98,12 @@ private:
     Json state_;  ///< the scene of the last state that was no preview
     std::map<std::string, std::shared_ptr<Progress>> running_;
 
+    int heard_ = 0;                ///< the connection whose message is being understood; the hearing queue's own
     std::optional<Session> side_;  ///< of looks; the side queue's own
     std::shared_ptr<const Loaded> side_shown_;
     RenderWorker render_worker_;
-    SerialQueue opening_, side_queue_, saving_, comparing_;  // the last members: their work uses the others
+    SerialQueue opening_, side_queue_, saving_, comparing_;
+    SerialQueue hearing_;  // the last member, as its work uses the others, and theirs those before
 };
 
 }  // namespace chiaro::server
