@@ -75,7 +75,8 @@ Device device_of(const CommonOptions& o) {
 
 void say(std::string_view line) {
     constexpr std::size_t longest = 4000;
-    fmt::print(stderr, "chiaro: {}\n", one_line(std::string(line), longest));
+    // fmt::print would throw where standard error is full, or closed: there is nobody left to tell.
+    std::fputs(fmt::format("chiaro: {}\n", one_line(line, longest)).c_str(), stderr);
 }
 
 }  // namespace chiaro::cli

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "command.h"
+#include "core/text.h"
 #include "job.h"
 #include "json.h"
 #include "setting_flags.h"
@@ -24,7 +25,7 @@ struct InfoOptions {
 };
 
 void print_json(const Volume& volume, const Statistics& s, const Guess& guess) {
-    fmt::print("{}\n", info_of(volume, s, guess).dump(2, ' ', false, Json::error_handler_t::replace));
+    fmt::print("{}\n", printable_json(info_of(volume, s, guess).dump(2, ' ', false, Json::error_handler_t::replace)));
 }
 
 /// Counts as a line of 64 blocks, on a logarithmic scale: one bin of air would flatten all others.
@@ -55,7 +56,7 @@ void print_geometry(const Volume& volume) {
 
 void print_text(const Volume& volume, const Statistics& s, const Guess& guess) {
     const std::string parts = volume.components > 1 ? fmt::format(", {} components", volume.components) : "";
-    fmt::print("{}\n  format      {}\n  voxels      {} {}{}\n", volume.source, volume.format,
+    fmt::print("{}\n  format      {}\n  voxels      {} {}{}\n", one_line(volume.source, 4000), volume.format,
                to_text(volume.dimensions), chiaro::name_of(volume.type), parts);
     print_geometry(volume);
     fmt::print("  values      {:.6g} to {:.6g}\n", s.min, s.max);
@@ -63,7 +64,7 @@ void print_text(const Volume& volume, const Statistics& s, const Guess& guess) {
     if (s.nonfinite) fmt::print("  not finite  {} voxels\n", s.nonfinite);
     fmt::print("  histogram   |{}| (logarithmic)\n", drawing(s.histogram));
     fmt::print("  looks like  {} ({}): --transfer {}\n", guess.modality, guess.reason, guess.preset);
-    for (const auto& note : volume.notes) fmt::print("  note        {}\n", note);
+    for (const auto& note : volume.notes) fmt::print("  note        {}\n", one_line(note, 4000));
 }
 
 void run(const InfoOptions& o) {

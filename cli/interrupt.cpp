@@ -1,21 +1,35 @@
 #include "interrupt.h"
 
 #include <chiaro/error.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <csignal>
+#include <string_view>
 
 namespace chiaro::cli {
 namespace {
 
 std::atomic<Progress*> to_cancel{nullptr};  // a signal handler can be reached in no other way
 
-void cancel(int) {
-    if (Progress* progress = to_cancel) progress->cancel();
+void end_at_once(int) { _exit(int(ErrorCode::interrupted)); }
+
+void end_late(int) {
+    constexpr std::string_view sentence = "chiaro: interrupted\n";
+    pollfd told{STDERR_FILENO, POLLOUT, 0};  // it may be what the program waits for
+    if (poll(&told, 1, 0) == 1 && write(STDERR_FILENO, sentence.data(), sentence.size()) < 0) told.revents = 0;
+    end_at_once(0);
 }
 
-void end_at_once(int) { _exit(int(ErrorCode::interrupted)); }
+/// The work ends by itself, or is ended: nothing of it is half-written, as files get their names whole.
+void cancel(int) {
+    if (Progress* progress = to_cancel) progress->cancel();
+    const itimerval patience{{}, {0, 800'000}};
+    setitimer(ITIMER_REAL, &patience, nullptr);
+}
 
 void handle(void (*handler)(int)) {
     struct sigaction action = {};
@@ -29,12 +43,21 @@ void handle(void (*handler)(int)) {
 
 Interrupt::Interrupt(Progress& progress) {
     to_cancel = &progress;
+    signal(SIGALRM, end_late);
     handle(cancel);
 }
 
 Interrupt::~Interrupt() {
     handle(end_at_once);
+    const itimerval never{};
+    setitimer(ITIMER_REAL, &never, nullptr);
     to_cancel = nullptr;
+}
+
+void open_standard_streams() {
+    for (int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})  // open takes the lowest number that is free
+        if (fcntl(stream, F_GETFD) < 0 && open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY) != stream)
+            _exit(int(ErrorCode::output));
 }
 
 void prepare_for_signals() {

@@ -41,6 +41,7 @@ void refuse_rest(const CLI::App& app) {
 }
 
 int run_program(const std::function<void()>& body) {
+    open_standard_streams();
     prepare_for_signals();
     try {
         body();

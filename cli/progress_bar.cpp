@@ -40,7 +40,9 @@ void ProgressBar::show(std::string_view stage, double fraction) {
     constexpr int width = 30;
     const double done = std::clamp(fraction, 0.0, 1.0);
     const std::string filled(std::size_t(done * width), '#');
-    fmt::print(stderr, "\r\x1b[K{:<12} [{:<{}}] {:3.0f} %{}", stage, filled, width, 100 * done, time_left(done, now));
+    const std::string line =
+        fmt::format("\r\x1b[K{:<12} [{:<{}}] {:3.0f} %{}", stage, filled, width, 100 * done, time_left(done, now));
+    std::fputs(line.c_str(), stderr);  // which fails without a word: nobody watches
     std::fflush(stderr);
 }
 
@@ -55,7 +57,7 @@ std::string ProgressBar::time_left(double done, Clock::time_point now) const {
 
 void ProgressBar::clear() {
     const std::lock_guard lock(mutex_);
-    if (visible_) fmt::print(stderr, "\r\x1b[K");
+    if (visible_) std::fputs("\r\x1b[K", stderr);
     visible_ = false;
 }
 

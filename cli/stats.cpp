@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "common.h"
+#include "core/text.h"
 #include "output_file.h"
 
 namespace chiaro::cli {
@@ -58,7 +59,7 @@ void write_stats(const std::filesystem::path& path, const Stats& stats, const De
                          {"noise", stats.paths.noise},
                          {"relative_noise", stats.paths.relative_noise}};
     json["peak_memory_bytes"] = peak_memory_bytes();
-    write_text(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+    write_text(path, printable_json(json.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n");
 }
 
 }  // namespace chiaro::cli

@@ -74,7 +74,7 @@ TEST_F(Tool, RefusesInOneLine) {
         {"render sample:ball -o a.png --progress maybe", 2, "--progress maybe"},
         {"render --scene bad.json -o a.png", 3, "bad.json: not JSON"},
         {"render --scene two.json -o a.png", 3, "two.json: chiaro 2"},
-        {"render --scene none.json -o a.png", 3, "none.json: cannot be read"},
+        {"render --scene none.json -o a.png", 3, "cannot read 'none.json': No such file or directory"},
         {"convert", 2, "IN is missing"},
         {"convert sample:ball b.mha", 2, "must end in .nrrd or .json"},
         {"convert sample:ball b.nrrd --encoding zip", 2, "--encoding zip: must be raw, gzip"},

@@ -169,7 +169,7 @@ TEST(TransferFunctionJson, LoadsFilesAndPresets) {
     std::filesystem::remove(path);
     EXPECT_EQ(sentence([&] { load_transfer_function("no/such.json", bytes); }),
               "cannot read 'no/such.json': no such file");
-    EXPECT_EQ(sentence([&] { load_transfer_function("/tmp", bytes); }), "cannot read '/tmp'");
+    EXPECT_EQ(sentence([&] { load_transfer_function("/tmp", bytes); }), "cannot read '/tmp': Is a directory");
 }
 
 TEST(Presets, AreValidAndNamed) {

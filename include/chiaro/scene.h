@@ -67,7 +67,8 @@ CHIARO_EXPORT Volume read_volume(const Scene& scene, Progress& progress);
 CHIARO_EXPORT Scene seen_from(Scene scene, const std::filesystem::path& folder);
 
 /// Reads a scene file (docs/scene.md), or the scene that a PNG or OpenEXR file of ours carries. A relative volume is
-/// looked up beside the file, then in `data_folder`. Keys that this version does not know are named in `unknown_keys`.
+/// looked up beside the file, then in `data_folder`. Of keys that this version does not know, `unknown_keys` names the
+/// first eight, the last of them with how many others there are.
 /// Throws Error{input}.
 CHIARO_EXPORT Scene read_scene(const std::filesystem::path& file, const std::filesystem::path& data_folder,
                                std::vector<std::string>& unknown_keys);

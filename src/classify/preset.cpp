@@ -8,6 +8,7 @@
 #include "classify/presets.h"
 #include "core/color_map_opacity.h"
 #include "core/did_you_mean.h"
+#include "core/share.h"
 
 namespace chiaro {
 namespace {
@@ -16,8 +17,8 @@ constexpr std::string_view sample_prefix = "sample:";
 
 /// Values 0..1 to low..high. A volume of one value gets a range of 1.
 TransferFunction stretched(TransferFunction tf, double low, double high) {
-    const double range = high > low ? high - low : 1;
-    for (ControlPoint& point : tf.points) point.value = low + point.value * range;
+    for (ControlPoint& point : tf.points)
+        point.value = high > low ? at_share(low, high, point.value) : low + point.value;
     return tf;
 }
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "classify/medium.h"
 #include "core/srgb.h"
@@ -15,6 +16,7 @@ std::pair<double, double> changing_range(const DeviceVolume::Data& volume, const
     double low = tf.points.front().value, high = tf.points.back().value;
     for (double bound : {shape.threshold_low, shape.threshold_high})
         if (std::isfinite(bound)) low = std::min(low, bound), high = std::max(high, bound);
+    if (volume.scale == 0) return {volume.stored_min, volume.stored_min};  // all voxels have one value
     double a = (low - volume.offset) / volume.scale, b = (high - volume.offset) / volume.scale;
     if (a > b) std::swap(a, b);
     const double min = volume.stored_min, max = volume.stored_max;
@@ -44,7 +46,8 @@ OpticalTable make_optical_table(const DeviceVolume::Data& volume, const Transfer
         low = std::floor(low), high = std::ceil(high);
         per_unit = std::exp2(std::floor(std::log2(table_intervals / std::max(1.0, high - low))));
     } else if (high > low) {
-        per_unit = table_intervals / (high - low);
+        // Where the function changes in less than floats tell apart, it jumps.
+        per_unit = table_intervals / std::max({high - low, 1e-9 * std::max(std::abs(low), std::abs(high)), 1e-34});
     }
     // One entry more on either side stands for everything beyond.
     const int count = int(std::ceil((high - low) * per_unit)) + 3;
@@ -54,9 +57,12 @@ OpticalTable make_optical_table(const DeviceVolume::Data& volume, const Transfer
     const double unit_mm = tf.opacity_unit * (tf.opacity_unit_is_mm ? 1 : volume.geometry.smallest_spacing_mm());
     table.unit_mm = unit_mm;
     table.entries.reserve(count);
-    for (int j = 0; j < count; ++j)
-        table.entries.push_back(
-            optical_entry(tf, shape, volume.scale * (j - table.index_offset) / per_unit + volume.offset, unit_mm));
+    // The outermost entries may stand for more than the largest double.
+    constexpr double most = std::numeric_limits<double>::max();
+    for (int j = 0; j < count; ++j) {
+        const double value = volume.scale * (j - table.index_offset) / per_unit + volume.offset;
+        table.entries.push_back(optical_entry(tf, shape, std::clamp(value, -most, most), unit_mm));
+    }
     return table;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/share.h"
 #include "core/text.h"
 
 namespace chiaro {
@@ -37,7 +38,7 @@ ControlPoint evaluate(const TransferFunction& tf, double value) {
     const ControlPoint& left = above == points.begin() ? points.front() : above[-1];
     ControlPoint result{value, left.rgb, left.opacity};
     if (above != points.begin() && above != points.end()) {
-        const double t = (value - left.value) / (above->value - left.value);  // left.value <= value < above->value
+        const double t = share_between(left.value, above->value, value);  // left.value <= value < above->value
         for (int c = 0; c < 3; ++c) result.rgb[c] = std::lerp(left.rgb[c], above->rgb[c], t);
         result.opacity = std::lerp(left.opacity, above->opacity, t);
     }
@@ -56,9 +57,9 @@ TransferFunction with_window(TransferFunction tf, double center, double width) {
     if (!(width > 0 && std::isfinite(width)))
         throw Error(ErrorCode::usage, "window width " + to_text(width) + ": must be greater than 0");
     if (tf.points.empty()) return tf;
-    const double first = tf.points.front().value, span = tf.points.back().value - first;
+    const double first = tf.points.front().value, last = tf.points.back().value;
     for (ControlPoint& point : tf.points)  // a function of one value only is moved, not stretched
-        point.value = span > 0 ? center + ((point.value - first) / span - 0.5) * width : center;
+        point.value = last > first ? center + (share_between(first, last, point.value) - 0.5) * width : center;
     return tf;
 }
 

@@ -8,6 +8,8 @@
 namespace chiaro {
 namespace {
 
+constexpr std::size_t max_candidates = 10000;
+
 char lower(char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; }
 
 }  // namespace
@@ -34,7 +36,11 @@ std::optional<std::string> nearest_word(std::string_view word, std::span<const s
     if (word.size() > 64) return std::nullopt;  // no name is that long; the cost is bounded
     const std::string* best = nullptr;
     int best_distance = std::max(1, int(word.size()) / 3) + 1;
-    for (const std::string& candidate : candidates) {
+    for (const std::string& candidate : candidates.first(std::min(candidates.size(), max_candidates))) {
+        // Each letter more or less is an edit: a long name from a file is not looked at.
+        if (std::max(word.size(), candidate.size()) - std::min(word.size(), candidate.size()) >=
+            std::size_t(best_distance))
+            continue;
         const int distance = edit_distance(word, candidate);
         if (distance < best_distance) {
             best = &candidate;
@@ -50,12 +56,11 @@ std::string did_you_mean(std::string_view word, std::span<const std::string> can
 }
 
 std::string did_you_mean_file(const std::filesystem::path& missing) {
-    constexpr std::size_t most = 10000;
     std::error_code unreadable;
     std::vector<std::string> names;
     const std::filesystem::path folder = missing.has_parent_path() ? missing.parent_path() : ".";
-    for (std::filesystem::directory_iterator i(folder, unreadable), end; !unreadable && i != end && names.size() < most;
-         i.increment(unreadable))
+    for (std::filesystem::directory_iterator i(folder, unreadable), end;
+         !unreadable && i != end && names.size() < max_candidates; i.increment(unreadable))
         if (i->path().filename() != missing.filename()) names.push_back(i->path().filename());
     std::sort(names.begin(), names.end());
     return one_line(did_you_mean(missing.filename().string(), names));

@@ -12,7 +12,8 @@ namespace chiaro {
 /// letters (Damerau-Levenshtein distance, optimal string alignment). Cost |a| |b|.
 int edit_distance(std::string_view a, std::string_view b);
 
-/// The candidate nearest to `word` (the first of equals), unless all differ in more than a third of its letters.
+/// The candidate nearest to `word` (the first of equals; of the first 10000), unless all differ in more than a third of
+/// its letters. `word` of more than 64 bytes has none.
 std::optional<std::string> nearest_word(std::string_view word, std::span<const std::string> candidates);
 
 /// "; did you mean 'X'?" to append to a message, or nothing.

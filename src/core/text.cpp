@@ -3,14 +3,82 @@
 #include <fmt/format.h>
 
 namespace chiaro {
+namespace {
+
+constexpr std::string_view replacement = "\xef\xbf\xbd";  // U+FFFD
+
+/// A character and its bytes; of 0 where they are no UTF-8 (Unicode 15, table 3-7).
+struct Character {
+    char32_t code = 0;
+    std::size_t bytes = 1;
+    bool valid = false;
+};
+
+Character character_at(std::string_view text, std::size_t at) {
+    const auto byte = [&](std::size_t i) { return at + i < text.size() ? unsigned(text[at + i]) & 0xffu : 0u; };
+    const unsigned first = byte(0);
+    if (first < 0x80) return {char32_t(first), 1, true};
+    const std::size_t bytes = first >= 0xf0 ? 4 : first >= 0xe0 ? 3 : 2;
+    char32_t code = first & (0x7fu >> bytes);
+    for (std::size_t i = 1; i < bytes; ++i) {
+        if ((byte(i) & 0xc0u) != 0x80) return {};
+        code = code << 6 | (byte(i) & 0x3fu);
+    }
+    constexpr char32_t least[] = {0x80, 0x800, 0x10000};
+    const bool valid =
+        first >= 0xc2 && code >= least[bytes - 2] && code <= 0x10ffff && (code < 0xd800 || code > 0xdfff);
+    return valid ? Character{code, bytes, true} : Character{};
+}
+
+bool is_obeyed(char32_t code) {
+    return (code >= 0x7f && code <= 0x9f) || code == 0x61c || code == 0x200e || code == 0x200f ||
+           (code >= 0x2028 && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069);
+}
+
+}  // namespace
 
 std::string to_text(double number) { return fmt::format("{}", number); }
 
-std::string one_line(std::string text, std::size_t longest) {
-    for (char& c : text)
-        if (static_cast<unsigned char>(c) < 32 || c == 127) c = ' ';
-    if (text.size() > longest) text = text.substr(0, longest) + "...";
+std::string one_line(std::string_view text, std::size_t longest) {
+    std::string line;
+    for (std::size_t at = 0; at < text.size();) {
+        const Character c = character_at(text, at);
+        const bool is_control = c.valid && (c.code < 32 || c.code == 127);
+        const std::string_view shown = is_control                      ? " "
+                                       : !c.valid || is_obeyed(c.code) ? replacement
+                                                                       : text.substr(at, c.bytes);
+        if (line.size() + shown.size() > longest) return line + "...";
+        line += shown;
+        at += c.bytes;
+    }
+    return line;
+}
+
+std::string printable_json(std::string_view json) {
+    std::string text;
+    for (std::size_t at = 0; at < json.size();) {
+        const Character c = character_at(json, at);
+        if (is_obeyed(c.code))
+            text += fmt::format("\\u{:04x}", unsigned(c.code));
+        else
+            text += json.substr(at, c.bytes);
+        at += c.bytes;
+    }
     return text;
+}
+
+bool is_deeper_than(int most, std::string_view json) {
+    int depth = 0;
+    bool quoted = false;
+    for (std::size_t i = 0; i < json.size(); ++i) {
+        const char c = json[i];
+        if (quoted && c == '\\') ++i;
+        if (c == '"') quoted = !quoted;
+        if (quoted) continue;
+        if ((c == '{' || c == '[') && ++depth > most) return true;
+        depth -= c == '}' || c == ']';
+    }
+    return false;
 }
 
 }  // namespace chiaro

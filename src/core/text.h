@@ -1,14 +1,22 @@
 // Numbers and names in messages.
 #pragma once
 #include <string>
+#include <string_view>
 
 namespace chiaro {
 
 /// The shortest decimal that reads back as the same number: "0.1", "-1024", "nan".
 std::string to_text(double number);
 
-/// What a file or its name may smuggle into a message: control characters become blanks, and more than `longest` bytes
-/// are cut off.
-std::string one_line(std::string text, std::size_t longest = 400);
+/// What a file or its name may smuggle into a message, made harmless: control characters become blanks, what else a
+/// terminal obeys or shows the other way round (C1, direction marks, separators of lines) and bytes that are no UTF-8
+/// become U+FFFD; of more than `longest` bytes the rest is cut off, between two characters.
+std::string one_line(std::string_view text, std::size_t longest = 400);
+
+/// JSON in UTF-8 that a terminal shows as it is: what it would obey is written as \uXXXX, which means the same.
+std::string printable_json(std::string_view json);
+
+/// Whether JSON is nested deeper than `most`, in one pass: copying and printing it recurse.
+bool is_deeper_than(int most, std::string_view json);
 
 }  // namespace chiaro

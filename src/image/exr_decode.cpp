@@ -13,7 +13,7 @@
 
 #include "core/text.h"
 #include "image/exr.h"
-#include "image/file_bytes.h"
+#include "image/max_pixels.h"
 
 namespace chiaro {
 namespace {

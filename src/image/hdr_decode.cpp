@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <string_view>
 
-#include "image/file_bytes.h"
 #include "image/hdr.h"
+#include "image/max_pixels.h"
 
 namespace chiaro {
 namespace {

@@ -5,7 +5,7 @@
 #include <csetjmp>
 #include <cstring>
 
-#include "image/file_bytes.h"
+#include "image/max_pixels.h"
 #include "image/png.h"
 
 namespace chiaro {

@@ -2,8 +2,8 @@
 #include <chiaro/error.h>
 #include <chiaro/probe.h>
 
+#include "core/file_contents.h"
 #include "image/exr.h"
-#include "image/file_bytes.h"
 #include "image/hdr.h"
 
 namespace chiaro {

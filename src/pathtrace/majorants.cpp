@@ -21,10 +21,9 @@ float packed(float majorant, int reach) {
 }
 
 /// [level][first]: the largest of 2^level entries; where fewer follow, of those.
-std::vector<float> runs_of(const OpticalTable& table) {
-    const std::size_t count = table.entries.size();
-    std::vector<float> runs;
-    for (const auto& entry : table.entries) runs.push_back(entry.extinction_per_mm);
+std::vector<float> runs_of(const Medium::Data& medium) {
+    std::vector<float> runs = extinctions_of(medium);
+    const std::size_t count = runs.size();
     for (std::size_t width = 1; 2 * width <= count; width *= 2) {
         const std::size_t below = runs.size() - count;
         for (std::size_t i = 0; i < count; ++i)
@@ -81,11 +80,21 @@ double cost(double majorant_per_voxel, int reach) {
 
 }  // namespace
 
+std::vector<float> extinctions_of(const Medium::Data& medium) {
+    const DeviceVolume::Data& volume = medium.volume.data();
+    double longest_mm = 0;  // no way is longer
+    for (int axis = 0; axis < 3; ++axis) longest_mm += volume.dimensions[axis] * volume.geometry.spacing_mm[axis];
+    const float most = float((1 << 22) / longest_mm);
+    std::vector<float> extinctions;
+    for (const auto& entry : medium.table.entries) extinctions.push_back(std::min(entry.extinction_per_mm, most));
+    return extinctions;
+}
+
 Majorants make_majorants(const Medium::Data& medium, int threads) {
     const std::array<int, 3> count = medium.volume.data().cells.count;
     const bool surfaces = medium.shape.mode == Mode::iso;
     const auto is_empty = [&](std::size_t c) { return !(medium.cells[c] & 1); };
-    Majorants majorants{{}, runs_of(medium.table)};
+    Majorants majorants{{}, runs_of(medium)};
     std::vector<float> largest = surfaces ? std::vector<float>(medium.cells.size() - 1, 1)
                                           : extinction_of_cells(medium, majorants.runs, threads);
     const double edge = medium.volume.geometry().smallest_spacing_mm();
@@ -112,7 +121,7 @@ Majorants make_majorants(const Medium::Data& medium, int threads) {
 }
 
 Majorants one_majorant(const Medium::Data& medium) {
-    Majorants majorants{{}, runs_of(medium.table)};
+    Majorants majorants{{}, runs_of(medium)};
     const float largest = *std::max_element(majorants.runs.begin(), majorants.runs.end());
     majorants.cells.assign(medium.cells.size() - 1, packed(largest, kernel::by_voxel - 1));
     return majorants;

@@ -13,6 +13,11 @@ struct Majorants {
     std::vector<float> runs;  ///< the largest extinction of 2^level entries of the optical table, level by level
 };
 
+/// Of the optical table's entries, per mm; at most 2^22 over the longest way. Matter as dense as that lets nothing
+/// through in any voxel; in denser matter free ways would be shorter than what floats tell apart, and a path would
+/// never move on.
+std::vector<float> extinctions_of(const Medium::Data& medium);
+
 /// For each cell the cube of 1, 3, 5, 9 or 17 cells a side around it, or the empty cube that classification found, in
 /// which a way of a voxel costs least: regions crossed and expected collisions, each with what it costs. Cells whose
 /// majorant is large are left to be bounded voxel by voxel. Cost: some 40 ns a cell on one core. Where `medium` shows

@@ -118,10 +118,8 @@ void PathTracer::make_colours(const PathOptions& options) {
         }
         return;
     }
-    for (const auto& entry : data.table.entries) {
-        extinction_.push_back(entry.extinction_per_mm);
-        add(entry.r, entry.g, entry.b);
-    }
+    extinction_ = extinctions_of(data);
+    for (const auto& entry : data.table.entries) add(entry.r, entry.g, entry.b);
 }
 
 template <class Voxel>
@@ -143,14 +141,15 @@ PathTracer::TraceTile PathTracer::tracer_through(const Camera& camera, const Lig
         return tracer_of(cloud, camera, settings, options);
     }
     const kernel::SurfacesView view = surfaces_view(data, false);
-    kernel::Surfaces<Voxel> surfaces{.volume = view_of<Voxel>(volume),
-                                     .regions = regions,
-                                     .values = {},
-                                     .opacities = {},
-                                     .count = view.count,
-                                     .colours = colours,
-                                     .gradients = shading_view(lighting, camera, volume, data.shape.color),
-                                     .step_mm = float(settings.step_voxels * volume.geometry.smallest_spacing_mm())};
+    kernel::Surfaces<Voxel> surfaces{
+        .volume = view_of<Voxel>(volume),
+        .regions = regions,
+        .values = {},
+        .opacities = {},
+        .count = view.count,
+        .colours = colours,
+        .gradients = shading_view(lighting, camera, volume, data.shape.color),
+        .step_mm = float(step_mm(settings.step_voxels, volume.geometry, volume.dimensions))};
     surfaces.gradients.specular = {0, 0, 0};
     std::copy_n(view.values, view.count, surfaces.values);
     for (int i = 0; i < view.count; ++i) surfaces.opacities[i] = view.colours[i].a;

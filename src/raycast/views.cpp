@@ -116,6 +116,13 @@ kernel::SurfacesView surfaces_view(const Medium::Data& medium, bool backwards, s
     return view;
 }
 
+double step_mm(double step_voxels, const Geometry& geometry, const std::array<int, 3>& n) {
+    constexpr double max_steps = 1 << 23;
+    double longest_mm = 0;  // the box has no longer diagonal
+    for (int axis = 0; axis < 3; ++axis) longest_mm += n[axis] * geometry.spacing_mm[axis];
+    return std::max(step_voxels * geometry.smallest_spacing_mm(), longest_mm / max_steps);
+}
+
 std::vector<kernel::Rgba> step_table(const OpticalTable& table, double step_mm) {
     std::vector<kernel::Rgba> steps;
     steps.reserve(table.entries.size());
@@ -129,7 +136,8 @@ std::vector<kernel::Rgba> step_table(const OpticalTable& table, double step_mm) 
 RayTables make_tables(const Medium::Data& medium, const RaySettings& settings, int threads,
                       std::optional<double> albedo_limit) {
     // Where nothing is integrated a value shows as one reference length of it.
-    const double step_mm = settings.step_voxels * medium.volume.geometry().smallest_spacing_mm();
+    const DeviceVolume::Data& volume = medium.volume.data();
+    const double step_mm = chiaro::step_mm(settings.step_voxels, volume.geometry, volume.dimensions);
     const bool integrated = medium.shape.mode != Mode::mip;
     const OpticalTable table = with_albedos(medium.table, albedo_limit);
     RayTables tables{step_table(table, integrated ? step_mm : table.unit_mm), {}};

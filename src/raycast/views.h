@@ -19,6 +19,10 @@ kernel::ShadingView shading_view(const Lighting& lighting, const Camera& camera,
                                  ColorMode color);
 /// Highlights come from a probe's main direction; its colour is told by what arrives.
 void shine_from(const MainLight& light, const Lighting& lighting, const Camera& camera, kernel::ShadingView& shading);
+/// The distance of the samples along a ray. No ray has more than 2^23 of them, behind which floats cannot count: k + ½
+/// would be k, and a ray would never end.
+double step_mm(double step_voxels, const Geometry& geometry, const std::array<int, 3>& dimensions);
+
 /// The optical table for steps of `step_mm`: α = 1 - exp(-κ h), colours premultiplied.
 std::vector<kernel::Rgba> step_table(const OpticalTable& table, double step_mm);
 
@@ -78,7 +82,7 @@ kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, cons
         .maximum = {volume.cells.high.data(), volume.stored_max},
         .mode = kernel::March(medium.shape.mode),
         .way = {kernel::Classification(settings.classification), backwards},
-        .step_mm = float(settings.step_voxels * volume.geometry.smallest_spacing_mm()),
+        .step_mm = float(step_mm(settings.step_voxels, volume.geometry, volume.dimensions)),
         .rays_per_pixel = settings.samples_per_pixel,
         .bounds = {},
     };

@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "core/text.h"
 #include "render/scene_files.h"
 #include "render/scene_keys.h"
 
@@ -16,28 +17,25 @@ constexpr int format_version = 1;
 
 [[noreturn]] void refuse(const std::string& sentence) { throw Error(ErrorCode::input, sentence); }
 
-Json parse_json(const std::string& text) {
+ReadJson parse_json(const std::string& text) {
     // Copying and printing JSON recurse: a scene is shallow, and what is not would overflow the stack.
-    const auto is_shallow = [](int depth, Json::parse_event_t, Json&) {
-        if (depth > 32) refuse("nested too deeply");
-        return true;
-    };
+    if (is_deeper_than(32, text)) refuse("nested too deeply");
     try {
-        return Json::parse(text, is_shallow);
-    } catch (const Json::exception& error) {
+        return ReadJson::parse(text);
+    } catch (const ReadJson::exception& error) {
         const std::string what = error.what();  // "[json.exception.parse_error.101] parse error at line 3, ..."
         refuse("not JSON: " + what.substr(std::min(what.find("] ") + 2, what.size())));
     }
 }
 
-std::string flag_text(const Setting& setting, const Json& value);
+std::string flag_text(const Setting& setting, const ReadJson& value);
 
 /// A surface as the flag writes it.
-std::string surface_text(const Json& surface) {
+std::string surface_text(const ReadJson& surface) {
     if (!surface.is_object() || !surface.contains("value")) refuse("iso: each surface is an object with a value");
     std::string text = surface["value"].dump();
     if (surface.contains("color")) {
-        const Json& color = surface["color"];
+        const ReadJson& color = surface["color"];
         text += "," + (color.is_string() ? color.get<std::string>() : flag_text({}, color));
     }
     if (surface.contains("opacity")) text += "@" + surface["opacity"].dump();
@@ -45,11 +43,11 @@ std::string surface_text(const Json& surface) {
 }
 
 /// A value as the flag of its setting would be written.
-std::string flag_text(const Setting& setting, const Json& value) {
+std::string flag_text(const Setting& setting, const ReadJson& value) {
     if (setting.repeats()) {
         if (!value.is_array()) refuse(fmt::format("{}: must be a list", setting.key));
         std::vector<std::string> items;
-        for (const Json& item : value)
+        for (const ReadJson& item : value)
             items.push_back(setting.scene_form == SceneForm::surfaces ? surface_text(item) : flag_text({}, item));
         return fmt::format("{}", fmt::join(items, ";"));
     }
@@ -58,7 +56,7 @@ std::string flag_text(const Setting& setting, const Json& value) {
     if (setting.scene_form == SceneForm::reciprocal && value.is_number()) return to_text(1 / value.get<double>());
     if (!value.is_array()) return value.dump();
     std::vector<std::string> items;
-    for (const Json& item : value) items.push_back(item.is_string() ? item.get<std::string>() : item.dump());
+    for (const ReadJson& item : value) items.push_back(item.is_string() ? item.get<std::string>() : item.dump());
     return fmt::format("{}", fmt::join(items, ","));
 }
 
@@ -104,11 +102,11 @@ bool concerns(const Setting& setting, const Scene& scene) {
     return setting.concerns(to_text(scene.illumination.method));
 }
 
-void read_settings(const Json& root, Scene& scene) {
+void read_settings(const ReadJson& root, Scene& scene) {
     for_each_setting(
         [&](const Setting& setting, auto&... fields) {
             if (setting.scene_form == SceneForm::custom || !concerns(setting, scene)) return;
-            const Json* value = find(root, setting.key);
+            const ReadJson* value = find(root, setting.key);
             if (!value) return;
             const std::string who = fmt::format("{} {}", setting.key, value->dump());
             set(setting, flag_text(setting, *value), who, ErrorCode::input, fields...);
@@ -116,34 +114,34 @@ void read_settings(const Json& root, Scene& scene) {
         scene);
 }
 
-std::string text_at(const Json& root, std::string_view key) {
-    const Json* value = find(root, key);
+std::string text_at(const ReadJson& root, std::string_view key) {
+    const ReadJson* value = find(root, key);
     if (value && !value->is_string()) refuse(fmt::format("{} {}: must be text", key, value->dump()));
     return value ? value->get<std::string>() : "";
 }
 
 /// An object without the keys that are reported as unknown.
-Json only(const Json& object, std::initializer_list<const char*> keys) {
+ReadJson only(const ReadJson& object, std::initializer_list<const char*> keys) {
     if (!object.is_object()) return object;
-    Json kept = Json::object();
+    ReadJson kept = ReadJson::object();
     for (const char* key : keys)
         if (object.contains(key)) kept[key] = object[key];
     return kept;
 }
 
-void read_transfer_function(const Json& root, const std::filesystem::path& folder,
+void read_transfer_function(const ReadJson& root, const std::filesystem::path& folder,
                             const std::filesystem::path& data_folder, TransferSettings& transfer) {
-    const Json* points = find(root, "transfer_function.points");
+    const ReadJson* points = find(root, "transfer_function.points");
     const std::string file = text_at(root, "transfer_function.file"),
                       preset = text_at(root, "transfer_function.preset");
     if ((points != nullptr) + !file.empty() + !preset.empty() > 1)
         refuse("transfer_function: points, file and preset exclude each other");
     transfer.source = file.empty() ? preset : found_function(file, folder, data_folder);
     if (!points) return;
-    Json own =
+    ReadJson own =
         only(root["transfer_function"], {"points", "opacity_unit_distance", "opacity_unit_mm", "rgb_space", "name"});
     if (points->is_array())
-        for (Json& point : own["points"]) point = only(point, {"value", "rgb", "opacity", "name"});
+        for (ReadJson& point : own["points"]) point = only(point, {"value", "rgb", "opacity", "name"});
     transfer.points = parse_transfer_function(own.dump(), "transfer_function");
     transfer.opacity_unit.reset(), transfer.opacity_unit_mm.reset();  // these belong to the points, and replace nothing
 }
@@ -162,7 +160,7 @@ void write_transfer_function(const TransferSettings& transfer, Json& root) {
     }
 }
 
-std::string read_probe(const Json& root, const std::filesystem::path& folder,
+std::string read_probe(const ReadJson& root, const std::filesystem::path& folder,
                        const std::filesystem::path& data_folder) {
     const std::string file = text_at(root, "probe.file"), preset = text_at(root, "probe.preset");
     if (!file.empty() && !preset.empty()) refuse("probe: file and preset exclude each other");
@@ -173,12 +171,12 @@ void write_probe(const std::string& source, Json& root) {
     if (!source.empty()) root["probe"][is_probe_name(source) ? "preset" : "file"] = source;
 }
 
-void check_fixed(const Json& root) {
+void check_fixed(const ReadJson& root) {
     if (!root.is_object()) refuse("must be a JSON object");
-    const Json* version = find(root, "chiaro");
+    const ReadJson* version = find(root, "chiaro");
     if (version && *version != format_version)
         refuse(fmt::format("chiaro {}: this program reads scenes of version {}", version->dump(), format_version));
-    const Json* model = find(root, "camera.model");
+    const ReadJson* model = find(root, "camera.model");
     if (model && *model != "orbit") refuse(fmt::format("camera.model {}: must be \"orbit\"", model->dump()));
 }
 
@@ -213,7 +211,7 @@ void check(const Scene& scene, ErrorCode code) {
 
 Scene parse_scene(const std::string& json, const std::filesystem::path& folder,
                   const std::filesystem::path& data_folder, std::vector<std::string>& unknown_keys) {
-    const Json root = parse_json(json);
+    const ReadJson root = parse_json(json);
     check_fixed(root);
     Scene scene;
     const std::string name = text_at(root, "volume.file");

@@ -6,15 +6,14 @@
 #include <chiaro/transfer_file.h>
 #include <fmt/format.h>
 
-#include <fstream>
-#include <iterator>
-
-#include "core/did_you_mean.h"
+#include "core/file_contents.h"
 #include "core/text.h"
 
 namespace chiaro {
 namespace fs = std::filesystem;
 namespace {
+
+constexpr std::uintmax_t max_scene_bytes = 64u << 20;
 
 bool names_no_file(const std::string& name) { return name.empty() || name == "-" || name.starts_with("sample:"); }
 
@@ -27,12 +26,7 @@ std::string text_in(const Metadata& metadata, const fs::path& file) {
 std::string text_of(const fs::path& file) {
     if (file.extension() == ".png") return text_in(read_png_metadata(file), file);
     if (file.extension() == ".exr") return text_in(read_exr_metadata(file), file);
-    std::ifstream stream(file, std::ios::binary);
-    std::error_code no_access;
-    if (!stream || fs::is_directory(file, no_access))
-        throw Error(ErrorCode::input,
-                    fmt::format("{}: cannot be read{}", file.string(), is_file(file) ? "" : did_you_mean_file(file)));
-    return {std::istreambuf_iterator<char>(stream), {}};
+    return file_text(file, max_scene_bytes);
 }
 
 }  // namespace

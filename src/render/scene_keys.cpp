@@ -3,9 +3,10 @@
 #include <chiaro/describe.h>
 #include <chiaro/error.h>
 
-#include <algorithm>
+#include <set>
 
 #include "core/did_you_mean.h"
+#include "core/text.h"
 
 namespace chiaro {
 namespace {
@@ -32,19 +33,28 @@ constexpr std::string_view other_keys[] = {"chiaro",
                                            "probe.file",
                                            "probe.preset"};
 
-std::vector<std::string> known_keys() {
-    std::vector<std::string> keys(std::begin(other_keys), std::end(other_keys));
+std::set<std::string> known_keys() {
+    std::set<std::string> keys(std::begin(other_keys), std::end(other_keys));
     Scene scene;
-    for_each_setting([&](const Setting& setting, const auto&...) { keys.emplace_back(setting.key); }, scene);
+    for_each_setting([&](const Setting& setting, const auto&...) { keys.emplace(setting.key); }, scene);
     return keys;
 }
 
 /// Collects what is unknown below `value`. `shown` is its path with positions in lists, `key` the path without.
 class Search {
 public:
-    std::vector<std::string> found;
+    Search() {
+        for (const std::string& key : known_)
+            for (std::size_t dot = key.find('.'); dot != key.npos; dot = key.find('.', dot + 1))
+                parents_.insert(key.substr(0, dot));
+    }
 
-    void below(const Json& value, const std::string& shown, const std::string& key) {
+    std::vector<std::string> found() {
+        if (others_ > 0) found_.back() += " (and " + std::to_string(others_) + " others)";
+        return found_;
+    }
+
+    void below(const ReadJson& value, const std::string& shown, const std::string& key) {
         if (value.is_array()) {
             for (std::size_t i = 0; i < value.size(); ++i) below(value[i], shown + "[" + std::to_string(i) + "]", key);
         } else if (value.is_object()) {
@@ -54,13 +64,19 @@ public:
     }
 
 private:
-    void member(const Json& value, const std::string& shown, const std::string& key) {
-        const bool leads_on = std::any_of(known_.begin(), known_.end(),
-                                          [&](const std::string& known) { return known.starts_with(key + "."); });
-        if (leads_on)
+    void member(const ReadJson& value, const std::string& shown, const std::string& key) {
+        if (parents_.contains(key))
             below(value, shown, key);
-        else if (std::find(known_.begin(), known_.end(), key) == known_.end())
-            found.push_back(shown + did_you_mean(key.substr(key.rfind('.') + 1), siblings(key)));
+        else if (!known_.contains(key))
+            tell(shown, key);
+    }
+
+    void tell(const std::string& shown, const std::string& key) {
+        constexpr std::size_t told = 8, longest = 200;
+        if (found_.size() == told)
+            ++others_;
+        else
+            found_.push_back(one_line(shown, longest) + did_you_mean(key.substr(key.rfind('.') + 1), siblings(key)));
     }
 
     /// Names of the known keys in the same object.
@@ -73,13 +89,16 @@ private:
         return names;
     }
 
-    const std::vector<std::string> known_ = known_keys();
+    const std::set<std::string> known_ = known_keys();
+    std::set<std::string> parents_;  ///< of known keys
+    std::vector<std::string> found_;
+    std::size_t others_ = 0;
 };
 
 }  // namespace
 
-const Json* find(const Json& root, std::string_view key) {
-    const Json* value = &root;
+const ReadJson* find(const ReadJson& root, std::string_view key) {
+    const ReadJson* value = &root;
     for (std::size_t begin = 0; begin <= key.size();) {
         const std::size_t end = std::min(key.find('.', begin), key.size());
         if (!value->is_object())
@@ -102,10 +121,10 @@ Json& at(Json& root, std::string_view key) {
     return *value;
 }
 
-std::vector<std::string> unknown_keys_of(const Json& root) {
+std::vector<std::string> unknown_keys_of(const ReadJson& root) {
     Search search;
     search.below(root, "", "");
-    return search.found;
+    return search.found();
 }
 
 }  // namespace chiaro

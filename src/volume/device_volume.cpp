@@ -2,30 +2,45 @@
 #include "volume/device_volume.h"
 
 #include <chiaro/error.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <mutex>
 
 #include "core/threads.h"
+#include "volume/validate.h"
 
 namespace chiaro {
 namespace {
 
+constexpr double below_2_41 = 0x1.fffffep40;  ///< the last float: the largest double may not be rounded up to infinity
+
 /// How stored numbers become device numbers: device = stored - shift, then clamped to [low, high] where that is not
-/// finite.
+/// finite; of floating-point numbers times 2^exponent.
 template <class Source>
 struct Conversion {
     Source shift = 0;
     Source low = 0, high = 0;
+    int exponent = 0;
 };
+
+/// 0 but for numbers that floats cannot hold, or not their squares: these come to 2^40, so that doubles have room for
+/// what is 2^42 times as much.
+template <class Source>
+int exponent_for(const Conversion<Source>& c) {
+    const double most = std::max(std::abs(double(c.low)), std::abs(double(c.high)));
+    const bool fits = most == 0 || (most > 0x1p-90 && most < 0x1p120);
+    return fits ? 0 : std::min(40 - std::ilogb(most), 1020);
+}
 
 template <class Device, class Source>
 Device convert(Source v, const Conversion<Source>& c) {
     if constexpr (std::is_floating_point_v<Source>) {
         // NaN reads as the smallest value, which transfer functions leave empty more often than any other.
         if (!std::isfinite(v)) v = v > 0 ? c.high : c.low;
-        return Device(v);
+        if (c.exponent == 0) return Device(v);
+        return Device(std::clamp(double(std::ldexp(v, c.exponent)), -below_2_41, below_2_41));
     } else if constexpr (std::is_floating_point_v<Device>) {
         return Device(v);
     } else {
@@ -160,7 +175,22 @@ void store(const Volume& volume, int threads, VoxelBuffer* discard, DeviceVolume
                 return fill_bricks<Source, std::uint16_t>(volume, threads, discard, c, data);
             }
         data.stored = VoxelType::f32;
+        if constexpr (std::is_floating_point_v<Source>) {
+            c.exponent = exponent_for(c);
+            data.scale = std::ldexp(volume.slope, -c.exponent);
+        }
         fill_bricks<Source, float>(volume, threads, discard, c, data);
+    }
+}
+
+/// Volumes may come from a program that made them, not from a file that was checked.
+void check_header_of(const Volume& volume) {
+    try {
+        if (check_header(volume) > volume.voxels.size())
+            throw Error(ErrorCode::input, "has fewer voxels than it states");
+    } catch (const Error& error) {
+        throw Error(error.code(),
+                    fmt::format("{} {}", volume.source.empty() ? "the volume" : volume.source, error.what()));
     }
 }
 
@@ -168,6 +198,7 @@ DeviceVolume upload_bricks(const Device& device, const Volume& volume, VoxelBuff
     if (volume.components != 1)
         throw Error(ErrorCode::input, volume.source + " has " + std::to_string(volume.components) +
                                           " values a voxel: only volumes of one value a voxel can be rendered");
+    check_header_of(volume);
     const auto [nx, ny, nz] = volume.dimensions;
     const double stored = double(brick_count(nx)) * brick_count(ny) * brick_count(nz) * brick_voxels;
     if (stored > double(UINT32_MAX) - 8)
@@ -178,6 +209,7 @@ DeviceVolume upload_bricks(const Device& device, const Volume& volume, VoxelBuff
     data->dimensions = volume.dimensions;
     data->geometry = volume.geometry;
     with_voxel_type(volume.type, [&](auto voxel) { store<decltype(voxel)>(volume, device.threads, discard, *data); });
+    check_values(volume, data->scale * data->stored_min + data->offset, data->scale * data->stored_max + data->offset);
     return DeviceVolume(std::move(data));
 }
 

@@ -1,7 +1,5 @@
 // What the values of a volume are. Values of 8 and 16 bits are counted one by one. Others are counted at 65536 levels
 // between the least and the greatest, the first level being the least value itself: a second pass.
-#include "core/threads.h"
-
 #include <chiaro/error.h>
 #include <chiaro/volume.h>
 
@@ -9,6 +7,9 @@
 #include <cmath>
 #include <limits>
 #include <mutex>
+
+#include "core/threads.h"
+#include "volume/validate.h"
 
 namespace chiaro {
 namespace {
@@ -19,7 +20,14 @@ constexpr std::size_t level_count = 65536;
 struct Levels {
     std::vector<std::uint64_t> counts = std::vector<std::uint64_t>(level_count);
     double first = 0, step = 1, last = 0;
+    /// A power of two, other than 1 where the range or the steps are no doubles: `step` is so many times as large.
+    double unit = 1;
     std::uint64_t nonfinite = 0;
+
+    double value_of(std::size_t level) const {
+        if (level == level_count - 1) return last;
+        return unit == 1 ? first + double(level) * step : (first * unit + double(level) * step) / unit;
+    }
 };
 
 struct Range {
@@ -64,13 +72,13 @@ void count_values(std::span<const T> values, Levels& levels) {
     parallel_for(std::int64_t(values.size()), grain_of(values.size()), [&](std::int64_t begin, std::int64_t end) {
         std::vector<std::uint64_t> counts(level_count);
         std::uint64_t nonfinite = 0;
-        const double first = levels.first, per_step = 1 / levels.step;
+        const double unit = levels.unit, first = levels.first * unit, per_step = 1 / levels.step;
         for (auto i = begin; i < end; ++i) {
             const T value = values[std::size_t(i)];
             if constexpr (sizeof(T) <= 2) {
                 ++counts[std::size_t(int(value) - int(std::numeric_limits<T>::min()))];
             } else if (is_finite(value)) {
-                const double level = std::floor((double(value) - first) * per_step + 0.5);
+                const double level = std::floor((double(value) * unit - first) * per_step + 0.5);
                 ++counts[std::size_t(std::clamp(level, 0.0, double(level_count - 1)))];
             } else {
                 ++nonfinite;
@@ -94,8 +102,11 @@ Levels levels_of(const Volume& volume) {
         if (range.greatest < range.least)
             throw Error(ErrorCode::input, "no voxel of " + volume.source + " is a finite number");
         levels.first = range.least;
+        const double width = range.greatest - range.least;
+        levels.unit = !std::isfinite(width) ? 0x1p-2 : width > 0 && width < 0x1p-900 ? 0x1p100 : 1;
         // Halved first: the whole range of doubles is no double.
-        levels.step = 2 * ((range.greatest / 2 - range.least / 2) / double(level_count - 1));
+        levels.step =
+            2 * ((range.greatest * levels.unit / 2 - range.least * levels.unit / 2) / double(level_count - 1));
         if (std::is_integral_v<T>) levels.step = std::max(1.0, levels.step);
         if (!(levels.step > 0)) levels.step = 1;
         if (!std::is_integral_v<T>) levels.last = range.greatest;
@@ -120,13 +131,10 @@ void apply_rescale(Levels& levels, double slope, double intercept) {
 void summarize(const Levels& levels, Statistics& result) {
     const auto occurs = [](std::uint64_t count) { return count > 0; };
     const auto& counts = levels.counts;
-    const auto value_of = [&](std::size_t level) {
-        return level == level_count - 1 ? levels.last : levels.first + double(level) * levels.step;
-    };
     const auto lowest = std::size_t(std::find_if(counts.begin(), counts.end(), occurs) - counts.begin());
     const auto highest = std::size_t(counts.rend() - std::find_if(counts.rbegin(), counts.rend(), occurs)) - 1;
-    result.min = value_of(lowest);
-    result.max = value_of(highest);
+    result.min = levels.value_of(lowest);
+    result.max = levels.value_of(highest);
     std::uint64_t total = 0;
     for (const auto count : counts) total += count;
     // The least value that at least the share p of the voxels does not exceed.
@@ -137,7 +145,7 @@ void summarize(const Levels& levels, Statistics& result) {
     for (std::size_t level = lowest; level <= highest; ++level) {
         seen += counts[level];
         for (; next < std::size(percentiles) && double(seen) >= percentiles[next].first * double(total); ++next)
-            *percentiles[next].second = value_of(level);
+            *percentiles[next].second = levels.value_of(level);
         const double share = result.max > result.min ? double(level - lowest) / double(highest - lowest) : 0;
         result.histogram[std::min<std::size_t>(255, std::size_t(share * 256))] += counts[level];
     }
@@ -152,6 +160,7 @@ Statistics measure(const Volume& volume) {
         apply_rescale(levels, volume.slope, volume.intercept);
         Statistics result;
         summarize(levels, result);
+        check_values(volume, result.min, result.max);
         return result;
     });
 }

@@ -51,6 +51,12 @@ void check_geometry(const Geometry& geometry) {
     if (std::abs(dot(a, cross(b, c))) < 1e-6) refuse("has singular directions: its three axes lie in one plane");
 }
 
+void check_values(const Volume& volume, double min, double max) {
+    if (!std::isfinite(min) || !std::isfinite(max))
+        refuse(fmt::format("{}: the slope {} and the intercept {} make values of its voxels that are not finite",
+                           volume.source.empty() ? "the volume" : volume.source, volume.slope, volume.intercept));
+}
+
 void set_steps(Geometry& geometry, const std::array<Vec3, 3>& steps_mm) {
     for (int axis = 0; axis < 3; ++axis) {
         const double step = length(steps_mm[axis]);

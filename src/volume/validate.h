@@ -17,6 +17,9 @@ std::uint64_t check_header(const Volume& volume);
 /// Throws Error{input} unless all numbers are finite, spacings positive, directions unit vectors and not singular.
 void check_geometry(const Geometry& geometry);
 
+/// Throws Error{input} unless the extreme values, after slope and intercept, are finite.
+void check_values(const Volume& volume, double min, double max);
+
 /// Sets spacing and direction from the steps (world millimetres) between voxels along each index axis.
 /// Throws Error{input} for steps that are not finite, zero, or span no volume.
 void set_steps(Geometry& geometry, const std::array<Vec3, 3>& steps_mm);

@@ -6,9 +6,10 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
+#include <limits>
 
 #include "core/atomic_file.h"
+#include "core/file_contents.h"
 #include "core/text.h"
 #include "core/user_cache.h"
 #include "illumination/histogram/hash.h"
@@ -78,12 +79,11 @@ private:
 };
 
 std::vector<std::byte> contents_of(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary | std::ios::ate);
-    if (!file) return {};
-    std::vector<std::byte> bytes(std::size_t(file.tellg()));
-    file.seekg(0);
-    file.read(reinterpret_cast<char*>(bytes.data()), std::streamsize(bytes.size()));
-    return file ? bytes : std::vector<std::byte>{std::byte{}};
+    try {
+        return file_bytes(path, std::numeric_limits<std::uintmax_t>::max());
+    } catch (const Error&) {
+        return {};
+    }
 }
 
 bool fill(Reader& in, LocalHistograms& h) {

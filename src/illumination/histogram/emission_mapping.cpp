@@ -4,11 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <optional>
 #include <sstream>
 
-#include "core/did_you_mean.h"
+#include "core/file_contents.h"
 
 namespace chiaro {
 namespace {
@@ -17,6 +16,15 @@ std::optional<double> number(const std::string& text) {
     std::istringstream in(text);
     double value = 0;
     return in >> value && in.eof() && std::isfinite(value) ? std::optional(value) : std::nullopt;
+}
+
+/// The text of a file of glow values.
+std::string list_in(const std::string& file, const std::string& who) {
+    try {
+        return file_text(file, 64u << 20);
+    } catch (const Error& error) {
+        throw Error(ErrorCode::input, who + ": is neither LO:HI=STRENGTH nor a file: " + error.what());
+    }
 }
 
 }  // namespace
@@ -34,10 +42,7 @@ EmissionMapping::EmissionMapping(const std::string& text) {
         points_ = {{*low, *strength}, {*high, *strength}};
         return;
     }
-    std::ifstream file(text);
-    if (!file)
-        throw Error(ErrorCode::input,
-                    who + ": is neither LO:HI=STRENGTH nor a file that can be read" + did_you_mean_file(text));
+    std::istringstream file(list_in(text, who));
     int count = 0;
     for (std::string line; std::getline(file, line);) {
         ++count;

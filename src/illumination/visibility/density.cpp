@@ -13,7 +13,8 @@ using Tile = std::vector<float>;
 
 /// A tile of edge³ cells to one of (edge / 2)³ nodes.
 Tile halved(const Tile& cells, int edge, const kernel::DensityRows& rows) {
-    Tile open(cells.size()), nodes(cells.size() / 8);
+    // Whole vectors are written, which the eight cells of the last tile are not.
+    Tile open(cells.size()), nodes(std::max<std::size_t>(cells.size() / 8, kernel::max_nodes));
     rows.transmittance(cells.data(), int(cells.size()), open.data());
     const int half = edge / 2;
     for (int z = 0; z < half; ++z)

@@ -6,10 +6,11 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <pugixml.hpp>
 
 #include "core/did_you_mean.h"
+#include "core/file_contents.h"
+#include "core/share.h"
 #include "core/text.h"
 #include "io/transfer/json_node.h"
 #include "io/transfer/reader.h"
@@ -71,12 +72,10 @@ std::string without_trailing_commas(std::string text) {
 }
 
 void parse_json(TransferText& text) {
-    const auto is_shallow = [&](int depth, Json::parse_event_t, Json&) {
-        if (depth > max_transfer_depth) text.fail(fmt::format("is nested more than {} deep", max_transfer_depth));
-        return true;
-    };
+    if (is_deeper_than(max_transfer_depth, text.text))
+        text.fail(fmt::format("is nested more than {} deep", max_transfer_depth));
     try {
-        text.json = std::make_shared<Json>(Json::parse(without_trailing_commas(text.text), is_shallow));
+        text.json = std::make_shared<Json>(Json::parse(without_trailing_commas(text.text)));
     } catch (const Json::exception& error) {
         text.trouble = json_trouble(error);
     }
@@ -126,17 +125,8 @@ const TransferReader& reader_for(const TransferText& text, const std::string& fo
 }
 
 void stretch(TransferFunction& tf, const Statistics& data) {
-    const double range = data.max > data.min ? data.max - data.min : 1;
-    for (ControlPoint& point : tf.points) point.value = data.min + point.value * range;
-}
-
-std::string text_of(const std::string& file) {
-    std::ifstream stream(file, std::ios::binary);
-    std::string text(max_transfer_bytes + 1, '\0');
-    stream.read(text.data(), std::streamsize(text.size()));
-    if (stream.bad() || (!stream.eof() && stream.fail())) throw Error(ErrorCode::input, "cannot read '" + file + "'");
-    text.resize(std::size_t(stream.gcount()));
-    return text;
+    for (ControlPoint& point : tf.points)
+        point.value = data.max > data.min ? at_share(data.min, data.max, point.value) : data.min + point.value;
 }
 
 bool exists(const std::string& path) {
@@ -170,12 +160,7 @@ std::size_t chosen_function(const TransferText& text, const std::vector<std::str
                           hint.empty() ? fmt::format(": must be 1 to {}, or a name", names.size()) : printable(hint)));
 }
 
-std::string printable(const std::string& word) {
-    std::string shown = word.substr(0, 80);
-    for (char& c : shown)
-        if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';
-    return shown + (word.size() > 80 ? "..." : "");
-}
+std::string printable(const std::string& word) { return one_line(word, 80); }
 
 bool parse_number(std::string_view word, double& number) {
     word.remove_prefix(word.starts_with('+') && !word.starts_with("+-") ? 1 : 0);
@@ -223,7 +208,7 @@ TransferFile parse_transfer_file(const std::string& text, const std::string& nam
 
 TransferFile read_transfer_file(const std::string& name, const Statistics& data) {
     const std::string file = split_transfer_name(name).file;
-    if (exists(file)) return parse_transfer_file(text_of(file), name, data);
+    if (exists(file)) return parse_transfer_file(file_text(file, max_transfer_bytes), name, data);
     if (name.find_first_of("/.") != name.npos)
         throw Error(ErrorCode::input, "cannot read '" + file + "': no such file" + did_you_mean_file(file));
     return {preset(name, data), "preset", {}, false, {}};
