@@ -5,10 +5,13 @@
 #include <cmath>
 #include <new>
 
+#include "core/text.h"
 #include "memory_budget.h"
 
 namespace chiaro::server {
 namespace {
+
+constexpr std::size_t longest_sentence = 2000;
 
 [[noreturn]] void refuse(const char* name, const char* what) {
     throw Error(ErrorCode::usage, fmt::format("{}: must be {}", name, what));
@@ -110,7 +113,11 @@ const Json& object_in(const Json& request, const char* name) {
 }
 
 Json error_message(const Json& re, std::string_view code, const std::string& sentence) {
-    return {{"type", "error"}, {"re", re}, {"code", code}, {"sentence", sentence}, {"field", field_of(sentence)}};
+    return {{"type", "error"},
+            {"re", re},
+            {"code", code},
+            {"sentence", one_line(sentence, longest_sentence)},
+            {"field", field_of(sentence)}};
 }
 
 Json current_error(const Json& re) {

@@ -46,6 +46,7 @@ public:
     void read() {
         parser_.emplace();
         parser_->header_limit(16384);
+        parser_->body_limit(largest_upload);
         stream_.expires_after(std::chrono::seconds(is_known_ ? 30 : 10));
         http::async_read_header(stream_, buffer_, *parser_,
                                 [self = shared_from_this()](beast::error_code error, std::size_t) {
@@ -114,7 +115,6 @@ private:
         if (admitted.status != 200) return refuse(admitted.status, admitted.body), false;
         if (context_.uploads >= max_uploads) return refuse(503, "Too many files are being sent.\n"), false;
         ++context_.uploads, is_upload_ = true;
-        parser_->body_limit(largest_upload);
         stream_.expires_after(std::chrono::seconds(300));
         return true;
     }

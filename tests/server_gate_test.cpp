@@ -1,6 +1,10 @@
 // What those who have no token can do to the server: nothing that others notice.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <atomic>
+#include <thread>
+
 #include "server_case.h"
 
 using namespace chiaro;
@@ -51,4 +55,56 @@ TEST(Gate, IdleStrangersKeepNobodyOut) {
     std::size_t open = 0;
     for (const auto& wire : idle) wire->read_all(0), open += !wire->is_over();
     EXPECT_LE(open, 64u);
+}
+
+// A megabyte of unknown keys keeps its own page busy: others are answered meanwhile.
+TEST(Gate, ALongMessageHoldsUpNobodyElse) {
+    const Server server;
+    Json scene;
+    Page long_winded = server.ready(scene, "view-long"), other = server.page("view-other");
+    for (int i = 0; i < 40000; ++i) scene["unknown-" + std::to_string(i)] = i;
+    const Json request{{"type", "command"}, {"scene", scene}};
+    const auto seconds_of = [](Page& page, const Json& asked) {
+        const auto start = std::chrono::steady_clock::now();
+        EXPECT_EQ(page.ask(asked)["type"], "answer");
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    };
+    std::vector<double> alone, beside;
+    for (int i = 0; i < 3; ++i) alone.push_back(seconds_of(long_winded, request));
+    std::atomic<bool> is_over = false;
+    std::thread talking([&] {
+        while (!is_over) long_winded.ask(request);
+    });
+    for (int i = 0; i < 15; ++i) beside.push_back(seconds_of(other, {{"type", "ping"}}));
+    is_over = true;
+    talking.join();
+    std::sort(alone.begin(), alone.end()), std::sort(beside.begin(), beside.end());
+    EXPECT_LT(beside[7], alone[1] / 3);
+}
+
+// A file of very many keys is refused or answered, in little memory.
+TEST(Gate, AFileOfManyKeysIsRefusedInASentence) {
+    const Server server;
+    Json scene;
+    Page page = server.ready(scene);
+    std::string keys = "{\"camera\": {}";
+    for (int i = 0; i < 700000; ++i) keys += ", \"k" + std::to_string(i) + "\": 0";
+    const std::size_t before = resident_bytes();
+    const Answer answer =
+        http(server.port, "POST", std::string("/upload?view=view-one&name=a.json&token=") + test_token, "", keys + "}");
+    EXPECT_EQ(answer.status, 422);
+    EXPECT_NE(answer.body.find("may have at most 4 MiB"), std::string::npos) << answer.body;
+    EXPECT_LT(double(resident_bytes()) - double(before), 100e6);
+}
+
+// What a page says comes back cut and harmless.
+TEST(Gate, MessagesRepeatLittleAndNothingThatATerminalObeys) {
+    const Server server;
+    Page page = server.page();
+    const Json answer = page.ask({{"type", "open"}, {"volume", "\x1b[31m\u202e" + std::string(100000, 'x')}});
+    const std::string sentence = answer["sentence"];
+    EXPECT_EQ(answer["code"], "input");
+    EXPECT_LT(sentence.size(), 3000u);
+    EXPECT_EQ(sentence.find('\x1b'), std::string::npos);
+    EXPECT_EQ(sentence.find("\u202e"), std::string::npos);
 }
