@@ -85,9 +85,9 @@ private:
         const Metadata metadata{{"chiaro", to_json(seen_from(scene, path.parent_path()))}};
         write_seconds_ += Stats::time([&] {
             if (is_exr(path))
-                write_exr(expose(session_.frame(), scene.output), path, metadata);
+                write_exr(expose(session_.frame(), scene.output), path, metadata, &job.progress);
             else
-                write_png(image, path, metadata);
+                write_png(image, path, metadata, &job.progress);
         });
     }
 

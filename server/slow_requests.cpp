@@ -99,11 +99,11 @@ Json View::save(const Json& request, Progress& progress) {
     };
     if (format == "png") {
         draw_over(picture);
-        write_png(picture, file, metadata);
+        write_png(picture, file, metadata, &progress);
     } else {
         Frame frame = expose(session.frame(), scene.output);
         draw_over(frame);
-        write_exr(frame, file, metadata);
+        write_exr(frame, file, metadata, &progress);
     }
     const std::string name = fmt::format("{}.{}", stem_of(scene.volume), format);
     const auto bytes = fs::file_size(file);

@@ -118,6 +118,18 @@ TEST_F(Exr, RefusesBrokenFiles) {
     EXPECT_THROW(write_exr(lights(2, 2), "/nowhere/a.exr"), Error);
 }
 
+TEST_F(Exr, IsGivenUpWhenCancelled) {
+    Progress progress;
+    EXPECT_EQ(encode_exr(lights(4, 200), {}, &progress), encode_exr(lights(4, 200), {}));
+    progress.cancel();
+    try {
+        encode_exr(lights(4, 200), {}, &progress);
+        ADD_FAILURE() << "was encoded";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::interrupted);
+    }
+}
+
 TEST_F(Exr, RefusesAHugeClaim) {
     auto bytes = encode_exr(lights(4, 4), {});
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());

@@ -195,6 +195,20 @@ TEST(Png, RefusesWhatCannotBeWritten) {
     EXPECT_EQ(error_of([] { encode_png(pattern(2, 2, false), {{" padded ", "x"}}); }).code(), ErrorCode::output);
 }
 
+TEST(Png, IsGivenUpWhenCancelled) {
+    Progress progress;
+    const auto path = std::filesystem::temp_directory_path() / "chiaro-cancelled.png";
+    EXPECT_EQ(encode_png(pattern(3, 3, false), {}, &progress), encode_png(pattern(3, 3, false)));
+    progress.cancel();
+    try {
+        write_png(pattern(3, 3, false), path, {}, &progress);
+        ADD_FAILURE() << "was written";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::interrupted);
+    }
+    EXPECT_FALSE(std::filesystem::exists(path));
+}
+
 TEST(Png, LeavesNothingWhereItCannotWrite) {
     const Folder folder;
     const Image image = pattern(64, 64, false);

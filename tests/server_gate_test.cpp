@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <atomic>
 #include <thread>
 
 #include "server_case.h"
@@ -71,15 +70,16 @@ TEST(Gate, ALongMessageHoldsUpNobodyElse) {
     };
     std::vector<double> alone, beside;
     for (int i = 0; i < 3; ++i) alone.push_back(seconds_of(long_winded, request));
-    std::atomic<bool> is_over = false;
+    Json numbered = request;
+    numbered["id"] = 1000;
+    const std::string text = numbered.dump();
     std::thread talking([&] {
-        while (!is_over) long_winded.ask(request);
+        for (int i = 0; i < 20; ++i) long_winded.send_raw(1, text);
     });
-    for (int i = 0; i < 15; ++i) beside.push_back(seconds_of(other, {{"type", "ping"}}));
-    is_over = true;
+    for (int i = 0; i < 9; ++i) beside.push_back(seconds_of(other, {{"type", "ping"}}));
     talking.join();
     std::sort(alone.begin(), alone.end()), std::sort(beside.begin(), beside.end());
-    EXPECT_LT(beside[7], alone[1] / 3);
+    EXPECT_LT(beside[4], alone[1] / 3);
 }
 
 // A file of very many keys is refused or answered, in little memory.

@@ -2,6 +2,7 @@
 #pragma once
 #include <chiaro/export.h>
 #include <chiaro/medium.h>
+#include <chiaro/progress.h>
 #include <chiaro/settings.h>
 
 #include <cstdint>
@@ -88,17 +89,21 @@ using Metadata = std::vector<std::pair<std::string, std::string>>;
 
 /// A PNG file's bytes: 8 bit RGB or RGBA with an sRGB chunk; each text as tEXt where it is ASCII, else as iTXt. Throws
 /// Error{output} for an image without pixels or a keyword that PNG does not allow (1..79 printable ASCII characters).
-CHIARO_EXPORT std::vector<std::byte> encode_png(const Image& image, const Metadata& metadata = {});
-/// Written whole or not at all. Throws Error{output}.
-CHIARO_EXPORT void write_png(const Image& image, const std::filesystem::path& path, const Metadata& metadata = {});
+/// With `progress`, Error{interrupted} when cancelled.
+CHIARO_EXPORT std::vector<std::byte> encode_png(const Image& image, const Metadata& metadata = {},
+                                                const Progress* progress = nullptr);
+/// Written whole or not at all. Throws Error{output}, and Error{interrupted} as encode_png.
+CHIARO_EXPORT void write_png(const Image& image, const std::filesystem::path& path, const Metadata& metadata = {},
+                             const Progress* progress = nullptr);
 /// 8 bit RGB or RGBA from any PNG of at most 100 megapixels. Throws Error{input}.
 CHIARO_EXPORT Image read_png(const std::filesystem::path& path);
 /// The texts that a PNG carries. Throws Error{input}.
 CHIARO_EXPORT Metadata read_png_metadata(const std::filesystem::path& path);
 
 /// OpenEXR: float RGBA, premultiplied, linear light (Rec. 709 primaries), lossless. Written whole or not at all. Throws
-/// Error{output}.
-CHIARO_EXPORT void write_exr(const Frame& frame, const std::filesystem::path& path, const Metadata& metadata = {});
+/// Error{output}, and Error{interrupted} as encode_png.
+CHIARO_EXPORT void write_exr(const Frame& frame, const std::filesystem::path& path, const Metadata& metadata = {},
+                             const Progress* progress = nullptr);
 /// The data window of an OpenEXR file of at most 100 megapixels with channels R, G and B, and A (else 1), half or
 /// float. Throws Error{input}.
 CHIARO_EXPORT Frame read_exr(const std::filesystem::path& path);

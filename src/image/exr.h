@@ -8,7 +8,7 @@
 namespace chiaro {
 
 /// Float RGBA, ZIP compression, each text as an attribute of its name. Throws Error{output} for a frame without pixels.
-std::vector<std::byte> encode_exr(const Frame& frame, const Metadata& metadata);
+std::vector<std::byte> encode_exr(const Frame& frame, const Metadata& metadata, const Progress* progress = nullptr);
 
 /// Whether the bytes begin as an OpenEXR file does.
 bool is_exr(std::span<const std::byte> bytes);

@@ -33,11 +33,11 @@ private:
     std::size_t position_ = 0;
 };
 
-constexpr int write_threads = 0;
+constexpr int write_threads = 0, rows_at_a_time = 64;
 
 }  // namespace
 
-std::vector<std::byte> encode_exr(const Frame& frame, const Metadata& metadata) {
+std::vector<std::byte> encode_exr(const Frame& frame, const Metadata& metadata, const Progress* progress) {
     if (frame.width < 1 || frame.height < 1 || frame.rgba.size() != std::size_t(4) * frame.width * frame.height)
         throw Error(ErrorCode::output, "a picture of " + std::to_string(frame.width) + " x " +
                                            std::to_string(frame.height) + " pixels cannot be written as OpenEXR");
@@ -56,12 +56,15 @@ std::vector<std::byte> encode_exr(const Frame& frame, const Metadata& metadata) 
         {
             Imf::OutputFile file(memory, header, write_threads);  // complete when it goes
             file.setFrameBuffer(buffer);
-            file.writePixels(frame.height);
+            for (int y = 0; y < frame.height && !(progress && progress->cancelled()); y += rows_at_a_time)
+                file.writePixels(std::min(rows_at_a_time, frame.height - y));
         }
-        return std::move(memory.bytes);
+        if (!(progress && progress->cancelled())) return std::move(memory.bytes);
     } catch (const std::exception& error) {
         throw Error(ErrorCode::output, std::string("cannot encode OpenEXR: ") + error.what());
     }
+    progress->check();
+    return {};
 }
 
 }  // namespace chiaro

@@ -6,16 +6,21 @@
 namespace chiaro {
 namespace {
 
-void write(const std::filesystem::path& path, const std::vector<std::byte>& bytes) {
+void write(const std::filesystem::path& path, std::span<const std::byte> bytes, const Progress* progress) {
+    constexpr std::size_t piece = 16 << 20;
     AtomicFile file(path);
-    file.write(bytes);
+    for (; !bytes.empty(); bytes = bytes.subspan(std::min(piece, bytes.size()))) {
+        if (progress) progress->check();
+        file.write(bytes.first(std::min(piece, bytes.size())));
+    }
     file.commit();
 }
 
 }  // namespace
 
-void write_png(const Image& image, const std::filesystem::path& path, const Metadata& metadata) {
-    write(path, encode_png(image, metadata));
+void write_png(const Image& image, const std::filesystem::path& path, const Metadata& metadata,
+               const Progress* progress) {
+    write(path, encode_png(image, metadata, progress), progress);
 }
 
 Image read_png(const std::filesystem::path& path) { return decode_png(file_bytes(path), path.string()).image; }
@@ -24,8 +29,9 @@ Metadata read_png_metadata(const std::filesystem::path& path) {
     return decode_png(file_bytes(path), path.string()).metadata;
 }
 
-void write_exr(const Frame& frame, const std::filesystem::path& path, const Metadata& metadata) {
-    write(path, encode_exr(frame, metadata));
+void write_exr(const Frame& frame, const std::filesystem::path& path, const Metadata& metadata,
+               const Progress* progress) {
+    write(path, encode_exr(frame, metadata, progress), progress);
 }
 
 Frame read_exr(const std::filesystem::path& path) { return decode_exr(file_bytes(path), path.string()).frame; }

@@ -46,7 +46,8 @@ void set_speed(png_structp png) {
     png_set_compression_buffer_size(png, 1 << 16);
 }
 
-bool encode(png_structp png, png_infop info, const Image& image, png_textp texts, int text_count) {
+bool encode(png_structp png, png_infop info, const Image& image, png_textp texts, int text_count,
+            const Progress* progress) {
     if (setjmp(png_jmpbuf(png))) return false;
     set_speed(png);
     png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
@@ -57,7 +58,10 @@ bool encode(png_structp png, png_infop info, const Image& image, png_textp texts
     if (text_count > 0) png_set_text(png, info, texts, text_count);
     png_write_info(png, info);
     const std::size_t stride = std::size_t(image.has_alpha ? 4 : 3) * image.width;
-    for (int y = 0; y < image.height; ++y) png_write_row(png, image.pixels.data() + y * stride);
+    for (int y = 0; y < image.height; ++y) {
+        if (progress && progress->cancelled()) return false;
+        png_write_row(png, image.pixels.data() + y * stride);
+    }
     png_write_end(png, info);
     return true;
 }
@@ -90,7 +94,7 @@ std::vector<png_text> as_texts(const Metadata& metadata) {
 
 }  // namespace
 
-std::vector<std::byte> encode_png(const Image& image, const Metadata& metadata) {
+std::vector<std::byte> encode_png(const Image& image, const Metadata& metadata, const Progress* progress) {
     const std::size_t channels = image.has_alpha ? 4 : 3;
     if (image.width < 1 || image.height < 1 || image.pixels.size() != channels * image.width * image.height)
         throw Error(ErrorCode::output, "a picture of " + std::to_string(image.width) + " x " +
@@ -102,8 +106,9 @@ std::vector<std::byte> encode_png(const Image& image, const Metadata& metadata) 
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &output, on_write_error, ignore_write_warning);
     png_infop info = png ? png_create_info_struct(png) : nullptr;
     if (png) png_set_write_fn(png, &output, append, nullptr);
-    const bool done = info && encode(png, info, image, texts.data(), int(texts.size()));
+    const bool done = info && encode(png, info, image, texts.data(), int(texts.size()), progress);
     png_destroy_write_struct(&png, &info);
+    if (progress) progress->check();
     if (!done)
         throw Error(ErrorCode::output,
                     std::string("cannot encode PNG: ") + (output.message[0] ? output.message : "not enough memory"));
