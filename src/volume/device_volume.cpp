@@ -17,12 +17,12 @@ namespace {
 constexpr double below_2_41 = 0x1.fffffep40;  ///< the last float: the largest double may not be rounded up to infinity
 
 /// How stored numbers become device numbers: device = stored - shift, then clamped to [low, high] where that is not
-/// finite; of floating-point numbers times 2^exponent.
+/// finite; of floating-point numbers times a power of two.
 template <class Source>
 struct Conversion {
     Source shift = 0;
     Source low = 0, high = 0;
-    int exponent = 0;
+    double factor = 1, bound = std::numeric_limits<float>::max();
 };
 
 /// 0 but for numbers that floats cannot hold, or not their squares: these come to 2^40, so that doubles have room for
@@ -39,8 +39,7 @@ Device convert(Source v, const Conversion<Source>& c) {
     if constexpr (std::is_floating_point_v<Source>) {
         // NaN reads as the smallest value, which transfer functions leave empty more often than any other.
         if (!std::isfinite(v)) v = v > 0 ? c.high : c.low;
-        if (c.exponent == 0) return Device(v);
-        return Device(std::clamp(double(std::ldexp(v, c.exponent)), -below_2_41, below_2_41));
+        return Device(std::clamp(double(v) * c.factor, -c.bound, c.bound));
     } else if constexpr (std::is_floating_point_v<Device>) {
         return Device(v);
     } else {
@@ -71,7 +70,7 @@ Conversion<Source> stored_range(const Volume& volume, int threads) {
 
 /// Slices of a layer of bricks that are read: behind the volume, what the ranges of its last cells touch.
 int slices_read(const Volume& volume, int layer) {
-    return std::min(brick_row, volume.dimensions[2] + cell_edge - layer * brick_edge);
+    return std::min(brick_row, std::max(volume.dimensions[2], 2) + cell_edge - layer * brick_edge);
 }
 
 /// Fills one brick, border included, from the volume; outside, the nearest voxel stands.
@@ -176,8 +175,10 @@ void store(const Volume& volume, int threads, VoxelBuffer* discard, DeviceVolume
             }
         data.stored = VoxelType::f32;
         if constexpr (std::is_floating_point_v<Source>) {
-            c.exponent = exponent_for(c);
-            data.scale = std::ldexp(volume.slope, -c.exponent);
+            if (const int exponent = exponent_for(c); exponent != 0) {
+                c.factor = std::ldexp(1.0, exponent), c.bound = below_2_41;
+                data.scale = std::ldexp(volume.slope, -exponent);
+            }
         }
         fill_bricks<Source, float>(volume, threads, discard, c, data);
     }
