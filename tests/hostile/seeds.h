@@ -13,7 +13,8 @@ namespace hostile {
 enum class Kind { volume, raw_name, probe, scene, transfer, emission, cache };
 
 struct Seed {
-    std::string name;  ///< of the file
+    std::string name;         ///< of the file
+    std::string format = {};  ///< "nrrd", "scene", ...: seeds() names it
     Kind kind = Kind::volume;
     std::string bytes;  ///< for Kind::raw_name the name; the file holds 24 bytes
     std::vector<std::pair<std::string, std::string>> beside = {};  ///< other files in its folder: name, bytes
