@@ -94,6 +94,17 @@ TEST(Mutants, ACutThatLosesVoxelsWithoutANoteIsFound) {
     EXPECT_EQ(finding_with(cut_in_link(), [](const std::string&) { return slices(3); }), Finding::none);
 }
 
+TEST(Mutants, ACutPictureThatIsTakenAsASceneIsFound) {
+    for (const char* name : {"scene.png", "scene.exr"}) {
+        const Seed& seed = seed_named(name);
+        const Mutant cut{"cut", seed.bytes.substr(0, seed.bytes.size() - 1), true};
+        Outcome same;
+        same.judgement.is_read = true;
+        EXPECT_EQ(finding_of(seed, cut, same, same.judgement), Finding::lost);
+        EXPECT_EQ(finding_of(seed, {"as it is", seed.bytes}, same, same.judgement), Finding::none);
+    }
+}
+
 TEST(Mutants, AContradictionWithoutANoteIsFound) {
     const Seed& seed = seed_named("attached.nrrd");
     std::string twice = seed.bytes;

@@ -215,8 +215,12 @@ void add_scenes(std::vector<Seed>& all) {
     all.push_back({.name = "scene.png",
                    .kind = Kind::scene,
                    .bytes = text(encode_png(image, metadata)),
-                   .repair = with_png_checksums});
-    all.push_back({.name = "scene.exr", .kind = Kind::scene, .bytes = text(encode_exr(Frame(8, 6), metadata))});
+                   .repair = with_png_checksums,
+                   .needs_end = true});
+    all.push_back({.name = "scene.exr",
+                   .kind = Kind::scene,
+                   .bytes = text(encode_exr(Frame(8, 6), metadata)),
+                   .needs_end = true});
     all.push_back({.name = "inside.png",
                    .kind = Kind::scene,
                    .bytes = scene_text,

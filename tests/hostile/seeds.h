@@ -25,6 +25,7 @@ struct Seed {
     std::function<std::string(std::string)> packed = {};
     bool is_text = false;        ///< numbers in it may be replaced
     bool is_open_ended = false;  ///< a beginning is a whole file too: no reader can tell that it was cut
+    bool needs_end = false;      ///< a cut one is refused or told even where nothing that is asked for is lost
 };
 
 const std::vector<Seed>& seeds();

@@ -90,7 +90,8 @@ Finding finding_of(const Seed& seed, const Mutant& mutant, const Outcome& outcom
     if (outcome.signal == SIGALRM) return Finding::hang;
     if (outcome.signal == SIGXCPU || outcome.cpu_seconds > limits.cpu_seconds) return Finding::time;
     if (outcome.signal != 0) return Finding::crash;
-    if (is_untold && mutant.is_cut && !seed.is_open_ended && found.contents != whole.contents) return Finding::lost;
+    const bool is_lost = !seed.is_open_ended && (seed.needs_end || found.contents != whole.contents);
+    if (is_untold && mutant.is_cut && is_lost) return Finding::lost;
     if (is_untold && mutant.is_contradiction) return Finding::untold;
     if (!found.fault.empty()) return Finding::sentence;
     if (outcome.peak_bytes > limits.bytes_per_byte * size + limits.bytes) return Finding::memory;
