@@ -35,8 +35,13 @@ bool has_doubt(const std::vector<std::string>& notes) {
     return false;
 }
 
+void take_notes(const std::vector<std::string>& notes, Judgement& outcome) {
+    outcome.is_doubted = has_doubt(notes);
+    for (const std::string& note : notes) outcome.notes = hash_of(note, outcome.notes);
+}
+
 std::uint64_t contents_of(const Volume& v, Judgement& outcome) {
-    outcome.is_doubted = has_doubt(v.notes);
+    take_notes(v.notes, outcome);
     const auto& g = v.geometry;
     std::vector<double> numbers{double(v.type), double(v.components), v.slope, v.intercept, double(g.world)};
     for (int axis = 0; axis < 3; ++axis) {
@@ -55,22 +60,43 @@ std::uint64_t read_cache(const fs::path& folder) {
                           hash_of({found->identifiers.data(), found->identifiers.size()}));
 }
 
-std::uint64_t contents_at(const Seed& seed, const fs::path& path, const VolumeReader& read_volume, Judgement& outcome) {
+/// The file is good; what fails now must still be the file's doing, or the program is at fault.
+void use_volume(Volume volume, const VolumeUser& use, Judgement& outcome) {
+    if (!use) return;
+    try {
+        use(std::move(volume));
+    } catch (const Error& error) {
+        outcome.sentence = error.what();
+        if (error.code() != ErrorCode::input) outcome.fault = "shown: its code is " + std::to_string(int(error.code()));
+    } catch (const std::exception& error) {
+        outcome.sentence = error.what();
+        outcome.fault = "shown: it is no Error";
+    }
+}
+
+std::uint64_t contents_at(const Seed& seed, const fs::path& path, const VolumeReader& read_volume,
+                          const VolumeUser& use, Judgement& outcome) {
     switch (seed.kind) {
         case Kind::volume:
-        case Kind::raw_name:
-            return contents_of(read_volume(path), outcome);
+        case Kind::raw_name: {
+            Volume volume = read_volume(path);
+            const std::uint64_t contents = contents_of(volume, outcome);
+            use_volume(std::move(volume), use, outcome);
+            return contents;
+        }
         case Kind::probe:
             return hash_of_values(load_probe(path).rgb());
         case Kind::scene: {
             std::vector<std::string> unknown;
-            return hash_of(to_json(read_scene(path, "", unknown)));
+            const std::uint64_t contents = hash_of(to_json(read_scene(path, "", unknown)));
+            take_notes(unknown, outcome);
+            return contents;
         }
         case Kind::transfer: {
             Statistics unit;
             unit.max = unit.p99 = unit.p999 = 1;
             const TransferFile file = read_transfer_file(path, unit);
-            outcome.is_doubted = has_doubt(file.notes);
+            take_notes(file.notes, outcome);
             return hash_of(to_json(file.function));
         }
         case Kind::emission: {
@@ -100,7 +126,7 @@ std::string fault_of(const Error& error, const fs::path& opened) {
 }  // namespace
 
 Judgement judgement_of(const Seed& seed, const std::string& bytes, const fs::path& folder,
-                       const VolumeReader& read_volume) {
+                       const VolumeReader& read_volume, const VolumeUser& use) {
     fs::create_directories(folder);
     for (const auto& [name, beside] : seed.beside) write(folder / name, beside);
     const bool is_name = seed.kind == Kind::raw_name;
@@ -109,7 +135,7 @@ Judgement judgement_of(const Seed& seed, const std::string& bytes, const fs::pat
     const fs::path opened = seed.opened.empty() ? file : seed.opened == "." ? folder : folder / seed.opened;
     Judgement outcome;
     try {
-        outcome.contents = contents_at(seed, opened, read_volume, outcome);
+        outcome.contents = contents_at(seed, opened, read_volume, use, outcome);
         outcome.is_read = true;
     } catch (const Error& error) {
         outcome.sentence = error.what();
@@ -118,7 +144,6 @@ Judgement judgement_of(const Seed& seed, const std::string& bytes, const fs::pat
         outcome.sentence = error.what();
         outcome.fault = "it is no Error";
     }
-    fs::remove(file);
     return outcome;
 }
 

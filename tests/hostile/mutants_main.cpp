@@ -1,25 +1,23 @@
-// chiaro-mutants [COUNT [SEED [PART-OF-A-NAME...]]]: damages files at random and watches what becomes of them.
+// chiaro-mutants [COUNT [SEED [FORMAT...]]] [--kind cut|bytes|header] [--jobs N] [--only NUMBER]
 //
-// Workers, each a process of its own, read the mutants as the program does, volumes through the helper. Ends with a
-// table, and with 1 after a crash or hang of a worker, a refusal that is no sentence, or a file cut short that was
-// taken as whole. A mutant is made from SEED and its number alone: the one that is named can be looked at again.
-#include "hostile/judgement.h"
-#include "hostile/mutations.h"
+// Damages files of each format (all) COUNT times and watches what becomes of them: each is read, and a volume shown, as
+// the program does it, in a process of its own. Ends with a table, and with 1 after a finding (hostile/trial.h).
+// A mutant is made from format, SEED and number alone: --only makes one, keeps its files and tells what became of it.
+#include "hostile/series.h"
+#include "hostile/show.h"
+#include "hostile/trial.h"
 
 #include <chiaro/io.h>
 #include <fmt/format.h>
-#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <atomic>
 #include <chrono>
 #include <csignal>
-#include <fstream>
-#include <new>
-#include <set>
+#include <map>
+#include <memory>
+#include <optional>
 #include <thread>
 
 namespace {
@@ -27,179 +25,235 @@ namespace {
 using namespace hostile;
 namespace fs = std::filesystem;
 
-constexpr std::size_t workers = 4, max_seeds = 128;
-constexpr std::int64_t longest_seconds = 60;  // the helper has 15 without a sign
+struct Plan {
+    std::uint64_t count = 1000, seed = 1;
+    std::vector<Series> series = {};
+    std::optional<Damage> damage = {};
+    std::optional<std::uint64_t> only = {};
+    std::size_t jobs = std::max(2u, 2 * std::thread::hardware_concurrency());  // half of the time a process waits
+};
 
 struct Counts {
-    std::atomic<std::uint64_t> made, whole, other, doubted, refused, decoder_crashed, decoder_stopped, faults;
-};
+    std::uint64_t made = 0, whole = 0, other = 0, doubted = 0, refused = 0, decoder_crashed = 0, decoder_stopped = 0;
+    double cpu_seconds = 0;
+    std::array<std::uint64_t, finding_names.size()> found{};
 
-/// What all workers share.
-struct Board {
-    std::atomic<std::uint64_t> next{0};
-    std::array<std::atomic<std::uint64_t>, workers> current{};  ///< 1 + the mutant that each works on; 0: none
-    std::array<std::atomic<std::int64_t>, workers> since{};     ///< in seconds
-    std::array<Counts, max_seeds> counts{};                     ///< of each seed
-    std::atomic<std::uint64_t> crashes{0}, hangs{0};
-};
-
-std::int64_t now_seconds() {
-    const auto now = std::chrono::steady_clock::now().time_since_epoch();
-    return std::chrono::duration_cast<std::chrono::seconds>(now).count();
-}
-
-struct Plan {
-    std::uint64_t count = 2000, seed = 1;
-    std::vector<std::size_t> chosen = {};  ///< seeds in turn
-
-    std::size_t seed_of(std::uint64_t number) const { return chosen[number % chosen.size()]; }
-    Mutant mutant(std::uint64_t number) const {
-        std::mt19937_64 random(seed * 0x9e3779b97f4a7c15 + number);
-        const auto& all = seeds();
-        const Seed& other = all[random() % all.size()];
-        return random_mutant(all[seed_of(number)], other, random);
+    void add(const Judgement& judgement, const Judgement& whole_file, double seconds, Finding finding) {
+        const auto says = [&](const char* part) { return judgement.sentence.find(part) != std::string::npos; };
+        const bool is_whole = judgement.is_read && judgement.contents == whole_file.contents;
+        ++made;
+        whole += is_whole;
+        doubted += judgement.is_read && !is_whole && judgement.is_doubted;
+        other += judgement.is_read && !is_whole && !judgement.is_doubted;
+        refused += !judgement.is_read;
+        decoder_crashed += says("the decoder crashed");
+        decoder_stopped += says("took more") || says("came to a halt");
+        cpu_seconds += seconds;
+        ++found[std::size_t(finding)];
+    }
+    void add(const Counts& c) {
+        made += c.made, whole += c.whole, other += c.other, doubted += c.doubted, refused += c.refused;
+        decoder_crashed += c.decoder_crashed, decoder_stopped += c.decoder_stopped, cpu_seconds += c.cpu_seconds;
+        for (std::size_t i = 0; i < found.size(); ++i) found[i] += c.found[i];
     }
 };
 
 chiaro::Volume read_through_helper(const std::string& path) {
     chiaro::Progress progress;
     chiaro::ReadOptions options;
-    options.stall_seconds = 4;  // there are many
+    options.max_bytes = std::uint64_t(1) << 30;  // several run at a time
     return chiaro::read_volume(path, options, progress);
 }
 
-void count(const Seed& seed, const Mutant& mutant, const Judgement& found, std::uint64_t whole, std::uint64_t number,
-           Counts& counts) {
-    ++counts.made;
-    const bool is_whole = found.is_read && found.contents == whole;
-    const bool is_lost = found.is_read && !is_whole && !found.is_doubted && mutant.is_cut && !seed.is_open_ended;
-    counts.whole += is_whole;
-    counts.doubted += found.is_read && !is_whole && found.is_doubted;
-    counts.other += found.is_read && !is_whole && !found.is_doubted;
-    counts.refused += !found.is_read;
-    counts.decoder_crashed += found.sentence.find("the decoder crashed") != std::string::npos;
-    counts.decoder_stopped += found.sentence.find("took more") != std::string::npos ||
-                              found.sentence.find("came to a halt") != std::string::npos;
-    if (found.fault.empty() && !is_lost) return;
-    ++counts.faults;
-    fmt::print("{} {}, {}: {} ({})\n", seed.name, number, mutant.name, is_lost ? "taken as whole" : found.fault,
-               found.sentence);
-    std::fflush(stdout);
+Judgement judged(const Seed& seed, const std::string& bytes, const fs::path& folder) {
+    return judgement_of(seed, bytes, folder, read_through_helper, show);
 }
 
-/// Contents of the seeds as they are.
-std::vector<std::uint64_t> whole_contents(const fs::path& folder) {
-    std::vector<std::uint64_t> contents;
-    for (const Seed& seed : seeds()) {
-        contents.push_back(judgement_of(seed, seed.bytes, folder / "whole", read_through_helper).contents);
-        fs::remove_all(folder / "whole");
+/// Runs the mutants of all formats, as many at a time as the plan says.
+class Run {
+public:
+    Run(const Plan& plan, const fs::path& folder) : plan_(plan), folder_(folder), slots_(plan.jobs) {
+        for (std::size_t i = 0; i < slots_.size(); ++i) slots_[i].folder = folder / std::to_string(i);
     }
-    return contents;
-}
 
-void work(const Plan& plan, std::size_t worker, const fs::path& folder, const std::vector<std::uint64_t>& whole,
-          Board& board) {
-    const fs::path own = folder / std::to_string(worker);
-    for (std::uint64_t number; (number = board.next++) < plan.count;) {
-        board.since[worker] = now_seconds();
-        board.current[worker] = number + 1;
-        const std::size_t which = plan.seed_of(number);
-        const Seed& seed = seeds()[which];
-        const Mutant mutant = plan.mutant(number);
-        const Judgement found = judgement_of(seed, mutant.bytes, own, read_through_helper);
-        count(seed, mutant, found, whole[which], number, board.counts[which]);
-        board.current[worker] = 0;
-        fs::remove_all(own);
-    }
-}
-
-/// Starts workers, and others in the place of those that die.
-void watch(const Plan& plan, const fs::path& folder, Board& board) {
-    const auto whole = whole_contents(folder);
-    std::array<pid_t, workers> children{};
-    const auto start = [&](std::size_t worker) {
-        children[worker] = fork();
-        if (children[worker] != 0) return;
-        work(plan, worker, folder, whole, board);
-        std::fflush(stdout);
-        _exit(0);
-    };
-    for (std::size_t w = 0; w < workers; ++w) start(w);
-    for (std::size_t left = workers; left > 0;) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(100));
-        for (std::size_t w = 0; w < workers; ++w) {
-            if (children[w] == 0) continue;
-            const bool hangs = board.current[w] != 0 && now_seconds() - board.since[w] > longest_seconds;
-            if (hangs) kill(children[w], SIGKILL);
-            int status = 0;
-            if (waitpid(children[w], &status, hangs ? 0 : WNOHANG) == 0) continue;
-            children[w] = 0;
-            if (WIFEXITED(status) && WEXITSTATUS(status) == 0) {
-                --left;
-                continue;
+    void run() {
+        for (const Series& series : plan_.series) {
+            const auto begin = std::chrono::steady_clock::now();
+            for (std::uint64_t number = 0; number < plan_.count; ++number) {
+                if (plan_.damage && series.damage_of(number) != *plan_.damage) continue;
+                start(series, number);
             }
-            const std::uint64_t number = board.current[w] - 1;
-            ++(hangs ? board.hangs : board.crashes);
-            fmt::print("{} {}: {}\n", seeds()[plan.seed_of(number)].name, number, hangs ? "HANG" : "CRASH");
-            board.current[w] = 0;
-            start(w);
+            while (running_ > 0) finish_one();
+            const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin;
+            fmt::print(stderr, "{}: {} mutants in {:.0f} s\n", series.format(), counts_[series.format()].made,
+                       passed.count());
         }
     }
-}
 
-const char* kind_of(const Seed& seed) {
-    constexpr const char* names[] = {"volume", "raw by its name", "probe", "scene", "transfer function",
-                                     "glow",   "histogram cache"};
-    return names[std::size_t(seed.kind)];
-}
+    const Counts& counts(const std::string& format) { return counts_[format]; }
 
-/// A row for each file, then all together. Returns whether all went well.
-bool tell(const Plan& plan, const Board& board) {
-    constexpr auto row = "| {} | {} | {} | {} | {} | {} | {} | {} | {} |\n";
-    fmt::print(row, "file", "kind", "mutants", "as the whole", "other contents", "with a doubt", "refused",
-               "decoder crashed", "decoder stopped");
-    fmt::print("| --- | --- |{}\n", " ---: | ---: | ---: | ---: | ---: | ---: | ---: |");
-    std::array<std::uint64_t, 8> sums{};
-    for (std::size_t i : std::set(plan.chosen.begin(), plan.chosen.end())) {
-        const Counts& c = board.counts[i];
-        const std::array<std::uint64_t, 8> n{c.made,    c.whole,           c.other,           c.doubted,
-                                             c.refused, c.decoder_crashed, c.decoder_stopped, c.faults};
-        for (std::size_t k = 0; k < n.size(); ++k) sums[k] += n[k];
-        fmt::print(row, seeds()[i].name, kind_of(seeds()[i]), n[0], n[1], n[2], n[3], n[4], n[5], n[6]);
+private:
+    struct Slot {
+        Trial trial{};
+        pid_t process = 0;  ///< 0: free
+        const Series* series = nullptr;
+        std::uint64_t number = 0;
+        Mutant mutant{};
+        fs::path folder{};
+    };
+
+    const Judgement& whole(const Seed& seed) {
+        const auto known = whole_.find(&seed);
+        if (known != whole_.end()) return known->second;
+        const fs::path own = folder_ / "whole";
+        const Outcome outcome = outcome_of([&] { return judged(seed, seed.bytes, own); });
+        fs::remove_all(own);
+        const Finding finding = finding_of(seed, {"as it is", seed.bytes}, outcome, outcome.judgement);
+        if (!outcome.judgement.is_read || finding != Finding::none)
+            fmt::print("{}, as it is: {} ({})\n", seed.name, finding_names[std::size_t(finding)],
+                       outcome.judgement.sentence);
+        return whole_.emplace(&seed, outcome.judgement).first->second;
     }
-    fmt::print(row, "all", "", sums[0], sums[1], sums[2], sums[3], sums[4], sums[5], sums[6]);
-    fmt::print("\n{} mutants of seed {}: {} crashes and {} hangs of the program, {} faults\n", sums[0], plan.seed,
-               board.crashes.load(), board.hangs.load(), sums[7]);
-    return board.crashes + board.hangs + sums[7] == 0 && sums[0] == plan.count;
+
+    void start(const Series& series, std::uint64_t number) {
+        const Seed& seed = series.file_of(number);
+        whole(seed);
+        if (running_ == slots_.size()) finish_one();
+        Slot& slot = *std::find_if(slots_.begin(), slots_.end(), [](const Slot& s) { return s.process == 0; });
+        slot.series = &series, slot.number = number, slot.mutant = series.mutant(number);
+        slot.process = slot.trial.start([&] { return judged(seed, slot.mutant.bytes, slot.folder); });
+        if (slot.process < 0) throw std::runtime_error("no process can be started");
+        ++running_;
+    }
+
+    void finish_one() {
+        int status = 0;
+        rusage usage{};
+        const pid_t ended = wait4(-1, &status, 0, &usage);
+        const auto slot = std::find_if(slots_.begin(), slots_.end(), [&](const Slot& s) { return s.process == ended; });
+        if (ended <= 0 || slot == slots_.end()) return;
+        slot->process = 0;
+        --running_;
+        fs::remove_all(slot->folder);
+        tell(*slot, slot->trial.outcome(status, usage));
+    }
+
+    void tell(const Slot& slot, const Outcome& outcome) {
+        const Seed& seed = slot.series->file_of(slot.number);
+        const Finding finding = finding_of(seed, slot.mutant, outcome, whole(seed));
+        counts_[seed.format].add(outcome.judgement, whole(seed), outcome.cpu_seconds, finding);
+        if (finding == Finding::none) return;
+        fmt::print("{} {} {} ({}, {}): {}; {:.1f} s, {} MiB; {} {}\n", seed.format, slot.series->seed(), slot.number,
+                   seed.name, slot.mutant.name, finding_names[std::size_t(finding)], outcome.cpu_seconds,
+                   outcome.peak_bytes >> 20, outcome.judgement.fault, outcome.judgement.sentence);
+        std::fflush(stdout);
+    }
+
+    const Plan& plan_;
+    fs::path folder_;
+    std::vector<Slot> slots_;
+    std::size_t running_ = 0;
+    std::map<const Seed*, Judgement> whole_;
+    std::map<std::string, Counts> counts_;
+};
+
+void print_row(const std::string& name, const Counts& c) {
+    std::string findings;
+    for (std::size_t i = 1; i < c.found.size(); ++i) findings += fmt::format(" {} |", c.found[i]);
+    fmt::print("| {} | {} | {} | {} | {} | {} | {} | {} | {:.0f} |{}\n", name, c.made, c.whole, c.other, c.doubted,
+               c.refused, c.decoder_crashed, c.decoder_stopped, c.cpu_seconds, findings);
 }
 
-/// Writes the mutant of that number beside the program's own name, to be looked at.
-void keep(const Plan& plan, std::uint64_t number) {
-    const std::string name = fmt::format("mutant-{}-{}", number, seeds()[plan.seed_of(number)].name);
-    std::ofstream(name, std::ios::binary) << plan.mutant(number).bytes;
-    fmt::print("{}\n", name);
+/// A row for each format, then all together; findings by kind. Returns whether there was none.
+bool tell(const Plan& plan, Run& run, double seconds) {
+    std::string titles, lines;
+    for (std::size_t i = 1; i < finding_names.size(); ++i)
+        titles += fmt::format(" {} |", finding_names[i]), lines += " ---: |";
+    fmt::print(
+        "\n| format | mutants | as the whole | other contents | with a doubt | refused | decoder crashed | decoder "
+        "stopped | s of CPU |{}\n| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |{}\n",
+        titles, lines);
+    Counts all;
+    for (const Series& series : plan.series) {
+        print_row(series.format(), run.counts(series.format()));
+        all.add(run.counts(series.format()));
+    }
+    print_row("all", all);
+    const std::uint64_t findings = all.made - all.found[0];
+    fmt::print("\n{} mutants of seed {} in {:.0f} s, {} at a time: {} findings\n", all.made, plan.seed, seconds,
+               plan.jobs, findings);
+    return findings == 0 && all.made > 0;
+}
+
+/// Judges one mutant and keeps its files in a folder here.
+bool run_one(const Series& series, std::uint64_t number) {
+    const Seed& seed = series.file_of(number);
+    const Mutant mutant = series.mutant(number);
+    const fs::path folder = fmt::format("mutant-{}-{}-{}", series.format(), series.seed(), number);
+    const Outcome whole = outcome_of([&] { return judged(seed, seed.bytes, folder); });
+    fs::remove_all(folder);
+    const Outcome outcome = outcome_of([&] { return judged(seed, mutant.bytes, folder); });
+    const Finding finding = finding_of(seed, mutant, outcome, whole.judgement);
+    const Judgement& found = outcome.judgement;
+    const char* became = !found.is_read                               ? "refused"
+                         : found.contents != whole.judgement.contents ? "read with other contents"
+                                                                      : "read as the whole";
+    fmt::print("{}/ ({} of {}, {})\n{}, {} notes; {:.2f} s of CPU, {} MiB; {} {}\nfinding: {}\n", folder.string(),
+               damage_names[std::size_t(series.damage_of(number))], seed.name, mutant.name, became,
+               found.notes == whole.judgement.notes ? "the same" : "other", outcome.cpu_seconds,
+               outcome.peak_bytes >> 20, found.fault, found.sentence, finding_names[std::size_t(finding)]);
+    return finding == Finding::none;
+}
+
+bool take_option(Plan& plan, const std::string& name, const std::string& value) {
+    if (name == "--jobs") return (plan.jobs = std::strtoull(value.c_str(), nullptr, 10)) > 0;
+    if (name == "--only") return plan.only = std::strtoull(value.c_str(), nullptr, 10), true;
+    const auto kind = std::find(std::begin(damage_names), std::end(damage_names), value);
+    if (name != "--kind" || kind == std::end(damage_names)) return false;
+    plan.damage = Damage(kind - std::begin(damage_names));
+    return true;
+}
+
+/// False where nothing was asked that can be done.
+bool take_arguments(Plan& plan, int argc, char** argv) {
+    std::vector<std::string> words;
+    for (int i = 1; i < argc; ++i) {
+        const std::string word = argv[i];
+        if (!word.starts_with("--"))
+            words.push_back(word);
+        else if (i + 1 == argc || !take_option(plan, word, argv[++i]))
+            return false;
+    }
+    if (!words.empty()) plan.count = std::strtoull(words[0].c_str(), nullptr, 10);
+    if (words.size() > 1) plan.seed = std::strtoull(words[1].c_str(), nullptr, 10);
+    const std::vector<std::string> known = formats();
+    std::vector<std::string> chosen(words.begin() + std::ptrdiff_t(std::min<std::size_t>(words.size(), 2)),
+                                    words.end());
+    for (const std::string& format : chosen.empty() ? known : chosen) {
+        if (std::find(known.begin(), known.end(), format) == known.end()) return false;
+        plan.series.emplace_back(format, plan.seed);
+    }
+    return !plan.only || plan.series.size() == 1;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
     Plan plan;
-    if (argc > 1) plan.count = std::strtoull(argv[1], nullptr, 10);
-    if (argc > 2) plan.seed = std::strtoull(argv[2], nullptr, 10);
-    for (std::size_t i = 0; i < std::min(seeds().size(), max_seeds); ++i) {
-        bool is_wanted = argc <= 3;
-        for (int a = 3; a < argc; ++a) is_wanted |= seeds()[i].name.find(argv[a]) != std::string::npos;
-        // What is read without a helper costs little.
-        const std::size_t times = seeds()[i].kind == Kind::volume ? 1 : 3;
-        if (is_wanted) plan.chosen.insert(plan.chosen.end(), times, i);
+    if (!take_arguments(plan, argc, argv)) {
+        fmt::print(stderr,
+                   "chiaro-mutants [COUNT [SEED [FORMAT...]]] [--kind cut|bytes|header] [--jobs N] [--only NUMBER]\n"
+                   "formats: {}; --only takes one of them\n",
+                   fmt::join(formats(), " "));
+        return 2;
     }
-    if (plan.chosen.empty()) return 2;
-    if (const char* number = std::getenv("CHIARO_KEEP")) return keep(plan, std::strtoull(number, nullptr, 10)), 0;
+    if (plan.only) return run_one(plan.series[0], *plan.only) ? 0 : 1;
     std::string name = (fs::temp_directory_path() / "chiaro-mutants-XXXXXX").string();
     const fs::path folder = mkdtemp(name.data());
-    void* memory = mmap(nullptr, sizeof(Board), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    Board& board = *new (memory) Board;
-    watch(plan, folder, board);
+    const auto begin = std::chrono::steady_clock::now();
+    Run run(plan, folder);
+    run.run();
     fs::remove_all(folder);
-    return tell(plan, board) ? 0 : 1;
+    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin;
+    return tell(plan, run, passed.count()) ? 0 : 1;
 }

@@ -168,11 +168,13 @@ std::vector<Mutant> named_mutants(const Seed& seed) {
     return all;
 }
 
+Mutant cut_mutant(const Seed& seed, std::uint64_t turn) {
+    constexpr std::uint64_t stride = 1000003;  // a prime beyond the sizes of seeds: every place once
+    const std::size_t size = std::size_t(turn % seed.bytes.size() * stride % seed.bytes.size());
+    return {"cut at " + std::to_string(size), seed.bytes.substr(0, size), true};
+}
+
 Mutant random_mutant(const Seed& seed, const Seed& other, Random& random) {
-    if (random() % 5 == 0) {
-        const std::size_t size = below(random, seed.bytes.size());
-        return {"cut at " + std::to_string(size), seed.bytes.substr(0, size), true};
-    }
     std::string bytes = seed.bytes;
     for (std::size_t i = 0, count = 1 + below(random, 4); i < count; ++i) bytes = change(bytes, seed, other, random);
     if (seed.repair && random() % 2) bytes = seed.repair(bytes);

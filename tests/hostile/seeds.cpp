@@ -105,12 +105,37 @@ void add_vtk(std::vector<Seed>& all) {
          .is_text = true});
 }
 
+/// Three pages of 4 x 3 bytes whose pixels come before the pages' tables: it may end within a link to the next one.
+std::string tiff_with_links_behind() {
+    constexpr std::size_t pages = 3, pixels = 12;
+    const auto u16 = [](std::size_t value) { return bytes_of(std::uint16_t(value)); };
+    const auto u32 = [](std::size_t value) { return bytes_of(std::uint32_t(value)); };
+    std::string file = "II" + u16(42) + u32(8 + pages * pixels) + std::string("abcdefghijklmnopqrstuvwxyz0123456789");
+    for (std::size_t page = 0; page < pages; ++page) {
+        file += u16(9);
+        for (const auto& [tag, value] :
+             std::initializer_list<std::pair<std::size_t, std::size_t>>{{256, 4},
+                                                                        {257, 3},
+                                                                        {258, 8},
+                                                                        {259, 1},
+                                                                        {262, 1},
+                                                                        {273, 8 + page * pixels},
+                                                                        {277, 1},
+                                                                        {278, 3},
+                                                                        {279, pixels}})
+            file += u16(tag) + u16(4) + u32(1) + u32(value);
+        file += u32(page + 1 < pages ? file.size() + 4 : 0);
+    }
+    return file;
+}
+
 void add_tiff(std::vector<Seed>& all) {
     TiffImage described;
     described.description = "ImageJ=1.53\nimages=2\nslices=2\nspacing=2.5\nunit=mm\n";
     described.x_resolution = described.y_resolution = 4;
     all.push_back({.name = "pages.tif", .bytes = tiff_file({described, TiffImage()})});
     all.push_back({.name = "big.tif", .bytes = tiff_file({TiffImage(), TiffImage()}, true)});
+    all.push_back({.name = "links-behind.tif", .bytes = tiff_with_links_behind()});
     all.push_back({.name = "s2.tif",
                    .bytes = tiff_file({TiffImage()}),
                    .beside = {{"s1.tif", tiff_file({TiffImage()})}},
@@ -185,12 +210,28 @@ void add_scenes(std::vector<Seed>& all) {
     all.push_back({.name = "scene.json", .kind = Kind::scene, .bytes = scene_text, .is_text = true});
     Image image{8, 6, true, std::vector<std::uint8_t>(192)};
     for (std::size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = std::uint8_t(37 * i);
-    const Metadata metadata{{"Title", "π"}, {"chiaro", scene_text}};
+    const auto metadata_of = [](const std::string& scene) { return Metadata{{"Title", "π"}, {"chiaro", scene}}; };
+    const Metadata metadata = metadata_of(scene_text);
     all.push_back({.name = "scene.png",
                    .kind = Kind::scene,
                    .bytes = text(encode_png(image, metadata)),
-                   .repair = with_png_checksums});
-    all.push_back({.name = "scene.exr", .kind = Kind::scene, .bytes = text(encode_exr(Frame(8, 6), metadata))});
+                   .repair = with_png_checksums,
+                   .needs_end = true});
+    all.push_back({.name = "scene.exr",
+                   .kind = Kind::scene,
+                   .bytes = text(encode_exr(Frame(8, 6), metadata)),
+                   .needs_end = true});
+    all.push_back({.name = "inside.png",
+                   .kind = Kind::scene,
+                   .bytes = scene_text,
+                   .packed = [=](const std::string& scene) { return text(encode_png(image, metadata_of(scene))); },
+                   .is_text = true});
+    all.push_back(
+        {.name = "inside.exr",
+         .kind = Kind::scene,
+         .bytes = scene_text,
+         .packed = [=](const std::string& scene) { return text(encode_exr(Frame(8, 6), metadata_of(scene))); },
+         .is_text = true});
 }
 
 void add_transfer_functions(std::vector<Seed>& all) {
@@ -264,10 +305,26 @@ void add_cache(std::vector<Seed>& all) {
 }
 
 std::vector<Seed> made() {
+    constexpr std::pair<const char*, void (*)(std::vector<Seed>&)> formats[] = {{"nrrd", add_nrrd},
+                                                                                {"meta", add_meta},
+                                                                                {"nifti", add_nifti},
+                                                                                {"dicom", add_dicom},
+                                                                                {"vtk", add_vtk},
+                                                                                {"tiff", add_tiff},
+                                                                                {"hdf5", add_hdf5},
+                                                                                {"raw", add_raw},
+                                                                                {"probe", add_probes},
+                                                                                {"scene", add_scenes},
+                                                                                {"transfer", add_transfer_functions},
+                                                                                {"transfer", add_foreign_functions},
+                                                                                {"glow", add_emission},
+                                                                                {"cache", add_cache}};
     std::vector<Seed> all;
-    for (const auto add : {add_nrrd, add_meta, add_nifti, add_dicom, add_vtk, add_tiff, add_hdf5, add_raw, add_probes,
-                           add_scenes, add_transfer_functions, add_foreign_functions, add_emission, add_cache})
+    for (const auto& [format, add] : formats) {
+        const std::size_t before = all.size();
         add(all);
+        for (std::size_t i = before; i < all.size(); ++i) all[i].format = format;
+    }
     return all;
 }
 

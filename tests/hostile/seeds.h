@@ -13,7 +13,8 @@ namespace hostile {
 enum class Kind { volume, raw_name, probe, scene, transfer, emission, cache };
 
 struct Seed {
-    std::string name;  ///< of the file
+    std::string name;         ///< of the file
+    std::string format = {};  ///< "nrrd", "scene", ...: seeds() names it
     Kind kind = Kind::volume;
     std::string bytes;  ///< for Kind::raw_name the name; the file holds 24 bytes
     std::vector<std::pair<std::string, std::string>> beside = {};  ///< other files in its folder: name, bytes
@@ -24,6 +25,7 @@ struct Seed {
     std::function<std::string(std::string)> packed = {};
     bool is_text = false;        ///< numbers in it may be replaced
     bool is_open_ended = false;  ///< a beginning is a whole file too: no reader can tell that it was cut
+    bool needs_end = false;      ///< a cut one is refused or told even where nothing that is asked for is lost
 };
 
 const std::vector<Seed>& seeds();
