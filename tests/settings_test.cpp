@@ -89,7 +89,8 @@ TEST(Settings, RefusalsNameTheValueAndTheRange) {
         {"step", "0", "--step 0: must be 0.001 to 100 voxels"},
         {"step", "fine", "--step fine: expected a number"},
         {"step", "nan", "--step nan: expected a number"},
-        {"zoom", "0", "--zoom 0: must be above 0 and at most 1000"},
+        {"zoom", "0", "--zoom 0: must be 1e-09 to 1000"},
+        {"zoom", "1e-309", "--zoom 1e-309: must be 1e-09 to 1000"},  // 1 / it is no number of a scene
         {"size", "0x5", "--size 0x5: must be 1 to 16384 pixels"},
         {"size", "1024", "--size 1024: expected WIDTHxHEIGHT"},
         {"size", "10.5x4", "--size 10.5x4: expected a whole number"},

@@ -112,7 +112,7 @@ void describe(Visit&& visit, S& s) {
           .within(-90, 90), s.elevation_deg);
     visit(Setting{"roll", "camera.roll", "degrees", "turns the picture clockwise"}.within(-36000, 36000), s.roll_deg);
     visit(Setting{"zoom", "camera.fit_scale", "", "1 shows the whole volume, 2 from half the distance"}
-          .above(0, 1000).kept(SceneForm::reciprocal), s.zoom);
+          .within(1e-9, 1000).kept(SceneForm::reciprocal), s.zoom);
     visit(Setting{"fov", "camera.view_angle_deg", "degrees", "vertical angle of view"}.within(0.1, 170), s.fov_deg);
     visit(Setting{"up", "camera.up", "", "up axis in the world (+z, superior where the file states a frame)"}
           .written("±x|±y|±z|X,Y,Z"), s.up);

@@ -1,5 +1,6 @@
 #include "hostile/judgement.h"
 
+#include "core/text.h"
 #include "illumination/histogram/cache.h"
 #include "illumination/histogram/emission.h"
 #include "illumination/histogram/hash.h"
@@ -115,11 +116,8 @@ std::string fault_of(const Error& error, const fs::path& opened) {
     const std::string sentence = error.what();
     if (error.code() != ErrorCode::input) return "its code is " + std::to_string(int(error.code()));
     if (sentence.empty() || sentence.size() > 1500) return "it is no sentence";
-    for (char c : sentence)
-        if (static_cast<unsigned char>(c) < 32 || c == 127) return "it is not one line of text";
-    std::string name = opened.filename();
-    for (char& c : name)
-        if (static_cast<unsigned char>(c) < 32 || c == 127) c = ' ';
+    if (one_line(sentence, sentence.size()) != sentence) return "it is not one line of text";
+    const std::string name = one_line(opened.filename().string());
     return sentence.find(name) == sentence.npos ? "it does not name the file" : "";
 }
 
