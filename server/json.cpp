@@ -50,12 +50,9 @@ Json field_of(const std::string& sentence) {
 std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 Json parse_message(std::string_view text) {
-    const auto is_shallow = [](int depth, Json::parse_event_t, Json&) {
-        if (depth > 40) throw Error(ErrorCode::usage, "nested too deeply");
-        return true;
-    };
+    if (is_deeper_than(40, text)) throw Error(ErrorCode::usage, "nested too deeply");
     try {
-        Json message = Json::parse(text, is_shallow);
+        Json message = Json::parse(text);
         if (message.is_object()) return message;
     } catch (const Json::exception&) {
     }
