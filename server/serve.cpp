@@ -102,9 +102,10 @@ public:
 
     void tick() override {
         store_.tick();
-        std::erase_if(views_, [](const auto& entry) {
+        std::erase_if(views_, [&](auto& entry) {
             const auto alone = entry.second->alone();
-            return alone && *alone > kept_alone;
+            if (alone && *alone > kept_alone) part_from(std::move(entry.second));
+            return !entry.second;
         });
     }
 
@@ -127,6 +128,11 @@ private:
         }
     }
 
+    /// Elsewhere: what a view was doing may take a moment to end.
+    void part_from(std::shared_ptr<View> view) {
+        leaving_.post([view = std::move(view)]() mutable { view.reset(); });
+    }
+
     /// Those that have been alone for the longest go first.
     bool make_space(const std::string& id) {
         if (views_.contains(id)) return true;
@@ -136,7 +142,7 @@ private:
             if (const auto since = view->alone()) alone.emplace_back(*since, name);
         std::sort(alone.begin(), alone.end());
         while (!alone.empty() && (alone.size() >= max_alone || views_.size() >= max_views)) {
-            views_.erase(alone.back().second);
+            part_from(views_.extract(alone.back().second).mapped());
             alone.pop_back();
         }
         return views_.size() < max_views;
@@ -159,7 +165,7 @@ private:
     std::map<std::string, std::shared_ptr<View>> views_;  // of the network's thread alone
     std::shared_ptr<const Loaded> first_;
     std::function<void(double)> read_in_;
-    SerialQueue reading_;  // the last member: its work uses the others
+    SerialQueue reading_, leaving_;  // the last members: their work uses the others
 };
 
 Address address_of(const ViewerOptions& options) {

@@ -38,6 +38,7 @@ void View::cancel_all() {
 
 bool View::attach(std::shared_ptr<Socket> socket, bool take) {
     const std::string taken = text_of({{"type", "taken"}});
+    int connection = 0;
     {
         const std::lock_guard lock(mutex_);
         if (socket_ && !take) {
@@ -50,11 +51,19 @@ bool View::attach(std::shared_ptr<Socket> socket, bool take) {
             socket_->close(4001, "taken over");
         }
         socket_ = std::move(socket);
-        ++connection_;
+        connection = ++connection_;
         newest_ = -1;
         left_.reset();
     }
-    greet();
+    const auto work = [this, connection] {
+        heard_ = connection;
+        try {
+            greet();
+        } catch (...) {
+            tell(connection, current_error(nullptr));
+        }
+    };
+    if (!hearing_.post(work)) throw Error(ErrorCode::usage, "too much is asked for at once");
     return true;
 }
 
