@@ -208,6 +208,16 @@ TEST(Hostile, LyingHeaders) {
     for (const auto& [name, bytes] : lying_headers()) expect_refused(folder.write(name, bytes));
 }
 
+TEST(Hostile, ContradictionsInHeaders) {
+    const Folder folder;
+    folder.write("v.raw", voxels);
+    const std::string in_nrrd = "data file: v.raw\n", in_meta = "ElementDataFile = v.raw\n";
+    expect_refused(folder.write("twice.nhdr", nrrd_good + "type: uint8\n" + in_nrrd));
+    expect_refused(folder.write("lines.nhdr", nrrd_good + "line skip: -1\n" + in_nrrd));
+    expect_refused(folder.write("twice.mhd", meta_good + "NDims = 3\n" + in_meta));
+    expect_refused(folder.write("skip.mhd", meta_good + "HeaderSize = -5\n" + in_meta));
+}
+
 TEST(Hostile, DetachedDataStayInTheHeadersFolder) {
     const Folder outside, folder;
     const std::string secret = outside.write("secret.raw", voxels);
@@ -226,7 +236,8 @@ TEST(Hostile, DetachedDataStayInTheHeadersFolder) {
         expect_refused(folder.write("d.mhd", meta_good + "ElementDataFile = LIST\n" + path + "\n"));
     }
     for (const std::string pattern :
-         {"../s%d.raw 1 2 1", "%s%d 1 2 1", "%n 1 2 1", "%99999d 1 2 1", "s%d.raw 1 9999999999 1", "s%d.raw 2 1 1"}) {
+         {"../s%d.raw 1 2 1", "%s%d 1 2 1", "%n 1 2 1", "%99999d 1 2 1", "s%d.raw 1 9999999999 1", "s%d.raw 2 1 1",
+          "s%d.raw 9223372036854775806 9223372036854775807 2"}) {
         expect_refused(folder.write("e.nhdr", nrrd_good + "data file: " + pattern + "\n"));
         expect_refused(folder.write("f.mhd", meta_good + "ElementDataFile = " + pattern + "\n"));
     }

@@ -175,6 +175,11 @@ TEST(Raw, LayoutFromNameAndOptions) {
     expect_near(volume.geometry.spacing_mm, {1, 2, 3});
     EXPECT_THROW(read(folder.write("c_4x3x3_int16.raw", bytes)), Error);
     EXPECT_THROW(read(folder.write("d_4x3x1_int16.raw", bytes)), Error);
+    EXPECT_THROW(read(folder.write("h_-4x3x2_int16.raw", bytes)), Error);
+    for (const Vec3& spacing : {Vec3{1e-13, 1e-13, 1e-13}, Vec3{1e13, 1e13, 1e13}, Vec3{1, 1, 2e6}}) {
+        options.raw.spacing_mm = spacing;
+        EXPECT_THROW(read((folder / "b.bin").string(), options), Error) << spacing.z;
+    }
 }
 
 TEST(WriteNrrd, RoundTripKeepsVoxelsGeometryAndKeys) {

@@ -40,7 +40,8 @@ MetaHeader read_header(const Path& path) {
             refuse("is no MetaImage: its header has a line that is not 'name = value'");
         }
         const std::string name = trimmed(line.substr(0, equals));
-        header.fields[name] = trimmed(line.substr(equals + 1));
+        if (!header.fields.emplace(name, trimmed(line.substr(equals + 1))).second)
+            refuse(fmt::format("its header states '{}' twice", name.substr(0, 40)));
         if (name != "ElementDataFile") continue;
         header.data_offset = at;
         if (!header.fields[name].starts_with("LIST")) return header;
@@ -186,6 +187,8 @@ Payload payload_from(const MetaHeader& header, const Path& path, const Volume& v
         payload.offset = size - std::min(size, bytes);
     } else if (skip >= 0) {
         payload.offset += std::uint64_t(skip);
+    } else {
+        refuse(fmt::format("states the HeaderSize {}, which is neither -1 nor a number of bytes", skip));
     }
     return payload;
 }

@@ -205,6 +205,8 @@ std::uint64_t offset_after_lines(const Path& file, std::uint64_t offset, std::in
 void set_skips(const Fields& fields, std::uint64_t data_bytes, Payload& payload) {
     if (const auto lines = integer(value_or(fields, "line skip", "0"), "line skip"); lines > 0)
         payload.offset = offset_after_lines(payload.files.at(0), payload.offset, lines);
+    else if (lines < 0)
+        refuse(fmt::format("states a line skip of {}, not 0 or more", lines));
     const auto bytes = integer(value_or(fields, "byte skip", "0"), "byte skip");
     if (bytes < -1) refuse(fmt::format("states a byte skip of {}, not -1 or more", bytes));
     if (bytes >= 0) payload.skip = std::uint64_t(bytes);

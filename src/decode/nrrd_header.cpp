@@ -63,8 +63,9 @@ void take_line(std::string_view line, NrrdHeader& header) {
     const std::string value(line.substr(colon + 1));
     if (value.starts_with('='))
         header.key_values[unescaped(line.substr(0, colon))] = unescaped(std::string_view(value).substr(1));
-    else
-        header.fields[lower(trimmed(line.substr(0, colon)))] = trimmed(value);
+    else if (const std::string name = lower(trimmed(line.substr(0, colon)));
+             !header.fields.emplace(name, trimmed(value)).second)
+        refuse(fmt::format("its NRRD header states '{}' twice", name));
 }
 
 /// Spellings that mean the same.
@@ -77,7 +78,8 @@ void unify_names(Fields& fields) {
     for (const auto& [other, name] : synonyms)
         if (auto node = fields.extract(other)) {
             node.key() = name;
-            fields.insert(std::move(node));
+            if (!fields.insert(std::move(node)).inserted)
+                refuse(fmt::format("its NRRD header states '{}' twice", name));
         }
 }
 

@@ -179,12 +179,13 @@ std::vector<std::string> expand_pattern(const std::string& pattern, std::int64_t
     if (percent == std::string::npos || conversion == std::string::npos || pattern[conversion] != 'd' ||
         pattern.find('%', conversion) != std::string::npos || conversion - percent > 3)
         refuse(fmt::format("names its data files '{}', which is no pattern with one %d", pattern));
-    if (step < 1 || step > 65535 || first < 0 || last < first || last - first > 65535 * step)
+    if (step < 1 || step > 65535 || first < 0 || last < first || (last - first) / step > 65535)
         refuse(fmt::format("numbers its data files from {} to {} by {}", first, last, step));
     const std::string digits = pattern.substr(percent + 1, conversion - percent - 1);
     const int width = digits.empty() ? 0 : int(integer(digits, "data file"));
     std::vector<std::string> names;
-    for (std::int64_t i = first; i <= last; i += step) {
+    for (std::int64_t n = 0; n <= (last - first) / step; ++n) {
+        const std::int64_t i = first + n * step;  // never beyond `last`, so without overflow
         const std::string index =
             digits.starts_with('0') ? fmt::format("{:0{}}", i, width) : fmt::format("{:{}}", i, width);
         names.push_back(pattern.substr(0, percent) + index + pattern.substr(conversion + 1));

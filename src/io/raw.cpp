@@ -38,6 +38,9 @@ std::optional<VoxelType> type_named(std::string_view word) {
     return {};
 }
 
+constexpr std::string_view separators = "_-.";
+bool is_separator(char c) { return separators.find(c) != std::string_view::npos; }
+
 /// "64x64x32"
 std::optional<std::array<int, 3>> dimensions_from(std::string_view word) {
     std::array<int, 3> n{};
@@ -82,9 +85,11 @@ void read_bytes(const std::filesystem::path& path, std::uint64_t offset, VoxelBu
 RawLayout completed_layout(RawLayout layout, const std::string& name) {
     const std::string stem = name.substr(0, name.rfind('.'));
     for (std::size_t at = 0; at <= stem.size();) {
-        const auto end = std::min(stem.find_first_of("_-.", at), stem.size());
+        const auto end = std::min(stem.find_first_of(separators, at), stem.size());
         const std::string_view word = std::string_view(stem).substr(at, end - at);
-        if (!layout.dimensions) layout.dimensions = dimensions_from(word);
+        // A minus behind another separator is a sign, and no size is negative.
+        const bool negative = at > 0 && stem[at - 1] == '-' && (at == 1 || is_separator(stem[at - 2]));
+        if (!layout.dimensions && !negative) layout.dimensions = dimensions_from(word);
         if (!layout.type) layout.type = type_named(word);
         at = end + 1;
     }

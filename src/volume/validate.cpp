@@ -3,6 +3,7 @@
 #include <chiaro/error.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace chiaro {
@@ -44,6 +45,9 @@ void check_geometry(const Geometry& geometry) {
     if (!finite(geometry.origin_mm)) refuse("has an origin " + text_of(geometry.origin_mm) + " that is not finite");
     if (!finite(spacing) || !(spacing.x > 0 && spacing.y > 0 && spacing.z > 0))
         refuse("has a spacing " + text_of(spacing) + " that is not positive");
+    const auto [least, most] = std::minmax({spacing.x, spacing.y, spacing.z});
+    if (least < 1e-12 || most > 1e12 || most > 1e6 * least)
+        refuse("has a spacing " + text_of(spacing) + " mm beyond 1e-12..1e12 mm or the ratio 1e6 between its axes");
     for (const Vec3& axis : geometry.direction)
         if (!finite(axis) || std::abs(length(axis) - 1) > 1e-3)
             refuse("has a direction " + text_of(axis) + " that is not a unit vector");
