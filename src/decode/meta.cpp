@@ -172,11 +172,11 @@ Payload payload_from(const MetaHeader& header, const Path& path, const Volume& v
     payload.files = data_files(header, path);
     if (payload.files.empty()) refuse("lists no data files");
     const bool local = payload.files[0] == path;
-    const bool compressed = ground_truth(value_or(fields, "CompressedData", "False"), "CompressedData");
-    const bool binary = ground_truth(value_or(fields, "BinaryData", "True"), "BinaryData");
+    const bool compressed = boolean(value_or(fields, "CompressedData", "False"), "CompressedData");
+    const bool binary = boolean(value_or(fields, "BinaryData", "True"), "BinaryData");
     payload.encoding = !binary ? Encoding::text : compressed ? Encoding::deflated : Encoding::raw;
     const std::string msb = first_of(fields, {"BinaryDataByteOrderMSB", "ElementByteOrderMSB"});
-    payload.big_endian = !msb.empty() && ground_truth(msb, "BinaryDataByteOrderMSB");
+    payload.big_endian = !msb.empty() && boolean(msb, "BinaryDataByteOrderMSB");
     payload.volumes = volumes;
     payload.offset = local ? header.data_offset : 0;
     if (const auto skip = integer(value_or(fields, "HeaderSize", "0"), "HeaderSize"); skip == -1) {

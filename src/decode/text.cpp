@@ -63,7 +63,7 @@ std::vector<std::int64_t> integers(const std::string& text, const std::string& w
     return parse_all<std::int64_t>(text, what);
 }
 
-bool ground_truth(const std::string& text, const std::string& what) {
+bool boolean(const std::string& text, const std::string& what) {
     const std::string word = lower(trimmed(text));
     if (word == "true" || word == "1" || word == "yes") return true;
     if (word == "false" || word == "0" || word == "no") return false;

@@ -20,7 +20,7 @@ double number(const std::string& text, const std::string& what);
 std::int64_t integer(const std::string& text, const std::string& what);
 std::vector<double> numbers(const std::string& text, const std::string& what);
 std::vector<std::int64_t> integers(const std::string& text, const std::string& what);
-bool ground_truth(const std::string& text, const std::string& what);  ///< true, false, 1, 0, yes, no
+bool boolean(const std::string& text, const std::string& what);  ///< true, false, 1, 0, yes, no
 
 /// The value of a field, or `fallback`.
 std::string value_or(const Fields& fields, const std::string& name, const std::string& fallback = "");
