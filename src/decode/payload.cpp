@@ -32,7 +32,7 @@ public:
     std::string next() {
         std::string word;
         for (char c; (c = character()) != 0;) {
-            const bool separator = c == ' ' || c == '\n' || c == '\r' || c == '\t' || c == ',';
+            const bool separator = is_separator(c);
             ends_behind_digit_ = !separator;
             if (separator && !word.empty()) return word;
             if (!separator) word += c;
@@ -42,10 +42,16 @@ public:
         return word;
     }
 
-    /// Whether the file ends right behind the number read last, which may have had more digits.
-    bool ends_behind_digit() const { return ends_behind_digit_; }
+    /// Behind the number read last.
+    TextEnd end() {
+        for (char c; (c = character()) != 0;)
+            if (!is_separator(c)) return {.has_more = true};
+        return {.behind_digit = ends_behind_digit_};
+    }
 
 private:
+    static bool is_separator(char c) { return c == ' ' || c == '\n' || c == '\r' || c == '\t' || c == ','; }
+
     char character() {
         if (at_ == end_) {
             end_ = source_.read(buffer_);
@@ -82,7 +88,7 @@ void check_capacity(std::uint64_t bytes, std::uint64_t most) {
             bytes, most));
 }
 
-bool fill_from_text(ByteSource& source, VoxelType type, std::span<std::byte> to, Output& output) {
+TextEnd fill_from_text(ByteSource& source, VoxelType type, std::span<std::byte> to, Output& output) {
     TextReader reader(source);
     with_voxel_type(type, [&](auto zero) {
         using T = decltype(zero);
@@ -93,7 +99,7 @@ bool fill_from_text(ByteSource& source, VoxelType type, std::span<std::byte> to,
             if (i % 65536 == 0) output.progress(double(i) / double(count));
         }
     });
-    return reader.ends_behind_digit();
+    return reader.end();
 }
 
 void fill_from_bytes(ByteSource& source, bool big_endian, VoxelType type, std::span<std::byte> to, Output& output) {
@@ -112,10 +118,12 @@ void fill_from_bytes(ByteSource& source, bool big_endian, VoxelType type, std::s
 
 namespace {
 
+constexpr const char* more_behind = "there are more data behind the last voxel; they are ignored";
+
 /// Reading on to the end of a compressed stream checks its checksum; anything more than that is worth a note.
 void check_end(ByteSource& source, Volume& volume) {
     std::byte extra[1];
-    if (source.read(extra) != 0) volume.notes.push_back("there are more data behind the last voxel; they are ignored");
+    if (source.read(extra) != 0) volume.notes.push_back(more_behind);
 }
 
 }  // namespace
@@ -131,7 +139,7 @@ void read_voxels(const Payload& payload, Volume& volume, Output& output) {
     check_capacity(stated, capacity_of(payload, volume.type));
     output.allocate(volume);
     const std::size_t share = bytes / payload.files.size();
-    bool ends_early = false;
+    TextEnd end;
     for (std::size_t i = 0; i < payload.files.size(); ++i) {
         const bool deflated = payload.encoding == Encoding::deflated;
         const auto source =
@@ -139,13 +147,15 @@ void read_voxels(const Payload& payload, Volume& volume, Output& output) {
         skip(*source, payload.skip);
         const std::span<std::byte> to(volume.voxels.data() + i * share, share);
         if (payload.encoding == Encoding::text)
-            ends_early = fill_from_text(*source, volume.type, to, output);
+            end = fill_from_text(*source, volume.type, to, output);
         else
             fill_from_bytes(*source, payload.big_endian, volume.type, to, output);
         if (payload.encoding != Encoding::text && payload.volumes == 1 && !payload.more_may_follow)
             check_end(*source, volume);
     }
-    if (ends_early) volume.notes.push_back("no line end follows the last number: it may be cut, and the file with it");
+    if (end.has_more && payload.volumes == 1 && !payload.more_may_follow) volume.notes.push_back(more_behind);
+    if (end.behind_digit)
+        volume.notes.push_back("no line end follows the last number: it may be cut, and the file with it");
 }
 
 void swap_bytes(std::span<std::byte> bytes, std::size_t value_size) {

@@ -24,9 +24,14 @@ struct Payload {
 /// when the files cannot hold as much as the header states, and when they turn out to hold less.
 void read_voxels(const Payload& payload, Volume& volume, Output& output);
 
-/// Fill voxels that are allocated, from text or from bytes. Throw Error{input} where the source ends before. The first
-/// returns whether the source ends right behind the last number, which may have had more digits.
-bool fill_from_text(ByteSource& source, VoxelType type, std::span<std::byte> to, Output& output);
+/// How text goes on behind the last number that was asked for.
+struct TextEnd {
+    bool behind_digit = false;  ///< not at all: the number may have had more digits
+    bool has_more = false;      ///< with something else than blanks
+};
+
+/// Fill voxels that are allocated, from text or from bytes. Throw Error{input} where the source ends before.
+TextEnd fill_from_text(ByteSource& source, VoxelType type, std::span<std::byte> to, Output& output);
 void fill_from_bytes(ByteSource& source, bool big_endian, VoxelType type, std::span<std::byte> to, Output& output);
 
 /// Throws Error{input} where a header states `bytes` of voxels and the file can hold no more than `most`.

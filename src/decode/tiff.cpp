@@ -57,6 +57,24 @@ std::vector<Path> slices_in(const Path& folder) {
     return files;
 }
 
+/// To libtiff a file that was cut in the link to its next page ends there.
+void check_last_link(const Path& path, TIFF* file, std::uint64_t size) {
+    const bool big = TIFFIsBigTIFF(file);
+    const auto number_at = [&](std::uint64_t offset, std::size_t bytes) {
+        if (offset > size || bytes > size - offset) refuse("is cut in the link to its next page");
+        std::array<std::byte, 8> stored{};
+        open_plain(path, offset)->read(std::span(stored).first(bytes));
+        std::uint64_t number = 0;
+        for (std::size_t i = 0; i < bytes; ++i)
+            number |= std::uint64_t(stored[TIFFIsBigEndian(file) ? bytes - 1 - i : i]) << 8 * i;
+        return number;
+    };
+    const std::uint64_t directory = TIFFCurrentDirOffset(file), count_bytes = big ? 8 : 2;
+    const std::uint64_t entries = number_at(directory, count_bytes);
+    if (entries > size) refuse("is cut in the link to its next page");
+    number_at(directory + count_bytes + entries * (big ? 20 : 12), big ? 8 : 4);
+}
+
 /// The full pages of a file; thumbnails and masks are no slices.
 std::vector<Slice> pages_of(const Path& path, bool first_only, Output& output) {
     const auto size = regular_file_size(path);
@@ -69,7 +87,8 @@ std::vector<Slice> pages_of(const Path& path, bool first_only, Output& output) {
             pages.push_back({path, TIFFCurrentDirOffset(file.get()), scan_page(file.get(), size)});
         if (pages.size() > 4 * 65535) refuse("has more than 262140 pages");
         output.progress(0.1);
-        more = !(first_only && !pages.empty()) && !TIFFLastDirectory(file.get());
+        more = !(first_only && !pages.empty());
+        if (more && TIFFLastDirectory(file.get())) check_last_link(path, file.get(), size), more = false;
         if (more) next_page(file.get());
     }
     if (pages.empty()) refuse("has no page that is a whole picture");

@@ -163,7 +163,9 @@ void fill(const pugi::xml_node& node, const VtiText& text, const Path& path, con
     if (attribute(node, "format", "ascii") == "ascii") {
         const std::string_view inline_text = node.text().get();
         check_capacity(bytes, (inline_text.size() + 1) / 2 * size_of(volume.type));
-        fill_from_text(*open_memory(inline_text), volume.type, voxels(), output);  // its end tag proves it whole
+        // Its end tag proves it whole.
+        if (fill_from_text(*open_memory(inline_text), volume.type, voxels(), output).has_more)
+            volume.notes.push_back("there are more numbers in the array than voxels; they are ignored");
         return;
     }
     auto [stored, available] = open_stored(node, text, path);

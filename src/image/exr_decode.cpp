@@ -8,6 +8,7 @@
 #include <ImfTileDescription.h>
 #include <chiaro/error.h>
 
+#include <algorithm>
 #include <cstring>
 #include <stdexcept>
 
@@ -58,6 +59,68 @@ void check_claims(const Imf::Header& header, std::size_t file_bytes) {
         if (!header.channels().findChannel(name)) throw std::runtime_error(std::string("no channel ") + name);
 }
 
+/// What headers claim, before OpenEXR makes room for it: the bytes of each attribute, and for each chunk of pixels
+/// eight bytes in the table of offsets. A header: name\0 type\0 bytes value, ..., \0; of several parts, until an empty
+/// one.
+class Claims {
+public:
+    explicit Claims(std::span<const std::byte> bytes) : bytes_(bytes) {}
+
+    void check() {
+        constexpr std::uint32_t of_parts = 0x1000;
+        const bool has_parts = number(4) & of_parts;
+        at_ = 8;
+        std::uint64_t chunks = 0;
+        for (bool more = true; more;) {
+            const bool is_empty = at_ < bytes_.size() && bytes_[at_] == std::byte(0);
+            chunks += chunks_of_header();
+            more = has_parts && !is_empty;
+        }
+        if (chunks > bytes_.size() / 8) end_too_early();
+    }
+
+private:
+    [[noreturn]] static void end_too_early() { throw std::runtime_error("the file ends too early"); }
+
+    std::uint32_t number(std::size_t at) const {
+        std::uint32_t number = 0;
+        if (bytes_.size() < sizeof number || at > bytes_.size() - sizeof number) end_too_early();
+        std::memcpy(&number, bytes_.data() + at, sizeof number);
+        return number;
+    }
+    std::string text() {
+        std::string text;
+        while (at_ < bytes_.size() && bytes_[at_] != std::byte(0)) text += char(bytes_[at_++]);
+        if (at_++ >= bytes_.size()) end_too_early();
+        return text;
+    }
+
+    std::uint64_t chunks_of_header() {
+        std::uint64_t width = 0, height = 0, chunk_width = 0, chunk_height = most_rows;
+        for (std::string name; !(name = text()).empty();) {
+            text();  // its type
+            const std::uint32_t size = number(at_);
+            at_ += sizeof size;
+            if (size > bytes_.size() - at_) end_too_early();
+            if (name == "dataWindow" && size == 16) {
+                width = extent(number(at_), number(at_ + 8));
+                height = extent(number(at_ + 4), number(at_ + 12));
+            }
+            if (name == "tiles" && size == 9) chunk_width = number(at_), chunk_height = number(at_ + 4);
+            at_ += size;
+        }
+        if (chunk_width == 0) chunk_width = std::max<std::uint64_t>(width, 1);  // rows
+        return width / chunk_width * (height / std::max<std::uint64_t>(chunk_height, 1));
+    }
+    static std::uint64_t extent(std::uint32_t first, std::uint32_t last) {
+        return std::uint64_t(std::max<std::int64_t>(0, std::int64_t(std::int32_t(last)) - std::int32_t(first) + 1));
+    }
+
+    static constexpr std::uint64_t most_rows = 256;  ///< of a chunk, whatever the compression
+    std::span<const std::byte> bytes_;
+    std::size_t at_ = 0;
+};
+
 Frame read_frame(Imf::MultiPartInputFile& file, std::size_t file_bytes) {
     const Imf::Header& header = file.header(0);
     check_claims(header, file_bytes);
@@ -91,6 +154,7 @@ template <class Use>
 auto with_file(std::span<const std::byte> bytes, const std::string& origin, const Use& use) {
     if (!is_exr(bytes)) throw Error(ErrorCode::input, origin + ": is not an OpenEXR file");
     try {
+        Claims(bytes).check();
         ExrInput memory(bytes);
         Imf::MultiPartInputFile file(memory, read_threads, false);  // false: a table of offsets that is cut is an error
         return use(file);
