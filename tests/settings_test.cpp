@@ -100,6 +100,7 @@ TEST(Settings, RefusalsNameTheValueAndTheRange) {
          "--projection perspectiv: must be perspective, orthographic; did you mean 'perspective'?"},
         {"sh-bands", "3", "--sh-bands 3: must be 2, 4"},
         {"sh-sampling", "fibonacci:4", "--sh-sampling fibonacci:4: only jittered takes a number of sets"},
+        {"raw-spacing", "-z", "--raw-spacing -z: must be above 0 mm"},
         {"light", "left", "--light left: expected headlight or AZ,EL[,COLOR]"},
     };
     for (const auto& [name, text, message] : cases) {

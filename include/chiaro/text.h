@@ -192,6 +192,7 @@ void set(const Setting& setting, std::string_view text, const std::string& who, 
     try {
         read_value(setting, text, fields...);
         check_range(setting, text);
+        check_range(setting, value_text(setting, fields...));  // an axis is told by its name, too: "-z"
     } catch (const Error& error) {
         throw Error(code, who + ": " + error.what());
     }
