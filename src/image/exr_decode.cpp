@@ -96,7 +96,7 @@ private:
     }
 
     std::uint64_t chunks_of_header() {
-        std::uint64_t width = 0, height = 0, chunk_width = 0, chunk_height = most_rows;
+        std::uint64_t width = 0, height = 0, chunk_width = 0, chunk_height = max_chunk_rows;
         for (std::string name; !(name = text()).empty();) {
             text();  // its type
             const std::uint32_t size = number(at_);
@@ -116,7 +116,7 @@ private:
         return std::uint64_t(std::max<std::int64_t>(0, std::int64_t(std::int32_t(last)) - std::int32_t(first) + 1));
     }
 
-    static constexpr std::uint64_t most_rows = 256;  ///< of a chunk, whatever the compression
+    static constexpr std::uint64_t max_chunk_rows = 256;  ///< of a chunk, whatever the compression
     std::span<const std::byte> bytes_;
     std::size_t at_ = 0;
 };
