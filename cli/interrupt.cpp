@@ -24,11 +24,16 @@ void end_late(int) {
     end_at_once(0);
 }
 
+void set_alarm(void (*handler)(int)) {
+    signal(SIGALRM, handler);
+    const itimerval patience{{}, {0, 800'000}};
+    setitimer(ITIMER_REAL, &patience, nullptr);
+}
+
 /// The work ends by itself, or is ended: nothing of it is half-written, as files get their names whole.
 void cancel(int) {
     if (Progress* progress = to_cancel) progress->cancel();
-    const itimerval patience{{}, {0, 800'000}};
-    setitimer(ITIMER_REAL, &patience, nullptr);
+    set_alarm(end_late);
 }
 
 void handle(void (*handler)(int)) {
@@ -43,7 +48,6 @@ void handle(void (*handler)(int)) {
 
 Interrupt::Interrupt(Progress& progress) {
     to_cancel = &progress;
-    signal(SIGALRM, end_late);
     handle(cancel);
 }
 
@@ -52,6 +56,10 @@ Interrupt::~Interrupt() {
     const itimerval never{};
     setitimer(ITIMER_REAL, &never, nullptr);
     to_cancel = nullptr;
+}
+
+void end_within_a_second() {
+    set_alarm([](int) { _exit(0); });
 }
 
 void open_standard_streams() {

@@ -85,7 +85,7 @@ private:
         const Metadata metadata{{"chiaro", to_json(seen_from(scene, path.parent_path()))}};
         write_seconds_ += Stats::time([&] {
             if (is_exr(path))
-                write_exr(expose(session_.frame(), scene.output), path, metadata, &job.progress);
+                write_exr(expose(session_.frame(), scene.output, &job.progress), path, metadata, &job.progress);
             else
                 write_png(image, path, metadata, &job.progress);
         });

@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "command.h"
+#include "interrupt.h"
 #include "scene_source.h"
 #include "server/serve.h"
 
@@ -97,6 +98,7 @@ void run(const ViewOptions& o) {
     tell(viewer, o);
     if (!o.no_open && has_display()) open_browser(viewer.url());
     viewer.run(true);
+    end_within_a_second();  // what views are still doing is cancelled; some of it notices late
 }
 
 }  // namespace

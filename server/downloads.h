@@ -10,11 +10,16 @@
 
 namespace chiaro::server {
 
-/// A folder of the user's own that goes with the program.
+/// A folder of the user's own that goes with the program; and those go that programs left behind which were killed.
 class Store {
 public:
     Store();
     ~Store();
+    Store(const Store&) = delete;
+    Store& operator=(const Store&) = delete;
+
+    /// Removes the folder with all in it, at once; nothing can be kept any more.
+    void remove();
 
     const std::filesystem::path& uploads() const { return uploads_; }
     /// Keeps a brought file under a name of its own, with the ending it had. Throws Error{output}.
@@ -35,6 +40,7 @@ private:
     };
 
     std::filesystem::path folder_, uploads_;
+    int lock_ = -1;  ///< the folder, locked: whoever holds that lives
     mutable std::mutex mutex_;
     std::map<std::string, Offer> offers_;
 };

@@ -112,6 +112,7 @@ public:
     void end() override {
         context_.first.cancel();
         for (const auto& [id, view] : views_) view->say_goodbye();
+        store_.remove();
     }
 
 private:

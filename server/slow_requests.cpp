@@ -101,7 +101,7 @@ Json View::save(const Json& request, Progress& progress) {
         draw_over(picture);
         write_png(picture, file, metadata, &progress);
     } else {
-        Frame frame = expose(session.frame(), scene.output);
+        Frame frame = expose(session.frame(), scene.output, &progress);
         draw_over(frame);
         write_exr(frame, file, metadata, &progress);
     }

@@ -1,5 +1,6 @@
 // Files that are damaged or lie: each must end in one sentence, soon, and without taking the machine's memory.
 #include "hdf5_files.h"
+#include "hostile_headers.h"
 #include "tiff_files.h"
 #include "vtk_files.h"
 
@@ -17,12 +18,6 @@ using namespace chiaro;
 using namespace volume_files;
 
 namespace {
-
-const std::string voxels(24, 'v');
-const std::string nrrd_start = "NRRD0004\ntype: uchar\ndimension: 3\n";
-const std::string nrrd_good = nrrd_start + "sizes: 4 3 2\nencoding: raw\n";
-const std::string meta_start = "ObjectType = Image\nNDims = 3\nElementType = MET_UCHAR\nBinaryData = True\n";
-const std::string meta_good = meta_start + "DimSize = 4 3 2\n";
 
 std::string gzipped_zeros(std::size_t size) { return deflated(std::string(size, '\0')); }
 
@@ -53,43 +48,6 @@ std::vector<std::pair<std::string, std::string>> valid_files() {
             {"good.h5", hdf5_file(folder, false)},
             {"packed.h5", hdf5_file(folder, true)},
             {"good_4x3x2_uint8.raw", voxels}};
-}
-
-/// Libraries of others may crash, in their own process.
-bool may_crash(const std::string& name) {
-    return name.ends_with(".dcm") || name.ends_with(".tif") || name.ends_with(".h5");
-}
-
-/// Processor time of this process and of the helpers that ended: it does not count what else the machine does.
-double seconds_of_work() {
-    double seconds = 0;
-    for (const auto who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
-        rusage usage{};
-        getrusage(who, &usage);
-        for (const timeval& time : {usage.ru_utime, usage.ru_stime})
-            seconds += double(time.tv_sec) + 1e-6 * double(time.tv_usec);
-    }
-    return seconds;
-}
-
-/// Reads and expects refusal in one line that names the file.
-void expect_refused(const std::string& name, const ReadOptions& options = {}) {
-    const double before = seconds_of_work();
-    try {
-        read(name, options);
-        ADD_FAILURE() << name << " was accepted";
-    } catch (const Error& error) {
-        const std::string sentence = error.what();
-        EXPECT_EQ(error.code(), ErrorCode::input) << sentence;
-        EXPECT_EQ(sentence.find('\n'), std::string::npos) << sentence;
-        EXPECT_NE(sentence.find(fs::path(name).filename().string()), std::string::npos) << sentence;
-        EXPECT_TRUE(may_crash(name) || sentence.find("crashed") == std::string::npos) << sentence;
-        if (std::getenv("CHIARO_SHOW")) std::puts(sentence.c_str());
-    }
-    EXPECT_LT(seconds_of_work() - before, 20) << name;
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    EXPECT_LT(usage.ru_maxrss, 1 << 20) << "KiB after " << name;
 }
 
 struct Hostile {
@@ -206,16 +164,6 @@ TEST(Hostile, GarbageUnderEveryName) {
 TEST(Hostile, LyingHeaders) {
     const Folder folder;
     for (const auto& [name, bytes] : lying_headers()) expect_refused(folder.write(name, bytes));
-}
-
-TEST(Hostile, ContradictionsInHeaders) {
-    const Folder folder;
-    folder.write("v.raw", voxels);
-    const std::string in_nrrd = "data file: v.raw\n", in_meta = "ElementDataFile = v.raw\n";
-    expect_refused(folder.write("twice.nhdr", nrrd_good + "type: uint8\n" + in_nrrd));
-    expect_refused(folder.write("lines.nhdr", nrrd_good + "line skip: -1\n" + in_nrrd));
-    expect_refused(folder.write("twice.mhd", meta_good + "NDims = 3\n" + in_meta));
-    expect_refused(folder.write("skip.mhd", meta_good + "HeaderSize = -5\n" + in_meta));
 }
 
 TEST(Hostile, DetachedDataStayInTheHeadersFolder) {

@@ -90,6 +90,27 @@ TEST(Text, DepthOfJson) {
     EXPECT_TRUE(is_deeper_than(2, "[[["));
 }
 
+TEST(Text, MembersOfJsonStatedTwice) {
+    EXPECT_EQ(member_stated_twice(R"({"a": {"b": 1}, "b": [{"b": 1}, {"b": "a\""}], "c": "b:"})"), "");
+    EXPECT_EQ(member_stated_twice(R"({"a": {"b": 1, "c": {"b": 1}, "b": 2}})"), "b");
+    EXPECT_EQ(member_stated_twice(R"([{"\"a": 1, "\"a": 1}])"), R"(\"a)");
+}
+
+// Parsers take the first or the last and say nothing.
+TEST_F(HostileUse, WhatIsStatedTwiceIsRefused) {
+    write("a.json", R"({"volume": {"file": "sample:ball:8"}, "camera": {"zoom": 1, "zoom": 2}})");
+    write("b.json", R"({"points": [{"value": 0, "opacity": 0, "opacity": 1}]})");
+    write("c.tfi", R"(<TransFuncIntensity><lower value="0" value="1"/></TransFuncIntensity>)");
+    for (const auto& [arguments, what] :
+         {std::pair{"render -o a.png --scene a.json", "'zoom'"}, std::pair{"convert b.json b2.json", "'opacity'"},
+          std::pair{"convert c.tfi c.json", "value of <lower>"}}) {
+        const Said said = tool(arguments);
+        EXPECT_EQ(said.code, 3) << arguments;
+        EXPECT_NE(said.err.find(std::string("states ") + what + " twice"), said.err.npos) << said.err;
+    }
+    EXPECT_EQ(files(), "a.json b.json c.tfi");
+}
+
 // One line a key would be 100000, and a search by the names of all others before took 10^10 steps.
 TEST_F(HostileUse, UnknownKeysAreCounted) {
     nlohmann::json scene{{"volume", {{"file", "sample:ball:8"}}}, {"camera", {{"azimuth_dge", 1}}}};

@@ -114,8 +114,8 @@ TEST(Hdr, RefusesBrokenFilesInOneSentence) {
     EXPECT_NE(with("-Y 1 +X 70000").find("65536 pixels a side"), std::string::npos);
     EXPECT_NE(with("-Y 10 +X 20").find("ends too early"), std::string::npos);
     EXPECT_NE(with("-Y 10 +X 20", "32-bit_rle_xyze").find("format"), std::string::npos);
-    for (const char* size :
-         {"", "+Y 10 +X 20", "-Y 0 +X 5", "-Y -3 +X 5", "-Y 5 +X", "-Y 99999999999 +X 2", "+X 2 -Y 2"})
+    for (const char* size : {"", "+Y 10 +X 20", "-Y 0 +X 5", "-Y -3 +X 5", "-Y 5 +X", "-Y 99999999999 +X 2",
+                             "+X 2 -Y 2", "-Y 8.5 +X 4", "-Y 8 +X 4.5", "-Y 8 -Y 9 +X 4", "-Y 8 +X 4 +X 4"})
         EXPECT_NE(with(size), "") << size;
     EXPECT_NE(refusal(header(300, 1) + std::string("\2\2\1\x2c\xff\0\0\0", 8)), "");    // too short
     EXPECT_NE(refusal(header(10, 1) + std::string("\2\2\0\x0a\xff\5\xff\5", 8)), "");   // a run beyond the row

@@ -1,5 +1,7 @@
 // The server as pages and others meet it: who gets in, what is answered, what each view keeps.
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 
 #include "server_case.h"
 
@@ -285,6 +287,31 @@ TEST(Server, OpensOnlyWhatLiesInItsFolders) {
 }
 
 /// The server begins to read before a page asks: the page is told how far that is, and may give it up.
+// A program that is killed cannot remove its folder: the next one does. Who lives holds a lock.
+TEST(Server, RemovesWhatKilledOnesLeftBehind) {
+    const Server around;  // for a folder to be ours
+    setenv("TMPDIR", around.folder.c_str(), 1);
+    const auto left = around.folder / "chiaro-view-killed", live = around.folder / "chiaro-view-living",
+               fresh = around.folder / "chiaro-view-newone";
+    const auto long_ago = fs::file_time_type::clock::now() - std::chrono::hours(1);
+    for (const auto& folder : {left, live, fresh}) {
+        fs::create_directories(folder / "uploads");
+        write_file(folder / "uploads/a", "a");
+        if (folder != fresh) fs::last_write_time(folder, long_ago);
+    }
+    const int lock = open(live.c_str(), O_RDONLY | O_DIRECTORY);
+    ASSERT_EQ(flock(lock, LOCK_EX), 0);
+    { const Server next; }
+    unsetenv("TMPDIR");
+    EXPECT_FALSE(fs::exists(left));
+    EXPECT_TRUE(fs::exists(live / "uploads/a"));
+    EXPECT_TRUE(fs::exists(fresh / "uploads/a"));
+    std::size_t folders = 0;
+    for (const auto& entry : fs::directory_iterator(around.folder)) folders += entry.is_directory();
+    EXPECT_EQ(folders, 2U) << "its own is gone, too";
+    close(lock);
+}
+
 TEST(Server, TellsOfTheFirstReadingAndGivesItUp) {
     const Server server("sample:shells:400");
     Page page = server.page();

@@ -81,8 +81,9 @@ CHIARO_EXPORT Image develop(const Frame& frame, const ToneMap& tone);
 /// The same, on the GPU that holds the frame: 3 or 4 bytes a pixel come back.
 CHIARO_EXPORT Image develop(const DeviceFrame& frame, const ToneMap& tone);
 
-/// The frame with its light multiplied by the exposure: what an .exr holds. Neither tone curve nor background.
-CHIARO_EXPORT Frame expose(Frame frame, const ToneMap& tone);
+/// The frame with its light multiplied by the exposure: what an .exr holds. Neither tone curve nor background. With
+/// `progress`, Error{interrupted} when cancelled.
+CHIARO_EXPORT Frame expose(const Frame& frame, const ToneMap& tone, const Progress* progress = nullptr);
 
 /// Key and text pairs that go into a PNG (tEXt/iTXt) or an OpenEXR header (string attributes).
 using Metadata = std::vector<std::pair<std::string, std::string>>;

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <unordered_set>
+#include <vector>
+
 namespace chiaro {
 namespace {
 
@@ -79,6 +82,24 @@ bool is_deeper_than(int most, std::string_view json) {
         depth -= c == '}' || c == ']';
     }
     return false;
+}
+
+std::string_view member_stated_twice(std::string_view json) {
+    std::vector<std::unordered_set<std::string_view>> open;  // the members so far of each object or array around
+    std::string_view last;
+    for (std::size_t i = 0; i < json.size(); ++i) {
+        const char c = json[i];
+        if (c == '"') {
+            const std::size_t first = ++i;
+            while (i < json.size() && json[i] != '"') i += json[i] == '\\' ? 2 : 1;
+            last = json.substr(first, i - first);
+        }
+        if (c == '{' || c == '[') open.emplace_back();
+        if (open.empty()) continue;
+        if (c == '}' || c == ']') open.pop_back();
+        if (c == ':' && !open.back().insert(last).second) return last;
+    }
+    return {};
 }
 
 }  // namespace chiaro

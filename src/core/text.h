@@ -16,6 +16,10 @@ std::string one_line(std::string_view text, std::size_t longest = 400);
 /// JSON in UTF-8 that a terminal shows as it is: what it would obey is written as \uXXXX, which means the same.
 std::string printable_json(std::string_view json);
 
+/// A member that an object of this JSON, which must be valid, states twice, as it is spelled there; empty where there
+/// is none. Parsers take the last one and say nothing.
+std::string_view member_stated_twice(std::string_view json);
+
 /// Whether JSON is nested deeper than `most`, in one pass: copying and printing it recurse.
 bool is_deeper_than(int most, std::string_view json);
 

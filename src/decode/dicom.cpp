@@ -1,5 +1,7 @@
 // DICOM: GDCM decodes the pictures; which slices make a volume, and where they lie, is decided in dicom_series.cpp.
+#include "decode/byte_source.h"
 #include "decode/dicom_series.h"
+#include "decode/limits.h"
 #include "decode/readers.h"
 #include "volume/validate.h"
 
@@ -105,21 +107,35 @@ private:
     bool truncated_ = false;
 };
 
+/// The bytes of all pictures of a file. GDCM allocates what is stated before it looks what is there: a file of a
+/// kilobyte may cost little more.
+std::size_t expected_bytes(const DicomSlice& slice) {
+    constexpr std::uint64_t always = 8 << 20, largest_ratio = 256;  // run lengths reach 64; codecs, of empty pictures
+    const std::uint64_t stored = regular_file_size(slice.path), bytes = slice.bytes() * std::uint64_t(slice.frames);
+    if (bytes > always + largest_ratio * stored)
+        refuse(fmt::format("states {} bytes of pixels, but has only {} bytes in all", bytes, stored));
+    limit_own_memory(working_memory + 4 * (stored + bytes));
+    return bytes;
+}
+
 /// All pictures of one file, in the stored type.
 std::vector<std::byte> decode_file(const DicomSlice& slice) {
     try {
+        const std::size_t bytes = expected_bytes(slice);
         WatchedFile file(slice.path);
         std::istream stream(&file);
         gdcm::ImageReader reader;
         reader.SetStream(stream);
         const bool read = reader.Read();
-        if (reader.GetFile().GetHeader().GetDataSetTransferSyntax() ==
-            gdcm::TransferSyntax::DeflatedExplicitVRLittleEndian)
+        const gdcm::TransferSyntax syntax = reader.GetFile().GetHeader().GetDataSetTransferSyntax();
+        if (syntax == gdcm::TransferSyntax::DeflatedExplicitVRLittleEndian)
             refuse("is deflated as a whole, a transfer syntax that is not read");
         if (file.is_truncated()) refuse("is truncated");
         if (!read) refuse("cannot be decoded");
         const gdcm::Image& image = reader.GetImage();
-        const std::size_t bytes = slice.bytes() * std::size_t(slice.frames);
+        if (syntax.IsEncapsulated() != (image.GetDataElement().GetSequenceOfFragments() != nullptr))
+            refuse(
+                fmt::format("states the transfer syntax {}, but its pixels are stored in another", syntax.GetString()));
         if (image.GetBufferLength() != bytes || image.GetPixelFormat().GetPixelSize() != size_of(slice.type))
             refuse(fmt::format("holds {} bytes of pixels where {} are needed", image.GetBufferLength(), bytes));
         if (const auto* value = image.GetDataElement().GetByteValue(); value && value->GetLength() < bytes)

@@ -1,6 +1,8 @@
 #include "decode/dicom_scan.h"
 
 #include "decode/byte_source.h"
+#include "decode/dicom_elements.h"
+#include "decode/limits.h"
 #include "decode/output.h"
 #include "decode/text.h"
 
@@ -156,6 +158,8 @@ bool may_be_dicom(const std::filesystem::path& path) {
 
 std::vector<DicomSlice> scan_dicom_file(const std::filesystem::path& path) {
     if (!may_be_dicom(path)) return {};
+    check_dicom_elements(path);
+    limit_own_memory(working_memory + 4 * regular_file_size(path));
     std::ifstream stream(path, std::ios::binary);
     gdcm::Reader reader;
     reader.SetStream(stream);

@@ -26,6 +26,9 @@ struct DicomSlice {
     std::size_t bytes() const { return std::size_t(columns) * std::size_t(rows) * size_of(type); }
 };
 
+/// What GDCM takes beside the bytes of a file and of its picture.
+constexpr std::uint64_t working_memory = 16 << 20;
+
 /// The slices of a file: one, or one per frame. None for what is no DICOM image.
 /// Throws Error{input} for images of a kind that is not read: colour, or bits that are no whole bytes.
 std::vector<DicomSlice> scan_dicom_file(const std::filesystem::path& path);

@@ -2,6 +2,7 @@
 //
 // The last axis is x, as everywhere where volumes are kept in HDF5. Spacing comes from the attribute `element_size_um`
 // (ilastik, Fiji; micrometres) or `spacing` (millimetres), both in the order of the dataset's axes.
+#include "decode/byte_source.h"
 #include "decode/hdf5_file.h"
 #include "decode/payload.h"
 #include "decode/readers.h"
@@ -158,12 +159,66 @@ void set_spacing(hid_t dataset, const Shape& shape, Volume& volume) {
         volume.notes.push_back("states neither element_size_um nor spacing; 1 mm is taken");
 }
 
-void check_stored(hid_t dataset, std::uint64_t bytes, std::uint64_t stored_value, const Volume& volume) {
-    const Hdf5Id made(H5Dget_create_plist(dataset), H5Pclose);
+/// Which of the filters makes the checksums of chunks; 32: none does.
+unsigned checksum_filter(hid_t made) {
+    for (int i = 0; i < H5Pget_nfilters(made); ++i) {
+        unsigned flags = 0;
+        std::size_t values = 0;
+        if (H5Pget_filter2(made, unsigned(i), &flags, &values, nullptr, 0, nullptr, nullptr) == H5Z_FILTER_FLETCHER32)
+            return unsigned(i);
+    }
+    return 32;
+}
+
+/// A chunk that says of itself that it was stored without the checksum that all others have.
+void check_checksum(hid_t dataset, const std::vector<hsize_t>& at, hsize_t bytes, unsigned filter) {
+    std::vector<std::byte> stored(bytes);
+    std::uint32_t left_out = 0;
+    if (H5Dread_chunk(dataset, H5P_DEFAULT, at.data(), &left_out, stored.data()) < 0 || (left_out >> filter & 1) != 0)
+        refuse("has a chunk without its checksum: its index is damaged");
+}
+
+/// Goes to the next chunk; false behind the last.
+bool next_chunk(std::vector<hsize_t>& at, const std::vector<hsize_t>& chunk, const std::vector<hsize_t>& sizes) {
+    for (std::size_t axis = at.size(); axis-- > 0; at[axis] = 0)
+        if ((at[axis] += chunk[axis]) < sizes[axis]) return true;
+    return false;
+}
+
+/// Chunks hold the fill value where none was written, which is told. Those that lie at no place of the array were
+/// meant for another one: a bit flipped in the index, which has no checksum of its own, makes voxels vanish.
+void check_chunks(hid_t dataset, hid_t made, std::uint64_t file_size, const Shape& shape, Volume& volume,
+                  Output& output) {
+    const unsigned filter = checksum_filter(made);
+    std::vector<hsize_t> chunk(shape.sizes.size(), 1), at(shape.sizes.size(), 0);
+    H5Pget_chunk(made, int(chunk.size()), chunk.data());
+    std::uint64_t expected = 0, written = 0;
+    do {
+        hsize_t bytes = 0;  // an error, where none is there
+        if (H5Dget_chunk_storage_size(dataset, at.data(), &bytes) < 0) bytes = 0;
+        if (bytes > file_size) refuse("has a chunk that is larger than the file: its index is damaged");
+        written += bytes > 0;
+        if (bytes > 0 && filter < 32) check_checksum(dataset, at, bytes, filter);
+        if (++expected % 4096 == 0) output.progress(0);
+    } while (next_chunk(at, chunk, shape.sizes));
+    const Hdf5Id space(H5Dget_space(dataset), H5Sclose);
+    hsize_t stored = 0;
+    if (H5Dget_num_chunks(dataset, space, &stored) < 0 || stored > written)
+        refuse(fmt::format("has {} chunks that lie outside of its array: its index is damaged", stored - written));
+    if (written < expected)
+        volume.notes.push_back(
+            fmt::format("{} of {} chunks were never written; they hold the fill value", expected - written, expected));
+}
+
+void check_stored(hid_t dataset, std::uint64_t file_size, std::uint64_t bytes, const Shape& shape, Volume& volume,
+                  Output& output) {
+    const Hdf5Id made(H5Dget_create_plist(dataset), H5Pclose), type(H5Dget_type(dataset), H5Tclose);
     const std::uint64_t stored = H5Dget_storage_size(dataset);
     if (stored == 0) refuse("has a dataset whose values were never written");
-    const std::uint64_t needed = bytes / size_of(volume.type) * stored_value;
-    if (H5Pget_layout(made) != H5D_CHUNKED) check_capacity(needed, stored);
+    if (H5Pget_layout(made) == H5D_CHUNKED)
+        check_chunks(dataset, made, file_size, shape, volume, output);
+    else
+        check_capacity(bytes / size_of(volume.type) * H5Tget_size(type), stored);
 }
 
 /// Elements along the slowest kept axis that lie in the same chunks.
@@ -213,8 +268,7 @@ Volume read_hdf5(const Path& path, const std::string& part, Output& output) {
     volume.dimensions = {int(n[0]), int(n[1]), int(n[2])};
     if (shape.axes.size() == 2) volume.notes.push_back("a picture of two dimensions, taken as one slice");
     set_spacing(dataset, shape, volume);
-    const Hdf5Id stored(H5Dget_type(dataset), H5Tclose);
-    check_stored(dataset, bytes, H5Tget_size(stored), volume);
+    check_stored(dataset, regular_file_size(path), bytes, shape, volume, output);
     output.allocate(volume);
     fill(dataset, shape, volume, output);
     return volume;

@@ -9,7 +9,9 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
+#include <fstream>
 
 namespace chiaro::decode {
 namespace {
@@ -27,7 +29,25 @@ void be_the_first_to_go() {
     close(file);
 }
 
+/// Bytes of writable memory that no other process sees.
+std::uint64_t own_memory() {
+    std::ifstream statm("/proc/self/statm");
+    std::uint64_t pages = 0;
+    for (int column = 0; column < 6; ++column) statm >> pages;
+    return statm ? pages * std::uint64_t(sysconf(_SC_PAGESIZE)) : 0;
+}
+
 }  // namespace
+
+void limit_own_memory([[maybe_unused]] std::uint64_t bytes) {
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+    rlimit limits{};
+    const std::uint64_t now = own_memory();
+    if (now == 0 || getrlimit(RLIMIT_DATA, &limits) != 0) return;
+    limits.rlim_cur = std::min<rlim_t>(limits.rlim_max, now + bytes);
+    setrlimit(RLIMIT_DATA, &limits);
+#endif
+}
 
 void limit_this_process(const Limits& limits) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);

@@ -9,6 +9,11 @@ struct Limits {
     unsigned cpu_seconds = 0;
 };
 
+/// From now on the process may have so many more bytes of memory of its own than it has: what a library allocates
+/// before it looks whether the file holds as much. The voxels' memory file is not counted. Each call replaces the one
+/// before; where the kernel does not say how much there is, the limit of limit_this_process stays alone.
+void limit_own_memory(std::uint64_t bytes);
+
 /// Limits memory, CPU time, file size and open files; forbids core dumps and all that restrict_system_calls does;
 /// ties the helper's life to its parent's. Whatever the kernel lacks is left out: the parent checks the results all the
 /// same.

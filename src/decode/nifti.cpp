@@ -76,6 +76,7 @@ std::array<Vec3, 3> axes_of_qform(const NiftiHeader& header) {
     double b = header.quatern[0], c = header.quatern[1], d = header.quatern[2];
     // Half turns have a = 0, of which 32-bit b, c, d leave a difference whose root would be a turn of its own.
     const double rest = 1 - (b * b + c * c + d * d);
+    if (!(rest > -1e-3)) refuse(fmt::format("states the quaternion ({}, {}, {}), which is longer than 1", b, c, d));
     double a = rest < 1e-7 ? 0 : std::sqrt(rest);
     const double norm = std::sqrt(a * a + b * b + c * c + d * d);
     a /= norm, b /= norm, c /= norm, d /= norm;
@@ -98,6 +99,13 @@ double millimetres_per_unit(const NiftiHeader& header, Volume& volume) {
     }
 }
 
+/// Spacings that are the same but for rounding.
+bool agree(const Vec3& a, const Vec3& b) {
+    for (int axis = 0; axis < 3; ++axis)
+        if (!(std::abs(a[axis] - b[axis]) <= 1e-2 * b[axis])) return false;
+    return true;
+}
+
 /// sform before qform, as its definition says that the former is the better known; without either there is no frame.
 void set_geometry(const NiftiHeader& header, Volume& volume) {
     Geometry& geometry = volume.geometry;
@@ -111,7 +119,12 @@ void set_geometry(const NiftiHeader& header, Volume& volume) {
         const auto column = [&](int i) { return unit * Vec3{s[0][i], s[1][i], s[2][i]}; };
         geometry.world = World::ras;
         geometry.origin_mm = column(3);
+        const Vec3 stated = geometry.spacing_mm;
         set_steps(geometry, {column(0), column(1), column(2)});
+        if (!agree(stated, geometry.spacing_mm))
+            volume.notes.push_back(
+                fmt::format("pixdim states voxels of {:.4g} x {:.4g} x {:.4g} mm; those of sform are taken", stated.x,
+                            stated.y, stated.z));
     } else if (header.qform_code > 0) {
         geometry.world = World::ras;
         geometry.origin_mm = unit * Vec3{header.qoffset[0], header.qoffset[1], header.qoffset[2]};

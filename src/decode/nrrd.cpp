@@ -168,7 +168,11 @@ void set_directions(const NrrdHeader& header, const Axes& axes, Volume& volume) 
 }
 
 void set_geometry(const NrrdHeader& header, const Axes& axes, Volume& volume) {
-    if (header.fields.contains("space directions")) return set_directions(header, axes, volume);
+    if (header.fields.contains("space directions")) {
+        if (header.fields.contains("spacings"))
+            volume.notes.push_back("states spacings beside space directions; the directions are taken");
+        return set_directions(header, axes, volume);
+    }
     if (header.fields.contains("space"))
         volume.notes.push_back("names a space but no directions in it, so its orientation is unknown");
     if (!header.fields.contains("spacings")) return;

@@ -170,6 +170,7 @@ void swap_bytes(std::span<std::byte> bytes, std::size_t value_size) {
 
 std::filesystem::path confined(const std::filesystem::path& header, const std::string& name) {
     if (header == standard_input) refuse(fmt::format("names the data file '{}', but must hold its data itself", name));
+    if (name.find('\0') != name.npos) refuse("names a data file with a NUL in its name");
     const std::filesystem::path relative(name);
     const bool climbs = std::find(relative.begin(), relative.end(), "..") != relative.end();
     std::error_code error;

@@ -130,6 +130,7 @@ void filter_system_calls() {
     permit_without(program, SYS_openat, 2, writing);
     permit_without(program, SYS_mmap, 2, PROT_EXEC);
     permit_without(program, SYS_mprotect, 2, PROT_EXEC);
+    permit_without(program, SYS_prlimit64, 0, ~0u);  // of this process alone
     permit_signals_to_self(program);
     program.push_back(end_with(denied));
     const sock_fprog filter{static_cast<unsigned short>(program.size()), program.data()};

@@ -163,6 +163,14 @@ void set_spacing(const TiffPage& page, const TiffLayout& layout, Volume& volume)
         volume.notes.push_back("the distance between slices is not stated; that between columns is taken");
 }
 
+void note_guessed_sizes(const std::vector<Slice>& slices, Volume& volume) {
+    const auto guessed = std::count_if(slices.begin(), slices.end(), [](auto& s) { return s.page.are_sizes_guessed; });
+    if (guessed > 0)
+        volume.notes.push_back(
+            fmt::format("{} of {} pages state wrong sizes of their strips, or none; those of their pixels are taken",
+                        guessed, slices.size()));
+}
+
 void note_colors(const TiffPage& page, Volume& volume) {
     if (page.color == TiffColor::rgb)
         volume.notes.push_back(
@@ -258,6 +266,7 @@ Volume read_tiff(const Path& path, const std::string&, Output& output) {
     volume.slope = layout.slope;
     volume.intercept = layout.intercept;
     set_spacing(page, layout, volume);
+    note_guessed_sizes(slices, volume);
     note_colors(page, volume);
     output.allocate(volume);
     fill(slices, chosen, run, volume, output);

@@ -15,6 +15,7 @@ namespace chiaro::decode {
 namespace {
 
 std::string last_complaint;
+bool are_sizes_guessed = false;  ///< of the strips of the page read last
 
 void complain(const char*, const char* format, std::va_list arguments) {
     char text[300];
@@ -27,6 +28,7 @@ void complain(const char*, const char* format, std::va_list arguments) {
 void hear_warning(const char* module, const char* format, std::va_list arguments) {
     char text[300];
     std::vsnprintf(text, sizeof text, format, arguments);
+    are_sizes_guessed = are_sizes_guessed || std::strstr(text, "calculating from imagelength");
     if (std::strstr(text, "remature end") || std::strstr(text, "IO error") ||
         std::strstr(module ? module : "", "JPEGLib"))
         last_complaint = text;
@@ -209,6 +211,7 @@ TiffFile open_tiff(const std::filesystem::path& path) {
     TIFFSetErrorHandler(complain);
     TIFFSetWarningHandler(hear_warning);
     last_complaint.clear();
+    are_sizes_guessed = false;
     TiffFile file(TIFFOpen(path.c_str(), "rm"));  // not mapped: a file that shrinks would be a signal
     if (!file || !last_complaint.empty())
         refuse(fmt::format("'{}' is no TIFF file, or a truncated one{}", path.filename().string(), because()));
@@ -217,12 +220,14 @@ TiffFile open_tiff(const std::filesystem::path& path) {
 
 void next_page(TIFF* file) {
     last_complaint.clear();
+    are_sizes_guessed = false;
     if (!TIFFReadDirectory(file) || !last_complaint.empty())
         refuse("has a page that is damaged or missing, as in a truncated file" + because());
 }
 
 TiffPage scan_page(TIFF* file, std::uint64_t file_size) {
     TiffPage page;
+    page.are_sizes_guessed = are_sizes_guessed;
     const auto columns = tag<std::uint32_t>(file, TIFFTAG_IMAGEWIDTH, 0),
                rows = tag<std::uint32_t>(file, TIFFTAG_IMAGELENGTH, 0);
     if (columns < 1 || columns > 65535 || rows < 1 || rows > 65535)

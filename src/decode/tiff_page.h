@@ -31,6 +31,7 @@ struct TiffPage {
     int samples = 1;                            ///< stored for each pixel, alpha included
     double x_resolution = 0, y_resolution = 0;  ///< pixels in a unit; 0: not stated
     double unit_mm = 0;                         ///< 0: not stated
+    bool are_sizes_guessed = false;             ///< of its strips, which are stated wrong or not at all
     std::string description;
 
     std::size_t bytes() const { return std::size_t(columns) * std::size_t(rows) * size_of(type); }

@@ -4,6 +4,7 @@
 #include "decode/text.h"
 #include "decode/vti_data.h"
 #include "decode/vtk_arrays.h"
+#include "io/xml_attributes.h"
 #include "volume/validate.h"
 
 #include <fmt/format.h>
@@ -182,6 +183,8 @@ Volume read_vti(const Path& path, const std::string&, Output& output) {
         document.load_buffer_inplace(text.xml.data(), text.xml.size(), pugi::parse_escapes, pugi::encoding_utf8);
     if (parsed.status == pugi::status_out_of_memory) throw std::bad_alloc();
     if (!parsed) refuse(fmt::format("its XML is damaged or truncated: {}", parsed.description()));
+    if (const auto twice = attribute_stated_twice(document); !twice.empty())
+        refuse("its XML states " + twice + " twice");
     const auto file = document.child("VTKFile");
     if (const std::string type = attribute(file, "type", ""); type != "ImageData")
         refuse("holds VTK data of type '" + type + "', not ImageData");

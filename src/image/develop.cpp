@@ -63,11 +63,17 @@ Image undeveloped(int width, int height, const ToneMap& tone) {
 
 }  // namespace
 
-Frame expose(Frame frame, const ToneMap& tone) {
+Frame expose(const Frame& frame, const ToneMap& tone, const Progress* progress) {
     const float gain = float(std::exp2(tone.exposure_stops));
-    for (std::size_t i = 0; i < frame.rgba.size(); ++i)
-        if (i % 4 != 3) frame.rgba[i] *= gain;
-    return frame;
+    Frame exposed(frame.width, frame.height);
+    const std::int64_t row = 4 * std::int64_t(frame.width);
+    parallel_for(frame.height, 16, [&](std::int64_t first, std::int64_t last) {
+        if (progress && progress->cancelled()) return;
+        for (std::int64_t i = first * row; i < last * row; ++i)
+            exposed.rgba[i] = i % 4 != 3 ? frame.rgba[i] * gain : frame.rgba[i];
+    });
+    if (progress) progress->check();
+    return exposed;
 }
 
 Image develop(const Frame& frame, const ToneMap& tone) {

@@ -61,18 +61,22 @@ struct Size {
 
 /// "-Y 512 +X 1024"
 Size read_size(HdrInput& in) {
-    const std::string_view line = in.line();
-    const auto number_after = [&](std::string_view name, std::size_t from) {
+    std::string_view line = in.line();
+    if (!line.starts_with("-Y ") || line.find(" +X ") == line.npos)
+        in.refuse("it does not begin at the top left, with -Y HEIGHT +X WIDTH");
+    const auto number_behind = [&](std::string_view name) {
         int value = 0;
-        const std::size_t at = line.find(name, from) + name.size();
-        const auto [end, error] = std::from_chars(line.data() + at, line.data() + line.size(), value);
-        if (error != std::errc() || value < 1) in.refuse("its size cannot be read");
+        const bool is_there = line.starts_with(name);
+        line.remove_prefix(is_there ? name.size() : 0);
+        const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), value);
+        if (!is_there || error != std::errc() || value < 1) in.refuse("its size cannot be read");
+        line.remove_prefix(std::size_t(end - line.data()));
         return value;
     };
-    const std::size_t x = line.find(" +X ");
-    if (!line.starts_with("-Y ") || x == line.npos)
-        in.refuse("it does not begin at the top left, with -Y HEIGHT +X WIDTH");
-    const Size size{number_after(" +X ", x), number_after("-Y ", 0)};
+    Size size;
+    size.height = number_behind("-Y ");
+    size.width = number_behind(" +X ");
+    if (line.find_first_not_of(" \r") != line.npos) in.refuse("its size cannot be read");
     if (std::int64_t(size.width) * size.height > max_pixels) in.refuse("more than 100 megapixels");
     if (std::max(size.width, size.height) > longest_side) in.refuse("more than 65536 pixels a side");
     return size;

@@ -21,7 +21,9 @@ ReadJson parse_json(const std::string& text) {
     // Copying and printing JSON recurse: a scene is shallow, and what is not would overflow the stack.
     if (is_deeper_than(32, text)) refuse("nested too deeply");
     try {
-        return ReadJson::parse(text);
+        ReadJson json = ReadJson::parse(text);
+        if (const auto name = member_stated_twice(text); !name.empty()) refuse(fmt::format("states '{}' twice", name));
+        return json;
     } catch (const ReadJson::exception& error) {
         const std::string what = error.what();  // "[json.exception.parse_error.101] parse error at line 3, ..."
         refuse("not JSON: " + what.substr(std::min(what.find("] ") + 2, what.size())));

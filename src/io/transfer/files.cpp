@@ -14,6 +14,7 @@
 #include "core/text.h"
 #include "io/transfer/json_node.h"
 #include "io/transfer/reader.h"
+#include "io/xml_attributes.h"
 
 namespace chiaro {
 namespace {
@@ -76,6 +77,7 @@ void parse_json(TransferText& text) {
         text.fail(fmt::format("is nested more than {} deep", max_transfer_depth));
     try {
         text.json = std::make_shared<Json>(Json::parse(without_trailing_commas(text.text)));
+        if (const auto twice = json_contradiction(text.text); !twice.empty()) text.fail(twice);
     } catch (const Json::exception& error) {
         text.trouble = json_trouble(error);
     }
@@ -86,6 +88,8 @@ void parse_xml(TransferText& text) {
     const auto result =
         document->load_buffer(text.text.data(), text.text.size(), pugi::parse_default, pugi::encoding_utf8);
     if (result) {
+        if (const auto twice = attribute_stated_twice(*document); !twice.empty())
+            text.fail("states " + twice + " twice");
         text.xml = std::move(document);
         return;
     }

@@ -54,7 +54,10 @@ TransferFunction read_function(const JsonNode& node) {
 
 Json parse(const std::string& text, const std::string& origin) {
     try {
-        return Json::parse(text);
+        Json json = Json::parse(text);
+        if (const auto twice = json_contradiction(text); !twice.empty())
+            throw Error(ErrorCode::input, origin + ": " + twice);
+        return json;
     } catch (const Json::exception& error) {
         throw Error(ErrorCode::input, origin + ": " + json_trouble(error));
     }
