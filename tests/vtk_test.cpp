@@ -219,6 +219,10 @@ TEST(Vtk, RefusesWhatLies) {
         EXPECT_NE(refusal(folder.write("a.vtk", bytes)).find(part), std::string::npos) << part;
     };
     const std::string start = vtk_start(true);
+    const auto with = [&](const std::string& line) {  // in place of the one with its keyword
+        const auto at = start.find(line.substr(0, line.find(' ')));
+        return start.substr(0, at) + line + start.substr(start.find('\n', at));
+    };
     expect(vtk_start(true, "STRUCTURED_GRID") + "POINT_DATA 24\n" + vtk_scalars("short", values), "STRUCTURED_POINTS");
     expect(start + "POINT_DATA 24\n" + vtk_scalars("bit", values), "type 'bit'");
     expect(start + "POINT_DATA 23\n" + vtk_scalars("short", values), "");
@@ -227,9 +231,10 @@ TEST(Vtk, RefusesWhatLies) {
     expect(start + "POINT_DATA 99999999999999999\n" + vtk_scalars("short", values), "POINT_DATA");
     expect(start + "POINT_DATA -1\n" + vtk_scalars("short", values), "POINT_DATA");
     expect(start + "POINT_DATA 24\nFIELD f 1\nx 65535 1099511627776 double\n" + values, "truncated");
-    expect(start + "DIMENSIONS 60000 60000 60000\nPOINT_DATA 24\n" + vtk_scalars("short", values),
+    expect(with("DIMENSIONS 60000 60000 60000") + "POINT_DATA 24\n" + vtk_scalars("short", values),
            "need 216000000000000");
-    expect(start + "SPACING 1 0 1\nPOINT_DATA 24\n" + vtk_scalars("short", values), "spacing");
+    expect(with("SPACING 1 0 1") + "POINT_DATA 24\n" + vtk_scalars("short", values), "spacing");
+    expect(start + "SPACING 1 1 1\nPOINT_DATA 24\n" + vtk_scalars("short", values), "states its spacing twice");
     expect(start + "NONSENSE 1\n", "NONSENSE");
     expect(start, "no array");
     expect("# vtk DataFile Version 3.0\nx\nBINARY\n", "no DATASET");

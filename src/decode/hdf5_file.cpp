@@ -1,6 +1,7 @@
 #include "decode/hdf5_file.h"
 
 #include "decode/byte_source.h"
+#include "decode/limits.h"
 #include "decode/output.h"
 
 #include <fmt/format.h>
@@ -52,7 +53,8 @@ void check_storage(hid_t dataset, const std::string& path) {
 }  // namespace
 
 Hdf5Id open_hdf5(const std::filesystem::path& path) {
-    regular_file_size(path);
+    // Chunks are allocated as large as is stated; no chunk grows more than this when it is inflated.
+    limit_own_memory((std::uint64_t(32) << 20) + (largest_deflate_ratio + 4) * regular_file_size(path));
     setenv("HDF5_USE_FILE_LOCKING", "FALSE", 1);  // a folder without write access is no reason to refuse
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
     H5PLset_loading_state(0);

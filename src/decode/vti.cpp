@@ -179,8 +179,8 @@ void fill(const pugi::xml_node& node, const VtiText& text, const Path& path, con
 Volume read_vti(const Path& path, const std::string&, Output& output) {
     VtiText text = read_text(path);
     pugi::xml_document document;
-    const auto parsed =
-        document.load_buffer_inplace(text.xml.data(), text.xml.size(), pugi::parse_escapes, pugi::encoding_utf8);
+    const auto parsed = document.load_buffer_inplace(
+        text.xml.data(), text.xml.size(), pugi::parse_escapes | pugi::parse_declaration, pugi::encoding_utf8);
     if (parsed.status == pugi::status_out_of_memory) throw std::bad_alloc();
     if (!parsed) refuse(fmt::format("its XML is damaged or truncated: {}", parsed.description()));
     if (const auto twice = attribute_stated_twice(document); !twice.empty())

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
 
 namespace chiaro::decode {
 namespace {
@@ -150,6 +151,8 @@ private:
 
     void take_geometry(const std::string& word, const std::vector<std::string>& line) {
         if (line.size() != 4) refuse(fmt::format("has {} words in its line '{}', not 4", line.size(), line[0]));
+        if (!stated_.insert(word == "aspect_ratio" ? "spacing" : word).second)
+            refuse(fmt::format("states its {} twice", word));
         for (std::size_t axis = 0; axis < 3; ++axis) {
             if (word == "dimensions")
                 header.points[axis] = integer(line[axis + 1], line[0]);
@@ -214,6 +217,7 @@ private:
     }
 
     MixedFile file_;
+    std::set<std::string> stated_;  ///< of the lines that there is one of
     bool found_dataset_ = false, of_cells_ = false;
     std::int64_t tuples_ = -1;  ///< of the point or cell data at hand; -1 before any
 };

@@ -9,6 +9,7 @@
 #include <chiaro/error.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <stdexcept>
 
@@ -77,6 +78,8 @@ public:
             more = has_parts && !is_empty;
         }
         if (chunks > bytes_.size() / 8) end_too_early();
+        constexpr std::uint32_t more_than_rows = 0x1a00;  // tiles, deep data or parts
+        if ((number(4) & more_than_rows) == 0) check_rows();
     }
 
 private:
@@ -95,6 +98,17 @@ private:
         return text;
     }
 
+    /// Behind the header of rows without tiles, the table of offsets; at each: the first row, the bytes, the pixels.
+    void check_rows() const {
+        constexpr std::array<std::uint64_t, 10> rows_by_compression{1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
+        if (compression_ >= rows_by_compression.size()) return;
+        const std::uint64_t rows = rows_by_compression[compression_], chunks = (height_ + rows - 1) / rows;
+        for (std::uint64_t i = 0; i < chunks; ++i) {
+            const std::uint64_t chunk = number(at_ + 8 * i) + (std::uint64_t(number(at_ + 8 * i + 4)) << 32);
+            if (chunk > bytes_.size() || number(chunk + 4) > bytes_.size() - chunk - 8) end_too_early();
+        }
+    }
+
     std::uint64_t chunks_of_header() {
         std::uint64_t width = 0, height = 0, chunk_width = 0, chunk_height = max_chunk_rows;
         for (std::string name; !(name = text()).empty();) {
@@ -106,9 +120,11 @@ private:
                 width = extent(number(at_), number(at_ + 8));
                 height = extent(number(at_ + 4), number(at_ + 12));
             }
+            if (name == "compression" && size == 1) compression_ = std::size_t(bytes_[at_]);
             if (name == "tiles" && size == 9) chunk_width = number(at_), chunk_height = number(at_ + 4);
             at_ += size;
         }
+        height_ = height;
         if (chunk_width == 0) chunk_width = std::max<std::uint64_t>(width, 1);  // rows
         return width / chunk_width * (height / std::max<std::uint64_t>(chunk_height, 1));
     }
@@ -118,7 +134,8 @@ private:
 
     static constexpr std::uint64_t max_chunk_rows = 256;  ///< of a chunk, whatever the compression
     std::span<const std::byte> bytes_;
-    std::size_t at_ = 0;
+    std::size_t at_ = 0, compression_ = 0;
+    std::uint64_t height_ = 0;  ///< of the part looked at last
 };
 
 Frame read_frame(Imf::MultiPartInputFile& file, std::size_t file_bytes) {

@@ -27,6 +27,9 @@ public:
     void need(std::size_t count) const {
         if (left_.size() < count) refuse("the file ends too early");
     }
+    void end() const {
+        if (!left_.empty()) refuse("there are " + std::to_string(left_.size()) + " bytes behind its last row");
+    }
     std::uint8_t byte() {
         need(1);
         const auto value = std::uint8_t(left_[0]);
@@ -141,6 +144,7 @@ Probe decode_hdr(std::span<const std::byte> bytes, const std::string& origin) {
         for (const Rgbe& pixel : row)
             for (int c = 0; c < 3; ++c) rgb.push_back(float(pixel[c]) * scale[pixel[3]]);
     }
+    in.end();
     return Probe(width, height, std::move(rgb));
 }
 

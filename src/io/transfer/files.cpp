@@ -85,8 +85,8 @@ void parse_json(TransferText& text) {
 
 void parse_xml(TransferText& text) {
     auto document = std::make_shared<pugi::xml_document>();
-    const auto result =
-        document->load_buffer(text.text.data(), text.text.size(), pugi::parse_default, pugi::encoding_utf8);
+    const auto result = document->load_buffer(text.text.data(), text.text.size(),
+                                              pugi::parse_default | pugi::parse_declaration, pugi::encoding_utf8);
     if (result) {
         if (const auto twice = attribute_stated_twice(*document); !twice.empty())
             text.fail("states " + twice + " twice");
