@@ -26,7 +26,7 @@ void end_late(int) {
 
 void set_alarm(void (*handler)(int)) {
     signal(SIGALRM, handler);
-    const itimerval patience{{}, {0, 800'000}};
+    const itimerval patience{{}, {0, 500'000}};
     setitimer(ITIMER_REAL, &patience, nullptr);
 }
 
