@@ -42,7 +42,7 @@ inline chiaro::Scene changed_scene(chiaro::Method method = chiaro::Method::spao)
          "40:80=3",
          "none"},
         {48, 12, 100, 0.01},
-        {64, ReferenceQuantity::ao, ReferenceMedium::trilinear, 0, 2, 30, 0.125},
+        {64, ReferenceQuantity::ao, ReferenceMedium::trilinear, 0, 2, SurfaceModel::automatic, 30, 0.125},
         {{3}, 0.75, 12}};
     s.sampling = {1,     Classification::preintegrated, Compositing::back_to_front, 4, RaySetup::raster, 0,
                   false, Interpolation::texture};

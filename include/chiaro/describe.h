@@ -241,6 +241,9 @@ void describe(Visit&& visit, S& s) {
           .within(0, 1000).written("HALF_VOXELS").of("reference"), s.start_half_voxels);
     visit(Setting{"reference-subsample", "lighting.subsample", "", "rays from every Nth voxel per axis only"}
           .within(1, 64).of("reference"), s.subsample);
+    visit(Setting{"surfaces", "lighting.surfaces", "",
+                  "light meets particles everywhere, or matte surfaces where opacity rises steeply (path tracing)"}
+          .of("reference"), s.surfaces);
     visit(Setting{"reference-time", "lighting.time", "seconds", "stops path tracing of radiance and mean radiance after this time"}
           .above(0).written("S").of("reference"), s.time_s);
     visit(Setting{"reference-error", "lighting.error", "",

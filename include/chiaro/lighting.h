@@ -135,6 +135,9 @@ enum class ReferenceQuantity { obscurance, ao, ao_cosine, visibility, mean_radia
 /// Whether the extinction is constant in each voxel or interpolated between them.
 enum class ReferenceMedium { voxels, trilinear };
 
+/// What light meets along paths: particles everywhere, or surfaces where opacity rises steeply (docs/theory/light.md).
+enum class SurfaceModel { none, automatic };
+
 /// The ground truth, by brute force: rays in all directions from every voxel, or paths through every pixel.
 struct ReferenceSettings {
     int rays = 256;                             ///< or paths from a voxel, through a pixel
@@ -142,8 +145,9 @@ struct ReferenceSettings {
     ReferenceMedium medium = ReferenceMedium::voxels;
     double start_half_voxels = 1;  ///< rays begin this far from the centre, in half voxel widths
     int subsample = 1;             ///< only every so many voxels per axis; between them trilinear (harmonics: one node)
-    std::optional<double> time_s;  ///< of radiance and mean radiance: no more paths after this time,
-    std::optional<double> error;   ///< nor when the RMS standard error over the RMS luminance is so small
+    SurfaceModel surfaces = SurfaceModel::none;  ///< of radiance and mean radiance
+    std::optional<double> time_s;                ///< of radiance and mean radiance: no more paths after this time,
+    std::optional<double> error;                 ///< nor when the RMS standard error over the RMS luminance is so small
     bool operator==(const ReferenceSettings&) const = default;
 };
 

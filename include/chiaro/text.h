@@ -54,6 +54,7 @@ constexpr auto names_of(ReferenceQuantity) {
         {"obscurance", "ao", "ao-cosine", "visibility", "mean-radiance", "radiance"});
 }
 constexpr auto names_of(ReferenceMedium) { return std::to_array<std::string_view>({"voxels", "trilinear"}); }
+constexpr auto names_of(SurfaceModel) { return std::to_array<std::string_view>({"none", "auto"}); }
 constexpr auto names_of(Mode) { return std::to_array<std::string_view>({"dvr", "iso", "mip"}); }
 constexpr auto names_of(Classification) { return std::to_array<std::string_view>({"post", "pre", "preintegrated"}); }
 constexpr auto names_of(Compositing) { return std::to_array<std::string_view>({"front-to-back", "back-to-front"}); }

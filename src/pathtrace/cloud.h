@@ -27,7 +27,7 @@ struct Cloud {
     float scale, offset, last;  ///< entry = stored * scale + offset
     PhaseView phase;
 
-    static constexpr bool has_normals = false;
+    static constexpr bool has_normals = false, has_cuts = false;
 
     /// A new way has been taken.
     template <class F>
@@ -37,10 +37,14 @@ struct Cloud {
         path.leave = select(lanes, F(0), path.leave);
     }
 
-    /// To the next tentative collision, or through the region.
     template <class F>
     CHIARO_INLINE void travel(Path<F>& path) const {
-        const Mask<F> going = at_stage(path, travelling), lost = going & (path.t >= path.leave);
+        travel(at_stage(path, travelling), path);
+    }
+    /// To the next tentative collision, or through the region.
+    template <class F>
+    CHIARO_INLINE void travel(Mask<F> going, Path<F>& path) const {
+        const Mask<F> lost = going & (path.t >= path.leave);
         if (any(lost)) regions.enter(volume, lost, path);
         const F through = (path.leave - path.t) * path.majorant;
         const Mask<F> meets = going & (through > path.depth), passes = going & !meets;
@@ -57,7 +61,7 @@ struct Cloud {
         using I = Int<F>;
         const Vec3<F> p = volume.clamp(mad(path.t, path.direction, path.origin));
         const F value = volume.value(volume.locate(p, volume.voxel(p)));
-        const I entry = truncate(min(max(mad(value, F(scale), F(offset)), F(0)), F(last)));
+        const I entry = entry_of(value);
         const F kappa = gather_float(extinction, entry);
         const Draw<F> numbers = draw_for(lanes, path);
         path.depth = select(lanes, free_depth(numbers.b), path.depth);
@@ -76,6 +80,11 @@ struct Cloud {
     template <class F>
     CHIARO_INLINE Vec3<F> direction(const Path<F>& path, F u, F v) const {
         return around(path.heading, phase.cosine(u), v);
+    }
+
+    template <class F>
+    CHIARO_INLINE Int<F> entry_of(F stored) const {
+        return truncate(min(max(mad(stored, F(scale), F(offset)), F(0)), F(last)));
     }
 
 private:

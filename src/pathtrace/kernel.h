@@ -4,6 +4,7 @@
 #include "kernel/queue.h"
 #include "pathtrace/cloud.h"
 #include "pathtrace/light_view.h"
+#include "pathtrace/surface_cloud.h"
 #include "pathtrace/surfaces.h"
 #include "raycast/ray_bounds.h"
 
@@ -131,6 +132,7 @@ private:
         path.dimension = select(fresh, I(0), path.dimension);
         path.scatterings = select(fresh, I(0), path.scatterings);
         path.to_light = select(fresh, I(0), path.to_light);
+        path.on_surface = select(fresh, F(0), path.on_surface);
         path.throughput = select<F>(fresh, {F(1), F(1), F(1)}, path.throughput);
         path.light = select<F>(fresh, {F(0), F(0), F(0)}, path.light);
         if (start.at_points()) return begin_at(start.template point<F>(y * I(width) + x), path, fresh);
@@ -158,8 +160,11 @@ private:
     template <class F>
     CHIARO_INLINE void set_off(Path<F>& path, Mask<F> lanes, const Ray<F>& ray, F from_mm, const Box& box) const {
         Interval<F> way = intersect(ray, box.low, box.high);
+        const Mask<F> from_outside = way.near > from_mm;
         way.near = max(way.near, from_mm);
-        const Cut<F> cut = clip(clip_view, ray, way);
+        Cut<F> cut = clip(clip_view, ray, way);
+        if constexpr (Matter::has_cuts)
+            if (any(from_outside & !cut.open)) enter_box(ray, box, way.near, from_outside & !cut.open, cut);
         const Vec3<F> d = ray.direction;
         path.origin = select(lanes, mad(way.near, d, ray.origin), path.origin);
         path.direction = select(lanes, d, path.direction);
@@ -170,6 +175,24 @@ private:
         path.end = select(lanes, length, path.end);
         path.stage = select(lanes, select(length > F(0), Int<F>(travelling), Int<F>(escaped)), path.stage);
         matter.begin(lanes, cut, path);
+    }
+
+    /// The border that a way enters by is a cut, too: of the axes the one on which it lies nearest to its border.
+    template <class F>
+    static CHIARO_INLINE void enter_box(const Ray<F>& ray, const Box& box, F near, Mask<F> enters, Cut<F>& cut) {
+        const Vec3<F> p = mad(near, ray.direction, ray.origin);
+        const auto inside = [](F d, F at, float low, float high)
+                                CHIARO_INLINE_LAMBDA { return abs(select(d > F(0), at - F(low), F(high) - at)); };
+        const auto outward = [](Mask<F> here, F d)
+                                 CHIARO_INLINE_LAMBDA { return select(here, select(d > F(0), F(-1), F(1)), F(0)); };
+        const F x = inside(ray.direction.x, p.x, box.low.x, box.high.x),
+                y = inside(ray.direction.y, p.y, box.low.y, box.high.y),
+                z = inside(ray.direction.z, p.z, box.low.z, box.high.z);
+        const Mask<F> by_x = (x <= y) & (x <= z), by_y = (!by_x) & (y <= z), by_z = (!by_x) & !by_y;
+        cut.normal = select<F>(
+            enters, {outward(by_x, ray.direction.x), outward(by_y, ray.direction.y), outward(by_z, ray.direction.z)},
+            cut.normal);
+        cut.open = cut.open | enters;
     }
 
     /// From where the path last collided.

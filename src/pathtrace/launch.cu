@@ -34,6 +34,7 @@ void trace_frame(cuda::Stream& stream, const Kernel& kernel, std::int32_t width,
     CHIARO_INSTANTIATE_FOR(Matter, std::uint16_t) \
     CHIARO_INSTANTIATE_FOR(Matter, float)
 CHIARO_INSTANTIATE(Cloud)
+CHIARO_INSTANTIATE(SurfaceCloud)
 CHIARO_INSTANTIATE(Surfaces)
 
 }  // namespace chiaro::kernel

@@ -31,6 +31,7 @@ struct Path {
     Vec3<F> place{F(0), F(0), F(0)};       ///< of the last collision, voxels
     Vec3<F> heading{F(0), F(0), F(1)};     ///< unit, world: away from the eye
     Vec3<F> normal{F(0), F(0), F(0)};      ///< of surfaces: unit, world, on the side the path comes from
+    F on_surface{0};                       ///< 1: the last collision was with a surface in the volume
     F density{0};                          ///< with which the heading was drawn, per steradian
     Int<F> material{0};                    ///< entry in the tables of colours
 
@@ -41,6 +42,8 @@ struct Path {
     F leave{0}, majorant{0};  ///< of the region it is in: where it ends, the largest extinction in it per mm
     F depth{0};               ///< optical depth to the next tentative collision; of surfaces the value here
     Int<F> surface{0};        ///< of surfaces: which is crossed ahead
+
+    F held{0};  ///< > 0: it leaves a skin, which does not dim it until this depth of release is used up
 
     // A way to the light, on which nothing is scattered.
     Int<F> to_light{0};               ///< 1: it is one

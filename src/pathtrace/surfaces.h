@@ -10,7 +10,7 @@ namespace chiaro::kernel {
 template <class Voxel>
 struct Surfaces {
     static constexpr int most = 8;
-    static constexpr bool has_normals = true;
+    static constexpr bool has_normals = true, has_cuts = false;
 
     VolumeView<Voxel> volume;
     RegionsView regions;  ///< majorant 0 where no surface passes

@@ -78,8 +78,9 @@ Medium checked(const Medium& medium) {
 constexpr int unlimited_bounces = 1'000'000;
 
 PathOptions path_options(const IlluminationSettings& settings) {
-    return {settings.scattering.bounces.most, settings.scattering.albedo_max, settings.scattering.anisotropy,
-            settings.reference.start_half_voxels, settings.scattering.seed};
+    return {settings.scattering.bounces.most, settings.scattering.albedo_max,
+            settings.scattering.anisotropy,   settings.reference.start_half_voxels,
+            settings.scattering.seed,         settings.reference.surfaces == SurfaceModel::automatic};
 }
 
 PathTracer::PathTracer(const Device& device, const Medium& medium, const Lighting& lighting, const Camera& camera,
@@ -138,7 +139,8 @@ PathTracer::TraceTile PathTracer::tracer_through(const Camera& camera, const Lig
                                          .offset = float(data.table.index_offset + 0.5),
                                          .last = float(data.table.entries.size() - 1),
                                          .phase = {float(options.anisotropy)}};
-        return tracer_of(cloud, camera, settings, options);
+        if (!options.surfaces) return tracer_of(cloud, camera, settings, options);
+        return tracer_of(kernel::SurfaceCloud<Voxel>{cloud, surface_view(lighting, camera)}, camera, settings, options);
     }
     const kernel::SurfacesView view = surfaces_view(data, false);
     kernel::Surfaces<Voxel> surfaces{
@@ -156,6 +158,22 @@ PathTracer::TraceTile PathTracer::tracer_through(const Camera& camera, const Lig
     return tracer_of(surfaces, camera, settings, options);
 }
 
+kernel::SurfaceView PathTracer::surface_view(const Lighting& lighting, const Camera& camera) {
+    const Medium::Data& data = medium_.data();
+    const DeviceVolume::Data& volume = data.volume.data();
+    const double edge = volume.geometry.smallest_spacing_mm();
+    for (const float kappa : extinction_) opacity_.push_back(float(-std::expm1(-double(kappa) * edge)));
+    const kernel::ShadingView shading = shading_view(lighting, camera, volume, data.shape.color);
+    return {.opacity = opacity_.data(),
+            .scale = float(data.table.index_scale),
+            .offset = float(data.table.index_offset + 0.5),
+            .last = float(data.table.entries.size() - 1),
+            .edge_mm = float(edge),
+            .world_x = shading.gradient_x,
+            .world_y = shading.gradient_y,
+            .world_z = shading.gradient_z};
+}
+
 template <class Matter>
 PathTracer::TraceTile PathTracer::tracer_of(const Matter& matter, const Camera& camera, const RaySettings& settings,
                                             const PathOptions& options) {
@@ -168,11 +186,11 @@ PathTracer::TraceTile PathTracer::tracer_of(const Matter& matter, const Camera& 
                   of_points(points_.z)},
         .axes = axes_view(volume.geometry),
         .seen = box_of(volume.dimensions, false),
-        .lit = box_of(volume.dimensions, true),
+        .lit = box_of(volume.dimensions, !options.surfaces),  // borders of surfaces are cuts
         .clip_view = clip_view(medium_.data().shape.clip, volume.geometry, volume.dimensions),
         .probe = light_.view(),
         .max_scatterings = options.bounces.value_or(unlimited_bounces) + 1,
-        .start_mm = float(0.5 * edge * options.start_half_voxels),
+        .start_mm = options.surfaces ? 0 : float(0.5 * edge * options.start_half_voxels),
         .normal_offset_mm = float(normal_offset_edges * edge),
         .sub_pixels = settings.samples_per_pixel,
         .pixel_key = std::int32_t(words),
@@ -188,8 +206,8 @@ std::unique_ptr<GpuPaths> PathTracer::gpu_tracer_of(const Kernel& kernel) const 
     HostArrays arrays;
     medium_.data().add_to(arrays);
     light_.add_to(arrays);
-    const std::vector<float>* const own[] = {&majorants_.cells, &majorants_.runs, &extinction_, &red_, &green_, &blue_,
-                                             &points_.x,        &points_.y,       &points_.z};
+    const std::vector<float>* const own[] = {&majorants_.cells, &majorants_.runs, &extinction_, &opacity_,  &red_,
+                                             &green_,           &blue_,           &points_.x,   &points_.y, &points_.z};
     for (const auto* numbers : own) arrays.add(*numbers);
     return std::make_unique<GpuTracer<Kernel>>(device_, kernel, arrays, width_, height_);
 }

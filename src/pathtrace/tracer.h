@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "classify/medium.h"
+#include "classify/surface_view.h"
 #include "pathtrace/gpu.h"
 #include "pathtrace/light_table.h"
 #include "pathtrace/majorants.h"
@@ -21,7 +22,8 @@ struct PathOptions {
     double anisotropy = 0;
     double start_half_voxels = 1;
     std::uint64_t seed = 0;
-    bool plain = false;  ///< one majorant for the whole volume
+    bool surfaces = false;  ///< matter whose opacity rises steeply is a surface; else all are particles
+    bool plain = false;     ///< one majorant for the whole volume
 };
 PathOptions path_options(const IlluminationSettings& settings);
 
@@ -59,6 +61,7 @@ private:
     std::unique_ptr<GpuPaths> gpu_tracer_of(const Kernel& kernel) const;
     template <class Work>
     bool done_there(const Work& work);
+    kernel::SurfaceView surface_view(const Lighting& lighting, const Camera& camera);
     void make_colours(const PathOptions& options);
     void add_here(int end, const Progress& progress);
     std::int64_t trace(const kernel::Tile& tile, int first, int end, const Progress& progress);
@@ -68,7 +71,7 @@ private:
     const Lighting lighting_;
     const LightTable light_;
     const Majorants majorants_;
-    std::vector<float> extinction_, red_, green_, blue_;
+    std::vector<float> extinction_, opacity_, red_, green_, blue_;
     const int width_, height_;
     const PathPoints points_;
     TraceTile trace_tile_;
