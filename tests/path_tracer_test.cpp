@@ -95,9 +95,10 @@ TEST(PathTracer, SurfacesLetTheirShareThrough) {
 
 TEST(PathTracer, EveryInstructionSetAndThreadCountGivesTheSameBits) {
     const Volume volume = small_shells();
-    for (const Mode mode : {Mode::dvr, Mode::iso}) {
+    for (const auto& [mode, surfaces] : {std::pair{Mode::dvr, false}, {Mode::dvr, true}, {Mode::iso, false}}) {
         Subject subject;
         subject.shape.mode = mode;
+        subject.options.surfaces = surfaces;
         subject.shape.iso = {{70, {}, 0.5}, {150}};
         subject.lighting.loaded_probe = builtin_probe("studio");
         subject.lighting.probe = {"studio", 40, 0.5, false};
@@ -112,7 +113,7 @@ TEST(PathTracer, EveryInstructionSetAndThreadCountGivesTheSameBits) {
                 subject.device = Device::cpu(threads, isa);
                 const Frame frame = subject.frame(volume, 3);
                 EXPECT_EQ(std::memcmp(frame.rgba.data(), scalar.rgba.data(), 4 * frame.rgba.size()), 0)
-                    << name_of(isa) << ", " << threads << " threads, mode " << int(mode);
+                    << name_of(isa) << ", " << threads << " threads, mode " << int(mode) << surfaces;
             }
     }
 }
