@@ -30,6 +30,7 @@ template <class Views, class Matter>
 void swap_pointers(Views& views, kernel::PathKernel<Matter>& kernel) {
     views.to_device_pointers(kernel.matter.volume.voxels);
     if constexpr (requires { kernel.matter.extinction; }) views.to_device_pointers(kernel.matter.extinction);
+    if constexpr (requires { kernel.matter.surface; }) views.to_device_pointers(kernel.matter.surface.opacity);
     swap_pointers(views, kernel.matter.regions);
     swap_pointers(views, kernel.matter.colours);
     views.to_device_pointers(kernel.start.x, kernel.start.y, kernel.start.z);
