@@ -53,8 +53,9 @@ void check_storage(hid_t dataset, const std::string& path) {
 }  // namespace
 
 Hdf5Id open_hdf5(const std::filesystem::path& path) {
-    // Chunks are allocated as large as is stated; no chunk grows more than this when it is inflated.
-    limit_own_memory((std::uint64_t(32) << 20) + (largest_deflate_ratio + 4) * regular_file_size(path));
+    // Chunks are allocated as large as is stated. None grows more than this when it is inflated, and filters hold
+    // three.
+    limit_own_memory((std::uint64_t(32) << 20) + 3 * largest_deflate_ratio * regular_file_size(path));
     setenv("HDF5_USE_FILE_LOCKING", "FALSE", 1);  // a folder without write access is no reason to refuse
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
     H5PLset_loading_state(0);
