@@ -74,7 +74,9 @@ public:
         std::uint64_t chunks = 0;
         for (bool more = true; more;) {
             const bool is_empty = at_ < bytes_.size() && bytes_[at_] == std::byte(0);
+            has_window_ = is_empty;
             chunks += chunks_of_header();
+            if (!has_window_) throw std::runtime_error("no data window");  // hidden in an attribute of a wrong size
             more = has_parts && !is_empty;
         }
         if (chunks > bytes_.size() / 8) end_too_early();
@@ -117,6 +119,7 @@ private:
             at_ += sizeof size;
             if (size > bytes_.size() - at_) end_too_early();
             if (name == "dataWindow" && size == 16) {
+                has_window_ = true;
                 width = extent(number(at_), number(at_ + 8));
                 height = extent(number(at_ + 4), number(at_ + 12));
             }
@@ -136,6 +139,7 @@ private:
     std::span<const std::byte> bytes_;
     std::size_t at_ = 0, compression_ = 0;
     std::uint64_t height_ = 0;  ///< of the part looked at last
+    bool has_window_ = false;
 };
 
 Frame read_frame(Imf::MultiPartInputFile& file, std::size_t file_bytes) {
