@@ -14,7 +14,7 @@ public:
     Interrupt& operator=(const Interrupt&) = delete;
 };
 
-/// Ends the program within a second, with exit code 0, wherever it is: what is left to do harms nobody undone.
+/// Ends the program within a second, with exit code 0, wherever it is. For what may be left undone.
 void end_within_a_second();
 
 /// To be called before anything: descriptors 0 to 2 that are closed become /dev/null, the wrong way round, so that

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <unordered_set>
 #include <vector>
 
@@ -70,36 +71,54 @@ std::string printable_json(std::string_view json) {
     return text;
 }
 
-bool is_deeper_than(int most, std::string_view json) {
-    int depth = 0;
-    bool quoted = false;
+namespace {
+
+/// Calls on_mark(mark, last) for each of { } [ ] : outside of strings, with the string before it, until that says true.
+template <class OnMark>
+bool any_mark(std::string_view json, const OnMark& on_mark) {
+    std::string_view last;
     for (std::size_t i = 0; i < json.size(); ++i) {
-        const char c = json[i];
-        if (quoted && c == '\\') ++i;
-        if (c == '"') quoted = !quoted;
-        if (quoted) continue;
-        if ((c == '{' || c == '[') && ++depth > most) return true;
-        depth -= c == '}' || c == ']';
+        if (json[i] == '"') {
+            const std::size_t first = ++i;
+            while (i < json.size() && json[i] != '"') i += json[i] == '\\' ? 2 : 1;
+            last = json.substr(std::min(first, json.size()), i - first);
+        } else if (std::string_view("{}[]:").find(json[i]) != std::string_view::npos && on_mark(json[i], last)) {
+            return true;
+        }
     }
     return false;
 }
 
+}  // namespace
+
+bool is_deeper_than(int most, std::string_view json) {
+    int depth = 0;
+    return any_mark(json, [&](char mark, std::string_view) {
+        depth += (mark == '{' || mark == '[') - (mark == '}' || mark == ']');
+        return depth > most;
+    });
+}
+
 std::string_view member_stated_twice(std::string_view json) {
     std::vector<std::unordered_set<std::string_view>> open;  // the members so far of each object or array around
-    std::string_view last;
-    for (std::size_t i = 0; i < json.size(); ++i) {
-        const char c = json[i];
-        if (c == '"') {
-            const std::size_t first = ++i;
-            while (i < json.size() && json[i] != '"') i += json[i] == '\\' ? 2 : 1;
-            last = json.substr(first, i - first);
-        }
-        if (c == '{' || c == '[') open.emplace_back();
-        if (open.empty()) continue;
-        if (c == '}' || c == ']') open.pop_back();
-        if (c == ':' && !open.back().insert(last).second) return last;
-    }
-    return {};
+    std::string_view twice;
+    any_mark(json, [&](char mark, std::string_view last) {
+        if (mark == '{' || mark == '[')
+            open.emplace_back();
+        else if (open.empty())
+            return true;
+        else if (mark != ':')
+            open.pop_back();
+        else if (!open.back().insert(last).second)
+            twice = last;
+        return !twice.empty();
+    });
+    return twice;
+}
+
+std::string json_contradiction(std::string_view json) {
+    const std::string_view name = member_stated_twice(json);
+    return name.empty() ? "" : "states '" + one_line(name) + "' twice";
 }
 
 }  // namespace chiaro

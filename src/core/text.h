@@ -20,6 +20,9 @@ std::string printable_json(std::string_view json);
 /// is none. Parsers take the last one and say nothing.
 std::string_view member_stated_twice(std::string_view json);
 
+/// The same as a sentence's end, "states 'zoom' twice".
+std::string json_contradiction(std::string_view json);
+
 /// Whether JSON is nested deeper than `most`, in one pass: copying and printing it recurse.
 bool is_deeper_than(int most, std::string_view json);
 

@@ -178,6 +178,13 @@ void check_checksum(hid_t dataset, const std::vector<hsize_t>& at, hsize_t bytes
         refuse("has a chunk without its checksum: its index is damaged");
 }
 
+/// Elements of a chunk along each axis.
+std::vector<hsize_t> chunk_of(hid_t made, const Shape& shape) {
+    std::vector<hsize_t> chunk(shape.sizes.size(), 1);
+    if (H5Pget_layout(made) == H5D_CHUNKED) H5Pget_chunk(made, int(chunk.size()), chunk.data());
+    return chunk;
+}
+
 /// Goes to the next chunk; false behind the last.
 bool next_chunk(std::vector<hsize_t>& at, const std::vector<hsize_t>& chunk, const std::vector<hsize_t>& sizes) {
     for (std::size_t axis = at.size(); axis-- > 0; at[axis] = 0)
@@ -190,8 +197,8 @@ bool next_chunk(std::vector<hsize_t>& at, const std::vector<hsize_t>& chunk, con
 void check_chunks(hid_t dataset, hid_t made, std::uint64_t file_size, const Shape& shape, Volume& volume,
                   Output& output) {
     const unsigned filter = checksum_filter(made);
-    std::vector<hsize_t> chunk(shape.sizes.size(), 1), at(shape.sizes.size(), 0);
-    H5Pget_chunk(made, int(chunk.size()), chunk.data());
+    const std::vector<hsize_t> chunk = chunk_of(made, shape);
+    std::vector<hsize_t> at(shape.sizes.size(), 0);
     std::uint64_t expected = 0, written = 0;
     do {
         hsize_t bytes = 0;  // an error, where none is there
@@ -203,7 +210,8 @@ void check_chunks(hid_t dataset, hid_t made, std::uint64_t file_size, const Shap
     } while (next_chunk(at, chunk, shape.sizes));
     const Hdf5Id space(H5Dget_space(dataset), H5Sclose);
     hsize_t stored = 0;
-    if (H5Dget_num_chunks(dataset, space, &stored) < 0 || stored > written)
+    if (H5Dget_num_chunks(dataset, space, &stored) < 0) refuse("has an index of chunks that is damaged");
+    if (stored > written)
         refuse(fmt::format("has {} chunks that lie outside of its array: its index is damaged", stored - written));
     if (written < expected)
         volume.notes.push_back(
@@ -225,9 +233,7 @@ void check_stored(hid_t dataset, std::uint64_t file_size, std::uint64_t bytes, c
 hsize_t slab_of(hid_t dataset, const Shape& shape) {
     const Hdf5Id made(H5Dget_create_plist(dataset), H5Pclose);
     const std::size_t axis = shape.axes.size() == 3 ? shape.axes[0] : 0;
-    std::vector<hsize_t> chunk(shape.sizes.size(), 1);
-    if (H5Pget_layout(made) == H5D_CHUNKED) H5Pget_chunk(made, int(chunk.size()), chunk.data());
-    return std::clamp<hsize_t>(chunk[axis], 1, shape.sizes[axis]);
+    return std::clamp<hsize_t>(chunk_of(made, shape)[axis], 1, shape.sizes[axis]);
 }
 
 void fill(hid_t dataset, const Shape& shape, Volume& volume, Output& output) {

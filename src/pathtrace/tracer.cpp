@@ -186,11 +186,11 @@ PathTracer::TraceTile PathTracer::tracer_of(const Matter& matter, const Camera& 
                   of_points(points_.z)},
         .axes = axes_view(volume.geometry),
         .seen = box_of(volume.dimensions, false),
-        .lit = box_of(volume.dimensions, !options.surfaces),  // borders of surfaces are cuts
+        .lit = box_of(volume.dimensions, !Matter::has_cuts),  // or its borders are cuts
         .clip_view = clip_view(medium_.data().shape.clip, volume.geometry, volume.dimensions),
         .probe = light_.view(),
         .max_scatterings = options.bounces.value_or(unlimited_bounces) + 1,
-        .start_mm = options.surfaces ? 0 : float(0.5 * edge * options.start_half_voxels),
+        .start_mm = Matter::has_cuts ? 0 : float(0.5 * edge * options.start_half_voxels),
         .normal_offset_mm = float(normal_offset_edges * edge),
         .sub_pixels = settings.samples_per_pixel,
         .pixel_key = std::int32_t(words),

@@ -22,7 +22,7 @@ ReadJson parse_json(const std::string& text) {
     if (is_deeper_than(32, text)) refuse("nested too deeply");
     try {
         ReadJson json = ReadJson::parse(text);
-        if (const auto name = member_stated_twice(text); !name.empty()) refuse(fmt::format("states '{}' twice", name));
+        if (const auto twice = json_contradiction(text); !twice.empty()) refuse(twice);
         return json;
     } catch (const ReadJson::exception& error) {
         const std::string what = error.what();  // "[json.exception.parse_error.101] parse error at line 3, ..."

@@ -56,12 +56,6 @@ struct JsonNode {
     }
 };
 
-/// What is wrong with JSON that can be parsed; empty: nothing.
-inline std::string json_contradiction(std::string_view text) {
-    const std::string_view name = member_stated_twice(text);
-    return name.empty() ? "" : "states '" + one_line(name) + "' twice";
-}
-
 /// "[json.exception.parse_error.101] parse error at line 3, column 7: ..." without its number.
 inline std::string json_trouble(const Json::exception& error) {
     const std::string what = error.what();
