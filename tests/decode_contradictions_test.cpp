@@ -82,7 +82,9 @@ TEST(Contradictions, ChunksNeverWrittenAreNoted) {
     const Folder folder;
     const hid_t made = H5Pcreate(H5P_DATASET_CREATE);
     const hsize_t chunk[] = {1, 2, 4}, count[] = {1, 3, 4}, first[] = {1, 0, 0};
+    const std::uint16_t fill = 1000;
     H5Pset_chunk(made, 3, chunk);
+    H5Pset_fill_value(made, H5T_NATIVE_UINT16, &fill);
     {
         Hdf5 file(folder / "half.h5");
         file.dataset("density", {2, 3, 4}, std::vector<std::uint16_t>{}, made);
@@ -93,7 +95,10 @@ TEST(Contradictions, ChunksNeverWrittenAreNoted) {
         EXPECT_GE(H5Dwrite(dataset, H5T_NATIVE_UINT16, in_memory, in_file, H5P_DEFAULT, values.data()), 0);
     }
     H5Pclose(made);
+    const Volume half = read(folder / "half.h5");
     expect_noted((folder / "half.h5").string(), "2 of 4 chunks were never written");
+    for (int i = 0; i < 24; ++i)
+        EXPECT_EQ(half.as<std::uint16_t>()[i], i < 12 ? fill : ramp<std::uint16_t>(12)[i - 12]);
 }
 
 // What a mutation script found (each file's name says what is wrong with it), and what becomes of it.

@@ -1,10 +1,12 @@
 // NRRD, MetaImage, NIfTI and raw: exact voxels and geometry, in and out.
+#include "io/wire.h"
 #include "volume_files.h"
 
 #include <chiaro/error.h>
 
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 using namespace chiaro;
 using namespace volume_files;
@@ -17,6 +19,18 @@ std::string nrrd(const std::string& fields, const std::string& data) {
     return "NRRD0004\n# a comment\n" + fields + "\n" + data;
 }
 const std::string short_fields = "type: short\ndimension: 3\nsizes: 4 3 2\n";
+
+// Whatever a helper says: numbers that are none of int's have no answer of their own.
+TEST(Wire, HeadersHoldWholeNumbers) {
+    const nlohmann::json good = wire::header_to_json(Volume());
+    EXPECT_EQ(wire::header_from_json(good).components, Volume().components);
+    for (const double wrong : {2.6e27, -1e300}) {
+        nlohmann::json dimensions = good, components = good;
+        dimensions["dimensions"][2] = wrong, components["components"] = wrong;
+        EXPECT_THROW(wire::header_from_json(dimensions), std::exception);
+        EXPECT_THROW(wire::header_from_json(components), std::exception);
+    }
+}
 
 }  // namespace
 

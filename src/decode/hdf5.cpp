@@ -12,7 +12,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
+#include <set>
 
 namespace chiaro::decode {
 namespace {
@@ -192,41 +194,72 @@ bool next_chunk(std::vector<hsize_t>& at, const std::vector<hsize_t>& chunk, con
     return false;
 }
 
+/// Whether a chunk was written for a place of the array, which is checked then.
+bool check_chunk(hid_t dataset, const std::vector<hsize_t>& at, std::uint64_t file_size, unsigned filter) {
+    hsize_t bytes = 0;  // an error, where none is there
+    if (H5Dget_chunk_storage_size(dataset, at.data(), &bytes) < 0) bytes = 0;
+    if (bytes > file_size) refuse("has a chunk that is larger than the file: its index is damaged");
+    if (bytes > 0 && filter < 32) check_checksum(dataset, at, bytes, filter);
+    return bytes > 0;
+}
+
+using Places = std::set<std::vector<hsize_t>>;
+
+/// The places of chunks by the index, but for those outside of the array.
+Places places_in_index(hid_t dataset, hid_t space, hsize_t stored, const Shape& shape) {
+    Places places;
+    std::vector<hsize_t> at(shape.sizes.size());
+    for (hsize_t i = 0; i < stored; ++i) {
+        if (H5Dget_chunk_info(dataset, space, i, at.data(), nullptr, nullptr, nullptr) < 0)
+            refuse("has an index of chunks that is damaged");
+        if (std::ranges::equal(at, shape.sizes, std::less())) places.insert(at);
+    }
+    return places;
+}
+
 /// Chunks hold the fill value where none was written, which is told. Those that lie at no place of the array were
-/// meant for another one: a bit flipped in the index, which has no checksum of its own, makes voxels vanish.
-void check_chunks(hid_t dataset, hid_t made, std::uint64_t file_size, const Shape& shape, Volume& volume,
-                  Output& output) {
+/// meant for another one: a bit flipped in the index, which has no checksum of its own, makes voxels vanish. Asked are
+/// all places; where only a few chunks are stored those that the index has, for to find one of them takes a walk
+/// through the index. Returns those places.
+std::optional<Places> check_chunks(hid_t dataset, hid_t made, std::uint64_t file_size, const Shape& shape,
+                                   Volume& volume, Output& output) {
+    constexpr hsize_t few = 1024;
     const unsigned filter = checksum_filter(made);
     const std::vector<hsize_t> chunk = chunk_of(made, shape);
-    std::vector<hsize_t> at(shape.sizes.size(), 0);
-    std::uint64_t expected = 0, written = 0;
-    do {
-        hsize_t bytes = 0;  // an error, where none is there
-        if (H5Dget_chunk_storage_size(dataset, at.data(), &bytes) < 0) bytes = 0;
-        if (bytes > file_size) refuse("has a chunk that is larger than the file: its index is damaged");
-        written += bytes > 0;
-        if (bytes > 0 && filter < 32) check_checksum(dataset, at, bytes, filter);
-        if (++expected % 4096 == 0) output.progress(0);
-    } while (next_chunk(at, chunk, shape.sizes));
+    std::uint64_t expected = 1, written = 0, asked = 0;
+    for (std::size_t axis = 0; axis < chunk.size(); ++axis)
+        expected *= (shape.sizes[axis] + chunk[axis] - 1) / chunk[axis];
     const Hdf5Id space(H5Dget_space(dataset), H5Sclose);
     hsize_t stored = 0;
     if (H5Dget_num_chunks(dataset, space, &stored) < 0) refuse("has an index of chunks that is damaged");
+    std::optional<Places> places;
+    if (stored < few && stored < expected) {
+        places = places_in_index(dataset, space, stored, shape);
+        for (const auto& at : *places) written += check_chunk(dataset, at, file_size, filter);
+    } else {
+        std::vector<hsize_t> at(shape.sizes.size(), 0);
+        do {
+            written += check_chunk(dataset, at, file_size, filter);
+            if (++asked % 4096 == 0) output.progress(0);
+        } while (next_chunk(at, chunk, shape.sizes));
+    }
     if (stored > written)
         refuse(fmt::format("has {} chunks that lie outside of its array: its index is damaged", stored - written));
     if (written < expected)
         volume.notes.push_back(
             fmt::format("{} of {} chunks were never written; they hold the fill value", expected - written, expected));
+    return places;
 }
 
-void check_stored(hid_t dataset, std::uint64_t file_size, std::uint64_t bytes, const Shape& shape, Volume& volume,
-                  Output& output) {
+/// Returns the places of chunks where few are stored: elsewhere is the fill value.
+std::optional<Places> check_stored(hid_t dataset, std::uint64_t file_size, std::uint64_t bytes, const Shape& shape,
+                                   Volume& volume, Output& output) {
     const Hdf5Id made(H5Dget_create_plist(dataset), H5Pclose), type(H5Dget_type(dataset), H5Tclose);
     const std::uint64_t stored = H5Dget_storage_size(dataset);
     if (stored == 0) refuse("has a dataset whose values were never written");
-    if (H5Pget_layout(made) == H5D_CHUNKED)
-        check_chunks(dataset, made, file_size, shape, volume, output);
-    else
-        check_capacity(bytes / size_of(volume.type) * H5Tget_size(type), stored);
+    if (H5Pget_layout(made) == H5D_CHUNKED) return check_chunks(dataset, made, file_size, shape, volume, output);
+    check_capacity(bytes / size_of(volume.type) * H5Tget_size(type), stored);
+    return {};
 }
 
 /// Elements along the slowest kept axis that lie in the same chunks.
@@ -234,6 +267,27 @@ hsize_t slab_of(hid_t dataset, const Shape& shape) {
     const Hdf5Id made(H5Dget_create_plist(dataset), H5Pclose);
     const std::size_t axis = shape.axes.size() == 3 ? shape.axes[0] : 0;
     return std::clamp<hsize_t>(chunk_of(made, shape)[axis], 1, shape.sizes[axis]);
+}
+
+/// libhdf5 would go through all chunks, stored or not.
+void fill_few(hid_t dataset, const Shape& shape, const Places& places, Volume& volume) {
+    const Hdf5Id made(H5Dget_create_plist(dataset), H5Pclose), space(H5Dget_space(dataset), H5Sclose);
+    const hid_t type = memory_type(volume.type);
+    const std::size_t size = size_of(volume.type);
+    std::vector<std::byte> value(size);
+    if (H5Pget_fill_value(made, type, value.data()) < 0) refuse("has a fill value that is damaged");
+    if (std::ranges::any_of(value, [](std::byte b) { return b != std::byte(); }))
+        for (std::size_t at = 0; at < volume.voxels.size(); at += size)
+            std::copy(value.begin(), value.end(), volume.voxels.data() + at);
+    const std::vector<hsize_t> chunk = chunk_of(made, shape);
+    for (const auto& at : places) {
+        std::vector<hsize_t> count(at.size());
+        for (std::size_t axis = 0; axis < at.size(); ++axis)
+            count[axis] = std::min(chunk[axis], shape.sizes[axis] - at[axis]);
+        if (H5Sselect_hyperslab(space, H5S_SELECT_SET, at.data(), nullptr, count.data(), nullptr) < 0 ||
+            H5Dread(dataset, type, space, space, H5P_DEFAULT, volume.voxels.data()) < 0)
+            refuse("holds values that are damaged or missing");
+    }
 }
 
 void fill(hid_t dataset, const Shape& shape, Volume& volume, Output& output) {
@@ -274,9 +328,12 @@ Volume read_hdf5(const Path& path, const std::string& part, Output& output) {
     volume.dimensions = {int(n[0]), int(n[1]), int(n[2])};
     if (shape.axes.size() == 2) volume.notes.push_back("a picture of two dimensions, taken as one slice");
     set_spacing(dataset, shape, volume);
-    check_stored(dataset, regular_file_size(path), bytes, shape, volume, output);
+    const auto few = check_stored(dataset, regular_file_size(path), bytes, shape, volume, output);
     output.allocate(volume);
-    fill(dataset, shape, volume, output);
+    if (few)
+        fill_few(dataset, shape, *few, volume);
+    else
+        fill(dataset, shape, volume, output);
     return volume;
 }
 

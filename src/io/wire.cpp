@@ -1,5 +1,6 @@
 #include "io/wire.h"
 
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -11,9 +12,17 @@ using nlohmann::json;
 json to_json(const Vec3& v) { return {v.x, v.y, v.z}; }
 Vec3 vec3_from(const json& j) { return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()}; }
 
+/// get<int> takes any number, and has no answer to one that is none of int's.
+int int_from(const json& j) {
+    const auto value = j.get<double>();
+    if (!(value >= std::numeric_limits<int>::min() && value <= std::numeric_limits<int>::max()))
+        throw std::out_of_range("a whole number");
+    return int(value);
+}
+
 template <class Enum>
 Enum enum_from(const json& j, Enum last) {
-    const int value = j.get<int>();
+    const int value = int_from(j);
     if (value < 0 || value > int(last)) throw std::out_of_range("enumerator");
     return Enum(value);
 }
@@ -40,9 +49,9 @@ json header_to_json(const Volume& volume) {
 
 Volume header_from_json(const json& j) {
     Volume volume;
-    volume.dimensions = j.at("dimensions").get<std::array<int, 3>>();
+    for (std::size_t axis = 0; axis < 3; ++axis) volume.dimensions[axis] = int_from(j.at("dimensions").at(axis));
     volume.type = enum_from(j.at("type"), VoxelType::f64);
-    volume.components = j.at("components").get<int>();
+    volume.components = int_from(j.at("components"));
     volume.slope = j.at("slope").get<double>();
     volume.intercept = j.at("intercept").get<double>();
     volume.geometry.spacing_mm = vec3_from(j.at("spacing_mm"));
