@@ -151,7 +151,7 @@ std::string ScatteringCase::name() const {
 }
 
 IlluminationSettings ScatteringCase::settings(Method method) const {
-    IlluminationSettings settings{.method = method, .on_particles = true};
+    IlluminationSettings settings{.method = method, .surfaces = SurfaceModel::none};
     settings.reference.start_half_voxels = start_half_voxels;
     settings.scattering.albedo_max = albedo;
     settings.scattering.bounces.most = bounces;

@@ -85,7 +85,7 @@ Rgb shown_at(const ShownLight& shown, Vec3 p, double depth_of_voxel) {
     const kernel::ScatteredLight scattered{.on = true, .boundary_cells = shown.boundary_view};
     kernel::SamplePoint<float> sample{{float(p.x), float(p.y), float(p.z)}, 0};
     sample.solid = float(std::clamp(depth_of_voxel - 0.5, 0.0, 1.0));
-    const auto light = scattered.incident<float>(shown.view, sample, {}).diffuse;
+    const auto light = scattered.incident<float>(shown.view, {}, sample, {}).diffuse;
     return {light.x, light.y, light.z};
 }
 

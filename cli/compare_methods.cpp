@@ -31,11 +31,14 @@ std::vector<Method> methods_in(const std::string& names) {
 
 std::string light_sentence(const Scene& scene) {
     const ProbeSettings& probe = scene.lighting.probe;
-    return fmt::format(
-        "Light: probe {}, turned by {:g} degrees, {:+g} stops. Every method lights particles that "
-        "scatter it once, alike in all directions.",
-        probe.source.empty() ? "white" : std::filesystem::path(probe.source).filename().string(), probe.rotation_deg,
-        probe.exposure_stops);
+    const char* how =
+        shows_surfaces(scene.illumination)
+            ? "Pictures are as they are shown; methods that take no probe, and their reference, are under a "
+              "white one."
+            : "Every method lights particles that scatter it once, alike in all directions.";
+    return fmt::format("Light: probe {}, turned by {:g} degrees, {:+g} stops. {}",
+                       probe.source.empty() ? "white" : std::filesystem::path(probe.source).filename().string(),
+                       probe.rotation_deg, probe.exposure_stops, how);
 }
 
 void write(const MethodComparison& comparison, const Scene& scene, const std::filesystem::path& page) {

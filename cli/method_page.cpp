@@ -48,10 +48,10 @@ std::string escaped(const std::string& text) {
     return html;
 }
 
-std::string figure(const std::string& what, const std::string& caption, const std::string& image,
-                   bool over_ground_truth = false) {
-    return fmt::format("<figure><div><img alt=\"{}\" src=\"{}\">{}</div><figcaption>{}</figcaption></figure>\n", what,
-                       image, over_ground_truth ? "<div class=\"truth\"></div>" : "", caption);
+std::string figure(const std::string& what, const std::string& caption, const std::string& image, int truth = -1) {
+    return fmt::format(
+        "<figure><div><img alt=\"{}\" src=\"{}\">{}</div><figcaption>{}</figcaption></figure>\n", what, image,
+        truth < 0 ? "" : fmt::format("<div class=\"truth\" style=\"--truth: var(--truth{})\"></div>", truth), caption);
 }
 
 std::string table_html(const MethodComparison& comparison) {
@@ -74,25 +74,33 @@ std::string legend(double full) {
 }  // namespace
 
 std::string page_of(const MethodComparison& comparison, const std::string& title, const std::string& told) {
-    const Frame& ground_truth = comparison.reference.frame;
-    const std::string reference = embedded(develop(ground_truth, {}));
+    std::vector<std::string> references;
+    std::string truths;  // a colour of the style sheet for each
+    for (const MethodReference& r : comparison.references) {
+        references.push_back(embedded(develop(r.image.frame, {})));
+        truths += fmt::format("--truth{}: url({}); ", references.size() - 1, references.back());
+    }
     const double full = full_difference(comparison);
     std::string html = fmt::format(
         "<!doctype html>\n<html lang=\"en\">\n<head><meta charset=\"utf-8\"><title>{0}</title>\n<style>{1}:root {{ "
-        "--truth: url({2}) }}\n</style></head>\n<body>\n<h1>{0}</h1>\n<p>{3}</p>\n",
-        escaped(title), style, reference, escaped(told));
+        "{2}}}\n</style></head>\n<body>\n<h1>{0}</h1>\n<p>{3}</p>\n",
+        escaped(title), style, truths, escaped(told));
     html += table_html(comparison);
-    html +=
-        "<p>" + reference_sentence(comparison) + ". Differences of luminance, in linear light:</p>\n" + legend(full);
+    html += "<p>" + fmt::format("{}", fmt::join(reference_sentences(comparison), "; ")) +
+            ". Differences of luminance, in linear light:</p>\n" + legend(full);
     for (const MethodImage& image : comparison.images) {
         const std::string name(to_text(image.method));
         html += "<section>\n" +
-                figure(name, name + "; under the pointer the reference", embedded(develop(image.frame, {})), true) +
+                figure(name, name + "; under the pointer the reference", embedded(develop(image.frame, {})),
+                       int(image.reference)) +
                 figure("difference of " + name, "where " + name + " is brighter or darker",
-                       embedded(difference_image(image.frame, ground_truth, full))) +
+                       embedded(difference_image(image.frame, truth_of(comparison, image), full))) +
                 "</section>\n";
     }
-    return html + "<section>\n" + figure("reference", "reference", reference) + "</section>\n</body>\n</html>\n";
+    html += "<section>\n";
+    for (std::size_t i = 0; i < references.size(); ++i)
+        html += figure("reference", "reference, light " + comparison.references[i].light, references[i]);
+    return html + "</section>\n</body>\n</html>\n";
 }
 
 }  // namespace chiaro::cli

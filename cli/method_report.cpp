@@ -20,7 +20,7 @@ std::string bytes_text(std::size_t bytes) { return fmt::format("{:.1f} MB", doub
 double full_difference(const MethodComparison& comparison) {
     double full = 0;
     for (const MethodImage& image : comparison.images)
-        full = std::max(full, difference_scale(image.frame, comparison.reference.frame));
+        full = std::max(full, difference_scale(image.frame, truth_of(comparison, image)));
     return full;
 }
 
@@ -30,13 +30,17 @@ std::vector<std::string> cells_of(const MethodImage& p) {
             seconds_text(p.frame_seconds),
             bytes_text(p.light_bytes),
             fmt::format("{:.4f}", p.distance.rmse),
+            fmt::format("{:.1f} %", 100 * p.block_error),
             fmt::format("{:.1f} dB", p.distance.psnr),
             fmt::format("{:.3f}", p.distance.ssim),
             fmt::format("{:+.4f}", p.distance.bias)};
 }
-std::string reference_sentence(const MethodComparison& c) {
-    return fmt::format("reference: {} paths a pixel in {}, noise {:.4f}", c.paths,
-                       seconds_text(c.reference.frame_seconds), c.noise);
+std::vector<std::string> reference_sentences(const MethodComparison& comparison) {
+    std::vector<std::string> sentences;
+    for (const MethodReference& r : comparison.references)
+        sentences.push_back(fmt::format("reference (light {}): {} paths a pixel in {}, noise {:.4f}", r.light, r.paths,
+                                        seconds_text(r.image.frame_seconds), r.noise));
+    return sentences;
 }
 
 std::string table_of(const MethodComparison& comparison) {
@@ -48,21 +52,25 @@ std::string table_of(const MethodComparison& comparison) {
     };
     line(headings);
     for (const MethodImage& image : comparison.images) line(cells_of(image));
-    return text + reference_sentence(comparison) + '\n';
+    for (const std::string& sentence : reference_sentences(comparison)) text += sentence + '\n';
+    return text;
 }
 
 Json json_of(const MethodComparison& comparison) {
     Json json;
-    json["reference"] = {{"paths", comparison.paths},
-                         {"frame_seconds", comparison.reference.frame_seconds},
-                         {"noise", comparison.noise}};
+    json["references"] = Json::array();
+    for (const MethodReference& r : comparison.references)
+        json["references"].push_back(
+            {{"light", r.light}, {"paths", r.paths}, {"frame_seconds", r.image.frame_seconds}, {"noise", r.noise}});
     json["methods"] = Json::array();
     for (const MethodImage& p : comparison.images)
         json["methods"].push_back({{"method", to_text(p.method)},
+                                   {"reference", p.reference},
                                    {"light_seconds", p.light_seconds},
                                    {"frame_seconds", p.frame_seconds},
                                    {"light_bytes", p.light_bytes},
                                    {"rmse", p.distance.rmse},
+                                   {"block_error", p.block_error},
                                    {"psnr", p.distance.psnr},
                                    {"ssim", p.distance.ssim},
                                    {"max", p.distance.max},
@@ -72,15 +80,16 @@ Json json_of(const MethodComparison& comparison) {
 
 Image sheet_of(const MethodComparison& comparison) {
     const double full = full_difference(comparison);
-    const Frame& ground_truth = comparison.reference.frame;
     std::vector<std::vector<SheetCell>> rows(2);
     for (const MethodImage& p : comparison.images) {
         rows[0].push_back({develop(p.frame, {}), std::string(to_text(p.method))});
-        rows[1].push_back({difference_image(p.frame, ground_truth, full),
+        rows[1].push_back({difference_image(p.frame, truth_of(comparison, p), full),
                            fmt::format("rmse {:.4f} ssim {:.3f}", p.distance.rmse, p.distance.ssim)});
     }
-    rows[0].push_back({develop(ground_truth, {}), fmt::format("reference noise {:.4f}", comparison.noise)});
-    rows[1].push_back({{}, ""});
+    for (const MethodReference& r : comparison.references) {
+        rows[0].push_back({develop(r.image.frame, {}), fmt::format("reference noise {:.4f}", r.noise)});
+        rows[1].push_back({{}, r.light});
+    }
     return contact_sheet(rows);
 }
 

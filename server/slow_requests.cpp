@@ -24,8 +24,9 @@ Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); 
 
 Json figures_of(const MethodComparison& comparison) {
     const ImageDifference& distance = comparison.images.front().distance;
-    return {{"rmse", number(distance.rmse)}, {"psnr", number(distance.psnr)},     {"ssim", number(distance.ssim)},
-            {"max", number(distance.max)},   {"noise", number(comparison.noise)}, {"paths", comparison.paths}};
+    const MethodReference& reference = comparison.references.front();
+    return {{"rmse", number(distance.rmse)}, {"psnr", number(distance.psnr)},    {"ssim", number(distance.ssim)},
+            {"max", number(distance.max)},   {"noise", number(reference.noise)}, {"paths", reference.paths}};
 }
 
 std::string stem_of(const std::string& volume) {
@@ -176,12 +177,12 @@ Json View::compare(const Json& request, Progress& progress) {
             send_frame({{"n", request["id"]},
                         {"kind", kind},
                         {"stage", stage},
-                        {"samples", so_far.paths},
+                        {"samples", so_far.references.front().paths},
                         {"figures", figures}},
                        develop(frame, scene.output));
         };
         if (std::exchange(is_first, false)) send_image("method", so_far.images.front().frame);
-        send_image("reference", so_far.reference.frame);
+        send_image("reference", so_far.references.front().image.frame);
         return figures;
     };
     auto sent = Clock::now() - between_frames;

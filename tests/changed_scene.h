@@ -27,6 +27,7 @@ inline chiaro::Scene changed_scene(chiaro::Method method = chiaro::Method::spao)
     s.lighting = {Shading::lambert, 0.1, 0.2, 0.4, 5, false, 30, -40, {1, 0.5, 0.25}, 0.75, {"studio", 20, -2, true}};
     s.illumination = {
         method,
+        SurfaceModel::none,
         {SpaoFilter::hybrid, 5, 2, 0.5, SpaoModel::thick},
         {2, 96, 4, VisibilityTraversal::full, {true, 8}, VisibilityModel::paper, ShWindow::hann, ShStorage::f16},
         {12,
@@ -42,7 +43,7 @@ inline chiaro::Scene changed_scene(chiaro::Method method = chiaro::Method::spao)
          "40:80=3",
          "none"},
         {48, 12, 100, 0.01},
-        {64, ReferenceQuantity::ao, ReferenceMedium::trilinear, 0, 2, SurfaceModel::automatic, 30, 0.125},
+        {64, ReferenceQuantity::ao, ReferenceMedium::trilinear, 0, 2, 30, 0.125},
         {{3}, 0.75, 12}};
     s.sampling = {1,     Classification::preintegrated, Compositing::back_to_front, 4, RaySetup::raster, 0,
                   false, Interpolation::texture};

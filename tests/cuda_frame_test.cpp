@@ -84,7 +84,7 @@ TEST_F(Gpus, KeepTheFramesOfPaths) {
     Progress progress;
     for (const bool with_sky : {false, true}) {
         const Lighting lighting{.probe = {.source = "sky", .background = with_sky}, .loaded_probe = load_probe("sky")};
-        light.reference.surfaces = with_sky ? SurfaceModel::automatic : SurfaceModel::none;
+        light.surfaces = with_sky ? SurfaceModel::automatic : SurfaceModel::none;
         std::vector<Image> previews[2];
         DeviceFrame frames[2];
         for (const bool on_gpu : {false, true}) {

@@ -85,6 +85,7 @@ TEST(MeanRadiance, FurnaceIsInvisible) {
     for (ControlPoint& point : points.tf.points) point.rgb = {1, 1, 1};
     points.at = {{9.5, 8.5, 8}, {3, 4, 5}, {0, 0, 0}, {16, 2, 9}, {9.2, 8.1, 14.6}, {-3, 9, 9}};
     points.shape.iso = {{70, Rgb{1, 1, 1}}};
+    points.lighting.specular = 0;  // highlights weigh paths: as sure as other light, not exact
     for (const Mode mode : {Mode::dvr, Mode::iso}) {
         points.shape.mode = mode;
         points.lighting.loaded_probe = {};

@@ -30,6 +30,7 @@ Scene haze() {
     scene.transfer.points.emplace().points = {{0, {1, 0.5, 0.2}, 0}, {100, {1, 0.5, 0.2}, 0.001}};
     scene.illumination.reference.rays = 64;
     scene.illumination.histogram.cache = "none";
+    scene.illumination.surfaces = SurfaceModel::none;
     return scene;
 }
 
@@ -95,12 +96,14 @@ TEST(CompareMethods, AllSeeTheSameInAHaze) {
         scene.lighting.shading = Shading::phong;  // which the comparison leaves out
         const MethodComparison c = compared(scene, {Method::none, Method::spao, Method::visibility, Method::histogram});
         ASSERT_EQ(c.images.size(), 4u);
-        EXPECT_EQ(c.paths, 64);
-        EXPECT_GT(c.noise, 0);
+        ASSERT_EQ(c.references.size(), 1u);
+        EXPECT_EQ(c.references[0].paths, 64);
+        const double noise = c.references[0].noise;
+        EXPECT_GT(noise, 0);
         for (const MethodImage& p : c.images) {
-            EXPECT_NEAR(p.distance.rmse, c.noise, 0.1 * c.noise) << to_text(p.method) << probe;
+            EXPECT_NEAR(p.distance.rmse, noise, 0.1 * noise) << to_text(p.method) << probe;
             // Channels of a pixel differ together.
-            EXPECT_LT(std::abs(p.distance.bias), 3 * c.noise / std::sqrt(48 * 36)) << to_text(p.method) << probe;
+            EXPECT_LT(std::abs(p.distance.bias), 3 * noise / std::sqrt(48 * 36)) << to_text(p.method) << probe;
         }
     }
 }
@@ -118,6 +121,7 @@ TEST(CompareMethods, LightsParticlesAndNoSurfaces) {
     scene.illumination.reference.start_half_voxels = 0;
     scene.illumination.histogram.cache = "none";
     scene.illumination.histogram.radius = 8;
+    scene.illumination.surfaces = SurfaceModel::none;
     const MethodComparison c = compared(scene, {Method::none, Method::spao, Method::visibility, Method::histogram});
     const auto centre = [](const Frame& frame) {
         double sum = 0;
@@ -126,7 +130,7 @@ TEST(CompareMethods, LightsParticlesAndNoSurfaces) {
         return sum;
     };
     EXPECT_NEAR(centre(c.images[0].frame), 1, 0.01);
-    EXPECT_NEAR(centre(c.reference.frame), 0.5 * (1 - std::log(2.0)), 0.02);
+    EXPECT_NEAR(centre(c.references[0].image.frame), 0.5 * (1 - std::log(2.0)), 0.02);
     for (std::size_t i = 1; i < 4; ++i) {
         EXPECT_LT(centre(c.images[i].frame), 0.6) << to_text(c.images[i].method);
         EXPECT_GT(centre(c.images[i].frame), 0.05) << to_text(c.images[i].method);
@@ -141,6 +145,7 @@ TEST(CompareMethods, NaturalLightIsNearerTheGroundTruthThanNone) {
     scene.transfer.points = sample_transfer_function("cornell");
     scene.illumination.reference.rays = 64;
     scene.lighting.probe.source = "sky";
+    scene.illumination.surfaces = SurfaceModel::none;
     const MethodComparison c = compared(scene, {Method::none, Method::spao, Method::visibility});
     EXPECT_LT(c.images[1].distance.rmse, 0.7 * c.images[0].distance.rmse);
     EXPECT_LT(c.images[2].distance.rmse, 0.8 * c.images[1].distance.rmse);
@@ -150,13 +155,45 @@ TEST(CompareMethods, NaturalLightIsNearerTheGroundTruthThanNone) {
     EXPECT_EQ(alone.images[0].distance.rmse, c.images[2].distance.rmse);
 }
 
+/// Matte, convex, under white light: whatever light it is that a method follows, a ball shows its colour.
+TEST(CompareMethods, JudgesPicturesAsTheyAreShown) {
+    Scene scene;
+    scene.volume = "sample:ball:64";
+    scene.width = 96, scene.height = 96;
+    scene.transfer.points.emplace().points = {{60, {0.8, 0.8, 0.8}, 0}, {140, {0.8, 0.8, 0.8}, 0.95}};
+    scene.transfer.points->rgb_space = RgbSpace::linear;
+    scene.illumination.reference.rays = 64;
+    scene.lighting.specular = 0;
+    const MethodComparison c = compared(scene, {Method::transport, Method::spao, Method::visibility, Method::none});
+    ASSERT_EQ(c.references.size(), 3u);
+    EXPECT_EQ(c.references[0].light, "scattered until it has left");
+    EXPECT_EQ(c.references[1].light, "white, scattered once");
+    EXPECT_EQ(c.references[2].light, "scattered once");
+    for (const auto& [image, reference] : {std::pair{0, 0}, {1, 1}, {2, 2}, {3, 1}})
+        EXPECT_EQ(c.images[std::size_t(image)].reference, std::size_t(reference));
+    const auto centre = [](const Frame& frame) { return frame.rgba[4 * (48 * 96 + 48)]; };
+    for (const MethodReference& reference : c.references) EXPECT_NEAR(centre(reference.image.frame), 0.8, 0.02);
+    for (const MethodImage& image : c.images)
+        EXPECT_LT(image.block_error, image.method == Method::spao ? 0.25 : 0.05) << to_text(image.method);
+    scene.illumination.surfaces = SurfaceModel::none;
+    const MethodComparison particles = compared(scene, {Method::transport, Method::visibility});
+    ASSERT_EQ(particles.references.size(), 1u);
+    EXPECT_LT(centre(particles.references[0].image.frame), 0.4);
+    // A darker probe darkens what is lit by it; occlusion is judged without it.
+    scene.illumination.surfaces = {};
+    scene.lighting.probe.exposure_stops = -1;
+    const MethodComparison darker = compared(scene, {Method::visibility, Method::spao});
+    EXPECT_NEAR(centre(darker.references[0].image.frame), 0.4, 0.01);
+    EXPECT_NEAR(centre(darker.references[1].image.frame), 0.8, 0.02);
+}
+
 TEST_F(MethodsTool, TellsATableAndWritesAPageWithItsSheet) {
     const std::string options = " --size 48x36 --reference-rays 4 --quiet";
     const Said said = tool("compare sample:cornell:16 --methods spao,reference,none -o page.html" + options);
     EXPECT_EQ(said.code, 0) << said.err;
     EXPECT_NE(said.out.find("\nspao "), std::string::npos) << said.out;
     EXPECT_NE(said.out.find("\nnone "), std::string::npos);
-    EXPECT_NE(said.out.find("\nreference: 4 paths a pixel"), std::string::npos);
+    EXPECT_NE(said.out.find("\nreference (light white, scattered once): 4 paths a pixel"), std::string::npos);
     EXPECT_EQ(files(), "page.html page.png");
     EXPECT_EQ(read_png(folder / "page.png").width, 8 + 3 * 56);
     const std::string page = read("page.html");
@@ -164,7 +201,7 @@ TEST_F(MethodsTool, TellsATableAndWritesAPageWithItsSheet) {
     const Said as_json = tool("compare sample:cornell:16 --methods spao --json" + options);
     const auto json = nlohmann::json::parse(as_json.out);
     EXPECT_EQ(json["methods"][0]["method"], "spao");
-    EXPECT_EQ(json["reference"]["paths"], 4);
+    EXPECT_EQ(json["references"][0]["paths"], 4);
     EXPECT_GT(json["methods"][0]["rmse"], 0);
 }
 

@@ -27,8 +27,9 @@ Frame positions(const Volume& volume, const Shape& shape, const CameraSettings& 
     const RaySettings rays{.step_voxels = step, .early_termination = 0};
     const RayTables tables = make_tables(medium.data(), rays, 1);
     Frame frame(64, 64);
-    const auto kernel = make_kernel<float>(medium.data(), tables, PositionView{}, {.shading = Shading::none},
-                                           make_camera(settings, volume.geometry, volume.dimensions), rays, frame);
+    const auto kernel =
+        make_kernel<float>(medium.data(), tables, PositionView{}, {.shading = Shading::none},
+                           make_camera(settings, volume.geometry, volume.dimensions), rays, frame, false);
     kernel::run_tile<float>(kernel, {0, 0, 64, 64});
     return frame;
 }

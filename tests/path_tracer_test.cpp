@@ -41,6 +41,7 @@ TEST(PathTracer, ConvexSurfacesAreAsBrightAsTheirColour) {
     Subject subject;
     subject.shape.mode = Mode::iso;
     subject.shape.iso = {{60, Rgb{1, 1, 1}}};
+    subject.lighting.specular = 0;
     subject.options.bounces = 0;
     subject.width = subject.height = 25;
     for (const bool drawn : {false, true}) {
@@ -81,6 +82,7 @@ TEST(PathTracer, SurfacesLetTheirShareThrough) {
     subject.camera.elevation_deg = 90;
     subject.camera.projection = Projection::orthographic;
     subject.camera.zoom = 1000;
+    subject.lighting.specular = 0;
     subject.options.bounces = 0;
     const Frame frame = subject.frame(ramp, 1500);
     double red = 0, green = 0, alpha = 0;
@@ -176,6 +178,57 @@ TEST(PhaseFunction, DrawsFollowTheDensity) {
             for (int i = 0; i < 1000; ++i)
                 share += 2 * pi * phase.density(float(-1 + (bin + (i + 0.5) / 1000) / 10)) * 1e-4;
             EXPECT_NEAR(counts[bin], share, 2e-3) << g << " bin " << bin;
+        }
+    }
+}
+
+/// f (n·l), all that a path may meet there counted.
+double reflected(const kernel::ReflectionView& view, const kernel::Vec3<float>& v, const kernel::Vec3<float>& l) {
+    kernel::Path<float> path;
+    path.normal = {0, 0, 1}, path.heading = {-v.x, -v.y, -v.z};
+    // How often each is met is told by what `choose` makes of evenly spread numbers.
+    constexpr int numbers = 1 << 14;
+    double of[3]{};
+    for (int i = 0; i < numbers; ++i)
+        of[int(view.choose((float(i) + 0.5f) / numbers, path.normal, path.heading))] += 1.0 / numbers;
+    double sum = 0;
+    for (const float met : {1.0f, 2.0f}) {
+        path.on_surface = met;
+        sum += of[int(met)] * double(view.scattered(path, l).light);
+    }
+    return sum;
+}
+
+kernel::Vec3<float> direction_at(double cosine, double turns) {
+    return kernel::around<float>({0, 0, 1}, float(cosine), float(turns));
+}
+
+// f(a, b) = f(b, a), and drawn directions follow the density, the light above the horizon adding up to at most all.
+TEST(Reflection, IsReciprocalAndKeepsItsEnergy) {
+    for (const auto& [strength, shininess] :
+         {std::pair{0.0, 20.0}, {0.3, 20.0}, {1.0, 5.0}, {0.5, 0.0}, {10.0, 200.0}, {10.0, 2.0}}) {
+        const ReflectionTable table(strength, shininess);
+        const kernel::ReflectionView view = table.view();
+        for (const double a : {0.15, 0.5, 0.95})
+            for (const double b : {0.3, 0.8})
+                for (const double turns : {0.0, 0.2, 0.5}) {
+                    const auto v = direction_at(a, 0), l = direction_at(b, turns);
+                    const double there = reflected(view, v, l) / b, back = reflected(view, l, v) / a;
+                    EXPECT_NEAR(there, back, 0.002 * (there + back) + 1e-4) << strength << " " << shininess;
+                }
+        for (const double cosine : {0.1, 0.6, 1.0}) {
+            const auto v = direction_at(cosine, 0.1);
+            kernel::Path<float> path;
+            path.normal = {0, 0, 1}, path.heading = {-v.x, -v.y, -v.z};
+            double sum = 0;
+            constexpr int draws = 1 << 16;
+            for (int i = 0; i < draws; ++i) {
+                const auto numbers = kernel::draw(kernel::random_key<float>(i, 7), 0);
+                path.on_surface = view.choose(numbers.a, path.normal, path.heading);
+                const auto found = view.scattered(path, view.direction(path, numbers.b, numbers.c));
+                sum += double(found.light) / std::max(double(found.density), 1e-30) / draws;
+            }
+            EXPECT_NEAR(sum, 1, 0.01) << strength << " " << shininess << " " << cosine;
         }
     }
 }

@@ -37,8 +37,8 @@ protected:
             if (int(fields.size()) == most) progress.cancel();
         };
         const auto go = [&] {
-            refine_transport(device_, medium.data(), lighting_, settings_, {}, {0, 0, 1}, keep, timer, progress,
-                             &memory_);
+            refine_transport(device_, medium.data(), lighting_, settings_, {}, SurfaceModel::none, {0, 0, 1}, keep,
+                             timer, progress, &memory_);
         };
         if (most < 1000)
             EXPECT_THROW(go(), Error);

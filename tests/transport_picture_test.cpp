@@ -32,7 +32,7 @@ kernel::Vec3<float> light_at(const ShownLight& shown, float x, float solid = 0) 
     const kernel::ScatteredLight scattered{.on = true, .boundary_cells = shown.boundary_view};
     kernel::SamplePoint<float> sample{{x, 0, 0}, 0};
     sample.solid = solid;
-    return scattered.incident<float>(shown.view, sample, {}).diffuse;
+    return scattered.incident<float>(shown.view, {}, sample, {}).diffuse;
 }
 
 Frame image(const Volume& volume, const Shot& shot, const TransportSettings& settings = {.grid = 40}) {
@@ -116,7 +116,8 @@ TEST(TransportImage, SurfacesAreLitByTheHalfSpaceTheyFace) {
     for (const double angle : {0.0, 0.5, 1.0, 1.5}) {
         kernel::SamplePoint<float> sample{{1, 0, 0}, 0};
         sample.outward = {float(std::cos(angle)), float(std::sin(angle)), 0};
-        EXPECT_NEAR(scattered.incident<float>(turned->view, sample, {}).diffuse.x, 0.6 + 0.4 * std::cos(angle), 3e-3);
+        EXPECT_NEAR(scattered.incident<float>(turned->view, {}, sample, {}).diffuse.x, 0.6 + 0.4 * std::cos(angle),
+                    3e-3);
     }
 }
 

@@ -49,7 +49,7 @@ export const table = {
   "reference-medium": { place: "accuracy", label: "Medium" },
   "reference-start": { place: "hidden" }, // of fields
   "reference-subsample": { place: "hidden" }, // of fields
-  surfaces: { place: "light", label: "Surfaces" },
+  surfaces: { place: "accuracy", label: "Surfaces" },
   "reference-time": { place: "hidden" }, // the page shows each pass and can be stopped
   "reference-error": { place: "hidden" },
   "albedo-max": { place: "accuracy", label: "Albedo limit", low: 0, high: 1, step: 0.01 },

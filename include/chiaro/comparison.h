@@ -6,6 +6,7 @@
 
 #include <array>
 #include <functional>
+#include <string>
 #include <vector>
 
 namespace chiaro {
@@ -17,25 +18,44 @@ struct MethodImage {
     double light_seconds;      ///< to prepare the volume and find the light; of the reference 0
     double frame_seconds;      ///< another picture by that light
     std::size_t light_bytes;   ///< held: what was prepared, and the light
-    ImageDifference distance;  ///< from the reference, of linear light; of the reference itself 0
+    ImageDifference distance;  ///< from its reference, of linear light; of a reference itself 0
+    /// RMSE of means over 8 × 8 pixels, where at least half of them is covered, over the mean of the reference there.
+    /// The reference's own noise is in it, an eighth of a pixel's.
+    double block_error;
+    std::size_t reference;  ///< which of the comparison's
+};
+
+/// A ground truth, and the light that it is of.
+struct MethodReference {
+    MethodImage image;
+    std::string light;  ///< "scattered once", ...
+    double noise = 0;   ///< standard error, RMS over pixels and channels
+    int paths = 0;      ///< of a pixel
 };
 
 struct MethodComparison {
-    std::vector<MethodImage> images;  ///< in the order asked for
-    MethodImage reference;
-    double noise = 0;  ///< standard error of the reference, RMS over pixels and channels
-    int paths = 0;     ///< of a pixel of the reference
+    std::vector<MethodImage> images;          ///< in the order asked for
+    std::vector<MethodReference> references;  ///< one for particles; for surfaces one for each kind of light
 };
 
 /// Receives a comparison with the paths so far.
 using ComparisonPreview = std::function<void(const MethodComparison&)>;
 
-/// Renders the scene of the session's volume by each method under the same light: the scene's probe (white without
-/// one), all matter particles (isotropic volume scattering, no surfaces), once (L = ∫ κ E T dt, docs/methods.md). So
-/// shading is off, steps are pre-integrated; spao, and rays that find accessibility, give E = A × the probe's mean
-/// radiance, A neither scaled nor read at a normal offset; visibility gives E = (1/4π) Σ V L. The reference is the path
-/// tracer with 0 bounces and the paths that `scene.illumination.reference` asks for. `preview` sees it with each pass
-/// of paths, 1, 1, 2, 4, ... 16 a pixel. Throws Error{usage} but for Mode::dvr, else as Session::render.
+/// Renders the scene of the session's volume by each method and by the reference, the path tracer, with the paths that
+/// `scene.illumination.reference` asks for.
+///
+/// As shown, unless the scene's `surfaces` are none: transport against the reference of the scene's bounces, visibility
+/// against light that is scattered once, under the scene's probe (white without one) and shading. Methods that take no
+/// probe (none, spao, histogram) are judged by the occlusion they find: they and their reference are drawn under a
+/// white probe, light scattered once, at strength 1, without headlight and highlights.
+///
+/// Of particles (`surfaces` none): by the same light for all, the scene's probe, all matter particles (isotropic volume
+/// scattering, no surfaces), once (L = ∫ κ E T dt, docs/methods.md). So shading is off, steps are pre-integrated; spao,
+/// and rays that find accessibility, give E = A × the probe's mean radiance, A neither scaled nor read at a normal
+/// offset; visibility gives E = (1/4π) Σ V L.
+///
+/// `preview` sees it with each pass of paths, 1, 1, 2, 4, ... 16 a pixel; of references that are not begun yet there
+/// are none. Throws Error{usage} but for Mode::dvr, else as Session::render.
 CHIARO_EXPORT MethodComparison compare_methods(Session& session, const Scene& scene, const std::vector<Method>& methods,
                                                Progress& progress, const ComparisonPreview& preview = {});
 

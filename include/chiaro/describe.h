@@ -155,6 +155,9 @@ template <class Visit, SettingsOf<IlluminationSettings> S>
 void describe(Visit&& visit, S& s) {
     visit(Setting{"lighting", "lighting.method", "", "method that computes how much light arrives at a sample"},
           s.method);
+    visit(Setting{"surfaces", "lighting.surfaces", "",
+                  "light meets particles everywhere, or surfaces where opacity rises steeply (default auto; for mean-radiance none)"}
+          .of("spao|visibility|histogram|transport|reference"), s.surfaces);
 }
 
 template <class Visit, SettingsOf<SpaoSettings> S>
@@ -241,9 +244,6 @@ void describe(Visit&& visit, S& s) {
           .within(0, 1000).written("HALF_VOXELS").of("reference"), s.start_half_voxels);
     visit(Setting{"reference-subsample", "lighting.subsample", "", "rays from every Nth voxel per axis only"}
           .within(1, 64).of("reference"), s.subsample);
-    visit(Setting{"surfaces", "lighting.surfaces", "",
-                  "light meets particles everywhere, or matte surfaces where opacity rises steeply (path tracing)"}
-          .of("reference"), s.surfaces);
     visit(Setting{"reference-time", "lighting.time", "seconds", "stops path tracing of radiance and mean radiance after this time"}
           .above(0).written("S").of("reference"), s.time_s);
     visit(Setting{"reference-error", "lighting.error", "",

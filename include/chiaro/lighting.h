@@ -135,9 +135,6 @@ enum class ReferenceQuantity { obscurance, ao, ao_cosine, visibility, mean_radia
 /// Whether the extinction is constant in each voxel or interpolated between them.
 enum class ReferenceMedium { voxels, trilinear };
 
-/// What light meets along paths: particles everywhere, or surfaces where opacity rises steeply (docs/theory/light.md).
-enum class SurfaceModel { none, automatic };
-
 /// The ground truth, by brute force: rays in all directions from every voxel, or paths through every pixel.
 struct ReferenceSettings {
     int rays = 256;                             ///< or paths from a voxel, through a pixel
@@ -145,9 +142,8 @@ struct ReferenceSettings {
     ReferenceMedium medium = ReferenceMedium::voxels;
     double start_half_voxels = 1;  ///< rays begin this far from the centre, in half voxel widths
     int subsample = 1;             ///< only every so many voxels per axis; between them trilinear (harmonics: one node)
-    SurfaceModel surfaces = SurfaceModel::none;  ///< of radiance and mean radiance
-    std::optional<double> time_s;                ///< of radiance and mean radiance: no more paths after this time,
-    std::optional<double> error;                 ///< nor when the RMS standard error over the RMS luminance is so small
+    std::optional<double> time_s;  ///< of radiance and mean radiance: no more paths after this time,
+    std::optional<double> error;   ///< nor when the RMS standard error over the RMS luminance is so small
     bool operator==(const ReferenceSettings&) const = default;
 };
 
@@ -177,18 +173,31 @@ struct ScatteringSettings {
     bool operator==(const ScatteringSettings&) const = default;
 };
 
+/// What light meets: particles everywhere, or surfaces where opacity rises steeply (docs/theory/light.md).
+enum class SurfaceModel { none, automatic };
+
 struct IlluminationSettings {
     Method method = Method::none;
+    std::optional<SurfaceModel> surfaces;  ///< missing: automatic, but for the reference's mean radiance none
     SpaoSettings spao;
     VisibilitySettings visibility;
     HistogramSettings histogram;
     TransportSettings transport;
     ReferenceSettings reference;
     ScatteringSettings scattering;
-    bool on_particles = false;  ///< no surfaces: isotropic volume scattering: accessibility is neither read at a normal
-                                ///< offset nor scaled (compare_methods)
     bool operator==(const IlluminationSettings&) const = default;
 };
+
+/// The one that is asked for, or the method's own. With none all methods light particles: accessibility is neither
+/// read at a normal offset nor scaled, visibility is the published model's.
+inline SurfaceModel surface_model(const IlluminationSettings& settings) {
+    const bool is_field =
+        settings.method == Method::reference && settings.reference.quantity == ReferenceQuantity::mean_radiance;
+    return settings.surfaces.value_or(is_field ? SurfaceModel::none : SurfaceModel::automatic);
+}
+inline bool shows_surfaces(const IlluminationSettings& settings) {
+    return surface_model(settings) == SurfaceModel::automatic;
+}
 
 /// Whether a field holds the light of a probe, so that `illuminate` depends on it; others are lit when they are seen.
 inline bool holds_light(const IlluminationSettings& settings) { return settings.method == Method::transport; }

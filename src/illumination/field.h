@@ -27,7 +27,7 @@ struct IlluminationField::Data {
     std::shared_ptr<const TransportLight> transport;  ///< what a VisibilityView is made from, of scattered light
     std::shared_ptr<TransportMemory> memory;          ///< what further transport starts from
     std::optional<double> albedo_limit;               ///< of the colours that light was scattered by
-    bool on_particles = false;                        ///< of transport: matter shows no surfaces
+    bool surfaces = true;                             ///< matter shows surfaces
     bool is_coarse = false;
     std::vector<Stage> stages;
 };

@@ -18,8 +18,9 @@ namespace {
 
 kernel::AccessView view_of(const CellValues& values) { return {values.data(), view_of(values.grid), 1}; }
 
-IlluminationField field_of(CellValues values, const kernel::GridView& nodes, StageTimer& timer) {
+IlluminationField field_of(CellValues values, const kernel::GridView& nodes, StageTimer& timer, bool surfaces = true) {
     auto data = std::make_shared<IlluminationField::Data>();
+    data->surfaces = surfaces;
     auto access = std::make_shared<const CellValues>(std::move(values));
     data->view = kernel::AccessView{access->address(), nodes, 1};  // a GPU may be all that reads it
     data->access = std::move(access);
@@ -27,8 +28,10 @@ IlluminationField field_of(CellValues values, const kernel::GridView& nodes, Sta
     return IlluminationField(std::move(data));
 }
 
-IlluminationField field_of(const Device& device, VisibilityNodes nodes, bool is_coarse, StageTimer& timer) {
+IlluminationField field_of(const Device& device, VisibilityNodes nodes, bool is_coarse, StageTimer& timer,
+                           bool surfaces) {
     auto data = std::make_shared<IlluminationField::Data>();
+    data->surfaces = surfaces;
     data->is_coarse = is_coarse;
     data->visibility = std::make_shared<const LitNodes>(device, std::move(nodes));
     data->stages = timer.stages();
@@ -49,7 +52,7 @@ void check_image(const IlluminationSettings& settings) {
 IlluminationField light_of(const Device& device, const Medium::Data& medium, const IlluminationSettings& settings,
                            Progress& progress) {
     StageTimer timer;
-    if (settings.method == Method::spao && is_fused(settings.spao) && !settings.on_particles && !device.has_gpu()) {
+    if (settings.method == Method::spao && is_fused(settings.spao) && shows_surfaces(settings) && !device.has_gpu()) {
         CellValues lit = spao_light(device, medium, settings.spao, outward_factor(settings), timer, progress);
         const kernel::GridView cells = view_of(lit.grid);
         return field_of(std::move(lit), cells, timer);
@@ -59,7 +62,7 @@ IlluminationField light_of(const Device& device, const Medium::Data& medium, con
     CellValues access = accessibility(device, medium, opacity, settings, visible_blocks(medium, opacity.values.grid, 2),
                                       timer, progress);
     const kernel::GridView cells = view_of(access.grid);
-    if (settings.on_particles) return field_of(std::move(access), cells, timer);
+    if (!shows_surfaces(settings)) return field_of(std::move(access), cells, timer, false);
     CellValues displaced = timer("lift", [&] {
         return normal_offset_off_surfaces(device, access, opacity.values, outward_factor(settings), opacity.visible,
                                           progress);
@@ -72,9 +75,11 @@ void light(const Device& device, const Medium::Data& medium, const IlluminationS
     if (settings.method != Method::visibility) return sink(light_of(device, medium, settings, progress));
     StageTimer timer;
     const auto keep = [&](VisibilityNodes nodes, bool is_coarse) {
-        sink(field_of(device, std::move(nodes), is_coarse, timer));
+        sink(field_of(device, std::move(nodes), is_coarse, timer, shows_surfaces(settings)));
     };
-    refine_visibility(device, medium, settings.visibility, keep, timer, progress);
+    VisibilitySettings visibility = settings.visibility;
+    if (!shows_surfaces(settings)) visibility.model = VisibilityModel::paper;
+    refine_visibility(device, medium, visibility, keep, timer, progress);
 }
 
 /// Of a surface that sees half of all the light there is, whichever way it faces: per channel.
@@ -105,13 +110,13 @@ void scatter(const Device& device, const Medium::Data& medium, const Lighting& l
         if (!before || before->nodes().grid.size() <= data->transport->nodes().grid.size()) before = data->transport;
         data->memory = memory;
         data->albedo_limit = settings.scattering.albedo_limit();
-        data->on_particles = settings.on_particles;
+        data->surfaces = shows_surfaces(settings);
         data->is_coarse = is_coarse;
         data->stages = timer.stages();
         sink(IlluminationField(std::move(data)));
     };
-    refine_transport(device, medium, unexposed, settings.transport, settings.scattering, up, keep, timer, progress,
-                     memory.get());
+    refine_transport(device, medium, unexposed, settings.transport, settings.scattering, surface_model(settings), up,
+                     keep, timer, progress, memory.get());
 }
 
 /// A cell's number at every voxel's centre; interpolated where voxels are no cubes.
@@ -139,11 +144,11 @@ const std::shared_ptr<const LocalHistograms>& histograms_of(const Prepared& prep
 IlluminationField light_of_histograms(const Device& device, const Medium::Data& medium, const Prepared& prepared,
                                       const IlluminationSettings& settings) {
     StageTimer timer;
-    if (settings.on_particles) {
+    if (!shows_surfaces(settings)) {
         ParticleLight light = timer("histogram table", [&] {
             return light_on_particles(device, medium, *histograms_of(prepared), settings.histogram);
         });
-        return field_of(std::move(light.open), light.nodes, timer);
+        return field_of(std::move(light.open), light.nodes, timer, false);
     }
     auto data = std::make_shared<IlluminationField::Data>();
     data->histogram = timer("histogram table", [&] {

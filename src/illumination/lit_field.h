@@ -12,6 +12,7 @@ struct LitField {
     std::optional<MainLight> main;       ///< missing: the lighting's own light
     std::shared_ptr<const void> keeps;   ///< what the view reads
     std::optional<double> albedo_limit;  ///< of the colours that are seen; none: as they are
+    bool shows_cuts;                     ///< cuts and borders in solid matter are surfaces
     HostArrays arrays;                   ///< what the view points into
 };
 

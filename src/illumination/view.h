@@ -12,6 +12,9 @@
 
 namespace chiaro::kernel {
 
+/// A volume's cuts by number: the planes of its clip, then its borders, 2 axis, and 1 more at the far end.
+inline constexpr std::int32_t clip_planes = 12, cuts = clip_planes + 6;
+
 template <class F>
 struct SamplePoint {
     Vec3<F> p_voxel;
@@ -21,6 +24,7 @@ struct SamplePoint {
     F rise{0};                          ///< ∇f · l of unit vectors: > 0 where values rise towards the light
     Vec3<F> outward{F(0), F(0), F(0)};  ///< n, unit, world; 0 where there is no gradient
     F solid{0};                         ///< 0 up to an optical depth of 1/2 over a voxel's edge, 1 from 3/2 on
+    F cut{-1};                          ///< the cut through solid matter on which it lies; below 0: none
 };
 
 template <class F>

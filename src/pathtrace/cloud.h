@@ -1,6 +1,7 @@
 // The classified volume as paths meet it: a cloud in which they collide by chance.
 #pragma once
 #include "pathtrace/directions.h"
+#include "pathtrace/path.h"
 #include "pathtrace/regions.h"
 
 namespace chiaro::kernel {
@@ -72,10 +73,10 @@ struct Cloud {
         if (any(shadow)) dim(shadow, kappa, numbers.c, path);
     }
 
-    /// What a direction is drawn with, and the share of light that is scattered into it, per steradian.
     template <class F>
-    CHIARO_INLINE F density(const Path<F>& path, Vec3<F> direction) const {
-        return phase.density(dot(path.heading, direction));
+    CHIARO_INLINE Scattered<F> scattered(const Path<F>& path, Vec3<F> direction) const {
+        const F density = phase.density(dot(path.heading, direction));
+        return {density, density};
     }
     template <class F>
     CHIARO_INLINE Vec3<F> direction(const Path<F>& path, F u, F v) const {

@@ -31,6 +31,7 @@ void swap_pointers(Views& views, kernel::PathKernel<Matter>& kernel) {
     views.to_device_pointers(kernel.matter.volume.voxels);
     if constexpr (requires { kernel.matter.extinction; }) views.to_device_pointers(kernel.matter.extinction);
     if constexpr (requires { kernel.matter.surface; }) views.to_device_pointers(kernel.matter.surface.opacity);
+    if constexpr (requires { kernel.matter.reflection; }) views.to_device_pointers(kernel.matter.reflection.reflected);
     swap_pointers(views, kernel.matter.regions);
     swap_pointers(views, kernel.matter.colours);
     views.to_device_pointers(kernel.start.x, kernel.start.y, kernel.start.z);

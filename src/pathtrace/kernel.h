@@ -164,7 +164,8 @@ private:
         way.near = max(way.near, from_mm);
         Cut<F> cut = clip(clip_view, ray, way);
         if constexpr (Matter::has_cuts)
-            if (any(from_outside & !cut.open)) enter_box(ray, box, way.near, from_outside & !cut.open, cut);
+            if (const Mask<F> enters = from_outside & !cut.open; any(enters))
+                enter_by_border(ray, box.low, box.high, way.near, enters, cut);
         const Vec3<F> d = ray.direction;
         path.origin = select(lanes, mad(way.near, d, ray.origin), path.origin);
         path.direction = select(lanes, d, path.direction);
@@ -175,24 +176,6 @@ private:
         path.end = select(lanes, length, path.end);
         path.stage = select(lanes, select(length > F(0), Int<F>(travelling), Int<F>(escaped)), path.stage);
         matter.begin(lanes, cut, path);
-    }
-
-    /// The border that a way enters by is a cut, too: of the axes the one on which it lies nearest to its border.
-    template <class F>
-    static CHIARO_INLINE void enter_box(const Ray<F>& ray, const Box& box, F near, Mask<F> enters, Cut<F>& cut) {
-        const Vec3<F> p = mad(near, ray.direction, ray.origin);
-        const auto inside = [](F d, F at, float low, float high)
-                                CHIARO_INLINE_LAMBDA { return abs(select(d > F(0), at - F(low), F(high) - at)); };
-        const auto outward = [](Mask<F> here, F d)
-                                 CHIARO_INLINE_LAMBDA { return select(here, select(d > F(0), F(-1), F(1)), F(0)); };
-        const F x = inside(ray.direction.x, p.x, box.low.x, box.high.x),
-                y = inside(ray.direction.y, p.y, box.low.y, box.high.y),
-                z = inside(ray.direction.z, p.z, box.low.z, box.high.z);
-        const Mask<F> by_x = (x <= y) & (x <= z), by_y = (!by_x) & (y <= z), by_z = (!by_x) & !by_y;
-        cut.normal = select<F>(
-            enters, {outward(by_x, ray.direction.x), outward(by_y, ray.direction.y), outward(by_z, ray.direction.z)},
-            cut.normal);
-        cut.open = cut.open | enters;
     }
 
     /// From where the path last collided.
@@ -220,11 +203,13 @@ private:
         if (!probe.even) look_for_light(path, lanes & goes_on);
     }
 
-    /// Multiplies by the albedo. Below a quarter a path goes on with four times that probability (Russian roulette).
+    /// Multiplies by the albedo; highlights have the colour of the light. Below a quarter a path goes on with four
+    /// times that probability (Russian roulette).
     template <class F>
     CHIARO_INLINE void absorb(Path<F>& path, Mask<F> lanes) const {
         constexpr float worth = 0.25f;
-        Vec3<F> throughput = scaled(path.throughput, matter.colours.template at<F>(path.material));
+        const Vec3<F> colour = matter.colours.template at<F>(path.material);
+        Vec3<F> throughput = select(path.on_surface == F(2), path.throughput, scaled(path.throughput, colour));
         const F most = max(throughput.x, max(throughput.y, throughput.z));
         const Mask<F> weak = lanes & (most < F(worth));
         if (any(weak)) {
@@ -243,9 +228,9 @@ private:
         const Draw<F> bin = draw_for(lanes, path), within = draw_for(lanes, path);
         const Vec3<F> direction = probe.template towards<F>(bin, within);
         const auto light = probe.template at<F>(direction);
-        const F density = matter.density(path, direction);
-        lanes = lanes & (density > F(0));
-        const F weight = density / max(density + light.density, F(1e-30f));
+        const Scattered<F> found = matter.scattered(path, direction);
+        lanes = lanes & (found.light > F(0));
+        const F weight = found.light / max(found.density + light.density, F(1e-30f));
         path.offer = select(lanes, weight * scaled(path.throughput, light.radiance), path.offer);
         path.transmittance = select(lanes, F(1), path.transmittance);
         path.to_light = select(lanes, Int<F>(1), path.to_light);
@@ -275,9 +260,15 @@ private:
         if (!any(lanes)) return;
         const Draw<F> numbers = draw_for(lanes, path);
         const Vec3<F> direction = matter.direction(path, numbers.a, numbers.b);
-        path.density = select(lanes, matter.density(path, direction), path.density);
-        path.heading = select(lanes, direction, path.heading);
-        set_off_towards(path, lanes, direction);
+        const Scattered<F> found = matter.scattered(path, direction);
+        const Mask<F> alike = found.light == found.density;
+        const F weight = select(alike, F(1), found.light / max(found.density, F(1e-30f)));
+        const Mask<F> goes_on = lanes & (weight > F(0));
+        path.stage = select(lanes & !goes_on, Int<F>(ended), path.stage);
+        path.throughput = select(goes_on & !alike, weight * path.throughput, path.throughput);
+        path.density = select(goes_on, found.density, path.density);
+        path.heading = select(goes_on, direction, path.heading);
+        set_off_towards(path, goes_on, direction);
     }
 };
 

@@ -17,6 +17,13 @@ enum Stage : std::int32_t {
     idle         ///< there are no more paths
 };
 
+/// Light that is scattered into a direction, its colour left out, and the density with which the direction is drawn;
+/// both per steradian.
+template <class F>
+struct Scattered {
+    F light, density;
+};
+
 /// Light travels in straight ways between collisions; so does the question whether a light can be seen.
 template <class F>
 struct Path {
@@ -31,7 +38,7 @@ struct Path {
     Vec3<F> place{F(0), F(0), F(0)};       ///< of the last collision, voxels
     Vec3<F> heading{F(0), F(0), F(1)};     ///< unit, world: away from the eye
     Vec3<F> normal{F(0), F(0), F(0)};      ///< of surfaces: unit, world, on the side the path comes from
-    F on_surface{0};                       ///< 1: the last collision was with a surface in the volume
+    F on_surface{0};                       ///< the last collision: 0 a particle, 1 a matte surface, 2 its highlight
     F density{0};                          ///< with which the heading was drawn, per steradian
     Int<F> material{0};                    ///< entry in the tables of colours
 

@@ -1,18 +1,20 @@
 // The classified volume with its surfaces as paths meet it (docs/theory/light.md): matter whose opacity rises steeply
-// scatters as a matte surface.
+// scatters as a surface.
 #pragma once
 #include "classify/surface_view.h"
 #include "pathtrace/cloud.h"
+#include "pathtrace/reflection.h"
 
 namespace chiaro::kernel {
 
-/// A Cloud, but for what happens at a collision: with the probability q of the place light is reflected by Lambert's
-/// law about the surface's normal, and leaves the skin it has met without being dimmed by it. Where dimming begins is
+/// A Cloud, but for what happens at a collision: with the probability q of the place light is reflected by a surface,
+/// and leaves the skin it has met without being dimmed by it. Where dimming begins is
 /// the first event of a Poisson process of rate -ln(h) in half a voxel, or where opacity rises again.
 template <class Voxel>
 struct SurfaceCloud : Cloud<Voxel> {
     using Base = Cloud<Voxel>;
     SurfaceView surface;
+    ReflectionView reflection;
 
     static constexpr bool has_cuts = true;
 
@@ -40,19 +42,20 @@ struct SurfaceCloud : Cloud<Voxel> {
         const Mask<F> real = lanes & at_stage(path, collided);
         if (!any(real)) return;
         const Skin<F> skin = nearest_skin(real, path);
-        const Mask<F> reflecting = reflect(real & (draw_for(real, path).a < skin.share), real, skin.outward, path);
+        const Draw<F> numbers = draw_for(real, path);
+        const Mask<F> reflecting = reflect(real & (numbers.a < skin.share), real, numbers.b, skin.outward, path);
         path.t = select(reflecting, skin.t, path.t);
     }
 
     template <class F>
-    CHIARO_INLINE F density(const Path<F>& path, Vec3<F> direction) const {
-        return select(path.on_surface > F(0), max(dot(path.normal, direction), F(0)) * F(inverse_pi),
-                      Base::density(path, direction));
+    CHIARO_INLINE Scattered<F> scattered(const Path<F>& path, Vec3<F> direction) const {
+        const Mask<F> surfaces = path.on_surface > F(0);
+        const Scattered<F> there = reflection.scattered(path, direction), else_where = Base::scattered(path, direction);
+        return {select(surfaces, there.light, else_where.light), select(surfaces, there.density, else_where.density)};
     }
     template <class F>
     CHIARO_INLINE Vec3<F> direction(const Path<F>& path, F u, F v) const {
-        const Mask<F> surfaces = path.on_surface > F(0);
-        return around(select(surfaces, path.normal, path.heading), select(surfaces, sqrt(u), this->phase.cosine(u)), v);
+        return select(path.on_surface > F(0), reflection.direction(path, u, v), Base::direction(path, u, v));
     }
 
 private:
@@ -108,15 +111,16 @@ private:
         path.transmittance = select(shadow, F(0), path.transmittance);
         path.stage = select(shadow, Int<F>(escaped), select(real, Int<F>(collided), path.stage));
         path.material = select(real, this->entry_of(value), path.material);
-        reflect(real, real, F(1) / sqrt(max(dot(g, g), F(1e-24f))) * g, path);
+        reflect(real, real, draw_for(real, path).a, F(1) / sqrt(max(dot(g, g), F(1e-24f))) * g, path);
     }
 
     /// Some of the lanes that collided met a surface; those that have a normal there are returned.
     template <class F>
-    CHIARO_INLINE Mask<F> reflect(Mask<F> surfaces, Mask<F> collided_lanes, Vec3<F> outward, Path<F>& path) const {
+    CHIARO_INLINE Mask<F> reflect(Mask<F> surfaces, Mask<F> collided_lanes, F u, Vec3<F> outward, Path<F>& path) const {
         const Vec3<F> n = select(dot(outward, path.heading) > F(0), F(-1), F(1)) * outward;
         surfaces = surfaces & (dot(n, n) > F(0.5f));
-        path.on_surface = select(collided_lanes, select(surfaces, F(1), F(0)), path.on_surface);
+        path.on_surface =
+            select(collided_lanes, select(surfaces, reflection.choose(u, n, path.heading), F(0)), path.on_surface);
         path.normal = select(surfaces, n, path.normal);
         return surfaces;
     }

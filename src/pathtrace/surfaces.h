@@ -1,7 +1,8 @@
-// Isosurfaces as paths meet them: matte, found as the ray caster finds them.
+// Isosurfaces as paths meet them, found as the ray caster finds them.
 #pragma once
 #include "illumination/view.h"
 #include "pathtrace/cloud.h"
+#include "pathtrace/reflection.h"
 
 namespace chiaro::kernel {
 
@@ -18,6 +19,7 @@ struct Surfaces {
     std::int32_t count;
     ColoursView colours;
     ShadingView gradients;  ///< turns gradients to world normals
+    ReflectionView reflection;
     float step_mm;
 
     template <class F>
@@ -34,8 +36,9 @@ struct Surfaces {
         path.leave = select(lanes, F(0), path.leave);
         Mask<F> inside = lanes & cut.open & (path.stage == Int<F>(travelling));
         for (std::int32_t i = count - 1; i >= 0 && any(inside); --i) {
-            const Mask<F> hit = inside & (value >= F(values[i])) & (draw_for(inside, path).a < F(opacities[i]));
-            collide(hit, Int<F>(i), cut.normal, path);
+            const Draw<F> numbers = draw_for(inside, path);
+            const Mask<F> hit = inside & (value >= F(values[i])) & (numbers.a < F(opacities[i]));
+            collide(hit, Int<F>(i), numbers.b, cut.normal, path);
             inside = inside & !hit;
         }
     }
@@ -82,20 +85,20 @@ struct Surfaces {
         const F beyond = select(below, surface, surface - max(abs(surface) * F(2e-7f), F(1e-37f)));
         path.depth = select(lanes, beyond, path.depth);
         path.stage = select(lanes, Int<F>(travelling), path.stage);
-        const Mask<F> hit = lanes & (draw_for(lanes, path).a < one_of<F>(opacities, path.surface));
+        const Draw<F> numbers = draw_for(lanes, path);
+        const Mask<F> hit = lanes & (numbers.a < one_of<F>(opacities, path.surface));
         if (!any(hit)) return;
         const Vec3<F> p = volume.clamp(mad(path.t, path.direction, path.origin));
-        collide(hit, path.surface, volume.gradient(volume.locate(p, volume.voxel(p))), path);
+        collide(hit, path.surface, numbers.b, volume.gradient(volume.locate(p, volume.voxel(p))), path);
     }
 
-    /// Lambert's law: light leaves a matte surface by cos θ / π.
     template <class F>
-    CHIARO_INLINE F density(const Path<F>& path, Vec3<F> direction) const {
-        return max(dot(path.normal, direction), F(0)) * F(inverse_pi);
+    CHIARO_INLINE Scattered<F> scattered(const Path<F>& path, Vec3<F> direction) const {
+        return reflection.scattered(path, direction);
     }
     template <class F>
     CHIARO_INLINE Vec3<F> direction(const Path<F>& path, F u, F v) const {
-        return around(path.normal, sqrt(u), v);
+        return reflection.direction(path, u, v);
     }
 
 private:
@@ -122,7 +125,7 @@ private:
 
     /// The normal on the side the path comes from; on the way to the light there is none left.
     template <class F>
-    CHIARO_INLINE void collide(Mask<F> hit, Int<F> surface, Vec3<F> gradient, Path<F>& path) const {
+    CHIARO_INLINE void collide(Mask<F> hit, Int<F> surface, F u, Vec3<F> gradient, Path<F>& path) const {
         SamplePoint<F> sample{path.origin, F(0)};
         gradients.reflect(gradient, sample);
         Vec3<F> n = sample.outward;
@@ -131,6 +134,7 @@ private:
         const Mask<F> shadow = hit & (path.to_light == Int<F>(1)), real = hit & !shadow;
         path.transmittance = select(shadow, F(0), path.transmittance);
         path.normal = select(real, n, path.normal);
+        path.on_surface = select(real, reflection.choose(u, n, path.heading), path.on_surface);
         path.material = select(real, surface, path.material);
         path.stage = select(real, Int<F>(collided), select(shadow, Int<F>(escaped), path.stage));
     }

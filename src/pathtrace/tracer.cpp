@@ -78,9 +78,8 @@ Medium checked(const Medium& medium) {
 constexpr int unlimited_bounces = 1'000'000;
 
 PathOptions path_options(const IlluminationSettings& settings) {
-    return {settings.scattering.bounces.most, settings.scattering.albedo_max,
-            settings.scattering.anisotropy,   settings.reference.start_half_voxels,
-            settings.scattering.seed,         settings.reference.surfaces == SurfaceModel::automatic};
+    return {settings.scattering.bounces.most,     settings.scattering.albedo_max, settings.scattering.anisotropy,
+            settings.reference.start_half_voxels, settings.scattering.seed,       shows_surfaces(settings)};
 }
 
 PathTracer::PathTracer(const Device& device, const Medium& medium, const Lighting& lighting, const Camera& camera,
@@ -90,6 +89,8 @@ PathTracer::PathTracer(const Device& device, const Medium& medium, const Lightin
       medium_(checked(medium)),
       lighting_(lighting),
       light_(lighting_, camera.orbit_up),
+      surface_table_(medium_.data()),
+      reflection_(lighting.shading == Shading::phong ? lighting.specular : 0, lighting.shininess),
       majorants_(options.plain ? one_majorant(medium.data()) : make_majorants(medium.data(), device.threads)),
       width_(width),
       height_(height),
@@ -140,7 +141,8 @@ PathTracer::TraceTile PathTracer::tracer_through(const Camera& camera, const Lig
                                          .last = float(data.table.entries.size() - 1),
                                          .phase = {float(options.anisotropy)}};
         if (!options.surfaces) return tracer_of(cloud, camera, settings, options);
-        return tracer_of(kernel::SurfaceCloud<Voxel>{cloud, surface_view(lighting, camera)}, camera, settings, options);
+        return tracer_of(kernel::SurfaceCloud<Voxel>{cloud, surface_table_.view(), reflection_.view()}, camera,
+                         settings, options);
     }
     const kernel::SurfacesView view = surfaces_view(data, false);
     kernel::Surfaces<Voxel> surfaces{
@@ -151,27 +153,12 @@ PathTracer::TraceTile PathTracer::tracer_through(const Camera& camera, const Lig
         .count = view.count,
         .colours = colours,
         .gradients = shading_view(lighting, camera, volume, data.shape.color),
+        .reflection = reflection_.view(),
         .step_mm = float(step_mm(settings.step_voxels, volume.geometry, volume.dimensions))};
     surfaces.gradients.specular = {0, 0, 0};
     std::copy_n(view.values, view.count, surfaces.values);
     for (int i = 0; i < view.count; ++i) surfaces.opacities[i] = view.colours[i].a;
     return tracer_of(surfaces, camera, settings, options);
-}
-
-kernel::SurfaceView PathTracer::surface_view(const Lighting& lighting, const Camera& camera) {
-    const Medium::Data& data = medium_.data();
-    const DeviceVolume::Data& volume = data.volume.data();
-    const double edge = volume.geometry.smallest_spacing_mm();
-    for (const float kappa : extinction_) opacity_.push_back(float(-std::expm1(-double(kappa) * edge)));
-    const kernel::ShadingView shading = shading_view(lighting, camera, volume, data.shape.color);
-    return {.opacity = opacity_.data(),
-            .scale = float(data.table.index_scale),
-            .offset = float(data.table.index_offset + 0.5),
-            .last = float(data.table.entries.size() - 1),
-            .edge_mm = float(edge),
-            .world_x = shading.gradient_x,
-            .world_y = shading.gradient_y,
-            .world_z = shading.gradient_z};
 }
 
 template <class Matter>
@@ -206,8 +193,9 @@ std::unique_ptr<GpuPaths> PathTracer::gpu_tracer_of(const Kernel& kernel) const 
     HostArrays arrays;
     medium_.data().add_to(arrays);
     light_.add_to(arrays);
-    const std::vector<float>* const own[] = {&majorants_.cells, &majorants_.runs, &extinction_, &opacity_,  &red_,
-                                             &green_,           &blue_,           &points_.x,   &points_.y, &points_.z};
+    const std::vector<float>* const own[] = {
+        &majorants_.cells, &majorants_.runs, &extinction_, &surface_table_.opacity(), &red_, &green_, &blue_,
+        &points_.x,        &points_.y,       &points_.z,   &reflection_.numbers()};
     for (const auto* numbers : own) arrays.add(*numbers);
     return std::make_unique<GpuTracer<Kernel>>(device_, kernel, arrays, width_, height_);
 }

@@ -8,10 +8,11 @@
 #include <vector>
 
 #include "classify/medium.h"
-#include "classify/surface_view.h"
+#include "classify/surface_table.h"
 #include "pathtrace/gpu.h"
 #include "pathtrace/light_table.h"
 #include "pathtrace/majorants.h"
+#include "pathtrace/reflection_table.h"
 #include "raycast/render_target.h"
 
 namespace chiaro {
@@ -61,7 +62,6 @@ private:
     std::unique_ptr<GpuPaths> gpu_tracer_of(const Kernel& kernel) const;
     template <class Work>
     bool done_there(const Work& work);
-    kernel::SurfaceView surface_view(const Lighting& lighting, const Camera& camera);
     void make_colours(const PathOptions& options);
     void add_here(int end, const Progress& progress);
     std::int64_t trace(const kernel::Tile& tile, int first, int end, const Progress& progress);
@@ -70,8 +70,10 @@ private:
     const Medium medium_;
     const Lighting lighting_;
     const LightTable light_;
+    const SurfaceTable surface_table_;
+    const ReflectionTable reflection_;
     const Majorants majorants_;
-    std::vector<float> extinction_, opacity_, red_, green_, blue_;
+    std::vector<float> extinction_, red_, green_, blue_;
     const int width_, height_;
     const PathPoints points_;
     TraceTile trace_tile_;

@@ -48,7 +48,11 @@ private:
         const SubPixel offset = sub_pixel(i, rays_per_pixel);
         const Ray<F> ray = camera.ray(to_float(block.column) + F(offset.x), to_float(block.row) + F(offset.y));
         Interval<F> hit = intersect(ray, box_low, box_high);
-        const Cut<F> cut = clip(clip_view, ray, hit);
+        const Mask<F> from_outside = hit.near > F(0);
+        Cut<F> cut = clip(clip_view, ray, hit);
+        if (matter.shows_cuts && mode == March::volume)
+            if (const Mask<F> enters = from_outside & !cut.open; any(enters))
+                enter_by_border(ray, box_low, box_high, hit.near, enters, cut);
         Lattice<F> lattice = make_lattice(ray, hit, step_mm);
         const Mask<F> alive = block.inside & (lattice.end > F(0));
         if (bounds.near_mm) bounds.narrow(block.column, block.row, i, hit.near, step_mm, lattice);

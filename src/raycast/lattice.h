@@ -1,5 +1,6 @@
 // Where a ray takes its samples, and what of it a clip leaves.
 #pragma once
+#include "illumination/view.h"
 #include "raycast/camera_view.h"
 #include "volume/bricks.h"
 
@@ -11,22 +12,24 @@ struct ClipView {
         Float3 normal;
         float d;
     };
-    static constexpr int most = 12;
+    static constexpr int most = clip_planes;
     Plane planes[most];
     std::int32_t count;
 };
 
-/// The cut through which a ray enters: its normal as a gradient per voxel, and whether there is one.
+/// The cut through which a ray enters: its normal as a gradient per voxel, whether there is one, and which: a plane of
+/// the clip, or a border of the volume.
 template <class F>
 struct Cut {
     Vec3<F> normal;
     Mask<F> open;
+    F number;
 };
 
 /// Shortens the interval to what the planes keep.
 template <class F>
 CHIARO_INLINE Cut<F> clip(const ClipView& view, const Ray<F>& ray, Interval<F>& i) {
-    Cut<F> cut{Vec3<F>(F(0), F(0), F(0)), F(0) > F(1)};
+    Cut<F> cut{Vec3<F>(F(0), F(0), F(0)), F(0) > F(1), F(-1)};
     for (std::int32_t k = 0; k < view.count; ++k) {
         const Vec3<F> normal(view.planes[k].normal);
         const F along = away_from_zero(dot(normal, ray.direction));
@@ -37,8 +40,27 @@ CHIARO_INLINE Cut<F> clip(const ClipView& view, const Ray<F>& ray, Interval<F>& 
         cut.normal = {select(enters, normal.x, cut.normal.x), select(enters, normal.y, cut.normal.y),
                       select(enters, normal.z, cut.normal.z)};
         cut.open = cut.open | enters;
+        cut.number = select(enters, F(float(k)), cut.number);
     }
     return cut;
+}
+
+/// The border by which rays enter is a cut, too: of the axes the one on which the entry lies nearest to its border.
+template <class F>
+CHIARO_INLINE void enter_by_border(const Ray<F>& ray, Float3 low, Float3 high, F near, Mask<F> enters, Cut<F>& cut) {
+    const Vec3<F> p = mad(near, ray.direction, ray.origin);
+    const auto inside = [](F d, F at, float first, float last)
+                            CHIARO_INLINE_LAMBDA { return abs(select(d > F(0), at - F(first), F(last) - at)); };
+    const F x = inside(ray.direction.x, p.x, low.x, high.x), y = inside(ray.direction.y, p.y, low.y, high.y),
+            z = inside(ray.direction.z, p.z, low.z, high.z);
+    const Mask<F> by_x = (x <= y) & (x <= z), by_y = (!by_x) & (y <= z);
+    const F d = select(by_x, ray.direction.x, select(by_y, ray.direction.y, ray.direction.z));
+    const F out = select(d > F(0), F(-1), F(1)), axis = select(by_x, F(0), select(by_y, F(1), F(2)));
+    const auto component = [&](float of) CHIARO_INLINE_LAMBDA { return select(axis == F(of), out, F(0)); };
+    cut.normal = {select(enters, component(0), cut.normal.x), select(enters, component(1), cut.normal.y),
+                  select(enters, component(2), cut.normal.z)};
+    cut.number = select(enters, mad(F(2), axis, select(d > F(0), F(0), F(1))) + F(float(clip_planes)), cut.number);
+    cut.open = cut.open | enters;
 }
 
 /// The samples of a ray: midpoints of steps from the entry on, the last one shortened to the exit.

@@ -30,6 +30,7 @@ struct Matter {
     float cut_alpha;  ///< a cut through more opaque matter shows the plane's normal
     SolidView solid;
     bool skip_empty;
+    bool shows_cuts;  ///< cuts through solid matter are lit by all that lies before them
 
     static constexpr bool modulates = Field::modulates, adds_opacity = Field::adds_opacity;
 
@@ -56,6 +57,7 @@ struct Matter {
     template <class At, class F>
     CHIARO_INLINE void light(const At& at, const Cut<F>& cut, SamplePoint<F> sample, RgbaLanes<F>& colour) const {
         if (!shading.enabled && !modulates) return;
+        if (shows_cuts) sample.cut = select(cut.open, cut.number, F(-1));
         if (shading.enabled) {
             Vec3<F> g = volume.gradient(at);
             const F out(shading.out);

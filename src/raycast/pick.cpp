@@ -109,8 +109,8 @@ std::vector<std::optional<Pick>> pick(const Medium& medium, const Camera& camera
     no_pixels.width = width, no_pixels.height = height;
     std::vector<std::optional<Pick>> picks(places.size());
     with_stored_voxel(data.volume.data(), [&](auto voxel) {
-        const auto kernel =
-            make_kernel<decltype(voxel)>(data, tables, kernel::NoneView{}, Lighting{}, camera, forwards, no_pixels);
+        const auto kernel = make_kernel<decltype(voxel)>(data, tables, kernel::NoneView{}, Lighting{}, camera, forwards,
+                                                         no_pixels, false);
         parallel_for(threads, std::int64_t(places.size()), 16, [&](std::int64_t first, std::int64_t end) {
             for (auto i = first; i < end; ++i) {
                 const Witness witness = cast(kernel, float(places[i][0] - 0.5), float(places[i][1] - 0.5));

@@ -87,8 +87,8 @@ private:
 
     template <class Voxel, class View>
     auto kernel_of(Voxel, const View& view) const {
-        auto kernel =
-            make_kernel<Voxel>(medium, tables, view, lighting, camera, settings, target.frame, lit.albedo_limit);
+        auto kernel = make_kernel<Voxel>(medium, tables, view, lighting, camera, settings, target.frame, lit.shows_cuts,
+                                         lit.albedo_limit);
         if (lit.main) shine_from(*lit.main, lighting, camera, kernel.matter.shading);
         if constexpr (View::adds_opacity)
             if (view.emits) kernel.matter.occupancy.cells = view.occupancy;

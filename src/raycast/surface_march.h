@@ -66,7 +66,7 @@ CHIARO_INLINE void cross(const Matter& matter, const SurfacesView& surfaces, std
     const F rise = piece.value_far - piece.value_near;
     const F share =
         select(abs(rise) > F(0), (surface - piece.value_near) / select(abs(rise) > F(0), rise, F(1)), F(0.5f));
-    const Cut<F> none{Vec3<F>(F(0), F(0), F(0)), F(0) > F(1)};
+    const Cut<F> none{Vec3<F>(F(0), F(0), F(0)), F(0) > F(1), F(-1)};
     show_surface(matter, surfaces, i, lattice.at(lerp(piece.near, piece.far, share)), none, crossed, ray);
 }
 

@@ -285,6 +285,7 @@ TEST(Shading, OfARampIsItsClosedForm) {
     Shot shot;
     shot.tf = constant(0.9999, {0.5, 0.5, 0.5});
     shot.tf.opacity_unit = 0.01;
+    shot.shape.threshold_low = 0, shot.shape.threshold_high = 20;  // the border would be a cut
     shot.camera = {.azimuth_deg = 0, .elevation_deg = 0, .projection = Projection::orthographic};
     shot.lighting = {.shading = Shading::phong,
                      .ambient = 0.1,

@@ -54,7 +54,7 @@ kernel::SurfacesView surfaces_view(const Medium::Data& medium, bool backwards, s
 template <class Voxel, class Field>
 kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, const RayTables& tables, const Field& field,
                                                 const Lighting& lighting, const Camera& camera,
-                                                const RaySettings& settings, Frame& frame,
+                                                const RaySettings& settings, Frame& frame, bool shows_cuts,
                                                 std::optional<double> albedo_limit = {}) {
     const DeviceVolume::Data& volume = medium.volume.data();
     const auto [nx, ny, nz] = volume.dimensions;
@@ -72,7 +72,8 @@ kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, cons
                    .cutoff = float(settings.early_termination),
                    .cut_alpha = float(1 - std::exp2(-settings.step_voxels)),  // ½ over one voxel
                    .solid = solid_view(settings.step_voxels),
-                   .skip_empty = settings.skip_empty},
+                   .skip_empty = settings.skip_empty,
+                   .shows_cuts = shows_cuts},
         .camera = camera_view(camera, volume.geometry, frame.width, frame.height),
         .frame = {reinterpret_cast<kernel::Rgba*>(frame.rgba.data()), frame.width},
         .box_low = {low(nx), low(ny), low(nz)},

@@ -59,7 +59,7 @@ CHIARO_INLINE void shorten_last(const Lattice<F>& lattice, Mask<F> last, RgbaLan
 /// Takes sample k, the middle of step k, in voxel coordinates at p.
 template <class F, class Matter, class Way>
 CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& lattice, const Cut<F>& cut,
-                               Mask<F> sampled, F k, Vec3<F> p, VoxelIndex<F> voxel, EndValue<F>& known,
+                               Mask<F> sampled, F k, F cut_end, Vec3<F> p, VoxelIndex<F> voxel, EndValue<F>& known,
                                Composite<F>& ray) {
     Classified<F> c;
     if (way.classification == Classification::preintegrated) {
@@ -83,8 +83,7 @@ CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& 
         }
     }
     if (!any(visible)) return;
-    // The first half step behind a cut through solid matter has the plane's normal.
-    const Cut<F> solid{cut.normal, Mask<F>(cut.open & (k < F(0.5f)) & (alpha > F(matter.cut_alpha)))};
+    const Cut<F> solid{cut.normal, Mask<F>(sampled & (k < cut_end)), cut.number};
     SamplePoint<F> sample{p, c.value};
     sample.solid = matter.solid.of(alpha);
     shorten_last(lattice, visible & (k >= lattice.full), c.colour, alpha);
@@ -96,6 +95,21 @@ CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& 
     ray.add(way.backwards, visible, c.colour, alpha);
 }
 
+/// How many steps behind a cut lie in matter that is solid from there on: they have the plane's normal and its light.
+template <class F, class Matter>
+CHIARO_NOINLINE F solid_behind(const Matter& matter, const Lattice<F>& lattice, Mask<F> open) {
+    constexpr float nothing = 1e-3f;  // of the light passes; what follows is not seen
+    F steps(0), passes(1);
+    while (any(open)) {
+        const F alpha = alpha_of(matter.table.at(matter.value_at(matter.volume.clamp(lattice.position(steps)))));
+        open = open & (alpha > F(matter.cut_alpha));
+        passes = passes * (F(1) - alpha);
+        steps = steps + select(open, F(1), F(0));
+        open = open & (passes > F(nothing)) & (steps < lattice.end);
+    }
+    return steps;
+}
+
 /// Marches through the lattice's steps in either order; j counts them as they are met. A pre-integrated step is empty
 /// where it lies in an empty cube as a whole, so it starts at its end, any other where its sample is.
 template <class F, class Matter, class Way>
@@ -103,6 +117,8 @@ CHIARO_INLINE Int<F> march_volume(const Matter& matter, Way way, const Lattice<F
                                   Mask<F> alive, Composite<F>& ray) {
     const bool by_ends = way.classification == Classification::preintegrated;
     F j = lattice.first, leave(0);
+    F cut_end(0);
+    if (const Mask<F> open = alive & cut.open; any(open)) cut_end = solid_behind(matter, lattice, open);
     EndValue<F> known;
     Int<F> samples(0);
     while (any(alive)) {
@@ -126,7 +142,7 @@ CHIARO_INLINE Int<F> march_volume(const Matter& matter, Way way, const Lattice<F
             }
         }
         samples += select(sampled, Int<F>(1), Int<F>(0));
-        take_sample(matter, way, lattice, cut, sampled, k, p, voxel, known, ray);
+        take_sample(matter, way, lattice, cut, sampled, k, cut_end, p, voxel, known, ray);
         j = next;
         alive &= (j < lattice.end) & (ray.transmittance > F(matter.cutoff));
     }

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "render/appearance.h"
 #include "render/plainly_lit.h"
@@ -31,7 +33,7 @@ void light_by_mean(Frame& frame, Rgb mean) {
 
 MethodImage image_by(Session& session, const Scene& scene, Progress& progress, const Preview& preview = {}) {
     session.render(scene, progress, preview);
-    MethodImage image{scene.illumination.method, session.frame(), 0, 0, 0, {}};
+    MethodImage image{scene.illumination.method, session.frame(), 0, 0, 0, {}, 0, 0};
     image.light_seconds = seconds_of(session.stages(), {"prepare", "illuminate"});
     image.light_bytes = session.light_bytes();
     if (!is_path_traced(scene.illumination)) {
@@ -41,8 +43,54 @@ MethodImage image_by(Session& session, const Scene& scene, Progress& progress, c
         session.render(moved, progress);
     }
     image.frame_seconds = seconds_of(session.stages(), {"raycast"});
-    put_over_black(image.frame);
     return image;
+}
+
+/// See MethodImage::block_error; frames with their opacity.
+double block_error(const Frame& truth, const Frame& found) {
+    constexpr int edge = 8;
+    double squares = 0, light = 0;
+    int blocks = 0;
+    for (int top = 0; top + edge <= truth.height; top += edge)
+        for (int left = 0; left + edge <= truth.width; left += edge) {
+            std::array<double, 4> a{}, b{};
+            for (int y = top; y < top + edge; ++y)
+                for (int x = left; x < left + edge; ++x)
+                    for (std::size_t c = 0; c < 4; ++c) {
+                        const std::size_t at = 4 * (std::size_t(y) * truth.width + x) + c;
+                        a[c] += double(truth.rgba[at]) / (edge * edge), b[c] += double(found.rgba[at]) / (edge * edge);
+                    }
+            if (a[3] < 0.5) continue;
+            ++blocks;
+            for (std::size_t c = 0; c < 3; ++c) light += a[c] / 3, squares += (a[c] - b[c]) * (a[c] - b[c]) / 3;
+        }
+    return light > 0 ? std::sqrt(squares / blocks) / (light / blocks) : 0;
+}
+
+/// Which methods are judged by the same reference: all, as particles.
+int kind_of(const Scene& scene, Method method) {
+    if (!shows_surfaces(scene.illumination) || method == Method::transport) return 0;
+    return method == Method::visibility ? 1 : 2;
+}
+
+/// How far the methods that a reference judges are from it.
+void judge(const MethodReference& reference, std::size_t index, MethodComparison& comparison) {
+    const auto over_black = [](Frame frame) {
+        put_over_black(frame);
+        return frame;
+    };
+    for (MethodImage& image : comparison.images) {
+        if (image.reference != index) continue;
+        image.distance = compare(over_black(reference.image.frame), over_black(image.frame));
+        image.block_error = block_error(reference.image.frame, image.frame);
+    }
+}
+
+/// Frames are handed out over black.
+MethodComparison handed_out(MethodComparison comparison) {
+    for (MethodImage& image : comparison.images) put_over_black(image.frame);
+    for (MethodReference& reference : comparison.references) put_over_black(reference.image.frame);
+    return comparison;
 }
 
 }  // namespace
@@ -52,28 +100,39 @@ MethodComparison compare_methods(Session& session, const Scene& scene, const std
     if (scene.mode != Mode::dvr)
         throw Error(ErrorCode::usage,
                     fmt::format("--mode {}: lighting methods are compared in volumes, mode dvr", to_text(scene.mode)));
+    const bool on_surfaces = shows_surfaces(scene.illumination);
     MethodComparison comparison;
+    std::vector<int> kinds;        // of the references
+    std::vector<Method> judged{};  // the first method of each
     const Rgb mean = mean_radiance(with_probe(scene.lighting));
     for (const Method method : methods) {
-        const Scene plain = plainly_lit(scene, method);
-        MethodImage image = image_by(session, plain, progress);
-        if (!finds_light(plain.illumination)) light_by_mean(image.frame, mean);
+        const Scene lit = on_surfaces ? as_shown(scene, method) : plainly_lit(scene, method);
+        MethodImage image = image_by(session, lit, progress);
+        if (!on_surfaces && !finds_light(lit.illumination)) light_by_mean(image.frame, mean);
+        const int kind = kind_of(scene, method);
+        image.reference = std::size_t(std::find(kinds.begin(), kinds.end(), kind) - kinds.begin());
+        if (image.reference == kinds.size()) kinds.push_back(kind), judged.push_back(method);
         comparison.images.push_back(std::move(image));
     }
-    const auto judge = [&](MethodImage reference) {
-        comparison.reference = std::move(reference);
-        comparison.paths = session.render_statistics().paths.samples;
-        comparison.noise = session.render_statistics().paths.noise;
-        for (MethodImage& image : comparison.images) image.distance = compare(comparison.reference.frame, image.frame);
-    };
-    const auto show = [&](const Image&) {
-        MethodImage partial{Method::reference, session.frame(), 0, 0, 0, {}};
-        put_over_black(partial.frame);
-        judge(std::move(partial));
-        preview(comparison);
-    };
-    judge(image_by(session, plainly_lit(scene, Method::reference), progress, preview ? show : Preview()));
-    return comparison;
+    if (judged.empty()) judged.push_back(Method::reference);  // it alone
+    for (std::size_t i = 0; i < judged.size(); ++i) {
+        const Scene truth = on_surfaces ? reference_of(scene, judged[i]) : plainly_lit(scene, Method::reference);
+        comparison.references.push_back(
+            {{}, on_surfaces ? light_of_reference(scene, judged[i]) : "on particles, scattered once"});
+        const auto keep = [&](MethodImage image) {
+            MethodReference& reference = comparison.references[i];
+            reference.image = std::move(image), reference.image.reference = i;
+            reference.paths = session.render_statistics().paths.samples;
+            reference.noise = session.render_statistics().paths.noise;
+            judge(reference, i, comparison);
+        };
+        const auto show = [&](const Image&) {
+            keep({Method::reference, session.frame(), 0, 0, 0, {}, 0, i});
+            preview(handed_out(comparison));
+        };
+        keep(image_by(session, truth, progress, preview ? show : Preview()));
+    }
+    return handed_out(std::move(comparison));
 }
 
 }  // namespace chiaro

@@ -60,7 +60,7 @@ Volume swept_light(const Device& device, const Medium& medium, const Lighting& l
                    const IlluminationSettings& settings, StageTimer& timer, Progress& progress) {
     std::optional<TransportNodes> found;
     const auto keep = [&](TransportNodes nodes, bool) { found = std::move(nodes); };
-    refine_transport(device, medium.data(), lighting, settings.transport, settings.scattering,
+    refine_transport(device, medium.data(), lighting, settings.transport, settings.scattering, surface_model(settings),
                      lighting.probe_up.value_or(Vec3{0, 0, 1}), keep, timer, progress);
     Volume out = make_volume(found->grid.count, VoxelType::f32);
     out.geometry = geometry_of(found->grid, medium.data().volume.geometry());

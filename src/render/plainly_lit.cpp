@@ -4,6 +4,49 @@
 
 namespace chiaro {
 
+namespace {
+
+bool takes_probe(Method method) {
+    return method == Method::visibility || method == Method::transport || method == Method::reference;
+}
+
+/// Light of a white probe alone: what is left of it is occlusion.
+void light_evenly(Scene& scene) {
+    scene.lighting.probe = {};
+    scene.lighting.loaded_probe = {};
+    scene.lighting.strength = 1;
+    scene.lighting.shading = Shading::none;
+    scene.illumination.histogram.effects = {.ao = true, .bleeding = false};
+}
+
+}  // namespace
+
+Scene as_shown(const Scene& scene, Method method) {
+    Scene shown = scene;
+    shown.illumination.method = method;
+    shown.lighting.probe.background = false;
+    shown.output = {};
+    shown.output.color = scene.output.color;
+    if (!takes_probe(method)) light_evenly(shown);
+    return shown;
+}
+
+Scene reference_of(const Scene& scene, Method method) {
+    Scene truth = as_shown(scene, method);
+    truth.illumination.method = Method::reference;
+    truth.illumination.reference.quantity = ReferenceQuantity::radiance;
+    truth.lighting.strength = 1;
+    if (method != Method::transport && method != Method::reference) truth.illumination.scattering.bounces.most = 0;
+    return truth;
+}
+
+std::string light_of_reference(const Scene& scene, Method method) {
+    if (!takes_probe(method)) return "white, scattered once";
+    const auto most = reference_of(scene, method).illumination.scattering.bounces.most;
+    if (!most) return "scattered until it has left";
+    return *most == 0 ? "scattered once" : "scattered " + std::to_string(*most + 1) + " times at most";
+}
+
 Scene plainly_lit(const Scene& scene, Method method) {
     Scene plain = scene;
     plain.lighting.shading = Shading::none;
@@ -14,7 +57,7 @@ Scene plainly_lit(const Scene& scene, Method method) {
     plain.output = {};
     IlluminationSettings& light = plain.illumination;
     light.method = method;
-    light.on_particles = true;
+    light.surfaces = SurfaceModel::none;
     light.spao.normal_factor = 0;
     light.visibility.model = VisibilityModel::paper;
     light.histogram.model = HistogramModel::corrected;

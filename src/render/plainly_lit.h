@@ -4,6 +4,12 @@
 
 namespace chiaro {
 
+/// The scene as a picture shows it, lit by the method; or by the reference that the method is judged by.
+Scene as_shown(const Scene& scene, Method method);
+Scene reference_of(const Scene& scene, Method method);
+/// What light that reference follows.
+std::string light_of_reference(const Scene& scene, Method method);
+
 /// The scene without shading, background and exposure of the picture, lit by the method as compare_methods says.
 Scene plainly_lit(const Scene& scene, Method method);
 

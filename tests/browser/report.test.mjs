@@ -26,7 +26,10 @@ for (const volume of ["sample:cornell:32", brain]) {
           methods,
         );
         const sizes = await opened.locator("img").evaluateAll((images) => images.map((image) => image.naturalWidth));
-        assert.deepEqual(sizes, Array(2 * methods.length + 1).fill(96));
+        assert.deepEqual(sizes, Array(2 * methods.length + 2).fill(96)); // occlusion has a reference of its own
+        const truths = await opened.locator(".truth").evaluateAll((all) => all.map((one) => getComputedStyle(one).backgroundImage));
+        const references = await opened.locator("img[alt=reference]").evaluateAll((all) => all.map((one) => one.src));
+        assert.deepEqual(truths, references.map((source) => `url("${source}")`));
         const truth = opened.locator(".truth").first();
         const shown = () => truth.evaluate((element) => getComputedStyle(element).opacity);
         assert.equal(await shown(), "0");

@@ -279,7 +279,7 @@ visit("Global has its ball, its rows and its folded accuracy, and the buttons wr
   const labels = (where) => page.locator(where).evaluateAll((all) => all.map((row) => row.querySelector(".label").firstChild.textContent));
   assert.deepEqual(await labels(".s-light .row:visible"), ["Turn", "Exposure", "Strength", "Bounces"]);
   await page.click(".accuracy");
-  assert.deepEqual((await labels(".s-light .row:visible")).slice(4), ["Albedo limit", "Grid", "Directions", "First directions", "Seed"]);
+  assert.deepEqual((await labels(".s-light .row:visible")).slice(4), ["Surfaces", "Albedo limit", "Grid", "Directions", "First directions", "Seed"]);
 });
 
 for (const width of [1280, 700, 390])

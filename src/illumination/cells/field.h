@@ -15,7 +15,8 @@ struct AccessView {
     /// A' = 1 - strength (1 - A), which scales ambient, diffuse and specular light alike.
     template <class F>
     CHIARO_INLINE Incident<F> incident(const SamplePoint<F>& sample, const ShadingView& shading) const {
-        const F access = F(1) - F(strength) * (F(1) - at(sample.p_voxel));
+        const F arriving = select(sample.cut < F(0), at(sample.p_voxel), F(1));  // nothing lies before a cut
+        const F access = F(1) - F(strength) * (F(1) - arriving);
         const Incident<F> local = shading.local(sample);
         return {access * local.diffuse, access * local.specular};
     }

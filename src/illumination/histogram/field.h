@@ -50,6 +50,10 @@ struct HistogramView {
     template <class F>
     CHIARO_INLINE Incident<F> incident(const SamplePoint<F>& sample, const ShadingView& shading) const {
         HalfLight<F> light = arriving(sample, shading);
+        const Mask<F> on_cut = sample.cut >= F(0);  // nothing lies before one
+        light.open = select(on_cut, F(1), light.open);
+        light.bleeding = {select(on_cut, F(0), light.bleeding.x), select(on_cut, F(0), light.bleeding.y),
+                          select(on_cut, F(0), light.bleeding.z)};
         const Incident<F> local = shading.local(sample);
         if (is_paper && !is_surface) return mixed_as_luma(sample, light, local, shading);
         // What an open flat surface loses to the cells inside it that a sample reads too.

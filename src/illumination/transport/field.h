@@ -1,6 +1,7 @@
 // Scattered light as the ray caster reads it: J between the nodes, on surfaces by Lambert's law from its first moment.
 #pragma once
 #include "illumination/cells/node_light.h"
+#include "illumination/cut_light.h"
 #include "illumination/view.h"
 
 namespace chiaro::kernel {
@@ -24,7 +25,7 @@ struct ScatteredLight {
     float share = 0;        ///< of the light that highlights may show
 
     template <class F>
-    CHIARO_INLINE Incident<F> incident(const NodeLight& light, const SamplePoint<F>& sample,
+    CHIARO_INLINE Incident<F> incident(const NodeLight& light, const CutLight& cut_light, const SamplePoint<F>& sample,
                                        const ShadingView& shading) const {
         const auto place = light.locate(sample.p_voxel);
         const Four<F> j = light.four(light.nodes, place);
@@ -43,6 +44,7 @@ struct ScatteredLight {
             e = mad(sample.solid, mean(light, s, per_weight(s)) - e, e);
         }
         e = mad(F(shown), e, Vec3<F>(clear));
+        cut_light.shine_on(sample.cut, e);
         return {e, Vec3<F>(shining * e.x * F(shading.specular.x), shining * e.y * F(shading.specular.y),
                            shining * e.z * F(shading.specular.z))};
     }

@@ -66,7 +66,9 @@ GpuTransport::GpuTransport(const Device& device, const SweptMedium& medium)
         zero->zero();  // beside the cells, where the host's fields are zero
     run(cells(),
         kernel::LatticeKernel{places_, medium.grid.extinction.on_gpu(*stream_), medium.grid.albedo.on_gpu(*stream_),
-                              clear_, ids_, std::int64_t(field_), extinction_.data(), albedo_.data()});
+                              medium.grid.surface_share ? medium.grid.surface_share->on_gpu(*stream_) : nullptr,
+                              medium.grid.resolves_skins, clear_, ids_, std::int64_t(field_), extinction_.data(),
+                              albedo_.data()});
     stream_->wait();
 }
 

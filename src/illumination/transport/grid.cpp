@@ -1,5 +1,7 @@
 #include "illumination/transport/grid.h"
 
+#include <algorithm>
+
 #include "classify/medium.h"
 #include "cuda/executor.h"
 #include "illumination/transport/axis_places.h"
@@ -8,6 +10,7 @@
 #include "illumination/transport/downsample_by_3_kernel.h"
 #include "illumination/transport/matter_kernel.h"
 #include "illumination/transport/scattering_colours.h"
+#include "illumination/visibility/surface_share.h"
 
 namespace chiaro {
 namespace {
@@ -155,12 +158,16 @@ std::vector<std::array<float, 3>> colours_at(const GridColour& colour, const std
     return found;
 }
 
-LightGrid light_grid(const Medium::Data& medium, int cells, double albedo_max, const Device& device,
-                     Progress& progress) {
+LightGrid light_grid(const Medium::Data& medium, int cells, double albedo_max, const Device& device, Progress& progress,
+                     SurfaceModel surfaces) {
     const DeviceVolume::Data& volume = medium.volume.data();
     const Blocks blocks = blocks_for(make_cell_grid(volume.dimensions, volume.geometry), cells);
-    LightGrid out{density_of_nodes(medium, blocks, device, progress), {}, medium.shape.mode == Mode::iso, {}};
-    if (!out.is_surface) out.boundary_cells = open_boundary_cells(medium, device, progress, out.extinction);
+    LightGrid out{density_of_nodes(medium, blocks, device, progress), {}, medium.shape.mode == Mode::iso, {}, {}};
+    if (!out.is_isosurface) out.boundary_cells = open_boundary_cells(medium, device, progress, out.extinction);
+    if (!out.is_isosurface && surfaces == SurfaceModel::automatic)
+        out.surface_share = shares_of_surface(medium, out.extinction, device, progress);
+    const double edges = out.extinction.grid.edge_mm / volume.geometry.smallest_spacing_mm();
+    out.resolves_skins = float(std::clamp((3 - edges) / 2, 0.0, 1.0));
     Colouring(medium, albedo_max, blocks.edge(), device, progress).fill(out);
     return out;
 }

@@ -1,6 +1,9 @@
 // The medium as light meets it: cubic cells, coarse enough to be swept in a frame.
 #pragma once
 #include <chiaro/device.h>
+#include <chiaro/lighting.h>
+
+#include <optional>
 
 #include "illumination/visibility/density.h"
 
@@ -28,8 +31,18 @@ std::vector<std::array<float, 3>> colours_at(const GridColour& colour, const std
 struct LightGrid {
     Density extinction;  ///< optical depth of a cell's edge
     GridColour albedo;
-    bool is_surface;                          ///< isosurfaces, which reflect their albedo (Lambert)
+    bool is_isosurface;                       ///< reflects its albedo (Lambert)
     std::vector<std::size_t> boundary_cells;  ///< nodes that a surface leaves mostly open (boundary_cells.h)
+    std::optional<Density> surface_share;     ///< of nodes (visibility/surface_share.h); none: all are particles
+    /// How far cells resolve skins: 1 at one voxel's edge, 0 from three on, where a cell that is no opaque one is a
+    /// hard surface's neighbour, not a layer of soft matter. Tuned on balls, tubes, engine and brain: without it soft
+    /// edges lose 2 to 11 % of the light, with 1 for all cells the brain is 8 % too bright, head_ct_512 20 %.
+    float resolves_skins = 0;
+
+    /// Which part of what an opaque cell answers is its albedo; the rest is what a half space of particles answers.
+    double share_of_surface(std::size_t node) const {
+        return is_isosurface ? 1 : surface_share ? double(surface_share->data()[node]) : 0;
+    }
 };
 
 /// At most `cells` on the long axis, each for f³ of the smallest voxels, f of 1, 2, 3, 4, 6, 8, 12 ... Extinction from
@@ -37,7 +50,7 @@ struct LightGrid {
 /// classified colours, weighted by extinction, each scaled down to `albedo_max` where a channel is above
 /// (docs/theory/transport.md). Cost: that of the density, and a look at every voxel, or where f >= 4 at every second
 /// one per axis. Throws Error{interrupted}.
-LightGrid light_grid(const Medium::Data& medium, int cells, double albedo_max, const Device& device,
-                     Progress& progress);
+LightGrid light_grid(const Medium::Data& medium, int cells, double albedo_max, const Device& device, Progress& progress,
+                     SurfaceModel surfaces = SurfaceModel::none);
 
 }  // namespace chiaro

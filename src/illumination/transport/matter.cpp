@@ -6,6 +6,7 @@
 #include "classify/medium.h"
 #include "cuda/executor.h"
 #include "illumination/transport/matter_kernel.h"
+#include "illumination/visibility/surface_share.h"
 
 namespace chiaro {
 namespace {
@@ -27,7 +28,11 @@ LightGrid similar(LightGrid grid, double g) {
 LatticeField albedo_of(const LightGrid& grid, const OpaqueCells& opaque, std::size_t channel, const Lattice& lattice) {
     std::vector<float> albedo(grid.albedo[channel], grid.albedo[channel] + grid.albedo.nodes);
     for (std::size_t node = 0; node < albedo.size(); ++node)
-        if (opaque.is_opaque(node)) albedo[node] = 0;
+        albedo[node] =
+            opaque.is_opaque(node)
+                ? 0
+                : kernel::albedo_of_skin(
+                      albedo[node], grid.surface_share ? grid.resolves_skins * grid.surface_share->data()[node] : 0);
     return spread(grid.extinction.grid, albedo.data(), lattice);
 }
 
@@ -73,14 +78,17 @@ const Colour& TransportMedium::albedo() const {
 }
 
 SharedTransportMedium matter_of(const Device& device, const Medium::Data& medium, int cells,
-                                const ScatteringSettings& scattering, Progress& progress) {
+                                const ScatteringSettings& scattering, Progress& progress, SurfaceModel surfaces) {
+    // Where bounces are counted no cell answers all of them at once.
+    if (scattering.bounces.most) surfaces = SurfaceModel::none;
     return std::make_shared<const TransportMedium>(
-        similar(light_grid(medium, cells, scattering.albedo_max, device, progress), scattering.anisotropy),
+        similar(light_grid(medium, cells, scattering.albedo_max, device, progress, surfaces), scattering.anisotropy),
         medium.volume.geometry(), scattering.bounces.most.has_value(), device);
 }
 
 SharedTransportMedium halved(const TransportMedium& finer, const Device& device, Progress& progress) {
-    LightGrid grid{halved(finer.grid.extinction, device, progress), {}, finer.grid.is_surface, {}};
+    LightGrid grid{halved(finer.grid.extinction, device, progress), {}, finer.grid.is_isosurface, {}, {}};
+    if (finer.grid.surface_share) grid.surface_share = halved_shares(*finer.grid.surface_share);
     grid.albedo = halved_albedo(finer.grid, grid.extinction.grid, device);
     return std::make_shared<const TransportMedium>(std::move(grid), finer.geometry, finer.counts_bounces, device);
 }

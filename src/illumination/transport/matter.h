@@ -28,7 +28,8 @@ using SharedTransportMedium = std::shared_ptr<const TransportMedium>;
 
 /// On a grid of at most `cells`. Cost: that of `light_grid`. Throws Error{interrupted}, as `halved` does.
 SharedTransportMedium matter_of(const Device& device, const Medium::Data& medium, int cells,
-                                const ScatteringSettings& scattering, Progress& progress);
+                                const ScatteringSettings& scattering, Progress& progress,
+                                SurfaceModel surfaces = SurfaceModel::none);
 /// The same matter on a grid half as fine, each cell of 2³: κ as in visibility/density.h, albedo weighted by it.
 SharedTransportMedium halved(const TransportMedium& finer, const Device& device, Progress& progress);
 /// All that nodes tell but light.

@@ -13,10 +13,30 @@ CHIARO_INLINE float swept_depth(float depth, bool is_opaque, bool is_listed) {
     return min(depth, max_depth);
 }
 
+/// R(a), what a half space of albedo a reflects of diffuse light (isotropic scattering; van de Hulst 1980), s = √(1 -
+/// a).
+CHIARO_INLINE float half_space_reflectance(float albedo) {
+    const float s = sqrt(max(1 - albedo, 0.0f));
+    return (1 - s) * (1 - 0.139f * s) / (1 + 1.17f * s);
+}
+/// The albedo of which a half space reflects so much: the smaller root s of the same equation.
+CHIARO_INLINE float albedo_of_reflectance(float reflectance) {
+    const float b = 1.139f + 1.17f * reflectance;
+    const float s = (b - sqrt(b * b - 0.556f * (1 - reflectance))) / 0.278f;
+    return 1 - s * s;
+}
+/// Of a cell that is no opaque one, and a surface as far as `share` says: a soft skin over opaque matter, which
+/// reflects its albedo, leaves it so if a half space of the skin would reflect the same.
+CHIARO_INLINE float albedo_of_skin(float albedo, float share) {
+    return share > 0 ? albedo_of_reflectance(lerp(half_space_reflectance(albedo), albedo, share)) : albedo;
+}
+
 /// From the grid, x fastest, to its lattices; what lies beside the cells there stays as it is.
 struct LatticeKernel {
     CellPlaces places;
     const float *depth, *albedo;  ///< albedo: [channel][cell]
+    const float* share;           ///< of surface; nullptr: none
+    float resolves_skins;         ///< its part that counts
     const std::uint8_t* clear;    ///< 0: opaque. With a halo of one, as
     const std::int32_t* ids;      ///< below 0: not listed
     std::int64_t field;
@@ -30,7 +50,9 @@ struct LatticeKernel {
         const std::int64_t at = places.along_x(cell);
         extinction[at] = swept, extinction[field + places.along_y(cell)] = swept;
         for (std::int32_t c = 0; c < 3; ++c)
-            swept_albedo[c * field + at] = is_opaque ? 0 : albedo[c * places.count() + cell];
+            swept_albedo[c * field + at] =
+                is_opaque ? 0
+                          : albedo_of_skin(albedo[c * places.count() + cell], share ? resolves_skins * share[cell] : 0);
     }
 };
 

@@ -55,12 +55,14 @@ void OpaqueCells::find_shown(const CellGrid& cells) {
 }
 
 void OpaqueCells::find_reflectance(const LightGrid& grid, const Device& device) {
-    for (const auto& albedo : colours_at(grid.albedo, nodes_, device)) {
+    const auto colours = colours_at(grid.albedo, nodes_, device);
+    for (std::size_t cell = 0; cell < nodes_.size(); ++cell) {
+        const double q = grid.share_of_surface(nodes_[cell]);
         std::array<float, 3> reflectance, per_albedo;
         for (int c = 0; c < 3; ++c) {
-            const double a = albedo[c];
-            reflectance[c] = float(grid.is_surface ? a : half_space_reflectance(a));
-            per_albedo[c] = float(grid.is_surface ? 1 : reflected_per_albedo(a));
+            const double a = colours[cell][c];
+            reflectance[c] = float(std::lerp(half_space_reflectance(a), a, q));
+            per_albedo[c] = float(std::lerp(reflected_per_albedo(a), 1.0, q));
         }
         reflectance_.push_back(reflectance), per_albedo_.push_back(per_albedo);
     }

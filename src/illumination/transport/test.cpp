@@ -245,7 +245,8 @@ TEST(Transport, RefinesFromCoarseToFineAndStartsFromTheLast) {
         Progress progress;
         bool last_is_coarse = true;
         refine_transport(
-            scene.device, medium.data(), scene.lighting, scene.settings, scene.scattering, {0, 0, 1},
+            scene.device, medium.data(), scene.lighting, scene.settings, scene.scattering, SurfaceModel::none,
+            {0, 0, 1},
             [&](TransportNodes nodes, bool is_coarse) {
                 if (count++ == 0) {  // with detail from the last light, where there was any
                     EXPECT_EQ(nodes.grid.count[0], fields[1] == 0 ? 12 : 24);

@@ -33,19 +33,20 @@ std::optional<LightBefore> light_before(const TransportMemory* memory, const Med
 
 }  // namespace
 
-bool TransportMemory::is_of(const Medium::Data& other, const TransportSettings& settings,
-                            const ScatteringSettings& how) const {
-    return fine && medium.lock().get() == &other && grid == settings.grid && scattering == how;
+bool TransportMemory::is_of(const Medium::Data& other, const TransportSettings& settings, const ScatteringSettings& how,
+                            SurfaceModel shown) const {
+    return surfaces == shown && fine && medium.lock().get() == &other && grid == settings.grid && scattering == how;
 }
 
 void refine_transport(const Device& device, const Medium::Data& medium, const Lighting& lighting,
-                      const TransportSettings& settings, const ScatteringSettings& scattering, Vec3 orbit_up,
-                      const std::function<void(TransportNodes, bool is_coarse)>& keep, StageTimer& timer,
+                      const TransportSettings& settings, const ScatteringSettings& scattering, SurfaceModel surfaces,
+                      Vec3 orbit_up, const std::function<void(TransportNodes, bool is_coarse)>& keep, StageTimer& timer,
                       Progress& progress, TransportMemory* memory) {
-    const bool is_known = memory && memory->is_of(medium, settings, scattering);
+    const bool is_known = memory && memory->is_of(medium, settings, scattering, surfaces);
     const std::optional<LightBefore> before = light_before(memory, medium);
     Found found(memory);
-    found.now = {{}, {}, medium.weak_from_this(), medium.volume.data().weak_from_this(), settings.grid, scattering};
+    found.now = {{},         {},      medium.weak_from_this(), medium.volume.data().weak_from_this(), settings.grid,
+                 scattering, surfaces};
     const auto start = [&](const SharedTransportMedium& matter, const TransportNodes* warm) {
         return timer("light", [&] {
             return std::make_shared<TransportSolver>(device, matter, lighting, settings, scattering, orbit_up, progress,
@@ -59,9 +60,9 @@ void refine_transport(const Device& device, const Medium::Data& medium, const Li
             return done;
         });
     };
-    const SharedTransportMedium matter =
-        is_known ? memory->fine->matter()
-                 : timer("light grid", [&] { return matter_of(device, medium, settings.grid, scattering, progress); });
+    const SharedTransportMedium matter = is_known ? memory->fine->matter() : timer("light grid", [&] {
+        return matter_of(device, medium, settings.grid, scattering, progress, surfaces);
+    });
     std::optional<TransportNodes> first;
     if (settings.grid > coarsest) {
         const auto half = start(is_known && memory->half ? memory->half->matter() : halved(*matter, device, progress),

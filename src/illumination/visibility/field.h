@@ -20,6 +20,7 @@ struct VisibilityView {
     Float3 grid_x, grid_y, grid_z;  ///< axes of the grid in the world
 
     ScatteredLight scattered;
+    CutLight cut_light;
 
     /// ρ E takes the place of ambient and diffuse light; highlights show it from the light's main direction.
     template <class F>
@@ -31,6 +32,7 @@ struct VisibilityView {
         }
         Vec3<F> e = light.at(sample.p_voxel);
         if (surface.entries) on_surfaces(sample, e);
+        cut_light.shine_on(sample.cut, e);
         const F highlight = sample.highlight;
         return {e, Vec3<F>(highlight * e.x * F(shading.specular.x), highlight * e.y * F(shading.specular.y),
                            highlight * e.z * F(shading.specular.z))};
@@ -39,7 +41,7 @@ struct VisibilityView {
 private:
     template <class F>
     CHIARO_NOINLINE void scatter(const SamplePoint<F>& sample, const ShadingView& shading, Incident<F>& found) const {
-        found = scattered.incident(light, sample, shading);
+        found = scattered.incident(light, cut_light, sample, shading);
     }
 
     /// By the sample's own normal, one lane after the other: there are few surfaces along a ray.

@@ -42,14 +42,15 @@ void GpuField::fetch(ShField& field) const {
     stream_->wait();
 }
 
-VisibilityNodes GpuField::keep(const VisibilitySettings& settings) const {
-    VisibilityNodes nodes = make_nodes(grid_, coefficients_, settings);
-    const bool displaced = nodes.surfaces.size() > 0;
+VisibilityNodes GpuField::keep(const Density* shares, const VisibilitySettings& settings) const {
+    const bool displaced = shares != nullptr;
+    VisibilityNodes nodes = make_nodes(grid_, coefficients_, settings, displaced);
     const cuda::Array<std::byte> harmonics(*stream_, nodes.harmonics.size());
     const cuda::Array<kernel::NodeSurface> surfaces(*stream_, displaced ? grid_.size() : 1);
     const cuda::Array<float> opacity(*stream_, displaced ? grid_.size() : 1);
     if (displaced) kernel::find_opacities(*stream_, {density_, opacity.data()}, std::int64_t(grid_.size()));
-    kernel::KeepKernel keep = keep_kernel(nodes, field_.data(), displaced ? opacity.data() : nullptr);
+    kernel::KeepKernel keep = keep_kernel(nodes, field_.data(), displaced ? opacity.data() : nullptr,
+                                          displaced ? shares->on_gpu(*stream_) : nullptr);
     keep.harmonics = harmonics.data(), keep.surfaces = surfaces.data();
     kernel::keep_all_nodes(*stream_, keep);
     stream_->download(nodes.harmonics.data(), harmonics.data(), nodes.harmonics.size());

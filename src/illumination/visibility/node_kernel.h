@@ -32,6 +32,7 @@ struct OpacityKernel {
 struct KeepKernel {
     const float* field;    ///< [node][coefficients]
     const float* opacity;  ///< of a node edge; nullptr: the field is kept where it is
+    const float* shares;   ///< q of the nodes
     void* harmonics;
     NodeSurface* surfaces;
     Stored stored;
@@ -50,11 +51,12 @@ struct KeepKernel {
         if (opacity) {
             const Outwards out = outwards(x, y, z);
             const float size = sqrt(dot(out.n, out.n)), inverse = size > 0 ? 127 / size : 0;
-            const std::uint8_t share = std::uint8_t(outward_share(out.n, 1.0f) * 255 + 0.5f);
+            const float near = size > 0 ? surface_near(x, y, z) : 0;
+            const std::uint8_t share = std::uint8_t(near * outward_share(out.n, 1.0f) * 255 + 0.5f);
             surfaces[node] = {signed_byte(inverse * out.n.x), signed_byte(inverse * out.n.y),
                               signed_byte(inverse * out.n.z), share};
             if (share) {
-                normal_offset((out.edges / max(size, 1.0f)) * out.n, x, y, z, displaced);
+                normal_offset((near * out.edges / max(size, 1.0f)) * out.n, x, y, z, displaced);
                 from = displaced;
             }
         }
@@ -84,6 +86,15 @@ private:
     CHIARO_INLINE Vec3<float> normal(std::int32_t x, std::int32_t y, std::int32_t z, std::int32_t d) const {
         return {alpha(x - d, y, z) - alpha(x + d, y, z), alpha(x, y - d, z) - alpha(x, y + d, z),
                 alpha(x, y, z - d) - alpha(x, y, z + d)};
+    }
+    /// The largest there and around: what is read of a surface lies on both of its sides.
+    CHIARO_INLINE float surface_near(std::int32_t x, std::int32_t y, std::int32_t z) const {
+        float most = 0;
+        for (std::int32_t k = max(z - 1, 0); k <= min(z + 1, count[2] - 1); ++k)
+            for (std::int32_t j = max(y - 1, 0); j <= min(y + 1, count[1] - 1); ++j)
+                for (std::int32_t i = max(x - 1, 0); i <= min(x + 1, count[0] - 1); ++i)
+                    most = max(most, shares[index(i, j, k)]);
+        return most;
     }
     static CHIARO_INLINE std::int8_t signed_byte(float v) { return std::int8_t(v < 0 ? v - 0.5f : v + 0.5f); }
 

@@ -28,14 +28,15 @@ struct VisibilityNodes {
 };
 
 /// Without numbers yet: as many coefficients a node as there are, in the settings' storage.
-VisibilityNodes make_nodes(const CellGrid& grid, int coefficients, const VisibilitySettings& settings);
-/// What fills them from the field and, where they have surfaces, the opacity of their edges.
-kernel::KeepKernel keep_kernel(VisibilityNodes& nodes, const float* field, const float* opacity);
+VisibilityNodes make_nodes(const CellGrid& grid, int coefficients, const VisibilitySettings& settings, bool displaced);
+/// What fills them from the field and, where they have surfaces, the opacity of their edges and their shares.
+kernel::KeepKernel keep_kernel(VisibilityNodes& nodes, const float* field, const float* opacity, const float* shares);
 
-/// The field to be kept. VisibilityModel::corrected: each node that has a normal n = -(α(i + 1) - α(i - 1)) takes what
-/// arrives one node edge along it (|n| shortened to 1; two edges where the surface is that far), and keeps n with q =
-/// min(1, 4 |n|), the share that is a surface. Throws Error{interrupted}.
-VisibilityNodes keep_nodes(const Device& device, const ShField& field, const Density& density,
+/// The field to be kept. With shares of surface (surface_share.h) each node that has a normal n = -(α(i + 1) -
+/// α(i - 1)), and a surface near, of which q is the largest share, takes what arrives q node edges along it (|n|
+/// shortened to 1; twice as far where the surface is that far), and keeps n with q min(1, 4 |n|), the share that is a
+/// surface. Without: all are particles. Throws Error{interrupted}.
+VisibilityNodes keep_nodes(const Device& device, const ShField& field, const Density& density, const Density* shares,
                            const VisibilitySettings& settings, Progress& progress);
 
 }  // namespace chiaro

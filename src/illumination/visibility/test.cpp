@@ -207,7 +207,7 @@ TEST(Nodes, AreKeptWithinHalfAStep) {
     Progress progress;
     for (ShStorage storage : {ShStorage::u8, ShStorage::f16, ShStorage::f32}) {
         VisibilitySettings settings{.model = VisibilityModel::paper, .storage = storage};
-        const VisibilityNodes nodes = keep_nodes(tested_device(), field, d, settings, progress);
+        const VisibilityNodes nodes = keep_nodes(tested_device(), field, d, nullptr, settings, progress);
         for (std::size_t i = 0; i < d.grid.size(); ++i) {
             float kept[16];
             nodes.view().load(std::int64_t(i), kept);
@@ -225,8 +225,10 @@ TEST(Nodes, AllLightOfAWhiteProbeArrivesInEmptySpace) {
     const Density d = density_where(cubic(6, 5, 4), [](int, int, int) { return 0; });
     const ShField field = swept(d, 400);
     Progress progress;
-    for (VisibilityModel model : {VisibilityModel::corrected, VisibilityModel::paper}) {
-        const LitNodes nodes(tested_device(), keep_nodes(tested_device(), field, d, {.model = model}, progress));
+    Density all(d.grid);
+    std::fill_n(all.numbers(), d.grid.size(), 1.0f);
+    for (const Density* shares : {static_cast<const Density*>(nullptr), static_cast<const Density*>(&all)}) {
+        const LitNodes nodes(tested_device(), keep_nodes(tested_device(), field, d, shares, {}, progress));
         for (double strength : {0.0, 0.5, 1.0}) {
             const Lighting lighting{.strength = strength};
             const auto lit = nodes.light({lighting, {0, 0, 1}, Geometry{}, false});
@@ -239,7 +241,7 @@ TEST(Nodes, AllLightOfAWhiteProbeArrivesInEmptySpace) {
 TEST(Nodes, TheLightIsFoundAgainOnlyWhereItChanged) {
     const Density d = clumps(8, 8, 8);
     Progress progress;
-    const LitNodes nodes(tested_device(), keep_nodes(tested_device(), swept(d, 100), d, {}, progress));
+    const LitNodes nodes(tested_device(), keep_nodes(tested_device(), swept(d, 100), d, nullptr, {}, progress));
     Lighting lighting;
     const auto first = nodes.light({lighting, {0, 0, 1}, Geometry{}, false});
     EXPECT_EQ(nodes.light({lighting, {0, 0, 1}, Geometry{}, false}), first);

@@ -1,0 +1,63 @@
+// What a surface reflects: Lambert's law and one highlight (docs/theory/light.md).
+#pragma once
+#include "kernel/gather.h"
+#include "pathtrace/directions.h"
+#include "pathtrace/path.h"
+
+namespace chiaro::kernel {
+
+/// f = c/π (1 - ρ(n·v)) (1 - ρ(n·l)) / (1 - ρ̄) + k/π (n·h)^s: Blinn's highlight (1977) over matter that is matte for
+/// what the highlight leaves (Kelemen and Szirmay-Kalos 2001). ρ(μ) is what the highlight alone reflects of light from
+/// all around, seen at the cosine μ; ρ̄ = 2 ∫ ρ μ dμ.
+struct ReflectionView {
+    static constexpr std::int32_t steps = 32;
+    float strength, shininess;  ///< k, s; k = 0: matte
+    const float* reflected;     ///< ρ at μ = 0, 1/steps ... 1
+    float matte;                ///< 1 / (1 - ρ̄)
+
+    /// A path that collided with a surface meets either the highlight, with the probability ρ(n·v), or the matter.
+    template <class F>
+    CHIARO_INLINE F choose(F u, Vec3<F> normal, Vec3<F> heading) const {
+        if (strength == 0) return F(1);
+        return select(u < reflected_at(F(0) - dot(normal, heading)), F(2), F(1));
+    }
+
+    /// Of what the path met, the colour left out.
+    template <class F>
+    CHIARO_INLINE Scattered<F> scattered(const Path<F>& path, Vec3<F> direction) const {
+        const F cosine = max(dot(path.normal, direction), F(0)), even = cosine * F(inverse_pi);
+        if (strength == 0) return {even, even};
+        // A path that begins at a point has met nothing yet.
+        const F diffuse = select(path.on_surface == F(0), even, even * ((F(1) - reflected_at(cosine)) * F(matte)));
+        const Mask<F> shines = path.on_surface == F(2);
+        if (!any(shines)) return {diffuse, even};
+        const Vec3<F> sum = direction - path.heading;
+        const Vec3<F> h = F(1) / sqrt(max(dot(sum, sum), F(1e-24f))) * sum;
+        const F nh = max(dot(path.normal, h), F(0)), hv = max(F(0) - dot(h, path.heading), F(1e-6f));
+        const F lobe = pow(nh, F(shininess));
+        const F seen = max(reflected_at(F(0) - dot(path.normal, path.heading)), F(1e-9f));
+        return {select(shines, F(strength * inverse_pi) * lobe * cosine / seen, diffuse),
+                select(shines, F((shininess + 2) * 0.125f * inverse_pi) * lobe * nh / hv, even)};
+    }
+
+    /// Matte: by the cosine; the highlight: about a half vector drawn by (n·h)^(s + 1).
+    template <class F>
+    CHIARO_INLINE Vec3<F> direction(const Path<F>& path, F u, F v) const {
+        if (strength == 0) return around(path.normal, sqrt(u), v);
+        const Mask<F> shines = path.on_surface == F(2);
+        const F cosine = select(shines, pow(u, F(1 / (shininess + 2))), sqrt(u));
+        const Vec3<F> drawn = around(path.normal, cosine, v);
+        const Vec3<F> mirrored = path.heading - F(2) * dot(path.heading, drawn) * drawn;
+        return select(shines, mirrored, drawn);
+    }
+
+private:
+    template <class F>
+    CHIARO_INLINE F reflected_at(F cosine) const {
+        const F place = min(max(cosine, F(0)), F(1)) * F(float(steps));
+        const Int<F> i = min(truncate(place), Int<F>(steps - 1));
+        return lerp(gather_float(reflected, i), gather_float(reflected + 1, i), place - to_float(i));
+    }
+};
+
+}  // namespace chiaro::kernel
