@@ -79,7 +79,7 @@ Harmonics VisibilityErrorMetric::found_by(const VisibilitySettings& settings) co
 
 Harmonics VisibilityErrorMetric::kept_by(const VisibilitySettings& settings) const {
     ShField field = field_by(settings);
-    const VisibilityNodes kept = keep_nodes(device_, field, density_, nullptr, settings, progress_);
+    const VisibilityNodes kept = keep_nodes(device_, field, settings, progress_);
     for (std::size_t node = 0; node < field.grid.size(); ++node) {
         float steps[max_coefficients];
         kept.view().load(std::int64_t(node), steps);

@@ -14,7 +14,7 @@ namespace {
 
 /// Answers the ray caster's question with the place it was asked for: a picture of positions.
 struct PositionView {
-    static constexpr bool modulates = true, adds_opacity = false;
+    static constexpr bool modulates = true, adds_opacity = false, by_surface = false;
     template <class F>
     CHIARO_INLINE kernel::Incident<F> incident(const kernel::SamplePoint<F>& s, const kernel::ShadingView&) const {
         return {s.p_voxel, kernel::Vec3<F>(F(0), F(0), F(0))};

@@ -11,6 +11,7 @@ struct SurfaceAt {
     Vec3<F> outward;   ///< n, unit, world: towards where opacity falls; 0 where values are even
     F share;           ///< q, [0, 1]: of the matter here that scatters as a surface
     F hold;            ///< h, [0, 1]: of light that leaves here, what half an edge does not dim
+    F depth;           ///< [0, 2]: edges of matter like this between here and the outside
 };
 
 struct SurfaceView {
@@ -38,9 +39,15 @@ struct SurfaceView {
     template <class F, class Voxel>
     CHIARO_INLINE SurfaceAt<F> at(const VolumeView<Voxel>& volume, Vec3<F> p) const {
         const auto where = volume.locate(p, volume.voxel(p));
+        return of(volume.value(where), volume.gradient(where));
+    }
+
+    /// Of a value and its gradient, stored units per voxel.
+    template <class F>
+    CHIARO_INLINE SurfaceAt<F> of(F value, Vec3<F> gradient) const {
         SurfaceAt<F> s;
-        s.value = volume.value(where);
-        s.gradient = volume.gradient(where);
+        s.value = value;
+        s.gradient = gradient;
         const Vec3<F> g = to_world(s.gradient);
         const F slope = sqrt(dot(g, g));
         const auto opacity_at = [&](float edges)
@@ -54,6 +61,9 @@ struct SurfaceView {
         // Two edges of the densest matter near: an optical depth of ½ is no surface yet, one of 3/2 is.
         const F densest = max(max(far_below, far_above), max(below, above));
         const F depth = F(-2 * 0.6931471806f) * log2(max(F(1) - densest, F(1e-6f)));
+        const Mask<F> rising = far_above > far_below;  // with the value
+        const F outwards = select(rising, below + far_below, above + far_above);
+        s.depth = outwards / max(max(opacity_at(0), F(0.5f) * outwards), F(1e-6f));
         s.share = s.hold * min(max(depth - F(0.5f), F(0)), F(1));
         return s;
     }

@@ -75,11 +75,10 @@ void light(const Device& device, const Medium::Data& medium, const IlluminationS
     if (settings.method != Method::visibility) return sink(light_of(device, medium, settings, progress));
     StageTimer timer;
     const auto keep = [&](VisibilityNodes nodes, bool is_coarse) {
-        sink(field_of(device, std::move(nodes), is_coarse, timer, shows_surfaces(settings)));
+        const bool surfaces = shows_surfaces(settings) && settings.visibility.model == VisibilityModel::corrected;
+        sink(field_of(device, std::move(nodes), is_coarse, timer, surfaces));
     };
-    VisibilitySettings visibility = settings.visibility;
-    if (!shows_surfaces(settings)) visibility.model = VisibilityModel::paper;
-    refine_visibility(device, medium, visibility, keep, timer, progress);
+    refine_visibility(device, medium, settings.visibility, keep, timer, progress);
 }
 
 /// Of a surface that sees half of all the light there is, whichever way it faces: per channel.

@@ -42,8 +42,7 @@ kernel::CutLight light_on_cuts(const Lighting& lighting, Vec3 orbit_up, const Me
 
 LitField lit_by_visibility(const IlluminationField::Data& data, const Lighting& lighting, Vec3 orbit_up,
                            const Medium::Data& medium) {
-    const bool by_normal = medium.shape.mode == Mode::iso && lighting.shading != Shading::none;
-    const auto lit = data.visibility->light({lighting, orbit_up, medium.volume.geometry(), by_normal});
+    const auto lit = data.visibility->light({lighting, orbit_up, medium.volume.geometry(), data.surfaces});
     HostArrays arrays;
     arrays.add(lit, lit->light);
     arrays.add(lit, lit->surface);

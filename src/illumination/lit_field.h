@@ -14,6 +14,12 @@ struct LitField {
     std::optional<double> albedo_limit;  ///< of the colours that are seen; none: as they are
     bool shows_cuts;                     ///< cuts and borders in solid matter are surfaces
     HostArrays arrays;                   ///< what the view points into
+
+    /// Whether the view asks where surfaces are.
+    bool by_surface() const {
+        const auto* visibility = std::get_if<kernel::VisibilityView>(&view);
+        return visibility && visibility->asks_surfaces();
+    }
 };
 
 /// Joins field and lighting; a probe is projected on the field where that holds no light of its own.

@@ -3,6 +3,8 @@
 //
 //     static constexpr bool modulates;   // false: the answer is the shading's own; the caster may leave the call out
 //     static constexpr bool adds_opacity;  // true: has glows and glow(), see illumination/histogram/field.h
+//     static constexpr bool by_surface;  // true: may ask where surfaces are: has asks_surfaces(), and incident() takes
+//                                        // the sample's step and the surface that its ray has met
 //     template <class F> Incident<F> incident(const SamplePoint<F>&, const ShadingView&) const;
 //
 // Colour of a sample = opacity × (albedo × diffuse + specular).
@@ -15,6 +17,15 @@ namespace chiaro::kernel {
 /// A volume's cuts by number: the planes of its clip, then its borders, 2 axis, and 1 more at the far end.
 inline constexpr std::int32_t clip_planes = 12, cuts = clip_planes + 6;
 
+/// The surface that a sample belongs to.
+template <class F>
+struct SurfacePoint {
+    F share{0};  ///< q: of the sample; 0 where the surface that was met will do
+    Vec3<F> p_voxel{F(0), F(0), F(0)};
+    Vec3<F> normal{F(0), F(0), F(0)};  ///< unit, world, towards the eye; 0 where there is no gradient
+    F depth{0.5f};                     ///< smallest edges from there to the outside
+};
+
 template <class F>
 struct SamplePoint {
     Vec3<F> p_voxel;
@@ -24,7 +35,17 @@ struct SamplePoint {
     F rise{0};                          ///< ∇f · l of unit vectors: > 0 where values rise towards the light
     Vec3<F> outward{F(0), F(0), F(0)};  ///< n, unit, world; 0 where there is no gradient
     F solid{0};                         ///< 0 up to an optical depth of 1/2 over a voxel's edge, 1 from 3/2 on
+    SurfacePoint<F> surface{};          ///< of views that ask where surfaces are
     F cut{-1};                          ///< the cut through solid matter on which it lies; below 0: none
+};
+
+/// The surface that a ray has met: of the samples of the last two edges the one with the largest share. What lies
+/// behind a skin, where values are even, belongs to it (docs/theory/light.md).
+template <class F>
+struct MetSurface {
+    F share{0};
+    F step{-1e6f};                ///< where
+    Vec3<F> e{F(0), F(0), F(0)};  ///< the light on it
 };
 
 template <class F>
@@ -41,14 +62,19 @@ struct ShadingView {
     Float3 to_light, half;                      ///< unit, world
     Float3 gradient_x, gradient_y, gradient_z;  ///< rows of the matrix from a gradient per voxel to one per mm of world
 
+    /// Unit, world, of a covector per voxel; 0 where it is.
+    template <class F>
+    CHIARO_INLINE Vec3<F> normal(Vec3<F> gradient) const {
+        const Vec3<F> g = to_world(gradient);
+        return inverse_length(g) * g;
+    }
+
     /// Normal, and two-sided Lambert and Blinn-Phong factors, of a direction out of the surface given as a covector per
     /// voxel (any scale).
     template <class F>
     CHIARO_INLINE void reflect(Vec3<F> gradient, SamplePoint<F>& sample) const {
-        const Vec3<F> g{dot(Vec3<F>(gradient_x), gradient), dot(Vec3<F>(gradient_y), gradient),
-                        dot(Vec3<F>(gradient_z), gradient)};
-        const F squared = dot(g, g);
-        const F inverse = select(squared > F(1e-24f), F(1) / sqrt(max(squared, F(1e-24f))), F(0));
+        const Vec3<F> g = to_world(gradient);
+        const F inverse = inverse_length(g);
         const F nl = dot(g, Vec3<F>(to_light)) * inverse, nh = dot(g, Vec3<F>(half)) * inverse;
         sample.lambert = abs(nl);
         sample.rise = F(out) * nl;
@@ -61,6 +87,18 @@ struct ShadingView {
     CHIARO_INLINE Incident<F> local(const SamplePoint<F>& s) const {
         const Vec3<F> ambient_light(F{ambient}, F{ambient}, F{ambient});
         return {mad(s.lambert, Vec3<F>(diffuse), ambient_light), s.highlight * Vec3<F>(specular)};
+    }
+
+private:
+    template <class F>
+    CHIARO_INLINE Vec3<F> to_world(Vec3<F> gradient) const {
+        return {dot(Vec3<F>(gradient_x), gradient), dot(Vec3<F>(gradient_y), gradient),
+                dot(Vec3<F>(gradient_z), gradient)};
+    }
+    template <class F>
+    static CHIARO_INLINE F inverse_length(Vec3<F> g) {
+        const F squared = dot(g, g);
+        return select(squared > F(1e-24f), F(1) / sqrt(max(squared, F(1e-24f))), F(0));
     }
 };
 

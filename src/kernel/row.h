@@ -181,4 +181,117 @@ CHIARO_INLINE void store_row(float* to, F lanes) {
     }
 }
 
+/// Four and sixteen numbers of one item: vectors where F is sixteen lanes, arrays where F is one.
+template <int N>
+struct Numbers {
+    float at[N];
+    Numbers() = default;
+    CHIARO_INLINE Numbers(float same) {
+        for (float& number : at) number = same;
+    }
+};
+#define CHIARO_NUMBERS(name, expression)                                      \
+    template <int N>                                                          \
+    CHIARO_INLINE Numbers<N> name(const Numbers<N>& a, const Numbers<N>& b) { \
+        Numbers<N> found;                                                     \
+        for (int i = 0; i < N; ++i) found.at[i] = expression;                 \
+        return found;                                                         \
+    }
+CHIARO_NUMBERS(operator+, a.at[i] + b.at[i])
+CHIARO_NUMBERS(operator-, a.at[i] - b.at[i])
+CHIARO_NUMBERS(operator*, a.at[i] * b.at[i])
+CHIARO_NUMBERS(min, min(a.at[i], b.at[i]))
+CHIARO_NUMBERS(max, max(a.at[i], b.at[i]))
+#undef CHIARO_NUMBERS
+template <int N>
+CHIARO_INLINE void load(const float* from, Numbers<N>& to) {
+    __builtin_memcpy(to.at, from, sizeof to.at);
+}
+template <int N>
+CHIARO_INLINE void load(const std::int8_t* from, Numbers<N>& to) {
+    for (int i = 0; i < N; ++i) to.at[i] = float(from[i]);
+}
+template <int N>
+CHIARO_INLINE void store(const Numbers<N>& from, float* to) {
+    __builtin_memcpy(to, from.at, sizeof from.at);
+}
+/// Of each of four rows the sum, in a fixed order.
+CHIARO_INLINE Numbers<4> sums_of(const Numbers<16> (&rows)[4]) {
+    Numbers<4> sums;
+    for (int k = 0; k < 4; ++k) {
+        const float* r = rows[k].at;
+        float of[4];
+        for (int i = 0; i < 4; ++i) of[i] = (r[i] + r[i + 8]) + (r[i + 4] + r[i + 12]);
+        sums.at[k] = (of[0] + of[1]) + (of[2] + of[3]);
+    }
+    return sums;
+}
+
+template <class F>
+struct NumbersOf {
+    using Four = Numbers<4>;
+    using Sixteen = Numbers<16>;
+};
+
+#ifdef CHIARO_SIMD
+inline namespace CHIARO_ISA {
+
+template <int N>
+CHIARO_INLINE void load(const std::int8_t* from, Pack<float, N>& to) {
+    if constexpr (is_native<float, N>)
+        to.v = __builtin_convertvector(native_widened(from), typename VectorOf<float, N>::type);
+    else
+        load(from, to.lo), load(from + N / 2, to.hi);
+}
+CHIARO_INLINE void load(const float* from, Lanes& to) { to = load_row<Lanes>(from); }
+CHIARO_INLINE void store(Lanes from, float* to) { store_row(to, from); }
+
+struct FourLanes {
+    __m128 v;
+    FourLanes() = default;
+    CHIARO_INLINE FourLanes(__m128 vector) : v(vector) {}
+    CHIARO_INLINE FourLanes(float same) : v(_mm_set1_ps(same)) {}
+};
+CHIARO_INLINE FourLanes operator+(FourLanes a, FourLanes b) { return a.v + b.v; }
+CHIARO_INLINE FourLanes operator-(FourLanes a, FourLanes b) { return a.v - b.v; }
+CHIARO_INLINE FourLanes operator*(FourLanes a, FourLanes b) { return a.v * b.v; }
+CHIARO_INLINE FourLanes min(FourLanes a, FourLanes b) { return _mm_min_ps(a.v, b.v); }
+CHIARO_INLINE FourLanes max(FourLanes a, FourLanes b) { return _mm_max_ps(a.v, b.v); }
+CHIARO_INLINE void load(const float* from, FourLanes& to) { to.v = _mm_loadu_ps(from); }
+CHIARO_INLINE void store(FourLanes from, float* to) { _mm_storeu_ps(to, from.v); }
+
+/// The halves added up.
+template <int N>
+CHIARO_INLINE __m128 folded(Pack<float, N> numbers) {
+    if constexpr (N == 4) {
+        return numbers.v;
+    } else if constexpr (is_native<float, N>) {
+        Pack<float, N / 2> low, high;
+        __builtin_memcpy(&low, &numbers, sizeof low);
+        __builtin_memcpy(&high, reinterpret_cast<const char*>(&numbers) + sizeof low, sizeof high);
+        return folded(Pack<float, N / 2>(low.v + high.v));
+    } else {
+        return folded(map<float, N / 2>(
+            [](auto u, auto v) __attribute__((always_inline)) { return u + v; }, numbers.lo, numbers.hi));
+    }
+}
+CHIARO_INLINE FourLanes sums_of(const Lanes (&rows)[4]) {
+    return _mm_hadd_ps(_mm_hadd_ps(folded(rows[0]), folded(rows[1])), _mm_hadd_ps(folded(rows[2]), folded(rows[3])));
+}
+
+}  // namespace CHIARO_ISA
+template <>
+struct NumbersOf<Lanes> {
+    using Four = FourLanes;
+    using Sixteen = Lanes;
+};
+#endif
+
+template <class N, class T>
+CHIARO_INLINE N loaded(const T* from) {
+    N numbers;
+    load(from, numbers);
+    return numbers;
+}
+
 }  // namespace chiaro::kernel

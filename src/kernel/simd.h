@@ -127,6 +127,9 @@ CHIARO_INLINE NativeInt native_max(NativeInt a, NativeInt b) {
     return NativeInt(_mm512_max_epi32(__m512i(a), __m512i(b)));
 }
 CHIARO_INLINE NativeFloat native_sqrt(NativeFloat a) { return _mm512_sqrt_ps(a); }
+CHIARO_INLINE NativeInt native_widened(const std::int8_t* from) {
+    return NativeInt(_mm512_cvtepi8_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(from))));
+}
 CHIARO_INLINE NativeFloat native_floor(NativeFloat a) {
     return _mm512_roundscale_ps(a, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC);
 }
@@ -150,6 +153,9 @@ CHIARO_INLINE NativeInt native_max(NativeInt a, NativeInt b) {
     return NativeInt(_mm256_max_epi32(__m256i(a), __m256i(b)));
 }
 CHIARO_INLINE NativeFloat native_sqrt(NativeFloat a) { return _mm256_sqrt_ps(a); }
+CHIARO_INLINE NativeInt native_widened(const std::int8_t* from) {
+    return NativeInt(_mm256_cvtepi8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(from))));
+}
 CHIARO_INLINE NativeFloat native_floor(NativeFloat a) { return _mm256_floor_ps(a); }
 CHIARO_INLINE unsigned native_bits(NativeInt m) { return unsigned(_mm256_movemask_ps(__m256(m))); }
 template <int imm>
@@ -171,6 +177,11 @@ CHIARO_INLINE NativeInt native_max(NativeInt a, NativeInt b) {
     return NativeInt(_mm_max_epi32(__m128i(a), __m128i(b)));
 }
 CHIARO_INLINE NativeFloat native_sqrt(NativeFloat a) { return _mm_sqrt_ps(a); }
+CHIARO_INLINE NativeInt native_widened(const std::int8_t* from) {
+    std::int32_t four;
+    __builtin_memcpy(&four, from, sizeof four);
+    return NativeInt(_mm_cvtepi8_epi32(_mm_cvtsi32_si128(four)));
+}
 CHIARO_INLINE NativeFloat native_floor(NativeFloat a) { return _mm_floor_ps(a); }
 CHIARO_INLINE unsigned native_bits(NativeInt m) { return unsigned(_mm_movemask_ps(__m128(m))); }
 template <int imm>

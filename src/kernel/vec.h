@@ -39,4 +39,9 @@ CHIARO_INLINE F dot(Vec3<F> a, Vec3<F> b) {
     return mad(a.x, b.x, mad(a.y, b.y, a.z * b.z));
 }
 
+template <class F>
+CHIARO_INLINE Vec3<F> select(Mask<F> m, Vec3<F> a, Vec3<F> b) {
+    return {select(m, a.x, b.x), select(m, a.y, b.y), select(m, a.z, b.z)};
+}
+
 }  // namespace chiaro::kernel

@@ -62,10 +62,7 @@ template <class F>
 CHIARO_INLINE Mask<F> at_stage(const Path<F>& path, Stage stage) {
     return path.stage == Int<F>(stage);
 }
-template <class F>
-CHIARO_INLINE Vec3<F> select(Mask<F> m, Vec3<F> a, Vec3<F> b) {
-    return {select(m, a.x, b.x), select(m, a.y, b.y), select(m, a.z, b.z)};
-}
+
 template <class F>
 CHIARO_INLINE Vec3<F> scaled(Vec3<F> a, Vec3<F> b) {
     return {a.x * b.x, a.y * b.y, a.z * b.z};

@@ -1,5 +1,6 @@
 // What rays travel through, and what every march asks of it.
 #pragma once
+#include "classify/surface_view.h"
 #include "illumination/view.h"
 #include "raycast/lattice.h"
 #include "raycast/tables.h"
@@ -29,6 +30,8 @@ struct Matter {
     float cutoff;     ///< a ray ends below this transmittance
     float cut_alpha;  ///< a cut through more opaque matter shows the plane's normal
     SolidView solid;
+    SurfaceView surface;  ///< of fields that are read by it
+    float met_steps;      ///< of a surface that was met, to what lies behind
     bool skip_empty;
     bool shows_cuts;  ///< cuts through solid matter are lit by all that lies before them
 
@@ -53,20 +56,76 @@ struct Matter {
         return empty;
     }
 
+    /// Where a sample lies along its ray.
+    template <class F>
+    struct Place {
+        const Lattice<F>& lattice;
+        F step;
+        bool backwards;  ///< the samples before it are not known yet
+    };
+
     /// Light that arrives at a sample and leaves it towards the eye.
     template <class At, class F>
-    CHIARO_INLINE void light(const At& at, const Cut<F>& cut, SamplePoint<F> sample, RgbaLanes<F>& colour) const {
+    CHIARO_INLINE void light(const At& at, const Cut<F>& cut, const Mask<F>& visible, const Place<F>& place,
+                             MetSurface<F>& met, SamplePoint<F> sample, RgbaLanes<F>& colour) const {
         if (!shading.enabled && !modulates) return;
+        bool asks_surfaces = false;
+        if constexpr (Field::by_surface) asks_surfaces = field.asks_surfaces();
         if (shows_cuts) sample.cut = select(cut.open, cut.number, F(-1));
-        if (shading.enabled) {
-            Vec3<F> g = volume.gradient(at);
-            const F out(shading.out);
-            g = {select(cut.open, cut.normal.x, out * g.x), select(cut.open, cut.normal.y, out * g.y),
-                 select(cut.open, cut.normal.z, out * g.z)};
-            shading.reflect(g, sample);
+        if (shading.enabled || asks_surfaces) {
+            const Vec3<F> gradient = volume.gradient(at);
+            shading.reflect(select(cut.open, cut.normal, F(shading.out) * gradient), sample);
+            if (asks_surfaces) find_surface(gradient, visible & !cut.open, place, met, sample);
         }
-        const Incident<F> incident = field.incident(sample, shading);
+        Incident<F> incident;
+        if constexpr (Field::by_surface)
+            incident = field.incident(sample, shading, place.step, met);
+        else
+            incident = field.incident(sample, shading);
         colour = light_up(colour, incident.diffuse, incident.specular);
+    }
+
+private:
+    /// A surface that was met reaches two edges far along its ray. Within the first of them light is looked up again
+    /// only where there is more of a surface.
+    template <class F>
+    CHIARO_INLINE void find_surface(Vec3<F> gradient, Mask<F> wanted, const Place<F>& place, MetSurface<F>& met,
+                                    SamplePoint<F>& sample) const {
+        constexpr float more = 0.05f;
+        const F since = place.backwards ? F(2 * met_steps) : place.step - met.step;
+        met.share = select(since <= F(met_steps), met.share, F(0));
+        const Mask<F> is_near = since < F(0.5f * met_steps);
+        wanted = wanted & !(is_near & (met.share >= F(1 - more)));
+        if (!any(wanted)) return;
+        SurfacePoint<F> here{F(1), sample.p_voxel, towards_eye(gradient, place)};
+        if (surface.opacity) {  // isosurfaces are whole ones
+            const SurfaceAt<F> found = surface.of(sample.value, gradient);
+            here.share = found.share, here.depth = found.depth;
+            if (place.backwards) look_before(wanted, place, here);
+        }
+        const F least = met.share + select(is_near, F(more), F(0));
+        here.share = select(wanted & (here.share >= least), here.share, F(0));
+        sample.surface = here;
+    }
+
+    template <class F>
+    CHIARO_INLINE Vec3<F> towards_eye(Vec3<F> gradient, const Place<F>& place) const {
+        return select(dot(gradient, place.lattice.step) > F(0), F(-1), F(1)) * shading.normal(gradient);
+    }
+
+    /// From back to front the surface that was met lies ahead: one and two edges nearer to the eye.
+    template <class F>
+    CHIARO_NOINLINE void look_before(Mask<F> wanted, const Place<F>& place, SurfacePoint<F>& met) const {
+        for (int edges = 1; edges <= 2; ++edges) {
+            const F step = place.step - F(0.5f * met_steps * float(edges));
+            const Vec3<F> p = volume.clamp(place.lattice.position(max(step, F(0))));
+            const auto at = volume.locate(p, volume.voxel(p));
+            const Vec3<F> gradient = volume.gradient(at);
+            const SurfaceAt<F> found = surface.of(volume.value(at), gradient);
+            const Mask<F> larger = wanted & (step >= F(0)) & (found.share > met.share);
+            met = {select(larger, found.share, met.share), select(larger, p, met.p_voxel),
+                   select(larger, towards_eye(gradient, place), met.normal), select(larger, found.depth, met.depth)};
+        }
     }
 };
 

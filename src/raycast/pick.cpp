@@ -30,8 +30,9 @@ struct WitnessedMatter : kernel::Matter<Voxel, kernel::NoneView> {
     Witness* witness;
 
     template <class F>
-    void light(const kernel::Location<F>&, const kernel::Cut<F>&, kernel::SamplePoint<F> sample,
-               kernel::RgbaLanes<F>& colour) const {
+    void light(const kernel::Location<F>&, const kernel::Cut<F>&, bool,
+               const typename kernel::Matter<Voxel, kernel::NoneView>::template Place<F>&, kernel::MetSurface<F>&,
+               kernel::SamplePoint<F> sample, kernel::RgbaLanes<F>& colour) const {
         witness->see(sample.p_voxel, sample.value, colour);
     }
 };

@@ -122,7 +122,7 @@ RenderStatistics fill(const Device& device, const Medium& medium, const Illumina
                       Progress& progress) {
     const Medium::Data& data = medium.data();
     const LitField lit = lit_field(field, lighting, camera, data);
-    const RayTables tables = make_tables(data, settings, device.threads, lit.albedo_limit);
+    const RayTables tables = make_tables(data, settings, device.threads, lit.albedo_limit, lit.by_surface());
     HostArrays arrays = lit.arrays;
     data.add_to(arrays);
     tables.add_to(arrays);

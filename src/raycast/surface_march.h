@@ -23,11 +23,12 @@ struct Piece {
 
 template <class F, class Matter>
 CHIARO_NOINLINE void show_surface(const Matter& matter, const SurfacesView& surfaces, std::int32_t i, Vec3<F> p,
-                                  const Cut<F>& cut, const Mask<F>& hit, Composite<F>& ray) {
+                                  const Lattice<F>& lattice, const Cut<F>& cut, const Mask<F>& hit, Composite<F>& ray) {
     p = matter.volume.clamp(p);
     const auto at = matter.volume.locate(p, matter.volume.voxel(p));
     RgbaLanes<F> colour = load_rgba(surfaces.colours, Int<F>(i));
-    matter.light(at, cut, {p, F(surfaces.values[i])}, colour);
+    MetSurface<F> none;
+    matter.light(at, cut, hit, {lattice, F(0), false}, none, {p, F(surfaces.values[i])}, colour);
     ray.add(surfaces.backwards, hit, colour, F(surfaces.colours[i].a));
 }
 
@@ -40,7 +41,7 @@ CHIARO_INLINE void show_cut(const Matter& matter, const SurfacesView& surfaces, 
     const F value = matter.value_at(matter.volume.clamp(lattice.entry));
     for (std::int32_t i = surfaces.count - 1; i >= 0; --i) {
         const Mask<F> inside = open & (value >= F(surfaces.values[i]));
-        if (any(inside)) show_surface(matter, surfaces, i, lattice.entry, cut, inside, ray);
+        if (any(inside)) show_surface(matter, surfaces, i, lattice.entry, lattice, cut, inside, ray);
         open = open & !inside;
     }
 }
@@ -67,7 +68,7 @@ CHIARO_INLINE void cross(const Matter& matter, const SurfacesView& surfaces, std
     const F share =
         select(abs(rise) > F(0), (surface - piece.value_near) / select(abs(rise) > F(0), rise, F(1)), F(0.5f));
     const Cut<F> none{Vec3<F>(F(0), F(0), F(0)), F(0) > F(1), F(-1)};
-    show_surface(matter, surfaces, i, lattice.at(lerp(piece.near, piece.far, share)), none, crossed, ray);
+    show_surface(matter, surfaces, i, lattice.at(lerp(piece.near, piece.far, share)), lattice, none, crossed, ray);
 }
 
 /// All crossings in the piece: where values rise along the ray the lowest surface is the nearest, else the highest.

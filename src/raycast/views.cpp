@@ -134,13 +134,14 @@ std::vector<kernel::Rgba> step_table(const OpticalTable& table, double step_mm) 
 }
 
 RayTables make_tables(const Medium::Data& medium, const RaySettings& settings, int threads,
-                      std::optional<double> albedo_limit) {
+                      std::optional<double> albedo_limit, bool by_surface) {
     // Where nothing is integrated a value shows as one reference length of it.
     const DeviceVolume::Data& volume = medium.volume.data();
     const double step_mm = chiaro::step_mm(settings.step_voxels, volume.geometry, volume.dimensions);
     const bool integrated = medium.shape.mode != Mode::mip;
     const OpticalTable table = with_albedos(medium.table, albedo_limit);
-    RayTables tables{step_table(table, integrated ? step_mm : table.unit_mm), {}};
+    RayTables tables{step_table(table, integrated ? step_mm : table.unit_mm), {}, {}};
+    if (by_surface && medium.shape.mode == Mode::dvr) tables.surface.emplace(medium);
     if (medium.shape.mode == Mode::dvr && settings.classification == Classification::preintegrated)
         tables.segments = segment_table(medium, step_mm, albedo_limit, threads);
     return tables;

@@ -8,6 +8,7 @@
 
 #include "classify/medium.h"
 #include "classify/segments.h"
+#include "classify/surface_table.h"
 #include "illumination/lit_field.h"
 #include "raycast/kernel.h"
 #include "volume/device_view.h"
@@ -29,18 +30,20 @@ std::vector<kernel::Rgba> step_table(const OpticalTable& table, double step_mm);
 /// What the kernel looks colours up in.
 struct RayTables {
     std::vector<kernel::Rgba> steps;
+    std::optional<SurfaceTable> surface;
     std::shared_ptr<const SegmentTable> segments;  ///< null unless needed
 
     void add_to(HostArrays& arrays) const {
         arrays.add(steps);
+        if (surface) arrays.add(surface->opacity());
         if (!segments) return;
         arrays.add(segments, segments->entries);
         arrays.add(segments, segments->visible_before);
     }
 };
-/// `albedo_limit`: colours are scaled down to it (LitField).
+/// `albedo_limit`: colours are scaled down to it (LitField). `by_surface`: the field asks where surfaces are.
 RayTables make_tables(const Medium::Data& medium, const RaySettings& settings, int threads,
-                      std::optional<double> albedo_limit = {});
+                      std::optional<double> albedo_limit = {}, bool by_surface = false);
 kernel::StepTableView step_table_view(const OpticalTable& table, const RayTables& tables);
 /// `table`: may be null.
 kernel::SegmentTableView segment_table_view(const SegmentTable* table);
@@ -72,6 +75,8 @@ kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, cons
                    .cutoff = float(settings.early_termination),
                    .cut_alpha = float(1 - std::exp2(-settings.step_voxels)),  // ½ over one voxel
                    .solid = solid_view(settings.step_voxels),
+                   .surface = tables.surface ? tables.surface->view() : kernel::SurfaceView{},
+                   .met_steps = float(2 / settings.step_voxels),
                    .skip_empty = settings.skip_empty,
                    .shows_cuts = shows_cuts},
         .camera = camera_view(camera, volume.geometry, frame.width, frame.height),

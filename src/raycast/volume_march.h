@@ -60,7 +60,7 @@ CHIARO_INLINE void shorten_last(const Lattice<F>& lattice, Mask<F> last, RgbaLan
 template <class F, class Matter, class Way>
 CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& lattice, const Cut<F>& cut,
                                Mask<F> sampled, F k, F cut_end, Vec3<F> p, VoxelIndex<F> voxel, EndValue<F>& known,
-                               Composite<F>& ray) {
+                               MetSurface<F>& met, Composite<F>& ray) {
     Classified<F> c;
     if (way.classification == Classification::preintegrated) {
         c = classify_step(matter, lattice, way.backwards, sampled, k, known);
@@ -87,7 +87,7 @@ CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& 
     SamplePoint<F> sample{p, c.value};
     sample.solid = matter.solid.of(alpha);
     shorten_last(lattice, visible & (k >= lattice.full), c.colour, alpha);
-    matter.light(at, solid, sample, c.colour);
+    matter.light(at, solid, visible, {lattice, k, way.backwards}, met, sample, c.colour);
     if (emits) {
         c.colour = accumulate(c.colour, F(1), emission);
         alpha = alpha + alpha_of(emission);
@@ -120,6 +120,7 @@ CHIARO_INLINE Int<F> march_volume(const Matter& matter, Way way, const Lattice<F
     F cut_end(0);
     if (const Mask<F> open = alive & cut.open; any(open)) cut_end = solid_behind(matter, lattice, open);
     EndValue<F> known;
+    MetSurface<F> met;
     Int<F> samples(0);
     while (any(alive)) {
         const F k = way.backwards ? lattice.first + lattice.end - F(1) - j : j;
@@ -142,7 +143,7 @@ CHIARO_INLINE Int<F> march_volume(const Matter& matter, Way way, const Lattice<F
             }
         }
         samples += select(sampled, Int<F>(1), Int<F>(0));
-        take_sample(matter, way, lattice, cut, sampled, k, cut_end, p, voxel, known, ray);
+        take_sample(matter, way, lattice, cut, sampled, k, cut_end, p, voxel, known, met, ray);
         j = next;
         alive &= (j < lattice.end) & (ray.transmittance > F(matter.cutoff));
     }

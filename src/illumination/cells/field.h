@@ -6,7 +6,7 @@
 namespace chiaro::kernel {
 
 struct AccessView {
-    static constexpr bool modulates = true, adds_opacity = false;
+    static constexpr bool modulates = true, adds_opacity = false, by_surface = false;
 
     const std::uint16_t* cells;  ///< x fastest, 65535: all light arrives
     GridView grid;

@@ -15,7 +15,7 @@ struct HalfLight {
 };
 
 struct HistogramView {
-    static constexpr bool modulates = true, adds_opacity = true;
+    static constexpr bool modulates = true, adds_opacity = true, by_surface = false;
 
     const float* identifiers;        ///< CodewordPair's bits: forward in the low half; x fastest
     GridView grid;                   ///< of the nodes

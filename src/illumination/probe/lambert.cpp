@@ -21,18 +21,6 @@ struct Cell {
     std::array<float, values> light;
 };
 
-/// The inverse of octahedral(); unit.
-Vec3 normal_at(int i, int j) {
-    double x = 2.0 * i / (edge - 1) - 1, y = 2.0 * j / (edge - 1) - 1;
-    const double z = 1 - std::abs(x) - std::abs(y);
-    if (z < 0) {
-        const double folded = std::copysign(1 - std::abs(y), x);
-        y = std::copysign(1 - std::abs(x), y);
-        x = folded;
-    }
-    return normalized({x, y, z});
-}
-
 /// A cell gathered from its pixels: the direction is the mean one, weighted by luminance, so that a small light keeps
 /// its place. Pixels wider than half a cell are taken in pieces.
 Cell gather(const ProbeImage& image, int cell_x, int cell_y) {
@@ -99,12 +87,23 @@ LambertTable tabulated(const AtNormal& at_normal) {
     LambertTable table{edge, std::vector<LambertTable::Entry>(std::size_t(edge) * edge)};
     parallel_for(edge, 1, [&](std::int64_t first, std::int64_t last) {
         for (auto j = first; j < last; ++j)
-            for (int i = 0; i < edge; ++i) table.entries[j * edge + i] = at_normal(normal_at(i, int(j)));
+            for (int i = 0; i < edge; ++i) table.entries[j * edge + i] = at_normal(table.normal(i, int(j)));
     });
     return table;
 }
 
 }  // namespace
+
+Vec3 LambertTable::normal(int i, int j) const {
+    double x = 2.0 * i / (edge - 1) - 1, y = 2.0 * j / (edge - 1) - 1;
+    const double z = 1 - std::abs(x) - std::abs(y);
+    if (z < 0) {
+        const double folded = std::copysign(1 - std::abs(y), x);
+        y = std::copysign(1 - std::abs(x), y);
+        x = folded;
+    }
+    return normalized({x, y, z});
+}
 
 LambertTable::Entry LambertTable::at(Vec3 normal) const {
     const auto place = kernel::octahedral(kernel::Vec3<float>(float(normal.x), float(normal.y), float(normal.z)));

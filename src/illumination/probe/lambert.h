@@ -14,6 +14,8 @@ struct LambertTable {
     int edge = 0;                ///< nodes a side
     std::vector<Entry> entries;  ///< u fastest
 
+    /// Of node (i, j), unit: the inverse of octahedral().
+    Vec3 normal(int i, int j) const;
     /// The look-up that a ray caster does, for one normal of any length.
     Entry at(Vec3 normal) const;
 };

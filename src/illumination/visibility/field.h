@@ -10,32 +10,51 @@ namespace chiaro::kernel {
 /// Of visibility, whose light is found at the nodes, and of transport, whose nodes hold scattered light: one kind of
 /// view, so that the ray caster is compiled for both at once.
 struct VisibilityView {
-    static constexpr bool modulates = true, adds_opacity = false;
+    static constexpr bool modulates = true, adds_opacity = false, by_surface = true;
 
-    NodeLight light;  ///< E of the nodes
+    NodeLight light;  ///< E of the nodes, on particles
 
-    StoredHarmonics harmonics;  ///< V of the nodes, where a surface is lit by its own normal
-    SurfaceLight surface;       ///< then
+    StoredHarmonics harmonics;  ///< V of the nodes
+    SurfaceLight surface;       ///< of surfaces, by their own normals
     Strength strength;
     Float3 grid_x, grid_y, grid_z;  ///< axes of the grid in the world
+    Float3 edge_voxels;             ///< a smallest voxel edge along them
+    float lift_edges;               ///< V is read so far off a surface
 
     ScatteredLight scattered;
     CutLight cut_light;
 
+    CHIARO_INLINE bool asks_surfaces() const { return surface.entries; }
+
     /// ρ E takes the place of ambient and diffuse light; highlights show it from the light's main direction.
     template <class F>
-    CHIARO_INLINE Incident<F> incident(const SamplePoint<F>& sample, const ShadingView& shading) const {
+    CHIARO_INLINE Incident<F> incident(const SamplePoint<F>& sample, const ShadingView& shading, F step,
+                                       MetSurface<F>& met) const {
         if (scattered.on) {
             Incident<F> found;
             scatter(sample, shading, found);
             return found;
         }
         Vec3<F> e = light.at(sample.p_voxel);
-        if (surface.entries) on_surfaces(sample, e);
+        if (surface.entries) {
+            const F share = sample.surface.share;
+            const Mask<F> is_new = share > F(0);
+            if (any(is_new))
+                met = {select(is_new, share, met.share), select(is_new, step, met.step),
+                       select(is_new, on_surface(sample.surface, is_new), met.e)};
+            e = mad(met.share, met.e - e, e);
+        }
         cut_light.shine_on(sample.cut, e);
         const F highlight = sample.highlight;
         return {e, Vec3<F>(highlight * e.x * F(shading.specular.x), highlight * e.y * F(shading.specular.y),
                            highlight * e.z * F(shading.specular.z))};
+    }
+
+    /// On particles, apart from any ray.
+    template <class F>
+    CHIARO_INLINE Incident<F> incident(const SamplePoint<F>& sample, const ShadingView& shading) const {
+        MetSurface<F> none;
+        return incident(sample, shading, F(0), none);
     }
 
 private:
@@ -44,38 +63,56 @@ private:
         found = scattered.incident(light, cut_light, sample, shading);
     }
 
-    /// By the sample's own normal, one lane after the other: there are few surfaces along a ray.
+    /// By the surface's own normal, one lane after the other: there are few surfaces along a ray. V is read off it.
     template <class F>
-    CHIARO_NOINLINE void on_surfaces(const SamplePoint<F>& sample, Vec3<F>& e) const {
+    CHIARO_NOINLINE Vec3<F> on_surface(const SurfacePoint<F>& at_surface, const Mask<F>& wanted) const {
         constexpr int lanes = LaneTraits<F>::count;
-        const GridLocation<F> at = light.grid.locate(sample.p_voxel);
-        std::int32_t node[lanes];
-        __builtin_memcpy(node, &at.node, sizeof node);
-        float t[3][lanes], n[3][lanes], out[3][lanes];
-        store_row(t[0], at.t.x), store_row(t[1], at.t.y), store_row(t[2], at.t.z);
-        store_row(n[0], dot(Vec3<F>(grid_x), sample.outward));
-        store_row(n[1], dot(Vec3<F>(grid_y), sample.outward));
-        store_row(n[2], dot(Vec3<F>(grid_z), sample.outward));
+        const Vec3<F> normal{dot(Vec3<F>(grid_x), at_surface.normal), dot(Vec3<F>(grid_y), at_surface.normal),
+                             dot(Vec3<F>(grid_z), at_surface.normal)};
+        const Vec3<F> p = at_surface.p_voxel;
+        const F away = F(lift_edges) + at_surface.depth;
+        const GridLocation<F> at = light.grid.locate(Vec3<F>{mad(away * F(edge_voxels.x), normal.x, p.x),
+                                                             mad(away * F(edge_voxels.y), normal.y, p.y),
+                                                             mad(away * F(edge_voxels.z), normal.z, p.z)});
+        const auto of_normal = surface.locate(normal);
+        OfLanes<lanes> of;
+        __builtin_memcpy(of.node, &at.node, sizeof of.node);
+        __builtin_memcpy(of.entry, &of_normal.entry, sizeof of.entry);
+        for (int corner = 0; corner < 8; ++corner)
+            store_row(of.node_weights[corner], (corner & 1 ? at.t.x : F(1) - at.t.x) *
+                                                   (corner & 2 ? at.t.y : F(1) - at.t.y) *
+                                                   (corner & 4 ? at.t.z : F(1) - at.t.z));
+        for (int corner = 0; corner < 4; ++corner) store_row(of.entry_weights[corner], of_normal.weights[corner]);
+        store_row(of.wanted, select(wanted, F(1), F(0)));
+        float e[3][lanes];
         for (int i = 0; i < lanes; ++i) {
-            float visibility[16], sums[4] = {0, 0, 0, 0};
-            visible_at(std::uint32_t(node[i]), {t[0][i], t[1][i], t[2][i]}, visibility);
-            surface.add_to(sums, visibility, {n[0][i], n[1][i], n[2][i]}, 1);
-            for (int k = 0; k < 3; ++k) out[k][i] = max(sums[k], 0.0f);
+            float lit[4] = {0, 0, 0, 0};
+            if (of.wanted[i] > 0) store(shine<F>(of, i), lit);
+            for (int k = 0; k < 3; ++k) e[k][i] = lit[k];
         }
-        e = {load_row<F>(out[0]), load_row<F>(out[1]), load_row<F>(out[2])};
+        return {load_row<F>(e[0]), load_row<F>(e[1]), load_row<F>(e[2])};
     }
-    CHIARO_INLINE void visible_at(std::int64_t node, Float3 t, float* visibility) const {
-        for (int c = 0; c < 16; ++c) visibility[c] = 0;
+
+    template <int lanes>
+    struct OfLanes {
+        std::int32_t node[lanes], entry[lanes];
+        float node_weights[8][lanes], entry_weights[4][lanes], wanted[lanes];
+    };
+    template <class F, int lanes>
+    CHIARO_INLINE auto shine(const OfLanes<lanes>& of, int i) const {
+        using Four = typename NumbersOf<F>::Four;
+        using Sixteen = typename NumbersOf<F>::Sixteen;
+        const std::int32_t along_x = light.grid.last.x > 0;  // of one node there is no second
+        std::int64_t nodes[8];
+        float node_weights[8], entry_weights[4];
         for (int corner = 0; corner < 8; ++corner) {
-            const float weight =
-                (corner & 1 ? t.x : 1 - t.x) * (corner & 2 ? t.y : 1 - t.y) * (corner & 4 ? t.z : 1 - t.z);
-            if (!(weight > 0)) continue;
-            float of_node[16];
-            harmonics.load(
-                node + (corner & 1) + (corner & 2 ? light.grid.row : 0) + (corner & 4 ? light.grid.slice : 0), of_node);
-            for (int c = 0; c < 16; ++c) visibility[c] = mad(weight, of_node[c], visibility[c]);
+            nodes[corner] = std::uint32_t(of.node[i]) + (corner & 1 ? along_x : 0) + (corner & 2 ? light.grid.row : 0) +
+                            (corner & 4 ? light.grid.slice : 0);
+            node_weights[corner] = of.node_weights[corner][i];
         }
-        strength.apply(visibility);
+        for (int corner = 0; corner < 4; ++corner) entry_weights[corner] = of.entry_weights[corner][i];
+        return surface.shine<Four>(harmonics.mix<Sixteen>(nodes, node_weights), of.entry[i], entry_weights,
+                                   strength.shown, 1 - strength.shown);
     }
 };
 

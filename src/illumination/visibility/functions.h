@@ -9,8 +9,7 @@ namespace chiaro::kernel {
 struct VisibilityFunctions {
     void (*sweep_row)(const SweepKernel&, const SweepRow&);
     void (*sheared_row)(const ShearedKernel&, const ShearedRow&);
-    void (*opacity)(const OpacityKernel&, std::int64_t first, std::int32_t count);
-    void (*keep_row)(const KeepKernel&, NodeRow);
+    void (*keep)(const KeepKernel&, std::int64_t first, std::int32_t count);
     void (*light)(const LightKernel&, std::int64_t first, std::int32_t count);
 };
 

@@ -42,19 +42,13 @@ void GpuField::fetch(ShField& field) const {
     stream_->wait();
 }
 
-VisibilityNodes GpuField::keep(const Density* shares, const VisibilitySettings& settings) const {
-    const bool displaced = shares != nullptr;
-    VisibilityNodes nodes = make_nodes(grid_, coefficients_, settings, displaced);
+VisibilityNodes GpuField::keep(const VisibilitySettings& settings) const {
+    VisibilityNodes nodes = make_nodes(grid_, coefficients_, settings);
     const cuda::Array<std::byte> harmonics(*stream_, nodes.harmonics.size());
-    const cuda::Array<kernel::NodeSurface> surfaces(*stream_, displaced ? grid_.size() : 1);
-    const cuda::Array<float> opacity(*stream_, displaced ? grid_.size() : 1);
-    if (displaced) kernel::find_opacities(*stream_, {density_, opacity.data()}, std::int64_t(grid_.size()));
-    kernel::KeepKernel keep = keep_kernel(nodes, field_.data(), displaced ? opacity.data() : nullptr,
-                                          displaced ? shares->on_gpu(*stream_) : nullptr);
-    keep.harmonics = harmonics.data(), keep.surfaces = surfaces.data();
-    kernel::keep_all_nodes(*stream_, keep);
+    kernel::KeepKernel keep = keep_kernel(nodes, field_.data());
+    keep.harmonics = harmonics.data();
+    kernel::keep_all_nodes(*stream_, keep, std::int64_t(grid_.size()));
     stream_->download(nodes.harmonics.data(), harmonics.data(), nodes.harmonics.size());
-    if (displaced) stream_->download(nodes.surfaces.data(), surfaces.data(), nodes.surfaces.size());
     stream_->wait();
     return nodes;
 }
@@ -65,7 +59,7 @@ void light_on_gpu(const Device& device, const kernel::LightKernel& kernel, const
     cuda::Views views(stream, arrays);
     const cuda::Array<kernel::Light16> light(stream, 4 * nodes);
     kernel::LightKernel on_gpu = kernel;
-    views.to_device_pointers(on_gpu.harmonics.nodes, on_gpu.surfaces, on_gpu.surface.entries);
+    views.to_device_pointers(on_gpu.harmonics.nodes);
     on_gpu.light = light.data();
     kernel::light_all_nodes(stream, on_gpu, std::int64_t(nodes));
     stream.download(kernel.light, light.data(), light.size() * sizeof(kernel::Light16));

@@ -21,7 +21,7 @@ public:
     float* data() const { return field_.data(); }
     void fetch(ShField& field) const;
     /// As keep_nodes.
-    VisibilityNodes keep(const Density* shares, const VisibilitySettings& settings) const;
+    VisibilityNodes keep(const VisibilitySettings& settings) const;
 
 private:
     const std::shared_ptr<cuda::Stream> stream_;

@@ -9,8 +9,7 @@
 
 namespace chiaro::kernel {
 
-CHIARO_LAUNCHER void find_opacities(cuda::Stream& stream, const OpacityKernel& kernel, std::int64_t nodes);
-CHIARO_LAUNCHER void keep_all_nodes(cuda::Stream& stream, const KeepKernel& kernel);
+CHIARO_LAUNCHER void keep_all_nodes(cuda::Stream& stream, const KeepKernel& kernel, std::int64_t nodes);
 CHIARO_LAUNCHER void light_all_nodes(cuda::Stream& stream, const LightKernel& kernel, std::int64_t nodes);
 
 }  // namespace chiaro::kernel

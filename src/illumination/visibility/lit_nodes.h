@@ -18,7 +18,7 @@ struct ProbeLight {
     const Lighting& lighting;
     Vec3 orbit_up;
     const Geometry& geometry;
-    bool by_normal;  ///< isosurfaces that are shaded: Lambert's law with the surface's own normal
+    bool surfaces;  ///< where matter has them, by Lambert's law
 };
 
 /// Where most of a probe's light comes from.
@@ -30,7 +30,7 @@ struct MainLight {
 /// E of the nodes, and what else the ray caster reads.
 struct LitLight {
     VoxelBuffer light;
-    std::vector<kernel::HarmonicsLight> surface;  ///< over an unfolded octahedron
+    std::vector<kernel::NormalLight> surface;  ///< over an unfolded octahedron
     kernel::VisibilityView view;
     MainLight main;
 };
@@ -52,12 +52,12 @@ private:
         double rotation_deg, exposure_stops, strength;
         Vec3 orbit_up;
         Axes rows;  ///< from the world's axes to the grid's
-        bool by_normal;
+        bool surfaces;
 
         bool operator==(const Inputs&) const = default;
     };
     std::shared_ptr<const LitLight> find(const ProbeLight& probe, const Axes& rows) const;
-    void light_all(const kernel::LightKernel& light, const std::vector<kernel::HarmonicsLight>& surface) const;
+    void light_all(const kernel::LightKernel& light) const;
 
     Device device_;
     VisibilityNodes nodes_;

@@ -11,47 +11,24 @@ float VisibilityNodes::step(int coefficient) const {
     return float(coefficient_bounds[std::size_t(coefficient)] / (coefficient == 0 ? 255 : 127));
 }
 
-VisibilityNodes make_nodes(const CellGrid& grid, int coefficients, const VisibilitySettings& settings, bool displaced) {
+VisibilityNodes make_nodes(const CellGrid& grid, int coefficients, const VisibilitySettings& settings) {
     const std::size_t bytes_per_node = std::size_t(coefficients) << int(settings.storage);
-    return {grid,
-            settings.storage,
-            settings.window,
-            coefficients,
-            VoxelBuffer(grid.size() * bytes_per_node),
-            displaced ? VoxelBuffer(grid.size() * sizeof(kernel::NodeSurface)) : VoxelBuffer()};
+    return {grid, settings.storage, settings.window, coefficients, VoxelBuffer(grid.size() * bytes_per_node)};
 }
 
-kernel::KeepKernel keep_kernel(VisibilityNodes& nodes, const float* field, const float* opacity, const float* shares) {
-    const auto [nx, ny, nz] = nodes.grid.count;
-    kernel::KeepKernel keep{field,
-                            opacity,
-                            shares,
-                            nodes.harmonics.data(),
-                            reinterpret_cast<kernel::NodeSurface*>(nodes.surfaces.data()),
-                            kernel::Stored(nodes.storage),
-                            nodes.coefficients,
-                            {nx, ny, nz},
-                            {}};
+kernel::KeepKernel keep_kernel(VisibilityNodes& nodes, const float* field) {
+    kernel::KeepKernel keep{field, nodes.harmonics.data(), kernel::Stored(nodes.storage), nodes.coefficients, {}};
     for (int c = 0; c < max_coefficients; ++c) keep.steps[c] = nodes.step(c);
     return keep;
 }
 
-VisibilityNodes keep_nodes(const Device& device, const ShField& field, const Density& density, const Density* shares,
-                           const VisibilitySettings& settings, Progress& progress) {
-    const auto [nx, ny, nz] = field.grid.count;
-    const auto functions = kernel::visibility_functions_for(device.isa);
-    VisibilityNodes nodes = make_nodes(field.grid, field.coefficients, settings, shares != nullptr);
-    VoxelBuffer opacity(nodes.surfaces.size() ? field.grid.size() * sizeof(float) : 0);
-    float* alpha = opacity.size() ? reinterpret_cast<float*>(opacity.data()) : nullptr;
-    const auto rows = [&, nx = nx](std::int64_t first, std::int64_t end) {
-        for (auto r = first; r < end; ++r) functions.opacity({density.data(), alpha}, r * nx, nx);
-    };
-    if (alpha) parallel_for(device.threads, std::int64_t(ny) * nz, 16, rows);
-    const kernel::KeepKernel keep = keep_kernel(nodes, field.node(0), alpha, shares ? shares->data() : nullptr);
-    parallel_for(device.threads, std::int64_t(ny) * nz, 8, "keep", progress,
-                 [&, ny = ny](std::int64_t first, std::int64_t end) {
-                     for (auto r = first; r < end; ++r) functions.keep_row(keep, {int(r % ny), int(r / ny)});
-                 });
+VisibilityNodes keep_nodes(const Device& device, const ShField& field, const VisibilitySettings& settings,
+                           Progress& progress) {
+    VisibilityNodes nodes = make_nodes(field.grid, field.coefficients, settings);
+    const kernel::KeepKernel keep = keep_kernel(nodes, field.node(0));
+    const auto run = kernel::visibility_functions_for(device.isa).keep;
+    parallel_for(device.threads, std::int64_t(field.grid.size()), 4096, "keep", progress,
+                 [&](std::int64_t first, std::int64_t end) { run(keep, first, std::int32_t(end - first)); });
     progress.check();
     return nodes;
 }

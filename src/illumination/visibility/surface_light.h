@@ -1,6 +1,7 @@
-// Light on a surface (Ritschel 2007, with the cosine inside the bracket): E = (ρ/π) Σ V_lm [L max(0, n·ω)]_lm.
+// Light on a surface (Ritschel 2007, with the cosine inside the bracket): E = (1/π) Σ V_lm [L max(0, n·ω)]_lm.
 #pragma once
 #include "illumination/probe/octahedron.h"
+#include "kernel/row.h"
 
 namespace chiaro::kernel {
 
@@ -15,31 +16,64 @@ struct HarmonicsLight {
     }
 };
 
-/// The bracket, divided by π, for normals over an unfolded octahedron.
-struct SurfaceLight {
-    const HarmonicsLight* entries;  ///< u fastest; nullptr: none
-    std::int32_t edge;
+/// Of one normal. The fourth channel is light of 1 from everywhere.
+struct NormalLight {
+    static constexpr int channels = 4;
+    float bracket[channels][16];  ///< [L max(0, n·ω)]_lm / π
+    float zonal[4][channels];     ///< 2π Σ_m of it times Y_lm(n), band by band: what it gives for V around n
+};
 
-    /// Adds weight × E of a surface with the outward normal n, of any length, in the axes of the grid.
-    CHIARO_INLINE void add_to(float* sums, const float* visibility, Vec3<float> n, float weight) const {
-        const OctahedronPlace<float> place = octahedral(n);
-        const float u = place.u * float(edge - 1), v = place.v * float(edge - 1);
-        const std::int32_t i = min(truncate(u), edge - 2), j = min(truncate(v), edge - 2);
-        const float s = u - float(i), t = v - float(j);
-        const HarmonicsLight* at = entries + j * edge + i;
-        float e[4] = {0, 0, 0, 0};
-        add(e, visibility, at[0], (1 - s) * (1 - t));
-        add(e, visibility, at[1], s * (1 - t));
-        add(e, visibility, at[edge], (1 - s) * t);
-        add(e, visibility, at[edge + 1], s * t);
-        for (int k = 0; k < 4; ++k) sums[k] += weight * e[k];
+/// Normals over an unfolded octahedron, in the axes of the grid.
+struct SurfaceLight {
+    const NormalLight* entries;  ///< u fastest; nullptr: none
+    std::int32_t edge;
+    float mean;  ///< times the first coefficient of V: its mean
+
+    /// Between four entries.
+    template <class F>
+    struct Place {
+        Int<F> entry;
+        F weights[4];
+    };
+    template <class F>
+    CHIARO_INLINE Place<F> locate(Vec3<F> n) const {
+        const OctahedronPlace<F> place = octahedral(n);
+        const F u = place.u * F(float(edge - 1)), v = place.v * F(float(edge - 1));
+        const Int<F> i = min(truncate(u), Int<F>(edge - 2)), j = min(truncate(v), Int<F>(edge - 2));
+        const F s = u - to_float(i), t = v - to_float(j);
+        return {j * Int<F>(edge) + i, {(F(1) - s) * (F(1) - t), s * (F(1) - t), (F(1) - s) * t, s * t}};
     }
 
-private:
-    static CHIARO_INLINE void add(float* sums, const float* visibility, const HarmonicsLight& light, float weight) {
-        float e[4] = {0, 0, 0, 0};
-        light.add_to(e, visibility);
-        for (int k = 0; k < 4; ++k) sums[k] += weight * e[k];
+    /// E of three channels (and a fourth) by what the harmonics let through, and `clear` of all the light. What four
+    /// bands leave out is known where the surface's own horizon alone stops the light: it is added in proportion to the
+    /// share of even light that arrives. V is read above the surface, from where the horizon of a bulge lies lower: as
+    /// low as the mean of V tells.
+    template <class Four, class Sixteen>
+    CHIARO_INLINE Four shine(const Sixteen& visibility, std::int32_t entry, const float (&weights)[4], float shown,
+                             float clear) const {
+        const NormalLight* at = entries + entry;
+        const NormalLight* around[4] = {at, at + 1, at + edge, at + edge + 1};
+        Sixteen products[4], zonal(0.0f);
+        for (int k = 0; k < 4; ++k) {
+            Sixteen bracket(0.0f);
+            for (int corner = 0; corner < 4; ++corner)
+                bracket = bracket + Sixteen(weights[corner]) * loaded<Sixteen>(around[corner]->bracket[k]);
+            products[k] = bracket * visibility;
+        }
+        for (int corner = 0; corner < 4; ++corner)
+            zonal = zonal + Sixteen(weights[corner]) * loaded<Sixteen>(around[corner]->zonal[0]);
+        float first[16], bands[4][4];
+        store(visibility, first), store(zonal, bands[0]);
+        const float x = min(max(1 - 2 * mean * first[0], -1.0f), 0.0f), xx = x * x;  // cosine of the horizon
+        const Four through = sums_of(products), whole = loaded<Four>(bands[0]), lit = whole + whole;
+        const Four free = (Four(1 - x) * whole + Four(0.5f * (1 - xx)) * loaded<Four>(bands[1])) +
+                          (Four(0.5f * (x - x * xx)) * loaded<Four>(bands[2]) +
+                           Four(0.125f * (6 * xx - 5 * xx * xx - 1)) * loaded<Four>(bands[3]));
+        float arriving[4];
+        store(through + (lit - free), arriving);
+        const float even = min(max(arriving[3], 0.0f), 1.0f);
+        const Four e = min(max(through + Four(even) * (lit - free), Four(0.0f)), lit);
+        return Four(shown) * e + Four(clear) * lit;
     }
 };
 

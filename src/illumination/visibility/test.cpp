@@ -207,7 +207,7 @@ TEST(Nodes, AreKeptWithinHalfAStep) {
     Progress progress;
     for (ShStorage storage : {ShStorage::u8, ShStorage::f16, ShStorage::f32}) {
         VisibilitySettings settings{.model = VisibilityModel::paper, .storage = storage};
-        const VisibilityNodes nodes = keep_nodes(tested_device(), field, d, nullptr, settings, progress);
+        const VisibilityNodes nodes = keep_nodes(tested_device(), field, settings, progress);
         for (std::size_t i = 0; i < d.grid.size(); ++i) {
             float kept[16];
             nodes.view().load(std::int64_t(i), kept);
@@ -225,15 +225,17 @@ TEST(Nodes, AllLightOfAWhiteProbeArrivesInEmptySpace) {
     const Density d = density_where(cubic(6, 5, 4), [](int, int, int) { return 0; });
     const ShField field = swept(d, 400);
     Progress progress;
-    Density all(d.grid);
-    std::fill_n(all.numbers(), d.grid.size(), 1.0f);
-    for (const Density* shares : {static_cast<const Density*>(nullptr), static_cast<const Density*>(&all)}) {
-        const LitNodes nodes(tested_device(), keep_nodes(tested_device(), field, d, shares, {}, progress));
-        for (double strength : {0.0, 0.5, 1.0}) {
-            const Lighting lighting{.strength = strength};
-            const auto lit = nodes.light({lighting, {0, 0, 1}, Geometry{}, false});
-            for (std::size_t i = 0; i < d.grid.size(); ++i)
-                EXPECT_NEAR(to_float(lit->view.light.nodes[4 * i]) * lit->view.light.scale.x, 1, 0.005);
+    const LitNodes nodes(tested_device(), keep_nodes(tested_device(), field, {}, progress));
+    for (double strength : {0.0, 0.5, 1.0}) {
+        const Lighting lighting{.strength = strength};
+        const auto lit = nodes.light({lighting, {0, 0, 1}, Geometry{}, true});
+        for (std::size_t i = 0; i < d.grid.size(); ++i)
+            EXPECT_NEAR(to_float(lit->view.light.nodes[4 * i]) * lit->view.light.scale.x, 1, 0.005);
+        for (const kernel::Vec3<float> n : {kernel::Vec3<float>{0, 0, 1}, {1, 0, 0}, {-0.6f, 0.48f, 0.64f}}) {
+            kernel::SamplePoint<float> sample{{3, 2, 2}, 0};
+            sample.surface = {1, sample.p_voxel, n};
+            kernel::MetSurface<float> met;
+            EXPECT_NEAR(lit->view.incident(sample, kernel::ShadingView{}, 0.0f, met).diffuse.x, 1, 0.005);
         }
     }
 }
@@ -241,7 +243,7 @@ TEST(Nodes, AllLightOfAWhiteProbeArrivesInEmptySpace) {
 TEST(Nodes, TheLightIsFoundAgainOnlyWhereItChanged) {
     const Density d = clumps(8, 8, 8);
     Progress progress;
-    const LitNodes nodes(tested_device(), keep_nodes(tested_device(), swept(d, 100), d, nullptr, {}, progress));
+    const LitNodes nodes(tested_device(), keep_nodes(tested_device(), swept(d, 100), {}, progress));
     Lighting lighting;
     const auto first = nodes.light({lighting, {0, 0, 1}, Geometry{}, false});
     EXPECT_EQ(nodes.light({lighting, {0, 0, 1}, Geometry{}, false}), first);

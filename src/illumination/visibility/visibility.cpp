@@ -3,7 +3,6 @@
 #include <optional>
 
 #include "illumination/sh/directions.h"
-#include "illumination/visibility/surface_share.h"
 #include "illumination/visibility/sweep.h"
 #include "illumination/visibility/walk.h"
 
@@ -33,17 +32,16 @@ auto traverse(const Walk& walk, const Sweep& sweep, const Device& device, const 
 }
 
 /// As `settings` are kept, as `found` is found.
-VisibilityNodes nodes_of(const Device& device, const Density& density, const Density* shares,
-                         const VisibilitySettings& found, const VisibilitySettings& settings, StageTimer& timer,
-                         Progress& progress) {
+VisibilityNodes nodes_of(const Device& device, const Density& density, const VisibilitySettings& found,
+                         const VisibilitySettings& settings, StageTimer& timer, Progress& progress) {
     std::optional<VisibilityNodes> nodes;
     const auto on_gpu = [&] {
         const GpuField field = traverse(walk_on_gpu, sweep_on_gpu, device, density, found, timer, progress);
-        nodes.emplace(timer("keep", [&] { return field.keep(shares, settings); }));
+        nodes.emplace(timer("keep", [&] { return field.keep(settings); }));
     };
     if (cuda::try_gpu(device, on_gpu)) return *std::move(nodes);
     const ShField field = find_visibility(device, density, found, timer, progress);
-    return timer("keep", [&] { return keep_nodes(device, field, density, shares, settings, progress); });
+    return timer("keep", [&] { return keep_nodes(device, field, settings, progress); });
 }
 
 }  // namespace
@@ -64,10 +62,7 @@ void refine_visibility(const Device& device, const Medium::Data& medium, const V
         coarse.subsample = settings.subsample << level;
         coarse.directions = std::max(settings.directions >> level, std::min(settings.directions, 64));
         const Density& density = densities[std::size_t(level)];
-        std::optional<Density> shares;
-        if (settings.model == VisibilityModel::corrected)
-            shares = timer("surfaces", [&] { return shares_of_surface(medium, density, device, progress); });
-        keep(nodes_of(device, density, shares ? &*shares : nullptr, coarse, settings, timer, progress), level > 0);
+        keep(nodes_of(device, density, coarse, settings, timer, progress), level > 0);
     }
 }
 
