@@ -1,0 +1,139 @@
+// How much of the grids of voxels and light is seen on a smooth ball. A convex, matte, even ball has one brightness for
+// each direction of its surface: its picture is fitted by polynomials on the sphere, and what is left over is pattern.
+#include <chiaro/render.h>
+#include <chiaro/text.h>
+#include <fmt/format.h>
+
+#include "surface_subject.h"
+
+using namespace chiaro;
+using namespace chiaro::testing;
+
+namespace {
+
+constexpr int degree = 8;
+constexpr double radius = 22.37;
+
+/// x^i y^j and x^i y^j z of a unit vector.
+std::vector<double> polynomials(double x, double y) {
+    const double z = std::sqrt(1 - x * x - y * y);
+    std::vector<double> values;
+    for (int i = 0; i <= degree; ++i)
+        for (int j = 0; i + j <= degree; ++j)
+            for (int k = 0; k < 2 && i + j + k <= degree; ++k)
+                values.push_back(std::pow(x, i) * std::pow(y, j) * (k ? z : 1));
+    return values;
+}
+
+/// Solves A x = b, A symmetric and positive definite, of rows; by Cholesky's factors.
+std::vector<double> solved(std::vector<std::vector<double>> a, std::vector<double> b) {
+    const std::size_t size = b.size();
+    for (std::size_t i = 0; i < size; ++i)
+        for (std::size_t j = 0; j <= i; ++j) {
+            double sum = a[i][j];
+            for (std::size_t k = 0; k < j; ++k) sum -= a[i][k] * a[j][k];
+            a[i][j] = i == j ? std::sqrt(sum) : sum / a[j][j];
+        }
+    for (std::size_t i = 0; i < size; ++i) {
+        for (std::size_t k = 0; k < i; ++k) b[i] -= a[i][k] * b[k];
+        b[i] /= a[i][i];
+    }
+    for (std::size_t i = size; i-- > 0;) {
+        for (std::size_t k = i + 1; k < size; ++k) b[i] -= a[k][i] * b[k];
+        b[i] /= a[i][i];
+    }
+    return b;
+}
+
+struct Pattern {
+    double mean = 0, rms = 0, worst = 0;  ///< the last two over the mean
+};
+
+/// `shade(x, y, u, v)`: of pixel (u, v), which sees the ball where its normal has the components x and y.
+template <class Shade>
+Pattern pattern_of(int pixels, double half_width, const Shade& shade) {
+    std::vector<std::vector<double>> basis;
+    std::vector<double> seen;
+    for (int v = 0; v < pixels; ++v)
+        for (int u = 0; u < pixels; ++u) {
+            const double x = ((u + 0.5) / pixels * 2 - 1) * half_width / radius,
+                         y = (1 - (v + 0.5) / pixels * 2) * half_width / radius;
+            if (x * x + y * y > 0.85 * 0.85) continue;
+            basis.push_back(polynomials(x, y));
+            seen.push_back(shade(x, y, u, v));
+        }
+    const std::size_t size = basis[0].size();
+    std::vector<std::vector<double>> normal(size, std::vector<double>(size, 0));
+    std::vector<double> right(size, 0);
+    for (std::size_t p = 0; p < seen.size(); ++p)
+        for (std::size_t i = 0; i < size; ++i) {
+            right[i] += basis[p][i] * seen[p];
+            for (std::size_t j = 0; j < size; ++j) normal[i][j] += basis[p][i] * basis[p][j];
+        }
+    for (std::size_t i = 0; i < size; ++i) normal[i][i] *= 1 + 1e-12;
+    const std::vector<double> fit = solved(normal, right);
+    Pattern pattern;
+    double squares = 0;
+    for (std::size_t p = 0; p < seen.size(); ++p) {
+        double left = seen[p];
+        for (std::size_t i = 0; i < size; ++i) left -= fit[i] * basis[p][i];
+        pattern.mean += seen[p] / double(seen.size()), squares += left * left;
+        pattern.worst = std::max(pattern.worst, std::abs(left));
+    }
+    pattern.rms = std::sqrt(squares / double(seen.size())) / pattern.mean, pattern.worst /= pattern.mean;
+    return pattern;
+}
+
+Pattern pattern_on_ball(Method method, const std::string& probe, double edge, Mode mode, Vec3 normal) {
+    constexpr int pixels = 160;
+    const Device device = tested_device();
+    const Look look{centre + 40 * normal, normal, normalized(cross(normal, {0.3, 1, 0.2})), radius, pixels};
+    const Camera camera{.eye = look.above,
+                        .forward = -1.0 * look.normal,
+                        .right = look.along,
+                        .up = cross(look.normal, look.along),
+                        .projection = Projection::orthographic,
+                        .half_height = look.half_width};
+    Lighting lighting = matte;
+    lighting.probe.source = probe, lighting.loaded_probe = builtin_probe(probe);
+    Shape shape;
+    shape.mode = mode;
+    if (mode == Mode::iso) shape.iso = {{100, Rgb{grey, grey, grey}}};
+    const Medium medium = classify(upload(device, ball(edge, radius)), skin(), shape);
+    IlluminationField field;
+    Progress progress;
+    illuminate(
+        device, medium, Prepared(), lighting, {.method = method},
+        [&](IlluminationField finer) { field = std::move(finer); }, progress);
+    Frame frame(pixels, pixels);
+    raycast(device, medium, field, lighting, camera, {}, frame, progress);
+    return pattern_of(pixels, look.half_width, [&](double, double, int u, int v) {
+        return double(frame.rgba[4 * (std::size_t(v) * pixels + std::size_t(u)) + 1]);
+    });
+}
+
+TEST(Pattern, OfAnExactBallIsNone) {
+    const Pattern lambert = pattern_of(160, radius, [](double x, double y, int, int) {
+        return 0.3 + 0.5 * (0.36 * x + 0.48 * y + 0.8 * std::sqrt(1 - x * x - y * y));
+    });
+    EXPECT_LT(lambert.rms, 1e-5);
+    const Pattern rings = pattern_of(
+        160, radius, [](double x, double y, int, int) { return 1 + 0.01 * std::cos(40 * std::hypot(x, y)); });
+    EXPECT_NEAR(rings.rms, 0.01 / std::sqrt(2.0), 1e-3);
+}
+
+TEST(Pattern, OfVisibilityIsNotSeen) {
+    for (const Mode mode : {Mode::dvr, Mode::iso})
+        for (const double edge : {0.8, 2.0})
+            for (const char* probe : {"white", "sky", "studio"}) {
+                const Pattern found =
+                    pattern_on_ball(Method::visibility, probe, edge, mode, normalized(Vec3{0.5, -0.6, 0.4}));
+                if (std::getenv("CHIARO_SHOW"))
+                    fmt::print("{} edge {} {}: mean {:.3f}, {:.2f} %, worst {:.1f} %\n", to_text(mode), edge, probe,
+                               found.mean, 100 * found.rms, 100 * found.worst);
+                EXPECT_LT(found.rms, 0.005) << to_text(mode) << edge << probe;
+                EXPECT_LT(found.worst, 0.025) << to_text(mode) << edge << probe;
+            }
+}
+
+}  // namespace
