@@ -93,12 +93,14 @@ private:
 
     void image(Job& job) {
         count_frame(render(scene_, job));
+        scene_.camera = session_.camera();
         keep_stages();
         write(scene_, 0, job);
         stats_.stages.push_back({"write", write_seconds_});
     }
 
     void turntable(Job& job) {
+        scene_.camera = session_.fit_all_around(scene_, job.progress);
         Scene scene = scene_;
         const auto turn = [&](double frames) {
             scene.camera.azimuth_deg = scene_.camera.azimuth_deg + 360 * frames / *o_.frames;
@@ -116,7 +118,7 @@ private:
 
     const RenderOptions& o_;
     const FramePattern pattern_;
-    const Scene scene_;
+    Scene scene_;
     const Device device_;
     Session session_{device_};
     Stats stats_;

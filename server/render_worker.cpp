@@ -115,8 +115,9 @@ void RenderWorker::change_volume(std::unique_lock<std::mutex>& lock) {
     lock.lock();
 }
 
-void RenderWorker::render_frame(const FrameRequest& wanted) {
+void RenderWorker::render_frame(FrameRequest wanted) {
     preview(wanted);
+    wanted.scene.camera = session_->camera();  // what it fits was found for the first picture, and holds for all
     if (wanted.moving && !comes_to_rest(wanted)) return;
     std::shared_ptr<Progress> progress;
     {
@@ -239,7 +240,7 @@ void RenderWorker::note_frame(const FrameRequest& wanted, const Scene& scene) {
     const DeviceVolume& volume = session_->volume();
     LastFrame seen{wanted.n,
                    session_->medium(),
-                   make_camera(scene.camera, volume.geometry(), volume.dimensions()),
+                   make_camera(session_->camera(), volume.geometry(), volume.dimensions()),
                    with_samples(scene, 1).sampling,
                    wanted.scene.width,
                    wanted.scene.height};
@@ -263,6 +264,8 @@ void RenderWorker::send(const FrameRequest& wanted, const Image& image, const ch
                 {"fps", wanted.moving && preview_interval_ > 0 ? Json(1 / preview_interval_) : Json()},
                 {"verbs", json_of(session_->stages())},
                 {"notes", wanted.notes}};
+    if (const CameraSettings& camera = session_->camera(); camera.fit == Fit::visible && camera.fit_centre)
+        header["fit"] = {{"centre", json_of(*camera.fit_centre)}, {"radius", *camera.fit_radius_mm}};
     for (const std::string& note : session_->notes()) header["notes"].push_back(note);
     const bool is_preview = image.width != wanted.scene.width || wanted.moving;
     const std::string encoded_image = is_final ? std::string(text_in(encode_png(image)))

@@ -10,8 +10,6 @@ namespace chiaro::server {
 namespace fs = std::filesystem;
 namespace {
 
-Json json_of(const Vec3& v) { return {v.x, v.y, v.z}; }
-
 constexpr std::size_t largest_json = 4 << 20;  ///< parsed it takes some forty times as much
 
 /// The scene that a picture carries; nothing where it carries none.

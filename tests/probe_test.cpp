@@ -192,6 +192,7 @@ TEST(ProbeScene, IsLoadedOnceByASession) {
     session.show(make_sample("ball", 8), progress);
     Scene scene;
     scene.width = scene.height = 8;
+    scene.camera.fit = Fit::volume;
     const auto redone = [&] {
         session.render(scene, progress);
         std::string names;

@@ -158,6 +158,7 @@ export function settingRow(app, s) {
   const change = (value, reset) => app.store.set(`${s.label}…`, (state) => write(state, key, reset ? null : value), track);
   const now = () => read(app.store.state, key);
   if (s.flag === "zoom") return sliderRow(app, { ...s, tip, start: 1, value: () => 1 / (now() ?? 1), change: (v) => change(1 / v), track, origin: 1 });
+  if (s.flag === "fit") return choiceRow(app, { ...s, tip, options: s.choices.map((c) => [c, words.choices[c]]), value: now, change: (v) => app.gestures.fit(v) });
   const steps = /^\d+(\|\d+)+$/.test(s.form ?? "") ? s.form.split("|").map(Number) : null;
   if (steps) return choiceRow(app, { ...s, tip, options: steps.map((n) => [n, s.label === "Grid" ? `1:${n}` : String(s.flag === "sh-bands" ? n * n : n)]), value: now, change });
   if (s.flag === "bounces") return choiceRow(app, { ...s, tip, options: [...[0, 1, 2, 3, 4, 6, 8, 12, 16].map((n) => [n, String(n)]), ["unlimited", words.choices.unlimited]], value: now, change });

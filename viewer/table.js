@@ -71,6 +71,9 @@ export const table = {
   azimuth: { place: "camera", label: "Azimuth", low: -180, high: 180, step: 1, unit: "°" },
   elevation: { place: "camera", label: "Elevation", low: -90, high: 90, step: 1, unit: "°" },
   roll: { place: "camera", label: "Roll", low: -180, high: 180, step: 1, unit: "°" },
+  fit: { place: "camera", label: "Fits" },
+  "camera.fit_centre": { place: "hidden" }, // found by the server
+  "camera.fit_radius": { place: "hidden" },
   zoom: { place: "camera", label: "Zoom", low: 0.1, high: 20, step: 0.01, log: true, unit: "×" },
   up: { place: "camera", label: "Up" },
   // Picture.

@@ -76,7 +76,7 @@ export const words = {
   axisViews: { "+x": "+x", "-x": "−x", "+y": "+y", "-y": "−y", "+z": "+z", "-z": "−z" },
   perspective: "Perspective", orthographic: "Orthographic", copy: "Copy", copied: "Copied", close: "Close",
   choices: { none: "None", lambert: "Lambert", phong: "Phong", perspective: "Perspective", orthographic: "Orthographic", linear: "As light", display: "As picked", aces: "ACES", on: "On", off: "Off",
-    fibonacci: "Even", jittered: "Jittered", corrected: "Corrected", thick: "Thick", paper: "Paper", auto: "Automatic", unlimited: "All", headlight: "On the camera", fixed: "Fixed" },
+    fibonacci: "Even", jittered: "Jittered", corrected: "Corrected", thick: "Thick", paper: "Paper", auto: "Automatic", unlimited: "All", headlight: "On the camera", fixed: "Fixed", visible: "What is visible", volume: "The volume" },
   backgroundKinds: { colour: "Colour", transparent: "Transparent", probe: "The light" },
   keyLight: ["Key light", "Azimuth", "Elevation", "Colour"],
   surfaceValue: "Surface at", noTone: "no tone curve", clear: "Clear", outOfRange: (range) => `Takes ${range}.`, threshold: "Threshold",

@@ -111,7 +111,11 @@ void describe(Visit&& visit, S& s) {
     visit(Setting{"elevation", "camera.elevation_deg", "degrees", "raises the camera towards the up axis"}
           .within(-90, 90), s.elevation_deg);
     visit(Setting{"roll", "camera.roll", "degrees", "turns the picture clockwise"}.within(-36000, 36000), s.roll_deg);
-    visit(Setting{"zoom", "camera.fit_scale", "", "1 shows the whole volume, 2 from half the distance"}
+    visit(Setting{"fit", "camera.fit", "", "what the camera fits: what is visible, found once, or the whole volume"}, s.fit);
+    visit(Setting{"", "camera.fit_centre", "mm", "centre of the ball that was found around what is visible"}, s.fit_centre);
+    visit(Setting{"", "camera.fit_radius", "mm", "radius of the ball that was found around what is visible"}
+          .above(0), s.fit_radius_mm);
+    visit(Setting{"zoom", "camera.fit_scale", "", "1 shows all that the camera fits, 2 from half the distance"}
           .within(1e-9, 1000).kept(SceneForm::reciprocal), s.zoom);
     visit(Setting{"fov", "camera.view_angle_deg", "degrees", "vertical angle of view"}.within(0.1, 170), s.fov_deg);
     visit(Setting{"up", "camera.up", "", "up axis in the world (+z, superior where the file states a frame)"}

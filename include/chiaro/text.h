@@ -29,6 +29,7 @@ constexpr auto names_of(Projection) { return std::to_array<std::string_view>({"p
 constexpr auto names_of(View) {
     return std::to_array<std::string_view>({"anterior", "posterior", "left", "right", "superior", "inferior"});
 }
+constexpr auto names_of(Fit) { return std::to_array<std::string_view>({"visible", "volume"}); }
 constexpr auto names_of(Shading) { return std::to_array<std::string_view>({"none", "lambert", "phong"}); }
 constexpr auto names_of(Method) {
     return std::to_array<std::string_view>({"none", "spao", "visibility", "histogram", "transport", "reference"});
