@@ -94,6 +94,7 @@ private:
     void image(Job& job) {
         count_frame(render(scene_, job));
         scene_.camera = session_.camera();
+        scene_.lighting.probe.exposure = session_.probe_exposure();
         keep_stages();
         write(scene_, 0, job);
         stats_.stages.push_back({"write", write_seconds_});
@@ -108,6 +109,7 @@ private:
         turn(0.5);  // the warm-up looks from where no frame does, so that the session has nothing kept for any
         render(scene, job);
         keep_stages();
+        scene.lighting.probe.exposure = scene_.lighting.probe.exposure = session_.probe_exposure();
         for (int frame = 0; frame < *o_.frames; ++frame) {
             turn(frame);
             count_frame(render(scene, job));

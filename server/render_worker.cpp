@@ -264,6 +264,7 @@ void RenderWorker::send(const FrameRequest& wanted, const Image& image, const ch
                 {"fps", wanted.moving && preview_interval_ > 0 ? Json(1 / preview_interval_) : Json()},
                 {"verbs", json_of(session_->stages())},
                 {"notes", wanted.notes}};
+    header["probe_exposure"] = session_->probe_exposure();
     if (const CameraSettings& camera = session_->camera(); camera.fit == Fit::visible && camera.fit_centre)
         header["fit"] = {{"centre", json_of(*camera.fit_centre)}, {"radius", *camera.fit_radius_mm}};
     for (const std::string& note : session_->notes()) header["notes"].push_back(note);

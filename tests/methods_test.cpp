@@ -181,7 +181,7 @@ TEST(CompareMethods, JudgesPicturesAsTheyAreShown) {
     EXPECT_LT(centre(particles.references[0].image.frame), 0.4);
     // A darker probe darkens what is lit by it; occlusion is judged without it.
     scene.illumination.surfaces = {};
-    scene.lighting.probe.exposure_stops = -1;
+    scene.lighting.probe.exposure = -1;
     const MethodComparison darker = compared(scene, {Method::visibility, Method::spao});
     EXPECT_NEAR(centre(darker.references[0].image.frame), 0.4, 0.01);
     EXPECT_NEAR(centre(darker.references[1].image.frame), 0.8, 0.02);

@@ -178,7 +178,7 @@ TEST(ProbeScene, KeepsFilesAndNames) {
     EXPECT_EQ(seen_from(file, "folder").lighting.probe.source, "p.hdr");
     EXPECT_NE(to_json(file).find("\"file\": \"folder/p.hdr\""), std::string::npos);
     const Scene preset = parse(R"("probe": {"preset": "sky", "background": true}, "background": [0, 1, 0])");
-    EXPECT_EQ(preset.lighting.probe, (ProbeSettings{"sky", 0, 0, true}));
+    EXPECT_EQ(preset.lighting.probe, (ProbeSettings{"sky", 0, {}, true}));
     EXPECT_EQ(preset.output.background, (Rgb{0, 1, 0}));
     EXPECT_EQ(seen_from(preset, "folder").lighting.probe.source, "sky");
     EXPECT_TRUE(unknown.empty());
@@ -312,7 +312,7 @@ TEST(Background, IsExposedAndEncodedForTheDisplay) {
     shots::Shot shot = empty_room(builtin_probe("studio"));
     const Frame linear = shot(any_volume());
     shot.shape.color = ColorMode::display;
-    shot.lighting.probe.exposure_stops = -2;
+    shot.lighting.probe.exposure = -2;
     const Frame display = shot(any_volume());
     for (std::size_t i = 0; i < linear.rgba.size(); ++i) {
         const double light = linear.rgba[i] / 4;

@@ -201,7 +201,7 @@ TEST_F(TransportSession, FindsLightAgainWhereTheProbeTurnsOrChanges) {
 }
 
 TEST_F(TransportSession, ExposureStrengthAndCameraFindNoLight) {
-    scene.lighting.probe.exposure_stops = 1;
+    scene.lighting.probe.exposure = 1;
     EXPECT_EQ(redone(), "raycast develop");
     scene.lighting.strength = 0.5;
     EXPECT_EQ(redone(), "raycast develop");

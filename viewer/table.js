@@ -17,7 +17,7 @@ export const table = {
   ...elsewhere("picture", "eye target view"),
   // Light: first the ones one reaches for.
   "probe-rotation": { place: "light", label: "Turn", low: 0, high: 360, step: 1, unit: "°" },
-  "probe-exposure": { place: "light", label: "Exposure", low: -5, high: 5, step: 0.1, unit: "EV" },
+  "probe-exposure": { place: "light", label: "Exposure", low: -8, high: 8, step: 0.1, unit: "EV" },
   strength: { place: "light", label: "Strength", low: 0, high: 1, step: 0.01 },
   "spao-levels": { place: "light", label: "Reach", low: 1, high: 9, step: 1, unit: "vx" },
   "spao-normal-factor": { place: "light", label: "Facing", low: 0, high: 2, step: 0.05 },

@@ -150,8 +150,9 @@ void describe(Visit&& visit, S& s) {
           .written("FILE.hdr|.exr|white|sky|studio|windows").kept(SceneForm::custom), s.source);
     visit(Setting{"probe-rotation", "probe.rotation", "degrees", "turns the environment map around the up axis"}
           .within(-36000, 36000).written("DEG"), s.rotation_deg);
-    visit(Setting{"probe-exposure", "probe.exposure", "stops", "multiplies the environment map's light by 2 to this power"}
-          .within(-32, 32).written("STOPS"), s.exposure_stops);
+    visit(Setting{"probe-exposure", "probe.exposure", "stops",
+                  "multiplies the environment map's light by 2 to this power; auto: one from a file until it lights a white ball well"}
+          .within(-32, 32).written("STOPS|auto"), s.exposure);
     visit(Setting{"probe-background", "probe.background", "", "shows the environment map behind the volume"}, s.background);
 }
 

@@ -46,6 +46,8 @@ public:
     /// The scene's camera with the ball that all frames of a turntable fit (fit_camera). Of one picture renders find
     /// it themselves, each anew where the scene's camera has none yet: who wants it found once keeps camera().
     CHIARO_EXPORT CameraSettings fit_all_around(const Scene& scene, Progress& progress);
+    /// Of the last render or preview, in stops.
+    CHIARO_EXPORT double probe_exposure() const;
     /// The scene's, with the ball that the last render or preview fitted.
     CHIARO_EXPORT const CameraSettings& camera() const;
 

@@ -68,6 +68,7 @@ struct Session::State {
     Cast previewed;
     Image previewed_image;
     CameraSettings camera;  // of the last render or preview
+    double probe_exposure = 0;
 
     /// Calls stage(result), unless the kept result was made from these very inputs.
     template <class Result, class... Inputs, class Verb>
@@ -86,10 +87,12 @@ struct Session::State {
     Lighting lighting_of(const Scene& scene, const Camera& camera) {
         Lighting lighting = scene.lighting;
         lighting.probe_up = camera.orbit_up;
-        if (lighting.probe.source.empty()) return lighting;
-        redo("probe", probe, {lighting.probe.source},
-             [&](Probe& loaded) { loaded = load_probe(lighting.probe.source); });
-        lighting.loaded_probe = probe.result;
+        if (!lighting.probe.source.empty()) {
+            redo("probe", probe, {lighting.probe.source},
+                 [&](Probe& loaded) { loaded = load_probe(lighting.probe.source); });
+            lighting.loaded_probe = probe.result;
+        }
+        lighting.probe.exposure = probe_exposure = exposure_stops(lighting);
         return lighting;
     }
 
@@ -300,6 +303,7 @@ ComputedField Session::compute_field(const Scene& scene, Progress& progress) {
 }
 
 const DeviceVolume& Session::volume() const { return state_->upload.result; }
+double Session::probe_exposure() const { return state_->probe_exposure; }
 const CameraSettings& Session::camera() const { return state_->camera; }
 const Medium& Session::medium() const { return state_->classify.result.medium; }
 const IlluminationField& Session::light() const { return state_->illuminate.result; }
