@@ -48,7 +48,8 @@ struct PresetInfo {
 /// Our presets, then the colour maps (matplotlib's names; each also with `_r`).
 CHIARO_EXPORT std::vector<PresetInfo> list_presets();
 
-/// A preset or colour map by name. CT presets are in HU and never stretched; the others are stretched to the data.
+/// A preset (also by the name that 3D Slicer has for it, in lower case) or colour map by name. CT presets are in HU,
+/// moved by Statistics::hu_zero and never stretched, but for ct-8bit; the others are stretched to the data.
 /// Throws Error{usage} with "did you mean" for an unknown name.
 CHIARO_EXPORT TransferFunction preset(const std::string& name, const Statistics& data);
 

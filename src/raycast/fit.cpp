@@ -11,10 +11,10 @@
 namespace chiaro {
 namespace {
 
-constexpr double least_opacity = 0.1;  // of a ray that counts
-constexpr double filled = 0.9;         // of the picture's width or height
-constexpr double settled = 0.01;       // shares of half the picture
-constexpr int long_side = 192;         // pixels: thin ends that rays miss are shorter than the margin
+constexpr double least_opacity = 0.06;  // of a ray that counts: a pixel of .1 may be a part of a small one
+constexpr double filled = 0.91;         // of the picture's width or height
+constexpr double settled = 0.01;        // shares of half the picture
+constexpr int long_side = 192;          // pixels: thin ends that rays miss are shorter than the margin
 constexpr int max_rounds = 8, turns = 12;
 
 /// Of what is seen, in shares of half the picture from its middle.
