@@ -21,7 +21,7 @@ inline chiaro::Scene changed_scene(chiaro::Method method = chiaro::Method::spao)
     s.transfer.opacity_unit_mm = 3;
     s.mode = Mode::iso;
     s.iso = {{0.5, Rgb{1, 0.5, 0}, 0.25}, {300}};
-    s.clip = {std::array{0.0, 0.5, 0.25, 1.0, 0.0, 1.0}, {{{1, 0, 0.5}, -3}, {{0, -1, 0}, 4}}};
+    s.clip = {std::array{0.0, 0.5, 0.25, 1.0, 0.0, 1.0}, {{{1, 0, 0.5}, -3}, {{0, -1, 0}, 4}}, true};
     s.camera = {-10,
                 12.5,
                 90,

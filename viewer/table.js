@@ -13,7 +13,7 @@ export const table = {
   ...elsewhere("bar", "mode"),
   ...elsewhere("save", "size"),
   ...elsewhere("light", "lighting probe hist-effects glow"),
-  ...elsewhere("cut", "clip-box clip-plane"),
+  ...elsewhere("cut", "clip-box clip-plane largest"),
   ...elsewhere("picture", "eye target view"),
   // Light: first the ones one reaches for.
   "probe-rotation": { place: "light", label: "Turn", low: 0, high: 360, step: 1, unit: "°" },

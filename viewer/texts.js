@@ -79,7 +79,7 @@ export const words = {
     fibonacci: "Even", jittered: "Jittered", corrected: "Corrected", thick: "Thick", paper: "Paper", auto: "Automatic", unlimited: "All", headlight: "On the camera", fixed: "Fixed", visible: "What is visible", volume: "The volume" },
   backgroundKinds: { colour: "Colour", transparent: "Transparent", probe: "The light" },
   keyLight: ["Key light", "Azimuth", "Elevation", "Colour"],
-  surfaceValue: "Surface at", noTone: "no tone curve", clear: "Clear", outOfRange: (range) => `Takes ${range}.`, threshold: "Threshold",
+  largest: "Largest piece", surfaceValue: "Surface at", noTone: "no tone curve", clear: "Clear", outOfRange: (range) => `Takes ${range}.`, threshold: "Threshold",
   wipe: { reference: "Reference", rays: (n) => `${n} rays`, noise: (v) => `noise ${v}`, difference: "Difference", differenceScale: "|a − b| × 4", line: "Wipe line", leave: "Leave" },
   shortcuts: [["1 2 3", "Volume, Surface, Maximum"], ["Ctrl Z, Ctrl Shift Z", "Undo, Redo"], ["Alt Z", "Undo the camera"], ["O A L C", "Orbit, Adjust, Light, Cut"], ["F", "Fit"], ["B", "Hold: without light"],
     ["[ ]", "Density by 10 %"], ["W", "Window to the data"], ["0", "Whole range of the graph"], ["E", "Larger editor"], ["R", "Compare"], ["H", "Picture only"], ["I", "About this volume"],

@@ -79,6 +79,9 @@ void describe(Visit&& visit, S& s) {
           .written("X0,X1,Y0,Y1,Z0,Z1").within(0, 1), s.box);
     visit(Setting{"clip-plane", "clip.planes", "mm", "removes what lies beyond the plane n·x = D, where n points"}
           .written("NX,NY,NZ,D").kept(SceneForm::list), s.planes);
+    visit(Setting{"largest", "clip.largest", "",
+                  "leaves out what is not connected to the largest piece of what is visible: tables, head rests, specks"},
+          s.largest);
 }
 
 template <class Visit, SettingsOf<RaySettings> S>

@@ -64,6 +64,10 @@ struct Guess {
 };
 CHIARO_EXPORT Guess guess(const Volume& volume, const Statistics& data);
 
+/// Of a CT (in HU, or known by its air) how much of what is denser than -500 HU is not connected to its largest piece:
+/// a table, a head rest. On every second voxel, or fewer, of volumes above 256³; 0 for what is no CT.
+CHIARO_EXPORT double detached_share(const Volume& volume, const Statistics& data);
+
 /// CSS colour name, `#rgb`, `#rrggbb` or `r,g,b` in [0, 1]; sRGB. Throws Error{usage} with "did you mean".
 CHIARO_EXPORT Rgb parse_color(const std::string& text);
 

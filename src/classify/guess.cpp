@@ -5,10 +5,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <optional>
 #include <set>
 #include <utility>
+
+#include "classify/largest.h"
 
 namespace chiaro {
 namespace {
@@ -154,6 +157,28 @@ Guess guess(const Volume& volume, const Statistics& data) {
             if (known.name == sample->second) return {"sample", "sample:" + known.name, "a sample of Chiaro"};
     }
     return volume.modality.empty() ? from_values(volume, data) : from_header(volume, data);
+}
+
+double detached_share(const Volume& volume, const Statistics& data) {
+    if (volume.components != 1 || (data.hu_zero == 0 && !looks_like_hu(volume, data))) return 0;
+    const int stride = 1 + int(std::cbrt(double(volume.voxel_count()) / (256.0 * 256 * 256)) > 1);
+    const auto& n = volume.dimensions;
+    const std::array<int, 3> count{(n[0] - 1) / stride + 1, (n[1] - 1) / stride + 1, (n[2] - 1) / stride + 1};
+    const std::size_t all_voxels = std::size_t(count[0]) * count[1] * count[2];
+    std::vector<std::uint8_t> dense(all_voxels);
+    with_voxel_type(volume.type, [&](auto zero) {
+        const auto voxels = volume.as<decltype(zero)>();
+        std::size_t to = 0;
+        for (int z = 0; z < n[2]; z += stride)
+            for (int y = 0; y < n[1]; y += stride)
+                for (int x = 0; x < n[0]; x += stride) {
+                    const auto stored = voxels[(std::size_t(z) * n[1] + y) * n[0] + x];
+                    dense[to++] = volume.slope * double(stored) + volume.intercept - data.hu_zero > -500;
+                }
+    });
+    const Pieces pieces = find_pieces(dense, count);
+    const auto all = double(std::count(dense.begin(), dense.end(), 1));
+    return all > 0 ? 1 - double(pieces.largest) / all : 0;
 }
 
 }  // namespace chiaro
