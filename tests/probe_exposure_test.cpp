@@ -91,7 +91,7 @@ TEST(RealProbes, AreExposedToSuit) {
     const char* data = std::getenv("CHIARO_DATA_DIR");
     if (!data) GTEST_SKIP() << "skipped: no data";
     const std::string folder = std::string(data) + "/probes/";
-    for (const std::string name : {"sky", "studio", "windows", "grace.hdr", "studio.hdr", "sunrise.hdr",
+    for (const std::string name : {"sky", "studio", "windows", "three-point", "grace.hdr", "studio.hdr", "sunrise.hdr",
                                    "apartment.hdr", "venice.hdr", "lab.hdr", "grace.exr"}) {
         Lighting lighting;
         lighting.probe.source = is_probe_name(name) ? name : folder + name;

@@ -47,7 +47,7 @@ export const words = {
   glow: ["Glow from", "to", "Glow"],
   ball: "Turn of the light", ownProbe: "Own light: an .hdr or .exr file", unlit: "Hold to see it without light",
   accuracy: "Accuracy",
-  probes: { white: "White", sky: "Sky", studio: "Studio", windows: "Windows" },
+  probes: { white: "White", sky: "Sky", studio: "Studio", windows: "Windows", "three-point": "Three-point" },
   tools: { orbit: "Orbit", adjust: "Adjust: drag what you see", light: "Light", cut: "Cut", fit: "Fit", panel: "Panel" },
   states: {
     open: "Open a volume", formats: "Choose a file on the computer that runs Chiaro: NRRD, NIfTI, MetaImage, DICOM folder, TIFF stack, VTK or raw.",

@@ -150,7 +150,7 @@ template <class Visit, SettingsOf<ProbeSettings> S>
 void describe(Visit&& visit, S& s) {
     visit(Setting{"probe", "probe", "",
                   "environment map (HDRI) that lights the volume: an equirectangular image file, or a built-in one (default of visibility, transport and reference: white)"}
-          .written("FILE.hdr|.exr|white|sky|studio|windows").kept(SceneForm::custom), s.source);
+          .written("FILE.hdr|.exr|white|sky|studio|windows|three-point").kept(SceneForm::custom), s.source);
     visit(Setting{"probe-rotation", "probe.rotation", "degrees", "turns the environment map around the up axis"}
           .within(-36000, 36000).written("DEG"), s.rotation_deg);
     visit(Setting{"probe-exposure", "probe.exposure", "stops",

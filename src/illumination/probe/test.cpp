@@ -237,7 +237,7 @@ ShCoefficients half_open(Vec3 normal) {
 }  // namespace
 
 TEST(Lambert, GivesTheIrradianceOfTheWholeImage) {
-    for (const char* name : {"sky", "studio", "windows"}) {
+    for (const char* name : {"sky", "studio", "windows", "three-point"}) {
         const Probe probe = builtin_probe(name);
         const LambertTable table = lambert_table(lit_by(probe), {0, 0, 1}, {}, ShWindow::none);
         double worst = 0, largest = 0;
