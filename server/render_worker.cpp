@@ -39,6 +39,7 @@ std::string_view text_in(const std::vector<std::byte>& bytes) {
 
 Scene with_samples(Scene scene, int samples) {
     scene.sampling.samples_per_pixel = samples;
+    if (samples == 1) scene.camera.aperture_mm = 0;  // a lens takes many rays: what comes first is sharp
     return scene;
 }
 

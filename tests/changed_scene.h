@@ -34,7 +34,9 @@ inline chiaro::Scene changed_scene(chiaro::Method method = chiaro::Method::spao)
                 Vec3{0, 0, 0.1},
                 Fit::volume,
                 Vec3{4, 5, 6},
-                7.5};
+                7.5,
+                0.5,
+                120};
     s.lighting = {Shading::lambert, 0.1, 0.2, 0.4, 5, false, 30, -40, {1, 0.5, 0.25}, 0.75, {"studio", 20, -2, true}};
     s.illumination = {
         method,

@@ -76,6 +76,8 @@ export const table = {
   "camera.fit_radius": { place: "hidden" },
   zoom: { place: "camera", label: "Zoom", low: 0.1, high: 20, step: 0.01, log: true, unit: "×" },
   up: { place: "camera", label: "Up" },
+  aperture: { place: "camera", label: "Aperture", low: 0, high: 50, step: 0.5, unit: "mm" },
+  focus: { place: "hidden" }, // the centre, or what a double click chose
   // Picture.
   background: { place: "picture" },
   "probe-background": { place: "picture" },

@@ -28,6 +28,8 @@ struct CameraSettings {
     Fit fit = Fit::visible;
     std::optional<Vec3> fit_centre;       ///< of the ball around what is visible, once it was found; world mm ...
     std::optional<double> fit_radius_mm;  ///< ... both or none; none: the volume's
+    double aperture_mm = 0;               ///< diameter of the lens; 0: all is sharp
+    std::optional<double> focus_mm;       ///< from the eye, along its axis; none: to the ball's centre, or the target
     /// Not a setting: nobody said where to look from, so the volume's frame does (look_from).
     bool by_frame = false;
     bool operator==(const CameraSettings&) const = default;
@@ -38,8 +40,9 @@ struct Camera {
     Vec3 eye;                 ///< mm
     Vec3 forward, right, up;  ///< orthonormal
     Projection projection = Projection::perspective;
-    double half_height = 0;  ///< tan(fov / 2), or half the height of the view in mm (orthographic)
-    Vec3 orbit_up{0, 0, 1};  ///< what azimuth and elevation of lights turn about
+    double half_height = 0;                ///< tan(fov / 2), or half the height of the view in mm (orthographic)
+    Vec3 orbit_up{0, 0, 1};                ///< what azimuth and elevation of lights turn about
+    double aperture_mm = 0, focus_mm = 1;  ///< diameter of the lens, depth that is in focus
     bool operator==(const Camera&) const = default;
 };
 

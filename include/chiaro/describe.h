@@ -129,6 +129,12 @@ void describe(Visit&& visit, S& s) {
                   "position of the camera in the world; with --target, in the place of the orbit"},
           s.eye);
     visit(Setting{"target", "camera.target", "mm", "point in the world that the camera looks at"}, s.target);
+    visit(Setting{"aperture", "camera.aperture", "mm",
+                  "diameter of the lens: what is out of focus is blurred, in final pictures (at least 64 rays a pixel) and by paths; 0: all is sharp"}
+          .within(0, 1e6), s.aperture_mm);
+    visit(Setting{"focus", "camera.focus", "mm",
+                  "distance from the eye that is in focus (that of the centre of what the camera fits, or of the target)"}
+          .above(0), s.focus_mm);
 }
 
 template <class Visit, SettingsOf<Lighting> S>

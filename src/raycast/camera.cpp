@@ -78,6 +78,7 @@ Camera make_camera(const CameraSettings& settings, const Geometry& geometry, con
     const auto [centre, radius] = fitted_ball(s, geometry, dimensions);
     Camera camera;
     camera.projection = s.projection;
+    camera.aperture_mm = s.aperture_mm;
     const double half_fov = radians(s.fov_deg) / 2;
     camera.half_height = s.projection == Projection::perspective ? std::tan(half_fov) : radius / s.zoom;
     Vec3 up = s.up.value_or(Vec3{0, 0, 1});
@@ -87,6 +88,7 @@ Camera make_camera(const CameraSettings& settings, const Geometry& geometry, con
         camera.eye = *s.eye;
         camera.orbit_up = up;
         aim(camera, *s.target - *s.eye, up, radians(s.roll_deg));
+        camera.focus_mm = s.focus_mm.value_or(length(*s.target - *s.eye));
         return camera;
     }
     Vec3 to_eye;
@@ -102,7 +104,9 @@ Camera make_camera(const CameraSettings& settings, const Geometry& geometry, con
         if (length(cross(to_eye, normalized(up))) < 1e-9)
             up = -std::copysign(1.0, s.elevation_deg) * orbit_direction(radians(s.azimuth_deg), 0, up);
     }
-    camera.eye = centre + radius / (s.zoom * std::sin(half_fov)) * to_eye;
+    const double distance = radius / (s.zoom * std::sin(half_fov));
+    camera.eye = centre + distance * to_eye;
+    camera.focus_mm = s.focus_mm.value_or(distance);
     aim(camera, -to_eye, up, radians(s.roll_deg));
     return camera;
 }

@@ -73,6 +73,7 @@ public:
         const double scale = double(long_side) / std::max(width, height);
         frame_ = Frame(std::max(1, int(std::lround(scale * width))), std::max(1, int(std::lround(scale * height))));
         camera_.zoom = 1;
+        camera_.aperture_mm = 0;
         camera_.fit = Fit::visible;
         rays_.samples_per_pixel = 1;
         rays_.compositing = Compositing::front_to_back;
