@@ -141,6 +141,7 @@ TEST(CompareMethods, NaturalLightIsNearerTheGroundTruthThanNone) {
     Scene scene;
     scene.volume = "sample:cornell:32";
     scene.width = 64, scene.height = 48;
+    scene.camera.fit = Fit::volume;
     scene.camera.azimuth_deg = 270, scene.camera.elevation_deg = 0;
     scene.transfer.points = sample_transfer_function("cornell");
     scene.illumination.reference.rays = 64;
