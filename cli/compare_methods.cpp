@@ -36,9 +36,11 @@ std::string light_sentence(const Scene& scene) {
             ? "Pictures are as they are shown; methods that take no probe, and their reference, are under a "
               "white one."
             : "Every method lights particles that scatter it once, alike in all directions.";
+    Lighting lighting = scene.lighting;
+    if (!probe.source.empty()) lighting.loaded_probe = load_probe(probe.source);
     return fmt::format("Light: probe {}, turned by {:g} degrees, {:+g} stops. {}",
                        probe.source.empty() ? "white" : std::filesystem::path(probe.source).filename().string(),
-                       probe.rotation_deg, probe.exposure_stops, how);
+                       probe.rotation_deg, exposure_stops(lighting), how);
 }
 
 void write(const MethodComparison& comparison, const Scene& scene, const std::filesystem::path& page) {

@@ -24,8 +24,13 @@ struct InfoOptions {
     CommonOptions common;
 };
 
+constexpr double worth_leaving_out = 0.005;  // of the dense matter: more than specks
+
 void print_json(const Volume& volume, const Statistics& s, const Guess& guess) {
-    fmt::print("{}\n", printable_json(info_of(volume, s, guess).dump(2, ' ', false, Json::error_handler_t::replace)));
+    OrderedJson info = info_of(volume, s, guess);
+    info["suggests"] = Json::array();
+    if (detached_share(volume, s) >= worth_leaving_out) info["suggests"].push_back("--largest");
+    fmt::print("{}\n", printable_json(info.dump(2, ' ', false, Json::error_handler_t::replace)));
 }
 
 /// Counts as a line of 64 blocks, on a logarithmic scale: one bin of air would flatten all others.
@@ -64,6 +69,12 @@ void print_text(const Volume& volume, const Statistics& s, const Guess& guess) {
     if (s.nonfinite) fmt::print("  not finite  {} voxels\n", s.nonfinite);
     fmt::print("  histogram   |{}| (logarithmic)\n", drawing(s.histogram));
     fmt::print("  looks like  {} ({}): --transfer {}\n", guess.modality, guess.reason, guess.preset);
+    if (const double share = detached_share(volume, s); share >= worth_leaving_out)
+        fmt::print(
+            "  suggests    --largest: {:.2g} % of what is denser than -500 HU is no part of the largest piece (a "
+            "table, "
+            "a head rest)\n",
+            100 * share);
     for (const auto& note : volume.notes) fmt::print("  note        {}\n", one_line(note, 4000));
 }
 

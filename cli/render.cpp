@@ -93,12 +93,15 @@ private:
 
     void image(Job& job) {
         count_frame(render(scene_, job));
+        scene_.camera = session_.camera();
+        scene_.lighting.probe.exposure = session_.probe_exposure();
         keep_stages();
         write(scene_, 0, job);
         stats_.stages.push_back({"write", write_seconds_});
     }
 
     void turntable(Job& job) {
+        scene_.camera = session_.fit_all_around(scene_, job.progress);
         Scene scene = scene_;
         const auto turn = [&](double frames) {
             scene.camera.azimuth_deg = scene_.camera.azimuth_deg + 360 * frames / *o_.frames;
@@ -106,6 +109,7 @@ private:
         turn(0.5);  // the warm-up looks from where no frame does, so that the session has nothing kept for any
         render(scene, job);
         keep_stages();
+        scene.lighting.probe.exposure = scene_.lighting.probe.exposure = session_.probe_exposure();
         for (int frame = 0; frame < *o_.frames; ++frame) {
             turn(frame);
             count_frame(render(scene, job));
@@ -116,7 +120,7 @@ private:
 
     const RenderOptions& o_;
     const FramePattern pattern_;
-    const Scene scene_;
+    Scene scene_;
     const Device device_;
     Session session_{device_};
     Stats stats_;

@@ -72,7 +72,9 @@ void SettingFlags::apply(Scene& scene) const {
     if (is_given("background")) scene.lighting.probe.background = false;
     const bool turns_orbit = is_given("azimuth") || is_given("elevation") || is_given("view");
     if (turns_orbit) scene.camera.eye.reset(), scene.camera.target.reset();
-    if (turns_orbit || is_given("eye") || is_given("target")) scene.camera.view.reset();
+    if (turns_orbit || is_given("eye") || is_given("target")) scene.camera.view.reset(), scene.camera.by_frame = false;
+    if (is_given("up")) scene.camera.by_frame = false;
+    if (is_given("fit")) scene.camera.fit_centre.reset(), scene.camera.fit_radius_mm.reset();  // found anew
 
     for_each_setting(
         [&](const Setting& setting, auto&... fields) {

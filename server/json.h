@@ -1,6 +1,7 @@
 // What messages are made of.
 #pragma once
 #include <chiaro/error.h>
+#include <chiaro/geometry.h>
 
 #include <cstdint>
 #include <nlohmann/json.hpp>
@@ -17,6 +18,8 @@ std::string text_of(const Json& json);
 
 /// Throws Error{usage} for what is no JSON object, or is nested more than 40 deep (printing recurses).
 Json parse_message(std::string_view text);
+
+inline Json json_of(const Vec3& v) { return {v.x, v.y, v.z}; }
 
 /// Members of a request. Each throws Error{usage} that names the member.
 std::string text_in(const Json& request, const char* name, const std::string& otherwise);

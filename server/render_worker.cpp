@@ -39,6 +39,7 @@ std::string_view text_in(const std::vector<std::byte>& bytes) {
 
 Scene with_samples(Scene scene, int samples) {
     scene.sampling.samples_per_pixel = samples;
+    if (samples == 1) scene.camera.aperture_mm = 0;  // a lens takes many rays: what comes first is sharp
     return scene;
 }
 
@@ -115,8 +116,9 @@ void RenderWorker::change_volume(std::unique_lock<std::mutex>& lock) {
     lock.lock();
 }
 
-void RenderWorker::render_frame(const FrameRequest& wanted) {
+void RenderWorker::render_frame(FrameRequest wanted) {
     preview(wanted);
+    wanted.scene.camera = session_->camera();  // what it fits was found for the first picture, and holds for all
     if (wanted.moving && !comes_to_rest(wanted)) return;
     std::shared_ptr<Progress> progress;
     {
@@ -239,7 +241,7 @@ void RenderWorker::note_frame(const FrameRequest& wanted, const Scene& scene) {
     const DeviceVolume& volume = session_->volume();
     LastFrame seen{wanted.n,
                    session_->medium(),
-                   make_camera(scene.camera, volume.geometry(), volume.dimensions()),
+                   make_camera(session_->camera(), volume.geometry(), volume.dimensions()),
                    with_samples(scene, 1).sampling,
                    wanted.scene.width,
                    wanted.scene.height};
@@ -263,6 +265,9 @@ void RenderWorker::send(const FrameRequest& wanted, const Image& image, const ch
                 {"fps", wanted.moving && preview_interval_ > 0 ? Json(1 / preview_interval_) : Json()},
                 {"verbs", json_of(session_->stages())},
                 {"notes", wanted.notes}};
+    header["probe_exposure"] = session_->probe_exposure();
+    if (const CameraSettings& camera = session_->camera(); camera.fit == Fit::visible && camera.fit_centre)
+        header["fit"] = {{"centre", json_of(*camera.fit_centre)}, {"radius", *camera.fit_radius_mm}};
     for (const std::string& note : session_->notes()) header["notes"].push_back(note);
     const bool is_preview = image.width != wanted.scene.width || wanted.moving;
     const std::string encoded_image = is_final ? std::string(text_in(encode_png(image)))

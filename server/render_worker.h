@@ -59,7 +59,7 @@ private:
 
     void run();
     void change_volume(std::unique_lock<std::mutex>& lock);
-    void render_frame(const FrameRequest& wanted);
+    void render_frame(FrameRequest wanted);
     void preview(const FrameRequest& wanted);
     void preview_with_light(const FrameRequest& wanted, const Scene& small);
     bool is_light_due(const Scene& scene) const;

@@ -10,8 +10,6 @@ namespace chiaro::server {
 namespace fs = std::filesystem;
 namespace {
 
-Json json_of(const Vec3& v) { return {v.x, v.y, v.z}; }
-
 constexpr std::size_t largest_json = 4 << 20;  ///< parsed it takes some forty times as much
 
 /// The scene that a picture carries; nothing where it carries none.
@@ -86,9 +84,12 @@ Json View::resolve(const Json& request) {
 
 Json View::export_text(const Json& request) {
     const std::string what = text_in(request, "what");
-    const Scene scene = scene_of(object_in(request, "scene"));
+    Scene scene = scene_of(object_in(request, "scene"));
     if (what == "transfer")
         return {{"text", to_json(shown()->session.resolve(scene.transfer))}, {"name", "transfer.json"}};
+    Lighting lighting = scene.lighting;
+    if (!lighting.probe.source.empty()) lighting.loaded_probe = load_probe(lighting.probe.source);
+    scene.lighting.probe.exposure = exposure_stops(lighting);  // files remember the number
     if (what == "scene") return {{"text", scene_json(scene, shown()->session).dump(2) + "\n"}, {"name", "scene.json"}};
     throw Error(ErrorCode::usage, "what: must be transfer or scene");
 }

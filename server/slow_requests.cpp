@@ -91,6 +91,8 @@ Json View::save(const Json& request, Progress& progress) {
     // A session of its own: the page goes on with its.
     Session session = shown()->session.share_volume();
     Image picture = session.render(scene, progress);
+    scene.camera = session.camera();
+    scene.lighting.probe.exposure = session.probe_exposure();
     progress.report("write", 0);
     Metadata metadata;
     if (flag_in(request, "metadata", true)) metadata = {{"chiaro", to_json(scene)}};

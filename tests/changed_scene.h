@@ -21,9 +21,22 @@ inline chiaro::Scene changed_scene(chiaro::Method method = chiaro::Method::spao)
     s.transfer.opacity_unit_mm = 3;
     s.mode = Mode::iso;
     s.iso = {{0.5, Rgb{1, 0.5, 0}, 0.25}, {300}};
-    s.clip = {std::array{0.0, 0.5, 0.25, 1.0, 0.0, 1.0}, {{{1, 0, 0.5}, -3}, {{0, -1, 0}, 4}}};
-    s.camera = {-10,           12.5,           90, 4, 45, Vec3{0, -1, 0}, Projection::orthographic, View::left,
-                Vec3{1, 2, 3}, Vec3{0, 0, 0.1}};
+    s.clip = {std::array{0.0, 0.5, 0.25, 1.0, 0.0, 1.0}, {{{1, 0, 0.5}, -3}, {{0, -1, 0}, 4}}, true};
+    s.camera = {-10,
+                12.5,
+                90,
+                4,
+                45,
+                Vec3{0, -1, 0},
+                Projection::orthographic,
+                View::left,
+                Vec3{1, 2, 3},
+                Vec3{0, 0, 0.1},
+                Fit::volume,
+                Vec3{4, 5, 6},
+                7.5,
+                0.5,
+                120};
     s.lighting = {Shading::lambert, 0.1, 0.2, 0.4, 5, false, 30, -40, {1, 0.5, 0.25}, 0.75, {"studio", 20, -2, true}};
     s.illumination = {
         method,

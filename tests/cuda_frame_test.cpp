@@ -17,7 +17,7 @@ struct Sight {
     DeviceFrame by(const Device& device) const {
         const Volume volume = shells_of<std::uint8_t>(40);
         Lighting lighting{.shading = Shading::phong};
-        lighting.probe = {.source = "sky", .rotation_deg = 40, .exposure_stops = -1, .background = with_sky};
+        lighting.probe = {.source = "sky", .rotation_deg = 40, .exposure = -1, .background = with_sky};
         lighting.loaded_probe = load_probe("sky");
         const Medium medium = classify(upload(device, volume), two_materials(), {.color = color});
         const Camera camera = make_camera({.projection = projection}, volume.geometry, volume.dimensions);

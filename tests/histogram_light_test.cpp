@@ -23,6 +23,7 @@ Scene scene_of(const HistogramSettings& histogram = {.radius = 8, .clusters = 25
     scene.illumination.method = Method::histogram;
     scene.illumination.histogram = histogram;
     scene.width = 64, scene.height = 48;
+    scene.camera.fit = Fit::volume;
     return scene;
 }
 

@@ -117,6 +117,7 @@ TEST(SessionStages, TellTheStepsOfTheLight) {
     session.show(make_sample("ball", 24), progress);
     Scene scene;
     scene.volume = "sample:ball:24", scene.width = 40, scene.height = 30;
+    scene.camera.fit = Fit::volume;
     scene.illumination = reference({.rays = 8, .quantity = ReferenceQuantity::obscurance});
     const auto told = [&] {
         session.render(scene, progress);

@@ -123,7 +123,7 @@ TEST(LightError, ExposureAndStrengthChangeNothing) {
     subject.scene.lighting.probe.source = "studio";
     const double before = subject.measured().rmse;
     EXPECT_GT(before, 0);
-    subject.scene.lighting.probe.exposure_stops = 2;
+    subject.scene.lighting.probe.exposure = 2;
     EXPECT_NEAR(subject.measured().rmse, before, 1e-6);
     subject.scene.lighting.strength = 0.3;
     EXPECT_NEAR(subject.measured().rmse, before, 1e-6);

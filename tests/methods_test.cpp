@@ -141,6 +141,7 @@ TEST(CompareMethods, NaturalLightIsNearerTheGroundTruthThanNone) {
     Scene scene;
     scene.volume = "sample:cornell:32";
     scene.width = 64, scene.height = 48;
+    scene.camera.fit = Fit::volume;
     scene.camera.azimuth_deg = 270, scene.camera.elevation_deg = 0;
     scene.transfer.points = sample_transfer_function("cornell");
     scene.illumination.reference.rays = 64;
@@ -181,7 +182,7 @@ TEST(CompareMethods, JudgesPicturesAsTheyAreShown) {
     EXPECT_LT(centre(particles.references[0].image.frame), 0.4);
     // A darker probe darkens what is lit by it; occlusion is judged without it.
     scene.illumination.surfaces = {};
-    scene.lighting.probe.exposure_stops = -1;
+    scene.lighting.probe.exposure = -1;
     const MethodComparison darker = compared(scene, {Method::visibility, Method::spao});
     EXPECT_NEAR(centre(darker.references[0].image.frame), 0.4, 0.01);
     EXPECT_NEAR(centre(darker.references[1].image.frame), 0.8, 0.02);

@@ -156,7 +156,7 @@ TEST_F(ProbeTool, RefusalsAreOneSentenceWithTheRightCode) {
     };
     EXPECT_EQ(said("stdio"),
               "2 chiaro: no light probe 'stdio': it is a file (.hdr, .exr) or one of white, sky, studio, "
-              "windows; did you mean 'studio'?\n");
+              "windows, three-point; did you mean 'studio'?\n");
     EXPECT_EQ(said("none.hdr"), "3 chiaro: cannot read 'none.hdr': No such file or directory\n");
     write("text.hdr", "no picture");
     EXPECT_EQ(said("text.hdr"), "3 chiaro: text.hdr: is neither a Radiance picture (.hdr) nor an OpenEXR file\n");
@@ -178,7 +178,7 @@ TEST(ProbeScene, KeepsFilesAndNames) {
     EXPECT_EQ(seen_from(file, "folder").lighting.probe.source, "p.hdr");
     EXPECT_NE(to_json(file).find("\"file\": \"folder/p.hdr\""), std::string::npos);
     const Scene preset = parse(R"("probe": {"preset": "sky", "background": true}, "background": [0, 1, 0])");
-    EXPECT_EQ(preset.lighting.probe, (ProbeSettings{"sky", 0, 0, true}));
+    EXPECT_EQ(preset.lighting.probe, (ProbeSettings{"sky", 0, {}, true}));
     EXPECT_EQ(preset.output.background, (Rgb{0, 1, 0}));
     EXPECT_EQ(seen_from(preset, "folder").lighting.probe.source, "sky");
     EXPECT_TRUE(unknown.empty());
@@ -192,6 +192,7 @@ TEST(ProbeScene, IsLoadedOnceByASession) {
     session.show(make_sample("ball", 8), progress);
     Scene scene;
     scene.width = scene.height = 8;
+    scene.camera.fit = Fit::volume;
     const auto redone = [&] {
         session.render(scene, progress);
         std::string names;
@@ -311,7 +312,7 @@ TEST(Background, IsExposedAndEncodedForTheDisplay) {
     shots::Shot shot = empty_room(builtin_probe("studio"));
     const Frame linear = shot(any_volume());
     shot.shape.color = ColorMode::display;
-    shot.lighting.probe.exposure_stops = -2;
+    shot.lighting.probe.exposure = -2;
     const Frame display = shot(any_volume());
     for (std::size_t i = 0; i < linear.rgba.size(); ++i) {
         const double light = linear.rgba[i] / 4;

@@ -27,7 +27,7 @@ public:
         options.folders = {folder};
         options.port = 0;
         options.device = Device::cpu(2);
-        if (!volume.empty()) options.scene.emplace().volume = volume;
+        if (!volume.empty()) options.scene = scene_of_volume(volume);
         viewer.emplace(options);
         port = viewer->port();
         thread = std::thread([this] { viewer->run(false); });

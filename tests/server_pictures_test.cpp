@@ -377,7 +377,11 @@ TEST(ServerImages, MemoryDoesNotGrow) {
             scene["camera"]["azimuth_deg"] = ++n % 360;
             scene["transfer_function"]["opacity_scale"] = 1 + 0.001 * (n % 100);
             page.send(state(n, scene, 160, 120, true));
-            page.find([&](const Message& m) { return m.is_frame && m.json["n"] == n; });
+            const auto seen = page.find([&](const Message& m) { return m.is_frame && m.json["n"] == n; });
+            if (!seen) return;
+            // As the page does: what the camera fits is found once.
+            scene["camera"]["fit_centre"] = seen->json["fit"]["centre"];
+            scene["camera"]["fit_radius"] = seen->json["fit"]["radius"];
         }
     };
     drag(150);

@@ -84,6 +84,17 @@ TEST(Server, TellsOfTheVolume) {
     EXPECT_TRUE(told->json["scene"]["transfer_function"]["points"].is_array());
 }
 
+TEST(Server, LooksFirstFromWhereTheFrameSays) {
+    const Server body("sample:torso:24"), other("sample:ball:24");
+    Json scene;
+    body.ready(scene);
+    EXPECT_EQ(scene["camera"]["azimuth_deg"], -55) << "beside the front, to the patient's left";
+    EXPECT_EQ(scene["camera"]["elevation_deg"], 15);
+    EXPECT_EQ(scene["camera"]["fit"], "visible");
+    other.ready(scene);
+    EXPECT_EQ(scene["camera"]["azimuth_deg"], 35);
+}
+
 TEST(Server, ViewsHaveStatesOfTheirOwn) {
     const Server server;
     Json one, two;

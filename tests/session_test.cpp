@@ -21,6 +21,7 @@ struct SessionTest : ::testing::Test {
     void SetUp() override {
         scene.volume = "sample:ball:24";
         scene.width = 40, scene.height = 30;
+        scene.camera.fit = Fit::volume;
         scene.illumination.method = Method::none;
         session.show(make_sample("ball", 24), progress);
         session.render(scene, progress);
@@ -39,11 +40,19 @@ struct SessionTest : ::testing::Test {
 }  // namespace
 
 TEST_F(SessionTest, TellsEveryStageInOrder) {
-    std::string names;
-    for (const auto& stage : session.stages()) names += stage.name + " ";
-    EXPECT_EQ(names, "measure upload prepare classify illuminate raycast develop ");
+    const auto names = [&] {
+        std::string all;
+        for (const auto& stage : session.stages()) all += stage.name + " ";
+        return all;
+    };
+    EXPECT_EQ(names(), "measure upload prepare classify illuminate raycast develop ");
     EXPECT_GT(session.stages()[1].seconds, 0);
     EXPECT_GT(session.render_statistics().samples, 0u);
+    scene.camera.fit = Fit::visible;
+    EXPECT_EQ(redone(), "fit raycast develop");
+    EXPECT_EQ(names(), "measure upload prepare classify fit illuminate raycast develop ");
+    scene.camera.zoom = 2;
+    EXPECT_EQ(redone(), "raycast develop") << "which multiplies what was found";
 }
 
 TEST_F(SessionTest, LightFollowsAnEditAndItsStepsAreTold) {
@@ -192,7 +201,7 @@ TEST_F(TransportSession, FindsLightAgainWhereTheProbeTurnsOrChanges) {
 }
 
 TEST_F(TransportSession, ExposureStrengthAndCameraFindNoLight) {
-    scene.lighting.probe.exposure_stops = 1;
+    scene.lighting.probe.exposure = 1;
     EXPECT_EQ(redone(), "raycast develop");
     scene.lighting.strength = 0.5;
     EXPECT_EQ(redone(), "raycast develop");

@@ -197,8 +197,9 @@ TEST_F(Tool, EverySettingHasAFlagThatWorks) {
     using namespace chiaro;
     Scene scene = changed_scene();
     scene.volume = "sample:ball:16";
-    scene.read = {}, scene.stated = {};  // a raw file's layout is no sample's
-    scene.camera.view.reset();           // excludes the eye
+    scene.read = {}, scene.stated = {};                                   // a raw file's layout is no sample's
+    scene.camera.view.reset();                                            // excludes the eye
+    scene.camera.fit_centre.reset(), scene.camera.fit_radius_mm.reset();  // are found, not given
     std::string flags;
     const auto add = [&](const Setting& setting, const auto&... fields) {
         const std::string text = value_text(setting, fields...), name(setting.name);
@@ -229,7 +230,7 @@ TEST_F(Tool, WritesStats) {
     EXPECT_GT(stats["samples"], 0);
     std::string names;
     for (const auto& stage : stats["stages"]) names += stage["name"].get<std::string>() + " ";
-    EXPECT_EQ(names, "read measure upload prepare classify illuminate raycast develop write ");
+    EXPECT_EQ(names, "read measure upload prepare classify fit illuminate raycast develop write ");
 }
 
 TEST_F(Tool, RendersTurntables) {
@@ -239,8 +240,12 @@ TEST_F(Tool, RendersTurntables) {
     EXPECT_NE(read("t-000.png"), read("t-001.png"));
     EXPECT_EQ(tool("render sample:menger:16 --size 16x16 --frames 2 -o one.png").code, 0);
     EXPECT_EQ(read("one.png"), read("t-000.png"));
-    EXPECT_EQ(tool("render sample:menger:16 --size 16x16 -o still.png").code, 0);
+    // Of one picture the camera fits what that shows, of a turntable what all frames do.
+    EXPECT_EQ(tool("render --scene t-000.png -o still.png").code, 0);
     EXPECT_EQ(read("still.png"), read("t-000.png"));
+    EXPECT_EQ(tool("render sample:menger:16 --size 16x16 --fit volume --frames 2 -o one.png").code, 0);
+    EXPECT_EQ(tool("render sample:menger:16 --size 16x16 --fit volume -o still.png").code, 0);
+    EXPECT_EQ(read("still.png"), read("one.png"));
 }
 
 TEST_F(Tool, AnInterruptLeavesNothingHalfWritten) {

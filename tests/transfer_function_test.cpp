@@ -4,6 +4,7 @@
 #include <chiaro/transfer_function.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
+#include <random>
 
 #include <cmath>
 #include <fstream>
@@ -194,10 +195,15 @@ TEST(Presets, OnlyThoseOfCtKeepTheirValues) {
     const Statistics other = statistics(-1000, -900, 0, 3000, 4000, 9000);
     for (const PresetInfo& info : list_presets()) {
         const TransferFunction a = preset(info.name, bytes), b = preset(info.name, other);
-        EXPECT_EQ(info.stretched, info.modality != "CT") << info.name;
+        EXPECT_EQ(info.stretched, info.modality != "CT" || info.name == "ct-8bit") << info.name;
         if (!info.stretched) {
             EXPECT_EQ(a, b);
             EXPECT_TRUE(a.opacity_unit_is_mm) << "HU belong to matter of any spacing";
+            Statistics moved = bytes;
+            moved.hu_zero = 1024;
+            const TransferFunction c = preset(info.name, moved);
+            for (std::size_t i = 0; i < a.points.size(); ++i)
+                EXPECT_EQ(c.points[i].value, a.points[i].value + 1024) << info.name;
             continue;
         }
         // The same place between the ends: the 1st and 99.9th percentile, for colour maps the smallest and largest
@@ -237,10 +243,10 @@ struct Case {
 const Case cases[] = {
     {"engine", VoxelType::u8, World::unknown, "", statistics(0, 0, 2, 187, 255, 255), "micro-CT", "micro-ct"},
     {"bonsai", VoxelType::u8, World::unknown, "", statistics(0, 0, 0, 204, 222, 255), "micro-CT", "micro-ct"},
-    {"aneurism", VoxelType::u8, World::unknown, "", statistics(0, 0, 0, 1, 255, 255), "micro-CT", "micro-ct"},
-    {"head, 8 bit", VoxelType::u8, World::ras, "", statistics(0, 0, 0, 0.694, 0.796, 1), "micro-CT", "micro-ct"},
-    {"carp", VoxelType::u8, World::ras, "", statistics(0, 0, 0, 103, 156, 254), "micro-CT", "micro-ct"},
-    {"chest, 8 bit", VoxelType::u8, World::lps, "", statistics(0, 0, 0, 132, 255, 255), "micro-CT", "micro-ct"},
+    {"aneurism", VoxelType::u8, World::unknown, "", statistics(0, 0, 0, 1, 255, 255), "angiography", "mr-angio"},
+    {"head, 8 bit", VoxelType::u8, World::ras, "", statistics(0, 0, 0, 0.694, 0.796, 1), "CT", "ct-8bit"},
+    {"carp", VoxelType::u8, World::ras, "", statistics(0, 0, 0, 103, 156, 254), "CT", "ct-8bit"},
+    {"chest, 8 bit", VoxelType::u8, World::lps, "", statistics(0, 0, 0, 132, 255, 255), "CT", "ct-8bit"},
     {"cadaver head", VoxelType::u16, World::unknown, "", statistics(0, 0, 52, 2294, 2715, 3272), "CT", "micro-ct"},
     {"head, 12 bit", VoxelType::u16, World::unknown, "", statistics(24, 24, 24, 2124, 2532, 4095), "CT", "micro-ct"},
     {"head, HU", VoxelType::u16, World::unknown, "", statistics(-1000, -1000, -1000, 1100, 1508, 3071), "CT",
@@ -278,4 +284,81 @@ TEST(Guess, FindsTheLookOfASampleAgain) {
     const Volume volume = make_sample("tubes", 16);
     EXPECT_EQ(guess(volume, bytes).preset, "sample:tubes");
     EXPECT_EQ(preset("sample:tubes", bytes), sample_transfer_function("tubes"));
+}
+
+namespace {
+
+/// Whole numbers that are normally distributed about some values, in the given shares.
+struct Peak {
+    double value, spread, share;
+};
+Volume with_peaks(VoxelType type, std::initializer_list<Peak> peaks, double least, double most) {
+    constexpr int n = 40;
+    Volume volume = make_volume({n, n, n}, type);
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> share(0, 1);
+    with_voxel_type(type, [&](auto zero) {
+        using T = decltype(zero);
+        auto voxels = volume.as<T>();
+        for (auto& voxel : voxels) {
+            double left = share(random);
+            const Peak* peak = peaks.begin();
+            while (peak + 1 != peaks.end() && left > peak->share) left -= peak++->share;
+            const double value = std::normal_distribution<double>(peak->value, peak->spread)(random);
+            voxel = T(std::lround(std::clamp(value, least, most)));
+        }
+        voxels[0] = T(most);
+    });
+    return volume;
+}
+
+Guess guess_of(const Volume& volume) { return guess(volume, measure(volume)); }
+
+}  // namespace
+
+TEST(Guess, ACtWithoutItsUnitIsKnownByItsAir) {
+    const auto zero_of = [](std::initializer_list<Peak> peaks) {
+        return measure(with_peaks(VoxelType::u16, peaks, 0, 3500)).hu_zero;
+    };
+    EXPECT_EQ(zero_of({{24, 12, 0.5}, {930, 20, 0.1}, {1064, 20, 0.3}, {1500, 300, 0.1}}), 1024);
+    EXPECT_EQ(zero_of({{0, 12, 0.5}, {905, 20, 0.1}, {1040, 20, 0.3}, {1500, 300, 0.1}}), 1000);
+    EXPECT_EQ(zero_of({{0, 0, 0.5}, {24, 4, 0.1}, {1064, 20, 0.3}, {1500, 300, 0.1}}), 1024) << "padded by 0";
+    EXPECT_EQ(zero_of({{24, 12, 0.5}, {600, 50, 0.5}}), 0) << "no tissue";
+    EXPECT_EQ(zero_of({{400, 30, 0.8}, {1100, 40, 0.2}}), 0) << "no air";
+    const Volume ct = with_peaks(VoxelType::u16, {{24, 12, 0.5}, {1064, 20, 0.4}, {1500, 300, 0.1}}, 0, 3500);
+    EXPECT_EQ(guess_of(ct).preset, "ct-bone");
+    EXPECT_NE(guess_of(ct).reason.find("HU + 1024"), std::string::npos) << guess_of(ct).reason;
+    // Its looks are moved, by whatever name they are asked for.
+    EXPECT_EQ(evaluate(preset("ct-bones", measure(ct)), 1024 + 700).opacity,
+              evaluate(preset("ct-bone", bytes), 700).opacity);
+    Volume scaled = with_peaks(VoxelType::u16, {{24, 12, 0.5}, {1064, 20, 0.4}, {1500, 300, 0.1}}, 0, 3500);
+    scaled.intercept = -1024;
+    EXPECT_EQ(measure(scaled).hu_zero, 0) << "in HU already";
+    EXPECT_EQ(guess_of(scaled).preset, "ct-bone");
+}
+
+TEST(Guess, LooksAtValuesNamesAndFormats) {
+    Volume density = make_volume({50, 50, 50}, VoxelType::u8);
+    std::mt19937 random(2);
+    for (auto& voxel : density.as<std::uint8_t>())
+        voxel = std::uint8_t(std::min(255.0, std::exponential_distribution<double>(1 / 20.0)(random)));
+    EXPECT_EQ(guess_of(density).preset, "simulation");
+    density.format = "TIFF";
+    EXPECT_EQ(guess_of(density).preset, "fluorescence");
+    const Volume solid = with_peaks(VoxelType::u8, {{3, 2, 0.7}, {140, 10, 0.3}}, 0, 255);
+    EXPECT_EQ(guess_of(solid).preset, "micro-ct");
+    const Volume vessels = with_peaks(VoxelType::u8, {{0, 0, 0.993}, {250, 3, 0.007}}, 0, 255);
+    EXPECT_EQ(guess_of(vessels).preset, "mr-angio");
+    Volume named = make_volume({8, 8, 8}, VoxelType::f32);
+    for (std::size_t i = 0; i < 512; ++i) named.as<float>()[i] = float(i % 97);
+    named.geometry.world = World::lps;
+    const auto called = [&](const char* name) { return named.source = name, guess_of(named).preset; };
+    EXPECT_EQ(called("scans/subject_T2.nii"), "mr-t2-brain");
+    EXPECT_EQ(called("fdg-PET.nrrd"), "pet");
+    EXPECT_EQ(called("carpet.nrrd"), "mr-brain") << "a word, not a part of one";
+    for (const auto& [modality, look] :
+         {std::pair("PT", "pet"), std::pair("US", "us-fetal"), std::pair("XA", "mr-angio")}) {
+        named.modality = modality;
+        EXPECT_EQ(guess_of(named).preset, look);
+    }
 }

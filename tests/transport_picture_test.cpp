@@ -168,9 +168,9 @@ TEST(TransportImage, ExposureAndStrengthAreFactors) {
     IlluminationSettings settings{.method = Method::transport, .transport = {.grid = 24}};
     settings.scattering.albedo_max = 1;
     const Frame full = shot.lit(volume, settings);
-    shot.lighting.probe.exposure_stops = 1.5;
+    shot.lighting.probe.exposure = 1.5;
     EXPECT_LT(relative_difference(shot.lit(volume, settings), full, std::exp2(1.5)), 1e-6);
-    shot.lighting.probe.exposure_stops = 0;
+    shot.lighting.probe.exposure = 0;
     shot.lighting.strength = 0;  // a white probe's light as if nothing stopped it
     const Frame clear = shot.lit(volume, settings);
     EXPECT_LT(relative_difference(clear, shot.lit(volume, {})), 1e-5);

@@ -41,21 +41,24 @@ export function anglesOf(towards, up) {
 
 const value = (camera, key, otherwise) => camera[`camera.${key}`] ?? otherwise;
 
+/** What the camera fits: the ball that was found around what is visible, or the volume's. */
+const ballOf = (camera, box) => (value(camera, "fit", "visible") === "visible" && camera["camera.fit_centre"] ? { centre: camera["camera.fit_centre"], radius: camera["camera.fit_radius"] } : box);
+
 /** Everything that projecting takes: eye, target, axes, half height (tangent, or mm). */
 export function viewOf(camera, box) {
   const up = upOf(camera), fov = value(camera, "view_angle_deg", 30), fit = value(camera, "fit_scale", 1);
   const perspective = value(camera, "projection", "perspective") === "perspective";
   const elevation = value(camera, "elevation_deg", 25), azimuth = value(camera, "azimuth_deg", 35);
   const towards = direction(azimuth, elevation, up);
-  const target = camera["camera.target"] ?? box.centre;
-  const distance = (fit * box.radius) / Math.sin(radians(fov) / 2);
+  const ball = ballOf(camera, box), target = camera["camera.target"] ?? ball.centre;
+  const distance = (fit * ball.radius) / Math.sin(radians(fov) / 2);
   const forward = towards.map((x) => -x);
   const steep = Math.abs(elevation) > 89.9999;
   const upright = steep ? direction(azimuth, 0, up).map((x) => x * -Math.sign(elevation)) : up;
   const flat = unit(cross(forward, upright)), high = cross(flat, forward), roll = radians(value(camera, "roll", 0));
   const right = add(flat.map((x) => x * Math.cos(roll)), high, Math.sin(roll));
   return { eye: add(target, towards, distance), target, forward, right, up: cross(right, forward), distance, perspective,
-    half: perspective ? Math.tan(radians(fov) / 2) : box.radius * fit };
+    half: perspective ? Math.tan(radians(fov) / 2) : ball.radius * fit };
 }
 
 /** Millimetres of the world a pixel at the target's depth. */
@@ -93,7 +96,7 @@ export function fromScene(camera, box, world) {
   const [azimuth, elevation] = anglesOf(add(eye, target, -1), upOf(rest));
   const fov = radians(value(rest, "view_angle_deg", 30));
   const perspective = value(rest, "projection", "perspective") === "perspective";
-  const fit = perspective ? (Math.hypot(...add(eye, target, -1)) * Math.sin(fov / 2)) / box.radius : value(rest, "fit_scale", 1);
+  const fit = perspective ? (Math.hypot(...add(eye, target, -1)) * Math.sin(fov / 2)) / ballOf(rest, box).radius : value(rest, "fit_scale", 1);
   return { ...rest, "camera.azimuth_deg": azimuth, "camera.elevation_deg": elevation, "camera.target": target, "camera.fit_scale": fit };
 }
 

@@ -161,9 +161,9 @@ export function makeGestures(app, stage) {
     };
     step();
   }
-  const fit = () => {
-    const { "camera.target": _, "camera.fit_scale": __, ...rest } = camera();
-    store.set(words.tools.fit, () => ({ camera: rest }), "camera");
+  const fit = (what) => {
+    const { "camera.target": _, "camera.fit_scale": __, "camera.fit_centre": ___, "camera.fit_radius": ____, ...rest } = camera();
+    store.set(words.tools.fit, () => ({ camera: { ...rest, "camera.fit": what ?? cam("fit", "visible") } }), "camera");
   };
 
   // Resting: what is seen there, beside the pointer and as a tick in the graph.
@@ -197,7 +197,7 @@ export function makeGestures(app, stage) {
   const tools = el("div.float.tools", { role: "toolbar", "aria-label": "Tools" });
   const kinds = ["orbit", "adjust", "light", "cut"];
   const buttons = kinds.map((name) => el("button.tool", { title: `${words.tools[name]} (${name[0].toUpperCase()})`, "aria-label": words.tools[name], onclick: () => choose(name) }, icon(name)));
-  tools.append(...buttons, el("hr"), el("button.tool", { title: `${words.tools.fit} (F)`, "aria-label": words.tools.fit, onclick: fit }, icon("fit")),
+  tools.append(...buttons, el("hr"), el("button.tool", { title: `${words.tools.fit} (F)`, "aria-label": words.tools.fit, onclick: () => fit() }, icon("fit")),
     el("button.tool", { title: words.tools.panel, "aria-label": words.tools.panel, onclick: () => app.togglePanel() }, icon("panel")));
   function choose(name) {
     ui.tool = name;

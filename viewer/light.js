@@ -65,7 +65,7 @@ export function makeLight(app) {
     if (now === "histogram") inner.push(cacheRow(app));
     if (inner.length) body.append(fold(words.accuracy, () => summary(accuracy), inner, "accuracy"));
   }
-  const summary = (settings) => settings.slice(0, 2).map((s) => {
+  const summary = (settings) => settings.filter((s) => read(store.state, keyOf(s)) !== null).slice(0, 2).map((s) => {
     const v = read(store.state, keyOf(s));
     return s.flag === "transport-grid" ? `grid ${v}` : s.label === "Grid" ? `grid 1:${v}` : s.flag === "sh-bands" ? `${v * v} coefficients` : typeof v === "number" ? `${short(v)} ${s.label.toLowerCase().replace("packed ", "")}` : (words.choices[v] ?? String(v)).toLowerCase();
   }).join(", ");

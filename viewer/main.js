@@ -138,7 +138,12 @@ function changed({ moving }) {
   }, { moving, preview: shown !== null });
 }
 store.onchange = changed;
-app.shown = (header) => header.stage !== "draft" && !header.moving && app.looks.rest();
+app.shown = (header) => {
+  // What the camera fits is found once: from then on the state has it.
+  const { camera } = store.state;
+  if (header.fit && header.n === link.n && !camera["camera.fit_centre"]) store.learn({ camera: { ...camera, "camera.fit_centre": header.fit.centre, "camera.fit_radius": header.fit.radius } });
+  if (header.stage !== "draft" && !header.moving) app.looks.rest();
+};
 let kept = 0;
 const keep = () => {
   clearTimeout(kept);

@@ -130,7 +130,7 @@ export function sliderRow(app, o) {
     });
     fields.forEach((f) => f.show());
     if (note) note.textContent = o.note(values[0]);
-    dot.hidden = o.two || o.start === undefined || values[0] === o.start;
+    dot.hidden = o.two || o.start === undefined || values[0] === o.start || Boolean(o.unchanged?.());
   } });
 }
 
@@ -158,6 +158,9 @@ export function settingRow(app, s) {
   const change = (value, reset) => app.store.set(`${s.label}…`, (state) => write(state, key, reset ? null : value), track);
   const now = () => read(app.store.state, key);
   if (s.flag === "zoom") return sliderRow(app, { ...s, tip, start: 1, value: () => 1 / (now() ?? 1), change: (v) => change(1 / v), track, origin: 1 });
+  if (s.flag === "fit") return choiceRow(app, { ...s, tip, options: s.choices.map((c) => [c, words.choices[c]]), value: now, change: (v) => app.gestures.fit(v) });
+  // Automatic, until it is moved: the number is the server's.
+  if (s.flag === "probe-exposure") return sliderRow(app, { ...s, tip, start: "auto", value: () => { const v = now(); return v === "auto" ? app.frame.last?.probe_exposure ?? 0 : v; }, change, track, unchanged: () => now() === "auto", origin: 0, least: s.lowest, most: s.highest });
   const steps = /^\d+(\|\d+)+$/.test(s.form ?? "") ? s.form.split("|").map(Number) : null;
   if (steps) return choiceRow(app, { ...s, tip, options: steps.map((n) => [n, s.label === "Grid" ? `1:${n}` : String(s.flag === "sh-bands" ? n * n : n)]), value: now, change });
   if (s.flag === "bounces") return choiceRow(app, { ...s, tip, options: [...[0, 1, 2, 3, 4, 6, 8, 12, 16].map((n) => [n, String(n)]), ["unlimited", words.choices.unlimited]], value: now, change });

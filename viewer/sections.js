@@ -64,8 +64,9 @@ export function makeSections(app) {
       put([...planes(), [...normal, d]]);
       app.gestures.choose("cut"); // which shows its handle and rim
     };
-    const buttons = el("div.buttons", {}, el("button", { onclick: fresh }, words.addPlane), el("button", { onclick: () => store.set(words.cutReset, (s) => ({ values: { ...s.values, "clip.box": undefined, "clip.planes": undefined } })) }, words.cutReset));
-    return fold(words.cut, () => [get("clip.box") ? words.box : "", planes().length ? words.planes(planes().length) : ""].filter(Boolean).join(", ") || words.cutNone, [...sides, list, buttons], "", "section.section.s-cut");
+    const largest = choiceRow(app, { label: words.largest, tip: "Leaves out what is not connected to the largest piece of what is visible. --largest", options: [[false, words.choices.off], [true, words.choices.on]], value: () => get("clip.largest") ?? false, change: (v) => set(words.largest, "clip.largest", v || null) });
+    const buttons = el("div.buttons", {}, el("button", { onclick: fresh }, words.addPlane), el("button", { onclick: () => store.set(words.cutReset, (s) => ({ values: { ...s.values, "clip.box": undefined, "clip.planes": undefined, "clip.largest": undefined } })) }, words.cutReset));
+    return fold(words.cut, () => [get("clip.box") ? words.box : "", planes().length ? words.planes(planes().length) : "", get("clip.largest") ? words.largest : ""].filter(Boolean).join(", ") || words.cutNone, [...sides, list, largest, buttons], "", "section.section.s-cut");
   }
 
   function camera() {

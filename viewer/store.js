@@ -98,6 +98,12 @@ export class Store {
     silent ? this.redraw() : this.#changed(false);
   }
 
+  /** What the server found out about the state: no step, nothing to send. @param {Partial<State>} found */
+  learn(found) {
+    this.state = { ...this.state, ...found };
+    this.redraw();
+  }
+
   /** Shows something that is not part of the state (null: no more). */
   show(preview) {
     if (JSON.stringify(preview) === JSON.stringify(this.preview)) return;

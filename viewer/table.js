@@ -13,11 +13,11 @@ export const table = {
   ...elsewhere("bar", "mode"),
   ...elsewhere("save", "size"),
   ...elsewhere("light", "lighting probe hist-effects glow"),
-  ...elsewhere("cut", "clip-box clip-plane"),
+  ...elsewhere("cut", "clip-box clip-plane largest"),
   ...elsewhere("picture", "eye target view"),
   // Light: first the ones one reaches for.
   "probe-rotation": { place: "light", label: "Turn", low: 0, high: 360, step: 1, unit: "°" },
-  "probe-exposure": { place: "light", label: "Exposure", low: -5, high: 5, step: 0.1, unit: "EV" },
+  "probe-exposure": { place: "light", label: "Exposure", low: -8, high: 8, step: 0.1, unit: "EV" },
   strength: { place: "light", label: "Strength", low: 0, high: 1, step: 0.01 },
   "spao-levels": { place: "light", label: "Reach", low: 1, high: 9, step: 1, unit: "vx" },
   "spao-normal-factor": { place: "light", label: "Facing", low: 0, high: 2, step: 0.05 },
@@ -71,8 +71,13 @@ export const table = {
   azimuth: { place: "camera", label: "Azimuth", low: -180, high: 180, step: 1, unit: "°" },
   elevation: { place: "camera", label: "Elevation", low: -90, high: 90, step: 1, unit: "°" },
   roll: { place: "camera", label: "Roll", low: -180, high: 180, step: 1, unit: "°" },
+  fit: { place: "camera", label: "Fits" },
+  "camera.fit_centre": { place: "hidden" }, // found by the server
+  "camera.fit_radius": { place: "hidden" },
   zoom: { place: "camera", label: "Zoom", low: 0.1, high: 20, step: 0.01, log: true, unit: "×" },
   up: { place: "camera", label: "Up" },
+  aperture: { place: "camera", label: "Aperture", low: 0, high: 50, step: 0.5, unit: "mm" },
+  focus: { place: "hidden" }, // the centre, or what a double click chose
   // Picture.
   background: { place: "picture" },
   "probe-background": { place: "picture" },

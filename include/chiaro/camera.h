@@ -13,6 +13,9 @@ namespace chiaro {
 enum class Projection { perspective, orthographic };
 enum class View { anterior, posterior, left, right, superior, inferior };
 
+/// What the camera fits: a ball around what is visible (fit_camera, once), or the ball around the volume's box.
+enum class Fit { visible, volume };
+
 /// Angles in degrees: this is the edge of the library.
 struct CameraSettings {
     double azimuth_deg = 35, elevation_deg = 25, roll_deg = 0;
@@ -22,6 +25,13 @@ struct CameraSettings {
     Projection projection = Projection::perspective;
     std::optional<View> view;         ///< named view: replaces azimuth, elevation and up
     std::optional<Vec3> eye, target;  ///< world mm; both or none: replaces the orbit
+    Fit fit = Fit::visible;
+    std::optional<Vec3> fit_centre;       ///< of the ball around what is visible, once it was found; world mm ...
+    std::optional<double> fit_radius_mm;  ///< ... both or none; none: the volume's
+    double aperture_mm = 0;               ///< diameter of the lens; 0: all is sharp
+    std::optional<double> focus_mm;       ///< from the eye, along its axis; none: to the ball's centre, or the target
+    /// Not a setting: nobody said where to look from, so the volume's frame does (look_from).
+    bool by_frame = false;
     bool operator==(const CameraSettings&) const = default;
 };
 
@@ -30,13 +40,19 @@ struct Camera {
     Vec3 eye;                 ///< mm
     Vec3 forward, right, up;  ///< orthonormal
     Projection projection = Projection::perspective;
-    double half_height = 0;  ///< tan(fov / 2), or half the height of the view in mm (orthographic)
-    Vec3 orbit_up{0, 0, 1};  ///< what azimuth and elevation of lights turn about
+    double half_height = 0;                ///< tan(fov / 2), or half the height of the view in mm (orthographic)
+    Vec3 orbit_up{0, 0, 1};                ///< what azimuth and elevation of lights turn about
+    double aperture_mm = 0, focus_mm = 1;  ///< diameter of the lens, depth that is in focus
     bool operator==(const Camera&) const = default;
 };
 
-/// The camera of these settings for a volume. Orbit: c the centre of the span [0, n-1], R half its diagonal,
-/// distance zoom⁻¹ R / sin(fov / 2); see docs/scene.md. Throws Error{input} for a named view of a volume without an
+/// Azimuth and elevation of a volume's first picture (`by_frame`): where its frame is known, between the front and the
+/// patient's left, from a little above; else as they are.
+CHIARO_EXPORT void look_from(CameraSettings& settings, World world);
+
+/// The camera of these settings for a volume. Orbit: c and R are centre and radius of the ball that the camera fits;
+/// distance zoom⁻¹ R / sin(fov / 2); see docs/scene.md. Of a volume c is the centre of the span [0, n-1] and R half its
+/// diagonal. Throws Error{input} for a named view of a volume without an
 /// anatomical frame, Error{usage} for settings that contradict each other or leave no direction.
 CHIARO_EXPORT Camera make_camera(const CameraSettings& settings, const Geometry& geometry,
                                  const std::array<int, 3>& dimensions);

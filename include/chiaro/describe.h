@@ -79,6 +79,9 @@ void describe(Visit&& visit, S& s) {
           .written("X0,X1,Y0,Y1,Z0,Z1").within(0, 1), s.box);
     visit(Setting{"clip-plane", "clip.planes", "mm", "removes what lies beyond the plane n·x = D, where n points"}
           .written("NX,NY,NZ,D").kept(SceneForm::list), s.planes);
+    visit(Setting{"largest", "clip.largest", "",
+                  "leaves out what is not connected to the largest piece of what is visible: tables, head rests, specks"},
+          s.largest);
 }
 
 template <class Visit, SettingsOf<RaySettings> S>
@@ -111,7 +114,11 @@ void describe(Visit&& visit, S& s) {
     visit(Setting{"elevation", "camera.elevation_deg", "degrees", "raises the camera towards the up axis"}
           .within(-90, 90), s.elevation_deg);
     visit(Setting{"roll", "camera.roll", "degrees", "turns the picture clockwise"}.within(-36000, 36000), s.roll_deg);
-    visit(Setting{"zoom", "camera.fit_scale", "", "1 shows the whole volume, 2 from half the distance"}
+    visit(Setting{"fit", "camera.fit", "", "what the camera fits: what is visible, found once, or the whole volume"}, s.fit);
+    visit(Setting{"", "camera.fit_centre", "mm", "centre of the ball that was found around what is visible"}, s.fit_centre);
+    visit(Setting{"", "camera.fit_radius", "mm", "radius of the ball that was found around what is visible"}
+          .above(0), s.fit_radius_mm);
+    visit(Setting{"zoom", "camera.fit_scale", "", "1 shows all that the camera fits, 2 from half the distance"}
           .within(1e-9, 1000).kept(SceneForm::reciprocal), s.zoom);
     visit(Setting{"fov", "camera.view_angle_deg", "degrees", "vertical angle of view"}.within(0.1, 170), s.fov_deg);
     visit(Setting{"up", "camera.up", "", "up axis in the world (+z, superior where the file states a frame)"}
@@ -122,6 +129,12 @@ void describe(Visit&& visit, S& s) {
                   "position of the camera in the world; with --target, in the place of the orbit"},
           s.eye);
     visit(Setting{"target", "camera.target", "mm", "point in the world that the camera looks at"}, s.target);
+    visit(Setting{"aperture", "camera.aperture", "mm",
+                  "diameter of the lens: what is out of focus is blurred, in final pictures (at least 64 rays a pixel) and by paths; 0: all is sharp"}
+          .within(0, 1e6), s.aperture_mm);
+    visit(Setting{"focus", "camera.focus", "mm",
+                  "distance from the eye that is in focus (that of the centre of what the camera fits, or of the target)"}
+          .above(0), s.focus_mm);
 }
 
 template <class Visit, SettingsOf<Lighting> S>
@@ -143,11 +156,12 @@ template <class Visit, SettingsOf<ProbeSettings> S>
 void describe(Visit&& visit, S& s) {
     visit(Setting{"probe", "probe", "",
                   "environment map (HDRI) that lights the volume: an equirectangular image file, or a built-in one (default of visibility, transport and reference: white)"}
-          .written("FILE.hdr|.exr|white|sky|studio|windows").kept(SceneForm::custom), s.source);
+          .written("FILE.hdr|.exr|white|sky|studio|windows|three-point").kept(SceneForm::custom), s.source);
     visit(Setting{"probe-rotation", "probe.rotation", "degrees", "turns the environment map around the up axis"}
           .within(-36000, 36000).written("DEG"), s.rotation_deg);
-    visit(Setting{"probe-exposure", "probe.exposure", "stops", "multiplies the environment map's light by 2 to this power"}
-          .within(-32, 32).written("STOPS"), s.exposure_stops);
+    visit(Setting{"probe-exposure", "probe.exposure", "stops",
+                  "multiplies the environment map's light by 2 to this power; auto: one from a file until it lights a white ball well"}
+          .within(-32, 32).written("STOPS|auto"), s.exposure);
     visit(Setting{"probe-background", "probe.background", "", "shows the environment map behind the volume"}, s.background);
 }
 

@@ -17,12 +17,21 @@ namespace chiaro {
 
 enum class Shading { none, lambert, phong };
 
+/// Stops, or (none) as much as suits the probe: one from a file is as bright as min(.45 / mean, 1.2 / largest) makes
+/// it, of E/π in luminance over all normals; built-in ones are as they are.
+struct ProbeExposure {
+    std::optional<double> stops;
+    ProbeExposure() = default;
+    ProbeExposure(double given) : stops(given) {}
+    bool operator==(const ProbeExposure&) const = default;
+};
+
 /// The environment map (HDRI, light probe) that lights the volume, and how it is turned in the world.
 struct ProbeSettings {
-    std::string source;         ///< a file, or one of list_probes(); empty: the lighting method's own default
-    double rotation_deg = 0;    ///< added to the azimuth of what the probe shows
-    double exposure_stops = 0;  ///< its light is multiplied by 2^stops
-    bool background = false;    ///< the picture shows it behind the volume
+    std::string source;       ///< a file, or one of list_probes(); empty: the lighting method's own default
+    double rotation_deg = 0;  ///< added to the azimuth of what the probe shows
+    ProbeExposure exposure;   ///< its light is multiplied by 2^stops
+    bool background = false;  ///< the picture shows it behind the volume
     bool operator==(const ProbeSettings&) const = default;
 };
 
@@ -39,6 +48,9 @@ struct Lighting {
     std::optional<Vec3> probe_up;  ///< for `illuminate`: Camera::orbit_up of the picture; none: +z
     bool operator==(const Lighting&) const = default;
 };
+
+/// What the exposure of its probe is, in stops: auto is found from the loaded probe, once (some 10 core-ms).
+CHIARO_EXPORT double exposure_stops(const Lighting& lighting);
 
 /// The methods that this build has; a new one is one new value and one new folder.
 enum class Method { none, spao, visibility, histogram, transport, reference };

@@ -53,7 +53,8 @@ struct Scene {
     int width = 1024, height = 768;
 };
 
-/// What a volume is shown with where nothing else is said: samples that name materials (SampleInfo) pre-classified.
+/// What a volume is shown with where nothing else is said: from where its frame has it (CameraSettings::by_frame),
+/// samples that name materials (SampleInfo) pre-classified.
 CHIARO_EXPORT Scene scene_of_volume(const std::string& volume);
 
 /// Throws Error{code} when settings contradict each other.

@@ -43,6 +43,14 @@ public:
     /// What the scene's lighting method computes for the shown volume. Throws as chiaro::compute_field.
     CHIARO_EXPORT ComputedField compute_field(const Scene& scene, Progress& progress);
 
+    /// The scene's camera with the ball that all frames of a turntable fit (fit_camera). Of one picture renders find
+    /// it themselves, each anew where the scene's camera has none yet: who wants it found once keeps camera().
+    CHIARO_EXPORT CameraSettings fit_all_around(const Scene& scene, Progress& progress);
+    /// Of the last render or preview, in stops.
+    CHIARO_EXPORT double probe_exposure() const;
+    /// The scene's, with the ball that the last render or preview fitted.
+    CHIARO_EXPORT const CameraSettings& camera() const;
+
     /// Of the last render; while `preview` is called with paths, theirs. A GPU brings it when it is first asked for.
     CHIARO_EXPORT const Frame& frame() const;
     /// Of the last render or field, in order; a stage whose kept result served took 0. What a stage consists of follows

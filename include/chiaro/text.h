@@ -29,6 +29,7 @@ constexpr auto names_of(Projection) { return std::to_array<std::string_view>({"p
 constexpr auto names_of(View) {
     return std::to_array<std::string_view>({"anterior", "posterior", "left", "right", "superior", "inferior"});
 }
+constexpr auto names_of(Fit) { return std::to_array<std::string_view>({"visible", "volume"}); }
 constexpr auto names_of(Shading) { return std::to_array<std::string_view>({"none", "lambert", "phong"}); }
 constexpr auto names_of(Method) {
     return std::to_array<std::string_view>({"none", "spao", "visibility", "histogram", "transport", "reference"});
@@ -90,6 +91,7 @@ CHIARO_EXPORT std::string to_text(const ClipPlane& value);
 CHIARO_EXPORT std::string to_text(const IsoSurface& value);
 CHIARO_EXPORT std::string to_text(const ShSampling& value);
 CHIARO_EXPORT std::string to_text(const Bounces& value);
+CHIARO_EXPORT std::string to_text(const ProbeExposure& value);
 CHIARO_EXPORT std::string to_text(const HistogramEffects& value);  ///< "ao,bleeding"; "none"
 CHIARO_EXPORT std::string to_text(int width, int height);
 CHIARO_EXPORT std::string to_text(const Rgb& color, bool transparent, bool probe);  ///< of what lies behind the probe
@@ -123,6 +125,7 @@ CHIARO_EXPORT void from_text(std::string_view text, ClipPlane& value);
 CHIARO_EXPORT void from_text(std::string_view text, IsoSurface& value);
 CHIARO_EXPORT void from_text(std::string_view text, ShSampling& value);
 CHIARO_EXPORT void from_text(std::string_view text, Bounces& value);
+CHIARO_EXPORT void from_text(std::string_view text, ProbeExposure& value);
 CHIARO_EXPORT void from_text(std::string_view text, HistogramEffects& value);
 CHIARO_EXPORT void from_text(std::string_view text, int& width, int& height);
 CHIARO_EXPORT void from_text(std::string_view text, Rgb& color, bool& transparent,

@@ -48,7 +48,8 @@ struct PresetInfo {
 /// Our presets, then the colour maps (matplotlib's names; each also with `_r`).
 CHIARO_EXPORT std::vector<PresetInfo> list_presets();
 
-/// A preset or colour map by name. CT presets are in HU and never stretched; the others are stretched to the data.
+/// A preset (also by the name that 3D Slicer has for it, in lower case) or colour map by name. CT presets are in HU,
+/// moved by Statistics::hu_zero and never stretched, but for ct-8bit; the others are stretched to the data.
 /// Throws Error{usage} with "did you mean" for an unknown name.
 CHIARO_EXPORT TransferFunction preset(const std::string& name, const Statistics& data);
 
@@ -62,6 +63,10 @@ struct Guess {
     std::string modality, preset, reason;
 };
 CHIARO_EXPORT Guess guess(const Volume& volume, const Statistics& data);
+
+/// Of a CT (in HU, or known by its air) how much of what is denser than -500 HU is not connected to its largest piece:
+/// a table, a head rest. On every second voxel, or fewer, of volumes above 256³; 0 for what is no CT.
+CHIARO_EXPORT double detached_share(const Volume& volume, const Statistics& data);
 
 /// CSS colour name, `#rgb`, `#rrggbb` or `r,g,b` in [0, 1]; sRGB. Throws Error{usage} with "did you mean".
 CHIARO_EXPORT Rgb parse_color(const std::string& text);

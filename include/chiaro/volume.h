@@ -156,6 +156,9 @@ struct Statistics {
     double p1 = 0, p50 = 0, p99 = 0, p999 = 0;   ///< percentiles; exact for 8 and 16 bit, from 65536 bins otherwise
     std::array<std::uint64_t, 256> histogram{};  ///< equal bins over [min, max]
     std::uint64_t nonfinite = 0;                 ///< NaN or infinite voxels
+    /// The value of 0 HU where these are a CT's that was stored without its unit: 1000 or 1024, as the peak of its air
+    /// tells, else 0. Looks that are in HU are moved by it.
+    double hu_zero = 0;
 };
 
 /// One or two passes over the voxels, all cores. Throws Error{input} if no voxel is finite.

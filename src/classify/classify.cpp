@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "classify/gpu.h"
+#include "classify/largest.h"
 #include "classify/medium.h"
 
 namespace chiaro {
@@ -52,8 +53,12 @@ Medium classify(const Device& device, const DeviceVolume& volume, const Transfer
     data->volume = volume;
     data->shape = shape;
     data->table = make_optical_table(volume.data(), tf, shape);
+    if (shape.clip.largest) {
+        data->volume = with_largest_piece(*data);
+        data->table = make_optical_table(data->volume.data(), tf, shape);
+    }
     const RangeTest is_visible =
-        shape.mode == Mode::iso ? crossed_range(volume.data(), shape.iso) : visible_range(data->table);
+        shape.mode == Mode::iso ? crossed_range(data->volume.data(), shape.iso) : visible_range(data->table);
     find_occupancy(device, is_visible, *data);
     return Medium(std::move(data));
 }

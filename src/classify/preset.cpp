@@ -24,7 +24,10 @@ TransferFunction stretched(TransferFunction tf, double low, double high) {
 
 TransferFunction from_row(const PresetRow& row, const Statistics& data) {
     TransferFunction tf{row.points, RgbSpace::srgb, row.opacity_unit, row.opacity_unit_is_mm, row.info.name};
-    if (!row.info.stretched) return tf;
+    if (!row.info.stretched) {
+        for (ControlPoint& point : tf.points) point.value += data.hu_zero;
+        return tf;
+    }
     // The last tenth of a percent is metal, pads and noise; the median of much data is background.
     const bool sparse = data.p999 <= data.p1;  // nearly all voxels have one value: all that is left is the range
     return stretched(tf, sparse ? data.min : data.p1, sparse ? data.max : data.p999);
@@ -82,7 +85,7 @@ TransferFunction preset(const std::string& name, const Statistics& data) {
     if (name.starts_with(sample_prefix)) return sample_transfer_function(name.substr(sample_prefix.size()));
     std::vector<std::string> names;
     for (const PresetRow& row : preset_rows()) {
-        if (row.info.name == name) return from_row(row, data);
+        if (row.info.name == preset_of_alias(name)) return from_row(row, data);
         names.push_back(row.info.name);
     }
     const bool reversed = name.ends_with("_r");

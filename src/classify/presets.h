@@ -16,6 +16,9 @@ struct PresetRow {
 };
 std::span<const PresetRow> preset_rows();
 
+/// Names of 3D Slicer's presets that are served by one of ours under another name; any other name as it is.
+std::string_view preset_of_alias(std::string_view name);
+
 /// A colour map: sRGB colours at positions in [0, 1], linear between.
 struct ColorMapRow {
     std::string_view name;

@@ -94,7 +94,7 @@ void scatter(const Device& device, const Medium::Data& medium, const Lighting& l
              const IlluminationSettings& settings, const Sink& sink, Progress& progress,
              const IlluminationField& warm) {
     Lighting unexposed = lighting;
-    unexposed.probe.exposure_stops = 0;  // a factor, which needs no light to be found again
+    unexposed.probe.exposure = 0;  // a factor, which needs no light to be found again
     StageTimer timer;
     // All fields of this call share it: each leaves the newest solver.
     const auto memory = std::make_shared<TransportMemory>(warm.data().memory ? *warm.data().memory : TransportMemory{});

@@ -22,7 +22,7 @@ kernel::CutLight light_on_cuts(const Lighting& lighting, Vec3 orbit_up, const Me
     const Axes probe_from_world = transposed(world_from_probe(lighting.probe.rotation_deg, orbit_up));
     const Vec3 x = geometry.voxel_from_world_vector({1, 0, 0}), y = geometry.voxel_from_world_vector({0, 1, 0}),
                z = geometry.voxel_from_world_vector({0, 0, 1});
-    const double all = std::sqrt(4 * pi) / pi * std::exp2(lighting.probe.exposure_stops);  // V_00 where nothing lies
+    const double all = std::sqrt(4 * pi) / pi * probe_gain(lighting);  // V_00 where nothing lies
     kernel::CutLight light{};
     const auto set = [&](int cut, Vec3 per_voxel) {
         const Vec3 normal{dot(x, per_voxel), dot(y, per_voxel), dot(z, per_voxel)};
@@ -67,7 +67,7 @@ LitField lit_by_transport(const IlluminationField::Data& data, const Lighting& l
     const auto shown =
         data.transport->shown(look, transposed(grid_from_world(geometry)), geometry.voxel_from_world(eye_of(camera)));
     const ShLight probe = sh_light(lighting, camera.orbit_up, geometry, ShWindow::none);
-    const double strength = lighting.strength, gain = std::exp2(lighting.probe.exposure_stops);
+    const double strength = lighting.strength, gain = probe_gain(lighting);
     kernel::VisibilityView view{};
     view.light = shown->view;
     view.scattered = {.on = true,

@@ -7,24 +7,6 @@ namespace chiaro::kernel {
 
 inline constexpr float inverse_pi = 0.3183098862f;
 
-template <class F>
-struct SinCos {
-    F sin, cos;
-};
-
-/// Of an angle in turns, [0, 1]: Taylor's series about the nearest quarter, within 3e-7.
-template <class F>
-CHIARO_INLINE SinCos<F> sin_cos(F turns) {
-    const Int<F> quarter = truncate(mad(turns, F(4), F(0.5f)));
-    const F r = (turns - F(0.25f) * to_float(quarter)) * F(6.283185307f), q = r * r;
-    const F s = r * mad(q, mad(q, mad(q, F(-1.0f / 5040), F(1.0f / 120)), F(-1.0f / 6)), F(1));
-    const F c = mad(q, mad(q, mad(q, mad(q, F(1.0f / 40320), F(-1.0f / 720)), F(1.0f / 24)), F(-0.5f)), F(1));
-    const Mask<F> odd = (quarter & Int<F>(1)) == Int<F>(1);
-    const F sine = select(odd, c, s), cosine = select(odd, s, c);
-    const Mask<F> below = (quarter & Int<F>(2)) == Int<F>(2), left = ((quarter + Int<F>(1)) & Int<F>(2)) == Int<F>(2);
-    return {select(below, F(0) - sine, sine), select(left, F(0) - cosine, cosine)};
-}
-
 /// atan2 in turns, [-½, ½], within 1e-7: the polynomial 4.4.49 of Abramowitz and Stegun.
 template <class F>
 CHIARO_INLINE F angle_in_turns(F y, F x) {

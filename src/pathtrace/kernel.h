@@ -137,7 +137,12 @@ private:
         path.light = select<F>(fresh, {F(0), F(0), F(0)}, path.light);
         if (start.at_points()) return begin_at(start.template point<F>(y * I(width) + x), path, fresh);
         const SubPixel offset = sub_pixel(sample % sub_pixels, sub_pixels);
-        const Ray<F> ray = start.camera.ray(to_float(x) + F(offset.x), to_float(y) + F(offset.y));
+        const F column = to_float(x) + F(offset.x), row = to_float(y) + F(offset.y);
+        Ray<F> ray = start.camera.ray(column, row);
+        if (start.camera.lens_mm > 0) {
+            const Draw<F> lens = draw_for(fresh, path);
+            ray = ray_through_lens(start.camera, column, row, lens.a, lens.b);
+        }
         path.heading = select(fresh, axes.to_world(ray.direction), path.heading);
         set_off(path, fresh, ray, F(0), seen);
     }

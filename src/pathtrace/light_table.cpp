@@ -97,7 +97,7 @@ void LightTable::add_to(HostArrays& arrays) const {
 
 kernel::ProbeLightView LightTable::view() const {
     const ProbeImage& image = probe_.data().image;
-    const float gain = float(std::exp2(lighting_.probe.exposure_stops));
+    const float gain = float(probe_gain(lighting_));
     const Axes axes = world_from_probe(lighting_.probe.rotation_deg, up_);
     return {.even = even_,
             .radiance = {gain * image.rgb[0], gain * image.rgb[1], gain * image.rgb[2]},

@@ -29,7 +29,7 @@ kernel::BackgroundKernel background(const Probe& probe, const Lighting& lighting
             .first = components(first),
             .right = components(right),
             .down = components(down),
-            .gain = float(std::exp2(lighting.probe.exposure_stops)),
+            .gain = float(probe_gain(lighting)),
             .linear = color == ColorMode::linear};
 }
 

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "raycast/ball.h"
+
 namespace chiaro {
 namespace {
 
@@ -50,22 +52,33 @@ void aim(Camera& camera, Vec3 forward, Vec3 up, double roll) {
     camera.up = cross(camera.right, camera.forward);
 }
 
+Ball fitted_ball(const CameraSettings& s, const Geometry& geometry, const std::array<int, 3>& dimensions) {
+    if (s.fit == Fit::visible && s.fit_centre && s.fit_radius_mm) return {*s.fit_centre, *s.fit_radius_mm};
+    return ball_around(geometry, dimensions);
+}
+
 }  // namespace
 
-Camera make_camera(const CameraSettings& s, const Geometry& geometry, const std::array<int, 3>& dimensions) {
+void look_from(CameraSettings& s, World world) {
+    if (!s.by_frame) return;
+    s.by_frame = false;
+    if (world == World::unknown) return;
+    // About +z azimuth 0 is +x. Anterior is -y in LPS, +y in RAS, and left +x and -x.
+    constexpr double from_front = 35;
+    s.azimuth_deg = world == World::lps ? -90 + from_front : 90 + from_front;
+    s.elevation_deg = 15;
+}
+
+Camera make_camera(const CameraSettings& settings, const Geometry& geometry, const std::array<int, 3>& dimensions) {
+    CameraSettings s = settings;
     if (s.eye.has_value() != s.target.has_value())
         throw Error(ErrorCode::usage, "--eye and --target belong together: give both or neither");
     if (s.eye && s.view) throw Error(ErrorCode::usage, "--eye and --view contradict each other: give one of them");
-    const Vec3 span{double(dimensions[0] - 1), double(dimensions[1] - 1), double(dimensions[2] - 1)};
-    // An axis of one voxel is one voxel thick: a single slice still has a size.
-    const Vec3 thick{std::fmax(span.x, 1), std::fmax(span.y, 1), std::fmax(span.z, 1)};
-    const Vec3 centre = geometry.world_from_voxel(0.5 * span);
-    const double radius =
-        0.5 *
-        std::fmax(length(geometry.world_from_voxel_vector(dimensions == std::array{1, 1, 1} ? thick : span)), 1e-30);
-
+    look_from(s, geometry.world);
+    const auto [centre, radius] = fitted_ball(s, geometry, dimensions);
     Camera camera;
     camera.projection = s.projection;
+    camera.aperture_mm = s.aperture_mm;
     const double half_fov = radians(s.fov_deg) / 2;
     camera.half_height = s.projection == Projection::perspective ? std::tan(half_fov) : radius / s.zoom;
     Vec3 up = s.up.value_or(Vec3{0, 0, 1});
@@ -75,6 +88,7 @@ Camera make_camera(const CameraSettings& s, const Geometry& geometry, const std:
         camera.eye = *s.eye;
         camera.orbit_up = up;
         aim(camera, *s.target - *s.eye, up, radians(s.roll_deg));
+        camera.focus_mm = s.focus_mm.value_or(length(*s.target - *s.eye));
         return camera;
     }
     Vec3 to_eye;
@@ -90,7 +104,9 @@ Camera make_camera(const CameraSettings& s, const Geometry& geometry, const std:
         if (length(cross(to_eye, normalized(up))) < 1e-9)
             up = -std::copysign(1.0, s.elevation_deg) * orbit_direction(radians(s.azimuth_deg), 0, up);
     }
-    camera.eye = centre + radius / (s.zoom * std::sin(half_fov)) * to_eye;
+    const double distance = radius / (s.zoom * std::sin(half_fov));
+    camera.eye = centre + distance * to_eye;
+    camera.focus_mm = s.focus_mm.value_or(distance);
     aim(camera, -to_eye, up, radians(s.roll_deg));
     return camera;
 }

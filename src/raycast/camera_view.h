@@ -1,5 +1,6 @@
 // Rays of a camera, in voxel coordinates; distances along a ray are millimetres.
 #pragma once
+#include "kernel/math.h"
 #include "kernel/vec.h"
 
 namespace chiaro::kernel {
@@ -21,6 +22,7 @@ struct CameraView {
     float half_width, half_height;
     float width, height;  ///< pixels
     bool orthographic;
+    float lens_mm = 0, focus_mm = 1;  ///< radius of the lens; depth that is in focus
 
     template <class F>
     CHIARO_INLINE Ray<F> ray(F column, F row) const {
@@ -32,6 +34,24 @@ struct CameraView {
         return {Vec3<F>(eye), inverse_length * (Vec3<F>(forward) + offset)};
     }
 };
+
+/// From a point of the camera's lens, which two numbers in [0, 1) choose evenly, through the place in focus that the
+/// pixel shows.
+template <class F>
+CHIARO_INLINE Ray<F> ray_through_lens(const CameraView& camera, F column, F row, F radius, F turns) {
+    const F px = ((column + F(0.5f)) * F(2 / camera.width) - F(1)) * F(camera.half_width);
+    const F py = (F(1) - (row + F(0.5f)) * F(2 / camera.height)) * F(camera.half_height);
+    const SinCos<F> around = sin_cos(turns);
+    const F r = F(camera.lens_mm) * sqrt(radius), x = r * around.cos, y = r * around.sin;
+    // Perspective: the pixel's place in focus lies aside of the axis, the lens about the eye; orthographic: the other
+    // way round.
+    const F spread = camera.orthographic ? F(0) : F(camera.focus_mm), shift = camera.orthographic ? F(1) : F(0);
+    const Vec3<F> right(camera.right), up(camera.up);
+    const Vec3<F> origin = Vec3<F>(camera.eye) + mad(mad(shift, px, x), right, mad(shift, py, y) * up);
+    const F a = spread * px - x, b = spread * py - y, focus(camera.focus_mm);
+    const F inverse_length = F(1) / sqrt(mad(a, a, mad(b, b, focus * focus)));  // of the world vector
+    return {origin, inverse_length * (focus * Vec3<F>(camera.forward) + mad(a, right, b * up))};
+}
 
 /// Keeps a component away from 0, so that slabs parallel to the ray lie very far off instead of at 0 / 0.
 template <class F>

@@ -42,11 +42,24 @@ struct RaycastKernel {
     }
 
 private:
+    /// Over the lens rays lie on a sunflower's spiral, turned from pixel to pixel by interleaved gradient noise
+    /// (Jimenez 2014): blur has a fine grain in the place of ghosts.
+    template <class F>
+    CHIARO_INLINE Ray<F> lens_ray(F column, F row, std::int32_t i, SubPixel offset) const {
+        const auto fraction = [](F x) CHIARO_INLINE_LAMBDA { return x - floor(x); };
+        const F turn = fraction(F(52.9829189f) * fraction(mad(F(0.06711056f), column, F(0.00583715f) * row)));
+        const F radius((float(i) + 0.5f) / float(rays_per_pixel));
+        return ray_through_lens(camera, column + F(offset.x), row + F(offset.y), radius,
+                                fraction(F(0.618034f * float(i)) + turn));
+    }
+
     /// Adds ray i's share of its pixel.
     template <class F>
     CHIARO_INLINE Int<F> cast_ray(const PixelBlock<F>& block, std::int32_t i, RgbaLanes<F>& sum) const {
         const SubPixel offset = sub_pixel(i, rays_per_pixel);
-        const Ray<F> ray = camera.ray(to_float(block.column) + F(offset.x), to_float(block.row) + F(offset.y));
+        const F column = to_float(block.column), row = to_float(block.row);
+        const Ray<F> ray =
+            camera.lens_mm > 0 ? lens_ray(column, row, i, offset) : camera.ray(column + F(offset.x), row + F(offset.y));
         Interval<F> hit = intersect(ray, box_low, box_high);
         const Mask<F> from_outside = hit.near > F(0);
         Cut<F> cut = clip(clip_view, ray, hit);

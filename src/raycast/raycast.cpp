@@ -111,7 +111,8 @@ private:
         arrays.fetch();
         std::optional<BoundingGeometry> geometry;  // the largest value is looked for everywhere
         const Frame& frame = target.frame;
-        if (settings.ray_setup == RaySetup::raster && medium.shape.mode != Mode::mip && !emits(kernel.matter.field))
+        if (settings.ray_setup == RaySetup::raster && camera.aperture_mm == 0 && medium.shape.mode != Mode::mip &&
+            !emits(kernel.matter.field))
             geometry.emplace(medium, camera_view(camera, medium.volume.geometry(), frame.width, frame.height));
         return cast(device, kernel, geometry ? &*geometry : nullptr, frame, progress);
     }

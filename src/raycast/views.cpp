@@ -37,6 +37,8 @@ kernel::CameraView camera_view(const Camera& camera, const Geometry& geometry, i
         .width = float(width),
         .height = float(height),
         .orthographic = camera.projection == Projection::orthographic,
+        .lens_mm = float(camera.aperture_mm / 2),
+        .focus_mm = float(camera.focus_mm),
     };
 }
 

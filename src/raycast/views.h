@@ -53,6 +53,9 @@ kernel::ClipView clip_view(const Clip& clip, const Geometry& geometry, const std
 kernel::SolidView solid_view(double step_voxels);
 kernel::SurfacesView surfaces_view(const Medium::Data& medium, bool backwards, std::optional<double> albedo_limit = {});
 
+/// Through each pixel, at least, where a lens blurs what is not in focus.
+inline constexpr int lens_rays = 64;
+
 /// Everything but the voxels' type and the field: the members that all kernels share.
 template <class Voxel, class Field>
 kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, const RayTables& tables, const Field& field,
@@ -89,7 +92,8 @@ kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, cons
         .mode = kernel::March(medium.shape.mode),
         .way = {kernel::Classification(settings.classification), backwards},
         .step_mm = float(step_mm(settings.step_voxels, volume.geometry, volume.dimensions)),
-        .rays_per_pixel = settings.samples_per_pixel,
+        .rays_per_pixel =
+            camera.aperture_mm > 0 ? std::max(settings.samples_per_pixel, lens_rays) : settings.samples_per_pixel,
         .bounds = {},
     };
 }

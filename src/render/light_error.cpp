@@ -94,7 +94,7 @@ LightError measure_light(Session& session, const Scene& scene, Progress& progres
     session.render(plain, progress);
     const DeviceVolume& volume = session.volume();
     const Medium& medium = session.medium();
-    const Camera camera = make_camera(scene.camera, volume.geometry(), volume.dimensions());
+    const Camera camera = make_camera(session.camera(), volume.geometry(), volume.dimensions());
     const Lighting lighting = with_probe(plain.lighting);
 
     const std::vector<Vec3> seen = visible_points(medium, camera, scene, points);

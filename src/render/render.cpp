@@ -22,7 +22,9 @@ Image render_image(const Device& device, const Scene& scene, Progress& progress)
     if (looks_at_visible_voxels(scene)) discard_unseen(medium);  // no other will be asked for
 
     // What lights it.
-    const Camera camera = make_camera(scene.camera, geometry, dimensions);
+    const Camera camera =
+        make_camera(fit_camera(device, medium, scene.camera, scene.sampling, scene.width, scene.height, progress),
+                    geometry, dimensions);
     Lighting lighting = with_probe(scene.lighting);
     lighting.probe_up = camera.orbit_up;
 

@@ -204,6 +204,11 @@ void check(const Scene& scene, ErrorCode code) {
     if (unit && unit_mm) throw Error(code, "opacity unit: give it in voxels or in mm, not both");
     if (scene.camera.eye.has_value() != scene.camera.target.has_value())
         throw Error(code, "camera: eye and target need each other");
+    if (scene.camera.fit_centre.has_value() != scene.camera.fit_radius_mm.has_value())
+        throw Error(code, "camera: fit_centre and fit_radius need each other");
+    if (scene.camera.aperture_mm > 0 && scene.mode == Mode::mip)
+        throw Error(code,
+                    "camera: --aperture has no meaning with --mode mip: the largest value along a ray has no depth");
     const Method method = scene.illumination.method;
     const bool has_probe = !scene.lighting.probe.source.empty() || scene.lighting.loaded_probe;
     if (scene.lighting.probe.background && !has_probe && (method == Method::none || method == Method::spao))
@@ -220,6 +225,8 @@ Scene parse_scene(const std::string& json, const std::filesystem::path& folder,
     if (name.empty()) refuse("volume.file is missing: it names the volume to show");
     scene.volume = found_file(name, folder, data_folder);
     scene.illumination.method = Method::none;  // a scene that says nothing of it was made without
+    // The first scene files fitted the volume, and say how far.
+    if (find(root, "camera.fit_scale")) scene.camera.fit = Fit::volume;
     read_settings(root, scene);
     read_transfer_function(root, folder, data_folder, scene.transfer);
     scene.lighting.probe.source = read_probe(root, folder, data_folder);

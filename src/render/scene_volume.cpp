@@ -21,6 +21,7 @@ void check_against(const ExpectedVolume& stated, const Volume& volume) {
 Scene scene_of_volume(const std::string& volume) {
     Scene scene;
     scene.volume = volume;
+    scene.camera.by_frame = true;
     for (const SampleInfo& sample : list_samples()) {
         const std::string name = "sample:" + sample.name;
         if (sample.names_materials && (volume == name || volume.starts_with(name + ":")))

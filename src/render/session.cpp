@@ -60,12 +60,15 @@ struct Session::State {
     Kept<DeviceVolume, Version> upload;
     Kept<Prepared, Version, IlluminationSettings> prepare;
     Kept<Classified, Version, TransferSettings, Shape> classify;
+    Kept<CameraSettings, Version, CameraSettings, RaySettings, std::pair<int, int>> fit;
     Kept<Probe, std::string> probe;
     Kept<IlluminationField, Version, Version, IlluminationSettings, HeldLight> illuminate;
     Kept<Cast, Version, Version, Lighting, Camera, RaySettings, std::pair<int, int>> raycast;
     Kept<Image, Version, ToneMap> develop;
     Cast previewed;
     Image previewed_image;
+    CameraSettings camera;  // of the last render or preview
+    double probe_exposure = 0;
 
     /// Calls stage(result), unless the kept result was made from these very inputs.
     template <class Result, class... Inputs, class Verb>
@@ -84,17 +87,37 @@ struct Session::State {
     Lighting lighting_of(const Scene& scene, const Camera& camera) {
         Lighting lighting = scene.lighting;
         lighting.probe_up = camera.orbit_up;
-        if (lighting.probe.source.empty()) return lighting;
-        redo("probe", probe, {lighting.probe.source},
-             [&](Probe& loaded) { loaded = load_probe(lighting.probe.source); });
-        lighting.loaded_probe = probe.result;
+        if (!lighting.probe.source.empty()) {
+            redo("probe", probe, {lighting.probe.source},
+                 [&](Probe& loaded) { loaded = load_probe(lighting.probe.source); });
+            lighting.loaded_probe = probe.result;
+        }
+        lighting.probe.exposure = probe_exposure = exposure_stops(lighting);
         return lighting;
+    }
+
+    /// The scene's camera with the ball that it fits; zoom changes nothing about that.
+    CameraSettings fitted(const Scene& scene, Progress& progress) {
+        CameraSettings camera = scene.camera;
+        look_from(camera, upload.result.geometry().world);
+        if (camera.fit == Fit::volume || camera.fit_centre) return camera;
+        camera.zoom = 1;
+        const auto [width, height] = std::pair(scene.width, scene.height);
+        redo("fit", fit, {classify.version, camera, scene.sampling, {width, height}}, [&](CameraSettings& found) {
+            found = fit_camera(device, classify.result.medium, camera, scene.sampling, width, height, progress);
+        });
+        camera = fit.result, camera.zoom = scene.camera.zoom;
+        return camera;
+    }
+
+    Camera camera_of(const CameraSettings& settings) const {
+        return make_camera(settings, upload.result.geometry(), upload.result.dimensions());
     }
 
     /// What the scene's light would leave in a field; a probe that is not loaded yet is none.
     HeldLight held(const Scene& scene) const {
         Lighting lighting = scene.lighting;
-        lighting.probe_up = make_camera(scene.camera, upload.result.geometry(), upload.result.dimensions()).orbit_up;
+        lighting.probe_up = camera_of(scene.camera).orbit_up;
         if (!lighting.probe.source.empty())
             lighting.loaded_probe = probe.inputs == std::tuple(lighting.probe.source) ? probe.result : Probe();
         return held_light(lighting, scene.illumination);
@@ -178,9 +201,9 @@ Session Session::share_volume() const {
 const Image& Session::render(const Scene& scene, Progress& progress, const Preview& preview) {
     State& s = *state_;
     s.redo_up_to_classify(scene, progress);
-    const DeviceVolume& voxels = s.upload.result;
     const Medium& medium = s.classify.result.medium;
-    const Camera camera = make_camera(scene.camera, voxels.geometry(), voxels.dimensions());
+    s.camera = s.fitted(scene, progress);
+    const Camera camera = s.camera_of(s.camera);
     const Lighting lighting = s.lighting_of(scene, camera);
 
     s.redo("illuminate", s.illuminate,
@@ -227,7 +250,8 @@ const Image& Session::preview(const Scene& scene, Progress& progress) {
     s.begin();
     s.redo_classify(scene);
     const Medium& medium = s.classify.result.medium;
-    const Camera camera = make_camera(scene.camera, volume().geometry(), volume().dimensions());
+    s.camera = s.fitted(scene, progress);
+    const Camera camera = s.camera_of(s.camera);
     const Lighting lighting = s.lighting_of(scene, camera);
     DeviceFrame& frame = s.previewed.frame;
     frame.resize(scene.width, scene.height);
@@ -244,6 +268,19 @@ const Image& Session::preview(const Scene& scene, Progress& progress) {
     return s.previewed_image;
 }
 
+CameraSettings Session::fit_all_around(const Scene& scene, Progress& progress) {
+    State& s = *state_;
+    s.begin();
+    s.redo_classify(scene);
+    CameraSettings camera;
+    s.timed("fit", [&] {
+        camera =
+            fit_camera(s.device, medium(), scene.camera, scene.sampling, scene.width, scene.height, progress, true);
+    });
+    s.shown = s.stages;  // the next render tells them
+    return camera;
+}
+
 bool Session::needs_light(const Scene& scene) const {
     const State& s = *state_;
     return s.prepare.inputs != std::tuple(s.upload.version, preparation_of(scene.illumination)) ||
@@ -255,8 +292,7 @@ ComputedField Session::compute_field(const Scene& scene, Progress& progress) {
     State& s = *state_;
     if (s.gave_back) throw Error(ErrorCode::internal, "a session of one look has no whole volume");
     s.redo_up_to_classify(scene, progress);
-    const DeviceVolume& voxels = s.upload.result;
-    const Lighting lighting = s.lighting_of(scene, make_camera(scene.camera, voxels.geometry(), voxels.dimensions()));
+    const Lighting lighting = s.lighting_of(scene, s.camera_of(scene.camera));
     Kept<ComputedField, Version> made;
     s.redo("illuminate", made, {s.classify.version}, [&](ComputedField& field) {
         field = chiaro::compute_field(s.device, s.classify.result.medium, s.prepare.result, lighting,
@@ -267,6 +303,8 @@ ComputedField Session::compute_field(const Scene& scene, Progress& progress) {
 }
 
 const DeviceVolume& Session::volume() const { return state_->upload.result; }
+double Session::probe_exposure() const { return state_->probe_exposure; }
+const CameraSettings& Session::camera() const { return state_->camera; }
 const Medium& Session::medium() const { return state_->classify.result.medium; }
 const IlluminationField& Session::light() const { return state_->illuminate.result; }
 const Frame& Session::frame() const { return state_->raycast.result.frame.read(); }

@@ -91,6 +91,7 @@ std::string to_text(const ShSampling& value) {
     return value.jittered ? fmt::format("jittered:{}", value.sets) : "fibonacci";
 }
 
+std::string to_text(const ProbeExposure& value) { return value.stops ? to_text(*value.stops) : "auto"; }
 std::string to_text(const Bounces& value) { return value.most ? to_text(*value.most) : "unlimited"; }
 
 std::string to_text(int width, int height) { return fmt::format("{}x{}", width, height); }
@@ -176,6 +177,11 @@ void from_text(std::string_view text, Bounces& value) {
     value = {};
     if (text == "unlimited") return;
     value.most = integer<int>(numbers(text, 1, "a number of times, or unlimited")[0], 0, 1000000);
+}
+
+void from_text(std::string_view text, ProbeExposure& value) {
+    value = {};
+    if (text != "auto") value.stops = numbers(text, 1, "a number of stops, or auto")[0];
 }
 
 void from_text(std::string_view text, int& width, int& height) {

@@ -25,6 +25,7 @@ Sample ball_sample();
 Sample halfspace_sample();
 Sample tubes_sample();
 Sample menger_sample();
+Sample torso_sample();
 
 /// A cube of `size` voxels of type T, voxel (i, j, k) = value_at(i, j, k); slices in parallel. Throws
 /// Error{interrupted} when cancelled.

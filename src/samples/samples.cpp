@@ -9,8 +9,8 @@ namespace chiaro {
 namespace {
 
 std::vector<Sample> samples() {
-    return {cornell_sample(), marschner_lobb_sample(), shells_sample(), fog_sample(),   slab_sample(),
-            ball_sample(),    halfspace_sample(),      tubes_sample(),  menger_sample()};
+    return {cornell_sample(), marschner_lobb_sample(), shells_sample(), fog_sample(),    slab_sample(),
+            ball_sample(),    halfspace_sample(),      tubes_sample(),  menger_sample(), torso_sample()};
 }
 
 Sample sample_named(const std::string& name) {

@@ -152,6 +152,24 @@ void summarize(const Levels& levels, Statistics& result) {
     result.nonfinite = levels.nonfinite;
 }
 
+/// 12 bits from air at 0 or at 24: tissue is where its water then is. Air at 24 has a peak there; noise about 0, or a
+/// padding of 0 around the scanner's circle, only falls.
+double hu_zero_of(const Volume& volume, const Levels& levels, const Statistics& data) {
+    const bool is_whole = volume.type == VoxelType::u16 || volume.type == VoxelType::i16;
+    if (!is_whole || volume.slope != 1 || volume.intercept != 0) return 0;
+    if (data.min < 0 || data.min > 100 || data.max < 1500 || data.max > 4095) return 0;
+    const auto between = [&](double least, double most) {
+        double sum = 0;
+        for (double value = std::max(least, data.min); value <= std::min(most, data.max); ++value)
+            sum += double(levels.counts[std::size_t((value - levels.first) / levels.step)]);
+        return sum;
+    };
+    const double all = between(0, 4095), zero = between(20, 28) / 9 > between(6, 12) / 7 ? 1024 : 1000;
+    const double air = between(0, zero - 900), tissue = between(zero - 150, zero + 150);
+    const bool is_peak = tissue > between(zero - 450, zero - 150) && tissue > between(zero + 150, zero + 450);
+    return air > 0.03 * all && tissue > 0.03 * all && is_peak ? zero : 0;
+}
+
 }  // namespace
 
 Statistics measure(const Volume& volume) {
@@ -161,6 +179,7 @@ Statistics measure(const Volume& volume) {
         Statistics result;
         summarize(levels, result);
         check_values(volume, result.min, result.max);
+        result.hu_zero = hu_zero_of(volume, levels, result);
         return result;
     });
 }

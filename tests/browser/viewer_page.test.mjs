@@ -417,4 +417,11 @@ test("the page's camera is the scene's: an orbit, and eye and target where it wa
   const panned = { ...orbit, "camera.target": [10, 20, 30] }, written = toScene(panned, box), again = fromScene(written, box, "unknown");
   for (const key of Object.keys(orbit)) assert.ok(Math.abs(again[key] - orbit[key]) < 1e-9, key);
   assert.deepEqual(project(viewOf(panned, box), [10, 20, 30], 400, 300).map(Math.round), [200, 150]);
+  // What is visible takes the place of the box, once it was found.
+  const found = { ...orbit, "camera.fit": "visible", "camera.fit_centre": [3, 4, 5], "camera.fit_radius": 2 }, whole = { ...found, "camera.fit": "volume" };
+  assert.deepEqual(viewOf(found, box).target, [3, 4, 5]);
+  assert.ok(Math.abs(viewOf(found, box).distance - (0.7 * 2) / Math.sin((15 * Math.PI) / 180)) < 1e-9);
+  assert.deepEqual(viewOf(whole, box), viewOf(orbit, box));
+  const moved = { ...found, "camera.target": [1, 1, 1] }, back = fromScene(toScene(moved, box), box, "unknown");
+  for (const key of Object.keys(orbit)) assert.ok(Math.abs(back[key] - moved[key]) < 1e-9, key);
 });

@@ -55,6 +55,23 @@ async function visit(act, { url = server.url, allowed = /$^/ } = {}) {
   }
 }
 
+test("what the camera fits is found once, and anew when it is asked for", { skip }, () => visit(async (page) => {
+  const found = async () => { const { camera } = await state(page); return [...camera["camera.fit_centre"], camera["camera.fit_radius"]]; };
+  const first = await found(), was = await pixels(page);
+  await page.evaluate(() => chiaro.store.set("cut", (s) => ({ values: { ...s.values, "clip.box": [0, 0.5, 0, 1, 0, 1] } })));
+  await final(page);
+  assert.deepEqual(await found(), first);
+  await page.keyboard.press("f");
+  await final(page);
+  const cut = await found();
+  assert.notDeepEqual(cut, first);
+  await page.keyboard.press("Control+z");
+  await page.keyboard.press("Alt+z");
+  await final(page);
+  assert.deepEqual(await found(), first);
+  assert.deepEqual(await pixels(page), was);
+}));
+
 test("a dragged point changes the pixels and undo brings them back", { skip }, () => visit(async (page) => {
   const was = await pixels(page), points = page.locator(".point");
   const index = await page.evaluate(() => chiaro.store.state.tf.points.findIndex((p) => p.opacity > 0));

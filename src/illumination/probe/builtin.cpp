@@ -60,6 +60,16 @@ Rgb studio(Vec3 d) {
            7 * soft_box(d, 112, 12, 0.22, 0.62) * Rgb{0.58, 0.79, 1};
 }
 
+/// A portrait's three lights in a dark room: a large warm-white key from the left of the default camera, a weaker and
+/// larger fill from its right at eye level, and a narrow bright rim from behind and above, which lifts the outline off
+/// a black ground; a soft floor and ceiling keep shadows open on grey and white.
+Rgb three_point(Vec3 d) {
+    const Rgb room = (0.10 + 0.07 * d.z) * Rgb{0.95, 0.98, 1};
+    return room + 11 * soft_box(d, -15, 42, 0.42, 0.42) * Rgb{1, 0.95, 0.88} +
+           1.7 * soft_box(d, 95, 8, 0.75, 0.60) * Rgb{0.86, 0.93, 1} +
+           16 * soft_box(d, 200, 38, 0.16, 0.50) * Rgb{0.95, 0.98, 1};
+}
+
 /// Six tall windows with round tops and bars around a dark room.
 Rgb windows(Vec3 d) {
     static constexpr Rgb glass[6] = {{1.00, 0.015, 0.01}, {1.00, 0.38, 0.01}, {0.04, 0.75, 0.06},
@@ -86,7 +96,9 @@ constexpr Row rows[] = {
     {"white", "The same light from everywhere, radiance 1.", white, 1, 4},
     {"sky", "A blue sky with a warm horizon, a soft sun and dull ground.", sky, 1.605, 512},
     {"studio", "Two soft boxes in the dark: a large warm one, a narrow cool one.", studio, 1.916, 512},
-    {"windows", "Six coloured windows around a dark room.", windows, 1.151, 512}};
+    {"windows", "Six coloured windows around a dark room.", windows, 1.151, 512},
+    {"three-point", "A photographer's key, fill and rim light, for subjects on black, grey and white.", three_point,
+     2.017, 512}};
 
 /// At the pixels' centres, scaled so that the brightest surface is as bright as under the white one.
 Probe sampled(const Row& row) {

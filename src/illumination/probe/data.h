@@ -53,8 +53,14 @@ struct Probe::Data : std::enable_shared_from_this<Data> {
         return lambert_([&] { return lambert_of_probe(*this); });
     }
 
+    /// What ProbeExposure's auto is for this probe.
+    double suitable_stops() const {
+        return suitable_stops_([&] { return suitable_stops_of_probe(*this); });
+    }
+
 private:
     Lazy<LambertTable> lambert_;
+    Lazy<double> suitable_stops_;
 };
 
 }  // namespace chiaro

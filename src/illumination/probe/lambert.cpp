@@ -126,6 +126,31 @@ LambertTable lambert_of_probe(const Probe::Data& probe) {
     return tabulated([&](Vec3 normal) { return lambert_at(cells, normal); });
 }
 
+double suitable_stops_of_probe(const Probe::Data& probe) {
+    // The mean over all normals is the mean radiance; the largest is looked for some 6 degrees apart, where a cosine is
+    // within .2 %.
+    constexpr int normals = 33;
+    double mean = 0, largest = 0;
+    for (std::size_t c = 0; c < 3; ++c) mean += luminance_weights[c] * probe.sh[c][0] / std::sqrt(4 * std::numbers::pi);
+    const std::vector<Cell> cells = gather(probe.image);
+    const double y_00 = 1 / std::sqrt(4 * std::numbers::pi);
+    for (int j = 0; j < normals; ++j)
+        for (int i = 0; i < normals; ++i) {
+            const Vec3 n = normal_at(i * (edge - 1) / (normals - 1), j * (edge - 1) / (normals - 1));
+            double irradiance = 0;
+            for (const Cell& cell : cells) {
+                const double cosine = n.x * cell.direction[0] + n.y * cell.direction[1] + n.z * cell.direction[2];
+                if (cosine <= 0) continue;
+                for (std::size_t c = 0; c < 3; ++c)
+                    irradiance += luminance_weights[c] * cosine * cell.light[c * max_coefficients] / y_00;
+            }
+            largest = std::max(largest, irradiance / std::numbers::pi);
+        }
+    if (!(mean > 0) || !(largest > 0)) return 0;
+    const double stops = std::log2(std::min(0.45 / mean, 1.2 / largest));
+    return std::clamp(std::round(100 * stops) / 100, -32.0, 32.0);
+}
+
 LambertTable lambert_table(const Lighting& lighting, Vec3 orbit_up, const Geometry& geometry, ShWindow window,
                            int bands) {
     const Axes grid_from_probe =
@@ -133,7 +158,7 @@ LambertTable lambert_table(const Lighting& lighting, Vec3 orbit_up, const Geomet
     const Axes probe_from_grid = transposed(grid_from_probe);
     const ShRotation rotation(grid_from_probe);
     const auto factors = window_factors(window, bands);
-    const double gain = std::exp2(lighting.probe.exposure_stops);
+    const double gain = probe_gain(lighting);
     const Probe probe = lighting_probe(lighting);
     const LambertTable& own = probe.data().lambert();
     return tabulated([&](Vec3 normal) {

@@ -24,6 +24,11 @@ struct LambertTable {
 /// Probe::Data::lambert.
 LambertTable lambert_of_probe(const Probe::Data& probe);
 
+/// min(.45 / mean, 1.2 / largest) in stops, to a hundredth, of E/π in luminance over all normals: a matte white ball in
+/// this light is .45 bright on the whole, and nowhere brighter than 1.2 (so that one of albedo .8 is not burnt out). 0
+/// for a black one.
+double suitable_stops_of_probe(const Probe::Data& probe);
+
 /// Normals and coefficients in the axes of the voxel grid; turned, exposed and windowed as in sh_light. A turned light
 /// is the probe's own table looked up at the normal turned back, its coefficients turned. Cost: some 2 ms of CPU
 /// time, 811 kB; once a probe .2 s for its own table.

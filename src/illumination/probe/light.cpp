@@ -31,6 +31,14 @@ Probe lighting_probe(const Lighting& lighting) {
     return lighting.loaded_probe ? lighting.loaded_probe : white;
 }
 
+double exposure_stops(const Lighting& lighting) {
+    if (lighting.probe.exposure.stops) return *lighting.probe.exposure.stops;
+    const bool is_file = !lighting.probe.source.empty() && !is_probe_name(lighting.probe.source);
+    return is_file && lighting.loaded_probe ? lighting.loaded_probe.data().suitable_stops() : 0;
+}
+
+double probe_gain(const Lighting& lighting) { return std::exp2(exposure_stops(lighting)); }
+
 Axes world_from_probe(double rotation_deg, Vec3 orbit_up) {
     const double turn = radians(rotation_deg);
     return {orbit_direction(turn, 0, orbit_up), orbit_direction(turn + std::numbers::pi / 2, 0, orbit_up),
@@ -42,7 +50,7 @@ Axes grid_from_world(const Geometry& geometry) { return transposed(nearest_ortho
 ShLight sh_light(const Lighting& lighting, Vec3 orbit_up, const Geometry& geometry, ShWindow window, int bands) {
     const Axes grid = grid_from_world(geometry);
     const ShRotation rotation(composed(grid, world_from_probe(lighting.probe.rotation_deg, orbit_up)));
-    const double gain = std::exp2(lighting.probe.exposure_stops);
+    const double gain = probe_gain(lighting);
     const Probe probe = lighting_probe(lighting);
     ShLight light;
     for (int c = 0; c < 3; ++c) {

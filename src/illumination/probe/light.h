@@ -9,6 +9,9 @@ namespace chiaro {
 /// The probe that lights: the loaded one, else a white one.
 Probe lighting_probe(const Lighting& lighting);
 
+/// 2^exposure_stops.
+double probe_gain(const Lighting& lighting);
+
 /// World directions of the probe's own axes: what it shows at azimuth a stands at orbit_direction(a + rotation, ·, up).
 Axes world_from_probe(double rotation_deg, Vec3 orbit_up);
 

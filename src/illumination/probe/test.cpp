@@ -45,7 +45,7 @@ Source narrow_source(int width, int height, int x, int y, Rgb rgb = {1, 1, 1}) {
 Lighting lit_by(Probe probe, double rotation = 0, double stops = 0) {
     Lighting lighting;
     lighting.loaded_probe = std::move(probe);
-    lighting.probe.rotation_deg = rotation, lighting.probe.exposure_stops = stops;
+    lighting.probe.rotation_deg = rotation, lighting.probe.exposure = stops;
     return lighting;
 }
 
@@ -237,7 +237,7 @@ ShCoefficients half_open(Vec3 normal) {
 }  // namespace
 
 TEST(Lambert, GivesTheIrradianceOfTheWholeImage) {
-    for (const char* name : {"sky", "studio", "windows"}) {
+    for (const char* name : {"sky", "studio", "windows", "three-point"}) {
         const Probe probe = builtin_probe(name);
         const LambertTable table = lambert_table(lit_by(probe), {0, 0, 1}, {}, ShWindow::none);
         double worst = 0, largest = 0;

@@ -90,7 +90,7 @@ IncidentLight incident_light(const Lighting& lighting, Vec3 orbit_up, const Geom
                              const std::vector<Vec3>& directions) {
     const Probe probe = lighting_probe(lighting);
     const Axes turn = composed(grid_from_world(geometry), world_from_probe(lighting.probe.rotation_deg, orbit_up));
-    std::vector<Piece> cells = gather(probe.data().image, turn, std::exp2(lighting.probe.exposure_stops));
+    std::vector<Piece> cells = gather(probe.data().image, turn, probe_gain(lighting));
     IncidentLight incident{std::vector<IncidentRay>(directions.size()), take_dominant_light(cells)};
     for (const Piece& cell : cells) {
         std::size_t nearest = 0;

@@ -53,7 +53,7 @@ std::vector<kernel::NormalLight> light_on_surfaces(const VisibilityNodes& nodes,
 std::shared_ptr<const LitLight> LitNodes::light(const ProbeLight& probe) const {
     const Lighting& l = probe.lighting;
     const Axes rows = transposed(grid_from_world(probe.geometry));
-    const Inputs inputs{l.loaded_probe, l.probe.rotation_deg, l.probe.exposure_stops, l.strength, probe.orbit_up,
+    const Inputs inputs{l.loaded_probe, l.probe.rotation_deg, exposure_stops(l), l.strength, probe.orbit_up,
                         rows,           probe.surfaces};
     const std::lock_guard lock(mutex_);
     if (of_ != inputs) {

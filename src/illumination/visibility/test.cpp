@@ -249,7 +249,7 @@ TEST(Nodes, TheLightIsFoundAgainOnlyWhereItChanged) {
     EXPECT_EQ(nodes.light({lighting, {0, 0, 1}, Geometry{}, false}), first);
     lighting.shininess = 3;  // says nothing of what arrives
     EXPECT_EQ(nodes.light({lighting, {0, 0, 1}, Geometry{}, false}), first);
-    lighting.probe.exposure_stops = 1;
+    lighting.probe.exposure = 1;
     const auto brighter = nodes.light({lighting, {0, 0, 1}, Geometry{}, false});
     EXPECT_NE(brighter, first);
     EXPECT_NEAR(to_float(brighter->view.light.nodes[0]) * brighter->view.light.scale.x,

@@ -1,0 +1,222 @@
+#include "classify/largest.h"
+
+#include <chiaro/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <numeric>
+
+#include "classify/clip.h"
+#include "core/threads.h"
+#include "volume/device_view.h"
+#include "volume/edited.h"
+
+namespace chiaro {
+namespace {
+
+constexpr double least_opacity = 0.1;
+constexpr int kept_around = 2;  // voxels: what interpolation and gradients at the piece's surface touch
+
+struct Run {
+    int first, last;  ///< voxels of a row
+    std::size_t piece;
+};
+
+/// Union-find; the root of a set is its first member.
+class Sets {
+public:
+    std::size_t add() {
+        parent_.push_back(parent_.size());
+        return parent_.back();
+    }
+    std::size_t root(std::size_t i) {
+        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+        return i;
+    }
+    void join(std::size_t a, std::size_t b) {
+        a = root(a), b = root(b);
+        parent_[std::max(a, b)] = std::min(a, b);
+    }
+    std::size_t size() const { return parent_.size(); }
+
+private:
+    std::vector<std::size_t> parent_;
+};
+
+/// Joins runs of two neighbouring rows that have voxels side by side.
+void join_rows(const std::vector<Run>& a, const std::vector<Run>& b, Sets& sets) {
+    for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
+        if (a[i].first <= b[j].last && b[j].first <= a[i].last) sets.join(a[i].piece, b[j].piece);
+        a[i].last < b[j].last ? ++i : ++j;
+    }
+}
+
+/// What a stored value is: 0 shows nothing, 1 something, 2 is part of a piece.
+struct Kinds {
+    const Medium::Data& medium;
+    std::vector<std::uint8_t> of_entry;  ///< of the optical table
+    double lowest = 0;                   ///< of the surfaces, in data units
+
+    explicit Kinds(const Medium::Data& of) : medium(of) {
+        for (const OpticalTable::Entry& entry : medium.table.entries) {
+            const double opacity = -std::expm1(-double(entry.extinction_per_mm) * medium.table.unit_mm);
+            of_entry.push_back(opacity >= least_opacity ? 2 : opacity > 0 ? 1 : 0);
+        }
+        const auto lower = [](const IsoSurface& a, const IsoSurface& b) { return a.value < b.value; };
+        if (is_iso()) lowest = std::min_element(medium.shape.iso.begin(), medium.shape.iso.end(), lower)->value;
+    }
+    bool is_iso() const { return medium.shape.mode == Mode::iso; }
+    std::size_t entry(float stored) const {
+        const double last = double(of_entry.size()) - 1;
+        return std::size_t(std::clamp(medium.table.index_of(stored) + 0.5, 0.0, last));
+    }
+    std::uint8_t of(float stored) const {
+        if (!is_iso()) return of_entry[entry(stored)];
+        const DeviceVolume::Data& volume = medium.volume.data();
+        return volume.scale * stored + volume.offset >= lowest ? 2 : 0;
+    }
+};
+
+/// The kind of each voxel; where the clip cuts it away no part of a piece.
+std::vector<std::uint8_t> kinds_of(const Medium::Data& medium, const Kinds& kinds) {
+    const DeviceVolume::Data& volume = medium.volume.data();
+    const auto [nx, ny, nz] = volume.dimensions;
+    const auto kept = half_spaces(medium.shape.clip, volume.geometry, volume.dimensions);
+    const auto is_cut = [&](int x, int y, int z) {
+        const Vec3 p{double(x), double(y), double(z)};
+        return std::any_of(kept.begin(), kept.end(), [&](const HalfSpace& h) { return dot(h.normal, p) > h.d; });
+    };
+    std::vector<std::uint8_t> all(std::size_t(nx) * ny * nz);
+    with_stored_voxel(volume, [&](auto zero) {
+        parallel_for(volume.device.threads, nz, 1, [&](std::int64_t z, std::int64_t) {
+            std::uint8_t* to = &all[std::size_t(z) * ny * nx];
+            for (int y = 0; y < ny; ++y)
+                for (int x = 0; x < nx; ++x, ++to) {
+                    *to = kinds.of(float(stored_at<decltype(zero)>(volume, x, y, int(z))));
+                    if (*to == 2 && !kept.empty() && is_cut(x, y, int(z))) *to = 1;
+                }
+        });
+    });
+    return all;
+}
+
+/// Whether a voxel or one within so many along each axis is set.
+std::vector<std::uint8_t> dilated(std::vector<std::uint8_t> from, const std::array<int, 3>& n, int reach, int threads) {
+    std::vector<std::uint8_t> to(from.size());
+    std::size_t stride = 1;
+    for (const int length : n) {
+        const auto lines = std::int64_t(from.size()) / length;
+        parallel_for(threads, lines, 1024, [&](std::int64_t first, std::int64_t end) {
+            for (auto line = first; line < end; ++line) {
+                const std::size_t begin =
+                    std::size_t(line) / stride * stride * std::size_t(length) + std::size_t(line) % stride;
+                for (int i = 0; i < length; ++i) {
+                    std::uint8_t any = 0;
+                    for (int k = std::max(0, i - reach); k <= std::min(length - 1, i + reach); ++k)
+                        any |= from[begin + std::size_t(k) * stride];
+                    to[begin + std::size_t(i) * stride] = any;
+                }
+            }
+        });
+        std::swap(from, to);
+        stride *= std::size_t(length);
+    }
+    return from;
+}
+
+/// The stored values that show nothing, about the one that most voxels have.
+std::pair<float, float> empty_values(const Medium::Data& medium, const Kinds& kinds) {
+    const DeviceVolume::Data& volume = medium.volume.data();
+    const auto refuse = [] {
+        throw Error(ErrorCode::usage, "--largest: the transfer function shows every value, so nothing can be left out");
+    };
+    const double step = volume.whole_numbers ? 1 : 1e-3 * (double(volume.stored_max) - volume.stored_min);
+    if (kinds.is_iso()) {
+        const double surface = (kinds.lowest - volume.offset) / volume.scale;
+        if (volume.scale > 0 ? surface <= volume.stored_min : surface >= volume.stored_max) refuse();
+        return volume.scale > 0 ? std::pair(volume.stored_min, float(std::ceil(surface / step) * step - step))
+                                : std::pair(float(std::floor(surface / step) * step + step), volume.stored_max);
+    }
+    std::vector<std::uint64_t> cells(medium.table.entries.size());  // by the least value in each: enough to choose
+    for (const float low : volume.cells.low) ++cells[kinds.entry(low)];
+    std::size_t first = 0, last = 0;
+    std::uint64_t most = 0;
+    bool found = false;
+    for (std::size_t j = 0; j < cells.size(); ++j) {
+        if (kinds.of_entry[j] != 0) continue;
+        std::size_t end = j;
+        std::uint64_t sum = 0;
+        for (; end < cells.size() && kinds.of_entry[end] == 0; ++end) sum += cells[end];
+        if (!found || sum > most) first = j, last = end - 1, most = sum, found = true;
+        j = end;
+    }
+    if (!found) refuse();
+    const OpticalTable& table = medium.table;
+    const auto stored = [&](std::size_t j) { return (double(j) - table.index_offset) / table.index_scale; };
+    // The outermost entries stand for all that lies beyond.
+    double low = first == 0 ? volume.stored_min : stored(first);
+    double high = last + 1 == cells.size() ? volume.stored_max : stored(last);
+    if (volume.whole_numbers) low = std::ceil(low), high = std::floor(high);
+    if (low > high) refuse();
+    return {float(low), float(high)};
+}
+
+}  // namespace
+
+Pieces find_pieces(const std::vector<std::uint8_t>& voxels, std::array<int, 3> n) {
+    std::vector<std::vector<Run>> rows(std::size_t(n[1]) * n[2]);
+    Sets sets;
+    for (int z = 0; z < n[2]; ++z)
+        for (int y = 0; y < n[1]; ++y) {
+            const std::size_t row = std::size_t(z) * n[1] + y;
+            const std::uint8_t* voxel = &voxels[row * std::size_t(n[0])];
+            for (int x = 0; x < n[0]; ++x) {
+                if (!voxel[x]) continue;
+                const int first = x;
+                while (x + 1 < n[0] && voxel[x + 1]) ++x;
+                rows[row].push_back({first, x, sets.add()});
+            }
+            if (y > 0) join_rows(rows[row - 1], rows[row], sets);
+            if (z > 0) join_rows(rows[row - std::size_t(n[1])], rows[row], sets);
+        }
+    std::vector<std::size_t> sizes(sets.size());
+    for (const auto& row : rows)
+        for (const Run& run : row) sizes[sets.root(run.piece)] += std::size_t(run.last - run.first + 1);
+    Pieces pieces;
+    std::size_t best = 0;
+    for (std::size_t i = 0; i < sizes.size(); ++i) {
+        pieces.count += sizes[i] > 0;
+        if (sizes[i] > pieces.largest)
+            pieces.second = std::exchange(pieces.largest, sizes[i]), best = i;
+        else
+            pieces.second = std::max(pieces.second, sizes[i]);
+    }
+    pieces.is_of_largest.assign(voxels.size(), 0);
+    for (std::size_t row = 0; row < rows.size(); ++row)
+        for (const Run& run : rows[row])
+            if (sets.root(run.piece) == best)
+                std::fill_n(
+                    pieces.is_of_largest.begin() + std::ptrdiff_t(row * std::size_t(n[0]) + std::size_t(run.first)),
+                    run.last - run.first + 1, std::uint8_t(1));
+    return pieces;
+}
+
+DeviceVolume with_largest_piece(const Medium::Data& medium) {
+    const DeviceVolume::Data& volume = medium.volume.data();
+    const Kinds kinds(medium);
+    std::vector<std::uint8_t> all = kinds_of(medium, kinds);
+    std::vector<std::uint8_t> solid(all.size());
+    std::transform(all.begin(), all.end(), solid.begin(), [](std::uint8_t kind) { return std::uint8_t(kind == 2); });
+    const Pieces pieces = find_pieces(solid, volume.dimensions);
+    const auto near = dilated(pieces.is_of_largest, volume.dimensions, kept_around, volume.device.threads);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const bool is_kept = pieces.is_of_largest[i] || (all[i] == 1 && near[i]);
+        all[i] = all[i] != 0 && !is_kept;  // from here on: what goes
+    }
+    if (std::find(all.begin(), all.end(), 1) == all.end()) return medium.volume;
+    const auto [low, high] = empty_values(medium, kinds);
+    return edited(medium.volume, all, [low = low, high = high](float stored) { return std::clamp(stored, low, high); });
+}
+
+}  // namespace chiaro
