@@ -10,8 +10,8 @@
 
 namespace chiaro {
 
-void parallel_for(int threads, std::int64_t count, std::int64_t grain,
-                  const std::function<void(std::int64_t, std::int64_t)>& body) {
+void run_pieces(int threads, std::int64_t count, std::int64_t grain,
+                const std::function<void(std::int64_t, std::int64_t)>& body) {
     const std::int64_t pieces = (count + grain - 1) / grain;
     // More threads than processors are oneTBB's to refuse, with a line on standard error, unless they are allowed.
     const oneapi::tbb::global_control allowed(oneapi::tbb::global_control::max_allowed_parallelism,
