@@ -15,22 +15,30 @@ STUB = pathlib.Path(chiaro.__file__).with_name("__init__.pyi")
 HERE = pathlib.Path(__file__).parent
 
 
-def mypy(*arguments):
+@pytest.fixture
+def mypy(tmp_path):
+    """Checks files against the stubs, which are copied: errors in installed packages are passed over."""
     module = [sys.executable, "-m", "mypy"]
     if subprocess.run([*module, "--version"], capture_output=True).returncode != 0:
         pytest.skip("no mypy")
-    return subprocess.run([*module, "--no-incremental", "--cache-dir=/dev/null", "--strict", *map(str, arguments)], capture_output=True, text=True, env={**os.environ, "MYPYPATH": str(STUB.parent.parent)})
+    copy = tmp_path / "stubs" / "chiaro" / "__init__.pyi"
+    copy.parent.mkdir(parents=True)
+    copy.write_text(STUB.read_text())
+    environment = {**os.environ, "MYPYPATH": str(copy.parent.parent)}
+    options = ["--no-incremental", "--cache-dir=/dev/null", "--strict"]
+    return lambda *files: subprocess.run([*module, *options, *map(str, files)], capture_output=True, text=True, env=environment, cwd=tmp_path), copy
 
 
-def test_they_and_what_users_write_pass_strictly():
-    done = mypy(STUB, HERE / "usage.py")
-    assert done.returncode == 0, done.stdout
+def test_they_and_what_users_write_pass_strictly(mypy):
+    check, stub = mypy
+    done = check(stub, HERE / "usage.py")
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_wrong_uses_are_found(tmp_path):
+def test_wrong_uses_are_found(tmp_path, mypy):
     wrong = tmp_path / "wrong.py"
     wrong.write_text('import chiaro\nchiaro.render("a", lightning="spao")\nchiaro.render("a", lighting="transprot")\nchiaro.Session("a").camera.azimuth = "x"\n')
-    said = mypy(wrong).stdout
+    said = mypy[0](wrong).stdout
     assert said.count("error:") == 3, said
 
 
