@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import html
 import sys
 import time
 from typing import Any, Callable, Iterator
@@ -67,17 +68,52 @@ class _Widget:
             self._bar.close()
 
 
+class _Html:
+    """The same without ipywidgets: an output that is written over, and empty in the end."""
+
+    def __init__(self) -> None:
+        self._begun = self._written = time.monotonic()
+        self._handle: Any = None
+
+    def __call__(self, stage: str, fraction: float) -> None:
+        now = time.monotonic()
+        if now - self._begun < 0.3 or (self._handle is not None and now - self._written < 0.2):
+            return
+        from IPython.display import HTML, display
+
+        bar = HTML(f"<progress value='{fraction:.3f}'></progress> {html.escape(stage[:40])}")
+        self._written = now
+        if self._handle is None:
+            self._handle = display(bar, display_id=True)
+        else:
+            self._handle.update(bar)
+
+    def close(self) -> None:
+        if self._handle is not None:
+            from IPython.display import HTML
+
+            self._handle.update(HTML(""))
+
+
 def _in_notebook() -> bool:
     ipython = sys.modules.get("IPython")
     shell = ipython.get_ipython() if ipython else None
     return shell is not None and type(shell).__name__ == "ZMQInteractiveShell"
 
 
+def _has_widgets() -> bool:
+    """ipywidgets before 7 speak a protocol that programs which run notebooks do not understand any more."""
+    from importlib import metadata
+
+    try:
+        return int(metadata.version("ipywidgets").split(".")[0]) >= 7
+    except (metadata.PackageNotFoundError, ValueError):
+        return False
+
+
 def _automatic() -> Any:
     if _in_notebook():
-        import importlib.util
-
-        return _Widget() if importlib.util.find_spec("ipywidgets") else None
+        return _Widget() if _has_widgets() else _Html()
     return _Line() if sys.stderr is not None and sys.stderr.isatty() else None
 
 

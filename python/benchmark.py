@@ -1,0 +1,117 @@
+"""Figures of the package on this machine: benchmark.py [--size N] [--quick]. Medians; ratios are of things measured in turns."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import resource
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from typing import Callable
+
+import numpy as np
+
+import chiaro
+from chiaro.__main__ import program
+
+
+def seconds(work: Callable[[], object]) -> float:
+    begun = time.perf_counter()
+    work()
+    return time.perf_counter() - begun
+
+
+def importing(runs: int) -> None:
+    script = "import time, numpy; b = time.perf_counter(); import chiaro; print(time.perf_counter() - b)"
+    took = [float(subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout) for _ in range(runs)]
+    print(f"import beyond numpy: {1e3 * statistics.median(took):.1f} ms (at most 60)")
+
+
+def overhead(runs: int) -> None:
+    """A call, minus what the library says that its stages took."""
+    session = chiaro.Session(chiaro.sample("ball", 16), size=(64, 64))
+    session.image()
+    over = []
+    for k in range(runs):
+        begun = time.perf_counter()
+        image = session.image(azimuth=float(k % 360))
+        np.asarray(image)
+        over.append(time.perf_counter() - begun - sum(stage["seconds"] for stage in image.stats["stages"]))
+    print(f"overhead of a call (64 × 64, 16³): {1e3 * statistics.median(over):.2f} ms (at most 5)")
+
+
+def first_picture(size: int, runs: int) -> None:
+    """The array to its first picture, and the tool from a raw file to its own."""
+    z, y, x = np.ogrid[:size, :size, :size]
+    c = (size - 1) / 2
+    r = np.sqrt((x - c) ** 2 + (y - c) ** 2 + (z - c) ** 2) / c
+    a = (1000 * np.exp(-(((r - 0.6) / 0.1) ** 2))).astype(np.uint16)
+    del r
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, f"a_{size}x{size}x{size}_uint16.raw")
+        a.tofile(path)
+        settings = {"transfer": "gray", "size": (1024, 768)}
+        flags = ["--transfer", "gray", "--size", "1024x768", "--quiet"]
+        ours, tools = [], []
+        for _ in range(runs + 1):
+            ours.append(seconds(lambda: chiaro.render(a, **settings).save(os.path.join(folder, "a.png"))))
+            tools.append(seconds(lambda: subprocess.run([program(), "render", path, "-o", os.path.join(folder, "b.png"), *flags], check=True)))
+    ratio = statistics.median(o / t for o, t in zip(ours[1:], tools[1:]))
+    print(f"numpy {size}³ uint16 to first picture: {statistics.median(ours[1:]):.2f} s, tool {statistics.median(tools[1:]):.2f} s, ratio {ratio:.2f} (at most 1.1)")
+
+
+def beside_vtk(size: int) -> None:
+    try:
+        import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
+        import vtkmodules.vtkRenderingVolumeOpenGL2  # noqa: F401
+        from vtkmodules.util.numpy_support import numpy_to_vtk
+        from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
+        from vtkmodules.vtkRenderingCore import vtkColorTransferFunction, vtkRenderer, vtkRenderWindow, vtkVolume, vtkVolumeProperty
+        from vtkmodules.vtkRenderingVolume import vtkFixedPointVolumeRayCastMapper
+    except ImportError:
+        print("VTK: not installed (python3-vtk9)")
+        return
+    if not os.environ.get("DISPLAY"):
+        print("VTK: no display, which its window needs (xvfb-run gives one)")
+        return
+    a = chiaro.sample("shells", size).to_numpy()
+
+    def vtk() -> None:
+        image = vtkImageData()
+        image.SetDimensions(*a.shape[::-1])
+        image.GetPointData().SetScalars(numpy_to_vtk(a.ravel(), deep=False))
+        colours, opacity = vtkColorTransferFunction(), vtkPiecewiseFunction()
+        colours.AddRGBPoint(0, 0, 0, 0), colours.AddRGBPoint(255, 1, 1, 1)
+        opacity.AddPoint(60, 0), opacity.AddPoint(255, 0.3)
+        mapper = vtkFixedPointVolumeRayCastMapper()
+        mapper.SetInputData(image)
+        looks = vtkVolumeProperty()
+        looks.SetColor(colours), looks.SetScalarOpacity(opacity), looks.ShadeOn(), looks.SetInterpolationTypeToLinear()
+        volume = vtkVolume()
+        volume.SetMapper(mapper), volume.SetProperty(looks)
+        renderer, window = vtkRenderer(), vtkRenderWindow()
+        renderer.AddVolume(volume)
+        window.SetOffScreenRendering(1), window.SetSize(1024, 768), window.AddRenderer(renderer), window.Render()
+
+    ours = seconds(lambda: chiaro.render(a, transfer=[(60, 0.2, 0.2, 0.2, 0), (255, 1, 1, 1, 0.3)], lighting="none", size=(1024, 768)))
+    print(f"beside VTK on {size}³: 1 line, {ours:.2f} s; VTK 15 lines, {seconds(vtk):.2f} s to the first picture")
+
+
+def main() -> None:
+    arguments = argparse.ArgumentParser()
+    arguments.add_argument("--size", type=int, default=512)
+    arguments.add_argument("--quick", action="store_true")
+    given = arguments.parse_args()
+    runs = 3 if given.quick else 5
+    importing(runs * 2 + 1)
+    overhead(20 if given.quick else 100)
+    first_picture(64 if given.quick else given.size, runs)
+    beside_vtk(64 if given.quick else 256)
+    print(f"peak memory of this process: {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3:.0f} MB")
+
+
+if __name__ == "__main__":
+    main()
