@@ -17,12 +17,13 @@ from .probe import Probe, list_probes
 from .scene import Scene
 from .session import Session, render
 from .transfer import TransferFunction, list_presets
+from .viewer import View, view
 from .volume import Volume, read, sample, samples, write
 
 __all__ = [
     "Difference", "Error", "Field", "Image", "InputError", "Interrupted", "OutputError", "Probe", "Scene", "Session",
-    "TransferFunction", "UsageError", "Volume", "compare", "compare_methods", "illuminate", "list_presets", "list_probes",
-    "read", "read_image", "reference", "render", "sample", "samples", "save_video", "set_progress", "turntable", "write",
+    "TransferFunction", "UsageError", "View", "Volume", "compare", "compare_methods", "illuminate", "list_presets", "list_probes",
+    "read", "read_image", "reference", "render", "sample", "samples", "save_video", "set_progress", "turntable", "view", "write",
     "__version__",
 ]
 
@@ -31,7 +32,7 @@ def _explain() -> None:
     """What each setting does, for help(chiaro.render)."""
     from ._settings import explained
 
-    for function in (render, illuminate, Scene, Session):
+    for function in (render, illuminate, view, Scene, Session):
         function.__doc__ = (function.__doc__ or "") + "\n    Settings:\n" + explained()
 
 

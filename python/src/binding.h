@@ -80,5 +80,6 @@ void add_scene(py::module_& module);
 void add_appearance(py::module_& module);
 void add_images(py::module_& module);
 void add_session(py::module_& module);
+void add_view(py::module_& module);
 
 }  // namespace chiaro::python

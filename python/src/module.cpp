@@ -28,4 +28,5 @@ PYBIND11_MODULE(_chiaro, module) {
     add_appearance(module);
     add_scene(module);
     add_session(module);
+    add_view(module);
 }
