@@ -5,10 +5,12 @@ from __future__ import annotations
 import argparse
 import os
 import resource
+import signal
 import statistics
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from typing import Callable
 
@@ -63,6 +65,29 @@ def first_picture(size: int, runs: int) -> None:
     print(f"numpy {size}³ uint16 to first picture: {statistics.median(ours[1:]):.2f} s, tool {statistics.median(tools[1:]):.2f} s, ratio {ratio:.2f} (at most 1.1)")
 
 
+def interrupting(runs: int) -> None:
+    """From the signal to KeyboardInterrupt, while light is found and paths are traced."""
+    volume = chiaro.sample("shells", 128)
+    for settings in ({"lighting": "reference", "reference_rays": 65536}, {"lighting": "histogram", "cache": "none"}):
+        took = []
+        for _ in range(runs):
+            sent = [0.0]
+
+            def send() -> None:
+                time.sleep(0.4)
+                sent[0] = time.perf_counter()
+                os.kill(os.getpid(), signal.SIGINT)
+
+            thread = threading.Thread(target=send)
+            thread.start()
+            try:
+                chiaro.render(volume, **settings)
+            except KeyboardInterrupt:
+                took.append(time.perf_counter() - sent[0])
+            thread.join()
+        print(f"Ctrl-C in {settings['lighting']}: {1e3 * max(took):.0f} ms (at most 100)")
+
+
 def beside_vtk(size: int) -> None:
     try:
         import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
@@ -109,6 +134,7 @@ def main() -> None:
     importing(runs * 2 + 1)
     overhead(20 if given.quick else 100)
     first_picture(64 if given.quick else given.size, runs)
+    interrupting(runs)
     beside_vtk(64 if given.quick else 256)
     print(f"peak memory of this process: {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3:.0f} MB")
 

@@ -25,6 +25,7 @@ namespace {
 
 /// On the GPU, which then holds it, or here.
 void find_occupancy(const Device& device, const RangeTest& is_visible, Medium::Data& data, const Progress& progress) {
+    progress.check();
     const DeviceVolume::Data& volume = data.volume.data();
     const auto on_gpu = [&] {
         cuda::Stream& stream = *device.stream;
