@@ -16,6 +16,12 @@ def _png(pixels: np.ndarray[Any, Any]) -> str:
     return f"data:image/png;base64,{data}"
 
 
+def _nearest(count: int, to: int) -> np.ndarray[Any, Any]:
+    """The indices of `count` values that stand for `to` of them."""
+    found: np.ndarray[Any, Any] = np.minimum((np.arange(to) + 0.5) * count / to, count - 1).astype(int)
+    return found
+
+
 def _slice(volume: Any, axis: int, edge: int = 160) -> str:
     """The middle slice across an axis of (z, y, x), as wide as it is in mm."""
     array = volume.array if volume.array.ndim == 3 else volume.array[..., 0]
@@ -25,8 +31,7 @@ def _slice(volume: Any, axis: int, edge: int = 160) -> str:
     spacing = np.delete(np.array(volume.spacing), axis)
     size = np.array(shown.shape) * spacing
     rows, columns = np.maximum(1, np.rint(size / size.max() * edge)).astype(int)
-    pick = lambda n, to: np.minimum((np.arange(to) + 0.5) * n / to, n - 1).astype(int)  # noqa: E731
-    small = shown[np.ix_(pick(shown.shape[0], rows), pick(shown.shape[1], columns))]
+    small = shown[np.ix_(_nearest(shown.shape[0], rows), _nearest(shown.shape[1], columns))]
     if axis != 0:
         small = small[::-1]  # z upwards
     grey = np.rint(255 * small).astype(np.uint8)
@@ -76,4 +81,5 @@ def graph(function: Any, volume: Any, size: tuple[int, int]) -> np.ndarray[Any, 
     for column in range(width):
         other = curve[max(column - 1, 0)]
         pixels[min(curve[column], other) : max(curve[column], other) + 1, column] = 32
-    return np.rint(pixels).astype(np.uint8)
+    shown: np.ndarray[Any, Any] = np.rint(pixels).astype(np.uint8)
+    return shown

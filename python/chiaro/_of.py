@@ -81,9 +81,11 @@ def _of_xarray(data: Any, **more: Any) -> Volume:
     spacing, origin, signs = [], [], []
     for dim in order:
         first, step = _regular(data, dim)
-        spacing.append(abs(step)), origin.append(first), signs.append(1.0 if step > 0 else -1.0)
+        spacing.append(abs(step))
+        origin.append(first)
+        signs.append(1.0 if step > 0 else -1.0)
     name = str(data.name) if getattr(data, "name", None) is not None else "xarray DataArray"
-    given = {"spacing": spacing, "origin": origin[::-1], "direction": np.diag(signs[::-1]), "name": name, **more}
+    given: dict[str, Any] = {"spacing": spacing, "origin": origin[::-1], "direction": np.diag(signs[::-1]), "name": name, **more}
     return Volume(data.transpose(*order).data, **given)
 
 

@@ -99,4 +99,5 @@ def compare_methods(volume: Any, methods: Sequence[str], *, progress: Any = None
 def reference(volume: Any, **settings: Any) -> Image:
     """The ground truth of a scene: ``render`` with lighting='reference', path tracing. ``reference_rays``: paths a pixel;
     ``reference_time``, ``reference_error``: when to stop before. ``image.stats['paths']`` tells the noise."""
-    return render(volume, **{"lighting": "reference", **settings})
+    given: dict[str, Any] = {"lighting": "reference", **settings}
+    return render(volume, **given)

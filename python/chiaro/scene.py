@@ -104,13 +104,15 @@ class Scene:
     @staticmethod
     def from_json(text: str, folder: str | os.PathLike[str] = ".") -> "Scene":
         """The scene of a text of the tool's. Relative names are looked up in ``folder``. Raises InputError."""
-        return _told(*_chiaro.parse_scene(text, os.path.abspath(folder)), "scene")
+        native, unknown = _chiaro.parse_scene(text, os.path.abspath(folder))
+        return _told(native, unknown, "scene")
 
     @staticmethod
     def read(path: str | os.PathLike[str], data: str | os.PathLike[str] = "") -> "Scene":
         """The scene of a scene file, or of a picture that carries one. A relative volume is looked up beside the file,
         then in ``data``. Raises InputError."""
-        return _told(*_chiaro.read_scene(os.fspath(path), os.fspath(data)), os.fspath(path))
+        native, unknown = _chiaro.read_scene(os.fspath(path), os.fspath(data))
+        return _told(native, unknown, os.fspath(path))
 
     from_picture = read
 

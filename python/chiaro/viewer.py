@@ -31,6 +31,10 @@ class View:
     Made by ``chiaro.view``.
     """
 
+    _session: Any
+    _server: Any
+    _volume: Any
+
     def __init__(self, scene: Scene, device: dict[str, Any], height: int, host: str, port: int, embed_from: Sequence[str] | None) -> None:
         state = self.__dict__
         state["_height"] = int(height)
@@ -113,10 +117,11 @@ class View:
 
     def snapshot(self, *, progress: Any = None, **settings: Any) -> Image:
         """The picture of the scene as it is now, of its own size or of ``size``."""
-        if self._session is None:
-            self.__dict__["_session"] = Session(self._first.with_(volume=self._volume), **self._device)
-        self._session.scene = self.scene.with_(**settings)
-        return self._session.image(progress=progress)  # type: ignore[no-any-return]
+        session: Any = self._session or Session(self._first.with_(volume=self._volume), **self._device)
+        self.__dict__["_session"] = session
+        session.scene = self.scene.with_(**settings)
+        image: Image = session.image(progress=progress)
+        return image
 
     def stop(self) -> None:
         """Ends the server; pages keep their last picture."""
@@ -182,9 +187,10 @@ def _cell(name: str, png: bytes, height: int) -> str:
 
 def _send(target: str, data: dict[str, Any]) -> None:
     """A message to the script of a cell."""
-    from ipykernel.comm import Comm
+    from ipykernel import comm
 
-    Comm(target_name=target, data=data).close()
+    made: Any = comm.Comm
+    made(target_name=target, data=data).close()
 
 
 def view(volume: Any, *, height: int = 600, host: str = "127.0.0.1", port: int = 0, embed_from: Sequence[str] | None = None, **settings: Any) -> View:

@@ -4,6 +4,7 @@ import ast
 import inspect
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 
@@ -24,14 +25,24 @@ def mypy(tmp_path):
     copy = tmp_path / "stubs" / "chiaro" / "__init__.pyi"
     copy.parent.mkdir(parents=True)
     copy.write_text(STUB.read_text())
-    environment = {**os.environ, "MYPYPATH": str(copy.parent.parent)}
     options = ["--no-incremental", "--cache-dir=/dev/null", "--strict"]
-    return lambda *files: subprocess.run([*module, *options, *map(str, files)], capture_output=True, text=True, env=environment, cwd=tmp_path), copy
+
+    def check(*files, path=copy.parent.parent):
+        return subprocess.run([*module, *options, *map(str, files)], capture_output=True, text=True, env={**os.environ, "MYPYPATH": str(path)}, cwd=tmp_path)
+
+    return check, copy
 
 
 def test_they_and_what_users_write_pass_strictly(mypy):
     check, stub = mypy
     done = check(stub, HERE / "usage.py")
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_the_package_itself_passes_strictly(mypy, tmp_path):
+    check, stub = mypy
+    shutil.copytree(STUB.parent, tmp_path / "code" / "chiaro", ignore=shutil.ignore_patterns("_native", "*.so", "__init__.pyi"))
+    done = check("--ignore-missing-imports", *sorted((tmp_path / "code" / "chiaro").glob("*.py")), path=tmp_path / "code")
     assert done.returncode == 0, done.stdout + done.stderr
 
 
