@@ -1,5 +1,6 @@
+#include "raycast/launch_pixels.h"  // first: it silences a false alarm of nvcc
+
 #include "raycast/depth_kernel.h"
-#include "raycast/launch_pixels.h"
 
 namespace chiaro::kernel {
 template void cast_pixels(cuda::Stream&, const DepthKernel<std::uint8_t>&, Tile, cuda::Count*);
