@@ -30,6 +30,7 @@ constexpr auto suite_table = std::to_array<Suite>({
     {"histogram", "local histograms: the published table of preprocessing, an edit's table, errors of occlusion",
      histogram_cases},
     {"gpu", "frames on a GPU by the clock (--device cuda), and what its memory gives", gpu_cases},
+    {"cancel", "how long a call goes on after it was cancelled", cancel_cases},
     {"tool", "first picture and peak memory of the program itself", tool_cases},
 });
 

@@ -63,6 +63,7 @@ std::vector<Case> transport_cases(const Setup& setup);
 std::vector<Case> path_cases(const Setup& setup);
 std::vector<Case> histogram_cases(const Setup& setup);
 std::vector<Case> gpu_cases(const Setup& setup);
+std::vector<Case> cancel_cases(const Setup& setup);
 std::vector<Case> tool_cases(const Setup& setup);
 
 /// Something costly that several cases share: made for the first, gone with the last.

@@ -185,7 +185,7 @@ std::vector<Row> measure_sweep(const Setup& setup, const std::string& name, int 
 }
 
 /// What follows an edit of the transfer function: classify and illuminate.
-std::vector<Row> measure_update(const Setup& setup, const std::string& name, int size) {
+std::vector<Row> measure_visibility_update(const Setup& setup, const std::string& name, int size) {
     const DeviceVolume volume = upload(setup.device, make_sample("shells", size));
     const TransferFunction tf = sample_transfer_function("shells");
     IlluminationSettings settings{.method = Method::visibility,
@@ -227,7 +227,7 @@ std::vector<Case> visibility_cases(const Setup& setup) {
     add("visibility/density", measure_density);
     cases.push_back({{"visibility/128", "visibility/128/walk"},
                      [=, &setup] { return measure_sweep(setup, "visibility/128", size); }});
-    add("visibility/update/64", measure_update);
+    add("visibility/update/64", measure_visibility_update);
     for (const Subject& subject : subjects(setup))
         for (const PaperColumn& paper : paper_table) {
             const std::string prefix = fmt::format("visibility/{}/1:{}/", subject.name, paper.subsample);

@@ -64,27 +64,8 @@ void SettingFlags::add_to(CLI::App& app, const Wanted& wanted) {
 }
 
 void SettingFlags::apply(Scene& scene) const {
-    const auto is_given = [&](std::string_view name) { return given_.contains(name); };
-    // Of settings that replace each other, one on the command line puts away the scene's.
-    if (is_given("transfer")) scene.transfer.points.reset();
-    if (is_given("transfer") || is_given("opacity-unit") || is_given("opacity-unit-mm"))
-        scene.transfer.opacity_unit.reset(), scene.transfer.opacity_unit_mm.reset();
-    if (is_given("background")) scene.lighting.probe.background = false;
-    const bool turns_orbit = is_given("azimuth") || is_given("elevation") || is_given("view");
-    if (turns_orbit) scene.camera.eye.reset(), scene.camera.target.reset();
-    if (turns_orbit || is_given("eye") || is_given("target")) scene.camera.view.reset(), scene.camera.by_frame = false;
-    if (is_given("up")) scene.camera.by_frame = false;
-    if (is_given("fit")) scene.camera.fit_centre.reset(), scene.camera.fit_radius_mm.reset();  // found anew
-
-    for_each_setting(
-        [&](const Setting& setting, auto&... fields) {
-            const auto found = given_.find(setting.name);
-            if (found == given_.end()) return;
-            const std::string who = fmt::format("--{} {}", setting.name, found->second);
-            set(setting, found->second, who, ErrorCode::usage, fields...);
-        },
-        scene);
-    check(scene, ErrorCode::usage);
+    set_by_name(scene, given_,
+                [](std::string_view name, std::string_view value) { return fmt::format("--{} {}", name, value); });
 }
 
 std::string options_table() {

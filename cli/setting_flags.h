@@ -1,5 +1,6 @@
 // The flags of the settings that <chiaro/describe.h> tells.
 #pragma once
+#include <chiaro/describe.h>
 #include <chiaro/scene.h>
 #include <chiaro/settings.h>
 
@@ -28,7 +29,7 @@ private:
     void add(CLI::App& app, const std::string& group, const Setting& setting, const std::string& form,
              const std::string& text);
 
-    std::map<std::string, std::string, std::less<>> given_;
+    GivenSettings given_;
 };
 
 /// The table of all settings as Markdown: docs/options.md.

@@ -21,6 +21,8 @@ struct ViewOptions {
     std::optional<int> port;
     std::string host = "127.0.0.1";
     bool no_open = false;
+    std::string base_path = "/";
+    std::vector<std::string> embed_from;
     SettingFlags flags;
     CommonOptions common;
 };
@@ -87,6 +89,7 @@ void run(const ViewOptions& o) {
     options.folders = folders_of(o, options.scene);
     options.data = o.source.data;
     options.host = o.host, options.port = o.port;
+    options.base_path = o.base_path, options.embed_from = o.embed_from;
     options.device = device_of(o.common);
     ProgressBar bar(o.common.progress, o.common.quiet);
     options.report = bar.report();
@@ -110,6 +113,12 @@ Command view_command(CLI::App& tool) {
     app->add_option("--port", o->port, "port to serve at; 0: any that is free (8480, or another where that is taken)")
         ->type_name("N");
     app->add_option("--host", o->host, "address to serve at (127.0.0.1: this computer alone)")->type_name("ADDR");
+    app->add_option("--base-path", o->base_path, "path under which a proxy has the page [/]")->type_name("/PATH/");
+    app->add_option("--embed-from", o->embed_from,
+                    "origin that may frame the page, and that it may have behind a proxy (may be repeated)")
+        ->type_name("ORIGIN")
+        ->expected(1)
+        ->take_all();
     app->add_flag("--no-open", o->no_open, "only prints the address");
     add_common_options(*app, o->common);
     o->flags.add_to(*app);

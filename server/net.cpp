@@ -37,7 +37,7 @@ tcp::acceptor listening(asio::io_context& io, const Address& address) {
 }  // namespace
 
 struct Net::Impl {
-    Impl(const Address& address, Site& site) : context(site, address.host, io), acceptor(listening(io, address)) {}
+    Impl(const Address& address, Site& site) : context(site, address, io), acceptor(listening(io, address)) {}
 
     void accept() {
         acceptor.async_accept([this](beast::error_code error, tcp::socket socket) {
@@ -113,6 +113,8 @@ void Net::run(bool signals) {
     for (const auto& socket : std::set(net.context.sockets)) socket->ended();
     net.context.answered_later.clear();
 }
+
+void Net::post(std::function<void()> work) { impl_->context.mailbox->post(std::move(work)); }
 
 void Net::stop() {
     asio::post(impl_->io, [this] { impl_->end(); });

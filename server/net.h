@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace chiaro::server {
 
@@ -65,6 +66,8 @@ struct Address {
     std::string host = "127.0.0.1";
     int port = 0;             ///< 0: any that is free
     bool or_another = false;  ///< takes a free port where this one is taken
+    std::vector<std::string>
+        embed_from{};  ///< origins that may frame the page and ask through a proxy, "https://hub.org"
 };
 
 /// Listens from its construction on; throws Error{usage} for an address that is none, Error{output} where it cannot be
@@ -77,6 +80,8 @@ public:
     /// Serves until `stop`, or SIGINT or SIGTERM where `signals`; then tells the site and closes every socket.
     void run(bool signals);
     void stop();  ///< from any thread
+    /// Calls it in the network's thread, unless that has ended before.
+    void post(std::function<void()> work);
 
 private:
     struct Impl;

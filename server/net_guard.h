@@ -70,25 +70,32 @@ inline bool is_address(const std::string& name) {
 }
 
 /// Against pages of others that have a browser ask this server: the name that was asked for must be one of ours (DNS
-/// rebinding), and a page that asks must come from here.
+/// rebinding), and a page that asks must come from here, or from an origin that the server was told of: behind a proxy
+/// the page has that origin, and its name may be the one asked for.
 class Doorman {
 public:
-    explicit Doorman(const std::string& host) : names_{"localhost", "127.0.0.1", "[::1]"} {
+    explicit Doorman(const Address& address) : names_{"localhost", "127.0.0.1", "[::1]"} {
+        const std::string& host = address.host;
         boost::system::error_code error;
-        const auto address = asio::ip::make_address(host, error);
-        is_everywhere_ = !error && address.is_unspecified();
-        names_.insert(!error && address.is_v6() ? "[" + host + "]" : host);
+        const auto bound = asio::ip::make_address(host, error);
+        is_everywhere_ = !error && bound.is_unspecified();
+        names_.insert(!error && bound.is_v6() ? "[" + host + "]" : host);
         if (is_everywhere_) names_.insert(asio::ip::host_name());
+        for (const std::string& origin : address.embed_from) {
+            origins_.insert(origin);
+            names_.insert(host_name(std::string_view(origin).substr(origin.find("://") + 3)));
+        }
     }
 
     bool lets_in(std::string_view host, std::string_view origin) const {
         const std::string name = host_name(host);
         const bool is_ours = names_.count(name) || (is_everywhere_ && is_address(name));
-        return is_ours && (origin.empty() || origin == "http://" + std::string(host));
+        return is_ours &&
+               (origin.empty() || origin == "http://" + std::string(host) || origins_.count(std::string(origin)));
     }
 
 private:
-    std::set<std::string> names_;
+    std::set<std::string> names_, origins_;
     bool is_everywhere_;
 };
 

@@ -14,14 +14,15 @@ inline constexpr std::size_t largest_upload = 64 << 20, max_uploads = 4, max_soc
 // A browser opens six connections to a server, and shows the token on the first.
 inline constexpr std::size_t max_strangers = 64, max_strangers_of_address = 32;
 
-/// What every answer says: nothing is loaded from elsewhere, framed by others, guessed or kept.
+/// What every answer says: nothing is loaded from elsewhere, framed by others than those named, guessed or kept.
 template <class Message>
-void add_headers(Message& message) {
+void add_headers(Message& message, const std::string& frame_ancestors) {
     message.set(http::field::server, "chiaro");
     message.set(http::field::cache_control, "no-store");
     message.set("Content-Security-Policy",
                 "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' blob: data:; "
-                "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'");
+                "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors " +
+                    frame_ancestors);
     message.set("X-Content-Type-Options", "nosniff");
     message.set("Referrer-Policy", "no-referrer");
     message.set("Cross-Origin-Opener-Policy", "same-origin");
@@ -195,7 +196,7 @@ private:
 
     template <class Message>
     void write(std::shared_ptr<Message> message) {
-        add_headers(*message);
+        add_headers(*message, context_.frame_ancestors);
         message->keep_alive(keep_alive_ && parser_->get().keep_alive());
         http::async_write(stream_, *message,
                           [self = shared_from_this(), message](beast::error_code error, std::size_t) {

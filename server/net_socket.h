@@ -24,11 +24,16 @@ class WebSocket;
 class Connection;
 
 struct Context {
-    Context(Site& served, const std::string& host, asio::io_context& io)
-        : site(served), doorman(host), mailbox(std::make_shared<Mailbox>(io)) {}
+    Context(Site& served, const Address& address, asio::io_context& io)
+        : site(served), doorman(address), mailbox(std::make_shared<Mailbox>(io)) {
+        for (const std::string& origin : address.embed_from)
+            frame_ancestors += (frame_ancestors.empty() ? "" : " ") + origin;
+        if (frame_ancestors.empty()) frame_ancestors = "'none'";
+    }
 
     Site& site;
     Doorman doorman;
+    std::string frame_ancestors;  ///< of the Content-Security-Policy
     const std::shared_ptr<Mailbox> mailbox;
     std::size_t connections = 0, uploads = 0;
     std::set<std::shared_ptr<Connection>> answered_later;

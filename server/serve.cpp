@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <deque>
 #include <map>
+#include <mutex>
 
 #include "lists.h"
 #include "pages.h"
@@ -16,6 +18,7 @@ namespace {
 
 constexpr std::size_t max_views = 128, max_alone = 16;
 constexpr auto kept_alone = std::chrono::minutes(10);
+constexpr auto good_for = std::chrono::seconds(60);
 
 bool is_view_id(const std::string& id) {
     return id.size() >= 8 && id.size() <= 64 &&
@@ -45,13 +48,15 @@ Response json_response(const Json& json, int status = 200) {
 class ViewerSite : public Site {
 public:
     ViewerSite(const ViewerOptions& options)
-        : context_{Volumes(options.device),
+        : context_{Volumes(options.device, options.volume),
                    Folders(options.folders, store_.uploads()),
                    store_,
                    lists(options.device),
                    options.scene,
                    options.data,
-                   Progress(options.report)},
+                   Progress(options.report),
+                   options.changed},
+          base_path_(options.base_path),
           read_in_(options.read_in) {
         if (context_.initial) reading_.post([this] { read_first(); });
     }
@@ -60,10 +65,27 @@ public:
     void expect(const std::string& token) { token_ = token; }
     const std::string& token() const { return token_; }
 
+    /// Good for one visit.
+    std::string fresh_key() {
+        const std::lock_guard lock(keys_mutex_);
+        const auto now = std::chrono::steady_clock::now();
+        std::erase_if(keys_, [&](const auto& entry) { return entry.second < now; });
+        std::string key = random_key();
+        keys_[key] = now + good_for;
+        return key;
+    }
+
+    void put(const Scene& scene) {
+        for (const auto& [id, view] : views_) view->put(scene);
+        given_ = scene;
+    }
+
     std::optional<Response> answer(Request request, std::function<void(Response)> later) override {
+        request.path = within_base(request.path);
         if (request.method == "POST") return upload(std::move(request), std::move(later));
         if (request.path.starts_with("/download/")) return store_.fetch(request.path.substr(10));
         const bool is_page = request.path == "/" || request.path == "/index.html";
+        if (is_page && request.query.contains("key")) return visit(member(request.query, "key"));
         if (is_page && !has_token(request))
             return refusal(403, "This page opens with the whole address that chiaro view printed, token and all.");
         const auto file = page_file(is_page ? "index.html" : std::string_view(request.path).substr(1));
@@ -74,11 +96,12 @@ public:
     }
 
     bool is_known(const Request& request) const override {
-        return has_token(request) || (request.path.starts_with("/download/") && store_.has(request.path.substr(10)));
+        const std::string path = within_base(request.path);
+        return has_token(request) || (path.starts_with("/download/") && store_.has(path.substr(10)));
     }
 
     Response admit(const Request& request) override {
-        const bool is_known = request.path == (request.method == "POST" ? "/upload" : "/socket");
+        const bool is_known = within_base(request.path) == (request.method == "POST" ? "/upload" : "/socket");
         if (!is_known) return refusal(404, "There is nothing at this address.");
         if (!has_token(request)) return refusal(403, "The token is not this server's.");
         if (!is_view_id(member(request.query, "view")))
@@ -90,7 +113,10 @@ public:
     std::shared_ptr<Listener> welcome(const Request& request, std::shared_ptr<Socket> socket) override {
         const std::string id = member(request.query, "view");
         std::shared_ptr<View>& view = views_[id];
-        if (!view) view = std::make_shared<View>(context_, id);
+        if (!view) {
+            view = std::make_shared<View>(context_, id);
+            if (given_) view->put(*given_);
+        }
         try {
             view->attach(socket, member(request.query, "take") == "1");
         } catch (...) {
@@ -116,7 +142,39 @@ public:
     }
 
 private:
-    bool has_token(const Request& request) const { return is_same_key(member(request.query, "token"), token_); }
+    bool has_token(const Request& request) const {
+        const std::string token = member(request.query, "token");
+        if (is_same_key(token, token_)) return true;
+        return std::any_of(visits_.begin(), visits_.end(),
+                           [&](const auto& visit) { return is_same_key(token, visit); });
+    }
+
+    /// A proxy may take the base path away, or leave it.
+    std::string within_base(const std::string& path) const {
+        return path.starts_with(base_path_) ? "/" + path.substr(base_path_.size()) : path;
+    }
+
+    /// The page for whoever has a key, which is worth nothing after that; it speaks on by a token of its own.
+    Response visit(const std::string& key) {
+        {
+            const std::lock_guard lock(keys_mutex_);
+            const auto found = keys_.find(key);
+            const bool is_good = found != keys_.end() && found->second >= std::chrono::steady_clock::now();
+            if (found != keys_.end()) keys_.erase(found);
+            if (!is_good) return refusal(403, "This address was good for one visit within a minute: ask for another.");
+        }
+        visits_.push_back(random_key());
+        if (visits_.size() > max_views) visits_.pop_front();
+        const auto file = page_file("index.html");
+        if (!file) return refusal(404, "There is nothing at this address.");
+        Response response;
+        response.type = file->type, response.body = file->bytes;
+        const std::string head = "<head>";
+        if (const std::size_t at = response.body.find(head); at != response.body.npos)
+            response.body.insert(at + head.size(),
+                                 fmt::format("\n<meta name=\"chiaro-visit\" content=\"{}\">", visits_.back()));
+        return response;
+    }
 
     /// Begins before the first page asks, and keeps the volume while nobody looks.
     void read_first() {
@@ -162,30 +220,62 @@ private:
 
     Store store_;
     ServerContext context_;
+    const std::string base_path_;
     std::string token_;
-    std::map<std::string, std::shared_ptr<View>> views_;  // of the network's thread alone
+    std::mutex keys_mutex_;
+    std::map<std::string, std::chrono::steady_clock::time_point> keys_;  // and until when they are good
+    std::deque<std::string> visits_;                                     // tokens of pages that came with a key
+    std::optional<Scene> given_;                                         // what was put last
+    std::map<std::string, std::shared_ptr<View>> views_;                 // of the network's thread alone
     std::shared_ptr<const Loaded> first_;
     std::function<void(double)> read_in_;
     SerialQueue reading_, leaving_;  // the last members: their work uses the others
 };
 
 Address address_of(const ViewerOptions& options) {
-    return {options.host, options.port.value_or(Viewer::default_port), !options.port};
+    return {options.host, options.port.value_or(Viewer::default_port), !options.port, options.embed_from};
 }
 
 }  // namespace
 
 struct Viewer::State {
-    explicit State(const ViewerOptions& options) : host(options.host), site(options), net(address_of(options), site) {
-        site.expect(token_for(net.port()));
+    explicit State(const ViewerOptions& options)
+        : host(options.host), base_path(options.base_path), site(options), net(address_of(options), site) {
+        site.expect(options.token.empty() ? token_for(net.port()) : options.token);
     }
 
-    std::string host;
+    std::string host, base_path;
     ViewerSite site;
     Net net;
 };
 
-Viewer::Viewer(const ViewerOptions& options) : state_(std::make_unique<State>(options)) {}
+namespace {
+
+bool is_origin(const std::string& text) {
+    const bool has_scheme = text.starts_with("http://") || text.starts_with("https://");
+    const std::size_t begin = text.find("://") + 3;
+    return has_scheme && text.size() > begin && text.find_first_of("/ ;,'\"", begin) == text.npos;
+}
+
+/// What goes into headers and addresses is checked before.
+const ViewerOptions& checked(const ViewerOptions& options) {
+    for (const std::string& origin : options.embed_from)
+        if (!is_origin(origin))
+            throw Error(
+                ErrorCode::usage,
+                fmt::format("--embed-from {}: must be an origin such as https://hub.org or http://localhost:8888",
+                            origin));
+    const std::string& base = options.base_path;
+    constexpr std::string_view plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./~@";
+    if (base.empty() || base.front() != '/' || base.back() != '/' || base.find_first_not_of(plain) != base.npos)
+        throw Error(ErrorCode::usage,
+                    fmt::format("--base-path {}: must begin and end with /, such as /proxy/8480/", base));
+    return options;
+}
+
+}  // namespace
+
+Viewer::Viewer(const ViewerOptions& options) : state_(std::make_unique<State>(checked(options))) {}
 Viewer::~Viewer() = default;
 int Viewer::port() const { return state_->net.port(); }
 const std::string& Viewer::token() const { return state_->site.token(); }
@@ -195,7 +285,13 @@ std::string Viewer::url() const {
     const std::string host = is_anywhere || state_->host == "127.0.0.1" ? "localhost"
                              : is_v6                                    ? "[" + state_->host + "]"
                                                                         : state_->host;
-    return fmt::format("http://{}:{}/?token={}", host, port(), token());
+    return fmt::format("http://{}:{}{}?token={}", host, port(), state_->base_path, token());
+}
+std::string Viewer::path_of_one_visit() {
+    return fmt::format("{}?key={}", state_->base_path, state_->site.fresh_key());
+}
+void Viewer::put(const Scene& scene) {
+    state_->net.post([site = &state_->site, scene] { site->put(scene); });
 }
 void Viewer::run(bool signals) { state_->net.run(signals); }
 void Viewer::stop() { state_->net.stop(); }

@@ -2,6 +2,7 @@
 #pragma once
 #include <chiaro/progress.h>
 #include <chiaro/scene.h>
+#include <chiaro/volume.h>
 
 #include <filesystem>
 #include <functional>
@@ -17,7 +18,14 @@ struct ViewerOptions {
     std::vector<std::filesystem::path> folders;  ///< whose files pages may open, at least one
     std::filesystem::path data;                  ///< where volumes of scenes are looked up too
     std::string host = "127.0.0.1";
-    std::optional<int> port;  ///< none: the usual one, or another that is free; 0: any
+    std::optional<int> port;      ///< none: the usual one, or another that is free; 0: any
+    std::string base_path = "/";  ///< under which a proxy has the page: "/user/ann/proxy/8480/"
+    /// Origins that may frame the page, and that it may have behind a proxy: "https://hub.org".
+    std::vector<std::string> embed_from{};
+    std::string token{};  ///< "": the user's own at this port
+    /// What the first scene shows, where that is in memory; its voxels stay as they are.
+    std::shared_ptr<const Volume> volume{};
+    std::function<void(const Scene&)> changed{};  ///< hears of each state of a page; from another thread
     Device device;
     Progress::Report report = {};              ///< hears of reading the first volume
     std::function<void(double)> read_in = {};  ///< is told the seconds it took; both from another thread
@@ -33,6 +41,10 @@ public:
     int port() const;
     const std::string& token() const;
     std::string url() const;  ///< with the token
+    /// The path of the page, with a key that is good for one visit within 60 seconds.
+    std::string path_of_one_visit();
+    /// What is shown from now on, on every page that is open, and on pages to come. Of the first scene's volume.
+    void put(const Scene& scene);
     /// Serves until `stop`, or SIGINT or SIGTERM where `signals`.
     void run(bool signals);
     void stop();  ///< from any thread

@@ -73,6 +73,9 @@ Json View::open(const Json& request, Progress& progress) {
 
 Json View::open_initial(const Json&, Progress& progress) {
     Json reply = show(*context_.initial, progress);
+    const auto loaded = shown();
+    const std::lock_guard lock(mutex_);
+    if (given_) reply["scene"] = scene_json(*given_, loaded->session);
     reply["type"] = "opened";
     return reply;
 }

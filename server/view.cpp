@@ -84,6 +84,17 @@ std::optional<Clock::duration> View::alone() const {
     return Clock::now() - *left_;
 }
 
+void View::put(const Scene& scene) {
+    const auto loaded = shown();
+    const Json json = loaded ? scene_json(scene, loaded->session) : Json::parse(to_json(scene));
+    {
+        const std::lock_guard lock(mutex_);
+        state_ = json;
+        given_ = scene;
+    }
+    tell({{"type", "put"}, {"scene", json}});
+}
+
 void View::say_goodbye() {
     tell({{"type", "bye"}});
     cancel_all();
@@ -251,6 +262,7 @@ void View::hear_state(const Json& message) {
         wanted.connection = connection_;
         if (!wanted.preview) state_ = message["scene"];
     }
+    if (!wanted.preview && context_.changed) context_.changed(wanted.scene);
     render_worker_.request(std::move(wanted));
 }
 

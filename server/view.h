@@ -22,10 +22,11 @@ struct ServerContext {
     Volumes volumes;
     Folders folders;
     Store& store;
-    Json lists;                    ///< of hello
-    std::optional<Scene> initial;  ///< what the program was started with
-    std::filesystem::path data;    ///< where volumes of scenes are looked up too
-    Progress first;                ///< of reading the initial volume, begun before a page asks
+    Json lists;                                 ///< of hello
+    std::optional<Scene> initial;               ///< what the program was started with
+    std::filesystem::path data;                 ///< where volumes of scenes are looked up too
+    Progress first;                             ///< of reading the initial volume, begun before a page asks
+    std::function<void(const Scene&)> changed;  ///< hears of each state of a page
 };
 
 class View : public Listener {
@@ -41,6 +42,8 @@ public:
     /// much waits.
     bool bring(const std::string& name, std::string bytes, std::function<void(const Json&)> reply);
     void say_goodbye();
+    /// Another scene of the shown volume: the page takes it over as its own.
+    void put(const Scene& scene);
     /// How long no page has been there.
     std::optional<std::chrono::steady_clock::duration> alone() const;
 
@@ -95,7 +98,8 @@ private:
     std::int64_t newest_ = -1;  ///< state of this connection
     std::optional<std::chrono::steady_clock::time_point> left_;
     std::shared_ptr<const Loaded> shown_;
-    Json state_;  ///< the scene of the last state that was no preview
+    Json state_;                  ///< the scene of the last state that was no preview
+    std::optional<Scene> given_;  ///< was put, maybe before its volume was read
     std::map<std::string, std::shared_ptr<Progress>> running_;
 
     int heard_ = 0;                ///< the connection whose message is being understood; the hearing queue's own

@@ -80,6 +80,16 @@ std::shared_ptr<const Loaded> read(const Scene& scene, Device device, int halvin
     return loaded;
 }
 
+/// Of a volume in memory: never reduced, and its voxels stay.
+std::shared_ptr<const Loaded> take(const Scene& scene, Device device, const Volume& volume, Progress& progress) {
+    Json json = told(volume);
+    json["spacing_stated"] = states_spacing(volume);
+    json["reduced"] = nullptr;
+    auto loaded = std::make_shared<Loaded>(Loaded{scene, Session(device), std::move(json), 0});
+    loaded->session.show(volume, progress);
+    return loaded;
+}
+
 }  // namespace
 
 std::shared_ptr<const Loaded> Volumes::find(const Scene& scene) const {
@@ -115,7 +125,8 @@ std::shared_ptr<const Loaded> Volumes::load(const Scene& scene, Progress& progre
         changed_.notify_all();
     };
     try {
-        loaded = read(scene, device_, halvings, told);
+        const bool is_held = held_ && held_->source == scene.volume;
+        loaded = is_held ? take(scene, device_, *held_, told) : read(scene, device_, halvings, told);
     } catch (...) {
         done();
         throw;

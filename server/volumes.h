@@ -22,7 +22,9 @@ struct Loaded {
 
 class Volumes {
 public:
-    explicit Volumes(Device device) : device_(device) {}
+    /// `held`: what scenes of a volume of this name show, without reading it.
+    explicit Volumes(Device device, std::shared_ptr<const Volume> held = nullptr)
+        : device_(device), held_(std::move(held)) {}
 
     /// The scene's volume: the one in memory, or read now; where another thread is reading it that is waited for.
     /// It is halved so often, or oftener where it would not fit (memory_budget.h). Throws as read_volume.
@@ -40,6 +42,7 @@ private:
     };
 
     Device device_;
+    std::shared_ptr<const Volume> held_;
     mutable std::mutex mutex_;
     std::condition_variable changed_;
     std::map<std::string, Entry> entries_;

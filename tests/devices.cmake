@@ -24,7 +24,7 @@ gtest_discover_tests(cuda_emulated_test NO_PRETTY_VALUES TEST_PREFIX Emulated DI
 
 # The tool with that GPU, for scripts/gpu_pictures.
 find_package(CLI11 REQUIRED)
-add_executable(chiaro_emulated EXCLUDE_FROM_ALL $<TARGET_OBJECTS:chiaro-cli> $<TARGET_OBJECTS:cuda_emulated>)
+add_executable(chiaro_emulated EXCLUDE_FROM_ALL $<TARGET_OBJECTS:chiaro-cli> $<TARGET_OBJECTS:chiaro_tool> $<TARGET_OBJECTS:cuda_emulated>)
 target_link_libraries(chiaro_emulated PRIVATE $<TARGET_PROPERTY:chiaro-cli,LINK_LIBRARIES>)
 
 # But for what takes three seconds and more there, and goes through the same kernels as quicker tests: that the emulated GPU

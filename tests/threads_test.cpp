@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <fstream>
 #include <set>
 #include <thread>
 #include <vector>
@@ -141,4 +142,48 @@ TEST(Threads, WhatIsLazyIsMadeByTheNextWhereMakingItFailed) {
     const auto fail = [&] { lazy([]() -> int { throw Error(ErrorCode::output, "no room"); }); };
     EXPECT_THROW(fail(), Error);
     EXPECT_EQ(lazy([] { return 5; }), 5);
+}
+
+// An arena of oneTBB that ends leaves memory behind; a server makes thousands of passes.
+TEST(Threads, PassesLeaveNoMemory) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    GTEST_SKIP() << "sanitizers keep memory of their own";
+#endif
+    const auto resident = [] {
+        std::ifstream status("/proc/self/statm");
+        std::size_t total = 0, pages = 0;
+        status >> total >> pages;
+        return double(pages) * 4096;
+    };
+    const auto passes = [](int count) {
+        for (int i = 0; i < count; ++i)
+            for (const int threads : {1, 2}) parallel_for(threads, 8, 1, [](std::int64_t, std::int64_t) {});
+    };
+    passes(500);
+    const double before = resident();
+    passes(4000);
+    EXPECT_LT(resident() - before, 8e6);  // 50 MB with an arena for each
+}
+
+TEST(Threads, SilentPassesEndWithTheCallThatTheyAreOf) {
+    Progress outer, inner;
+    std::atomic<int> done{0};
+    const auto count = [&] { parallel_for(2, 100, 1, [&](std::int64_t, std::int64_t) { ++done; }); };
+    {
+        const CancelScope scope(outer);
+        count();
+        EXPECT_EQ(done, 100);
+        outer.cancel();
+        {
+            const CancelScope within(inner);
+            count();
+            EXPECT_EQ(done, 200) << "the inner call goes on";
+        }
+        EXPECT_THROW(count(), Error);
+        EXPECT_EQ(done, 200);
+        std::thread([&] { count(); }).join();
+        EXPECT_EQ(done, 300) << "another thread's call is another";
+    }
+    count();
+    EXPECT_EQ(done, 400);
 }

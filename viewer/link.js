@@ -10,7 +10,8 @@ const viewId = () => {
 
 export class Link {
   view = viewId();
-  token = new URLSearchParams(location.search).get("token") ?? "";
+  /** Of the address, or where that was good for one visit, the page's own. */
+  token = new URLSearchParams(location.search).get("token") ?? document.querySelector("meta[name=chiaro-visit]")?.getAttribute("content") ?? "";
   open = false;
   n = 0;
   /** @type {(message: any) => void} */ onmessage = () => {};

@@ -174,8 +174,10 @@ app.take = async (given) => {
   if (found.kind === "transfer") app.setTransfer(found.transfer_function, words.importTf);
   else if (found.kind === "probe") (app.ownProbe = found.source), store.set(words.light, (s) => ({ values: { ...s.values, "probe.file": found.source, "probe.preset": undefined } })), app.light.open();
   else if (found.needs_volume) app.states.say(`${words.about.dimensions}: ${found.needs_volume}`, { role: "alert" });
-  else store.set(words.menu.loadScene, (s) => ({ ...stateOf({ ...found.scene, volume: s.rest.volume, image: s.rest.image }, s, (camera) => fromScene(camera, app.box, app.volume.world)), look: undefined }));
+  else take(found.scene);
 };
+/** The look of a scene for the volume that is shown: a step that can be undone. */
+const take = (scene) => app.volume && store.set(words.menu.loadScene, (s) => ({ ...stateOf({ ...scene, volume: s.rest.volume, image: s.rest.image }, s, (camera) => fromScene(camera, app.box, app.volume.world)), look: undefined }));
 for (const name of ["dragover", "drop"]) addEventListener(name, (event) => {
   event.preventDefault();
   if (name === "drop" && event.dataTransfer.files[0]) app.take(event.dataTransfer.files[0]);
@@ -230,6 +232,7 @@ link.onmessage = (m) => {
   else if (m.type === "progress") m.re === "open" ? reading?.(m) : app.frame.progress(m);
   else if (m.type === "opened") !app.volume ? open(m.volume, m.scene) : m.volume.file === app.volume.file ? changed({ moving: false }) : reopen();
   else if (m.type === "error") m.re === "open" ? (app.states.clear(), m.code === "interrupted" ? app.volume || app.states.empty() : app.states.failed(m.sentence)) : m.code === "memory" && m.n ? outOfMemory(m.sentence) : app.states.say(m.sentence, { role: "alert" });
+  else if (m.type === "put") take(m.scene);
   else if (m.type === "note") app.states.say(m.sentence, { keep: false });
 };
 link.onframe = (header, data) => app.frame.show(header, data);

@@ -24,4 +24,5 @@
 #include <chiaro/text.h>
 #include <chiaro/transfer_file.h>
 #include <chiaro/transfer_function.h>
+#include <chiaro/view.h>
 #include <chiaro/volume.h>

@@ -5,6 +5,9 @@
 #include <chiaro/text.h>
 
 #include <concepts>
+#include <functional>
+#include <map>
+#include <string>
 #include <type_traits>
 
 namespace chiaro {
@@ -313,5 +316,14 @@ template <class Visit, SettingsOf<Scene> S>
 void for_each_setting(Visit&& visit, S& scene) {
     for_each_group([&](std::string_view, auto& settings) { describe(visit, settings); }, scene);
 }
+
+/// Texts of settings by the names of their flags, as a user gave them.
+using GivenSettings = std::map<std::string, std::string, std::less<>>;
+
+/// Sets what is given, which wins over what the scene says: of settings that replace each other, the one that is given
+/// puts away the scene's. "" takes back an optional one. `written` tells how the user wrote a setting ("--step 0"), for
+/// messages. Names that are none are passed over. Throws Error{usage}.
+CHIARO_EXPORT void set_by_name(Scene& scene, const GivenSettings& given,
+                               const std::function<std::string(std::string_view name, std::string_view value)>& written);
 
 }  // namespace chiaro

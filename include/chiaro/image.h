@@ -17,6 +17,9 @@ namespace chiaro {
 struct Frame {
     int width = 0, height = 0;
     std::vector<float> rgba;
+    /// Of each pixel, where find_depth was asked for it, else empty: how far along the ray through its centre half of
+    /// its opacity is reached; infinity where it never is.
+    std::vector<float> depth_mm;
 
     Frame() = default;
     Frame(int width, int height) : width(width), height(height), rgba(std::size_t(4) * width * height) {}

@@ -38,6 +38,9 @@ private:
 CHIARO_EXPORT DeviceVolume upload(const Device& device, const Volume& volume);
 /// The same, handing the volume's pages back as they are copied: the peak is the bricks and one slab.
 CHIARO_EXPORT DeviceVolume upload(const Device& device, Volume&& volume);
+/// The same, reported as "upload". Throw Error{interrupted} when cancelled.
+CHIARO_EXPORT DeviceVolume upload(const Device& device, const Volume& volume, Progress& progress);
+CHIARO_EXPORT DeviceVolume upload(const Device& device, Volume&& volume, Progress& progress);
 
 /// Whether colours are composited as linear light (sRGB colours decoded first) or as they are.
 enum class ColorMode { linear, display };
@@ -108,5 +111,8 @@ CHIARO_EXPORT Medium classify(const DeviceVolume& volume, const TransferFunction
 /// (Device::with_own_stream).
 CHIARO_EXPORT Medium classify(const Device& device, const DeviceVolume& volume, const TransferFunction& tf,
                               const Shape& shape);
+/// The same. Throws Error{interrupted} when cancelled.
+CHIARO_EXPORT Medium classify(const Device& device, const DeviceVolume& volume, const TransferFunction& tf,
+                              const Shape& shape, const Progress& progress);
 
 }  // namespace chiaro

@@ -81,6 +81,14 @@ CHIARO_EXPORT RenderStatistics raycast(const Device& device, const Medium& mediu
                                        const Lighting& lighting, const Camera& camera, const RaySettings& settings,
                                        DeviceFrame& frame, Progress& progress);
 
+/// Fills `frame.depth_mm`: in mm, how far it is from the eye (orthographic: from the plane through it) along the ray
+/// through each pixel's centre to where the opacity of what lies before reaches ½, within a step as for constant
+/// extinction; infinity where it never does. With Mode::mip the largest value's place. As `raycast` sees it, but for
+/// glow, and always front to back; so it holds for paths too. The frame's size is the picture's, its colours stay.
+/// False when cancelled. Cost: less than half of `raycast` without light, and nothing where it is not called.
+CHIARO_EXPORT bool find_depth(const Device& device, const Medium& medium, const Camera& camera,
+                              const RaySettings& settings, Frame& frame, Progress& progress);
+
 /// Receives a frame that a better one follows, and how sure it is.
 using FramePreview = std::function<void(const Frame&, const PathStatistics&)>;
 /// The same; the frame's pixels are the next one's when it returns.

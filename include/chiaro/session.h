@@ -24,6 +24,8 @@ public:
 
     /// Takes the volume that later scenes show (read_volume or make_sample gave it).
     CHIARO_EXPORT void show(Volume&& volume, Progress& progress);
+    /// The same of a volume that stays as it is, as one must whose voxels are borrowed and wanted later.
+    CHIARO_EXPORT void show(const Volume& volume, Progress& progress);
     /// Promises that all renders to come look like the first one but for the camera, as the frames of a turntable do:
     /// voxels that cannot be seen are then given back. Renders with another transfer function, shape or classification,
     /// or light that needs all voxels, and fields throw Error{internal}.
@@ -53,6 +55,9 @@ public:
 
     /// Of the last render; while `preview` is called with paths, theirs. A GPU brings it when it is first asked for.
     CHIARO_EXPORT const Frame& frame() const;
+    /// The same with `depth_mm` (find_depth), which is found when first asked for. Throws Error{internal} where there
+    /// is none: before the first render, or after a preview of other matter.
+    CHIARO_EXPORT const Frame& frame_with_depth(Progress& progress);
     /// Of the last render or field, in order; a stage whose kept result served took 0. What a stage consists of follows
     /// it.
     CHIARO_EXPORT const std::vector<Stage>& stages() const;

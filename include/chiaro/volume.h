@@ -2,11 +2,13 @@
 #pragma once
 #include <chiaro/export.h>
 #include <chiaro/geometry.h>
+#include <chiaro/progress.h>
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -90,7 +92,8 @@ decltype(auto) with_voxel_type(VoxelType type, Function&& f) {
     }
 }
 
-/// Page-aligned bytes with one owner, zero at first. Pages can be handed back to the system while the rest is in use.
+/// Page-aligned bytes with one owner, zero at first, whose pages can be handed back to the system while the rest is in
+/// use; or bytes that are borrowed, of which nothing is ever changed or handed back.
 class VoxelBuffer {
 public:
     VoxelBuffer() = default;
@@ -98,6 +101,10 @@ public:
     CHIARO_EXPORT explicit VoxelBuffer(std::size_t bytes);
     /// Takes over a memory mapping (of a memfd, when `shared`) of exactly `bytes` bytes.
     CHIARO_EXPORT static VoxelBuffer adopt(void* mapping, std::size_t bytes, bool shared);
+    /// Bytes that somebody else has, at an address that suits their type. `owner` is kept until the buffer goes: what
+    /// it frees then is the lender's choice; without one they must outlive it. They are read only: what non-const
+    /// data() points to may not be written.
+    CHIARO_EXPORT static VoxelBuffer borrow(const void* data, std::size_t bytes, std::shared_ptr<const void> owner);
     CHIARO_EXPORT VoxelBuffer(VoxelBuffer&& other) noexcept;
     CHIARO_EXPORT VoxelBuffer& operator=(VoxelBuffer&& other) noexcept;
     CHIARO_EXPORT ~VoxelBuffer();
@@ -105,7 +112,9 @@ public:
     std::byte* data() noexcept { return data_; }
     const std::byte* data() const noexcept { return data_; }
     std::size_t size() const noexcept { return bytes_; }
+    bool is_borrowed() const noexcept { return borrowed_; }
     /// Gives the whole pages within [begin, end) back; what they held reads as zero from then on.
+    /// Nothing happens to borrowed bytes, here and below.
     CHIARO_EXPORT void discard(std::size_t begin, std::size_t end) noexcept;
     /// The same of [0, end), where less went before.
     CHIARO_EXPORT void discard_before(std::size_t end) noexcept;
@@ -117,7 +126,8 @@ private:
     std::byte* data_ = nullptr;
     std::size_t bytes_ = 0;
     std::size_t discarded_ = 0;
-    bool shared_ = false;
+    bool shared_ = false, borrowed_ = false;
+    std::shared_ptr<const void> owner_;  // of borrowed bytes
 };
 
 struct Volume {
@@ -163,5 +173,7 @@ struct Statistics {
 
 /// One or two passes over the voxels, all cores. Throws Error{input} if no voxel is finite.
 CHIARO_EXPORT Statistics measure(const Volume& volume);
+/// The same. Throws Error{interrupted} when cancelled.
+CHIARO_EXPORT Statistics measure(const Volume& volume, const Progress& progress);
 
 }  // namespace chiaro

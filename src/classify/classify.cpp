@@ -25,7 +25,8 @@ void validate(const Shape& shape) {
 namespace {
 
 /// On the GPU, which then holds it, or here.
-void find_occupancy(const Device& device, const RangeTest& is_visible, Medium::Data& data) {
+void find_occupancy(const Device& device, const RangeTest& is_visible, Medium::Data& data, const Progress& progress) {
+    progress.check();
     const DeviceVolume::Data& volume = data.volume.data();
     const auto on_gpu = [&] {
         cuda::Stream& stream = *device.stream;
@@ -34,7 +35,7 @@ void find_occupancy(const Device& device, const RangeTest& is_visible, Medium::D
         stream.device_cache()->keep(HostArray::of(data.weak_from_this(), data.cells), made.on_gpu.data(), stream);
     };
     if (!cuda::try_gpu(device, on_gpu))
-        data.cells = make_occupancy(volume.cells, std::cref(is_visible), device.threads);
+        data.cells = make_occupancy(volume.cells, std::cref(is_visible), device.threads, progress);
     std::size_t occupied = 0;
     for (const std::uint8_t code : data.cells) occupied += code & 1;
     data.occupied_fraction = double(occupied) / double(data.cells.size() - 1);
@@ -47,6 +48,11 @@ Medium classify(const DeviceVolume& volume, const TransferFunction& tf, const Sh
 }
 
 Medium classify(const Device& device, const DeviceVolume& volume, const TransferFunction& tf, const Shape& shape) {
+    return classify(device, volume, tf, shape, Progress());
+}
+
+Medium classify(const Device& device, const DeviceVolume& volume, const TransferFunction& tf, const Shape& shape,
+                const Progress& progress) {
     validate(tf);
     validate(shape);
     auto data = std::make_shared<Medium::Data>();
@@ -59,7 +65,7 @@ Medium classify(const Device& device, const DeviceVolume& volume, const Transfer
     }
     const RangeTest is_visible =
         shape.mode == Mode::iso ? crossed_range(data->volume.data(), shape.iso) : visible_range(data->table);
-    find_occupancy(device, is_visible, *data);
+    find_occupancy(device, is_visible, *data, progress);
     return Medium(std::move(data));
 }
 

@@ -19,11 +19,13 @@ struct CellGrid {
 
 using Test = std::function<bool(float, float)>;
 
-CellGrid occupied_cells(const CellRanges& ranges, const Test& is_visible, int threads) {
+CellGrid occupied_cells(const CellRanges& ranges, const Test& is_visible, int threads, const Progress& progress) {
     CellGrid cells{ranges.count, std::vector<std::uint8_t>(ranges.low.size())};
     parallel_for(threads, std::int64_t(ranges.low.size()), 1 << 16, [&](std::int64_t begin, std::int64_t end) {
+        if (progress.cancelled()) return;
         for (auto c = begin; c < end; ++c) cells.at[c] = is_visible(ranges.low[c], ranges.high[c]);
     });
+    progress.check();
     return cells;
 }
 
@@ -31,8 +33,10 @@ CellGrid occupied_cells(const CellRanges& ranges, const Test& is_visible, int th
 /// one of the other kind offers 1.
 class KindDistance {
 public:
-    explicit KindDistance(const CellGrid& kind)
-        : kind_(kind), distance_{kind.count, std::vector<std::uint8_t>(kind.at.size(), kernel::farthest)} {}
+    KindDistance(const CellGrid& kind, const Progress& progress)
+        : kind_(kind),
+          progress_(progress),
+          distance_{kind.count, std::vector<std::uint8_t>(kind.at.size(), kernel::farthest)} {}
 
     /// Chebyshev distances in two sweeps over 13 neighbours each (Borgefors 1986), exact for this metric. What lies
     /// beyond the volume counts for nothing.
@@ -45,7 +49,8 @@ public:
 private:
     void sweep(int sign) {
         const auto [nx, ny, nz] = kind_.count;
-        for (int k = 0; k < nz; ++k)
+        for (int k = 0; k < nz; ++k) {
+            progress_.check();
             for (int j = 0; j < ny; ++j) {
                 const int z = sign > 0 ? k : nz - 1 - k, y = sign > 0 ? j : ny - 1 - j;
                 const int before = z - sign, above = y - sign;
@@ -57,6 +62,7 @@ private:
                 const int first = sign > 0 ? 1 : nx - 2;
                 for (int x = first; x >= 0 && x < nx; x += sign) relax(row + x - sign, row + x);
             }
+        }
     }
 
     /// From the neighbours at x - 1, x and x + 1 in a row that the sweep has already passed.
@@ -82,6 +88,7 @@ private:
     }
 
     const CellGrid& kind_;
+    const Progress& progress_;
     CellGrid distance_;
 };
 
@@ -106,9 +113,10 @@ RangeTest crossed_range(const DeviceVolume::Data& volume, const std::vector<IsoS
     return test;
 }
 
-std::vector<std::uint8_t> make_occupancy(const CellRanges& ranges, const Test& is_visible, int threads) {
-    const CellGrid occupied = occupied_cells(ranges, is_visible, threads);
-    KindDistance distances(occupied);
+std::vector<std::uint8_t> make_occupancy(const CellRanges& ranges, const Test& is_visible, int threads,
+                                         const Progress& progress) {
+    const CellGrid occupied = occupied_cells(ranges, is_visible, threads, progress);
+    KindDistance distances(occupied, progress);
     const CellGrid& distance = distances.compute();
 
     std::vector<std::uint8_t> codes(occupied.at.size() + 1);

@@ -8,11 +8,13 @@
 #include <atomic>
 #include <mutex>
 #include <thread>
+#include <utility>
 
 namespace chiaro {
 namespace {
 
 std::atomic<int> thread_limit{0};
+thread_local const Progress* current_call = nullptr;
 
 }  // namespace
 
@@ -29,7 +31,7 @@ bool parallel_for(int threads, std::int64_t count, std::int64_t grain, std::stri
                   const std::function<void(std::int64_t, std::int64_t)>& body) {
     std::atomic<std::int64_t> done{0};
     std::mutex reporting;
-    parallel_for(threads, count, grain, [&](std::int64_t first, std::int64_t last) {
+    run_pieces(threads, count, grain, [&](std::int64_t first, std::int64_t last) {
         if (progress.cancelled()) return;
         body(first, last);
         const auto sum = done.fetch_add(last - first, std::memory_order_relaxed) + last - first;
@@ -38,6 +40,19 @@ bool parallel_for(int threads, std::int64_t count, std::int64_t grain, std::stri
             progress.report(stage, double(sum) / double(count));
     });
     return !progress.cancelled();
+}
+
+CancelScope::CancelScope(const Progress& progress) : outer_(std::exchange(current_call, &progress)) {}
+CancelScope::~CancelScope() { current_call = outer_; }
+
+void parallel_for(int threads, std::int64_t count, std::int64_t grain,
+                  const std::function<void(std::int64_t, std::int64_t)>& body) {
+    const Progress* const call = current_call;
+    if (!call) return run_pieces(threads, count, grain, body);
+    run_pieces(threads, count, grain, [&](std::int64_t first, std::int64_t last) {
+        if (!call->cancelled()) body(first, last);
+    });
+    call->check();
 }
 
 void parallel_for(std::int64_t count, std::int64_t grain, const std::function<void(std::int64_t, std::int64_t)>& body) {

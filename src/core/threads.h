@@ -18,10 +18,27 @@ int usable_threads();
 bool parallel_for(int threads, std::int64_t count, std::int64_t grain, std::string_view stage, Progress& progress,
                   const std::function<void(std::int64_t first, std::int64_t last)>& body);
 
-/// The same, silent and not cancellable: for passes of milliseconds.
+/// The same, silent: for passes of milliseconds. Throws Error{interrupted} where a CancelScope of this thread says so.
 void parallel_for(int threads, std::int64_t count, std::int64_t grain,
                   const std::function<void(std::int64_t, std::int64_t)>& body);
+/// While one lives, silent passes that its thread begins end once `progress` is cancelled: a call's many short passes
+/// need not hand it on.
+class CancelScope {
+public:
+    explicit CancelScope(const Progress& progress);
+    ~CancelScope();
+    CancelScope(const CancelScope&) = delete;
+    CancelScope& operator=(const CancelScope&) = delete;
+
+private:
+    const Progress* outer_;
+};
+
 /// On all usable threads.
 void parallel_for(std::int64_t count, std::int64_t grain, const std::function<void(std::int64_t, std::int64_t)>& body);
+
+/// Of the thread library: the pieces of a pass, none of which is left out.
+void run_pieces(int threads, std::int64_t count, std::int64_t grain,
+                const std::function<void(std::int64_t, std::int64_t)>& body);
 
 }  // namespace chiaro

@@ -12,8 +12,8 @@
 
 namespace chiaro {
 
-void parallel_for(int threads, std::int64_t count, std::int64_t grain,
-                  const std::function<void(std::int64_t, std::int64_t)>& body) {
+void run_pieces(int threads, std::int64_t count, std::int64_t grain,
+                const std::function<void(std::int64_t, std::int64_t)>& body) {
     const std::int64_t pieces = (count + grain - 1) / grain;
     // Relaxed: it orders nothing else, so that the sanitizer takes pieces for as independent as they must be.
     std::atomic<std::int64_t> next{0};

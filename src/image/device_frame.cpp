@@ -12,6 +12,7 @@ const Frame& DeviceFrame::read() const {
 
 Frame& DeviceFrame::write() {
     on_gpu_.reset();
+    frame_.depth_mm.clear();
     return frame_;
 }
 

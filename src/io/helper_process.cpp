@@ -3,6 +3,7 @@
 #include "io/wire.h"
 
 #include <chiaro/error.h>
+#include <dlfcn.h>
 #include <fcntl.h>
 #include <poll.h>
 #include <spawn.h>
@@ -64,6 +65,13 @@ std::filesystem::path find_helper() {
     std::error_code ignored;
     std::vector<std::filesystem::path> places;
     if (const char* stated = std::getenv("CHIARO_DECODE")) places.emplace_back(stated);
+    // Of the library that asks, where it is one: what is loaded into another program brings its helpers along.
+    Dl_info library{};
+    if (dladdr(reinterpret_cast<const void*>(&find_helper), &library) && library.dli_fname[0] == '/') {
+        const auto folder = std::filesystem::path(library.dli_fname).parent_path();
+        for (const char* place : {"chiaro-decode", "../chiaro-decode", "../libexec/chiaro/chiaro-decode"})
+            places.push_back(folder / place);
+    }
     if (const auto self = std::filesystem::read_symlink("/proc/self/exe", ignored); !self.empty()) {
         places.push_back(self.parent_path() / "chiaro-decode");
         places.push_back(self.parent_path() / "../libexec/chiaro/chiaro-decode");

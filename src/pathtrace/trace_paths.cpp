@@ -14,6 +14,7 @@ RenderStatistics follow(const Device& device, const Medium& medium, const Lighti
     const PathSchedule schedule(settings.reference, settings.reference.rays);
     PathTracer tracer(device, medium, lighting, camera, rays, path_options(settings), target.frame.width,
                       target.frame.height);
+    target.frame.depth_mm.clear();  // of an older picture
     RenderStatistics render_statistics;
     const auto show = [&] {
         tracer.show(target);

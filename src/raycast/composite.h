@@ -1,6 +1,7 @@
 // Compositing of associated colours, in either order.
 #pragma once
 #include "kernel/rgba.h"
+#include "kernel/vec.h"
 
 namespace chiaro::kernel {
 
@@ -23,6 +24,9 @@ struct Composite {
     CHIARO_INLINE void add_in_front(Mask<F> where, const RgbaLanes<F>& colour, F alpha) {
         sum = accumulate(scale(sum, select(where, F(1) - alpha, F(1))), select(where, F(1), F(0)), colour);
     }
+
+    /// Hears where the next sample lies, which a colour does not depend on.
+    CHIARO_INLINE void reach(Mask<F>, const Vec3<F>&) {}
 
     CHIARO_INLINE void add(bool backwards, Mask<F> where, const RgbaLanes<F>& colour, F alpha) {
         if (backwards)

@@ -41,6 +41,17 @@ struct RaycastKernel {
         return samples;
     }
 
+    /// Hands the ray, a Composite or another, what it meets of what the mode shows.
+    template <class F, class Ray>
+    CHIARO_INLINE Int<F> march(const Lattice<F>& lattice, const Cut<F>& cut, Mask<F> alive, Ray& ray) const {
+        if (mode == March::surfaces) return march_to_surfaces(matter, surfaces, lattice, cut, alive, ray);
+        if (mode == March::maximum) return march_for_maximum(matter, maximum, lattice, alive, ray);
+        alive &= lattice.first < lattice.end;
+        if (way.classification == CommonMarch::classification && way.backwards == CommonMarch::backwards)
+            return march_volume(matter, CommonMarch{}, lattice, cut, alive, ray);
+        return march_with_options(matter, way, lattice, cut, alive, ray);
+    }
+
 private:
     /// Over the lens rays lie on a sunflower's spiral, turned from pixel to pixel by interleaved gradient noise
     /// (Jimenez 2014): blur has a fine grain in the place of ghosts.
@@ -73,17 +84,6 @@ private:
         const Int<F> samples = march(lattice, cut, alive, composite);
         sum = accumulate(sum, F(1 / float(rays_per_pixel)), composite.sum);
         return samples;
-    }
-
-    template <class F>
-    CHIARO_INLINE Int<F> march(const Lattice<F>& lattice, const Cut<F>& cut, Mask<F> alive,
-                               Composite<F>& composite) const {
-        if (mode == March::surfaces) return march_to_surfaces(matter, surfaces, lattice, cut, alive, composite);
-        if (mode == March::maximum) return march_for_maximum(matter, maximum, lattice, alive, composite);
-        alive &= lattice.first < lattice.end;
-        if (way.classification == CommonMarch::classification && way.backwards == CommonMarch::backwards)
-            return march_volume(matter, CommonMarch{}, lattice, cut, alive, composite);
-        return march_with_options(matter, way, lattice, cut, alive, composite);
     }
 };
 

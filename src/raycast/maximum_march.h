@@ -10,9 +10,9 @@ struct MaximumView {
     float highest;           ///< of the volume
 };
 
-template <class F, class Matter>
+template <class F, class Matter, class Ray>
 CHIARO_NOINLINE Int<F> march_for_maximum(const Matter& matter, const MaximumView& maximum, const Lattice<F>& lattice,
-                                         Mask<F> alive, Composite<F>& ray) {
+                                         Mask<F> alive, Ray& ray) {
     const Mask<F> seen = alive;
     F k(0), best(-3e38f);
     Int<F> samples(0);
@@ -29,7 +29,9 @@ CHIARO_NOINLINE Int<F> march_for_maximum(const Matter& matter, const MaximumView
         }
         if (any(sampled)) {
             samples += select(sampled, Int<F>(1), Int<F>(0));
-            best = select(sampled, max(best, matter.volume.value(matter.volume.locate(p, voxel))), best);
+            const F value = matter.volume.value(matter.volume.locate(p, voxel));
+            ray.reach(sampled & (value > best), p);
+            best = select(sampled, max(best, value), best);
         }
         k = next;
         alive &= (k < lattice.end) & (best < F(maximum.highest));

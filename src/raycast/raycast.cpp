@@ -1,46 +1,17 @@
 #include <chiaro/error.h>
 #include <chiaro/render.h>
 
-#include <algorithm>
-#include <atomic>
 #include <optional>
 
-#include "core/threads.h"
 #include "illumination/lit_field.h"
 #include "raycast/background.h"
-#include "raycast/bounds.h"
+#include "raycast/cast.h"
 #include "raycast/gpu.h"
-#include "raycast/launch.h"
 #include "raycast/texture.h"
 #include "raycast/views.h"
 
 namespace chiaro {
 namespace {
-
-/// Casts all tiles of the frame. Tiles are independent, so the picture is the same for any number of threads.
-template <class Kernel>
-RenderStatistics cast(const Device& device, const Kernel& kernel, const BoundingGeometry* geometry, const Frame& frame,
-                      Progress& progress) {
-    constexpr int edge = kernel::tile_edge;
-    const auto tile_function = kernel::raycast_tile_for<Kernel>(device.isa);
-    const int tiles_x = (frame.width + edge - 1) / edge, tiles_y = (frame.height + edge - 1) / edge;
-    std::atomic<std::int64_t> samples{0};
-    const bool complete = parallel_for(
-        device.threads, std::int64_t(tiles_x) * tiles_y, 1, "raycast", progress, [&](std::int64_t t, std::int64_t) {
-            const int x = int(t % tiles_x) * edge, y = int(t / tiles_x) * edge;
-            const kernel::Tile tile{x, y, std::min(x + edge, frame.width), std::min(y + edge, frame.height)};
-            if (!geometry) {
-                samples += tile_function(kernel, tile);
-                return;
-            }
-            TileBounds bounds;
-            geometry->rasterise(tile, kernel.rays_per_pixel, bounds);
-            Kernel bounded = kernel;
-            bounded.bounds = bounds.view(tile);
-            samples += tile_function(bounded, tile);
-        });
-    return {complete, std::uint64_t(samples)};
-}
 
 /// Whether light shines where nothing is.
 template <class View>
@@ -114,13 +85,14 @@ private:
         if (settings.ray_setup == RaySetup::raster && camera.aperture_mm == 0 && medium.shape.mode != Mode::mip &&
             !emits(kernel.matter.field))
             geometry.emplace(medium, camera_view(camera, medium.volume.geometry(), frame.width, frame.height));
-        return cast(device, kernel, geometry ? &*geometry : nullptr, frame, progress);
+        return cast_tiles(device, kernel, geometry ? &*geometry : nullptr, frame, "raycast", progress);
     }
 };
 
 RenderStatistics fill(const Device& device, const Medium& medium, const IlluminationField& field,
                       const Lighting& lighting, const Camera& camera, const RaySettings& settings, RenderTarget& target,
                       Progress& progress) {
+    target.frame.depth_mm.clear();  // of an older picture
     const Medium::Data& data = medium.data();
     const LitField lit = lit_field(field, lighting, camera, data);
     const RayTables tables = make_tables(data, settings, device.threads, lit.albedo_limit, lit.by_surface());

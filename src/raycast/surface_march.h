@@ -21,21 +21,22 @@ struct Piece {
     F value_near, value_far;
 };
 
-template <class F, class Matter>
+template <class F, class Matter, class Ray>
 CHIARO_NOINLINE void show_surface(const Matter& matter, const SurfacesView& surfaces, std::int32_t i, Vec3<F> p,
-                                  const Lattice<F>& lattice, const Cut<F>& cut, const Mask<F>& hit, Composite<F>& ray) {
+                                  const Lattice<F>& lattice, const Cut<F>& cut, const Mask<F>& hit, Ray& ray) {
     p = matter.volume.clamp(p);
     const auto at = matter.volume.locate(p, matter.volume.voxel(p));
     RgbaLanes<F> colour = load_rgba(surfaces.colours, Int<F>(i));
     MetSurface<F> none;
     matter.light(at, cut, hit, {lattice, F(0), false}, none, {p, F(surfaces.values[i])}, colour);
+    ray.reach(hit, p);
     ray.add(surfaces.backwards, hit, colour, F(surfaces.colours[i].a));
 }
 
 /// Where a ray enters a cut inside a surface, the surface lies in the plane.
-template <class F, class Matter>
+template <class F, class Matter, class Ray>
 CHIARO_INLINE void show_cut(const Matter& matter, const SurfacesView& surfaces, const Lattice<F>& lattice,
-                            const Cut<F>& cut, Mask<F> alive, Composite<F>& ray) {
+                            const Cut<F>& cut, Mask<F> alive, Ray& ray) {
     Mask<F> open = alive & cut.open;
     if (!any(open)) return;
     const F value = matter.value_at(matter.volume.clamp(lattice.entry));
@@ -48,9 +49,9 @@ CHIARO_INLINE void show_cut(const Matter& matter, const SurfacesView& surfaces, 
 
 /// Composites surface i where it is crossed in the piece: bisected to 1/128 of a step, then linear. The values at the
 /// ends are read again, for behind a skip only their side of the surface is known.
-template <class F, class Matter>
+template <class F, class Matter, class Ray>
 CHIARO_INLINE void cross(const Matter& matter, const SurfacesView& surfaces, std::int32_t i, const Lattice<F>& lattice,
-                         Mask<F> alive, Piece<F> piece, Composite<F>& ray) {
+                         Mask<F> alive, Piece<F> piece, Ray& ray) {
     const F surface(surfaces.values[i]);
     const Mask<F> below = piece.value_near < surface;
     const Mask<F> crossed = alive & ((below & (piece.value_far >= surface)) | ((!below) & (piece.value_far < surface)));
@@ -72,9 +73,9 @@ CHIARO_INLINE void cross(const Matter& matter, const SurfacesView& surfaces, std
 }
 
 /// All crossings in the piece: where values rise along the ray the lowest surface is the nearest, else the highest.
-template <class F, class Matter>
+template <class F, class Matter, class Ray>
 CHIARO_INLINE void cross_all(const Matter& matter, const SurfacesView& surfaces, const Lattice<F>& lattice,
-                             Mask<F> alive, const Piece<F>& piece, Composite<F>& ray) {
+                             Mask<F> alive, const Piece<F>& piece, Ray& ray) {
     for (std::int32_t n = 0; n < 2 * surfaces.count; ++n) {
         const bool rising = n < surfaces.count;
         const std::int32_t up = rising ? n : n - surfaces.count;
@@ -86,9 +87,9 @@ CHIARO_INLINE void cross_all(const Matter& matter, const SurfacesView& surfaces,
 
 /// Piece m ends at sample m, the last at the exit; the first begins at the entry. In an empty cube all values lie on
 /// one side of every surface, so behind it the side is still known.
-template <class F, class Matter>
+template <class F, class Matter, class Ray>
 CHIARO_NOINLINE Int<F> march_to_surfaces(const Matter& matter, const SurfacesView& surfaces, Lattice<F> lattice,
-                                         const Cut<F>& cut, Mask<F> alive, Composite<F>& ray) {
+                                         const Cut<F>& cut, Mask<F> alive, Ray& ray) {
     const bool backwards = surfaces.backwards;
     const F exit = lattice.exit(), pieces = min(floor(exit + F(0.5f)), lattice.end) + F(1);
     if (backwards) lattice = lattice.reversed();

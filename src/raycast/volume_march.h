@@ -57,10 +57,10 @@ CHIARO_INLINE void shorten_last(const Lattice<F>& lattice, Mask<F> last, RgbaLan
 }
 
 /// Takes sample k, the middle of step k, in voxel coordinates at p.
-template <class F, class Matter, class Way>
+template <class F, class Matter, class Way, class Ray>
 CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& lattice, const Cut<F>& cut,
                                Mask<F> sampled, F k, F cut_end, Vec3<F> p, VoxelIndex<F> voxel, EndValue<F>& known,
-                               MetSurface<F>& met, Composite<F>& ray) {
+                               MetSurface<F>& met, Ray& ray) {
     Classified<F> c;
     if (way.classification == Classification::preintegrated) {
         c = classify_step(matter, lattice, way.backwards, sampled, k, known);
@@ -92,6 +92,7 @@ CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& 
         c.colour = accumulate(c.colour, F(1), emission);
         alpha = alpha + alpha_of(emission);
     }
+    ray.reach(visible, p);
     ray.add(way.backwards, visible, c.colour, alpha);
 }
 
@@ -110,11 +111,12 @@ CHIARO_NOINLINE F solid_behind(const Matter& matter, const Lattice<F>& lattice, 
     return steps;
 }
 
-/// Marches through the lattice's steps in either order; j counts them as they are met. A pre-integrated step is empty
-/// where it lies in an empty cube as a whole, so it starts at its end, any other where its sample is.
-template <class F, class Matter, class Way>
+/// Marches through the lattice's steps in either order, and hands the ray what it meets; j counts them as they are met.
+/// A pre-integrated step is empty where it lies in an empty cube as a whole, so it starts at its end, any other where
+/// its sample is.
+template <class F, class Matter, class Way, class Ray>
 CHIARO_INLINE Int<F> march_volume(const Matter& matter, Way way, const Lattice<F>& lattice, const Cut<F>& cut,
-                                  Mask<F> alive, Composite<F>& ray) {
+                                  Mask<F> alive, Ray& ray) {
     const bool by_ends = way.classification == Classification::preintegrated;
     F j = lattice.first, leave(0);
     F cut_end(0);
@@ -151,9 +153,9 @@ CHIARO_INLINE Int<F> march_volume(const Matter& matter, Way way, const Lattice<F
 }
 
 /// As any way; apart, so that the usual one keeps its registers.
-template <class F, class Matter>
+template <class F, class Matter, class Ray>
 CHIARO_NOINLINE Int<F> march_with_options(const Matter& matter, const MarchOptions& way, const Lattice<F>& lattice,
-                                          const Cut<F>& cut, const Mask<F>& alive, Composite<F>& ray) {
+                                          const Cut<F>& cut, const Mask<F>& alive, Ray& ray) {
     return march_volume(matter, way, way.backwards ? lattice.reversed() : lattice, cut, alive, ray);
 }
 

@@ -16,8 +16,8 @@ TransferFunction chosen(const TransferSettings& settings, const Subject& subject
 
 }  // namespace
 
-Subject study(const Volume& volume) {
-    const Statistics statistics = measure(volume);
+Subject study(const Volume& volume, const Progress& progress) {
+    const Statistics statistics = measure(volume, progress);
     return {volume.source, statistics, guess(volume, statistics)};
 }
 

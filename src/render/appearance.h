@@ -13,7 +13,8 @@ struct Subject {
     Guess guess;
 };
 
-Subject study(const Volume& volume);
+/// Throws Error{interrupted} when cancelled.
+Subject study(const Volume& volume, const Progress& progress);
 
 /// The transfer function that the settings ask for - their points, a named one, else a sample's own or the guessed
 /// preset - with their window and opacity unit applied. Throws as load_transfer_function.

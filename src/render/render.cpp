@@ -1,24 +1,27 @@
 #include <chiaro/session.h>
 
 #include "classify/medium.h"
+#include "core/threads.h"
 #include "render/appearance.h"
 
 namespace chiaro {
 
 Image render_image(const Device& device, const Scene& scene, Progress& progress) {
+    const CancelScope scope(progress);
+
     // What is shown, and what its values mean.
     Volume volume = read_volume(scene, progress);
-    const Subject subject = study(volume);
+    const Subject subject = study(volume, progress);
     const Geometry geometry = volume.geometry;
     const auto dimensions = volume.dimensions;
 
     // What depends on the data alone.
-    const DeviceVolume voxels = upload(device, std::move(volume));
+    const DeviceVolume voxels = upload(device, std::move(volume), progress);
     const Prepared prepared = prepare(voxels, scene.illumination, progress);
 
     // What it looks like.
     const TransferFunction tf = transfer_function_for(scene.transfer, subject);
-    const Medium medium = classify(voxels, tf, shape_for(scene));
+    const Medium medium = classify(device, voxels, tf, shape_for(scene), progress);
     if (looks_at_visible_voxels(scene)) discard_unseen(medium);  // no other will be asked for
 
     // What lights it.

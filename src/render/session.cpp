@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "classify/medium.h"
+#include "core/threads.h"
 #include "render/appearance.h"
 
 namespace chiaro {
@@ -123,6 +124,18 @@ struct Session::State {
         return held_light(lighting, scene.illumination);
     }
 
+    template <class Upload>
+    void show(const Volume& volume, Progress& progress, Upload&& upload_to) {
+        const CancelScope scope(progress);
+        progress.report("measure", 0);
+        Kept<Subject, Version> measured;
+        redo("measure", measured, {0}, [&](Subject& studied) { studied = study(volume, progress); });
+        subject = std::move(measured.result);
+        progress.report("upload", 0);
+        redo("upload", upload, {0}, [&](DeviceVolume& voxels) { voxels = upload_to(device); });
+        shown = stages;
+    }
+
     void begin() {
         if (!upload.inputs) throw Error(ErrorCode::internal, "a session must show a volume before it renders");
         stages = shown;
@@ -137,17 +150,17 @@ struct Session::State {
              [&](Prepared& prepared) { prepared = chiaro::prepare(device, voxels, scene.illumination, progress); });
         tell_steps(prepare.result.stages());
         progress.check();
-        redo_classify(scene);
+        redo_classify(scene, progress);
     }
 
-    void redo_classify(const Scene& scene) {
+    void redo_classify(const Scene& scene, const Progress& progress) {
         const Shape shape = shape_for(scene);
         const std::tuple inputs(upload.version, scene.transfer, shape);
         if (gave_back && (classify.inputs != inputs || !looks_at_visible_voxels(scene)))
             throw Error(ErrorCode::internal, "a session of one look was asked for another");
         redo("classify", classify, inputs, [&](Classified& classified) {
             classified.tf = transfer_function_for(scene.transfer, subject);
-            classified.medium = chiaro::classify(device, upload.result, classified.tf, shape);
+            classified.medium = chiaro::classify(device, upload.result, classified.tf, shape, progress);
             gave_back = one_look && looks_at_visible_voxels(scene);
             if (gave_back) discard_unseen(classified.medium);
         });
@@ -174,16 +187,12 @@ Session::Session(Session&&) noexcept = default;
 void Session::show(Volume&& volume, Progress& progress) {
     // The old volume, and all that was made from it, go before the new one takes its memory.
     state_ = std::make_unique<State>(state_->device);
-    State& s = *state_;
-    progress.report("measure", 0);
-    Kept<Subject, Version> measured;
-    s.redo("measure", measured, {0}, [&](Subject& subject) { subject = study(volume); });
-    s.subject = std::move(measured.result);
-    progress.check();
-    progress.report("upload", 0);
-    s.redo("upload", s.upload, {0}, [&](DeviceVolume& voxels) { voxels = upload(s.device, std::move(volume)); });
-    progress.check();
-    s.shown = s.stages;
+    state_->show(volume, progress, [&](const Device& device) { return upload(device, std::move(volume), progress); });
+}
+
+void Session::show(const Volume& volume, Progress& progress) {
+    state_ = std::make_unique<State>(state_->device);
+    state_->show(volume, progress, [&](const Device& device) { return upload(device, volume, progress); });
 }
 
 void Session::expect_one_look() { state_->one_look = true; }
@@ -199,6 +208,7 @@ Session Session::share_volume() const {
 }
 
 const Image& Session::render(const Scene& scene, Progress& progress, const Preview& preview) {
+    const CancelScope scope(progress);
     State& s = *state_;
     s.redo_up_to_classify(scene, progress);
     const Medium& medium = s.classify.result.medium;
@@ -246,9 +256,10 @@ const Image& Session::render(const Scene& scene, Progress& progress, const Previ
 }
 
 const Image& Session::preview(const Scene& scene, Progress& progress) {
+    const CancelScope scope(progress);
     State& s = *state_;
     s.begin();
-    s.redo_classify(scene);
+    s.redo_classify(scene, progress);
     const Medium& medium = s.classify.result.medium;
     s.camera = s.fitted(scene, progress);
     const Camera camera = s.camera_of(s.camera);
@@ -271,7 +282,7 @@ const Image& Session::preview(const Scene& scene, Progress& progress) {
 CameraSettings Session::fit_all_around(const Scene& scene, Progress& progress) {
     State& s = *state_;
     s.begin();
-    s.redo_classify(scene);
+    s.redo_classify(scene, progress);
     CameraSettings camera;
     s.timed("fit", [&] {
         camera =
@@ -289,6 +300,7 @@ bool Session::needs_light(const Scene& scene) const {
 }
 
 ComputedField Session::compute_field(const Scene& scene, Progress& progress) {
+    const CancelScope scope(progress);
     State& s = *state_;
     if (s.gave_back) throw Error(ErrorCode::internal, "a session of one look has no whole volume");
     s.redo_up_to_classify(scene, progress);
@@ -308,6 +320,17 @@ const CameraSettings& Session::camera() const { return state_->camera; }
 const Medium& Session::medium() const { return state_->classify.result.medium; }
 const IlluminationField& Session::light() const { return state_->illuminate.result; }
 const Frame& Session::frame() const { return state_->raycast.result.frame.read(); }
+const Frame& Session::frame_with_depth(Progress& progress) {
+    State& s = *state_;
+    DeviceFrame& frame = s.raycast.result.frame;
+    if (!s.raycast.inputs || std::get<0>(*s.raycast.inputs) != s.classify.version)
+        throw Error(ErrorCode::internal, "a session must render a picture before it can tell its depth");
+    if (frame.read().depth_mm.empty()) {
+        const auto& [classified, lit, lighting, camera, rays, size] = *s.raycast.inputs;
+        if (!find_depth(s.device, medium(), camera, rays, frame.write(), progress)) progress.check();
+    }
+    return frame.read();
+}
 const std::vector<Stage>& Session::stages() const { return state_->stages; }
 RenderStatistics Session::render_statistics() const { return state_->raycast.result.render_statistics; }
 std::size_t Session::light_bytes() const { return state_->prepare.result.bytes() + state_->illuminate.result.bytes(); }

@@ -51,11 +51,12 @@ Device convert(Source v, const Conversion<Source>& c) {
 
 /// Smallest and largest finite stored value; low > high if there is none.
 template <class Source>
-Conversion<Source> stored_range(const Volume& volume, int threads) {
+Conversion<Source> stored_range(const Volume& volume, int threads, const Progress& progress) {
     const auto voxels = volume.as<Source>();
     Conversion<Source> all{0, std::numeric_limits<Source>::max(), std::numeric_limits<Source>::lowest()};
     std::mutex merging;
     parallel_for(threads, std::int64_t(voxels.size()), 1 << 20, [&](std::int64_t first, std::int64_t last) {
+        if (progress.cancelled()) return;
         Source low = std::numeric_limits<Source>::max(), high = std::numeric_limits<Source>::lowest();
         for (auto i = first; i < last; ++i) {
             if constexpr (std::is_floating_point_v<Source>)
@@ -67,6 +68,7 @@ Conversion<Source> stored_range(const Volume& volume, int threads) {
         all.low = std::min(all.low, low);
         all.high = std::max(all.high, high);
     });
+    progress.check();
     return all;
 }
 
@@ -94,10 +96,18 @@ void fill_brick(const Volume& volume, const Conversion<Source>& conversion, std:
         }
 }
 
+/// Whose voxels, and how they are gone through.
+struct Source {
+    const Volume& volume;
+    VoxelBuffer* discard;  ///< the volume's own, where its pages may be given back
+    int threads;
+    Progress& progress;
+};
+
 /// Layer by layer, so that the source's pages can be given back behind the work.
-template <class Source, class Device>
-void fill_bricks(const Volume& volume, int threads, VoxelBuffer* discard, const Conversion<Source>& conversion,
-                 DeviceVolume::Data& data) {
+template <class Stored, class Device>
+void fill_bricks(const Source& source, const Conversion<Stored>& conversion, DeviceVolume::Data& data) {
+    const auto& [volume, discard, threads, progress] = source;
     const auto [nx, ny, nz] = volume.dimensions;
     const std::array<int, 3> bricks{brick_count(nx), brick_count(ny), brick_count(nz)};
     data.cells.count = {cell_count(nx), cell_count(ny), cell_count(nz)};
@@ -112,48 +122,53 @@ void fill_bricks(const Volume& volume, int threads, VoxelBuffer* discard, const 
         slices_read(volume, bricks[2] - 1) < brick_row)
         data.bricks.use_small_pages(last * sizeof(Device));
     for (int bz = 0; bz < bricks[2]; ++bz) {
-        parallel_for(threads, std::int64_t(layer_bricks), 1, [&](std::int64_t b, std::int64_t) {
-            const std::array<int, 3> at{int(b % bricks[0]), int(b / bricks[0]), bz};
-            Device* brick = out + (bz * layer_bricks + std::size_t(b)) * brick_voxels;
-            fill_brick(volume, conversion, at, brick);
-            fill_cells(brick, at, data.cells);
-        });
+        parallel_for(threads, std::int64_t(layer_bricks), 1,
+                     [&, &volume = volume, &progress = progress](std::int64_t b, std::int64_t) {
+                         if (progress.cancelled()) return;
+                         const std::array<int, 3> at{int(b % bricks[0]), int(b / bricks[0]), bz};
+                         Device* brick = out + (bz * layer_bricks + std::size_t(b)) * brick_voxels;
+                         fill_brick(volume, conversion, at, brick);
+                         fill_cells(brick, at, data.cells);
+                     });
+        progress.check();
+        progress.report("upload", double(bz + 1) / bricks[2]);
         const int done_slices = (bz + 1) * brick_edge - brick_before;
-        if (discard) discard->discard_before(std::size_t(std::min(done_slices, nz)) * ny * nx * sizeof(Source));
+        if (discard) discard->discard_before(std::size_t(std::min(done_slices, nz)) * ny * nx * sizeof(Stored));
     }
     data.stored_min = *std::min_element(data.cells.low.begin(), data.cells.low.end());
     data.stored_max = *std::max_element(data.cells.high.begin(), data.cells.high.end());
 }
 
 /// Chooses the device type and fills it.
-template <class Source>
-void store(const Volume& volume, int threads, VoxelBuffer* discard, DeviceVolume::Data& data) {
-    Conversion<Source> c;
+template <class Stored>
+void store(const Source& source, DeviceVolume::Data& data) {
+    const Volume& volume = source.volume;
+    Conversion<Stored> c;
     data.scale = volume.slope;
     data.offset = volume.intercept;
-    data.whole_numbers = std::is_integral_v<Source>;
-    if constexpr (std::is_integral_v<Source> && sizeof(Source) <= 2) {
-        using Device = std::make_unsigned_t<Source>;
+    data.whole_numbers = std::is_integral_v<Stored>;
+    if constexpr (std::is_integral_v<Stored> && sizeof(Stored) <= 2) {
+        using Device = std::make_unsigned_t<Stored>;
         data.stored = voxel_type_of<Device>();
-        c.shift = std::numeric_limits<Source>::min();
+        c.shift = std::numeric_limits<Stored>::min();
         data.offset += volume.slope * double(c.shift);
-        return fill_bricks<Source, Device>(volume, threads, discard, c, data);
+        return fill_bricks<Stored, Device>(source, c, data);
     } else {
-        c = stored_range<Source>(volume, threads);
+        c = stored_range<Stored>(volume, source.threads, source.progress);
         if (c.low > c.high) throw Error(ErrorCode::input, "no voxel of " + volume.source + " is a finite number");
-        if constexpr (std::is_integral_v<Source>)
-            if (std::make_unsigned_t<Source>(c.high) - std::make_unsigned_t<Source>(c.low) <= 65535u) {
+        if constexpr (std::is_integral_v<Stored>)
+            if (std::make_unsigned_t<Stored>(c.high) - std::make_unsigned_t<Stored>(c.low) <= 65535u) {
                 data.stored = VoxelType::u16;
                 c.shift = c.low;
                 data.offset += volume.slope * double(c.low);
-                return fill_bricks<Source, std::uint16_t>(volume, threads, discard, c, data);
+                return fill_bricks<Stored, std::uint16_t>(source, c, data);
             }
         data.stored = VoxelType::f32;
-        if constexpr (std::is_floating_point_v<Source>) {
+        if constexpr (std::is_floating_point_v<Stored>) {
             c.exponent = exponent_for(c);
             data.scale = std::ldexp(volume.slope, -c.exponent);
         }
-        fill_bricks<Source, float>(volume, threads, discard, c, data);
+        fill_bricks<Stored, float>(source, c, data);
     }
 }
 
@@ -168,7 +183,7 @@ void check_header_of(const Volume& volume) {
     }
 }
 
-DeviceVolume upload_bricks(const Device& device, const Volume& volume, VoxelBuffer* discard) {
+DeviceVolume upload_bricks(const Device& device, const Volume& volume, VoxelBuffer* discard, Progress& progress) {
     if (volume.components != 1)
         throw Error(ErrorCode::input, volume.source + " has " + std::to_string(volume.components) +
                                           " values a voxel: only volumes of one value a voxel can be rendered");
@@ -182,17 +197,28 @@ DeviceVolume upload_bricks(const Device& device, const Volume& volume, VoxelBuff
     data->device = device;
     data->dimensions = volume.dimensions;
     data->geometry = volume.geometry;
-    with_voxel_type(volume.type, [&](auto voxel) { store<decltype(voxel)>(volume, device.threads, discard, *data); });
+    const Source source{volume, discard, device.threads, progress};
+    with_voxel_type(volume.type, [&](auto voxel) { store<decltype(voxel)>(source, *data); });
     check_values(volume, data->scale * data->stored_min + data->offset, data->scale * data->stored_max + data->offset);
     return DeviceVolume(std::move(data));
 }
 
 }  // namespace
 
-DeviceVolume upload(const Device& device, const Volume& volume) { return upload_bricks(device, volume, nullptr); }
-DeviceVolume upload(const Device& device, Volume&& volume) {
+DeviceVolume upload(const Device& device, const Volume& volume, Progress& progress) {
+    return upload_bricks(device, volume, nullptr, progress);
+}
+DeviceVolume upload(const Device& device, Volume&& volume, Progress& progress) {
     Volume owned = std::move(volume);
-    return upload_bricks(device, owned, &owned.voxels);
+    return upload_bricks(device, owned, &owned.voxels, progress);
+}
+DeviceVolume upload(const Device& device, const Volume& volume) {
+    Progress none;
+    return upload(device, volume, none);
+}
+DeviceVolume upload(const Device& device, Volume&& volume) {
+    Progress none;
+    return upload(device, std::move(volume), none);
 }
 
 std::array<int, 3> DeviceVolume::dimensions() const { return data().dimensions; }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <mutex>
 
@@ -37,6 +38,14 @@ struct Range {
 /// Pieces so large that each thread has one: every piece brings half a megabyte of counters.
 std::int64_t grain_of(std::size_t count) { return std::int64_t(count) / usable_threads() + 1; }
 
+/// Calls body(begin, end) for pieces of a millisecond, until cancelled.
+void each_millisecond(std::int64_t begin, std::int64_t end, const Progress& progress,
+                      const std::function<void(std::int64_t, std::int64_t)>& body) {
+    constexpr std::int64_t piece = 1 << 19;
+    for (auto first = begin; first < end && !progress.cancelled(); first += piece)
+        body(first, std::min(end, first + piece));
+}
+
 template <class T>
 bool is_finite(T value) {
     if constexpr (std::is_floating_point_v<T>) return std::isfinite(value);
@@ -44,37 +53,39 @@ bool is_finite(T value) {
 }
 
 template <class T>
-Range range_of(std::span<const T> values) {
+Range range_of(std::span<const T> values, const Progress& progress) {
     Range range;
     std::mutex merging;
     parallel_for(std::int64_t(values.size()), grain_of(values.size()), [&](std::int64_t begin, std::int64_t end) {
         T least = std::numeric_limits<T>::max(), greatest = std::numeric_limits<T>::lowest();
         bool any = false;
-        for (auto i = begin; i < end; ++i) {
-            const T value = values[std::size_t(i)];
-            if (!is_finite(value)) continue;
-            any = true;
-            least = std::min(least, value);
-            greatest = std::max(greatest, value);
-        }
+        each_millisecond(begin, end, progress, [&](std::int64_t first, std::int64_t last) {
+            for (auto i = first; i < last; ++i) {
+                const T value = values[std::size_t(i)];
+                if (!is_finite(value)) continue;
+                any = true;
+                least = std::min(least, value);
+                greatest = std::max(greatest, value);
+            }
+        });
         if (!any) return;
         const std::lock_guard lock(merging);
         range.least = std::min(range.least, double(least));
         range.greatest = std::max(range.greatest, double(greatest));
     });
+    progress.check();
     return range;
 }
 
 /// Counts every value at the level nearest to it.
 template <class T>
-void count_values(std::span<const T> values, Levels& levels) {
+void count_values(std::span<const T> values, Levels& levels, const Progress& progress) {
     std::mutex merging;
     parallel_for(std::int64_t(values.size()), grain_of(values.size()), [&](std::int64_t begin, std::int64_t end) {
         std::vector<std::uint64_t> counts(level_count);
         std::uint64_t nonfinite = 0;
         const double unit = levels.unit, first = levels.first * unit, per_step = 1 / levels.step;
-        for (auto i = begin; i < end; ++i) {
-            const T value = values[std::size_t(i)];
+        const auto count = [&](T value) {
             if constexpr (sizeof(T) <= 2) {
                 ++counts[std::size_t(int(value) - int(std::numeric_limits<T>::min()))];
             } else if (is_finite(value)) {
@@ -83,22 +94,26 @@ void count_values(std::span<const T> values, Levels& levels) {
             } else {
                 ++nonfinite;
             }
-        }
+        };
+        each_millisecond(begin, end, progress, [&](std::int64_t from, std::int64_t to) {
+            for (auto i = from; i < to; ++i) count(values[std::size_t(i)]);
+        });
         const std::lock_guard lock(merging);
         for (std::size_t i = 0; i < level_count; ++i) levels.counts[i] += counts[i];
         levels.nonfinite += nonfinite;
     });
+    progress.check();
 }
 
 template <class T>
-Levels levels_of(const Volume& volume) {
+Levels levels_of(const Volume& volume, const Progress& progress) {
     const std::span<const T> values = volume.as<T>();
     if (values.empty()) throw Error(ErrorCode::input, "the volume has no voxels");
     Levels levels;
     if constexpr (sizeof(T) <= 2) {
         levels.first = double(std::numeric_limits<T>::min());
     } else {
-        const Range range = range_of(values);
+        const Range range = range_of(values, progress);
         if (range.greatest < range.least)
             throw Error(ErrorCode::input, "no voxel of " + volume.source + " is a finite number");
         levels.first = range.least;
@@ -112,7 +127,7 @@ Levels levels_of(const Volume& volume) {
         if (!std::is_integral_v<T>) levels.last = range.greatest;
     }
     if (std::is_integral_v<T>) levels.last = levels.first + double(level_count - 1) * levels.step;
-    count_values(values, levels);
+    count_values(values, levels, progress);
     return levels;
 }
 
@@ -172,9 +187,11 @@ double hu_zero_of(const Volume& volume, const Levels& levels, const Statistics& 
 
 }  // namespace
 
-Statistics measure(const Volume& volume) {
+Statistics measure(const Volume& volume) { return measure(volume, Progress()); }
+
+Statistics measure(const Volume& volume, const Progress& progress) {
     return with_voxel_type(volume.type, [&](auto zero) {
-        Levels levels = levels_of<decltype(zero)>(volume);
+        Levels levels = levels_of<decltype(zero)>(volume, progress);
         apply_rescale(levels, volume.slope, volume.intercept);
         Statistics result;
         summarize(levels, result);

@@ -36,6 +36,15 @@ VoxelBuffer VoxelBuffer::adopt(void* mapping, std::size_t bytes, bool shared) {
     return buffer;
 }
 
+VoxelBuffer VoxelBuffer::borrow(const void* data, std::size_t bytes, std::shared_ptr<const void> owner) {
+    VoxelBuffer buffer;
+    buffer.data_ = static_cast<std::byte*>(const_cast<void*>(data));
+    buffer.bytes_ = bytes;
+    buffer.borrowed_ = true;
+    buffer.owner_ = std::move(owner);
+    return buffer;
+}
+
 VoxelBuffer::VoxelBuffer(VoxelBuffer&& other) noexcept { *this = std::move(other); }
 
 VoxelBuffer& VoxelBuffer::operator=(VoxelBuffer&& other) noexcept {
@@ -43,18 +52,20 @@ VoxelBuffer& VoxelBuffer::operator=(VoxelBuffer&& other) noexcept {
     std::swap(bytes_, other.bytes_);
     std::swap(discarded_, other.discarded_);
     std::swap(shared_, other.shared_);
+    std::swap(borrowed_, other.borrowed_);
+    std::swap(owner_, other.owner_);
     return *this;
 }
 
 VoxelBuffer::~VoxelBuffer() {
-    if (data_) munmap(data_, bytes_);
+    if (data_ && !borrowed_) munmap(data_, bytes_);
 }
 
 void VoxelBuffer::discard(std::size_t begin, std::size_t end) noexcept {
     const std::size_t page = std::size_t(sysconf(_SC_PAGESIZE));
     const std::size_t first = (begin + page - 1) / page * page, last = std::min(end, bytes_) / page * page;
     // Shared pages (of a memfd) live until they are punched out; private ones are simply forgotten.
-    if (first < last) madvise(data_ + first, last - first, shared_ ? MADV_REMOVE : MADV_DONTNEED);
+    if (first < last && !borrowed_) madvise(data_ + first, last - first, shared_ ? MADV_REMOVE : MADV_DONTNEED);
 }
 
 void VoxelBuffer::discard_before(std::size_t end) noexcept {
@@ -66,7 +77,7 @@ void VoxelBuffer::discard_before(std::size_t end) noexcept {
 
 void VoxelBuffer::use_small_pages(std::size_t begin) noexcept {
     const std::size_t page = std::size_t(sysconf(_SC_PAGESIZE)), first = begin / page * page;
-    if (first < bytes_) madvise(data_ + first, bytes_ - first, MADV_NOHUGEPAGE);
+    if (first < bytes_ && !borrowed_) madvise(data_ + first, bytes_ - first, MADV_NOHUGEPAGE);
 }
 
 Volume make_volume(std::array<int, 3> dimensions, VoxelType type) {

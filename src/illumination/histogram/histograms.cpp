@@ -28,6 +28,7 @@ void assign(const Device& device, const HistogramData& data, HistogramPath path,
                      const int step = out.subsample, count = (x.second - x.first + step - 1) / step;
                      CodewordPair guess{0, 0};
                      const auto row = [&, x = x.first / step](int j, int k, const PackedHistogram* histograms) {
+                         progress.check();  // a block takes a while
                          const std::size_t at =
                              (std::size_t(k / step) * out.nodes[1] + std::size_t(j / step)) * out.nodes[0] + x;
                          CodewordPair* to = out.pairs().data() + at;

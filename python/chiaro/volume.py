@@ -1,0 +1,293 @@
+"""Volumes: voxels on a grid in the world."""
+
+from __future__ import annotations
+
+import logging
+import os
+from typing import Any, Iterator, Sequence
+
+import numpy as np
+
+from . import _arrays, _chiaro, _progress
+
+log = logging.getLogger("chiaro")
+
+#: index axes x, y, z and their place in (z, y, x)
+_FLIP = np.diag([-1.0, -1.0, 1.0, 1.0])
+
+
+def _three(values: Any, what: str) -> tuple[float, float, float]:
+    numbers = [float(v) for v in np.atleast_1d(np.asarray(values, dtype=float))]
+    if len(numbers) == 1:
+        numbers *= 3
+    if len(numbers) != 3 or not np.isfinite(numbers).all():
+        raise ValueError(f"{what}={values!r}: must be three finite numbers")
+    return numbers[0], numbers[1], numbers[2]
+
+
+class Volume:
+    """Voxels, and where they lie.
+
+    ``array``
+        (z, y, x), any integer or float type. Its memory is borrowed where it is in C or Fortran order: nothing is
+        copied, changed or freed, and the array lives as long as the volume. Else it is copied, and ``notes`` say why.
+    ``spacing``
+        distance of the voxels in mm along z, y, x (one number: of all three).
+    ``origin``
+        where the first voxel is in the world, in mm: x, y, z.
+    ``direction``
+        3 × 3, its columns the world's directions of the index axes x, y, z.
+    ``frame``
+        'RAS', 'LPS' or None: what the world's axes are.
+    ``affine``
+        in the place of spacing, origin, direction and frame: 4 × 4, from (x, y, z) index to RAS mm, as nibabel has it.
+    ``name``
+        what messages and scene files call it.
+
+    Raises TypeError for types, ValueError for shapes and numbers that are none of these. Costs nothing to speak of;
+    the first picture reads the array once.
+    """
+
+    def __init__(
+        self,
+        array: Any,
+        spacing: float | Sequence[float] = 1.0,
+        origin: Sequence[float] = (0.0, 0.0, 0.0),
+        direction: Any = None,
+        frame: str | None = None,
+        name: str = "array",
+        *,
+        affine: Any = None,
+    ) -> None:
+        held, notes = _arrays.stored(array)
+        self._transposed = not held.flags.c_contiguous
+        base = held.T if self._transposed else held
+        dimensions = tuple(int(n) for n in base.shape[::-1])
+        native = _chiaro.borrow(base, held.dtype.name, dimensions, 1).told(str(name), "array", "", 1.0, 0.0)
+        if affine is not None:
+            place = _place_of_affine(affine)
+        else:
+            z, y, x = _three(spacing, "spacing")
+            columns = np.eye(3) if direction is None else np.asarray(direction, dtype=float)
+            place = (x, y, z), _three(origin, "origin"), columns, _frame(frame)
+        self._native = self._placed(native, *place)
+        self._notes = list(notes)
+        self._version = 0
+        self._statistics: dict[str, Any] | None = None
+
+    def _placed(self, native: Any, spacing: Any, origin: Any, columns: Any, frame: str) -> Any:
+        if columns.shape != (3, 3):
+            raise ValueError(f"direction of shape {columns.shape}: must be 3 × 3")
+        if not all(0 < s < np.inf for s in spacing):
+            raise ValueError(f"spacing {tuple(spacing)} mm: every distance must be above 0")
+        lengths = np.linalg.norm(columns, axis=0)
+        if not np.isfinite(columns).all() or abs(np.linalg.det(columns)) < 1e-9 * float(np.prod(lengths)) or not (lengths > 0).all():
+            raise ValueError("direction: its three columns must point in different directions")
+        axes = [tuple(float(v) for v in columns[:, a] / lengths[a]) for a in range(3)]
+        spacing = [float(s) for s in spacing]
+        if self._transposed:
+            axes, spacing = axes[::-1], spacing[::-1]
+        return native.placed(tuple(spacing), tuple(origin), axes, frame)
+
+    @classmethod
+    def _of_native(cls, native: Any) -> "Volume":
+        self = cls.__new__(cls)
+        self._native = native
+        self._transposed = False
+        self._notes = list(native.notes)
+        self._version = 0
+        self._statistics = None
+        return self
+
+    @staticmethod
+    def of(source: Any, **more: Any) -> "Volume":
+        """The volume of something that other packages hold: a nibabel image, a SimpleITK or itk image, an xarray
+        DataArray, vtkImageData or a PyVista grid, a list of pydicom datasets, a path, an array of numpy, dask, zarr or
+        h5py, or a volume. Where it lies is kept. ``more`` as for Volume, for what has no place of its own."""
+        from . import _of
+
+        return _of.volume_of(source, **more)
+
+    # --- the voxels
+    @property
+    def array(self) -> np.ndarray[Any, Any]:
+        """The stored numbers, (z, y, x), the same memory, not to be written through this view."""
+        view = np.asarray(self._native)
+        view.flags.writeable = False
+        return view.T if self._transposed else view
+
+    def to_numpy(self) -> np.ndarray[Any, Any]:
+        """A copy of the values, after slope and intercept (HU for CT); float32 where those are not 1 and 0."""
+        if self.slope == 1 and self.intercept == 0:
+            return self.array.copy()
+        return (self.array * self.slope + self.intercept).astype(np.float32)
+
+    def __array__(self, dtype: Any = None, copy: Any = None) -> np.ndarray[Any, Any]:
+        return np.array(self.array, dtype=dtype) if copy or dtype is not None else self.array
+
+    def changed(self) -> None:
+        """To be called after the borrowed array was written to: sessions read it again for their next picture."""
+        self._version += 1
+        self._statistics = None
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Voxels along z, y, x."""
+        return tuple(self.array.shape)
+
+    @property
+    def dtype(self) -> np.dtype[Any]:
+        return np.dtype(str(self._native.type))
+
+    @property
+    def slope(self) -> float:
+        """value = slope × stored number + intercept"""
+        return float(self._native.slope)
+
+    @property
+    def intercept(self) -> float:
+        return float(self._native.intercept)
+
+    # --- its place
+    @property
+    def spacing(self) -> tuple[float, float, float]:
+        """Distance of the voxels in mm along z, y, x."""
+        s = self._native.spacing
+        return (s[0], s[1], s[2]) if self._transposed else (s[2], s[1], s[0])
+
+    @property
+    def origin(self) -> tuple[float, float, float]:
+        """World x, y, z of the first voxel, mm."""
+        o = self._native.origin
+        return (o[0], o[1], o[2])
+
+    @property
+    def direction(self) -> np.ndarray[Any, Any]:
+        """3 × 3, its columns the world's directions of the index axes x, y, z."""
+        columns = np.array(self._native.direction).T
+        return columns[:, ::-1].copy() if self._transposed else columns
+
+    @property
+    def frame(self) -> str | None:
+        """'RAS', 'LPS' or None."""
+        return self._native.frame or None
+
+    @property
+    def affine(self) -> np.ndarray[Any, Any]:
+        """4 × 4, from (x, y, z) index to RAS mm, as nibabel has it; without a frame to the world as it is."""
+        matrix = np.eye(4)
+        matrix[:3, :3] = self.direction * np.array(self.spacing[::-1])
+        matrix[:3, 3] = self.origin
+        return _FLIP @ matrix if self.frame == "LPS" else matrix
+
+    # --- what it is
+    @property
+    def name(self) -> str:
+        return str(self._native.source)
+
+    @property
+    def format(self) -> str:
+        return str(self._native.format)
+
+    @property
+    def modality(self) -> str:
+        """'CT', 'MR', ... where the file says so, else ''."""
+        return str(self._native.modality)
+
+    @property
+    def notes(self) -> list[str]:
+        """What one should know, a sentence each: slices left out, voxels copied."""
+        return list(self._notes)
+
+    @property
+    def statistics(self) -> dict[str, Any]:
+        """min, max, p1, p50, p99, p999 (percentiles), nonfinite; read once."""
+        if self._statistics is None:
+            found = self._native.statistics()
+            found["histogram"] = np.asarray(found["histogram"])
+            self._statistics = found
+        return {key: value for key, value in self._statistics.items() if key != "histogram"}
+
+    @property
+    def window(self) -> tuple[float, float]:
+        """Centre and width that show nearly all values: from the first to the 99.9th percentile."""
+        s = self.statistics
+        return (s["p1"] + s["p999"]) / 2, max(s["p999"] - s["p1"], np.finfo(float).tiny)
+
+    def histogram(self) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
+        """Counts of 256 equal bins from the least to the greatest value, and their 257 edges."""
+        s = self.statistics
+        assert self._statistics is not None
+        return self._statistics["histogram"].copy(), np.linspace(s["min"], s["max"], 257)
+
+    def __repr__(self) -> str:
+        z, y, x = self.shape[:3]
+        mm = " × ".join(f"{s:g}" for s in self.spacing)
+        frame = f", {self.frame}" if self.frame else ""
+        return f"<chiaro.Volume {self.name!r}: {z} × {y} × {x} {self.dtype.name}, {mm} mm{frame}>"
+
+    def _repr_html_(self) -> str:
+        from . import _html
+
+        return _html.volume(self)
+
+
+def _frame(frame: str | None) -> str:
+    if frame not in (None, "RAS", "LPS"):
+        raise ValueError(f"frame={frame!r}: must be 'RAS', 'LPS' or None")
+    return frame or ""
+
+
+def _place_of_affine(affine: Any) -> tuple[Any, Any, np.ndarray[Any, Any], str]:
+    matrix = np.asarray(affine, dtype=float)
+    if matrix.shape != (4, 4) or not np.isfinite(matrix).all() or not np.allclose(matrix[3], [0, 0, 0, 1]):
+        raise ValueError("affine: must be 4 × 4 finite numbers with 0, 0, 0, 1 in the last row")
+    columns = matrix[:3, :3]
+    spacing = np.linalg.norm(columns, axis=0)
+    if not (spacing > 0).all():
+        raise ValueError("affine: every index axis needs a length above 0")
+    return tuple(spacing), tuple(float(v) for v in matrix[:3, 3]), columns / spacing, "RAS"
+
+
+def read(path: str | os.PathLike[str], *, progress: Any = None, **settings: Any) -> Volume:
+    """The volume of a file, a folder of DICOM slices, or ``sample:NAME[:SIZE]``: all that the tool reads.
+
+    ``settings``: raw_size, raw_type, raw_spacing, raw_endian, raw_offset, series, rescale. Files are opened by a helper
+    program, never in this process. Raises InputError with a sentence about the file. What one should know of it goes to
+    ``logging.getLogger("chiaro")`` and to ``volume.notes``.
+    """
+    from .scene import Scene
+
+    name = os.fspath(path)
+    scene = Scene(**settings)
+    with _progress.reporting(progress) as report:
+        volume = Volume._of_native(_chiaro.read(name, scene._native, report))
+    for note in volume.notes:
+        log.warning("%s: %s", name, note)
+    return volume
+
+
+def write(volume: Any, path: str | os.PathLike[str], *, encoding: str = "raw", progress: Any = None) -> None:
+    """Writes NRRD with all that is known of the volume, whole or not at all; ``encoding`` is 'raw' or 'gzip'.
+
+    Raises UsageError for another ending than .nrrd, OutputError where the file cannot be written.
+    """
+    from .errors import error_of
+
+    name = os.fspath(path)
+    if not name.endswith(".nrrd"):
+        raise error_of(2, f"{name}: volumes are written as .nrrd")
+    with _progress.reporting(progress) as report:
+        _chiaro.write(Volume.of(volume)._native, name, encoding, {}, report)
+
+
+def sample(name: str, size: int = 0) -> Volume:
+    """A generated volume: an exact function of position, ``size`` voxels a side (0: its own). See ``samples()``."""
+    with _progress.reporting(None) as report:
+        return Volume._of_native(_chiaro.make_sample(name, size, report))
+
+
+def samples() -> Iterator[tuple[str, str]]:
+    """Name and sentence of each sample."""
+    for name, sentence, _ in _chiaro.list_samples():
+        yield name, sentence
