@@ -16,7 +16,7 @@ void head(const std::string& text) {
     parser.put(boost::asio::buffer(text), error);
     if (!parser.is_header_done()) return;
     const auto& request = parser.get();
-    static const chiaro::server::Doorman doorman("127.0.0.1");
+    static const chiaro::server::Doorman doorman({.host = "127.0.0.1", .embed_from = {"https://hub.example:8443"}});
     (void)doorman.lets_in(std::string(request[http::field::host]), std::string(request[http::field::origin]));
     (void)chiaro::server::request_of(std::string(request.method_string()), std::string(request.target()));
 }
