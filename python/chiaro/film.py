@@ -31,6 +31,7 @@ def turntable(volume: Any, frames: int, *, progress: Any = None, **settings: Any
 
 
 def _turned(session: Session, azimuth: float, frames: int, progress: Any) -> Iterator[Image]:
+    session._fit_all_around(progress)
     for frame in range(frames):
         yield session.image(azimuth=azimuth + 360 * frame / frames, progress=progress)
 

@@ -55,7 +55,7 @@ class Scene:
         if "probe" in plain and not isinstance(plain["probe"], (str, os.PathLike, type(None))):
             probe = Probe.of(plain.pop("probe"))
             plain.setdefault("probe_rotation", probe.rotation)
-            plain.setdefault("probe_exposure", probe.exposure)
+            plain.setdefault("probe_exposure", "auto" if probe.exposure is None else probe.exposure)
             if probe.name:
                 plain["probe"], probe = probe.name, None
         elif "probe" in plain and native.has_own_probe:

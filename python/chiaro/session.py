@@ -140,8 +140,19 @@ class Session:
             image.depth
         return image
 
+    def _fit_all_around(self, progress: Any) -> None:
+        """The camera fits the ball that all azimuths need."""
+        with _progress.reporting(progress) as report:
+            self._show(report)
+            self._forget()
+            native = self._session.fitted_all_around(self._scene._native, report)
+        self.__dict__["_scene"] = Scene._of(native, self._scene._volume)
+
     def _image(self, pixels: np.ndarray[Any, Any], newest: bool) -> Image:
-        native, scene = self._session, self._scene
+        native = self._session
+        scene = Scene._of(native.seen(self._scene._native), self._scene._volume)
+        # The camera fits what is visible, once: what is changed from now on moves nothing else.
+        self.__dict__["_scene"] = Scene._of(self._scene._native.with_camera_of(scene._native), self._scene._volume)
         if not newest:
             return Image(pixels, None, scene, {}, None)
         image = Image(pixels, lambda: native.frame(scene._native), scene, self._stats(), native.depth)
@@ -216,7 +227,7 @@ class Session:
 
     @property
     def probe_used(self) -> Probe | None:
-        return None if self._scene.probe is None else Probe(self._scene.probe, self._scene.probe_rotation, self._scene.probe_exposure)
+        return None if self._scene.probe is None else Probe(self._scene.probe, self._scene.probe_rotation, None if self._scene.probe_exposure == "auto" else self._scene.probe_exposure)
 
     def __repr__(self) -> str:
         return f"<chiaro.Session of {self._scene!r}>"

@@ -33,6 +33,9 @@ py::object value(const Setting&, const Vec3& v) { return py::make_tuple(v.x, v.y
 py::object value(const Setting&, const std::pair<double, double>& v) { return py::make_tuple(v.first, v.second); }
 py::object value(const Setting&, const std::array<int, 3>& v) { return py::tuple(py::cast(v)); }
 py::object value(const Setting&, const std::array<double, 6>& v) { return py::tuple(py::cast(v)); }
+py::object value(const Setting&, const ProbeExposure& field) {
+    return field.stops ? py::object(py::float_(*field.stops)) : py::object(py::str("auto"));
+}
 py::object value(const Setting&, const int& width, const int& height) { return py::make_tuple(width, height); }
 py::object value(const Setting&, const std::vector<ClipPlane>& planes) {
     py::list all;
@@ -90,6 +93,7 @@ std::vector<std::string> choices(const Setting& s, const Field&) {
     }
     return all;
 }
+std::vector<std::string> choices(const Setting&, const ProbeExposure&) { return {}; }  // stops, or auto
 std::vector<std::string> choices(const Setting&, const auto&...) { return {}; }
 
 std::string python_name(std::string_view flag) {
@@ -181,6 +185,11 @@ void add_scene(py::module_& module) {
         .def("with_volume",
              [](Scene scene, const std::string& volume) {
                  scene.volume = volume;
+                 return scene;
+             })
+        .def("with_camera_of",
+             [](Scene scene, const Scene& other) {
+                 scene.camera = other.camera;
                  return scene;
              })
         .def("value", value_of)

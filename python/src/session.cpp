@@ -52,6 +52,17 @@ public:
         use({}, [&](Progress& progress, News&) { frame = expose(session_.frame(), scene.output, &progress); });
         return array_of(frame);
     }
+    /// The scene of the last render, with what it found: the ball that the camera fits, and the exposure.
+    Scene seen(Scene scene) const {
+        scene.camera = session_.camera();
+        scene.lighting.probe.exposure = session_.probe_exposure();
+        return scene;
+    }
+    /// With the ball that all frames of a turntable fit.
+    Scene fitted_all_around(Scene scene, py::object report) {
+        use({report}, [&](Progress& progress, News&) { scene.camera = session_.fit_all_around(scene, progress); });
+        return scene;
+    }
     Array<float> depth() {
         Array<float> depth;
         use({}, [&](Progress& progress, News&) {
@@ -133,6 +144,8 @@ void add_session(py::module_& module) {
         .def("preview", &S::preview)
         .def("frame", &S::frame)
         .def("depth", &S::depth)
+        .def("seen", &S::seen)
+        .def("fitted_all_around", &S::fitted_all_around)
         .def("field", &S::field)
         .def("stages", &S::stages)
         .def("render_statistics", &S::render_statistics)

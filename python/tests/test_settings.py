@@ -19,7 +19,7 @@ OTHER = {
     "clip_box": (0, 1, 0, 0.5, 0, 1), "clip_plane": [(0, 0, 1, 10)], "azimuth": 10, "elevation": -5, "roll": 3, "zoom": 2, "fov": 40,
     "up": (0, 1, 0), "projection": "orthographic", "view": "left", "eye": (1, 2, 3), "target": (4, 5, 6), "light": "10,20,red",
     "probe": "sky", "hist_effects": "ao", "glow": "1:2=3", "cache": "none", "sh_sampling": "jittered:4", "bounces": 3,
-    "reference_quantity": "ao",
+    "reference_quantity": "ao", "probe_exposure": 1.5,
 }
 
 
@@ -120,7 +120,10 @@ def test_scenes_never_change_and_go_both_ways(tmp_path, tool):
     turned.save(tmp_path / "scene.json")
     assert chiaro.Scene.read(tmp_path / "scene.json") == turned
     tool("render", "--scene", tmp_path / "scene.json", "-o", tmp_path / "tool.png", "--quiet")
-    assert chiaro.Scene.from_picture(tmp_path / "tool.png") == turned
+    # A picture tells what was found, too: the ball that the camera fits, and the exposure.
+    seen = chiaro.Scene.from_picture(tmp_path / "tool.png")
+    assert seen != turned and seen.probe_exposure == 0 and "centre" in json.dumps(json.loads(seen.to_json())["camera"])
+    assert seen.with_(fit="visible", probe_exposure="auto") == turned
     chiaro.render(turned).save(tmp_path / "python.png")
     assert (tmp_path / "python.png").read_bytes() == (tmp_path / "tool.png").read_bytes()
     assert "azimuth=80.0" in repr(turned) and "elevation" not in repr(turned)
