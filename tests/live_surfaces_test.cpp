@@ -16,12 +16,6 @@ Frame shown(const Volume& volume, const Look& look, const IlluminationSettings& 
             const TransferFunction& tf = skin(), const Lighting& lighting = matte, const Shape& shape = {},
             const RaySettings& rays = {}) {
     const Device device = tested_device();
-    const Camera camera{.eye = look.above,
-                        .forward = -1.0 * look.normal,
-                        .right = look.along,
-                        .up = cross(look.normal, look.along),
-                        .projection = Projection::orthographic,
-                        .half_height = look.half_width};
     const Medium medium = classify(upload(device, volume), tf, shape);
     IlluminationField field;
     Progress progress;
@@ -29,7 +23,7 @@ Frame shown(const Volume& volume, const Look& look, const IlluminationSettings& 
         device, medium, Prepared(), lighting, settings, [&](IlluminationField finer) { field = std::move(finer); },
         progress);
     Frame frame(look.pixels, look.pixels);
-    raycast(device, medium, field, lighting, camera, rays, frame, progress);
+    raycast(device, medium, field, lighting, camera_of(look), rays, frame, progress);
     return frame;
 }
 /// What the frame shows of a grey of 1, where it covers.

@@ -88,12 +88,6 @@ Pattern pattern_on_ball(Method method, const std::string& probe, double edge, Mo
     constexpr int pixels = 160;
     const Device device = tested_device();
     const Look look{centre + 40 * normal, normal, normalized(cross(normal, {0.3, 1, 0.2})), radius, pixels};
-    const Camera camera{.eye = look.above,
-                        .forward = -1.0 * look.normal,
-                        .right = look.along,
-                        .up = cross(look.normal, look.along),
-                        .projection = Projection::orthographic,
-                        .half_height = look.half_width};
     Lighting lighting = matte;
     lighting.probe.source = probe, lighting.loaded_probe = builtin_probe(probe);
     Shape shape;
@@ -106,7 +100,7 @@ Pattern pattern_on_ball(Method method, const std::string& probe, double edge, Mo
         device, medium, Prepared(), lighting, {.method = method},
         [&](IlluminationField finer) { field = std::move(finer); }, progress);
     Frame frame(pixels, pixels);
-    raycast(device, medium, field, lighting, camera, {}, frame, progress);
+    raycast(device, medium, field, lighting, camera_of(look), {}, frame, progress);
     return pattern_of(pixels, look.half_width, [&](double, double, int u, int v) {
         return double(frame.rgba[4 * (std::size_t(v) * pixels + std::size_t(u)) + 1]);
     });

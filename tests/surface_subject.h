@@ -40,19 +40,22 @@ struct Look {
     int pixels = 24;
 };
 
+inline Camera camera_of(const Look& look) {
+    return {.eye = look.above,
+            .forward = -1.0 * look.normal,
+            .right = look.along,
+            .up = cross(look.normal, look.along),
+            .projection = Projection::orthographic,
+            .half_height = look.half_width};
+}
+
 inline const Lighting matte{.specular = 0};
 
 inline Frame seen(const Volume& volume, const Look& look, const PathOptions& options, int paths,
                   const TransferFunction& tf = skin(), const Lighting& lighting = matte, const Shape& shape = {}) {
     const Device device = tested_device();
-    const Camera camera{.eye = look.above,
-                        .forward = -1.0 * look.normal,
-                        .right = look.along,
-                        .up = cross(look.normal, look.along),
-                        .projection = Projection::orthographic,
-                        .half_height = look.half_width};
-    PathTracer tracer(device, classify(upload(device, volume), tf, shape), lighting, camera, {}, options, look.pixels,
-                      look.pixels);
+    PathTracer tracer(device, classify(upload(device, volume), tf, shape), lighting, camera_of(look), {}, options,
+                      look.pixels, look.pixels);
     EXPECT_TRUE(tracer.add(paths, Progress()));
     Frame frame(look.pixels, look.pixels);
     RenderTarget target{frame};

@@ -55,8 +55,8 @@ public:
     SurfaceNodes(const Device& device, const TransportNodes& nodes, double edges, bool as_particles);
 
     NodeRoles roles(int x, int y, int z) const;
-    /// n = -(α(i + 1) - α(i - 1)) per axis, α of a voxel's edge. Within matter also over twice the distance, as
-    /// KeepKernel of visibility has it: samples on the surface lie between its nodes and those.
+    /// n = -(α(i + 1) - α(i - 1)) per axis, α of a voxel's edge. Within matter also over twice the distance:
+    /// samples on the surface lie between its nodes and those.
     NodeOutwards outwards(int x, int y, int z) const;
     /// The same of particles, where some cells are opaque: those are lit as surfaces are, by the air beside them.
     NodeRoles particle_roles(int x, int y, int z) const;
