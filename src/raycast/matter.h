@@ -97,7 +97,8 @@ private:
         const Mask<F> is_near = since < F(0.5f * met_steps);
         wanted = wanted & !(is_near & (met.share >= F(1 - more)));
         if (!any(wanted)) return;
-        SurfacePoint<F> here{F(1), sample.p_voxel, towards_eye(gradient, place)};
+        SurfacePoint<F> here{F(1), sample.p_voxel,
+                             towards_eye(sample.outward, F(shading.out) * dot(gradient, place.lattice.step))};
         if (surface.opacity) {  // isosurfaces are whole ones
             const SurfaceAt<F> found = surface.of(sample.value, gradient);
             here.share = found.share, here.depth = found.depth;
@@ -108,9 +109,10 @@ private:
         sample.surface = here;
     }
 
+    /// A normal of which the values' rise along the ray is told.
     template <class F>
-    CHIARO_INLINE Vec3<F> towards_eye(Vec3<F> gradient, const Place<F>& place) const {
-        return select(dot(gradient, place.lattice.step) > F(0), F(-1), F(1)) * shading.normal(gradient);
+    static CHIARO_INLINE Vec3<F> towards_eye(Vec3<F> normal, F rise) {
+        return select(rise > F(0), F(-1), F(1)) * normal;
     }
 
     /// From back to front the surface that was met lies ahead: one and two edges nearer to the eye.
@@ -119,12 +121,12 @@ private:
         for (int edges = 1; edges <= 2; ++edges) {
             const F step = place.step - F(0.5f * met_steps * float(edges));
             const Vec3<F> p = volume.clamp(place.lattice.position(max(step, F(0))));
-            const auto at = volume.locate(p, volume.voxel(p));
-            const Vec3<F> gradient = volume.gradient(at);
-            const SurfaceAt<F> found = surface.of(volume.value(at), gradient);
+            const SurfaceAt<F> found = surface.at(volume, p);
             const Mask<F> larger = wanted & (step >= F(0)) & (found.share > met.share);
             met = {select(larger, found.share, met.share), select(larger, p, met.p_voxel),
-                   select(larger, towards_eye(gradient, place), met.normal), select(larger, found.depth, met.depth)};
+                   select(larger, towards_eye(shading.normal(found.gradient), dot(found.gradient, place.lattice.step)),
+                          met.normal),
+                   select(larger, found.depth, met.depth)};
         }
     }
 };
