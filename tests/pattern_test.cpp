@@ -4,6 +4,7 @@
 #include <chiaro/text.h>
 #include <fmt/format.h>
 
+#include "core/linear_system.h"
 #include "surface_subject.h"
 
 using namespace chiaro;
@@ -23,26 +24,6 @@ std::vector<double> polynomials(double x, double y) {
             for (int k = 0; k < 2 && i + j + k <= degree; ++k)
                 values.push_back(std::pow(x, i) * std::pow(y, j) * (k ? z : 1));
     return values;
-}
-
-/// Solves A x = b, A symmetric and positive definite, of rows; by Cholesky's factors.
-std::vector<double> solved(std::vector<std::vector<double>> a, std::vector<double> b) {
-    const std::size_t size = b.size();
-    for (std::size_t i = 0; i < size; ++i)
-        for (std::size_t j = 0; j <= i; ++j) {
-            double sum = a[i][j];
-            for (std::size_t k = 0; k < j; ++k) sum -= a[i][k] * a[j][k];
-            a[i][j] = i == j ? std::sqrt(sum) : sum / a[j][j];
-        }
-    for (std::size_t i = 0; i < size; ++i) {
-        for (std::size_t k = 0; k < i; ++k) b[i] -= a[i][k] * b[k];
-        b[i] /= a[i][i];
-    }
-    for (std::size_t i = size; i-- > 0;) {
-        for (std::size_t k = i + 1; k < size; ++k) b[i] -= a[k][i] * b[k];
-        b[i] /= a[i][i];
-    }
-    return b;
 }
 
 struct Pattern {
@@ -71,7 +52,7 @@ Pattern pattern_of(int pixels, double half_width, const Shade& shade) {
             for (std::size_t j = 0; j < size; ++j) normal[i][j] += basis[p][i] * basis[p][j];
         }
     for (std::size_t i = 0; i < size; ++i) normal[i][i] *= 1 + 1e-12;
-    const std::vector<double> fit = solved(normal, right);
+    const std::vector<double> fit = solve(normal, right);
     Pattern pattern;
     double squares = 0;
     for (std::size_t p = 0; p < seen.size(); ++p) {

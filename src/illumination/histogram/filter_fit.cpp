@@ -6,32 +6,12 @@
 #include <map>
 #include <mutex>
 
+#include "core/linear_system.h"
 #include "illumination/histogram/ball.h"
 #include "illumination/histogram/packing.h"
 
 namespace chiaro {
 namespace {
-
-/// Solves A x = b by elimination; A symmetric enough not to need more.
-std::vector<double> solve(std::vector<std::vector<double>> a, std::vector<double> b) {
-    const std::size_t n = b.size();
-    for (std::size_t i = 0; i < n; ++i) {
-        std::size_t best = i;
-        for (std::size_t r = i + 1; r < n; ++r)
-            if (std::abs(a[r][i]) > std::abs(a[best][i])) best = r;
-        std::swap(a[i], a[best]), std::swap(b[i], b[best]);
-        for (std::size_t r = i + 1; r < n; ++r) {
-            const double factor = a[r][i] / a[i][i];
-            for (std::size_t c = i; c < n; ++c) a[r][c] -= factor * a[i][c];
-            b[r] -= factor * b[i];
-        }
-    }
-    for (std::size_t i = n; i-- > 0;) {
-        for (std::size_t c = i + 1; c < n; ++c) b[i] -= a[i][c] * b[c];
-        b[i] /= a[i][i];
-    }
-    return b;
-}
 
 /// Normal equations of Σ weight (Σ c_h basis_h - target)² with Σ side (Σ c_h basis_h) = Σ side target held exactly.
 class Fit {
@@ -49,7 +29,7 @@ public:
     std::vector<double> coefficients() const {
         auto a = a_;
         for (std::size_t i = 0; i < last_; ++i) a[i][i] *= 1 + 1e-9;  // neighbouring boxes differ little
-        return solve(a, b_);
+        return solve(std::move(a), b_);
     }
 
 private:
