@@ -179,6 +179,36 @@ def read_setting(owner: Any, name: str) -> Any:
     raise AttributeError(f"'{name}' is no setting{_settings.meant(name, [*_settings.table(), *_settings.grouped()])}")
 
 
+class HasSettings:
+    """Of a session and a view: each setting of its scene is an attribute, also by group."""
+
+    #: what else may be set
+    _more: tuple[str, ...] = ()
+
+    def set(self, **settings: Any) -> Any:
+        raise NotImplementedError
+
+    def _choose(self, scene: Any) -> None:
+        """``scene`` was set."""
+        raise NotImplementedError
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        return read_setting(self, name)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name == "scene":
+            self._choose(value)
+        elif name in _settings.table() or name in self._more:
+            self.set(**{name: value})
+        else:
+            raise AttributeError(f"'{name}' is no setting{_settings.meant(name, _settings.table())}")
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *_settings.table(), *_settings.grouped()]
+
+
 def _told(native: Any, unknown: list[str], name: str) -> Scene:
     import logging
 

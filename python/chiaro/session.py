@@ -14,7 +14,7 @@ import numpy as np
 from . import _chiaro, _progress, _settings
 from .image import Image
 from .probe import Probe
-from .scene import Scene, read_setting, scene_of
+from .scene import HasSettings, Scene, scene_of
 from .transfer import TransferFunction
 from .volume import Volume
 
@@ -27,7 +27,7 @@ def split_device(settings: dict[str, Any]) -> tuple[dict[str, Any], dict[str, An
     return device, {name: value for name, value in settings.items() if name not in device}
 
 
-class Session:
+class Session(HasSettings):
     """A volume, and all that was made of it: of the next picture only what lies to the right of a change is redone.
 
         s = chiaro.Session(volume, lighting="transport")
@@ -83,21 +83,10 @@ class Session:
         self.__dict__["_scene"] = self._scene.with_(**settings)
         return self
 
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("_"):
-            raise AttributeError(name)
-        return read_setting(self, name)
+    _more = ("volume",)
 
-    def __setattr__(self, name: str, value: Any) -> None:
-        if name == "scene":
-            self.__dict__["_scene"] = value if isinstance(value, Scene) else Scene(value)
-        elif name in _settings.table() or name == "volume":
-            self.set(**{name: value})
-        else:
-            raise AttributeError(f"'{name}' is no setting{_settings.meant(name, _settings.table())}")
-
-    def __dir__(self) -> list[str]:
-        return [*super().__dir__(), *_settings.table(), *_settings.grouped()]
+    def _choose(self, scene: Any) -> None:
+        self.__dict__["_scene"] = scene if isinstance(scene, Scene) else Scene(scene)
 
     # --- pictures
     def _show(self, report: Any) -> None:

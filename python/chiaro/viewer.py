@@ -11,9 +11,9 @@ import weakref
 from typing import Any, Callable, Sequence
 from urllib.parse import urlsplit
 
-from . import _chiaro, _progress, _settings
+from . import _chiaro, _progress
 from .image import Image
-from .scene import Scene, read_setting, scene_of
+from .scene import HasSettings, Scene, scene_of
 from .session import Session, split_device
 
 #: what may frame the page unless something else is said: notebooks of this machine
@@ -21,7 +21,7 @@ LOCAL = ("http://localhost:*", "http://127.0.0.1:*")
 _open: "weakref.WeakSet[View]" = weakref.WeakSet()
 
 
-class View:
+class View(HasSettings):
     """A viewer that is alive: what the person chooses is read back, and what is set here is shown there.
 
         v = chiaro.view(volume)
@@ -98,18 +98,8 @@ class View:
         self._server.put(self.scene.with_(**settings)._native)
         return self
 
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("_"):
-            raise AttributeError(name)
-        return read_setting(self, name)
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        if name == "scene":
-            self._server.put(value._native)
-        elif name in _settings.table():
-            self.set(**{name: value})
-        else:
-            raise AttributeError(f"'{name}' is no setting{_settings.meant(name, _settings.table())}")
+    def _choose(self, scene: Any) -> None:
+        self._server.put(scene._native)
 
     def on_change(self, listener: Callable[[Scene], None]) -> None:
         """Calls it with each scene that a page chooses, in another thread."""
