@@ -85,7 +85,7 @@ Rgb shown_at(const ShownLight& shown, Vec3 p, double depth_of_voxel) {
     const kernel::ScatteredLight scattered{.on = true, .boundary_cells = shown.boundary_view};
     kernel::SamplePoint<float> sample{{float(p.x), float(p.y), float(p.z)}, 0};
     sample.solid = float(std::clamp(depth_of_voxel - 0.5, 0.0, 1.0));
-    const auto light = scattered.incident<float>(shown.view, {}, sample, {}).diffuse;
+    const auto light = scattered.incident<float>(shown.view, sample);
     return {light.x, light.y, light.z};
 }
 
@@ -193,8 +193,7 @@ Frame TransportErrorMetric::image(const TransportNodes& nodes) const {
     std::array<float, 3> most{};
     for (std::size_t i = 0; i < nodes.light.size(); ++i) most[i % 3] = std::max(most[i % 3], nodes.light[i]);
     const TransportLight light(subject_.device, nodes, nodes.grid.edge_mm / geometry.smallest_spacing_mm(), most);
-    const auto shown =
-        light.shown(Look::particles, {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, geometry.voxel_from_world(camera.eye));
+    const auto shown = light.shown(Look::particles, geometry.voxel_from_world(camera.eye));
     parallel_for(subject_.device.threads, scene.height, 1, [&](std::int64_t y, std::int64_t) {
         for (int x = 0; x < scene.width; ++x) {
             const double across = ((x + 0.5) / scene.width * 2 - 1) * camera.half_height * scene.width / scene.height,

@@ -159,7 +159,7 @@ TEST_F(Gpus, KnowTheMatterThatTransportMeets) {
             return matter_of(device, medium.data(), 40, {}, progress);
         };
         const SharedTransportMedium whole[]{matter(cpu()), matter(gpu)};
-        const SharedTransportMedium half[]{halved(*whole[0], cpu(), progress), halved(*whole[1], gpu, progress)};
+        const SharedTransportMedium half[]{halved(whole[0], cpu(), progress), halved(whole[1], gpu, progress)};
         for (const SharedTransportMedium* both : {whole, half}) {
             const TransportMedium &expected = *both[0], &found = *both[1];
             EXPECT_EQ(found.opaque.nodes(), expected.opaque.nodes());

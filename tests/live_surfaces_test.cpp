@@ -50,6 +50,83 @@ TEST(LiveSurfaces, ABallIsAsBrightAsItsAlbedo) {
         }
 }
 
+/// A sky of .2 with a sun 11° wide at its zenith: E / π of a normal is .2 + .5 max(0, up).
+Lighting sunny() {
+    std::vector<float> rows(32, 0.2f);
+    rows[0] += float(0.5 / std::pow(std::sin(pi / 32), 2));
+    return {.specular = 0, .probe = {.source = "sunny"}, .loaded_probe = rows_of(rows)};
+}
+double under_sunny(double up) { return 0.2 + 0.5 * std::max(up, 0.0); }
+double under_half_a_sky(double up) { return (1 + up) / 2; }
+
+struct Errors {
+    double rms, worst;  ///< over the mean of what is right
+};
+/// Of a ball seen from the side, but for its limb; `right`: E / π of a normal that rises so.
+Errors errors_on_a_ball(Method method, const Lighting& lighting, double (*right)(double up)) {
+    constexpr double radius = 22.37, shown_part = 0.8;
+    const Look look{centre + Vec3{40, 0, 0}, {1, 0, 0}, {0, 0, 1}, shown_part * radius, 48};
+    const Frame frame = shown(ball(0.8, radius), look, by(method), skin(), lighting);
+    double squares = 0, all = 0, worst = 0;
+    int count = 0;
+    const auto across = [&](int pixel) { return shown_part * (2 * (pixel + 0.5) / look.pixels - 1); };
+    for (int y = 0; y < look.pixels; ++y)
+        for (int x = 0; x < look.pixels; ++x) {
+            if (std::hypot(across(x), across(y)) > 0.85) continue;
+            const double truth = right(across(x));
+            const double error = frame.rgba[4 * std::size_t(y * look.pixels + x) + 1] / grey - truth;
+            squares += error * error, all += truth, worst = std::max(worst, std::abs(error)), ++count;
+        }
+    return {std::sqrt(squares * count) / all, worst * count / all};
+}
+
+TEST(LiveSurfaces, ABallHasTheLightOfItsHemisphere) {
+    const Lighting half{.specular = 0, .probe = {.source = "half"}, .loaded_probe = rows_of({1, 0})};
+    for (const Method method : live)
+        for (const auto& [lighting, right] : {std::pair{half, &under_half_a_sky}, {sunny(), &under_sunny}}) {
+            const Errors found = errors_on_a_ball(method, lighting, right);
+            if (std::getenv("CHIARO_SHOW"))
+                fmt::print("ball {} {}: RMS {:.4f}, worst {:.4f}\n", to_text(method), lighting.probe.source, found.rms,
+                           found.worst);
+            EXPECT_LT(found.rms, 0.02) << to_text(method) << lighting.probe.source;
+            EXPECT_LT(found.worst, 0.06) << to_text(method) << lighting.probe.source;
+        }
+}
+
+/// A plate 16 voxels over a floor, the sun at the zenith: how wide the edge of its shadow is, from a tenth to nine
+/// tenths of the sun's light. By sixteen harmonics it is as wide as the plate is high.
+TEST(LiveSurfaces, ASunCastsASharpShadow) {
+    const Volume volume = volume_of([](Vec3 p) {
+        const double plate = std::max(std::abs(p.z - 36) - 1.5, p.x - 31.7);
+        return logistic(std::min(p.z - 18.4, plate), 0.4);
+    });
+    const Vec3 normal = normalized({0, -1, 1});  // past the plate: the volume ends before it
+    const Look look{Vec3{31.7, 8, 18.4} + 40 * normal, normal, {1, 0, 0}, 12, 48};
+    for (const Method method : live) {
+        const auto of_floor = [&](const Frame& frame) {
+            std::vector<double> light(std::size_t(look.pixels), 0);
+            for (int y = 16; y < 32; ++y)
+                for (int x = 0; x < look.pixels; ++x)
+                    light[std::size_t(x)] += frame.rgba[4 * std::size_t(y * look.pixels + x) + 1] / grey / 16;
+            return light;
+        };
+        const auto light = of_floor(shown(volume, look, roughly_by(method), skin(), sunny())),
+                   truth = of_floor(seen(volume, look, followed_by(method), 64, skin(), sunny()));
+        const double dark = light.front(), bright = light.back();
+        double wide = 0;
+        for (const double column : light) {
+            const double share = (column - dark) / (bright - dark);
+            if (share > 0.1 && share < 0.9) wide += 2 * look.half_width / look.pixels;
+        }
+        if (std::getenv("CHIARO_SHOW"))
+            fmt::print("shadow {}: {:.3f} of {:.3f} to {:.3f} of {:.3f}, {:.1f} voxels wide\n", to_text(method), dark,
+                       truth.front(), bright, truth.back(), wide);
+        EXPECT_NEAR(dark, truth.front(), 0.06) << to_text(method);
+        EXPECT_NEAR(bright, truth.back(), 0.04) << to_text(method);
+        EXPECT_LT(wide, 5) << to_text(method);
+    }
+}
+
 TEST(LiveSurfaces, ACutIsASurface) {
     for (const Method method : {Method::spao, Method::visibility, Method::transport})
         for (const double degrees : {0.0, 30.0, 45.0}) {

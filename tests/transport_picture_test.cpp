@@ -16,8 +16,6 @@ using chiaro::testing::tested_device;
 
 namespace {
 
-constexpr Axes upright{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-
 /// A row of nodes, one to a voxel, lit from everywhere alike.
 TransportNodes row_of_nodes(const std::vector<float>& light, const std::vector<float>& weight) {
     TransportNodes nodes;
@@ -32,7 +30,7 @@ kernel::Vec3<float> light_at(const ShownLight& shown, float x, float solid = 0) 
     const kernel::ScatteredLight scattered{.on = true, .boundary_cells = shown.boundary_view};
     kernel::SamplePoint<float> sample{{x, 0, 0}, 0};
     sample.solid = solid;
-    return scattered.incident<float>(shown.view, {}, sample, {}).diffuse;
+    return scattered.incident<float>(shown.view, sample);
 }
 
 Frame image(const Volume& volume, const Shot& shot, const TransportSettings& settings = {.grid = 40}) {
@@ -73,7 +71,7 @@ TEST(TransportImage, NodesWeighAsTheirMatter) {
     for (const float thin : {1e-4f, 0.02f, 1.0f}) {
         const std::vector<float> light{1, 0.01f, 0.02f, 4}, weight{thin, 1, thin, thin};
         const TransportLight nodes(tested_device(), row_of_nodes(light, weight), 1, {9, 9, 9});
-        const auto shown = nodes.shown(Look::particles, upright);
+        const auto shown = nodes.shown(Look::particles);
         for (float x = 0; x <= 3; x += 0.0625f) {
             const int i = std::min(int(x), 2);
             const double t = x - i, near = (1 - t) * weight[i], far = t * weight[i + 1];
@@ -93,55 +91,54 @@ TEST(TransportImage, SolidSamplesReadTheLightOfSurfaces) {
     nodes.result.assign(15, 0);
     for (int c = 0; c < 3; ++c) nodes.result[3 + c] = 0.42f;
     const TransportLight light(tested_device(), std::move(nodes), 1, {9, 9, 9});
-    const auto shown = light.shown(Look::particles, upright);
+    const auto shown = light.shown(Look::particles);
     const float thin = light_at(*shown, 2).x, solid = light_at(*shown, 2, 1).x;
     EXPECT_NEAR(thin, 0.1, 1e-4);
     EXPECT_NEAR(solid, 0.42 * 0.475, 2e-3);  // .5² of its own light, the rest of the air's: .1 / 4 + 3 × .6 / 4
     EXPECT_NEAR(light_at(*shown, 2, 0.25f).x, thin + 0.25f * (solid - thin), 1e-5);
-    EXPECT_EQ(light.shown(Look::flat, upright)->boundary_view, nullptr);
 }
 
-/// E = J (1 + |b · n|) of half spaces of two colours: the irradiance of the upper one.
-TEST(TransportImage, SurfacesAreLitByTheHalfSpaceTheyFace) {
-    // The second node's surface faces +x.
-    TransportNodes nodes = row_of_nodes({0.01f, 0.01f, 0.6f, 0.6f}, {1, 1, 1e-6f, 1e-6f});
-    for (int i = 0; i < 4; ++i)
-        for (int c = 0; c < 3; ++c) nodes.moment[9 * i + 3 * c] = 0.2f * nodes.light[3 * i + c] / 0.6f;
-    const TransportLight light(tested_device(), std::move(nodes), 1, {9, 9, 9});
-    EXPECT_NEAR(light_at(*light.shown(Look::particles, upright), 1).x, 0.01, 1e-4);
-    EXPECT_NEAR(light_at(*light.shown(Look::flat, upright), 1).x, 1, 2e-3);  // J + 2 M = 1, J - 2 M = .2
-
-    const auto turned = light.shown(Look::turned, upright);
-    const kernel::ScatteredLight scattered{.on = true, .turned = turned->turned_view};
-    for (const double angle : {0.0, 0.5, 1.0, 1.5}) {
-        kernel::SamplePoint<float> sample{{1, 0, 0}, 0};
-        sample.outward = {float(std::cos(angle)), float(std::sin(angle)), 0};
-        EXPECT_NEAR(scattered.incident<float>(turned->view, {}, sample, {}).diffuse.x, 0.6 + 0.4 * std::cos(angle),
-                    3e-3);
+/// Radiance of two colours, above and below a horizon: on a surface that faces up, that above it.
+TEST(TransportImage, SurfacesAreLitByWhatLiesAboveTheirHorizon) {
+    const float above[3] = {0.6f, 0.2f, 0}, below[3] = {0.1f, 0.5f, 0.3f};
+    for (const float horizon : {0.0f, -0.3f, -0.7f}) {
+        TransportNodes nodes = row_of_nodes({1, 1, 1, 1}, {1, 1, 1e-6f, 1e-6f});
+        nodes.scattered.assign(48, 0);
+        for (int node = 2; node < 4; ++node)  // of the others nothing may be seen
+            for (int c = 0; c < 3; ++c) {
+                nodes.scattered[12 * node + c] = ((1 - horizon) * above[c] + (1 + horizon) * below[c]) / 2;
+                nodes.scattered[12 * node + 3 + c] = (above[c] - below[c]) * (1 - horizon * horizon) / 4;
+            }
+        for (int i = 0; i < 24; ++i) nodes.scattered[i] = 0.9f;
+        const TransportLight light(tested_device(), std::move(nodes), 1, {9, 9, 9});
+        const auto shown = light.shown(Look::surfaces);
+        const kernel::ScatteredLight scattered{.around = shown->around.data()};
+        for (const float t : {0.25f, 0.5f, 1.0f}) {
+            float e[3] = {0, 0, 0};
+            scattered.add_to<kernel::NumbersOf<float>::Sixteen>(e, {1, 2, 1, 2, 1, 2, 1, 2},
+                                                                {1 - t, t, 0, 0, 0, 0, 0, 0}, {1, 0, 0}, horizon);
+            for (int c = 0; c < 3; ++c) EXPECT_NEAR(e[c], above[c], 1e-2) << horizon << ' ' << t << ' ' << c;
+        }
     }
 }
 
-/// Between a wall's bright far side and its near side, no light shines through: the second node looks at nothing.
-TEST(TransportImage, NodesBesideNoAirCountWhereNothingElseDoes) {
-    const TransportLight light(tested_device(), row_of_nodes({0.9f, 0.9f, 0.05f, 0.1f}, {1, 1, 1, 1e-6f}), 1,
-                               {9, 9, 9});
-    EXPECT_NEAR(light_at(*light.shown(Look::flat, upright), 1.5f).x, 0.1, 3e-3);
-    EXPECT_NEAR(light_at(*light.shown(Look::flat, upright), 0.5f).x, 0.9, 1e-3);
-}
-
-/// Surfaces that an earlier light found are taken over where matter is the same, and nowhere else.
+/// Opaque cells that an earlier light found are taken over where matter is the same, and nowhere else.
 TEST(TransportImage, KeptSurfacesAreThoseOfTheSameMatter) {
     const std::vector<float> dark{0.01f, 0.02f, 0.1f, 0.1f}, bright{0.3f, 0.2f, 0.6f, 0.8f};
-    const TransportLight before(tested_device(), row_of_nodes(dark, {1, 1, 1e-3f, 1e-3f}), 1, {9, 9, 9});
-    before.shown(Look::flat, upright), before.shown(Look::particles, upright);
+    const auto lit = [](const std::vector<float>& light, const std::vector<float>& weight) {
+        TransportNodes nodes = row_of_nodes(light, weight);
+        for (const float w : weight) nodes.result.insert(nodes.result.end(), 3, w == 1 ? 0.42f : 0);
+        return nodes;
+    };
+    const TransportLight before(tested_device(), lit(dark, {1, 1, 1e-3f, 1e-3f}), 1, {9, 9, 9});
+    before.shown(Look::particles);
     for (const std::vector<float>& weight :
-         {std::vector{1.0f, 1.0f, 1e-3f, 1e-3f}, std::vector{1.0f, 1e-3f, 1e-3f, 1.0f}})
-        for (const Look look : {Look::flat, Look::turned, Look::particles}) {
-            const TransportLight warm(tested_device(), row_of_nodes(bright, weight), 1, {9, 9, 9}, &before);
-            const TransportLight cold(tested_device(), row_of_nodes(bright, weight), 1, {9, 9, 9});
-            const auto a = warm.shown(look, upright), b = cold.shown(look, upright);
-            for (float x = 0; x <= 3; x += 0.25f) EXPECT_EQ(light_at(*a, x).x, light_at(*b, x).x) << x;
-        }
+         {std::vector{1.0f, 1.0f, 1e-3f, 1e-3f}, std::vector{1.0f, 1e-3f, 1e-3f, 1.0f}}) {
+        const TransportLight warm(tested_device(), lit(bright, weight), 1, {9, 9, 9}, &before);
+        const TransportLight cold(tested_device(), lit(bright, weight), 1, {9, 9, 9});
+        const auto a = warm.shown(Look::particles), b = cold.shown(Look::particles);
+        for (float x = 0; x <= 3; x += 0.25f) EXPECT_EQ(light_at(*a, x).x, light_at(*b, x).x) << x;
+    }
 }
 
 TEST(TransportImage, AnOpenFlatSurfaceKeepsItsBrightness) {
@@ -173,7 +170,7 @@ TEST(TransportImage, ExposureAndStrengthAreFactors) {
     shot.lighting.probe.exposure = 0;
     shot.lighting.strength = 0;  // a white probe's light as if nothing stopped it
     const Frame clear = shot.lit(volume, settings);
-    EXPECT_LT(relative_difference(clear, shot.lit(volume, {})), 1e-5);
+    EXPECT_LT(relative_difference(clear, shot.lit(volume, {})), 5e-4);  // by a table over normals
     shot.lighting.strength = 0.25;
     const Frame quarter = shot.lit(volume, settings);
     for (std::size_t i = 0; i < full.rgba.size(); ++i)

@@ -19,7 +19,7 @@ template <class Views>
 void swap_pointers(Views& views, kernel::VisibilityView& view) {
     views.to_device_pointers(view.light.nodes);
     if (!view.surface.entries) view.harmonics.nodes = nullptr;  // not read
-    views.to_device_pointers(view.harmonics.nodes, view.surface.entries, view.scattered.turned,
+    views.to_device_pointers(view.harmonics.nodes, view.surface.entries, view.sun.nodes, view.scattered.around,
                              view.scattered.boundary_cells);
 }
 template <class Views>

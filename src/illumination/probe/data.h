@@ -8,6 +8,7 @@
 
 #include "core/lazy.h"
 #include "core/srgb.h"
+#include "illumination/probe/dominant.h"
 #include "illumination/probe/lambert.h"
 #include "illumination/sh/rotation.h"
 
@@ -58,8 +59,13 @@ struct Probe::Data : std::enable_shared_from_this<Data> {
         return suitable_stops_([&] { return suitable_stops_of_probe(*this); });
     }
 
+    const ProbePieces& pieces() const {
+        return pieces_([&] { return pieces_of_probe(*this); });
+    }
+
 private:
     Lazy<LambertTable> lambert_;
+    Lazy<ProbePieces> pieces_;
     Lazy<double> suitable_stops_;
 };
 

@@ -11,7 +11,6 @@
 namespace chiaro {
 namespace {
 
-constexpr int cells_x = 128, cells_y = 64;
 constexpr int edge = 65;
 constexpr int values = 3 * max_coefficients;
 
@@ -21,55 +20,27 @@ struct Cell {
     std::array<float, values> light;
 };
 
-/// A cell gathered from its pixels: the direction is the mean one, weighted by luminance, so that a small light keeps
-/// its place. Pixels wider than half a cell are taken in pieces.
-Cell gather(const ProbeImage& image, int cell_x, int cell_y) {
-    const int pieces_x = 1 + (2 * cells_x - 1) / image.width, pieces_y = 1 + (2 * cells_y - 1) / image.height;
-    const std::int64_t fine_x = std::int64_t(image.width) * pieces_x, fine_y = std::int64_t(image.height) * pieces_y;
-    const auto first = [](int cell, std::int64_t fine, int cells) { return (cell * fine + cells - 1) / cells; };
-    std::array<double, 3> flux{};
-    Vec3 moment;
-    for (auto y = first(cell_y, fine_y, cells_y); y < first(cell_y + 1, fine_y, cells_y); ++y) {
-        const double top = double(y) / pieces_y, bottom = double(y + 1) / pieces_y;
-        const double solid_angle = 2 * std::numbers::pi / double(fine_x) *
-                                   (std::cos(image.polar_angle(top)) - std::cos(image.polar_angle(bottom)));
-        for (auto x = first(cell_x, fine_x, cells_x); x < first(cell_x + 1, fine_x, cells_x); ++x) {
-            const float* pixel = image.rgb.data() + 3 * ((y / pieces_y) * image.width + x / pieces_x);
-            double luminance = 0;
-            for (int c = 0; c < 3; ++c) {
-                flux[c] += solid_angle * pixel[c];
-                luminance += luminance_weights[c] * pixel[c];
-            }
-            moment = moment + solid_angle * luminance *
-                                  image.direction((double(x) + 0.5) / pieces_x, (double(y) + 0.5) / pieces_y);
-        }
+std::vector<Cell> cells_of(const Probe::Data& probe) {
+    std::vector<Cell> cells;
+    for (const ProbePiece& piece : probe.pieces().all) {
+        const ShCoefficients basis = spherical_harmonics(piece.direction);
+        Cell& cell = cells.emplace_back(
+            Cell{{float(piece.direction.x), float(piece.direction.y), float(piece.direction.z)}, {}});
+        for (int c = 0; c < 3; ++c)
+            for (int i = 0; i < max_coefficients; ++i)
+                cell.light[c * max_coefficients + i] = float(4 * std::numbers::pi * piece.light[c] * basis[i]);
     }
-    Cell cell{};
-    if (!(length(moment) > 0)) return cell;
-    const Vec3 d = normalized(moment);
-    const ShCoefficients basis = spherical_harmonics(d);
-    cell.direction = {float(d.x), float(d.y), float(d.z)};
-    for (int c = 0; c < 3; ++c)
-        for (int i = 0; i < max_coefficients; ++i) cell.light[c * max_coefficients + i] = float(flux[c] * basis[i]);
-    return cell;
-}
-
-std::vector<Cell> gather(const ProbeImage& image) {
-    std::vector<Cell> cells(std::size_t(cells_x) * cells_y);
-    parallel_for(cells_y, 1, [&](std::int64_t first, std::int64_t last) {
-        for (auto y = first; y < last; ++y)
-            for (int x = 0; x < cells_x; ++x) cells[y * cells_x + x] = gather(image, x, int(y));
-    });
     return cells;
 }
 
-/// Σ light max(0, n·ω), row by row of cells, so that single precision loses nothing.
+/// Σ light max(0, n·ω), by runs of cells, so that single precision loses nothing.
 LambertTable::Entry lambert_at(const std::vector<Cell>& cells, Vec3 normal) {
     const float nx = float(normal.x), ny = float(normal.y), nz = float(normal.z);
     std::array<double, values> sums{};
-    for (std::size_t row = 0; row < cells.size(); row += cells_x) {
+    constexpr std::size_t run = 128;
+    for (std::size_t first = 0; first < cells.size(); first += run) {
         std::array<float, values> part{};
-        for (std::size_t k = row; k < row + cells_x; ++k) {
+        for (std::size_t k = first; k < std::min(first + run, cells.size()); ++k) {
             const Cell& cell = cells[k];
             const float cosine = nx * cell.direction[0] + ny * cell.direction[1] + nz * cell.direction[2];
             if (cosine <= 0) continue;
@@ -122,7 +93,7 @@ LambertTable::Entry LambertTable::at(Vec3 normal) const {
 }
 
 LambertTable lambert_of_probe(const Probe::Data& probe) {
-    const std::vector<Cell> cells = gather(probe.image);
+    const std::vector<Cell> cells = cells_of(probe);
     return tabulated([&](Vec3 normal) { return lambert_at(cells, normal); });
 }
 
@@ -133,7 +104,7 @@ double suitable_stops_of_probe(const Probe::Data& probe) {
     const LambertTable places{normals, {}};
     double mean = 0, largest = 0;
     for (std::size_t c = 0; c < 3; ++c) mean += luminance_weights[c] * probe.sh[c][0] / std::sqrt(4 * std::numbers::pi);
-    const std::vector<Cell> cells = gather(probe.image);
+    const std::vector<Cell> cells = cells_of(probe);
     const double y_00 = 1 / std::sqrt(4 * std::numbers::pi);
     for (int j = 0; j < normals; ++j)
         for (int i = 0; i < normals; ++i) {
@@ -153,21 +124,23 @@ double suitable_stops_of_probe(const Probe::Data& probe) {
 }
 
 LambertTable lambert_table(const Lighting& lighting, Vec3 orbit_up, const Geometry& geometry, ShWindow window,
-                           int bands) {
-    const Axes grid_from_probe =
-        composed(grid_from_world(geometry), world_from_probe(lighting.probe.rotation_deg, orbit_up));
-    const Axes probe_from_grid = transposed(grid_from_probe);
-    const ShRotation rotation(grid_from_probe);
+                           int bands, const std::optional<DominantLight>& left_out) {
+    const Axes turn = grid_from_probe(lighting, orbit_up, geometry), probe_from_grid = transposed(turn);
+    const ShRotation rotation(turn);
+    const ShCoefficients towards = left_out ? spherical_harmonics(left_out->direction) : ShCoefficients{};
     const auto factors = window_factors(window, bands);
     const double gain = probe_gain(lighting);
     const Probe probe = lighting_probe(lighting);
     const LambertTable& own = probe.data().lambert();
     return tabulated([&](Vec3 normal) {
         LambertTable::Entry entry = own.at(turned(probe_from_grid, normal));
-        for (auto& coefficients : entry) {
-            coefficients = rotation(coefficients);
+        const double cosine = left_out ? std::max(dot(normal, left_out->direction), 0.0) : 0;
+        for (std::size_t c = 0; c < 3; ++c) {
+            entry[c] = rotation(entry[c]);
+            const double less = left_out ? 4 * std::numbers::pi * cosine * left_out->light[c] : 0;
             for (int l = 0; l < max_bands; ++l)
-                for (int i = l * l; i < (l + 1) * (l + 1); ++i) coefficients[i] *= float(gain * factors[l]);
+                for (int i = l * l; i < (l + 1) * (l + 1); ++i)
+                    entry[c][i] = float((gain * entry[c][i] - less * towards[i]) * factors[l]);
         }
         return entry;
     });

@@ -47,9 +47,13 @@ Axes world_from_probe(double rotation_deg, Vec3 orbit_up) {
 
 Axes grid_from_world(const Geometry& geometry) { return transposed(nearest_orthogonal(geometry.direction)); }
 
+Axes grid_from_probe(const Lighting& lighting, Vec3 orbit_up, const Geometry& geometry) {
+    return composed(grid_from_world(geometry), world_from_probe(lighting.probe.rotation_deg, orbit_up));
+}
+
 ShLight sh_light(const Lighting& lighting, Vec3 orbit_up, const Geometry& geometry, ShWindow window, int bands) {
     const Axes grid = grid_from_world(geometry);
-    const ShRotation rotation(composed(grid, world_from_probe(lighting.probe.rotation_deg, orbit_up)));
+    const ShRotation rotation(grid_from_probe(lighting, orbit_up, geometry));
     const double gain = probe_gain(lighting);
     const Probe probe = lighting_probe(lighting);
     ShLight light;

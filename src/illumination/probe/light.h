@@ -19,6 +19,9 @@ Axes world_from_probe(double rotation_deg, Vec3 orbit_up);
 /// nearest orthogonal axes. A left-handed grid is a reflection.
 Axes grid_from_world(const Geometry& geometry);
 
+/// Directions in the axes of the voxel grid from those of the probe, turned as `lighting` says.
+Axes grid_from_probe(const Lighting& lighting, Vec3 orbit_up, const Geometry& geometry);
+
 struct ShLight {
     std::array<ShCoefficients, 3> coefficients{};  ///< L_lm per channel, in the axes of the voxel grid
     Rgb mean{};                                    ///< radiance, over the whole sphere

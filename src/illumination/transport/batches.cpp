@@ -52,15 +52,19 @@ void FirstBatch::add_to(HostArrays& arrays) const {
 }
 
 /// Weights between the cells that a pattern calls clear: bilinear; 0 where a ray does not count.
-SourceBatch::SourceBatch(SweepBatch batch) : SweepBatch(std::move(batch)) {
+SourceBatch::SourceBatch(SweepBatch batch, const std::vector<Vec3>& all, const SweepAxes& axes)
+    : SweepBatch(std::move(batch)) {
     weigh(std::vector<float>(rays.size(), 1));
-    for (std::size_t r = 0; r < rays.size(); ++r)
+    for (std::size_t r = 0; r < rays.size(); ++r) {
+        const Vec3 d = all[std::size_t(directions[r])];
+        tilts_.push_back(float(d[axes.u])), tilts_.push_back(float(d[axes.v]));
         for (int pattern = 0; pattern < kernel::OctantRays::patterns; ++pattern) {
             const float share = open_share(int(r), pattern);
             for (int tap = 0; tap < 4; ++tap)
                 open_weights_.push_back(
                     share >= kernel::least_open && (pattern >> tap & 1) ? rays[r].weight[tap] / share : 0);
         }
+    }
 }
 
 SourceBatch::Kernel SourceBatch::kernel(std::size_t of_directions, bool is_first) const {
@@ -70,13 +74,15 @@ SourceBatch::Kernel SourceBatch::kernel(std::size_t of_directions, bool is_first
             std::int32_t(octants.size()),
             open_weights_.data(),
             cosines[0].data(),
+            tilts_.data(),
+            {float(luminance_weights[0]), float(luminance_weights[1]), float(luminance_weights[2])},
             std::int32_t(rays.size()),
             is_first,
             {}};
 }
 
 void SourceBatch::add_to(HostArrays& arrays) const {
-    arrays.add(rays), arrays.add(octants), arrays.add(open_weights_), arrays.add(cosines);
+    arrays.add(rays), arrays.add(octants), arrays.add(open_weights_), arrays.add(cosines), arrays.add(tilts_);
 }
 
 }  // namespace chiaro

@@ -33,7 +33,7 @@ class SourceBatch : SweepBatch {
 public:
     using Kernel = kernel::SourceSweepKernel;
 
-    explicit SourceBatch(SweepBatch batch);
+    SourceBatch(SweepBatch batch, const std::vector<Vec3>& all, const SweepAxes& axes);
 
     using SweepBatch::octants;
     int count() const { return int(rays.size()); }
@@ -43,6 +43,7 @@ public:
 
 private:
     std::vector<float> open_weights_;  ///< [ray][pattern][tap]
+    std::vector<float> tilts_;         ///< [ray][2]
 };
 
 }  // namespace chiaro

@@ -48,6 +48,34 @@ private:
     float weights_[8];
 };
 
+/// Of one channel at one node: now on the coarse grid, before on both.
+struct Detail {
+    using Numbers = std::vector<float> TransportNodes::*;
+    const HalfGrid& at;
+    const TransportNodes& half;
+    const LightBefore& before;
+    std::size_t node;
+    float detail, light, per_fine;  ///< per_fine: 0 where there is no detail
+
+    Detail(const HalfGrid& place, const TransportNodes& now, const LightBefore& b, Numbers lights, int per_node, int i,
+           std::size_t of, bool has_detail)
+        : at(place), half(now), before(b), node(of) {
+        const float was = at.of(before.half.*lights, per_node, i),
+                    fine = (before.fine.*lights)[std::size_t(per_node) * node + std::size_t(i)];
+        detail = has_detail && was > 0 ? std::clamp(fine / was, 0.0f, max_detail) : 1;
+        light = at.of(half.*lights, per_node, i) * detail;
+        per_fine = has_detail && fine > 0 ? light / fine : 0;
+    }
+    float moment(Numbers moments, int per_node, int i) const {
+        float found = at.of(half.*moments, per_node, i) * detail;
+        if (per_fine > 0)
+            found += ((before.fine.*moments)[std::size_t(per_node) * node + std::size_t(i)] -
+                      at.of(before.half.*moments, per_node, i) * detail) *
+                     per_fine;
+        return std::clamp(found, -std::abs(light), std::abs(light));
+    }
+};
+
 bool is_solid(const TransportNodes& nodes, std::size_t node) { return nodes.weight[node] >= opaque_weight; }
 
 }  // namespace
@@ -60,25 +88,23 @@ TransportNodes with_detail(const TransportMedium& fine, const TransportNodes& ha
                            const Device& device) {
     TransportNodes out = unlit_nodes(fine);
     out.iterations = half.iterations, out.change = half.change;
+    out.scattered.resize(before.fine.scattered.empty() ? 0 : 12 * out.grid.size());
+    out.seen = half.seen;
     const auto [nx, ny, nz] = out.grid.count;
     const auto light_node = [&](int x, int y, int z) {
         const HalfGrid at(half.grid, x, y, z);
         const std::size_t node = out.grid.index(x, y, z);
         const bool has_detail = is_solid(out, node) == is_solid(before.fine, node);
         for (int c = 0; c < 3; ++c) {
-            const float now = at.of(half.light, 3, c), was = at.of(before.half.light, 3, c),
-                        of_fine = before.fine.light[3 * node + std::size_t(c)];
-            const float detail = has_detail && was > 0 ? std::min(of_fine / was, max_detail) : 1;
-            const float light = out.light[3 * node + std::size_t(c)] = now * detail;
-            for (int axis = 0; axis < 3; ++axis) {
-                const int i = 3 * c + axis;
-                float moment = at.of(half.moment, 9, i) * detail;
-                if (has_detail && of_fine > 0)
-                    moment +=
-                        (before.fine.moment[9 * node + std::size_t(i)] - at.of(before.half.moment, 9, i) * detail) *
-                        (light / of_fine);
-                out.moment[9 * node + std::size_t(i)] = std::clamp(moment, -light, light);
-            }
+            const Detail of(at, half, before, &TransportNodes::light, 3, c, node, has_detail);
+            out.light[3 * node + std::size_t(c)] = of.light;
+            for (int axis = 0; axis < 3; ++axis)
+                out.moment[9 * node + std::size_t(3 * c + axis)] = of.moment(&TransportNodes::moment, 9, 3 * c + axis);
+            if (out.scattered.empty()) continue;
+            const Detail scattered(at, half, before, &TransportNodes::scattered, 12, c, node, has_detail);
+            out.scattered[12 * node + std::size_t(c)] = scattered.light;
+            for (int i = 3 + c; i < 12; i += 3)
+                out.scattered[12 * node + std::size_t(i)] = scattered.moment(&TransportNodes::scattered, 12, i);
         }
     };
     parallel_for(device.threads, std::int64_t(ny) * nz, 8, [&, nx = nx, ny = ny](std::int64_t first, std::int64_t end) {

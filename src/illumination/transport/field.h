@@ -1,62 +1,67 @@
-// Scattered light as the ray caster reads it: J between the nodes, on surfaces by Lambert's law from its first moment.
+// Scattered light as the ray caster reads it: J between the nodes, and what of it falls on surfaces.
 #pragma once
 #include "illumination/cells/node_light.h"
 #include "illumination/cut_light.h"
 #include "illumination/view.h"
+#include "kernel/row.h"
 
 namespace chiaro::kernel {
 
+/// Scattered light around a node: numbers[i] × step is, times `open`, J of three channels, then its first moment along
+/// x, y and z; every fourth is none's.
+struct AroundNode {
+    std::int8_t numbers[16];
+    float step;
+    float open;  ///< what the node lets through: what it weighs beside others
+};
+
 /// Beside NodeLight, whose nodes hold J w and w, the weight that a node has between others (docs/theory/transport.md):
-///
-///     J = Σ t_i w_i J_i / Σ t_i w_i,      E = J (1 + |b · n|),      b = 2 q M / J
-///
-/// M is the first moment of the light around, q the share of the node that is a surface with a normal n: light of two
-/// colours from the half spaces above and below it gives E = J + 2 M · n exactly.
+/// J = Σ t_i w_i J_i / Σ t_i w_i.
 struct ScatteredLight {
-    static constexpr float most = 2;  ///< of a component of b
-
     bool on = false;
-    const Light16* turned =
-        nullptr;  ///< [node][4]: (b / most + 1) w / 2, world; nullptr: no light by the sample's normal
-    const Light16* boundary_cells =
-        nullptr;            ///< [node][4]: as the light, where matter is solid by itself; nullptr: as elsewhere
-    float shown = 1;        ///< strength and exposure
-    Float3 clear{0, 0, 0};  ///< added: what strength leaves of light that nothing stops
-    float share = 0;        ///< of the light that highlights may show
+    const AroundNode* around = nullptr;       ///< [node]: where matter has surfaces
+    const Light16* boundary_cells = nullptr;  ///< [node][4]: as the light, where particles are solid by themselves;
+                                              ///< nullptr: as elsewhere
+    float lift_edges = 0;                     ///< on surfaces light is read so far off
+    float shown = 1;                          ///< strength and exposure
+    Float3 clear{0, 0, 0};                    ///< added: what strength leaves of light that nothing stops
 
+    /// On particles.
     template <class F>
-    CHIARO_INLINE Incident<F> incident(const NodeLight& light, const CutLight& cut_light, const SamplePoint<F>& sample,
-                                       const ShadingView& shading) const {
+    CHIARO_INLINE Vec3<F> incident(const NodeLight& light, const SamplePoint<F>& sample) const {
         const auto place = light.locate(sample.p_voxel);
-        const Four<F> j = light.four(light.nodes, place);
-        const F inverse = per_weight(j);
-        Vec3<F> e = mean(light, j, inverse);
-        F shining(0);
-        if (turned) {
-            const Four<F> t = light.four(turned, place);
-            const F scale = F(2 * most) * inverse;
-            const Vec3<F> b{mad(t.a, scale, F(-most)), mad(t.b, scale, F(-most)), mad(t.c, scale, F(-most))};
-            shining = min(max(F(0.5f) * dot(b, Vec3<F>(shading.to_light)), F(0)), F(share)) * sample.highlight;
-            e = (F(1) + abs(dot(b, sample.outward))) * e;
+        Vec3<F> e = mean(light, light.four(light.nodes, place));
+        if (boundary_cells && any(sample.solid > F(0)))
+            e = mad(sample.solid, mean(light, light.four(boundary_cells, place)) - e, e);
+        return mad(F(shown), e, Vec3<F>(clear));
+    }
+
+    /// Added to E of a surface, between eight nodes: what comes from above its horizon, whose cosine is `horizon` (-1
+    /// to 0), if light is alike on either side of that: J + 2 m · n / (1 - horizon).
+    template <class Sixteen>
+    CHIARO_INLINE void add_to(float* e, const std::int64_t (&of)[8], const float (&weights)[8],
+                              const float (&normal)[3], float horizon) const {
+        Sixteen sums(0.0f);
+        float open = 0;
+        for (int i = 0; i < 8; ++i) {
+            const AroundNode& node = around[of[i]];
+            sums = sums + Sixteen(weights[i] * node.step) * loaded<Sixteen>(node.numbers);
+            open = mad(weights[i], node.open, open);
         }
-        if (boundary_cells && any(sample.solid > F(0))) {
-            const Four<F> s = light.four(boundary_cells, place);
-            e = mad(sample.solid, mean(light, s, per_weight(s)) - e, e);
+        float found[16];
+        store(sums, found);
+        const float per_open = shown / max(open, 1e-6f), turned = 2 / (1 - horizon);
+        for (int c = 0; c < 3; ++c) {
+            const float moment = normal[0] * found[4 + c] + normal[1] * found[8 + c] + normal[2] * found[12 + c];
+            e[c] = mad(max(mad(turned, moment, found[c]), 0.0f), per_open, e[c]);
         }
-        e = mad(F(shown), e, Vec3<F>(clear));
-        cut_light.shine_on(sample.cut, e);
-        return {e, Vec3<F>(shining * e.x * F(shading.specular.x), shining * e.y * F(shading.specular.y),
-                           shining * e.z * F(shading.specular.z))};
     }
 
 private:
-    template <class F>
-    static CHIARO_INLINE F per_weight(const Four<F>& sums) {
-        return F(1) / max(sums.d, F(1e-20f));
-    }
     /// Σ t w J / Σ t w of what was looked up.
     template <class F>
-    static CHIARO_INLINE Vec3<F> mean(const NodeLight& light, const Four<F>& sums, F inverse) {
+    static CHIARO_INLINE Vec3<F> mean(const NodeLight& light, const Four<F>& sums) {
+        const F inverse = F(1) / max(sums.d, F(1e-20f));
         return {sums.a * inverse * F(light.scale.x), sums.b * inverse * F(light.scale.y),
                 sums.c * inverse * F(light.scale.z)};
     }

@@ -22,7 +22,7 @@ void swap_pointers(cuda::Views& views, kernel::FirstSweepKernel& kernel) {
     views.to_device_pointers(kernel.rays, kernel.basis, kernel.octants, kernel.per_share, kernel.on_faces);
 }
 void swap_pointers(cuda::Views& views, kernel::SourceSweepKernel& kernel) {
-    views.to_device_pointers(kernel.rays, kernel.octants, kernel.open_weight, kernel.cosine);
+    views.to_device_pointers(kernel.rays, kernel.octants, kernel.open_weight, kernel.cosine, kernel.tilt);
 }
 
 /// Numbers in a row of a travelling plane, with its halo.
@@ -43,7 +43,7 @@ GpuTransport::GpuTransport(const Device& device, const SweptMedium& medium)
       across_(fields(3)),
       mean_(fields(3)),
       moment_(fields(9)),
-      sums_(fields(3 * sides)),
+      sums_(fields(kernel::SourceSweepKernel::sums * sides)),
       arriving_(*stream_, sides * std::max<std::size_t>(1, medium.opaque.count()) * kernel::cell_floats),
       first_faces_(of_faces()),
       faces_(of_faces()),
@@ -247,20 +247,19 @@ void GpuTransport::start_from(kernel::NearestKernel nearest, HostArrays arrays, 
 
 template <class Then>
 void GpuTransport::scatter(const std::vector<Vec3>& directions, const Then& then, Progress& progress) {
-    constexpr int channels = SourceBatch::Kernel::channels;
+    constexpr int channels = SourceBatch::Kernel::channels, per_side = SourceBatch::Kernel::sums;
     const std::vector<SweepGroup> groups = sweep_groups(directions);
     std::vector<std::vector<SourceBatch>> batches(groups.size());
     for (std::size_t g = 0; g < groups.size(); ++g)
         for (SweepBatch& batch : sweep_batches(directions, groups[g], SourceBatch::Kernel::max_rays,
                                                channels * pitch_of(medium_, groups[g].axes), medium_.opaque))
-            batches[g].emplace_back(std::move(batch));
+            batches[g].emplace_back(std::move(batch), directions, groups[g].axes);
     const auto side = [&](std::size_t g, const SourceBatch& batch, bool is_first) {
         const SweepAxes& axes = groups[g].axes;
         kernel::SourceSide made{cells_of(axes), batch.kernel(directions.size(), is_first), {}, {}};
-        for (int c = 0; c < channels; ++c) {
+        for (int c = 0; c < channels; ++c)
             made.source[c] = field(medium_.lattices.of(axes).along_y() ? across_ : source_, c);
-            made.sums[c] = field(sums_, channels * side_of(axes) + c);
-        }
+        for (int s = 0; s < per_side; ++s) made.sums[s] = field(sums_, per_side * side_of(axes) + s);
         return made;
     };
     if (groups.size() < sides) sums_.zero();  // few directions: no light came from some sides
@@ -314,6 +313,18 @@ void GpuTransport::nodes(std::vector<float>& light, std::vector<float>& moment) 
     const cuda::SyncOnExit sync{*stream_};
     stream_->download(light.data(), gather.light, light.size() * sizeof(float));
     stream_->download(moment.data(), gather.moments, moment.size() * sizeof(float));
+    stream_->wait();
+}
+
+void GpuTransport::scattered(std::vector<float>& scattered) const {
+    kernel::ScatteredNodeKernel gather{places_, {}, {}, {}, sums_.data()};
+    for (int c = 0; c < 3; ++c) {
+        gather.mean[c] = field(mean_, c), gather.first[c] = field(first_light_, c);
+        for (int axis = 0; axis < 3; ++axis) gather.moment[c][axis] = field(moment_, 3 * c + axis);
+    }
+    run(cells(), gather);
+    const cuda::SyncOnExit sync{*stream_};
+    stream_->download(scattered.data(), gather.scattered, scattered.size() * sizeof(float));
     stream_->wait();
 }
 

@@ -28,6 +28,7 @@ public:
 
     /// Light and moment of nodes.h.
     void nodes(std::vector<float>& light, std::vector<float>& moment) const;
+    void scattered(std::vector<float>& scattered) const;
     Faces faces() const { return faces_of(faces_); }
     Faces mean_faces() const { return faces_of(mean_faces_); }
     /// Everything, where the CPU is to go on.

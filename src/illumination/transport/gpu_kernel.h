@@ -48,15 +48,15 @@ struct SourceSide {
     SweptCells cells;
     SourceSweepKernel kernel;
     const float* source[SourceSweepKernel::channels];
-    float* sums[SourceSweepKernel::channels];
+    float* sums[SourceSweepKernel::sums];
 
     CHIARO_INLINE void operator()(std::int32_t k, std::int32_t v, std::int32_t u) const {
         SourceSweepKernel here = kernel;
         here.plane = cells.plane(k);
         const std::int64_t at = cells.in_field.at(k, v, 0);
         SourceRow row{cells.place(v), cells.nu, cells.extinction + at, {}, {}, cells.opaque_in(k, v)};
-        for (std::int32_t c = 0; c < SourceSweepKernel::channels; ++c)
-            row.source[c] = source[c] + at, row.sums[c] = sums[c] + at;
+        for (std::int32_t c = 0; c < SourceSweepKernel::channels; ++c) row.source[c] = source[c] + at;
+        for (std::int32_t s = 0; s < SourceSweepKernel::sums; ++s) row.sums[s] = sums[s] + at;
         here.at(row, u, cells.id(k, v, u));
     }
 };

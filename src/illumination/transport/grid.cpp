@@ -162,7 +162,16 @@ LightGrid light_grid(const Medium::Data& medium, int cells, double albedo_max, c
                      SurfaceModel surfaces) {
     const DeviceVolume::Data& volume = medium.volume.data();
     const Blocks blocks = blocks_for(make_cell_grid(volume.dimensions, volume.geometry), cells);
-    LightGrid out{density_of_nodes(medium, blocks, device, progress), {}, medium.shape.mode == Mode::iso, {}, {}};
+    std::shared_ptr<const Density> finer;
+    if (blocks.halvings > 0)
+        finer = std::make_shared<const Density>(
+            density_of_nodes(medium, {blocks.halvings - 1, blocks.by_three}, device, progress));
+    LightGrid out{finer ? halved(*finer, device, progress) : density_of_nodes(medium, blocks, device, progress),
+                  {},
+                  medium.shape.mode == Mode::iso,
+                  {},
+                  {}};
+    out.finer = std::move(finer);
     if (!out.is_isosurface) out.boundary_cells = open_boundary_cells(medium, device, progress, out.extinction);
     if (!out.is_isosurface && surfaces == SurfaceModel::automatic)
         out.surface_share = shares_of_surface(medium, out.extinction, device, progress);

@@ -3,6 +3,7 @@
 #include <chiaro/device.h>
 #include <chiaro/lighting.h>
 
+#include <memory>
 #include <optional>
 
 #include "illumination/visibility/density.h"
@@ -38,6 +39,8 @@ struct LightGrid {
     /// hard surface's neighbour, not a layer of soft matter. Tuned on balls, tubes, engine and brain: without it soft
     /// edges lose 2 to 11 % of the light, with 1 for all cells the brain is 8 % too bright, head_ct_512 20 %.
     float resolves_skins = 0;
+    /// Of nodes half as wide, where there are such: what surfaces see of the light is found from it.
+    std::shared_ptr<const Density> finer;
 
     /// Which part of what an opaque cell answers is its albedo; the rest is what a half space of particles answers.
     double share_of_surface(std::size_t node) const {

@@ -10,6 +10,7 @@ template void run_on_gpu(cuda::Stream&, std::int64_t, const SweepPlaneKernel<Fir
 template void run_on_gpu(cuda::Stream&, std::int64_t, const SweepPlaneKernel<SourceSide>&);
 template void run_on_gpu(cuda::Stream&, std::int64_t, const AddUpKernel&);
 template void run_on_gpu(cuda::Stream&, std::int64_t, const DominantLightKernel&);
+template void run_on_gpu(cuda::Stream&, std::int64_t, const ScatteredNodeKernel&);
 template void run_on_gpu(cuda::Stream&, std::int64_t, const StartKernel&);
 template void run_on_gpu(cuda::Stream&, std::int64_t, const TurnKernel&);
 template void run_on_gpu(cuda::Stream&, std::int64_t, const UpdateCellKernel&);

@@ -16,25 +16,10 @@ constexpr std::size_t spare = 8;  ///< look-ups read two nodes at a time
 
 float dot(const Float3& a, const Float3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-/// E at a surface, and b, which turns with the sample's normal (ScatteredLight).
-struct NodeLook {
-    Float3 light{}, b{};
-};
-
-/// E = J + 2 M · n of each channel for the node's normal; b tells of luminance how that turns with the sample's.
-NodeLook on_surface(const LightAround& around, const Float3& normal, const Float3& most, Look look) {
-    NodeLook seen;
-    for (int c = 0; c < 3; ++c)
-        seen.light[c] = std::clamp(around.j[c] + 2 * dot(around.moment[c], normal), 0.0f, most[c]);
-    const float bright = float(luminance(around.j.data()));
-    if (look != Look::turned || !(bright > 0)) return seen;
-    for (int axis = 0; axis < 3; ++axis) {
-        double moment = 0;
-        for (int c = 0; c < 3; ++c) moment += luminance_weights[c] * around.moment[c][axis];
-        seen.b[axis] = std::clamp(float(2 * moment) / bright, -ScatteredLight::most, ScatteredLight::most);
-    }
-    const float lambert = 1 + std::abs(dot(seen.b, normal));
-    for (float& channel : seen.light) channel /= lambert;
+/// E = J + 2 M · n of each channel for the node's normal.
+Float3 on_surface(const LightAround& around, const Float3& normal, const Float3& most) {
+    Float3 seen;
+    for (int c = 0; c < 3; ++c) seen[c] = std::clamp(around.j[c] + 2 * dot(around.moment[c], normal), 0.0f, most[c]);
     return seen;
 }
 
@@ -58,16 +43,15 @@ float cosine_to(Vec3 eye, const CellGrid& grid, const Float3& n, int x, int y, i
     return normal > 0 && square > 0 ? float(std::min(std::abs(along) / std::sqrt(square), 1.0)) : -1;
 }
 
-/// The share of a node that is a surface.
-NodeLook look_of(const SurfaceNode& surface, const TransportNodes& nodes, const Float3& most, Look look,
-                 const std::optional<Vec3>& eye, int y, int z) {
+/// An opaque node, or the air beside one.
+Float3 look_of(const SurfaceNode& surface, const TransportNodes& nodes, const Float3& most,
+               const std::optional<Vec3>& eye, int y, int z) {
     LightAround beside;
     beside.add(surface.own, light_of(nodes, nodes.grid.index(surface.x, y, z)));
     beside.add(1 - surface.own, surface.beside.of(nodes));
-    NodeLook seen = on_surface(beside, surface.normal, most, look);
-    if (look != Look::particles) return seen;
+    Float3 seen = on_surface(beside, surface.normal, most);
     const float cosine = eye ? cosine_to(*eye, nodes.grid, surface.normal, surface.x, y, z) : -1;
-    for (int c = 0; c < 3; ++c) seen.light[c] *= cosine < 0 ? surface.result[c] : result_at(surface.result[c], cosine);
+    for (int c = 0; c < 3; ++c) seen[c] *= cosine < 0 ? surface.result[c] : result_at(surface.result[c], cosine);
     return seen;
 }
 
@@ -79,45 +63,39 @@ inline Light16 rounded(float value) {
     return {std::uint16_t(value < least ? 0 : half)};
 }
 
-/// A row of nodes: J w, w, and b w of those that have surfaces.
+/// A row of nodes: J w and w.
 class RowLook {
 public:
-    explicit RowLook(int count) : light_(4 * std::size_t(count)), b_(std::size_t(count)) {}
+    explicit RowLook(int count) : light_(4 * std::size_t(count)) {}
 
     void show_particles(const float* weight, const float* j) {
-        std::fill(b_.begin(), b_.end(), Float3{});
-        for (std::size_t x = 0; x < b_.size(); ++x) {
+        for (std::size_t x = 0; 4 * x < light_.size(); ++x) {
             for (std::size_t c = 0; c < 3; ++c) light_[4 * x + c] = weight[x] * j[3 * x + c];
             light_[4 * x + 3] = weight[x];
         }
     }
-    void add(const SurfaceNode& surface, const NodeLook& look) {
+    void add(const SurfaceNode& surface, const Float3& look) {
         float* light = light_.data() + 4 * std::size_t(surface.x);
-        for (int c = 0; c < 3; ++c) light[c] += surface.weight * look.light[c];
+        for (int c = 0; c < 3; ++c) light[c] += surface.weight * look[c];
         light[3] += surface.weight;
-        for (int axis = 0; axis < 3; ++axis) b_[std::size_t(surface.x)][axis] = surface.weight * look.b[axis];
     }
     void keep(const float (&scale)[4], Light16* to) const {
         for (std::size_t i = 0; i < light_.size(); i += 4)
             for (std::size_t c = 0; c < 4; ++c) to[i + c] = rounded(full * (light_[i + c] / scale[c]));
     }
-    void keep_turned(const Axes& world_from_grid, Light16* to) const {
-        for (std::size_t x = 0; x < b_.size(); ++x) {
-            const float weight = light_[4 * x + 3];
-            if (b_[x] == Float3{}) {
-                std::fill_n(to + 4 * x, 3, rounded(0.5f * full * weight));
-                continue;
-            }
-            const Vec3 b = turned(world_from_grid, {b_[x][0], b_[x][1], b_[x][2]});
-            for (int axis = 0; axis < 3; ++axis)
-                to[4 * x + axis] = rounded(0.5f * full * (float(b[axis]) / ScatteredLight::most + weight));
-        }
-    }
 
 private:
     std::vector<float> light_;
-    std::vector<Float3> b_;
 };
+
+/// `scattered` of nodes.h in few bits.
+kernel::AroundNode around_node(const float* scattered, float weight) {
+    kernel::AroundNode node{{}, 1e-30f, 1.001f - weight};  // what the node lets through, and never 0
+    for (int i = 0; i < 12; ++i) node.step = std::max(node.step, node.open * std::abs(scattered[i]) / 127);
+    for (int i = 0; i < 12; ++i)
+        node.numbers[i + i / 3] = std::int8_t(std::lround(node.open * scattered[i] / node.step));
+    return node;
+}
 
 VoxelBuffer buffer_for(const CellGrid& grid) { return VoxelBuffer((4 * grid.size() + spare) * sizeof(Light16)); }
 Light16* numbers(VoxelBuffer& buffer) { return reinterpret_cast<Light16*>(buffer.data()); }
@@ -136,50 +114,73 @@ std::size_t TransportLight::bytes() const {
     return nodes_.bytes() + maps_->bytes() + (kept_ ? kept_->bytes() : std::size_t(0));
 }
 
-std::shared_ptr<const ShownLight> TransportLight::shown(Look look, const Axes& world_from_grid,
-                                                        std::optional<Vec3> eye) const {
-    const Asked wanted{look, world_from_grid, look == Look::particles ? eye : std::nullopt};
+std::shared_ptr<const ShownLight> TransportLight::shown(Look look, std::optional<Vec3> eye) const {
+    const Asked wanted{look, look == Look::particles ? eye : std::nullopt};
     const std::lock_guard lock(mutex_);
     if (of_ != wanted) {
-        kept_ = find(wanted);
+        kept_ = std::make_shared<const ShownLight>(look == Look::particles ? particles(eye) : surfaces());
         of_ = wanted;
     }
     return kept_;
 }
 
-std::shared_ptr<const ShownLight> TransportLight::find(const Asked& asked) const {
-    const Look look = asked.look;
+/// Of all nodes, `factor` × J.
+Float3 TransportLight::brightest(float factor) const {
+    Float3 brightest{1e-30f, 1e-30f, 1e-30f};
+    for (std::size_t node = 0; node < nodes_.grid.size(); ++node)
+        for (std::size_t c = 0; c < 3; ++c) brightest[c] = std::max(brightest[c], factor * nodes_.light[3 * node + c]);
+    return brightest;
+}
+
+ShownLight TransportLight::particles(const std::optional<Vec3>& eye) const {
     const CellGrid& grid = nodes_.grid;
     const auto [nx, ny, nz] = grid.count;
-    auto shown = std::make_shared<ShownLight>();
-    if (look == Look::turned) shown->turned = buffer_for(grid);
-    // A surface is at most so much brighter than the light around it.
-    constexpr float lambert = 1 + 2 * ScatteredLight::most;
-    Float3 brightest{1e-30f, 1e-30f, 1e-30f};
-    for (std::size_t node = 0; node < grid.size(); ++node)
-        for (int c = 0; c < 3; ++c) brightest[c] = std::max(brightest[c], lambert * nodes_.light[3 * node + c]);
-
-    const float scale[4] = {brightest[0], brightest[1], brightest[2], 1};
-    const auto keep = [&, nx = nx, ny = ny](Reading reading, VoxelBuffer& to) {
+    // What an opaque cell answers to: J + 2 M · n, where M is no longer than J; a little more where light was found by
+    // several sweeps.
+    const Float3 most = brightest(5);
+    const float scale[4] = {most[0], most[1], most[2], 1};
+    ShownLight shown;
+    const auto keep = [&, nx = nx, ny = ny, nz = nz](Reading reading, VoxelBuffer& to) {
         const auto map = maps_->of(device_, nodes_, reading);
         to = buffer_for(grid);
         parallel_for(device_.threads, std::int64_t(ny) * nz, 8, [&](std::int64_t first, std::int64_t end) {
             RowLook row(nx);
             for (std::int64_t r = first; r < end; ++r) {
-                const std::size_t start = std::size_t(r) * nx;
+                const std::size_t start = std::size_t(r) * std::size_t(nx);
                 row.show_particles(map->particles.data() + start, nodes_.light.data() + 3 * start);
                 for (const SurfaceNode& surface : map->surfaces[std::size_t(r)])
-                    row.add(surface, look_of(surface, nodes_, most_, look, asked.eye, int(r % ny), int(r / ny)));
+                    row.add(surface, look_of(surface, nodes_, most_, eye, int(r % ny), int(r / ny)));
                 row.keep(scale, numbers(to) + 4 * start);
-                if (look == Look::turned) row.keep_turned(asked.world_from_grid, numbers(shown->turned) + 4 * start);
             }
         });
     };
-    keep(look == Look::particles ? Reading::particles : Reading::surfaces, shown->light);
-    if (look == Look::particles && !nodes_.result.empty()) keep(Reading::boundary_cells, shown->boundary_cells);
-    shown->view = {numbers(shown->light), view_of(grid), {brightest[0], brightest[1], brightest[2]}};
-    if (look == Look::turned) shown->turned_view = numbers(shown->turned);
-    if (shown->boundary_cells.size() > 0) shown->boundary_view = numbers(shown->boundary_cells);
+    keep(Reading::particles, shown.light);
+    if (!nodes_.result.empty()) keep(Reading::boundary_cells, shown.boundary_cells);
+    shown.view = {numbers(shown.light), view_of(grid), {most[0], most[1], most[2]}};
+    if (shown.boundary_cells.size() > 0) shown.boundary_view = numbers(shown.boundary_cells);
+    return shown;
+}
+
+/// Each node weighs as its matter; what surfaces add is read from the open.
+ShownLight TransportLight::surfaces() const {
+    const CellGrid& grid = nodes_.grid;
+    const Float3 most = brightest(1);
+    const float scale[4] = {most[0], most[1], most[2], 1};
+    ShownLight shown;
+    shown.light = buffer_for(grid);
+    shown.around.resize(grid.size());
+    parallel_for(device_.threads, std::int64_t(grid.count[1]) * grid.count[2], 8,
+                 [&](std::int64_t first, std::int64_t end) {
+                     RowLook row(grid.count[0]);
+                     for (std::int64_t r = first; r < end; ++r) {
+                         const std::size_t start = std::size_t(r) * std::size_t(grid.count[0]);
+                         row.show_particles(nodes_.weight.data() + start, nodes_.light.data() + 3 * start);
+                         row.keep(scale, numbers(shown.light) + 4 * start);
+                         for (std::size_t node = start; node < start + std::size_t(grid.count[0]); ++node)
+                             shown.around[node] = around_node(nodes_.scattered.data() + 12 * node, nodes_.weight[node]);
+                     }
+                 });
+    shown.view = {numbers(shown.light), view_of(grid), {most[0], most[1], most[2]}};
     return shown;
 }
 

@@ -1,4 +1,4 @@
-// Scattered light as it is kept for pictures: on particles, or on surfaces where matter has them.
+// Light by transport as it is kept for pictures: of particles, or of surfaces where matter has them.
 #pragma once
 #include <chiaro/device.h>
 #include <chiaro/geometry.h>
@@ -17,16 +17,18 @@ namespace chiaro {
 /// What matter looks like.
 enum class Look {
     particles,  ///< c J everywhere, as the reference has it in volumes; solid samples read another light than thin ones
-    flat,       ///< surfaces by the normals of the nodes
-    turned      ///< surfaces by the normals of the samples
+    surfaces    ///< surfaces by the normals of the samples, particles elsewhere
 };
 
 /// What the ray caster reads of it.
 struct ShownLight {
-    VoxelBuffer light, turned, boundary_cells;
+    VoxelBuffer light, boundary_cells;
+    std::vector<kernel::AroundNode> around;
     kernel::NodeLight view;
-    const kernel::Light16 *turned_view = nullptr, *boundary_view = nullptr;
-    std::size_t bytes() const { return light.size() + turned.size() + boundary_cells.size(); }
+    const kernel::Light16* boundary_view = nullptr;
+    std::size_t bytes() const {
+        return light.size() + boundary_cells.size() + around.size() * sizeof(kernel::AroundNode);
+    }
 };
 
 class TransportLight {
@@ -38,20 +40,21 @@ public:
                    const TransportLight* before = nullptr);
 
     /// `eye`, in voxels: opaque particles send more to where they are seen at grazing angles; none: the mean. The last
-    /// look is kept. The views are valid as long as the result is. Cost: some 10 core-ms for 64³ nodes, more where the
-    /// surfaces are not known yet.
-    std::shared_ptr<const ShownLight> shown(Look look, const Axes& world_from_grid, std::optional<Vec3> eye = {}) const;
+    /// look is kept. The views are valid as long as the result is. Cost: some 10 core-ms for 64³ nodes, of particles
+    /// more where it is not known yet which are opaque.
+    std::shared_ptr<const ShownLight> shown(Look look, std::optional<Vec3> eye = {}) const;
     std::size_t bytes() const;
     const TransportNodes& nodes() const { return nodes_; }
 
 private:
     struct Asked {
         Look look;
-        Axes world_from_grid;
         std::optional<Vec3> eye;
         bool operator==(const Asked&) const = default;
     };
-    std::shared_ptr<const ShownLight> find(const Asked& asked) const;
+    ShownLight particles(const std::optional<Vec3>& eye) const;
+    ShownLight surfaces() const;
+    std::array<float, 3> brightest(float factor) const;
 
     Device device_;
     TransportNodes nodes_;

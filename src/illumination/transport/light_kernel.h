@@ -1,5 +1,6 @@
 // What is done to the light of each cell between sweeps. Cells are counted x fastest.
 #pragma once
+#include "illumination/transport/sweep_kernel.h"
 #include "illumination/transport/update_kernel.h"
 
 namespace chiaro::kernel {
@@ -116,7 +117,7 @@ struct UpdateCellKernel {
     UpdateKernel kernel;
     std::int64_t field;
     const float *extinction, *albedo, *first;
-    const float* sums;  ///< [side][channel]; those of x: rows along y
+    const float* sums;  ///< [side][sum]; those of x: rows along y
     float *source, *mean, *moment;
     float* change;  ///< [2][cell]
 
@@ -129,9 +130,11 @@ struct UpdateCellKernel {
             row.albedo[c] = albedo + c * field + at, row.first[c] = first + c * field + at;
             row.source[c] = source + c * field + at, row.mean[c] = mean + c * field + at;
             for (std::int32_t axis = 0; axis < 3; ++axis) row.moment[c][axis] = moment + (3 * c + axis) * field + at;
-            for (std::int32_t side = 0; side < 6; ++side)
-                row.sums[side][c] = sums + (3 * side + c) * field + (side < 2 ? turned : at);
         }
+        constexpr std::int32_t per_side = SourceSweepKernel::sums;
+        for (std::int32_t side = 0; side < 6; ++side)
+            for (std::int32_t s = 0; s < per_side; ++s)
+                row.sums[side][s] = sums + (per_side * side + s) * field + (side < 2 ? turned : at);
         kernel.operator()<float>(row);
         for (std::int32_t i = 0; i < 2; ++i) change[i * places.count() + cell] = of_cell[i][0];
     }
@@ -166,6 +169,22 @@ struct NodeKernel {
             light[3 * node + c] = mean[c][at];
             for (std::int32_t axis = 0; axis < 3; ++axis)
                 moments[9 * node + 3 * c + axis] = moment[c][axis][at] + first_moment[c][axis][at];
+        }
+    }
+};
+
+/// The light that matter has scattered.
+struct ScatteredNodeKernel {
+    CellPlaces places;
+    const float *mean[3], *first[3], *moment[3][3];
+    float* scattered;  ///< [node][4][3]
+
+    CHIARO_INLINE void operator()(std::int64_t node) const {
+        const std::int64_t at = places.along_x(node);
+        for (std::int32_t c = 0; c < 3; ++c) {
+            scattered[12 * node + c] = mean[c][at] - first[c][at];
+            for (std::int32_t axis = 0; axis < 3; ++axis)
+                scattered[12 * node + 3 * (axis + 1) + c] = moment[c][axis][at];
         }
     }
 };

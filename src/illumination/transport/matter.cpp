@@ -7,9 +7,15 @@
 #include "cuda/executor.h"
 #include "illumination/transport/matter_kernel.h"
 #include "illumination/visibility/surface_share.h"
+#include "illumination/visibility/visibility.h"
 
 namespace chiaro {
 namespace {
+
+/// In which V is found. As shown, brain and engine, white and studio: 100 do as well as visibility's 400 (bias within
+/// .1
+/// %, RMS within .1 %), 64 are .2 % worse.
+constexpr int seen_directions = 100;
 
 /// Henyey and Greenstein's g by similarity: what goes on as if nothing had been, κ a g, is left out of the extinction.
 /// Exact for the first moment; grey, with the mean albedo.
@@ -39,6 +45,12 @@ LatticeField albedo_of(const LightGrid& grid, const OpaqueCells& opaque, std::si
 Colour albedos_of(const LightGrid& grid, const OpaqueCells& opaque, const Lattice& lattice) {
     return {albedo_of(grid, opaque, 0, lattice), albedo_of(grid, opaque, 1, lattice),
             albedo_of(grid, opaque, 2, lattice)};
+}
+
+Density copy_of(const Density& density) {
+    Density copy(density.grid);
+    std::copy_n(density.data(), density.grid.size(), copy.numbers());
+    return copy;
 }
 
 /// Of the cells in each node.
@@ -77,6 +89,17 @@ const Colour& TransportMedium::albedo() const {
     return albedo_([this] { return albedos_of(grid, opaque, swept.lattices.along_x); });
 }
 
+std::shared_ptr<const LitNodes> TransportMedium::seen(const Device& device, StageTimer& timer,
+                                                      Progress& progress) const {
+    return seen_([&] {
+        VisibilitySettings settings;
+        settings.directions = seen_directions;
+        const auto density = grid.finer ? grid.finer : std::make_shared<const Density>(copy_of(grid.extinction));
+        settings.subsample = std::max(int(std::lround(density->grid.edge_mm / geometry.smallest_spacing_mm())), 1);
+        return std::make_shared<const LitNodes>(device, visibility_nodes(device, density, settings, timer, progress));
+    });
+}
+
 SharedTransportMedium matter_of(const Device& device, const Medium::Data& medium, int cells,
                                 const ScatteringSettings& scattering, Progress& progress, SurfaceModel surfaces) {
     // Where bounces are counted no cell answers all of them at once.
@@ -86,8 +109,10 @@ SharedTransportMedium matter_of(const Device& device, const Medium::Data& medium
         medium.volume.geometry(), scattering.bounces.most.has_value(), device);
 }
 
-SharedTransportMedium halved(const TransportMedium& finer, const Device& device, Progress& progress) {
+SharedTransportMedium halved(const SharedTransportMedium& of, const Device& device, Progress& progress) {
+    const TransportMedium& finer = *of;
     LightGrid grid{halved(finer.grid.extinction, device, progress), {}, finer.grid.is_isosurface, {}, {}};
+    grid.finer = {of, &finer.grid.extinction};
     if (finer.grid.surface_share) grid.surface_share = halved_shares(*finer.grid.surface_share);
     grid.albedo = halved_albedo(finer.grid, grid.extinction.grid, device);
     return std::make_shared<const TransportMedium>(std::move(grid), finer.geometry, finer.counts_bounces, device);

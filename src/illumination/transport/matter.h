@@ -1,5 +1,6 @@
 // What light meets on its way: the medium on the light grid, found once and kept however it is lit.
 #pragma once
+#include "illumination/stage_timer.h"
 #include "illumination/transport/light_fields.h"
 #include "illumination/transport/nodes.h"
 
@@ -20,9 +21,13 @@ struct TransportMedium {
 
     /// For sweeps here, rows along x; 0 in opaque cells.
     const Colour& albedo() const;
+    /// What surfaces see of the light that no one has scattered yet, at the nodes of the finer grid; found once. Throws
+    /// Error{interrupted}.
+    std::shared_ptr<const LitNodes> seen(const Device& device, StageTimer& timer, Progress& progress) const;
 
 private:
     Lazy<Colour> albedo_;
+    Lazy<std::shared_ptr<const LitNodes>> seen_;
 };
 using SharedTransportMedium = std::shared_ptr<const TransportMedium>;
 
@@ -31,7 +36,7 @@ SharedTransportMedium matter_of(const Device& device, const Medium::Data& medium
                                 const ScatteringSettings& scattering, Progress& progress,
                                 SurfaceModel surfaces = SurfaceModel::none);
 /// The same matter on a grid half as fine, each cell of 2³: κ as in visibility/density.h, albedo weighted by it.
-SharedTransportMedium halved(const TransportMedium& finer, const Device& device, Progress& progress);
+SharedTransportMedium halved(const SharedTransportMedium& finer, const Device& device, Progress& progress);
 /// All that nodes tell but light.
 TransportNodes unlit_nodes(const TransportMedium& matter);
 

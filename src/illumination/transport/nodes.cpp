@@ -37,6 +37,20 @@ void fill_behind(const OpaqueCells& opaque, TransportNodes& nodes) {
 
 }  // namespace
 
+/// Scattered light of nodes.
+void TransportSolver::State::gather(std::vector<float>& scattered) const {
+    if (gpu) return gpu->scattered(scattered);
+    kernel::ScatteredNodeKernel kernel{
+        cell_places(medium.lattices.along_x, medium.lattices.along_y), {}, {}, {}, scattered.data()};
+    for (int c = 0; c < 3; ++c) {
+        kernel.mean[c] = mean[c].data(), kernel.first[c] = first.light[c].data();
+        for (int axis = 0; axis < 3; ++axis) kernel.moment[c][axis] = moment[c][axis].data();
+    }
+    parallel_for(device.threads, kernel.places.count(), 4096, [&](std::int64_t from, std::int64_t end) {
+        for (std::int64_t node = from; node < end; ++node) kernel(node);
+    });
+}
+
 /// Light and moment of nodes.
 void TransportSolver::State::gather(std::vector<float>& light, std::vector<float>& moments) const {
     if (gpu) return gpu->nodes(light, moments);
@@ -59,7 +73,7 @@ void TransportSolver::State::gather(std::vector<float>& light, std::vector<float
     });
 }
 
-TransportNodes TransportSolver::nodes() const {
+TransportNodes TransportSolver::nodes(SurfaceModel surfaces) const {
     const State& s = *state_;
     TransportNodes out = unlit_nodes(*s.matter);
     out.iterations = s.iterations, out.change = s.change;
@@ -70,6 +84,9 @@ TransportNodes TransportSolver::nodes() const {
         std::copy(seen.begin(), seen.end(), out.light.begin() + std::ptrdiff_t(3 * s.opaque.nodes()[cell]));
     }
     fill_behind(s.opaque, out);
+    if (surfaces == SurfaceModel::none) return out;
+    out.scattered.resize(12 * out.grid.size());
+    s.gather(out.scattered);
     return out;
 }
 

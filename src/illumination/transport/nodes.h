@@ -2,7 +2,7 @@
 #pragma once
 #include <vector>
 
-#include "illumination/cells/grid.h"
+#include "illumination/visibility/lit_nodes.h"
 
 namespace chiaro {
 
@@ -24,10 +24,18 @@ struct TransportNodes {
     /// [node][3]: R(a) / a of cells that show a surface (opaque with a face in the open, or boundary_cells.h), 0 of all
     /// others; none where no cell is opaque.
     std::vector<float> result;
+    /// [node][4][3]: J and first moment (x, y, z) of the light that matter has scattered, per channel; none where all
+    /// are particles.
+    std::vector<float> scattered;
+    /// What surfaces see of the light that no one has scattered yet; none where all are particles.
+    std::shared_ptr<const LitNodes> seen;
     int iterations = 0;  ///< sweeps of scattered light
     double change = 0;   ///< of J by the last one: relative RMS
 
-    std::size_t bytes() const { return (light.size() + weight.size() + moment.size() + result.size()) * sizeof(float); }
+    std::size_t bytes() const {
+        const std::size_t numbers = light.size() + weight.size() + moment.size() + result.size() + scattered.size();
+        return numbers * sizeof(float) + (seen ? seen->bytes() : 0);
+    }
 };
 
 }  // namespace chiaro

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "core/srgb.h"
 #include "core/threads.h"
 #include "illumination/transport/batches.h"
 #include "illumination/transport/directions.h"
@@ -94,7 +95,8 @@ void TransportSolver::State::start(const FirstDirections& directions, Progress& 
 void TransportSolver::State::prepare() {
     source_across = colour(medium.lattices.along_y);
     for (int side = 0; side < 6; ++side)
-        sums[side] = colour(side < 2 ? medium.lattices.along_y : medium.lattices.along_x);
+        for (LatticeField& field : sums[side])
+            field = (side < 2 ? medium.lattices.along_y : medium.lattices.along_x).field();
     opaque.reflect(faces, emission);
     turn_source();
 }
@@ -114,9 +116,12 @@ bool TransportSolver::State::is_done() const {
 /// One sweep of scattered light and what follows; returns the relative change of the mean.
 double TransportSolver::State::iterate(const std::vector<Vec3>& directions, Progress& progress) {
     const double length = mean_step(directions);
-    const kernel::UpdateKernel kernel{float(-std::numbers::log2e * length),
-                                      is_accelerated() ? float(iterations == 0 ? 1 : relaxation) : 0.0f,
-                                      is_accelerated() ? float(share_of_sweep(iterations + 1)) : 1.0f, float(length)};
+    const kernel::UpdateKernel kernel{
+        float(-std::numbers::log2e * length),
+        is_accelerated() ? float(iterations == 0 ? 1 : relaxation) : 0.0f,
+        is_accelerated() ? float(share_of_sweep(iterations + 1)) : 1.0f,
+        float(1 / length),
+        {float(luminance_weights[0]), float(luminance_weights[1]), float(luminance_weights[2])}};
     std::vector<float> changes;
     const auto on_gpu = [&] { changes = gpu->iterate(directions, kernel, progress); };
     if (gpu && cuda::try_gpu(device, on_gpu)) return relative_change(changes);
@@ -134,7 +139,7 @@ LatticeField TransportSolver::State::sweep(const std::vector<Vec3>& directions, 
     const std::size_t of_group = opaque.count() * kernel::cell_floats;
     LatticeField arriving(groups.size() * of_group);
     if (groups.size() < sums.size())  // few directions: no light came from some sides
-        for (Colour& of_side : sums)
+        for (Sums& of_side : sums)
             for (LatticeField& field : of_side) std::fill(field.begin(), field.end(), 0.0f);
     parallel_for(
         device.threads, std::int64_t(groups.size()), 1, "scattering", progress, [&](std::int64_t g, std::int64_t) {
@@ -152,14 +157,14 @@ void TransportSolver::State::sweep(const std::vector<Vec3>& directions, const Sw
     const Lattice& lattice = medium.lattices.of(axes);
     const float* extinction = medium.extinction().of(axes);
     const Colour& from = lattice.along_y() ? source_across : source;
-    Colour& to = sums[side_of(axes)];
+    Sums& to = sums[side_of(axes)];
     std::fill(arriving.begin(), arriving.end(), 0.0f);
     const int nu = lattice.count()[axes.u], nv = lattice.count()[axes.v];
     TravellingPlanes planes(nu, nv, Kernel::channels * Kernel::max_rays);
     bool is_first = true;
     for (SweepBatch& rays :
          sweep_batches(directions, group, Kernel::max_rays, Kernel::channels * planes.field(), opaque)) {
-        const SourceBatch batch(std::move(rays));
+        const SourceBatch batch(std::move(rays), directions, axes);
         planes.start(Kernel::channels * batch.count(), 0);
         Kernel kernel = batch.kernel(directions.size(), is_first);
         const auto visit = [&](const kernel::SweepPlane& plane, const SweptRow& row) {
@@ -167,8 +172,12 @@ void TransportSolver::State::sweep(const std::vector<Vec3>& directions, const Sw
             kernel::SourceRow at{planes.place(row.v), nu, extinction + row.at, {}, {}, row.opaque};
             ask_for(row.opaque, batch.octants), ask_for(extinction + row.next, nu);
             for (int c = 0; c < 3; ++c) {
-                at.source[c] = from[c].data() + row.at, at.sums[c] = to[c].data() + row.at;
-                ask_for(from[c].data() + row.next, nu), ask_for(to[c].data() + row.next, nu);
+                at.source[c] = from[c].data() + row.at;
+                ask_for(from[c].data() + row.next, nu);
+            }
+            for (int s = 0; s < Kernel::sums; ++s) {
+                at.sums[s] = to[s].data() + row.at;
+                ask_for(to[s].data() + row.next, nu);
             }
             run(kernel, at);
         };
@@ -187,10 +196,12 @@ double TransportSolver::State::update(const kernel::UpdateKernel& kernel) {
     const std::size_t slice = std::size_t(along_x.row()) * ny;
     std::vector<float> changes(std::size_t(nz) * 2 * 16, 0);
     parallel_for(device.threads, nz, 1, [&, nx = nx, ny = ny](std::int64_t z, std::int64_t) {
-        LatticeField turned(6 * slice);
+        constexpr int per_side = kernel::SourceSweepKernel::sums;
+        LatticeField turned(2 * per_side * slice);
         const std::size_t start = std::size_t(z) * slice;
-        for (int i = 0; i < 6; ++i)
-            copy_slice(along_y, sums[i / 3][i % 3].data(), along_x, turned.data() + i * slice - start, int(z));
+        for (int i = 0; i < 2 * per_side; ++i)
+            copy_slice(along_y, sums[i / per_side][i % per_side].data(), along_x, turned.data() + i * slice - start,
+                       int(z));
         float lanes[2][16]{};
         for (int y = 0; y < ny; ++y) {
             const std::size_t in_slice = std::size_t(y) * along_x.row(), at = start + in_slice;
@@ -200,10 +211,11 @@ double TransportSolver::State::update(const kernel::UpdateKernel& kernel) {
                 row.albedo[c] = albedo[c].data() + at, row.first[c] = first.light[c].data() + at;
                 row.source[c] = source[c].data() + at, row.mean[c] = mean[c].data() + at;
                 for (int axis = 0; axis < 3; ++axis) row.moment[c][axis] = moment[c][axis].data() + at;
-                for (int side = 0; side < 6; ++side)
-                    row.sums[side][c] =
-                        side < 2 ? turned.data() + (3 * side + c) * slice + in_slice : sums[side][c].data() + at;
             }
+            for (int side = 0; side < 6; ++side)
+                for (int s = 0; s < per_side; ++s)
+                    row.sums[side][s] =
+                        side < 2 ? turned.data() + (per_side * side + s) * slice + in_slice : sums[side][s].data() + at;
             run(kernel, row);
         }
         std::memcpy(changes.data() + z * 2 * 16, lanes, sizeof lanes);

@@ -16,8 +16,9 @@ struct TransportSolver::State : LightFields {
     ScatteringSettings scattering;
     const OpaqueCells& opaque = matter->opaque;
     const SweptMedium& medium = matter->swept;
-    Colour source_across;        ///< the same source, rows along y
-    std::array<Colour, 6> sums;  ///< by the side that light comes from; those of x: rows along y
+    Colour source_across;  ///< the same source, rows along y
+    using Sums = std::array<LatticeField, kernel::SourceSweepKernel::sums>;
+    std::array<Sums, 6> sums;  ///< by the side that light comes from; those of x: rows along y
     LatticeField emission;
     std::unique_ptr<GpuTransport> gpu;
     int iterations = 0;
@@ -39,6 +40,7 @@ struct TransportSolver::State : LightFields {
     void update_faces(const LatticeField& arriving, float share);
     void start_from(const TransportNodes& warm);
     void turn_source();
+    void gather(std::vector<float>& scattered) const;
     void gather(std::vector<float>& light, std::vector<float>& moments) const;
 };
 

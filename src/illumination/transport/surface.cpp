@@ -26,18 +26,15 @@ std::vector<float> opacity_of(const Device& device, const TransportNodes& nodes,
 }
 
 /// Of each number and the two beside it.
-template <class Choose>
-void extremum_filter_row(const float* values, int count, const Choose& choose, float* to) {
+void largest_in_row(const float* values, int count, float* to) {
     for (int x = 0; x < count; ++x) {
         const float before = x > 0 ? values[x - 1] : 0, after = x + 1 < count ? values[x + 1] : 0;
-        to[x] = choose(choose(before, values[x]), after);
+        to[x] = std::max(std::max(before, values[x]), after);
     }
 }
 
 /// Of each node and its 26 neighbours, axis by axis; 0 outside.
-template <class Choose>
-std::vector<float> extremum_filter_3x3x3(const Device& device, const CellGrid& grid, const std::vector<float>& values,
-                                         const Choose& choose) {
+std::vector<float> largest_around(const Device& device, const CellGrid& grid, const std::vector<float>& values) {
     const auto [nx, ny, nz] = grid.count;
     const std::vector<float> outside(std::size_t(nx), 0.0f);
     const auto over = [&, nx = nx](const std::vector<float>& from, const std::array<int, 3>& step) {
@@ -52,9 +49,9 @@ std::vector<float> extremum_filter_3x3x3(const Device& device, const CellGrid& g
                             *after = row_at(y + step[1], z + step[2]);
                 float* row = to.data() + grid.index(0, y, z);
                 if (step[0])
-                    extremum_filter_row(here, nx, choose, row);
+                    largest_in_row(here, nx, row);
                 else
-                    for (int x = 0; x < nx; ++x) row[x] = choose(choose(before[x], here[x]), after[x]);
+                    for (int x = 0; x < nx; ++x) row[x] = std::max(std::max(before[x], here[x]), after[x]);
             }
         });
         return to;
@@ -62,21 +59,14 @@ std::vector<float> extremum_filter_3x3x3(const Device& device, const CellGrid& g
     return over(over(over(values, {1, 0, 0}), {0, 1, 0}), {0, 0, 1});
 }
 
-constexpr auto larger = [](float a, float b) { return std::max(a, b); };
-constexpr auto smaller = [](float a, float b) { return std::min(a, b); };
-
 }  // namespace
 
-SurfaceNodes::SurfaceNodes(const Device& device, const TransportNodes& nodes, double edges, bool as_particles)
+SurfaceNodes::SurfaceNodes(const Device& device, const TransportNodes& nodes, double edges)
     : nodes_(nodes), opacity_(opacity_of(device, nodes, edges)) {
-    if (!as_particles) {
-        densest_ = extremum_filter_3x3x3(device, nodes.grid, opacity_, larger);
-        clearest_ = extremum_filter_3x3x3(device, nodes.grid, opacity_, smaller);
-    }
-    if (!as_particles || nodes.result.empty()) return;
+    if (nodes.result.empty()) return;
     std::vector<float> shown(opacity_.size());
     for (std::size_t node = 0; node < shown.size(); ++node) shown[node] = nodes.result[3 * node];
-    results_ = extremum_filter_3x3x3(device, nodes.grid, shown, larger);
+    results_ = largest_around(device, nodes.grid, shown);
 }
 
 LightAround light_of(const TransportNodes& nodes, std::size_t node) {
@@ -116,23 +106,6 @@ NodeOutwards SurfaceNodes::outwards(int x, int y, int z) const {
     if (!(size > 0)) return {};
     for (float& component : n) component /= size;
     return {n, edges * std::min(size, 1.0f)};
-}
-
-/// The densest and the clearest of the 26 neighbours tell. Light on a surface is that of the air beside it: nodes of
-/// the air weigh as what they let through, those of the matter nearly nothing (in a corner they face another room).
-NodeRoles SurfaceNodes::roles(int x, int y, int z) const {
-    // Where air and opaque matter both weigh, the matter adds a thousandth at most: enough that a sample with no air
-    // among its nodes has a value, too little to be seen beside air. Deeper matter weighs a thousandth of that.
-    constexpr float least = 1e-3f;
-    const std::size_t node = nodes_.grid.index(x, y, z);
-    const float here = opacity_[node], densest = densest_[node], clearest = clearest_[node];
-    const float weight = nodes_.weight[node];
-    // A step of a quarter of full opacity (slope 4) is a surface; 1 - 2 opacity: from one half on a node is behind it.
-    // Both are chosen by eye, as far as history shows: an open flat surface keeps its brightness within 2 %.
-    const float outside = std::min(4 * (densest - here), 1.0f), inside = std::min(4 * (here - clearest), 1.0f);
-    // Behind a surface opaque matter is dark and counts for less still: what is seen of it lies at its boundary.
-    const float seen = std::max(1 - 2 * here, 0.0f), buried = least * least;
-    return {weight * (1 - std::max(outside, inside)) * seen + buried, outside * (1 - weight), least * inside};
 }
 
 bool SurfaceNodes::is_air(int x, int y, int z) const {

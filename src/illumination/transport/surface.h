@@ -31,8 +31,7 @@ struct NodeOutwards {
     float edges = 1;  ///< how many off the surface's light is seen
 };
 
-/// How a node shows: as particles, as the air beside a surface, as matter behind one. Steps of a quarter of the opacity
-/// between neighbours are surfaces (cells/kernel.h).
+/// How a node shows: as particles, as the air beside an opaque cell, as matter behind its face.
 struct NodeRoles {
     float particles, air, matter;
 };
@@ -52,13 +51,12 @@ struct LightBeside {
 class SurfaceNodes {
 public:
     /// `edges`: of the smallest voxel edge, in the edge of a cell.
-    SurfaceNodes(const Device& device, const TransportNodes& nodes, double edges, bool as_particles);
+    SurfaceNodes(const Device& device, const TransportNodes& nodes, double edges);
 
-    NodeRoles roles(int x, int y, int z) const;
     /// n = -(α(i + 1) - α(i - 1)) per axis, α of a voxel's edge. Within matter also over twice the distance:
     /// samples on the surface lie between its nodes and those.
     NodeOutwards outwards(int x, int y, int z) const;
-    /// The same of particles, where some cells are opaque: those are lit as surfaces are, by the air beside them.
+    /// Where some cells are opaque: those are lit as surfaces are, by the air beside them.
     NodeRoles particle_roles(int x, int y, int z) const;
     /// ... for samples that are solid by themselves: cells that matter fills in part, beside opaque ones, are surfaces
     /// too, not fog in the bright light of their air; and inner corners, which touch air by an edge only, do not count.
@@ -78,9 +76,8 @@ private:
     bool is_air(int x, int y, int z) const;
 
     const TransportNodes& nodes_;
-    std::vector<float> opacity_;             ///< [node]: of a smallest voxel edge
-    std::vector<float> densest_, clearest_;  ///< opacity around each node; not for particles
-    std::vector<float> results_;             ///< for particles: above 0 where a surface is near
+    std::vector<float> opacity_;  ///< [node]: of a smallest voxel edge
+    std::vector<float> results_;  ///< above 0 where a surface is near
 };
 
 }  // namespace chiaro

@@ -9,8 +9,7 @@ namespace {
 
 /// Where no light is found beside a node, as under a ball on the floor, the node's own is all there is: perhaps that of
 /// a wall's far side, which counts only where nothing else does.
-SurfaceNode surface_at(const SurfaceNodes& surfaces, std::size_t node, float weight, bool as_particles, int x, int y,
-                       int z) {
+SurfaceNode surface_at(const SurfaceNodes& surfaces, std::size_t node, float weight, int x, int y, int z) {
     // Nodes beside no air weigh a thousandth of others within matter (1e-3 in surface.cpp): with that, Cornell's
     // picture of albedo .8 and .95 came from 9.2 to 8.2 and from 10.9 to 10.3 % of the paths'. `nothing`: less than a
     // hundredth of a cell of air is none.
@@ -20,12 +19,15 @@ SurfaceNode surface_at(const SurfaceNodes& surfaces, std::size_t node, float wei
     const bool has_air = beside.sum > nothing;
     // Air that shares its cell with matter is as dark as that: there too the light is that one cell out.
     const float passes = surfaces.shows(node) ? 0 : 1 - surfaces.weight(node);
-    return {x,          has_air ? weight : std::min(weight, hardly),        has_air ? passes * passes : 1,
-            out.normal, as_particles ? surfaces.result(x, y, z) : Float3{}, beside};
+    return {x,
+            has_air ? weight : std::min(weight, hardly),
+            has_air ? passes * passes : 1,
+            out.normal,
+            surfaces.result(x, y, z),
+            beside};
 }
 
 NodeRoles roles_at(const SurfaceNodes& surfaces, Reading reading, int x, int y, int z) {
-    if (reading == Reading::surfaces) return surfaces.roles(x, y, z);
     return reading == Reading::boundary_cells ? surfaces.boundary_roles(x, y, z) : surfaces.particle_roles(x, y, z);
 }
 
@@ -42,8 +44,7 @@ std::shared_ptr<const SurfaceMap> SurfaceMaps::of(const Device& device, const Tr
     auto& kept = maps_[std::size_t(reading)];
     if (kept) return kept;
     const auto [nx, ny, nz] = nodes.grid.count;
-    const bool as_particles = reading != Reading::surfaces;
-    const SurfaceNodes surfaces(device, nodes, edges_, as_particles);
+    const SurfaceNodes surfaces(device, nodes, edges_);
     auto map = std::make_shared<SurfaceMap>();
     map->particles.resize(nodes.grid.size());
     map->surfaces.resize(std::size_t(ny) * nz);
@@ -54,8 +55,7 @@ std::shared_ptr<const SurfaceMap> SurfaceMaps::of(const Device& device, const Tr
             const NodeRoles roles = roles_at(surfaces, reading, x, y, z);
             map->particles[node] = roles.particles;
             if (!(roles.air > 0) && !(roles.matter > 0)) continue;
-            map->surfaces[std::size_t(row)].push_back(
-                surface_at(surfaces, node, roles.air + roles.matter, as_particles, x, y, z));
+            map->surfaces[std::size_t(row)].push_back(surface_at(surfaces, node, roles.air + roles.matter, x, y, z));
         }
     });
     return kept = map;

@@ -18,8 +18,8 @@ struct SurfaceNode {
     LightBeside beside;
 };
 
-/// What samples read: surfaces, particles, or particles that are solid by themselves.
-enum class Reading { surfaces, particles, boundary_cells };
+/// What samples read: particles, or particles that are solid by themselves.
+enum class Reading { particles, boundary_cells };
 
 struct SurfaceMap {
     std::vector<float> particles;                    ///< [node]: what its own light weighs as particles
@@ -41,7 +41,7 @@ public:
 private:
     double edges_;
     mutable std::mutex mutex_;
-    std::array<std::shared_ptr<const SurfaceMap>, 3> maps_;
+    std::array<std::shared_ptr<const SurfaceMap>, 2> maps_;
 };
 
 /// Whether both show the same matter, however it is lit.

@@ -201,17 +201,19 @@ struct SourceRow {
     std::int32_t first, count;
     const float* extinction;
     const float* source[3];
-    float* sums[3];  ///< Σ (I_in + I_out) weight / 2
+    float* sums[5];  ///< Σ (I_in + I_out) weight / 2; of luminance, times the direction along the two minor axes
     OpaqueRow opaque;
 };
 struct SourceSweepKernel {
-    static constexpr std::int32_t width = 16, max_rays = 6, channels = 3;
+    static constexpr std::int32_t width = 16, max_rays = 6, channels = 3, sums = 5;
     const SweepRay* rays;
     float weight;  ///< of a ray, / 2
     const OctantRays* octants;
     std::int32_t octant_count;
     const float* open_weight;  ///< [ray][pattern][4]: of the clear cells alone; 0 where a ray does not count
     const float* cosine;       ///< [ray][3]: |cos| of the angles with the axes
+    const float* tilt;         ///< [ray][2]: the direction along the minor axes, in their order
+    float luminance[channels];
     std::int32_t count;
     bool is_first;  ///< sums are written, not added to
     SweepPlane plane;
@@ -248,6 +250,7 @@ private:
             for (std::int32_t r = 0; r < count; ++r)
                 store_row(clear + r * LaneTraits<F>::count, exp2_of_step(extinction * F(rays[r].edges)));
         }
+        F bright[max_rays];
         for (std::int32_t c = 0; c < channels; ++c) {
             const F source = load_row<F>(row.source[c] + u) + F(no_light);
             F sum(0);
@@ -260,11 +263,22 @@ private:
                 else
                     out = in + F(no_light);
                 store_row(plane.here + at, out);
-                sum = sum + (in + out);
+                const F both = in + out;
+                sum = sum + both;
+                bright[r] = c == 0 ? F(luminance[0]) * both : mad(F(luminance[c]), both, bright[r]);
             }
-            sum = sum * F(weight);
-            store_row(row.sums[c] + u, is_first ? sum : sum + load_row<F>(row.sums[c] + u));
+            add(row.sums[c] + u, sum);
         }
+        for (std::int32_t axis = 0; axis < 2; ++axis) {
+            F sum(0);
+            for (std::int32_t r = 0; r < count; ++r) sum = mad(F(tilt[2 * r + axis]), bright[r], sum);
+            add(row.sums[channels + axis] + u, sum);
+        }
+    }
+    template <class F>
+    CHIARO_INLINE void add(float* to, F sum) const {
+        sum = sum * F(weight);
+        store_row(to, is_first ? sum : sum + load_row<F>(to));
     }
     /// Only light from clear cells arrives: opaque ones beside this one may shine on the other side of a wall.
     CHIARO_INLINE void meet(const SourceRow& row, OpaqueCell cell, const OctantRays& from) const {

@@ -26,9 +26,10 @@ private:
 };
 
 /// Light from before, on this volume; `half` is empty where there was no coarse grid.
-std::optional<LightBefore> light_before(const TransportMemory* memory, const Medium::Data& medium) {
+std::optional<LightBefore> light_before(const TransportMemory* memory, const Medium::Data& medium,
+                                        SurfaceModel surfaces) {
     if (!memory || !memory->fine || memory->volume.lock().get() != &medium.volume.data()) return {};
-    return LightBefore{memory->fine->nodes(), memory->half ? memory->half->nodes() : TransportNodes{}};
+    return LightBefore{memory->fine->nodes(surfaces), memory->half ? memory->half->nodes(surfaces) : TransportNodes{}};
 }
 
 }  // namespace
@@ -43,7 +44,7 @@ void refine_transport(const Device& device, const Medium::Data& medium, const Li
                       Vec3 orbit_up, const std::function<void(TransportNodes, bool is_coarse)>& keep, StageTimer& timer,
                       Progress& progress, TransportMemory* memory) {
     const bool is_known = memory && memory->is_of(medium, settings, scattering, surfaces);
-    const std::optional<LightBefore> before = light_before(memory, medium);
+    const std::optional<LightBefore> before = light_before(memory, medium, surfaces);
     Found found(memory);
     found.now = {{},         {},      medium.weak_from_this(), medium.volume.data().weak_from_this(), settings.grid,
                  scattering, surfaces};
@@ -60,15 +61,20 @@ void refine_transport(const Device& device, const Medium::Data& medium, const Li
             return done;
         });
     };
+    const auto light_of = [&](const TransportSolver& solver) {
+        TransportNodes nodes = solver.nodes(surfaces);
+        if (surfaces != SurfaceModel::none) nodes.seen = solver.matter()->seen(device, timer, progress);
+        return nodes;
+    };
     const SharedTransportMedium matter = is_known ? memory->fine->matter() : timer("light grid", [&] {
         return matter_of(device, medium, settings.grid, scattering, progress, surfaces);
     });
     std::optional<TransportNodes> first;
     if (settings.grid > coarsest) {
-        const auto half = start(is_known && memory->half ? memory->half->matter() : halved(*matter, device, progress),
+        const auto half = start(is_known && memory->half ? memory->half->matter() : halved(matter, device, progress),
                                 before ? &before->fine : nullptr);
         iterate(*half, first_iterations);
-        first = half->nodes();
+        first = light_of(*half);
         if (before && has_detail_for(*before, matter->grid.extinction.grid, first->grid))
             first = with_detail(*matter, *first, *before, device);
         keep(*first, true);
@@ -78,7 +84,7 @@ void refine_transport(const Device& device, const Medium::Data& medium, const Li
     iterate(*fine, first_iterations);
     found.now.fine = fine;
     // The next is begun before this one is handed over, so that the last is known to be the last.
-    for (TransportNodes nodes = fine->nodes();; nodes = fine->nodes()) {
+    for (TransportNodes nodes = light_of(*fine);; nodes = light_of(*fine)) {
         const bool more = iterate(*fine, 1) > 0;
         keep(std::move(nodes), more);
         if (!more) return;

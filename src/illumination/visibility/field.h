@@ -2,6 +2,7 @@
 #pragma once
 #include "illumination/transport/field.h"
 #include "illumination/visibility/stored.h"
+#include "illumination/visibility/sun_light.h"
 #include "illumination/visibility/surface_light.h"
 #include "kernel/row.h"
 
@@ -14,8 +15,10 @@ struct VisibilityView {
 
     NodeLight light;  ///< E of the nodes, on particles
 
-    StoredHarmonics harmonics;  ///< V of the nodes
-    SurfaceLight surface;       ///< of surfaces, by their own normals
+    GridView grid;              ///< of the nodes that V is kept for
+    StoredHarmonics harmonics;  ///< V of them
+    SurfaceLight surface;       ///< of surfaces, by their own normals: all but the sun's
+    SunLight sun;
     Strength strength;
     Float3 grid_x, grid_y, grid_z;  ///< axes of the grid in the world
     Float3 edge_voxels;             ///< a smallest voxel edge along them
@@ -30,12 +33,11 @@ struct VisibilityView {
     template <class F>
     CHIARO_INLINE Incident<F> incident(const SamplePoint<F>& sample, const ShadingView& shading, F step,
                                        MetSurface<F>& met) const {
-        if (scattered.on) {
-            Incident<F> found;
-            scatter(sample, shading, found);
-            return found;
-        }
-        Vec3<F> e = light.at(sample.p_voxel);
+        Vec3<F> e;
+        if (scattered.on)
+            e = on_particles(sample);
+        else
+            e = light.at(sample.p_voxel);
         if (surface.entries) {
             const F share = sample.surface.share;
             const Mask<F> is_new = share > F(0);
@@ -45,7 +47,7 @@ struct VisibilityView {
             e = mad(met.share, met.e - e, e);
         }
         cut_light.shine_on(sample.cut, e);
-        const F highlight = sample.highlight;
+        const F highlight = scattered.on && !surface.entries ? F(0) : sample.highlight;
         return {e, Vec3<F>(highlight * e.x * F(shading.specular.x), highlight * e.y * F(shading.specular.y),
                            highlight * e.z * F(shading.specular.z))};
     }
@@ -59,9 +61,33 @@ struct VisibilityView {
 
 private:
     template <class F>
-    CHIARO_NOINLINE void scatter(const SamplePoint<F>& sample, const ShadingView& shading, Incident<F>& found) const {
-        found = scattered.incident(light, cut_light, sample, shading);
+    CHIARO_NOINLINE Vec3<F> on_particles(const SamplePoint<F>& sample) const {
+        return scattered.incident(light, sample);
     }
+
+    /// Eight nodes of a grid for each lane, and their weights.
+    template <int lanes>
+    struct Corners {
+        std::int32_t node[lanes];
+        float weights[8][lanes];
+
+        template <class F>
+        CHIARO_INLINE explicit Corners(const GridLocation<F>& at) {
+            __builtin_memcpy(node, &at.node, sizeof node);
+            for (int corner = 0; corner < 8; ++corner)
+                store_row(weights[corner], (corner & 1 ? at.t.x : F(1) - at.t.x) *
+                                               (corner & 2 ? at.t.y : F(1) - at.t.y) *
+                                               (corner & 4 ? at.t.z : F(1) - at.t.z));
+        }
+        CHIARO_INLINE void of(int lane, const GridView& grid, std::int64_t (&nodes)[8], float (&own)[8]) const {
+            const std::int32_t along_x = grid.last.x > 0;  // of one node there is no second
+            for (int corner = 0; corner < 8; ++corner) {
+                nodes[corner] = std::uint32_t(node[lane]) + (corner & 1 ? along_x : 0) + (corner & 2 ? grid.row : 0) +
+                                (corner & 4 ? grid.slice : 0);
+                own[corner] = weights[corner][lane];
+            }
+        }
+    };
 
     /// By the surface's own normal, one lane after the other: there are few surfaces along a ray. V is read off it.
     template <class F>
@@ -69,25 +95,23 @@ private:
         constexpr int lanes = LaneTraits<F>::count;
         const Vec3<F> normal{dot(Vec3<F>(grid_x), at_surface.normal), dot(Vec3<F>(grid_y), at_surface.normal),
                              dot(Vec3<F>(grid_z), at_surface.normal)};
-        const Vec3<F> p = at_surface.p_voxel;
-        const F away = F(lift_edges) + at_surface.depth;
-        const GridLocation<F> at = light.grid.locate(Vec3<F>{mad(away * F(edge_voxels.x), normal.x, p.x),
-                                                             mad(away * F(edge_voxels.y), normal.y, p.y),
-                                                             mad(away * F(edge_voxels.z), normal.z, p.z)});
+        const auto off = [&](float edges) {
+            const F away = F(edges) + at_surface.depth;
+            const Vec3<F> p = at_surface.p_voxel;
+            return Vec3<F>{mad(away * F(edge_voxels.x), normal.x, p.x), mad(away * F(edge_voxels.y), normal.y, p.y),
+                           mad(away * F(edge_voxels.z), normal.z, p.z)};
+        };
         const auto of_normal = surface.locate(normal);
-        OfLanes<lanes> of;
-        __builtin_memcpy(of.node, &at.node, sizeof of.node);
+        OfLanes<lanes> of{Corners<lanes>(grid.locate(off(lift_edges))),
+                          Corners<lanes>(light.grid.locate(off(scattered.around ? scattered.lift_edges : lift_edges)))};
         __builtin_memcpy(of.entry, &of_normal.entry, sizeof of.entry);
-        for (int corner = 0; corner < 8; ++corner)
-            store_row(of.node_weights[corner], (corner & 1 ? at.t.x : F(1) - at.t.x) *
-                                                   (corner & 2 ? at.t.y : F(1) - at.t.y) *
-                                                   (corner & 4 ? at.t.z : F(1) - at.t.z));
         for (int corner = 0; corner < 4; ++corner) store_row(of.entry_weights[corner], of_normal.weights[corner]);
+        store_row(of.normal[0], normal.x), store_row(of.normal[1], normal.y), store_row(of.normal[2], normal.z);
         store_row(of.wanted, select(wanted, F(1), F(0)));
         float e[3][lanes];
         for (int i = 0; i < lanes; ++i) {
             float lit[4] = {0, 0, 0, 0};
-            if (of.wanted[i] > 0) store(shine<F>(of, i), lit);
+            if (of.wanted[i] > 0) shine<F>(of, i, lit);
             for (int k = 0; k < 3; ++k) e[k][i] = lit[k];
         }
         return {load_row<F>(e[0]), load_row<F>(e[1]), load_row<F>(e[2])};
@@ -95,24 +119,26 @@ private:
 
     template <int lanes>
     struct OfLanes {
-        std::int32_t node[lanes], entry[lanes];
-        float node_weights[8][lanes], entry_weights[4][lanes], wanted[lanes];
+        Corners<lanes> seen, around;
+        std::int32_t entry[lanes];
+        float entry_weights[4][lanes], normal[3][lanes], wanted[lanes];
     };
     template <class F, int lanes>
-    CHIARO_INLINE auto shine(const OfLanes<lanes>& of, int i) const {
+    CHIARO_INLINE void shine(const OfLanes<lanes>& of, int i, float* lit) const {
         using Four = typename NumbersOf<F>::Four;
         using Sixteen = typename NumbersOf<F>::Sixteen;
-        const std::int32_t along_x = light.grid.last.x > 0;  // of one node there is no second
         std::int64_t nodes[8];
         float node_weights[8], entry_weights[4];
-        for (int corner = 0; corner < 8; ++corner) {
-            nodes[corner] = std::uint32_t(of.node[i]) + (corner & 1 ? along_x : 0) + (corner & 2 ? light.grid.row : 0) +
-                            (corner & 4 ? light.grid.slice : 0);
-            node_weights[corner] = of.node_weights[corner][i];
-        }
+        of.seen.of(i, grid, nodes, node_weights);
         for (int corner = 0; corner < 4; ++corner) entry_weights[corner] = of.entry_weights[corner][i];
-        return surface.shine<Four>(harmonics.mix<Sixteen>(nodes, node_weights), of.entry[i], entry_weights,
-                                   strength.shown, 1 - strength.shown);
+        const float normal[3] = {of.normal[0][i], of.normal[1][i], of.normal[2][i]};
+        const Sixteen visibility = harmonics.mix<Sixteen>(nodes, node_weights);
+        const float clear = 1 - strength.shown;
+        store(surface.shine<Four>(visibility, of.entry[i], entry_weights, strength.shown, clear), lit);
+        if (sun.nodes) sun.add_to(lit, nodes, node_weights, normal, strength.shown, clear);
+        if (!scattered.around) return;
+        of.around.of(i, light.grid, nodes, node_weights);
+        scattered.add_to<Sixteen>(lit, nodes, node_weights, normal, surface.horizon(visibility));
     }
 };
 

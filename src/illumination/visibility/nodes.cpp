@@ -13,7 +13,7 @@ float VisibilityNodes::step(int coefficient) const {
 
 VisibilityNodes make_nodes(const CellGrid& grid, int coefficients, const VisibilitySettings& settings) {
     const std::size_t bytes_per_node = std::size_t(coefficients) << int(settings.storage);
-    return {grid, settings.storage, settings.window, coefficients, VoxelBuffer(grid.size() * bytes_per_node)};
+    return {grid, settings.storage, settings.window, coefficients, VoxelBuffer(grid.size() * bytes_per_node), {}};
 }
 
 kernel::KeepKernel keep_kernel(VisibilityNodes& nodes, const float* field) {

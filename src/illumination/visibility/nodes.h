@@ -3,6 +3,7 @@
 #include <chiaro/device.h>
 #include <chiaro/lighting.h>
 
+#include "illumination/visibility/density.h"
 #include "illumination/visibility/node_kernel.h"
 #include "illumination/visibility/sh_field.h"
 
@@ -15,8 +16,9 @@ struct VisibilityNodes {
     ShWindow window;   ///< for the light
     int coefficients;  ///< 4 or 16
     VoxelBuffer harmonics;
+    std::shared_ptr<const Density> density;  ///< what it was found from: a sun goes through it once more
 
-    std::size_t bytes() const { return harmonics.size(); }
+    std::size_t bytes() const { return harmonics.size() + (density ? density->grid.size() * sizeof(float) : 0); }
     kernel::StoredHarmonics view() const { return {harmonics.data(), kernel::Stored(storage), coefficients}; }
     /// What a coefficient as it is kept is multiplied by.
     float step(int coefficient) const;

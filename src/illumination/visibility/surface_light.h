@@ -44,10 +44,17 @@ struct SurfaceLight {
         return {j * Int<F>(edge) + i, {(F(1) - s) * (F(1) - t), s * (F(1) - t), (F(1) - s) * t, s * t}};
     }
 
+    /// Cosine of the horizon of a bulge where V is read, as low as the mean of V tells: -1 to 0.
+    template <class Sixteen>
+    CHIARO_INLINE float horizon(const Sixteen& visibility) const {
+        float first[16];
+        store(visibility, first);
+        return min(max(1 - 2 * mean * first[0], -1.0f), 0.0f);
+    }
+
     /// E of three channels (and a fourth) by what the harmonics let through, and `clear` of all the light. What four
     /// bands leave out is known where the surface's own horizon alone stops the light: it is added in proportion to the
-    /// share of even light that arrives. V is read above the surface, from where the horizon of a bulge lies lower: as
-    /// low as the mean of V tells.
+    /// share of even light that arrives.
     template <class Four, class Sixteen>
     CHIARO_INLINE Four shine(const Sixteen& visibility, std::int32_t entry, const float (&weights)[4], float shown,
                              float clear) const {
@@ -62,9 +69,9 @@ struct SurfaceLight {
         }
         for (int corner = 0; corner < 4; ++corner)
             zonal = zonal + Sixteen(weights[corner]) * loaded<Sixteen>(around[corner]->zonal[0]);
-        float first[16], bands[4][4];
-        store(visibility, first), store(zonal, bands[0]);
-        const float x = min(max(1 - 2 * mean * first[0], -1.0f), 0.0f), xx = x * x;  // cosine of the horizon
+        float bands[4][4];
+        store(zonal, bands[0]);
+        const float x = horizon(visibility), xx = x * x;
         const Four through = sums_of(products), whole = loaded<Four>(bands[0]), lit = whole + whole;
         const Four free = (Four(1 - x) * whole + Four(0.5f * (1 - xx)) * loaded<Four>(bands[1])) +
                           (Four(0.5f * (x - x * xx)) * loaded<Four>(bands[2]) +

@@ -31,20 +31,22 @@ auto traverse(const Walk& walk, const Sweep& sweep, const Device& device, const 
     });
 }
 
-/// As `settings` are kept, as `found` is found.
-VisibilityNodes nodes_of(const Device& device, const Density& density, const VisibilitySettings& found,
-                         const VisibilitySettings& settings, StageTimer& timer, Progress& progress) {
+}  // namespace
+
+VisibilityNodes visibility_nodes(const Device& device, std::shared_ptr<const Density> density,
+                                 const VisibilitySettings& settings, StageTimer& timer, Progress& progress) {
     std::optional<VisibilityNodes> nodes;
     const auto on_gpu = [&] {
-        const GpuField field = traverse(walk_on_gpu, sweep_on_gpu, device, density, found, timer, progress);
+        const GpuField field = traverse(walk_on_gpu, sweep_on_gpu, device, *density, settings, timer, progress);
         nodes.emplace(timer("keep", [&] { return field.keep(settings); }));
     };
-    if (cuda::try_gpu(device, on_gpu)) return *std::move(nodes);
-    const ShField field = find_visibility(device, density, found, timer, progress);
-    return timer("keep", [&] { return keep_nodes(device, field, settings, progress); });
+    if (!cuda::try_gpu(device, on_gpu)) {
+        const ShField field = find_visibility(device, *density, settings, timer, progress);
+        nodes.emplace(timer("keep", [&] { return keep_nodes(device, field, settings, progress); }));
+    }
+    nodes->density = std::move(density);
+    return *std::move(nodes);
 }
-
-}  // namespace
 
 ShField find_visibility(const Device& device, const Density& density, const VisibilitySettings& settings,
                         StageTimer& timer, Progress& progress) {
@@ -54,15 +56,15 @@ ShField find_visibility(const Device& device, const Density& density, const Visi
 void refine_visibility(const Device& device, const Medium::Data& medium, const VisibilitySettings& settings,
                        const std::function<void(VisibilityNodes, bool is_coarse)>& keep, StageTimer& timer,
                        Progress& progress) {
-    std::vector<Density> densities;  // from fine to coarse
-    densities.push_back(timer("density", [&] { return density_for(medium, settings.subsample, device, progress); }));
-    for (int f = settings.subsample; f < 8; f *= 2) densities.push_back(halved(densities.back(), device, progress));
+    std::vector<std::shared_ptr<const Density>> densities;  // from fine to coarse
+    const auto add = [&](Density density) { densities.push_back(std::make_shared<const Density>(std::move(density))); };
+    add(timer("density", [&] { return density_for(medium, settings.subsample, device, progress); }));
+    for (int f = settings.subsample; f < 8; f *= 2) add(halved(*densities.back(), device, progress));
     for (int level = int(densities.size()) - 1; level >= 0; --level) {
         VisibilitySettings coarse = settings;
         coarse.subsample = settings.subsample << level;
         coarse.directions = std::max(settings.directions >> level, std::min(settings.directions, 64));
-        const Density& density = densities[std::size_t(level)];
-        keep(nodes_of(device, density, coarse, settings, timer, progress), level > 0);
+        keep(visibility_nodes(device, densities[std::size_t(level)], coarse, timer, progress), level > 0);
     }
 }
 

@@ -11,6 +11,10 @@ namespace chiaro {
 ShField find_visibility(const Device& device, const Density& density, const VisibilitySettings& settings,
                         StageTimer& timer, Progress& progress);
 
+/// The same as it is kept.
+VisibilityNodes visibility_nodes(const Device& device, std::shared_ptr<const Density> density,
+                                 const VisibilitySettings& settings, StageTimer& timer, Progress& progress);
+
 /// Hands the nodes of a coarse field to `keep` at once, then those of finer ones, the last as the settings ask for:
 /// every 8th cell, 4th ..., the coarse ones with fewer directions (some 5 % of the last one's time in all). Throws
 /// Error{interrupted}.

@@ -1,0 +1,99 @@
+#include "illumination/probe/dominant.h"
+
+#include <algorithm>
+
+#include "illumination/probe/data.h"
+#include "illumination/probe/light.h"
+
+namespace chiaro {
+namespace {
+
+constexpr int cells_x = 128, cells_y = 64;
+
+/// Mean radiance.
+double luminance_of(const ProbePiece& piece) {
+    double sum = 0;
+    for (int c = 0; c < 3; ++c) sum += luminance_weights[c] * piece.light[c];
+    return piece.share > 0 ? sum / piece.share : 0;
+}
+
+/// Pixels larger than a cell are cut into pieces.
+std::vector<ProbePiece> gather(const ProbeImage& image) {
+    std::vector<ProbePiece> cells(std::size_t(cells_x) * cells_y);
+    std::vector<Vec3> moments(cells.size());
+    const int cut_x = 1 + (cells_x - 1) / image.width, cut_y = 1 + (cells_y - 1) / image.height;
+    const int fine_x = cut_x * image.width, fine_y = cut_y * image.height;
+    for (int y = 0; y < fine_y; ++y) {
+        const double top = image.polar_angle(double(y) / cut_y), bottom = image.polar_angle(double(y + 1) / cut_y);
+        const double share = (std::cos(top) - std::cos(bottom)) / (2.0 * fine_x), middle = (top + bottom) / 2;
+        const double z = std::cos(middle), r = std::sin(middle);
+        ProbePiece* row = cells.data() + std::size_t(y) * cells_y / fine_y * cells_x;
+        for (int x = 0; x < fine_x; ++x) {
+            const float* pixel = image.rgb.data() + 3 * (std::size_t(y / cut_y) * image.width + x / cut_x);
+            ProbePiece& cell = row[std::int64_t(x) * cells_x / fine_x];
+            const double phi = image.azimuth((x + 0.5) / cut_x);
+            Vec3& moment = moments[std::size_t(&cell - cells.data())];
+            moment = moment + (share * (1e-6 + luminance(pixel))) * Vec3{r * std::cos(phi), r * std::sin(phi), z};
+            for (int c = 0; c < 3; ++c) cell.light[c] += share * pixel[c];
+            cell.share += share;
+        }
+    }
+    for (std::size_t i = 0; i < cells.size(); ++i) cells[i].direction = normalized(moments[i]);
+    std::erase_if(cells, [](const ProbePiece& cell) { return cell.share == 0; });
+    return cells;
+}
+
+std::optional<DominantLight> take_dominant_light(std::vector<ProbePiece>& cells) {
+    // A disc of 8° about the brightest piece, above the mean of the ring from 8° to 16° about it, is taken as one light
+    // of its own if it is more than a tenth of all light. Pieces are 2.8° wide, so the disc holds some 25 of them. The
+    // three numbers are as in the first version; how they were chosen is not recorded.
+    constexpr double near = 0.99027, around = 0.96126;  // cos 8°, cos 16°
+    const auto dimmer = [](const ProbePiece& a, const ProbePiece& b) { return luminance_of(a) < luminance_of(b); };
+    const Vec3 brightest = std::max_element(cells.begin(), cells.end(), dimmer)->direction;
+    ProbePiece ring;
+    double all = 0, excess = 0;
+    for (const ProbePiece& cell : cells) {
+        const double cosine = dot(cell.direction, brightest);
+        all += cell.share * luminance_of(cell);
+        if (cosine >= near || cosine < around) continue;
+        ring.share += cell.share;
+        for (int c = 0; c < 3; ++c) ring.light[c] += cell.light[c];
+    }
+    DominantLight dominant{{}, {}};
+    std::vector<ProbePiece> rest = cells;
+    for (ProbePiece& cell : rest) {
+        if (dot(cell.direction, brightest) < near) continue;
+        const double more = cell.share * std::max(luminance_of(cell) - luminance_of(ring), 0.0);
+        excess += more;
+        dominant.direction = dominant.direction + more * cell.direction;
+        for (int c = 0; c < 3; ++c) {
+            const double kept = std::min(cell.light[c], ring.light[c] / ring.share * cell.share);
+            dominant.light[c] += cell.light[c] - kept;
+            cell.light[c] = kept;
+        }
+    }
+    if (!(excess > 0.1 * all)) return {};
+    dominant.direction = normalized(dominant.direction);
+    cells = std::move(rest);
+    return dominant;
+}
+
+}  // namespace
+
+ProbePieces pieces_of_probe(const Probe::Data& probe) {
+    ProbePieces pieces{gather(probe.image), {}, {}};
+    pieces.rest = pieces.all;
+    pieces.dominant = take_dominant_light(pieces.rest);
+    return pieces;
+}
+
+std::optional<DominantLight> dominant_light(const Lighting& lighting, Vec3 orbit_up, const Geometry& geometry) {
+    const Probe probe = lighting_probe(lighting);
+    std::optional<DominantLight> found = probe.data().pieces().dominant;
+    if (!found) return {};
+    found->direction = turned(grid_from_probe(lighting, orbit_up, geometry), found->direction);
+    for (double& channel : found->light) channel *= probe_gain(lighting);
+    return found;
+}
+
+}  // namespace chiaro

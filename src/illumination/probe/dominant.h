@@ -1,0 +1,39 @@
+// What stands out in a probe as a light of its own, narrow enough to throw sharp shadows: a sun.
+#pragma once
+#include <chiaro/lighting.h>
+
+#include <array>
+#include <optional>
+#include <vector>
+
+namespace chiaro {
+
+/// A piece of the probe's sphere, some 3° wide.
+struct ProbePiece {
+    Vec3 direction;                 ///< unit
+    std::array<double, 3> light{};  ///< ∫ L dω / 4π
+    double share = 0;               ///< of the sphere
+};
+
+struct DominantLight {
+    Vec3 direction;               ///< unit, towards it
+    std::array<double, 3> light;  ///< ∫ L dω / 4π
+
+    bool operator==(const DominantLight&) const = default;
+};
+
+/// A probe in pieces, in its own frame, as it was loaded. Kept by Probe::Data::pieces.
+struct ProbePieces {
+    std::vector<ProbePiece> all;
+    /// The brightest place where the excess within 8° over what lies around makes up a tenth of all light.
+    std::optional<DominantLight> dominant;
+    std::vector<ProbePiece> rest;  ///< all without it
+};
+
+/// Cost: a look at each pixel.
+ProbePieces pieces_of_probe(const Probe::Data& probe);
+
+/// The dominant light as `lighting` turns and exposes it, grid axes; none of most probes.
+std::optional<DominantLight> dominant_light(const Lighting& lighting, Vec3 orbit_up, const Geometry& geometry);
+
+}  // namespace chiaro

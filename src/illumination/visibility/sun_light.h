@@ -1,0 +1,25 @@
+// A sun's light on a surface: its own share of each node, by straight rays, for sixteen harmonics blur its shadow.
+#pragma once
+#include "kernel/math.h"
+#include "kernel/vec.h"
+
+namespace chiaro::kernel {
+
+struct SunLight {
+    const std::uint8_t* nodes = nullptr;  ///< transmittance towards it × 255; nullptr: there is no sun
+    Float3 direction{0, 0, 0};            ///< unit, towards it, in the axes of the grid
+    Float3 light{0, 0, 0};                ///< E of a surface that faces it
+
+    /// E is added to the three channels: what arrives × `shown`, and `clear` of all of it.
+    CHIARO_INLINE void add_to(float* e, const std::int64_t (&of)[8], const float (&weights)[8],
+                              const float (&normal)[3], float shown, float clear) const {
+        const float cosine = normal[0] * direction.x + normal[1] * direction.y + normal[2] * direction.z;
+        if (cosine <= 0) return;
+        float arriving = 0;
+        for (int i = 0; i < 8; ++i) arriving = mad(weights[i], float(nodes[of[i]]), arriving);
+        const float of_light = cosine * mad(arriving, shown / 255, clear);
+        e[0] = mad(of_light, light.x, e[0]), e[1] = mad(of_light, light.y, e[1]), e[2] = mad(of_light, light.z, e[2]);
+    }
+};
+
+}  // namespace chiaro::kernel
