@@ -50,6 +50,27 @@ TEST(LiveSurfaces, ABallIsAsBrightAsItsAlbedo) {
         }
 }
 
+// Neither the step of a ray nor the distance of nodes makes light.
+TEST(LiveSurfaces, StepsAndNodesDoNotShow) {
+    const Volume volume = ball(0.8, 22.37);
+    const Look look = at_ball(22.37);
+    const double truth = brightness(seen(volume, look, {.bounces = 0, .surfaces = true}, 64));
+    const auto check = [&](const IlluminationSettings& settings, double step, double within, const std::string& what) {
+        const double found = brightness(shown(volume, look, settings, skin(), matte, {}, {.step_voxels = step}));
+        if (std::getenv("CHIARO_SHOW")) fmt::print("{}: {:.4f} of {:.4f}\n", what, found, truth);
+        EXPECT_NEAR(found / truth, 1, within) << what;
+    };
+    for (const Method method : live)
+        for (const double step : {0.125, 0.5, 1.0})
+            check(by(method), step, 0.015, fmt::format("{} step {}", to_text(method), step));
+    for (const int nodes : {1, 2, 4}) {
+        IlluminationSettings swept = by(Method::visibility), scattered = by(Method::transport);
+        swept.visibility.subsample = nodes, scattered.transport.grid = n / nodes;
+        check(swept, 0.5, 0.03, fmt::format("visibility 1:{}", nodes));
+        check(scattered, 0.5, 0.03, fmt::format("transport 1:{}", nodes));
+    }
+}
+
 /// A sky of .2 with a sun 11° wide at its zenith: E / π of a normal is .2 + .5 max(0, up).
 Lighting sunny() {
     std::vector<float> rows(32, 0.2f);
@@ -124,6 +145,55 @@ TEST(LiveSurfaces, ASunCastsASharpShadow) {
         EXPECT_NEAR(dark, truth.front(), 0.06) << to_text(method);
         EXPECT_NEAR(bright, truth.back(), 0.04) << to_text(method);
         EXPECT_LT(wide, 5) << to_text(method);
+    }
+}
+
+/// What a highlight adds to the picture of a ball: all of it, and the mean normal of what is brighter than half its
+/// brightest.
+struct Highlight {
+    double energy = 0;
+    Vec3 normal{0, 0, 0};
+};
+Highlight highlight_of(const Frame& with, const Frame& without, const Look& look, double radius) {
+    std::vector<double> added;
+    for (std::size_t i = 1; i < with.rgba.size(); i += 4) added.push_back(with.rgba[i] - without.rgba[i]);
+    std::vector<double> sorted = added;
+    std::sort(sorted.begin(), sorted.end());
+    const double half = sorted[sorted.size() - 8] / 2;
+    Highlight found;
+    for (std::size_t i = 0; i < added.size(); ++i) {
+        found.energy += added[i];
+        const auto across = [&](std::size_t pixel) {
+            return (2 * (double(pixel) + 0.5) / look.pixels - 1) * look.half_width / radius;
+        };
+        const double x = across(i % std::size_t(look.pixels)), y = across(i / std::size_t(look.pixels));
+        if (added[i] > half && std::hypot(x, y) < 1)
+            found.normal = found.normal + added[i] * Vec3{x, y, std::sqrt(1 - x * x - y * y)};
+    }
+    found.normal = normalized(found.normal);
+    return found;
+}
+
+TEST(LiveSurfaces, HighlightsAreWhereTheReferenceHasThem) {
+    constexpr double radius = 22.37;
+    const Volume volume = ball(0.8, radius);
+    const Look look{centre + Vec3{0, -40, 0}, {0, -1, 0}, {1, 0, 0}, radius, 48};
+    for (const std::string probe : {"sky", "studio"}) {
+        const Lighting dull{.specular = 0, .probe = {.source = probe}, .loaded_probe = builtin_probe(probe)};
+        Lighting shining = dull;
+        shining.specular = 0.3;
+        const PathOptions once{.bounces = 0, .surfaces = true};
+        const Highlight truth = highlight_of(seen(volume, look, once, 512, skin(), shining),
+                                             seen(volume, look, once, 512, skin(), dull), look, radius);
+        for (const Method method : live) {
+            const Highlight found = highlight_of(shown(volume, look, by(method), skin(), shining),
+                                                 shown(volume, look, by(method), skin(), dull), look, radius);
+            const double degrees = std::acos(std::min(dot(found.normal, truth.normal), 1.0)) * 180 / pi;
+            if (std::getenv("CHIARO_SHOW"))
+                fmt::print("highlight {} {}: {:.3f} of the energy, {:.1f} degrees away\n", to_text(method), probe,
+                           found.energy / truth.energy, degrees);
+            EXPECT_LT(degrees, 4) << to_text(method) << probe;
+        }
     }
 }
 

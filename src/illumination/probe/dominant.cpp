@@ -4,6 +4,7 @@
 
 #include "illumination/probe/data.h"
 #include "illumination/probe/light.h"
+#include "illumination/sh/directions.h"
 
 namespace chiaro {
 namespace {
@@ -78,13 +79,39 @@ std::optional<DominantLight> take_dominant_light(std::vector<ProbePiece>& cells)
     return dominant;
 }
 
+/// Where Σ light max(0, d·ω)^5 is largest: a highlight of the default exponent, (n·h)^20, is that wide about the
+/// mirrored eye. Each step of d ~ Σ light max(0, d·ω)^4 ω climbs; from the best of 200 it takes a few to a tenth of a
+/// degree.
+Vec3 find_shining(const std::vector<ProbePiece>& pieces) {
+    const auto climb = [&](Vec3 from) {
+        Vec3 sum;
+        for (const ProbePiece& piece : pieces) {
+            const double cosine = std::max(dot(piece.direction, from), 0.0);
+            sum = sum + (piece.share * luminance_of(piece) * std::pow(cosine, 4)) * piece.direction;
+        }
+        return sum;
+    };
+    Vec3 best{0, 0, 1};
+    double most = 0;
+    for (const Vec3 d : fibonacci_directions(200))
+        if (const double light = dot(climb(d), d); light > most) most = light, best = d;
+    for (int step = 0; step < 30 && most > 0; ++step) best = normalized(climb(best));
+    return best;
+}
+
 }  // namespace
 
 ProbePieces pieces_of_probe(const Probe::Data& probe) {
-    ProbePieces pieces{gather(probe.image), {}, {}};
+    ProbePieces pieces{gather(probe.image), {}, {}, {}};
+    pieces.shining = find_shining(pieces.all);
     pieces.rest = pieces.all;
     pieces.dominant = take_dominant_light(pieces.rest);
     return pieces;
+}
+
+Vec3 shining_direction(const Lighting& lighting, Vec3 orbit_up) {
+    return turned(world_from_probe(lighting.probe.rotation_deg, orbit_up),
+                  lighting_probe(lighting).data().pieces().shining);
 }
 
 std::optional<DominantLight> dominant_light(const Lighting& lighting, Vec3 orbit_up, const Geometry& geometry) {

@@ -28,10 +28,14 @@ struct ProbePieces {
     /// The brightest place where the excess within 8° over what lies around makes up a tenth of all light.
     std::optional<DominantLight> dominant;
     std::vector<ProbePiece> rest;  ///< all without it
+    Vec3 shining;                  ///< unit: from where a wide highlight shows most light
 };
 
 /// Cost: a look at each pixel.
 ProbePieces pieces_of_probe(const Probe::Data& probe);
+
+/// `shining` as `lighting` turns it, world.
+Vec3 shining_direction(const Lighting& lighting, Vec3 orbit_up);
 
 /// The dominant light as `lighting` turns and exposes it, grid axes; none of most probes.
 std::optional<DominantLight> dominant_light(const Lighting& lighting, Vec3 orbit_up, const Geometry& geometry);

@@ -57,7 +57,8 @@ SourceBatch::SourceBatch(SweepBatch batch, const std::vector<Vec3>& all, const S
     weigh(std::vector<float>(rays.size(), 1));
     for (std::size_t r = 0; r < rays.size(); ++r) {
         const Vec3 d = all[std::size_t(directions[r])];
-        tilts_.push_back(float(d[axes.u])), tilts_.push_back(float(d[axes.v]));
+        cosines_.insert(cosines_.end(), cosines[r].begin(), cosines[r].end());
+        cosines_.push_back(float(d[axes.u])), cosines_.push_back(float(d[axes.v]));
         for (int pattern = 0; pattern < kernel::OctantRays::patterns; ++pattern) {
             const float share = open_share(int(r), pattern);
             for (int tap = 0; tap < 4; ++tap)
@@ -73,8 +74,7 @@ SourceBatch::Kernel SourceBatch::kernel(std::size_t of_directions, bool is_first
             octants.data(),
             std::int32_t(octants.size()),
             open_weights_.data(),
-            cosines[0].data(),
-            tilts_.data(),
+            cosines_.data(),
             {float(luminance_weights[0]), float(luminance_weights[1]), float(luminance_weights[2])},
             std::int32_t(rays.size()),
             is_first,
@@ -82,7 +82,7 @@ SourceBatch::Kernel SourceBatch::kernel(std::size_t of_directions, bool is_first
 }
 
 void SourceBatch::add_to(HostArrays& arrays) const {
-    arrays.add(rays), arrays.add(octants), arrays.add(open_weights_), arrays.add(cosines), arrays.add(tilts_);
+    arrays.add(rays), arrays.add(octants), arrays.add(open_weights_), arrays.add(cosines_);
 }
 
 }  // namespace chiaro

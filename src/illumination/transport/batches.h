@@ -43,7 +43,7 @@ public:
 
 private:
     std::vector<float> open_weights_;  ///< [ray][pattern][tap]
-    std::vector<float> tilts_;         ///< [ray][2]
+    std::vector<float> cosines_;       ///< [ray][5]
 };
 
 }  // namespace chiaro

@@ -22,7 +22,7 @@ void swap_pointers(cuda::Views& views, kernel::FirstSweepKernel& kernel) {
     views.to_device_pointers(kernel.rays, kernel.basis, kernel.octants, kernel.per_share, kernel.on_faces);
 }
 void swap_pointers(cuda::Views& views, kernel::SourceSweepKernel& kernel) {
-    views.to_device_pointers(kernel.rays, kernel.octants, kernel.open_weight, kernel.cosine, kernel.tilt);
+    views.to_device_pointers(kernel.rays, kernel.octants, kernel.open_weight, kernel.cosine);
 }
 
 /// Numbers in a row of a travelling plane, with its halo.

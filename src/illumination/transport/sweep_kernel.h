@@ -205,14 +205,13 @@ struct SourceRow {
     OpaqueRow opaque;
 };
 struct SourceSweepKernel {
-    static constexpr std::int32_t width = 16, max_rays = 6, channels = 3, sums = 5;
+    static constexpr std::int32_t width = 16, max_rays = 6, channels = 3, sums = 5, cosines = 5;
     const SweepRay* rays;
     float weight;  ///< of a ray, / 2
     const OctantRays* octants;
     std::int32_t octant_count;
     const float* open_weight;  ///< [ray][pattern][4]: of the clear cells alone; 0 where a ray does not count
-    const float* cosine;       ///< [ray][3]: |cos| of the angles with the axes
-    const float* tilt;         ///< [ray][2]: the direction along the minor axes, in their order
+    const float* cosine;       ///< [ray][5]: |cos| of the angles with the axes; the direction along the minor ones
     float luminance[channels];
     std::int32_t count;
     bool is_first;  ///< sums are written, not added to
@@ -271,7 +270,7 @@ private:
         }
         for (std::int32_t axis = 0; axis < 2; ++axis) {
             F sum(0);
-            for (std::int32_t r = 0; r < count; ++r) sum = mad(F(tilt[2 * r + axis]), bright[r], sum);
+            for (std::int32_t r = 0; r < count; ++r) sum = mad(F(cosine[cosines * r + 3 + axis]), bright[r], sum);
             add(row.sums[channels + axis] + u, sum);
         }
     }
@@ -304,7 +303,7 @@ private:
                     in = mad(before[c * plane.field + rays[r].offset[tap]], weights[tap], in);
             }
             for (std::int32_t axis = 0; axis < 3; ++axis)
-                light[4 * axis + c] = mad(in, cosine[3 * r + axis], light[4 * axis + c]);
+                light[4 * axis + c] = mad(in, cosine[cosines * r + axis], light[4 * axis + c]);
         }
     }
 };

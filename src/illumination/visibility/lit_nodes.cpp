@@ -139,7 +139,7 @@ std::shared_ptr<const LitLight> LitNodes::find(const ProbeLight& probe, const Ax
     if (sun)
         lit->view.sun = {lit->sunlit.data(), float3(sun->direction),
                          float3(4 * Vec3{sun->light[0], sun->light[1], sun->light[2]})};
-    lit->main = {from.dominant, from.directionality};
+    lit->main = {shining_direction(probe.lighting, probe.orbit_up), from.directionality};
     return lit;
 }
 
