@@ -183,8 +183,8 @@ TEST(LiveSurfaces, HighlightsAreWhereTheReferenceHasThem) {
         Lighting shining = dull;
         shining.specular = 0.3;
         const PathOptions once{.bounces = 0, .surfaces = true};
-        const Highlight truth = highlight_of(seen(volume, look, once, 512, skin(), shining),
-                                             seen(volume, look, once, 512, skin(), dull), look, radius);
+        const Highlight truth = highlight_of(seen(volume, look, once, 128, skin(), shining),
+                                             seen(volume, look, once, 128, skin(), dull), look, radius);
         for (const Method method : live) {
             const Highlight found = highlight_of(shown(volume, look, by(method), skin(), shining),
                                                  shown(volume, look, by(method), skin(), dull), look, radius);
