@@ -16,6 +16,7 @@ from typing import Callable
 
 import numpy as np
 
+del sys.path[0]  # this folder: it is the package that is installed that is measured, not its sources
 import chiaro
 from chiaro.__main__ import program
 
