@@ -104,6 +104,7 @@ LONG = {"none": {"samples_per_pixel": 64}, "histogram": {"cache": "none"}, "refe
 def interrupting(size: int, moments: int) -> None:
     """From the signal to KeyboardInterrupt, at moments spread over a second of the first picture of a volume."""
     volume = chiaro.sample("shells", size)
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # which a shell has its background do without
     for light in LIGHTS:
         took, ended = [], 0
         for k in range(moments):

@@ -7,7 +7,9 @@
 #include "vtkActor.h"
 #include "vtkCellData.h"
 #include "vtkContourValues.h"
+#include "vtkCullerCollection.h"
 #include "vtkFloatArray.h"
+#include "vtkFrustumCoverageCuller.h"
 #include "vtkLight.h"
 #include "vtkMatrix4x4.h"
 #include "vtkPNGReader.h"
@@ -216,8 +218,9 @@ TEST(Mapper, StandsWhereTheVolumeDoes) {
 
 // A wall across the volume, square to the view: rays end there, and its colour shines through what lies before it.
 TEST(Mapper, EndsAtOpaqueGeometry) {
-    for (const bool parallel : {false, true}) {
+    for (const auto& [parallel, samples] : {std::pair{false, 0}, {true, 0}, {false, 4}}) {
         Case c;
+        c.window->SetMultiSamples(samples);
         if (parallel) {
             c.renderer->GetActiveCamera()->ParallelProjectionOn(), c.renderer->GetActiveCamera()->SetParallelScale(40);
             c.scene.camera.projection = Projection::orthographic;
@@ -309,6 +312,33 @@ TEST(Mapper, TakesCellsNamesAndTypes) {
     c.mapper->SetScalarModeToUseCellFieldData();
     c.mapper->SelectScalarArray("density");
     c.expect_same("cells", &cells);
+}
+
+// One volume behind another, in whichever order they were added, where VTK is asked to draw from back to front.
+TEST(Mapper, SeveralVolumesAreDrawnInTheirOrder) {
+    const auto drawn = [](bool near_first) {
+        Case c;
+        vtkNew<vtkVolume> far_one;
+        vtkNew<vtkChiaroVolumeMapper> other;
+        other->SetInputData(c.image.Get());
+        far_one->SetMapper(other), far_one->SetProperty(c.actor->GetProperty());
+        const Vec3 away = 70 * normalized(c.target - c.eye);
+        far_one->SetPosition(away.x, away.y, away.z);
+        if (near_first)
+            c.renderer->AddVolume(far_one);
+        else {
+            c.renderer->RemoveVolume(c.actor);
+            c.renderer->AddVolume(far_one), c.renderer->AddVolume(c.actor);
+        }
+        c.renderer->ResetCameraClippingRange();
+        c.renderer->GetCullers()->InitTraversal();
+        vtkFrustumCoverageCuller::SafeDownCast(c.renderer->GetCullers()->GetNextItem())->SetSortingStyleToBackToFront();
+        return c.drawn();
+    };
+    const Picture one = drawn(true), other = drawn(false);
+    EXPECT_EQ(distance(one, other).max, 0);
+    Case alone;
+    EXPECT_GT(distance(one, alone.drawn()).beyond, 500u);
 }
 
 TEST(Mapper, DrawsFewerRaysWhereAsked) {
