@@ -123,7 +123,7 @@ def interrupting(size: int, moments: int) -> None:
                 ended += 1
             except KeyboardInterrupt:
                 took.append(time.perf_counter() - sent[0])
-        print(f"Ctrl-C, {light}: {1e3 * max(took):.0f} ms at most (at most 100), of {len(took)}; {ended} had ended before")
+        print(f"Ctrl-C, {light}: {1e3 * statistics.median(took):.0f} ms, {1e3 * max(took):.0f} at most (at most 100), of {len(took)}; {ended} had ended before")
 
 
 FUNCTION = [(60, 0.9, 0.6, 0.3, 0.0), (110, 0.9, 0.6, 0.3, 0.05), (160, 0.8, 0.8, 0.9, 0.4), (255, 1.0, 1.0, 1.0, 0.6)]
