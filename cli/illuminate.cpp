@@ -34,8 +34,9 @@ NrrdEncoding checked(const IlluminateOptions& o, const Scene& scene) {
     if (!o.common.stats.empty()) check_output(o.common.stats, {".json"});
     if (scene.illumination.method == Method::none)
         throw Error(ErrorCode::usage, "--lighting none computes no field; see chiaro --list-methods");
-    if (scene.mode == Mode::mip)
-        throw Error(ErrorCode::usage, "--mode mip: a maximum along a ray has no place that could be lit");
+    if (!is_lit(scene.mode))
+        throw Error(ErrorCode::usage, fmt::format("--mode {}: a value of a whole ray has no place that could be lit",
+                                                  to_text(scene.mode)));
     NrrdEncoding encoding{};
     set(Setting{"encoding", "", "", ""}, o.encoding, "--encoding " + o.encoding, ErrorCode::usage, encoding);
     return encoding;

@@ -29,8 +29,9 @@ bool is_exr(const std::filesystem::path& path) { return path.extension() == ".ex
 void check_options(const RenderOptions& o, const FramePattern& pattern, const Scene& scene) {
     if (o.frames && (*o.frames < 1 || *o.frames > 100000))
         throw Error(ErrorCode::usage, fmt::format("--frames {}: must be 1 to 100000", *o.frames));
-    if (o.frames && (scene.camera.view || scene.camera.eye))
-        throw Error(ErrorCode::usage, "--frames turns the orbit: it goes with neither --view nor --eye");
+    if (o.frames && (scene.camera.view || scene.camera.eye || scene.camera.matrix))
+        throw Error(ErrorCode::usage,
+                    "--frames turns the orbit: it goes with none of --view, --eye and --camera-matrix");
     if (pattern.has_placeholder() && !o.frames)
         throw Error(ErrorCode::usage, fmt::format("{}: a {{frame}} needs --frames N", o.output));
     check_output(pattern(0), {".png", ".exr"});

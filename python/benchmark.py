@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import importlib.util
 import os
-import resource
 import signal
 import statistics
 import subprocess
@@ -17,6 +16,7 @@ from typing import Callable
 
 import numpy as np
 
+del sys.path[0]  # this folder: it is the package that is installed that is measured, not its sources
 import chiaro
 from chiaro.__main__ import program
 
@@ -66,27 +66,64 @@ def first_picture(size: int, runs: int) -> None:
     print(f"numpy {size}³ uint16 to first picture: {statistics.median(ours[1:]):.2f} s, tool {statistics.median(tools[1:]):.2f} s, ratio {ratio:.2f} (at most 1.1)")
 
 
-def interrupting(runs: int) -> None:
-    """From the signal to KeyboardInterrupt, while light is found and paths are traced."""
-    volume = chiaro.sample("shells", 128)
-    for settings in ({"lighting": "reference", "reference_rays": 65536}, {"lighting": "histogram", "cache": "none"}):
-        took = []
-        for _ in range(runs):
+PEAK = """
+import sys, numpy as np, chiaro
+def peak():
+    return next(int(line.split()[1]) * 1024 for line in open("/proc/self/status") if line.startswith("VmHWM"))
+n, light, picture = int(sys.argv[1]), sys.argv[2], tuple(map(int, sys.argv[3:5]))
+z, y, x = np.ogrid[:n, :n, :n]
+a = np.empty((n, n, n), "u2")
+for k in range(n):
+    a[k] = (x[0] * 3 + y[0] * 5 + k * 7) % 4096
+chiaro.render("sample:ball:16", size=(64, 48))
+open("/proc/self/clear_refs", "w").write("5")
+before = peak()
+chiaro.render(a, lighting=light, size=picture)
+print(peak() - before)
+"""
+
+
+def peak_memory(size: int) -> None:
+    """Of processes of their own that render a fog, which fills the whole volume, beside its array; a small picture tells the volume's part."""
+    array = 2 * size**3
+
+    def peak(light: str, *picture: int) -> float:
+        return float(subprocess.run([sys.executable, "-c", PEAK, *map(str, (size, light, *picture))], capture_output=True, text=True, check=True).stdout)
+
+    unlit = peak("none", 64, 48)
+    print(f"peak memory of {size}³ uint16: the array + {unlit / array:.2f} × the array (at most 1.4)")
+    print(f"  a picture of 1024 × 768 adds {(peak('none', 1024, 768) - unlit) / 1e6:.0f} MB")
+    for light in ("spao", "visibility", "transport"):
+        print(f"  {light} adds {(peak(light, 64, 48) - unlit) / array:.2f} × the array")
+
+
+LIGHTS = ("none", "spao", "visibility", "histogram", "transport", "reference")
+LONG = {"none": {"samples_per_pixel": 64}, "histogram": {"cache": "none"}, "reference": {"reference_rays": 65536}}
+
+
+def interrupting(size: int, moments: int) -> None:
+    """From the signal to KeyboardInterrupt, at moments spread over a second of the first picture of a volume."""
+    volume = chiaro.sample("shells", size)
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # which a shell has its background do without
+    for light in LIGHTS:
+        took, ended = [], 0
+        for k in range(moments):
             sent = [0.0]
 
             def send() -> None:
-                time.sleep(0.4)
                 sent[0] = time.perf_counter()
                 os.kill(os.getpid(), signal.SIGINT)
 
-            thread = threading.Thread(target=send)
-            thread.start()
+            timer = threading.Timer((k + 0.5) / moments, send)
+            timer.start()
             try:
-                chiaro.render(volume, **settings)
+                chiaro.render(volume, lighting=light, **LONG.get(light, {}))
+                timer.cancel()
+                timer.join()
+                ended += 1
             except KeyboardInterrupt:
                 took.append(time.perf_counter() - sent[0])
-            thread.join()
-        print(f"Ctrl-C in {settings['lighting']}: {1e3 * max(took):.0f} ms (at most 100)")
+        print(f"Ctrl-C, {light}: {1e3 * statistics.median(took):.0f} ms, {1e3 * max(took):.0f} at most (at most 100), of {len(took)}; {ended} had ended before")
 
 
 FUNCTION = [(60, 0.9, 0.6, 0.3, 0.0), (110, 0.9, 0.6, 0.3, 0.05), (160, 0.8, 0.8, 0.9, 0.4), (255, 1.0, 1.0, 1.0, 0.6)]
@@ -157,9 +194,9 @@ def main() -> None:
     importing(runs * 2 + 1)
     overhead(20 if given.quick else 100)
     first_picture(64 if given.quick else given.size, runs)
-    interrupting(runs)
+    interrupting(64 if given.quick else 256, 5 if given.quick else 20)
+    peak_memory(64 if given.quick else given.size)
     beside_vtk(64 if given.quick else 256)
-    print(f"peak memory of this process: {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3:.0f} MB")
 
 
 if __name__ == "__main__":

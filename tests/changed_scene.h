@@ -32,6 +32,7 @@ inline chiaro::Scene changed_scene(chiaro::Method method = chiaro::Method::spao)
                 View::left,
                 Vec3{1, 2, 3},
                 Vec3{0, 0, 0.1},
+                Matrix4{1, 0.5, 0, 2, 0, 1, 0, 3, 0, 0, 1, -4, 0, 0, -1, 0.25},
                 Fit::volume,
                 Vec3{4, 5, 6},
                 7.5,

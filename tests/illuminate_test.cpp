@@ -88,7 +88,7 @@ TEST(ComputeField, RefusesWhatHasNoField) {
         return "";
     };
     EXPECT_NE(sentence({}, {}).find("lighting method none computes no field"), std::string::npos);
-    EXPECT_NE(sentence(reference({}), {.mode = Mode::mip}).find("maximum along a ray"), std::string::npos);
+    EXPECT_NE(sentence(reference({}), {.mode = Mode::mip}).find("value of a whole ray"), std::string::npos);
 }
 
 TEST(ComputeField, ASessionGivesTheSame) {
@@ -184,7 +184,8 @@ TEST_F(Illuminate, RefusesInOneLine) {
         {"illuminate sample:ball:16 --lighting reference", 2, "-o FILE is missing"},
         {"illuminate sample:ball:16 --lighting reference -o f.png", 2, "f.png: the name must end in .nrrd"},
         {"illuminate sample:ball:16 --lighting reference -o no/f.nrrd", 4, "there is no folder no"},
-        {"illuminate sample:ball:16 --lighting reference -o f.nrrd --mode mip", 2, "--mode mip: a maximum along a ray"},
+        {"illuminate sample:ball:16 --lighting reference -o f.nrrd --mode mip", 2,
+         "--mode mip: a value of a whole ray"},
         {"illuminate sample:ball:16 --lighting reference -o f.nrrd --mode iso", 2, "give --iso VALUE"},
         {"illuminate sample:ball:16 --lighting reference -o f.nrrd --encoding zip", 2, "must be raw, gzip"},
         {"illuminate sample:ball:16 --lighting reference -o f.nrrd --azimuth 5", 2, "unknown option '--azimuth'"},

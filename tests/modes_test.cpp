@@ -108,39 +108,127 @@ TEST(Isosurface, SeveralCompositeInTheirOrder) {
     }
 }
 
-TEST(Maximum, IsThatOfTheSamples) {
-    const auto f = [](double x, double y, double z) {
-        return 20 + 1.5 * x - 0.8 * y + 0.9 * z + 0.05 * x * y - 0.06 * y * z;
-    };
-    const Volume volume = sampled<float>({40, 40, 40}, f);
+namespace {
+
+/// A function that is trilinear, so that interpolation is exact.
+double saddle(double x, double y, double z) { return 20 + 1.5 * x - 0.8 * y + 0.9 * z + 0.05 * x * y - 0.06 * y * z; }
+
+/// Linear in the value: red is (value + 100) / 300.
+Shot of_values(Mode mode) {
     Shot shot;
-    shot.shape.mode = Mode::mip;
+    shot.shape.mode = mode;
     shot.tf.points = {{-100, {0, 0, 0}, 1}, {200, {1, 1, 1}, 1}};
     shot.tf.rgb_space = RgbSpace::linear;
     shot.rays.step_voxels = 0.7;
+    return shot;
+}
+
+/// Of each pixel that shows so much of the box as a voxel: `check(red, t from, t to, value(t))`.
+template <class Check>
+void for_each_ray(const Shot& shot, const Volume& volume, Check&& check) {
     const Frame frame = shot(volume);
     const Camera camera = make_camera(shot.camera, volume.geometry, volume.dimensions);
     int hits = 0;
     for (int row = 0; row < frame.height; ++row)
         for (int column = 0; column < frame.width; ++column) {
-            const float* pixel = &frame.rgba[4 * (row * frame.width + column)];
             const double px = ((column + 0.5) / frame.width * 2 - 1) * camera.half_height * frame.width / frame.height;
             const double py = (1 - (row + 0.5) / frame.height * 2) * camera.half_height;
             const Vec3 d = normalized(camera.forward + px * camera.right + py * camera.up);
-            double near = 0, far = 1e9, best = -1e9;
+            double near = 0, far = 1e9;
             for (int a = 0; a < 3; ++a) {
                 const double p = (0 - camera.eye[a]) / d[a], q = (39 - camera.eye[a]) / d[a];
                 near = std::max(near, std::min(p, q)), far = std::min(far, std::max(p, q));
             }
             if (far - near < 1) continue;  // corners, where rounding decides on the number of samples
-            for (double t = near; t < far; t += 0.7) {
-                const Vec3 p = camera.eye + (t + std::min(0.7, far - t) / 2) * d;
-                best = std::max(best, f(p.x, p.y, p.z));
-            }
-            ASSERT_NEAR(pixel[0], (best + 100) / 300, 1e-3) << column << " " << row;
+            check(&frame.rgba[4 * std::size_t(row * frame.width + column)], near, far,
+                  [&](double t) { return camera.eye + t * d; });
             ++hits;
         }
     EXPECT_GT(hits, 300);
+}
+
+}  // namespace
+
+TEST(ValueOfARay, IsTheLargestSmallestOrMeanOfTheSamples) {
+    const Volume volume = sampled<float>({40, 40, 40}, saddle);
+    for (const Mode mode : {Mode::mip, Mode::minip, Mode::mean})
+        for_each_ray(of_values(mode), volume, [&](const float* pixel, double near, double far, const auto& at) {
+            double most = -1e9, least = 1e9, sum = 0;
+            for (double t = near; t < far; t += 0.7) {
+                const double step = std::min(0.7, far - t);
+                const Vec3 p = at(t + step / 2);
+                const double value = saddle(p.x, p.y, p.z);
+                most = std::max(most, value), least = std::min(least, value), sum += step * value;
+            }
+            const double expected = mode == Mode::mip ? most : mode == Mode::minip ? least : sum / (far - near);
+            ASSERT_NEAR(pixel[0], (expected + 100) / 300, 1e-3) << to_text(mode);
+        });
+}
+
+// Where the file turns values round (slope -1) the largest stored number is the smallest value.
+TEST(ValueOfARay, IsOfValuesNotOfStoredNumbers) {
+    Volume volume = sampled<float>({40, 40, 40}, [](double x, double y, double z) { return -saddle(x, y, z); });
+    volume.slope = -1;
+    const Volume plain = sampled<float>({40, 40, 40}, saddle);
+    for (const Mode mode : {Mode::mip, Mode::minip, Mode::mean})
+        EXPECT_LT(difference(of_values(mode)(volume), of_values(mode)(plain), 0).max, 1e-3) << to_text(mode);
+}
+
+TEST(ValueOfARay, SkippingChangesNoBitNorDoInstructionSets) {
+    const Volume volume = shells_volume(48);
+    for (const Mode mode : {Mode::mip, Mode::minip, Mode::mean, Mode::additive}) {
+        Shot shot;
+        shot.shape.mode = mode;
+        shot.rays.skip_empty = false;
+        shot.device.isa = Isa::scalar;
+        const Frame all = shot(volume);
+        shot.rays.skip_empty = true;
+        for (Isa isa : available_isas()) {
+            shot.device.isa = isa;
+            EXPECT_TRUE(same_bits(shot(volume), all)) << to_text(mode) << " " << name_of(isa);
+        }
+    }
+}
+
+// ∫ κ c ds of a constant medium is κ c L, whatever the step and the order; its opacity is κ L, 1 at most.
+TEST(Additive, OfAConstantMediumIsItsLength) {
+    const Volume volume = sampled<float>({40, 40, 40}, [](double, double, double) { return 100; });
+    for (const double step : {0.5, 2.3})
+        for (const auto order : {Compositing::front_to_back, Compositing::back_to_front}) {
+            Shot shot;
+            shot.shape.mode = Mode::additive;
+            shot.tf = constant(0.03, {0.5, 1, 0.25});
+            shot.rays.step_voxels = step, shot.rays.compositing = order;
+            shot.lighting.shading = Shading::phong;  // what is emitted is not shaded
+            const double kappa = -std::log1p(-0.03);
+            for_each_ray(shot, volume, [&](const float* pixel, double near, double far, const auto&) {
+                const double sum = kappa * (far - near);
+                ASSERT_NEAR(pixel[0], 0.5 * sum, 1e-3);
+                ASSERT_NEAR(pixel[1], sum, 1e-3);
+                ASSERT_NEAR(pixel[3], std::min(sum, 1.0), 1e-3);
+            });
+        }
+}
+
+// Nothing hides anything: two things one behind the other are the sum of each alone.
+TEST(Additive, IsTheSumOfItsParts) {
+    const auto ball = [](double x, double y, double z, double at) {
+        return std::max(0.0, 100 - 10 * std::hypot(x - at, y - 20, z - 20));
+    };
+    Shot shot;
+    shot.shape.mode = Mode::additive;
+    shot.tf.points = {{0, {1, 0.5, 0.2}, 0}, {100, {1, 0.5, 0.2}, 0.2}};
+    shot.tf.rgb_space = RgbSpace::linear;
+    shot.camera = {.azimuth_deg = 0, .elevation_deg = 0};
+    const auto of = [&](bool first, bool second) {
+        return shot(sampled<float>({41, 41, 41}, [&](double x, double y, double z) {
+            return (first ? ball(x, y, z, 10) : 0) + (second ? ball(x, y, z, 30) : 0);
+        }));
+    };
+    const Frame one = of(true, false), other = of(false, true), both = of(true, true);
+    for (std::size_t i = 0; i < both.rgba.size(); ++i)
+        if (i % 4 != 3) ASSERT_NEAR(both.rgba[i], one.rgba[i] + other.rgba[i], 1e-4 * (1 + both.rgba[i]));
+    EXPECT_GT(mean_alpha(both), 0.01);
 }
 
 // Planes through voxel centres leave exactly what a cropped file holds.

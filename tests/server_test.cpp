@@ -62,7 +62,7 @@ TEST(Server, SaysHelloWithEverySetting) {
     EXPECT_EQ(setting("spao-levels")["default"], 7);
     EXPECT_EQ(setting("spao-levels")["method"], "spao");
     EXPECT_EQ(setting("sh-bands")["choices"], Json({"2", "4"}));
-    EXPECT_EQ(setting("mode")["choices"], Json({"dvr", "iso", "mip"}));
+    EXPECT_EQ(setting("mode")["choices"], Json({"dvr", "iso", "mip", "minip", "mean", "additive"}));
     EXPECT_EQ(setting("no-skip-empty")["kind"], "switch");
     EXPECT_TRUE(setting("window")["default"].is_null());
     EXPECT_FALSE(hello["presets"].empty());

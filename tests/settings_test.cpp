@@ -70,7 +70,7 @@ TEST(Settings, EveryChangeIsSeen) {
 TEST(Settings, RoundTripThroughAScene) {
     for (const Method method : methods) {
         Scene from = changed_scene(method);
-        from.camera.view.reset();
+        from.camera.view.reset(), from.camera.matrix.reset();
         std::vector<std::string> unknown;
         const Scene to = parse_scene(to_json(from), "", "", unknown);
         EXPECT_EQ(texts_of(from), texts_of(to));

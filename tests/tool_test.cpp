@@ -198,7 +198,7 @@ TEST_F(Tool, EverySettingHasAFlagThatWorks) {
     Scene scene = changed_scene();
     scene.volume = "sample:ball:16";
     scene.read = {}, scene.stated = {};                                   // a raw file's layout is no sample's
-    scene.camera.view.reset();                                            // excludes the eye
+    scene.camera.view.reset(), scene.camera.matrix.reset();               // excludes the eye
     scene.camera.fit_centre.reset(), scene.camera.fit_radius_mm.reset();  // are found, not given
     std::string flags;
     const auto add = [&](const Setting& setting, const auto&... fields) {

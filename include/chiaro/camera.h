@@ -16,6 +16,9 @@ enum class View { anterior, posterior, left, right, superior, inferior };
 /// What the camera fits: a ball around what is visible (fit_camera, once), or the ball around the volume's box.
 enum class Fit { visible, volume };
 
+/// By rows: of homogeneous coordinates, what follows from what stands behind it in the name.
+using Matrix4 = std::array<double, 16>;
+
 /// Angles in degrees: this is the edge of the library.
 struct CameraSettings {
     double azimuth_deg = 35, elevation_deg = 25, roll_deg = 0;
@@ -25,6 +28,7 @@ struct CameraSettings {
     Projection projection = Projection::perspective;
     std::optional<View> view;         ///< named view: replaces azimuth, elevation and up
     std::optional<Vec3> eye, target;  ///< world mm; both or none: replaces the orbit
+    std::optional<Matrix4> matrix;    ///< clip from world (camera_of_matrix): replaces all that aims and zooms
     Fit fit = Fit::visible;
     std::optional<Vec3> fit_centre;       ///< of the ball around what is visible, once it was found; world mm ...
     std::optional<double> fit_radius_mm;  ///< ... both or none; none: the volume's
@@ -41,6 +45,8 @@ struct Camera {
     Vec3 forward, right, up;  ///< orthonormal
     Projection projection = Projection::perspective;
     double half_height = 0;                ///< tan(fov / 2), or half the height of the view in mm (orthographic)
+    double half_width = 0;                 ///< the same of the width; 0: as the picture's shape has it
+    double centre_x = 0, centre_y = 0;     ///< of the view, along right and up, in the same unit: 0 on the axis
     Vec3 orbit_up{0, 0, 1};                ///< what azimuth and elevation of lights turn about
     double aperture_mm = 0, focus_mm = 1;  ///< diameter of the lens, depth that is in focus
     bool operator==(const Camera&) const = default;
@@ -49,6 +55,13 @@ struct Camera {
 /// Azimuth and elevation of a volume's first picture (`by_frame`): where its frame is known, between the front and the
 /// patient's left, from a little above; else as they are.
 CHIARO_EXPORT void look_from(CameraSettings& settings, World world);
+
+/// The camera of another program: a point of the world in mm is seen where clip_from_world (p, 1) has it, x / w and y /
+/// w from -1 at the left and the bottom to 1, as OpenGL does. The view may lie off the axis, as of a tile or an eye of
+/// two. Where it is a perspective the near and far planes cut nothing; else rays begin at z = -w, the near plane.
+/// `orbit_up` is +z. Throws Error{usage} for a matrix that is singular, mirrors the picture, or shears it: views are
+/// rectangles before the eye.
+CHIARO_EXPORT Camera camera_of_matrix(const Matrix4& clip_from_world);
 
 /// The camera of these settings for a volume. Orbit: c and R are centre and radius of the ball that the camera fits;
 /// distance zoom⁻¹ R / sin(fov / 2); see docs/scene.md. Of a volume c is the centre of the span [0, n-1] and R half its

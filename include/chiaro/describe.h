@@ -68,7 +68,7 @@ template <class Visit, SettingsOf<Scene> S>
 void describe(Visit&& visit, S& s) {
     visit(Setting{"size", "image.size", "pixels", "width and height of the picture"}
           .within(1, 16384).written("WxH"), s.width, s.height);
-    visit(Setting{"mode", "mode", "", "shows the volume, isosurfaces, or along each ray the largest value"}, s.mode);
+    visit(Setting{"mode", "mode", "", "shows the volume, isosurfaces, along each ray the largest, smallest or mean value, or all light added up"}, s.mode);
     visit(Setting{"iso", "iso", "", "adds an isosurface at a value, in the transfer function's colour or another"}
           .written("VALUE[,COLOR][@OPACITY]").kept(SceneForm::surfaces), s.iso);
     visit(Setting{"background", "background", "",
@@ -132,6 +132,9 @@ void describe(Visit&& visit, S& s) {
                   "position of the camera in the world; with --target, in the place of the orbit"},
           s.eye);
     visit(Setting{"target", "camera.target", "mm", "point in the world that the camera looks at"}, s.target);
+    visit(Setting{"camera-matrix", "camera.matrix", "",
+                  "camera of another program, in the place of orbit, eye and projection: clip coordinates from the world's, row by row, as OpenGL has them"}
+          .written("M11,M12,...,M44"), s.matrix);
     visit(Setting{"aperture", "camera.aperture", "mm",
                   "diameter of the lens: what is out of focus is blurred, in final pictures (at least 64 rays a pixel) and by paths; 0: all is sharp"}
           .within(0, 1e6), s.aperture_mm);

@@ -45,8 +45,12 @@ CHIARO_EXPORT DeviceVolume upload(const Device& device, Volume&& volume, Progres
 /// Whether colours are composited as linear light (sRGB colours decoded first) or as they are.
 enum class ColorMode { linear, display };
 
-/// What a picture shows: the volume itself, isosurfaces, or along each ray the largest value.
-enum class Mode { dvr, iso, mip };
+/// What a picture shows: the volume itself; isosurfaces; along each ray the largest, smallest or mean value; or its
+/// extinction times colour added up, where nothing hides what lies behind (emission without absorption, Max 1995): an
+/// X-ray's picture. Its opacity is the integral of extinction, 1 at most.
+enum class Mode { dvr, iso, mip, minip, mean, additive };
+/// Whether samples are lit. A value of a whole ray has no place that could be, and light that adds up is emitted.
+constexpr bool is_lit(Mode mode) { return mode == Mode::dvr || mode == Mode::iso; }
 
 /// A surface of one value. At most `max_isosurfaces` at a time.
 struct IsoSurface {

@@ -23,9 +23,9 @@ struct Pick {
 };
 
 /// Casts one ray through (x, y) of a picture of width × height pixels, from its top left corner, as `raycast` does (but
-/// for glow), and finds the sample or surface with the largest weight T α, the first of equals; with Mode::mip the
-/// largest value, the first of equals. Nothing where the ray meets no matter. Cost: one ray, not vectorised: some
-/// microseconds to a millisecond, pre-integrated the table of `raycast`.
+/// for glow), and finds the sample or surface with the largest weight T α, the first of equals; with Mode::mip and
+/// minip the value's place. Nothing where the ray meets no matter, and with mean and additive. Cost: one ray, not
+/// vectorised: some microseconds to a millisecond, pre-integrated the table of `raycast`.
 CHIARO_EXPORT std::optional<Pick> pick(const Medium& medium, const Camera& camera, const RaySettings& settings,
                                        int width, int height, double x, double y);
 /// The same at many places (x, y), in their order: what a call prepares is prepared once. On all of the volume's

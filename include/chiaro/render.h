@@ -11,6 +11,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -31,6 +32,12 @@ enum class RaySetup { box, raster };
 /// eight voxels around it span. A CPU is always exact, and so are paths.
 enum class Interpolation { exact, texture };
 
+/// Where rays end, of things that hide what of the volume lies behind them.
+struct RayEnds {
+    int width = 0, height = 0;  ///< pixels: the picture's
+    std::vector<float> mm;      ///< by rows from the top, as Frame::depth_mm: along a pixel's rays; infinity: never
+};
+
 struct RaySettings {
     double step_voxels = 0.5;  ///< distance of the samples, in units of the smallest voxel size
     Classification classification = Classification::post;  ///< for Mode::dvr
@@ -40,6 +47,7 @@ struct RaySettings {
     double early_termination = 0.005;  ///< stop a ray at this remaining transmittance; 0: never
     bool skip_empty = true;            ///< jump over cells that the transfer function leaves empty
     Interpolation interpolation = Interpolation::exact;
+    std::shared_ptr<const RayEnds> ends;  ///< none: rays end where the volume does. Paths refuse them
     bool operator==(const RaySettings&) const = default;
 };
 
@@ -83,7 +91,8 @@ CHIARO_EXPORT RenderStatistics raycast(const Device& device, const Medium& mediu
 
 /// Fills `frame.depth_mm`: in mm, how far it is from the eye (orthographic: from the plane through it) along the ray
 /// through each pixel's centre to where the opacity of what lies before reaches ½, within a step as for constant
-/// extinction; infinity where it never does. With Mode::mip the largest value's place. As `raycast` sees it, but for
+/// extinction; infinity where it never does. With Mode::mip and minip the value's place, with mean and additive
+/// infinity everywhere. As `raycast` sees it, but for
 /// glow, and always front to back; so it holds for paths too. The frame's size is the picture's, its colours stay.
 /// False when cancelled. Cost: less than half of `raycast` without light, and nothing where it is not called.
 CHIARO_EXPORT bool find_depth(const Device& device, const Medium& medium, const Camera& camera,
@@ -100,8 +109,8 @@ using DeviceFramePreview = std::function<void(const DeviceFrame&, const PathStat
 /// of `rays` do not matter but for the step that finds isosurfaces. Stops at `settings.reference.rays` paths a pixel,
 /// or before at its time or error. The frame does not depend on the number of threads or the instruction set, but for
 /// what the time allows. `preview` sees the frame after each pass of 1, 1, 2, 4, ... 16 paths a pixel. Throws
-/// Error{usage} for Mode::mip. Cost: about 1 µs a path and scattering on one core; memory: 40 bytes a pixel, 4 a 4³
-/// cell.
+/// Error{usage} for modes that are not lit. Cost: about 1 µs a path and scattering on one core; memory: 40 bytes a
+/// pixel, 4 a 4³ cell.
 CHIARO_EXPORT RenderStatistics trace_paths(const Device& device, const Medium& medium, const Lighting& lighting,
                                            const Camera& camera, const RaySettings& rays,
                                            const IlluminationSettings& settings, Frame& frame, Progress& progress,
@@ -124,8 +133,8 @@ struct MeanRadiance {
 /// evenly over the sphere; after that they are those of `trace_paths`, light being scattered at most
 /// `settings.scattering.bounces` times on its way to a point. Settings, when it stops, and that the answer depends on
 /// no number of threads, as there; the probe stands on `orbit_up`. With `reference.start_half_voxels` above 0 the
-/// matter around a point does not dim its light. Throws Error{usage} for Mode::mip. Cost: about 1 µs a path and
-/// scattering on one core; memory: 120 bytes a point.
+/// matter around a point does not dim its light. Throws Error{usage} for modes that are not lit. Cost: about 1 µs a
+/// path and scattering on one core; memory: 120 bytes a point.
 CHIARO_EXPORT MeanRadiance trace_mean_radiance(const Device& device, const Medium& medium, const Lighting& lighting,
                                                Vec3 orbit_up, std::span<const Vec3> points_voxel,
                                                const IlluminationSettings& settings, Progress& progress);

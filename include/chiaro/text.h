@@ -56,7 +56,9 @@ constexpr auto names_of(ReferenceQuantity) {
 }
 constexpr auto names_of(ReferenceMedium) { return std::to_array<std::string_view>({"voxels", "trilinear"}); }
 constexpr auto names_of(SurfaceModel) { return std::to_array<std::string_view>({"none", "auto"}); }
-constexpr auto names_of(Mode) { return std::to_array<std::string_view>({"dvr", "iso", "mip"}); }
+constexpr auto names_of(Mode) {
+    return std::to_array<std::string_view>({"dvr", "iso", "mip", "minip", "mean", "additive"});
+}
 constexpr auto names_of(Classification) { return std::to_array<std::string_view>({"post", "pre", "preintegrated"}); }
 constexpr auto names_of(Compositing) { return std::to_array<std::string_view>({"front-to-back", "back-to-front"}); }
 constexpr auto names_of(RaySetup) { return std::to_array<std::string_view>({"box", "raster"}); }
@@ -87,6 +89,7 @@ CHIARO_EXPORT std::string to_text(const Rgb& value);
 CHIARO_EXPORT std::string to_text(const std::pair<double, double>& value);
 CHIARO_EXPORT std::string to_text(const std::array<int, 3>& value);
 CHIARO_EXPORT std::string to_text(const std::array<double, 6>& value);
+CHIARO_EXPORT std::string to_text(const Matrix4& value);
 CHIARO_EXPORT std::string to_text(const ClipPlane& value);
 CHIARO_EXPORT std::string to_text(const IsoSurface& value);
 CHIARO_EXPORT std::string to_text(const ShSampling& value);
@@ -121,6 +124,7 @@ CHIARO_EXPORT void from_text(std::string_view text, Rgb& value);
 CHIARO_EXPORT void from_text(std::string_view text, std::pair<double, double>& value);
 CHIARO_EXPORT void from_text(std::string_view text, std::array<int, 3>& value);
 CHIARO_EXPORT void from_text(std::string_view text, std::array<double, 6>& value);
+CHIARO_EXPORT void from_text(std::string_view text, Matrix4& value);
 CHIARO_EXPORT void from_text(std::string_view text, ClipPlane& value);
 CHIARO_EXPORT void from_text(std::string_view text, IsoSurface& value);
 CHIARO_EXPORT void from_text(std::string_view text, ShSampling& value);

@@ -9,8 +9,8 @@ import re
 import shutil
 import subprocess
 
-# Of every system with this C library; the standard library of C++ comes with it, wherever numpy is.
-OF_THE_SYSTEM = re.compile(r"^(linux-vdso|ld-linux.*|lib(c|m|mvec|dl|rt|pthread|resolv|nsl|util|anl|gcc_s|stdc\+\+)\.so.*)$")
+# Of every system with this C library; the standard library of C++ comes with it, wherever numpy is. A sanitizer is the process's own.
+OF_THE_SYSTEM = re.compile(r"^(linux-vdso|ld-linux.*|lib(c|m|mvec|dl|rt|pthread|resolv|nsl|util|anl|gcc_s|stdc\+\+|asan|ubsan)\.so.*)$")
 # No interpreter's process may load these (GPL): helper programs alone do.
 HELPERS_ONLY = re.compile(r"^libjbig")
 

@@ -33,6 +33,7 @@ py::object value(const Setting&, const Vec3& v) { return py::make_tuple(v.x, v.y
 py::object value(const Setting&, const std::pair<double, double>& v) { return py::make_tuple(v.first, v.second); }
 py::object value(const Setting&, const std::array<int, 3>& v) { return py::tuple(py::cast(v)); }
 py::object value(const Setting&, const std::array<double, 6>& v) { return py::tuple(py::cast(v)); }
+py::object value(const Setting&, const Matrix4& v) { return py::tuple(py::cast(v)); }
 py::object value(const Setting&, const ProbeExposure& field) {
     return field.stops ? py::object(py::float_(*field.stops)) : py::object(py::str("auto"));
 }
@@ -66,6 +67,7 @@ std::string kind(const Setting& s, const Field&) {
     if constexpr (std::is_same_v<T, Vec3> || std::is_same_v<T, std::array<int, 3>>) return "numbers 3";
     if constexpr (std::is_same_v<T, std::pair<double, double>>) return "numbers 2";
     if constexpr (std::is_same_v<T, std::array<double, 6>>) return "numbers 6";
+    if constexpr (std::is_same_v<T, Matrix4>) return "numbers 16";
     if (s.repeats()) return "list";
     return "form";
 }

@@ -46,4 +46,5 @@ def test_it_runs_and_shows_pictures(path, kernel):
         pixels = np.asarray(Image.open(io.BytesIO(png)).convert("RGB")).astype(int)
         assert pixels.std() > 5, "a picture of nothing"
         if out := os.environ.get("CHIARO_NOTEBOOKS_OUT"):
+            pathlib.Path(out).mkdir(parents=True, exist_ok=True)
             (pathlib.Path(out) / f"{path.stem}-{k}.png").write_bytes(png)

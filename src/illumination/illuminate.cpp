@@ -204,8 +204,8 @@ bool illuminate(const Device& device, const Medium& medium, const Prepared& prep
                 const IlluminationField& warm) try {
     progress.check();
     check_image(settings);
-    // A maximum along a ray has no place in which it could be lit; paths find their light themselves.
-    if (settings.method == Method::none || medium.data().shape.mode == Mode::mip || is_path_traced(settings))
+    // Paths find their light themselves.
+    if (settings.method == Method::none || !is_lit(medium.data().shape.mode) || is_path_traced(settings))
         sink(IlluminationField());
     else if (settings.method == Method::transport)
         scatter(device, medium.data(), lighting, settings, sink, progress, warm);

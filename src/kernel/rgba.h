@@ -127,6 +127,13 @@ struct RgbaOf<Lanes> {
 };
 #endif
 
+/// Opacity of 1 at most; the colour stays.
+template <class F>
+CHIARO_INLINE RgbaLanes<F> limit_alpha(const RgbaLanes<F>& c) {
+    const Rgba opacity{0, 0, 0, 1};
+    return accumulate(c, min(F(1) - alpha_of(c), F(0)), load_rgba(&opacity, Int<F>(0)));
+}
+
 /// (1 - t) a + t b
 template <class F>
 CHIARO_INLINE RgbaLanes<F> mix(const RgbaLanes<F>& a, const RgbaLanes<F>& b, F t) {

@@ -64,11 +64,12 @@ const float* of_points(const std::vector<float>& coordinates) {
     return coordinates.empty() ? nullptr : coordinates.data();
 }
 
-Medium checked(const Medium& medium) {
-    if (medium.data().shape.mode == Mode::mip)
+Medium checked(const Medium& medium, const RaySettings& settings) {
+    if (!is_lit(medium.data().shape.mode))
         throw Error(ErrorCode::usage,
-                    "a maximum along a ray has no place that could be lit: the reference's radiance goes with dvr and "
+                    "a value of a whole ray has no place that could be lit: the reference's radiance goes with dvr and "
                     "iso");
+    if (settings.ends) throw Error(ErrorCode::usage, "paths do not end at a depth: the reference goes without");
     return medium;
 }
 
@@ -86,7 +87,7 @@ PathTracer::PathTracer(const Device& device, const Medium& medium, const Lightin
                        const RaySettings& settings, const PathOptions& options, int width, int height,
                        PathPoints points)
     : device_(device),
-      medium_(checked(medium)),
+      medium_(checked(medium, settings)),
       lighting_(lighting),
       light_(lighting_, camera.orbit_up),
       surface_table_(medium_.data()),

@@ -5,6 +5,7 @@
 #include "illumination/probe/data.h"
 #include "illumination/probe/light.h"
 #include "raycast/launch_background.h"
+#include "raycast/views.h"
 
 namespace chiaro {
 namespace {
@@ -18,10 +19,10 @@ kernel::BackgroundKernel background(const Probe& probe, const Lighting& lighting
     const Axes axes = transposed(world_from_probe(lighting.probe.rotation_deg, camera.orbit_up));
     Vec3 first = turned(axes, camera.forward), right, down;
     if (camera.projection != Projection::orthographic) {
-        const double pixel = 2 * camera.half_height / height;
-        right = pixel * turned(axes, camera.right);
-        down = -pixel * turned(axes, camera.up);
-        first = first - (0.5 * width - 0.5) * right - (0.5 * height - 0.5) * down;
+        right = 2 * half_width(camera, width, height) / width * turned(axes, camera.right);
+        down = -2 * camera.half_height / height * turned(axes, camera.up);
+        const Vec3 centre = camera.centre_x * turned(axes, camera.right) + camera.centre_y * turned(axes, camera.up);
+        first = first + centre - (0.5 * width - 0.5) * right - (0.5 * height - 0.5) * down;
     }
     return {.pixels = nullptr,
             .width = width,

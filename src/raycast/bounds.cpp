@@ -143,8 +143,8 @@ bool BoundingGeometry::find_pixels(Face& face) const {
             q[a] = camera_from_voxel_[a][0] * p.x + camera_from_voxel_[a][1] * p.y + camera_from_voxel_[a][2] * p.z;
         behind += q[2] <= 1e-6 * (std::abs(q[0]) + std::abs(q[1]));
         const double scale = camera_.orthographic ? 1 : 1 / q[2];
-        const double column = (scale * q[0] / camera_.half_width + 1) / 2 * camera_.width;
-        const double row = (1 - scale * q[1] / camera_.half_height) / 2 * camera_.height;
+        const double column = ((scale * q[0] - camera_.centre_x) / camera_.half_width + 1) / 2 * camera_.width;
+        const double row = (1 - (scale * q[1] - camera_.centre_y) / camera_.half_height) / 2 * camera_.height;
         left = std::min(left, column), right = std::max(right, column);
         top = std::min(top, row), bottom = std::max(bottom, row);
     }

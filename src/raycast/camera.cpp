@@ -2,6 +2,7 @@
 #include <chiaro/camera.h>
 #include <chiaro/error.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "raycast/ball.h"
@@ -73,10 +74,19 @@ Camera make_camera(const CameraSettings& settings, const Geometry& geometry, con
     CameraSettings s = settings;
     if (s.eye.has_value() != s.target.has_value())
         throw Error(ErrorCode::usage, "--eye and --target belong together: give both or neither");
+    if (s.matrix && (s.eye || s.view))
+        throw Error(ErrorCode::usage, "--camera-matrix replaces --eye and --view: give one of them");
     if (s.eye && s.view) throw Error(ErrorCode::usage, "--eye and --view contradict each other: give one of them");
     look_from(s, geometry.world);
     const auto [centre, radius] = fitted_ball(s, geometry, dimensions);
     Camera camera;
+    if (s.matrix) {
+        camera = camera_of_matrix(*s.matrix);
+        camera.aperture_mm = s.aperture_mm;
+        camera.orbit_up = s.up.value_or(Vec3{0, 0, 1});
+        camera.focus_mm = s.focus_mm.value_or(std::max(dot(centre - camera.eye, camera.forward), 1e-6));
+        return camera;
+    }
     camera.projection = s.projection;
     camera.aperture_mm = s.aperture_mm;
     const double half_fov = radians(s.fov_deg) / 2;

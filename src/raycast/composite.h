@@ -1,4 +1,4 @@
-// Compositing of associated colours, in either order.
+// Compositing of associated colours, in either order, or without absorption.
 #pragma once
 #include "kernel/rgba.h"
 #include "kernel/vec.h"
@@ -23,6 +23,11 @@ struct Composite {
     /// From back to front: C = c + (1 - α) C.
     CHIARO_INLINE void add_in_front(Mask<F> where, const RgbaLanes<F>& colour, F alpha) {
         sum = accumulate(scale(sum, select(where, F(1) - alpha, F(1))), select(where, F(1), F(0)), colour);
+    }
+
+    /// In either order, where nothing hides anything: C += c.
+    CHIARO_INLINE void add_emission(Mask<F> where, const RgbaLanes<F>& colour) {
+        sum = accumulate(sum, select(where, F(1), F(0)), colour);
     }
 
     /// Hears where the next sample lies, which a colour does not depend on.

@@ -1,5 +1,7 @@
 #include <chiaro/render.h>
 
+#include <limits>
+
 #include "raycast/cast.h"
 #include "raycast/depth_kernel.h"
 #include "raycast/gpu.h"
@@ -27,6 +29,7 @@ bool cast_depth(const Device& device, Kernel kernel, const HostArrays& arrays, F
 bool find_depth(const Device& device, const Medium& medium, const Camera& camera, const RaySettings& settings,
                 Frame& frame, Progress& progress) {
     const Medium::Data& data = medium.data();
+    check_ends(settings, frame);
     RaySettings rays = settings;
     rays.compositing = Compositing::front_to_back;
     rays.early_termination = 0.5;
@@ -34,6 +37,11 @@ bool find_depth(const Device& device, const Medium& medium, const Camera& camera
     HostArrays arrays;
     data.add_to(arrays);
     tables.add_to(arrays);
+    if (settings.ends) arrays.add(settings.ends, settings.ends->mm);
+    if (data.shape.mode == Mode::mean || data.shape.mode == Mode::additive) {
+        frame.depth_mm.assign(std::size_t(frame.width) * frame.height, std::numeric_limits<float>::infinity());
+        return true;
+    }
     Frame pixels(frame.width, frame.height);
     const bool complete = with_stored_voxel(data.volume.data(), [&](auto voxel) {
         using Voxel = decltype(voxel);

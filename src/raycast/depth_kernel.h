@@ -29,6 +29,7 @@ struct HalfOpacity {
         }
         transmittance = behind;
     }
+    CHIARO_INLINE void add_emission(Mask<F>, const RgbaLanes<F>&) {}
     CHIARO_INLINE void add(bool, Mask<F> where, const RgbaLanes<F>& colour, F alpha) {
         add_behind(where, colour, alpha);
     }
@@ -43,7 +44,7 @@ struct DepthKernel : RaycastKernel<Voxel, NoneView> {
     template <class F>
     CHIARO_INLINE Int<F> operator()(const PixelBlock<F>& block) const {
         const auto ray = this->camera.ray(to_float(block.column), to_float(block.row));
-        Interval<F> hit = intersect(ray, this->box_low, this->box_high);
+        Interval<F> hit = this->hit(block, ray);
         const Cut<F> cut = clip(this->clip_view, ray, hit);
         const Lattice<F> lattice = make_lattice(ray, hit, this->step_mm);
         HalfOpacity<F> half;

@@ -76,6 +76,7 @@ public:
         camera_.aperture_mm = 0;
         camera_.fit = Fit::visible;
         rays_.samples_per_pixel = 1;
+        rays_.ends = nullptr;
         rays_.compositing = Compositing::front_to_back;
         rays_.early_termination = 1 - least_opacity;
         start();
@@ -179,7 +180,7 @@ CameraSettings fit_camera(const Device& device, const Medium& medium, const Came
                           const RaySettings& rays, int width, int height, Progress& progress, bool all_around) {
     CameraSettings fitted = camera;
     look_from(fitted, medium.data().volume.geometry().world);
-    const bool is_placed = fitted.eye && fitted.projection == Projection::perspective;
+    const bool is_placed = fitted.matrix || (fitted.eye && fitted.projection == Projection::perspective);
     if (fitted.fit == Fit::volume || fitted.fit_centre || is_placed) return fitted;
     Search search(device, medium, fitted, rays, width, height);
     if (search.find(all_around, progress)) {

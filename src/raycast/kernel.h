@@ -1,9 +1,9 @@
 // The ray caster: one ray, or sixteen, from the camera through what the mode shows.
 #pragma once
 #include "kernel/launch.h"
-#include "raycast/maximum_march.h"
 #include "raycast/ray_bounds.h"
 #include "raycast/surface_march.h"
+#include "raycast/value_march.h"
 #include "raycast/volume_march.h"
 
 namespace chiaro::kernel {
@@ -11,9 +11,10 @@ namespace chiaro::kernel {
 struct FrameView {
     Rgba* pixels;
     std::int32_t width;
+    const float* ends_mm = nullptr;  ///< of each pixel's rays; null: none ends before the volume does
 };
 
-enum class March : std::int32_t { volume, surfaces, maximum };
+enum class March : std::int32_t { volume, surfaces, extreme, mean };
 
 template <class Voxel, class Field>
 struct RaycastKernel {
@@ -23,7 +24,7 @@ struct RaycastKernel {
     Float3 box_low, box_high;  ///< voxels
     ClipView clip_view;
     SurfacesView surfaces;
-    MaximumView maximum;
+    ExtremeView extreme;
     March mode;
     MarchOptions way;  ///< of March::volume
     float step_mm;
@@ -45,11 +46,21 @@ struct RaycastKernel {
     template <class F, class Ray>
     CHIARO_INLINE Int<F> march(const Lattice<F>& lattice, const Cut<F>& cut, Mask<F> alive, Ray& ray) const {
         if (mode == March::surfaces) return march_to_surfaces(matter, surfaces, lattice, cut, alive, ray);
-        if (mode == March::maximum) return march_for_maximum(matter, maximum, lattice, alive, ray);
+        if (mode == March::extreme) return march_for_extreme(matter, extreme, lattice, alive, ray);
+        if (mode == March::mean) return march_for_mean(matter, lattice, alive, ray);
         alive &= lattice.first < lattice.end;
-        if (way.classification == CommonMarch::classification && way.backwards == CommonMarch::backwards)
-            return march_volume(matter, CommonMarch{}, lattice, cut, alive, ray);
+        if (way == CommonMarch()) return march_volume(matter, CommonMarch{}, lattice, cut, alive, ray);
         return march_with_options(matter, way, lattice, cut, alive, ray);
+    }
+
+    /// Where the block's rays are in the box, and end.
+    template <class F>
+    CHIARO_INLINE Interval<F> hit(const PixelBlock<F>& block, const Ray<F>& ray) const {
+        Interval<F> i = intersect(ray, box_low, box_high);
+        if (!frame.ends_mm) return i;
+        const Int<F> pixel = block.row * Int<F>(frame.width) + block.column;
+        i.far = min(i.far, gather_float(frame.ends_mm, select(block.inside, pixel, Int<F>(0))));
+        return i;
     }
 
 private:
@@ -71,7 +82,7 @@ private:
         const F column = to_float(block.column), row = to_float(block.row);
         const Ray<F> ray =
             camera.lens_mm > 0 ? lens_ray(column, row, i, offset) : camera.ray(column + F(offset.x), row + F(offset.y));
-        Interval<F> hit = intersect(ray, box_low, box_high);
+        Interval<F> hit = this->hit(block, ray);
         const Mask<F> from_outside = hit.near > F(0);
         Cut<F> cut = clip(clip_view, ray, hit);
         if (matter.shows_cuts && mode == March::volume)
@@ -82,6 +93,7 @@ private:
         if (bounds.near_mm) bounds.narrow(block.column, block.row, i, hit.near, step_mm, lattice);
         Composite<F> composite;
         const Int<F> samples = march(lattice, cut, alive, composite);
+        if (way.additive) composite.sum = limit_alpha<F>(composite.sum);
         sum = accumulate(sum, F(1 / float(rays_per_pixel)), composite.sum);
         return samples;
     }

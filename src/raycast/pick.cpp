@@ -37,16 +37,16 @@ struct WitnessedMatter : kernel::Matter<Voxel, kernel::NoneView> {
     }
 };
 
-/// The first of the largest values of a ray's samples.
+/// The first of the largest or smallest values of a ray's samples.
 template <class Matter>
-void find_maximum(const Matter& matter, const kernel::Lattice<float>& lattice, Witness& witness) {
+void find_extreme(const Matter& matter, float sign, const kernel::Lattice<float>& lattice, Witness& witness) {
     float best = -3e38f;
     for (float k = 0; k < lattice.end; ++k) {
         const auto p = matter.volume.clamp(lattice.position(k));
-        const float value = matter.value_at(p);
+        const float value = sign * matter.value_at(p);
         if (value > best) best = value, witness.p = p;
     }
-    if (lattice.end > 0) witness.see(witness.p, best, matter.table.at(best));
+    if (lattice.end > 0) witness.see(witness.p, sign * best, matter.table.at(sign * best));
 }
 
 /// One ray of a kernel, in front to back order.
@@ -63,9 +63,9 @@ Witness cast(const Kernel& kernel, float column, float row) {
     kernel::Composite<float> composite;
     if (kernel.mode == kernel::March::surfaces)
         kernel::march_to_surfaces(matter, kernel.surfaces, lattice, cut, alive, composite);
-    else if (kernel.mode == kernel::March::maximum)
-        find_maximum(matter, lattice, witness);
-    else
+    else if (kernel.mode == kernel::March::extreme)
+        find_extreme(matter, kernel.extreme.sign, lattice, witness);
+    else if (kernel.mode == kernel::March::volume && !kernel.way.additive)
         kernel::march_with_options(matter, kernel.way, lattice, cut, alive, composite);
     return witness;
 }

@@ -41,8 +41,9 @@ void swap_pointers(Views& views, kernel::RaycastKernel<Voxel, Field>& kernel) {
     swap_pointers(views, kernel.matter.volume);
     views.to_device_pointers(kernel.matter.occupancy.cells, kernel.matter.table.entries, kernel.matter.segments.entries,
                              kernel.matter.segments.visible_before, kernel.matter.surface.opacity);
-    if (kernel.mode != kernel::March::maximum) kernel.maximum.cell_high = nullptr;  // not read
-    views.to_device_pointers(kernel.maximum.cell_high, kernel.bounds.near_mm, kernel.bounds.far_mm);
+    if (kernel.mode != kernel::March::extreme) kernel.extreme.cell_bound = nullptr;  // not read
+    views.to_device_pointers(kernel.extreme.cell_bound, kernel.bounds.near_mm, kernel.bounds.far_mm,
+                             kernel.frame.ends_mm);
     swap_pointers(views, kernel.matter.field);
 }
 

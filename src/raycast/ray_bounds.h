@@ -1,5 +1,6 @@
 // What of a ray is marched, where that is known before; and where in a pixel its rays lie.
 #pragma once
+#include "kernel/gather.h"
 #include "raycast/lattice.h"
 
 namespace chiaro::kernel {

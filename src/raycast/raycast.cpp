@@ -80,10 +80,10 @@ private:
     template <class Kernel>
     RenderStatistics cast_here(const Kernel& kernel) const {
         arrays.fetch();
-        std::optional<BoundingGeometry> geometry;  // the largest value is looked for everywhere
+        std::optional<BoundingGeometry> geometry;  // a value of the whole ray is looked for everywhere
         const Frame& frame = target.frame;
-        if (settings.ray_setup == RaySetup::raster && camera.aperture_mm == 0 && medium.shape.mode != Mode::mip &&
-            !emits(kernel.matter.field))
+        if (settings.ray_setup == RaySetup::raster && camera.aperture_mm == 0 &&
+            kernel.mode <= kernel::March::surfaces && !emits(kernel.matter.field))
             geometry.emplace(medium, camera_view(camera, medium.volume.geometry(), frame.width, frame.height));
         return cast_tiles(device, kernel, geometry ? &*geometry : nullptr, frame, "raycast", progress);
     }
@@ -94,11 +94,13 @@ RenderStatistics fill(const Device& device, const Medium& medium, const Illumina
                       Progress& progress) {
     target.frame.depth_mm.clear();  // of an older picture
     const Medium::Data& data = medium.data();
-    const LitField lit = lit_field(field, lighting, camera, data);
+    check_ends(settings, target.frame);
+    const LitField lit = lit_field(is_lit(data.shape.mode) ? field : IlluminationField(), lighting, camera, data);
     const RayTables tables = make_tables(data, settings, device.threads, lit.albedo_limit, lit.by_surface());
     HostArrays arrays = lit.arrays;
     data.add_to(arrays);
     tables.add_to(arrays);
+    if (settings.ends) arrays.add(settings.ends, settings.ends->mm);
     const Caster cast{device, data, lit, lighting, camera, settings, tables, arrays, target, progress};
     RenderStatistics render_statistics = std::visit(cast, lit.view);
     if (lighting.probe.background && render_statistics.complete)

@@ -1,5 +1,7 @@
 #include "raycast/views.h"
 
+#include <chiaro/error.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -25,6 +27,10 @@ Vec3 half_vector(Vec3 to_light, const Camera& camera) {
 
 }  // namespace
 
+double half_width(const Camera& camera, int width, int height) {
+    return camera.half_width > 0 ? camera.half_width : camera.half_height * width / height;
+}
+
 kernel::CameraView camera_view(const Camera& camera, const Geometry& geometry, int width, int height) {
     const auto per_mm = [&](Vec3 world) { return float3(geometry.voxel_from_world_vector(world)); };
     return {
@@ -32,8 +38,10 @@ kernel::CameraView camera_view(const Camera& camera, const Geometry& geometry, i
         .forward = per_mm(camera.forward),
         .right = per_mm(camera.right),
         .up = per_mm(camera.up),
-        .half_width = float(camera.half_height * width / height),
+        .half_width = float(half_width(camera, width, height)),
         .half_height = float(camera.half_height),
+        .centre_x = float(camera.centre_x),
+        .centre_y = float(camera.centre_y),
         .width = float(width),
         .height = float(height),
         .orthographic = camera.projection == Projection::orthographic,
@@ -125,14 +133,55 @@ double step_mm(double step_voxels, const Geometry& geometry, const std::array<in
     return std::max(step_voxels * geometry.smallest_spacing_mm(), longest_mm / max_steps);
 }
 
-std::vector<kernel::Rgba> step_table(const OpticalTable& table, double step_mm) {
+namespace {
+
+template <class Alpha>
+std::vector<kernel::Rgba> table_of(const OpticalTable& table, Alpha&& alpha_of) {
     std::vector<kernel::Rgba> steps;
     steps.reserve(table.entries.size());
     for (const auto& e : table.entries) {
-        const float alpha = float(-std::expm1(-double(e.extinction_per_mm) * step_mm));
+        const float alpha = float(alpha_of(double(e.extinction_per_mm)));
         steps.push_back({e.r * alpha, e.g * alpha, e.b * alpha, alpha});
     }
     return steps;
+}
+
+}  // namespace
+
+std::vector<kernel::Rgba> step_table(const OpticalTable& table, double step_mm) {
+    return table_of(table, [=](double extinction_per_mm) { return -std::expm1(-extinction_per_mm * step_mm); });
+}
+
+std::vector<kernel::Rgba> emission_table(const OpticalTable& table, double step_mm) {
+    return table_of(table, [=](double extinction_per_mm) { return extinction_per_mm * step_mm; });
+}
+
+void check_ends(const RaySettings& settings, const Frame& frame) {
+    if (!settings.ends) return;
+    const RayEnds& ends = *settings.ends;
+    if (ends.width != frame.width || ends.height != frame.height ||
+        ends.mm.size() != std::size_t(frame.width) * frame.height)
+        throw Error(ErrorCode::usage, "the depths at which rays end are those of a picture of another size");
+}
+
+kernel::March march_of(Mode mode) {
+    if (mode == Mode::iso) return kernel::March::surfaces;
+    if (mode == Mode::mip || mode == Mode::minip) return kernel::March::extreme;
+    return mode == Mode::mean ? kernel::March::mean : kernel::March::volume;
+}
+
+kernel::MarchOptions march_options(const RaySettings& settings, Mode mode) {
+    if (mode == Mode::additive)
+        return {.classification = kernel::Classification::post, .backwards = false, .additive = true};
+    return {.classification = kernel::Classification(settings.classification),
+            .backwards = settings.compositing == Compositing::back_to_front,
+            .additive = false};
+}
+
+kernel::ExtremeView extreme_view(const DeviceVolume::Data& volume, Mode mode) {
+    const bool is_largest = (mode == Mode::mip) == (volume.scale > 0);  // of stored values
+    if (is_largest) return {volume.cells.high.data(), volume.stored_max, 1};
+    return {volume.cells.low.data(), volume.stored_min, -1};
 }
 
 RayTables make_tables(const Medium::Data& medium, const RaySettings& settings, int threads,
@@ -140,11 +189,15 @@ RayTables make_tables(const Medium::Data& medium, const RaySettings& settings, i
     // Where nothing is integrated a value shows as one reference length of it.
     const DeviceVolume::Data& volume = medium.volume.data();
     const double step_mm = chiaro::step_mm(settings.step_voxels, volume.geometry, volume.dimensions);
-    const bool integrated = medium.shape.mode != Mode::mip;
+    const Mode mode = medium.shape.mode;
     const OpticalTable table = with_albedos(medium.table, albedo_limit);
-    RayTables tables{step_table(table, integrated ? step_mm : table.unit_mm), {}, {}};
-    if (by_surface && medium.shape.mode == Mode::dvr) tables.surface.emplace(medium);
-    if (medium.shape.mode == Mode::dvr && settings.classification == Classification::preintegrated)
+    const bool integrated = is_lit(mode) || mode == Mode::additive;
+    RayTables tables{mode == Mode::additive ? emission_table(table, step_mm)
+                                            : step_table(table, integrated ? step_mm : table.unit_mm),
+                     {},
+                     {}};
+    if (by_surface && mode == Mode::dvr) tables.surface.emplace(medium);
+    if (mode == Mode::dvr && settings.classification == Classification::preintegrated)
         tables.segments = segment_table(medium, step_mm, albedo_limit, threads);
     return tables;
 }

@@ -15,6 +15,8 @@
 
 namespace chiaro {
 
+/// Of the view, in the unit of its half height.
+double half_width(const Camera& camera, int width, int height);
 kernel::CameraView camera_view(const Camera& camera, const Geometry& geometry, int width, int height);
 kernel::ShadingView shading_view(const Lighting& lighting, const Camera& camera, const DeviceVolume::Data& volume,
                                  ColorMode color);
@@ -26,6 +28,8 @@ double step_mm(double step_voxels, const Geometry& geometry, const std::array<in
 
 /// The optical table for steps of `step_mm`: α = 1 - exp(-κ h), colours premultiplied.
 std::vector<kernel::Rgba> step_table(const OpticalTable& table, double step_mm);
+/// The same of what adds up: κ h.
+std::vector<kernel::Rgba> emission_table(const OpticalTable& table, double step_mm);
 
 /// What the kernel looks colours up in.
 struct RayTables {
@@ -53,6 +57,12 @@ kernel::ClipView clip_view(const Clip& clip, const Geometry& geometry, const std
 kernel::SolidView solid_view(double step_voxels);
 kernel::SurfacesView surfaces_view(const Medium::Data& medium, bool backwards, std::optional<double> albedo_limit = {});
 
+/// Throws Error{usage} where rays are to end in a picture of another size.
+void check_ends(const RaySettings& settings, const Frame& frame);
+kernel::March march_of(Mode mode);
+kernel::MarchOptions march_options(const RaySettings& settings, Mode mode);
+kernel::ExtremeView extreme_view(const DeviceVolume::Data& volume, Mode mode);
+
 /// Through each pixel, at least, where a lens blurs what is not in focus.
 inline constexpr int lens_rays = 64;
 
@@ -73,7 +83,8 @@ kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, cons
                    .occupancy = {medium.cells.data(), cell_count(nx), cell_count(ny)},
                    .table = step_table_view(medium.table, tables),
                    .segments = segment_table_view(tables.segments.get()),
-                   .shading = shading_view(lighting, camera, volume, medium.shape.color),
+                   .shading = shading_view(is_lit(medium.shape.mode) ? lighting : Lighting{.shading = Shading::none},
+                                           camera, volume, medium.shape.color),
                    .field = field,
                    .cutoff = float(settings.early_termination),
                    .cut_alpha = float(1 - std::exp2(-settings.step_voxels)),  // ½ over one voxel
@@ -83,14 +94,15 @@ kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, cons
                    .skip_empty = settings.skip_empty,
                    .shows_cuts = shows_cuts},
         .camera = camera_view(camera, volume.geometry, frame.width, frame.height),
-        .frame = {reinterpret_cast<kernel::Rgba*>(frame.rgba.data()), frame.width},
+        .frame = {reinterpret_cast<kernel::Rgba*>(frame.rgba.data()), frame.width,
+                  settings.ends ? settings.ends->mm.data() : nullptr},
         .box_low = {low(nx), low(ny), low(nz)},
         .box_high = {high(nx), high(ny), high(nz)},
         .clip_view = clip_view(medium.shape.clip, volume.geometry, volume.dimensions),
         .surfaces = surfaces_view(medium, backwards, albedo_limit),
-        .maximum = {volume.cells.high.data(), volume.stored_max},
-        .mode = kernel::March(medium.shape.mode),
-        .way = {kernel::Classification(settings.classification), backwards},
+        .extreme = extreme_view(volume, medium.shape.mode),
+        .mode = march_of(medium.shape.mode),
+        .way = march_options(settings, medium.shape.mode),
         .step_mm = float(step_mm(settings.step_voxels, volume.geometry, volume.dimensions)),
         .rays_per_pixel =
             camera.aperture_mm > 0 ? std::max(settings.samples_per_pixel, lens_rays) : settings.samples_per_pixel,

@@ -10,11 +10,14 @@ enum class Classification : std::int32_t { post, pre, preintegrated };
 /// How a volume is marched through: the usual way, known when compiling, and any other.
 struct CommonMarch {
     static constexpr Classification classification = Classification::post;
-    static constexpr bool backwards = false;
+    static constexpr bool backwards = false, additive = false;
 };
 struct MarchOptions {
     Classification classification;
-    bool backwards;
+    bool backwards, additive;
+    CHIARO_INLINE bool operator==(CommonMarch common) const {
+        return classification == common.classification && backwards == common.backwards && additive == common.additive;
+    }
 };
 
 /// The value at the end of a pre-integrated step, kept for the next one.
@@ -46,11 +49,12 @@ CHIARO_INLINE Classified<F> classify_step(const Matter& matter, const Lattice<F>
     return {matter.segments.between(near, far, matter.table), F(0.5f) * (near + far)};
 }
 
-/// Opacity correction of the last, shorter step: 1 - (1 - α)^rest.
+/// Opacity correction of the last, shorter step: 1 - (1 - α)^rest; of what adds up α rest.
 template <class F>
-CHIARO_INLINE void shorten_last(const Lattice<F>& lattice, Mask<F> last, RgbaLanes<F>& colour, F& alpha) {
+CHIARO_INLINE void shorten_last(const Lattice<F>& lattice, bool additive, Mask<F> last, RgbaLanes<F>& colour,
+                                F& alpha) {
     if (!any(last)) return;
-    const F shorter = F(1) - pow(max(F(1) - alpha, F(0)), lattice.rest);
+    const F shorter = additive ? alpha * lattice.rest : F(1) - pow(max(F(1) - alpha, F(0)), lattice.rest);
     const F ratio = select(last, shorter / max(alpha, F(1e-30f)), F(1));
     colour = scale(colour, ratio);
     alpha = alpha * ratio;
@@ -86,14 +90,17 @@ CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& 
     const Cut<F> solid{cut.normal, Mask<F>(sampled & (k < cut_end)), cut.number};
     SamplePoint<F> sample{p, c.value};
     sample.solid = matter.solid.of(alpha);
-    shorten_last(lattice, visible & (k >= lattice.full), c.colour, alpha);
+    shorten_last(lattice, way.additive, visible & (k >= lattice.full), c.colour, alpha);
     matter.light(at, solid, visible, {lattice, k, way.backwards}, met, sample, c.colour);
     if (emits) {
         c.colour = accumulate(c.colour, F(1), emission);
         alpha = alpha + alpha_of(emission);
     }
     ray.reach(visible, p);
-    ray.add(way.backwards, visible, c.colour, alpha);
+    if (way.additive)
+        ray.add_emission(visible, c.colour);
+    else
+        ray.add(way.backwards, visible, c.colour, alpha);
 }
 
 /// How many steps behind a cut lie in matter that is solid from there on: they have the plane's normal and its light.

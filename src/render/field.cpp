@@ -18,9 +18,9 @@ namespace {
 void check_computable(const Shape& shape, const IlluminationSettings& settings) {
     if (settings.method == Method::none)
         throw Error(ErrorCode::usage, "lighting method none computes no field: choose another, such as spao");
-    if (shape.mode == Mode::mip)
+    if (!is_lit(shape.mode))
         throw Error(ErrorCode::usage,
-                    "a maximum along a ray has no place that could be lit: fields go with dvr and iso");
+                    "a value of a whole ray has no place that could be lit: fields go with dvr and iso");
     if (settings.method == Method::reference && settings.reference.quantity == ReferenceQuantity::radiance)
         throw Error(ErrorCode::usage,
                     "the reference's quantity radiance is a picture, no field: write it with chiaro render, or choose "

@@ -22,7 +22,7 @@ constexpr double edges_before = 2;
 void check_measurable(const Scene& scene) {
     const IlluminationSettings& light = scene.illumination;
     const auto refuse = [](const char* why) { throw Error(ErrorCode::usage, fmt::format("not measured: {}", why)); };
-    if (scene.mode == Mode::mip) refuse("a maximum along a ray has no place that could be lit");
+    if (!is_lit(scene.mode)) refuse("a value of a whole ray has no place that could be lit");
     if (light.method == Method::none) refuse("without a lighting method all light arrives");
     if (is_path_traced(light)) refuse("the reference is what is measured against");
     if (light.method == Method::histogram && !light.histogram.effects.ao)

@@ -206,9 +206,10 @@ void check(const Scene& scene, ErrorCode code) {
         throw Error(code, "camera: eye and target need each other");
     if (scene.camera.fit_centre.has_value() != scene.camera.fit_radius_mm.has_value())
         throw Error(code, "camera: fit_centre and fit_radius need each other");
-    if (scene.camera.aperture_mm > 0 && scene.mode == Mode::mip)
+    if (scene.camera.aperture_mm > 0 && !is_lit(scene.mode))
         throw Error(code,
-                    "camera: --aperture has no meaning with --mode mip: the largest value along a ray has no depth");
+                    fmt::format("camera: --aperture has no meaning with --mode {}: a value of a whole ray has no depth",
+                                to_text(scene.mode)));
     const Method method = scene.illumination.method;
     const bool has_probe = !scene.lighting.probe.source.empty() || scene.lighting.loaded_probe;
     if (scene.lighting.probe.background && !has_probe && (method == Method::none || method == Method::spao))

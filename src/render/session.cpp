@@ -103,9 +103,11 @@ struct Session::State {
         look_from(camera, upload.result.geometry().world);
         if (camera.fit == Fit::volume || camera.fit_centre) return camera;
         camera.zoom = 1;
+        RaySettings rays = scene.sampling;
+        rays.ends = nullptr;
         const auto [width, height] = std::pair(scene.width, scene.height);
-        redo("fit", fit, {classify.version, camera, scene.sampling, {width, height}}, [&](CameraSettings& found) {
-            found = fit_camera(device, classify.result.medium, camera, scene.sampling, width, height, progress);
+        redo("fit", fit, {classify.version, camera, rays, {width, height}}, [&](CameraSettings& found) {
+            found = fit_camera(device, classify.result.medium, camera, rays, width, height, progress);
         });
         camera = fit.result, camera.zoom = scene.camera.zoom;
         return camera;

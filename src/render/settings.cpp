@@ -11,8 +11,10 @@ void put_away(Scene& scene, const GivenSettings& given) {
         scene.transfer.opacity_unit.reset(), scene.transfer.opacity_unit_mm.reset();
     if (is_given("background")) scene.lighting.probe.background = false;
     const bool turns_orbit = is_given("azimuth") || is_given("elevation") || is_given("view");
-    if (turns_orbit) scene.camera.eye.reset(), scene.camera.target.reset();
-    if (turns_orbit || is_given("eye") || is_given("target")) scene.camera.view.reset(), scene.camera.by_frame = false;
+    const bool is_aimed = is_given("eye") || is_given("target"), is_matrix = is_given("camera-matrix");
+    if (turns_orbit || is_matrix) scene.camera.eye.reset(), scene.camera.target.reset();
+    if (turns_orbit || is_aimed) scene.camera.matrix.reset();
+    if (turns_orbit || is_aimed || is_matrix) scene.camera.view.reset(), scene.camera.by_frame = false;
     if (is_given("up")) scene.camera.by_frame = false;
     if (is_given("fit")) scene.camera.fit_centre.reset(), scene.camera.fit_radius_mm.reset();  // found anew
 }

@@ -69,6 +69,7 @@ std::string to_text(const Rgb& c) { return fmt::format("{},{},{}", c[0], c[1], c
 std::string to_text(const std::pair<double, double>& p) { return fmt::format("{},{}", p.first, p.second); }
 std::string to_text(const std::array<int, 3>& n) { return fmt::format("{}x{}x{}", n[0], n[1], n[2]); }
 std::string to_text(const std::array<double, 6>& value) { return fmt::format("{}", fmt::join(value, ",")); }
+std::string to_text(const Matrix4& value) { return fmt::format("{}", fmt::join(value, ",")); }
 std::string to_text(const ClipPlane& value) { return to_text(value.normal) + "," + to_text(value.d); }
 
 std::string to_text(const IsoSurface& value) {
@@ -131,6 +132,11 @@ void from_text(std::string_view text, std::array<int, 3>& value) {
 }
 void from_text(std::string_view text, std::array<double, 6>& value) {
     const auto v = numbers(text, 6, "six numbers X0,X1,Y0,Y1,Z0,Z1");
+    std::copy(v.begin(), v.end(), value.begin());
+}
+
+void from_text(std::string_view text, Matrix4& value) {
+    const auto v = numbers(text, 16, "sixteen numbers, a matrix row by row");
     std::copy(v.begin(), v.end(), value.begin());
 }
 

@@ -66,6 +66,7 @@ std::vector<PackedHistogram> found_here(const Device& device, const HistogramDat
         choose(data.cells, wanted_cells, its);
         auto& to = found[std::size_t(b)];
         const auto wanted = [&](int j, int k) {
+            progress.check();  // a block takes a while
             return std::any_of(its.row(j, k), its.row(j, k) + its.width(), [](auto c) { return c != 0; });
         };
         source->find(its.block, 1, wanted, [&](int j, int k, const PackedHistogram* h) {

@@ -1,0 +1,30 @@
+// From VTK's data to Chiaro's volume.
+#pragma once
+#include <chiaro/volume.h>
+
+#include <optional>
+
+class vtkDataArray;
+class vtkImageData;
+class vtkMatrix4x4;
+
+namespace chiaro::from_vtk {
+
+/// How a volume stands in VTK's world. What keeps angles belongs to the camera, so that moving a volume reads no voxel
+/// again; any other matrix to the volume's own geometry.
+struct Placement {
+    std::array<double, 16> world_from_volume;  ///< by rows
+    double scale;                              ///< of lengths by it
+    Geometry geometry;                         ///< of the voxels: in the space behind that
+};
+
+/// `at_cells`: values stand at the centres of cells.
+Placement placement_of(vtkImageData& image, bool at_cells, vtkMatrix4x4& matrix);
+
+/// None for a type that Chiaro has none for (bits).
+std::optional<VoxelType> type_of(vtkDataArray& scalars);
+
+/// The voxels are VTK's own, which it keeps.
+Volume volume_of(vtkImageData& image, vtkDataArray& scalars, bool at_cells, const Geometry& geometry);
+
+}  // namespace chiaro::from_vtk

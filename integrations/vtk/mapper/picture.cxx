@@ -1,0 +1,71 @@
+#include "picture.h"
+
+#include "vtkNew.h"
+#include "vtkOpenGLQuadHelper.h"
+#include "vtkOpenGLRenderWindow.h"
+#include "vtkOpenGLShaderCache.h"
+#include "vtkOpenGLState.h"
+#include "vtkRenderer.h"
+#include "vtkShaderProgram.h"
+#include "vtkTextureObject.h"
+#include "vtk_glew.h"
+
+namespace chiaro::from_vtk {
+namespace {
+
+constexpr const char* fragment_shader = R"(//VTK::System::Dec
+//VTK::Output::Dec
+in vec2 texCoord;
+uniform sampler2D picture;
+void main() { gl_FragData[0] = texture(picture, texCoord); }
+)";
+
+}  // namespace
+
+struct Picture::Texture {
+    vtkNew<vtkTextureObject> object;
+};
+
+Picture::Picture() = default;
+Picture::~Picture() = default;
+
+bool Picture::draw(vtkRenderer& renderer, int width, int height, const std::vector<float>& rgba) {
+    auto* window = vtkOpenGLRenderWindow::SafeDownCast(renderer.GetVTKWindow());
+    if (!window) return false;
+    if (!texture_) texture_ = std::make_unique<Texture>();
+    vtkTextureObject& texture = *texture_->object;
+    texture.SetContext(window);
+    texture.SetMinificationFilter(vtkTextureObject::Linear);
+    texture.SetMagnificationFilter(vtkTextureObject::Linear);
+    texture.SetWrapS(vtkTextureObject::ClampToEdge);
+    texture.SetWrapT(vtkTextureObject::ClampToEdge);
+    if (!texture.Create2DFromRaw(unsigned(width), unsigned(height), 4, VTK_FLOAT, const_cast<float*>(rgba.data())))
+        return false;
+    if (!quad_) quad_ = std::make_unique<vtkOpenGLQuadHelper>(window, nullptr, fragment_shader, nullptr);
+    if (!quad_->Program) return false;
+
+    vtkOpenGLState* state = window->GetState();
+    const vtkOpenGLState::ScopedglEnableDisable depth_test(state, GL_DEPTH_TEST), blend(state, GL_BLEND),
+        culling(state, GL_CULL_FACE);
+    const vtkOpenGLState::ScopedglDepthMask depth_mask(state);
+    const vtkOpenGLState::ScopedglBlendFuncSeparate function(state);
+    state->vtkglDisable(GL_DEPTH_TEST);  // rays have ended where they are hidden
+    state->vtkglDisable(GL_CULL_FACE);
+    state->vtkglDepthMask(GL_FALSE);
+    state->vtkglEnable(GL_BLEND);
+    state->vtkglBlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+    window->GetShaderCache()->ReadyShaderProgram(quad_->Program);
+    texture.Activate();
+    quad_->Program->SetUniformi("picture", texture.GetTextureUnit());
+    quad_->Render();
+    texture.Deactivate();
+    return true;
+}
+
+void Picture::release(vtkWindow* window) {
+    quad_.reset();
+    if (texture_) texture_->object->ReleaseGraphicsResources(window);
+    texture_.reset();
+}
+
+}  // namespace chiaro::from_vtk

@@ -1,0 +1,27 @@
+// Draws a picture over what a renderer has drawn so far.
+#pragma once
+#include <memory>
+#include <vector>
+
+class vtkOpenGLQuadHelper;
+class vtkRenderer;
+class vtkTextureObject;
+class vtkWindow;
+
+namespace chiaro::from_vtk {
+
+class Picture {
+public:
+    Picture();
+    ~Picture();
+    /// Premultiplied RGBA by rows from the bottom, stretched over the renderer's viewport. False without OpenGL.
+    bool draw(vtkRenderer& renderer, int width, int height, const std::vector<float>& rgba);
+    void release(vtkWindow* window);
+
+private:
+    struct Texture;
+    std::unique_ptr<Texture> texture_;
+    std::unique_ptr<vtkOpenGLQuadHelper> quad_;
+};
+
+}  // namespace chiaro::from_vtk

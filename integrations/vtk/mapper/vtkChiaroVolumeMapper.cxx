@@ -1,0 +1,215 @@
+#include "vtkChiaroVolumeMapper.h"
+
+#include <chiaro/describe.h>
+#include <chiaro/error.h>
+#include <chiaro/session.h>
+
+#include <algorithm>
+#include <chrono>
+#include <set>
+
+#include "data.h"
+#include "look.h"
+#include "picture.h"
+#include "view.h"
+#include "vtkDataArray.h"
+#include "vtkImageData.h"
+#include "vtkMatrix4x4.h"
+#include "vtkObjectFactory.h"
+#include "vtkRenderWindow.h"
+#include "vtkRenderer.h"
+#include "vtkVolume.h"
+#include "vtkVolumeProperty.h"
+
+vtkStandardNewMacro(vtkChiaroVolumeMapper);
+
+using namespace chiaro;
+
+namespace {
+
+/// What a shown volume was made from.
+struct Shown {
+    vtkDataArray* scalars = nullptr;
+    vtkMTimeType time = 0;  ///< of the image and its scalars
+    bool at_cells = false;
+    Geometry geometry;
+    int threads = 0;
+    bool operator==(const Shown&) const = default;
+};
+
+std::string written(std::string_view name, std::string_view value) {
+    return std::string(name) + " " + std::string(value);
+}
+
+/// Throws Error{usage} for a name that is no setting of a look.
+void check_name(std::string_view name) {
+    bool is_known = false;
+    Scene scene;
+    for_each_setting(
+        [&](const Setting& setting, const auto&...) {
+            if (name.empty() || setting.name != name) return;
+            if (setting.key.starts_with("volume.") ||
+                (setting.key.starts_with("camera.") && name != "aperture" && name != "focus") || name == "size")
+                throw Error(ErrorCode::usage, std::string(name) + ": the data and the renderer's camera say that");
+            is_known = true;
+        },
+        scene);
+    if (!is_known)
+        throw Error(ErrorCode::usage, std::string(name) + ": no setting has this name; chiaro render --help tells all");
+}
+
+/// Rows from the bottom, as a window shows them: of the frame with its exposure, or of a picture that was bent or
+/// encoded.
+std::vector<float> shown_rows(const Frame& frame, const Image& image, const ToneMap& tone, bool as_it_is) {
+    std::vector<float> rows(std::size_t(4) * frame.width * frame.height);
+    const Frame exposed = as_it_is ? expose(frame, tone) : Frame();
+    for (int y = 0; y < frame.height; ++y)
+        for (int x = 0; x < frame.width; ++x) {
+            const std::size_t from = 4 * (std::size_t(frame.height - 1 - y) * frame.width + x);
+            float* to = &rows[4 * (std::size_t(y) * frame.width + x)];
+            if (as_it_is)
+                std::copy_n(&exposed.rgba[from], 4, to);
+            else
+                for (std::size_t c = 0; c < 4; ++c)
+                    to[c] = image.pixels[from + c] / 255.0f * (c < 3 ? image.pixels[from + 3] / 255.0f : 1);
+        }
+    return rows;
+}
+
+}  // namespace
+
+struct vtkChiaroVolumeMapper::Internals {
+    GivenSettings given;
+    Shown shown;
+    std::unique_ptr<Session> session;
+    std::shared_ptr<const RayEnds> ends;
+    std::set<std::string> warned;
+    from_vtk::Picture picture;
+    double seconds_a_pixel = 0;
+
+    /// The last ones where they are the same: rays need not be cast again.
+    void keep(std::shared_ptr<const RayEnds> newest) {
+        if (newest && ends && newest->width == ends->width && newest->height == ends->height && newest->mm == ends->mm)
+            return;
+        ends = std::move(newest);
+    }
+};
+
+vtkChiaroVolumeMapper::vtkChiaroVolumeMapper() : Self(std::make_unique<Internals>()) {}
+vtkChiaroVolumeMapper::~vtkChiaroVolumeMapper() = default;
+
+bool vtkChiaroVolumeMapper::SetSetting(const char* name, const char* value) {
+    const std::string key = name ? name : "", text = value ? value : "";
+    try {
+        check_name(key);
+        GivenSettings given = this->Self->given;
+        if (text.empty())
+            given.erase(key);
+        else
+            given[key] = text;
+        Scene scene;
+        if (!text.empty()) set_by_name(scene, {{key, text}}, written);
+        if (given != this->Self->given) this->Modified();
+        this->Self->given = std::move(given);
+        return true;
+    } catch (const Error& error) {
+        vtkErrorMacro(<< error.what());
+        return false;
+    }
+}
+
+const char* vtkChiaroVolumeMapper::GetSetting(const char* name) {
+    const auto found = this->Self->given.find(std::string_view(name ? name : ""));
+    return found == this->Self->given.end() ? "" : found->second.c_str();
+}
+
+bool vtkChiaroVolumeMapper::SetStrength(double strength) {
+    return this->SetSetting("strength", std::to_string(strength).c_str());
+}
+
+void vtkChiaroVolumeMapper::WarnOnce(const std::string& what) {
+    if (this->Self->warned.insert(what).second) vtkWarningMacro(<< what);
+}
+
+void vtkChiaroVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volume) {
+    const auto start = std::chrono::steady_clock::now();
+    try {
+        this->Draw(renderer, volume);
+    } catch (const std::exception& error) {
+        vtkErrorMacro(<< error.what());
+    }
+    this->TimeToDraw = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void vtkChiaroVolumeMapper::Draw(vtkRenderer* renderer, vtkVolume* volume) {
+    vtkImageData* image = vtkImageData::SafeDownCast(this->GetInput());
+    if (!image) return this->WarnOnce("not drawn: rectilinear grids");
+    int at_cells = 0;
+    vtkDataArray* scalars = vtkAbstractMapper::GetScalars(image, this->ScalarMode, this->ArrayAccessMode, this->ArrayId,
+                                                          this->ArrayName, at_cells);
+    if (!scalars) return this->WarnOnce("not drawn: an image without scalars");
+    vtkVolumeProperty* property = volume->GetProperty();
+    if (const std::string what = from_vtk::not_drawn(*this, *property, *image, *scalars); !what.empty())
+        return this->WarnOnce("not drawn: " + what);
+
+    Internals& self = *this->Self;
+    const from_vtk::Placement place = from_vtk::placement_of(*image, at_cells, *volume->GetMatrix());
+    const Shown shown{scalars, std::max(image->GetMTime(), scalars->GetMTime()), at_cells != 0, place.geometry,
+                      this->NumberOfThreads};
+    chiaro::Progress progress;
+    if (!self.session || shown != self.shown) {
+        self.session = std::make_unique<Session>(choose_device(Device::cpu(this->NumberOfThreads)).device);
+        self.shown = {};  // an exception leaves nothing that could serve
+        const Volume voxels = from_vtk::volume_of(*image, *scalars, at_cells, place.geometry);
+        self.session->show(voxels, progress);
+        self.shown = shown;
+    }
+
+    Scene scene;
+    std::string note;
+    const bool encodes_itself = renderer->GetRenderWindow()->GetUseSRGBColorSpace();
+    scene.output.color = encodes_itself ? ColorMode::linear : ColorMode::display;
+    scene.output.transparent = true;
+    from_vtk::set_look(scene, *this, *property, *image, *renderer, place, note);
+    if (!note.empty()) this->WarnOnce(note);
+    if (scene.clip.box)
+        for (std::size_t a = 0; a < 3; ++a)
+            if (!((*scene.clip.box)[2 * a] < (*scene.clip.box)[2 * a + 1])) return;  // nothing is kept
+    scene.sampling.step_voxels =
+        this->SampleDistance > 0 ? this->SampleDistance / (place.scale * place.geometry.smallest_spacing_mm()) : 0.5;
+    set_by_name(scene, self.given, written);
+
+    const from_vtk::Viewport view = from_vtk::viewport_of(*renderer);
+    if (view.width < 1 || view.height < 1) return;
+    double apart = this->ImageSampleDistance;
+    if (const double allowed = volume->GetAllocatedRenderTime(); this->AutoAdjustSampleDistances && allowed > 0)
+        apart = std::clamp(std::sqrt(self.seconds_a_pixel * view.width * view.height / allowed), apart, 10.0);
+    scene.width = std::max(int(view.width / apart), 1), scene.height = std::max(int(view.height / apart), 1);
+    scene.camera.matrix = from_vtk::matrix_of(*renderer, place);
+    self.keep(this->IntermixIntersectingGeometry
+                  ? from_vtk::ends_of(*renderer, view, *scene.camera.matrix, scene.width, scene.height)
+                  : nullptr);
+    scene.sampling.ends = self.ends;
+
+    const Image& picture = self.session->render(scene, progress);
+    for (const Stage& stage : self.session->stages())
+        if (stage.name == "raycast" && stage.seconds > 0)
+            self.seconds_a_pixel = stage.seconds / (double(scene.width) * scene.height);
+    const bool as_it_is =
+        scene.output.tone == Tone::none && (scene.output.color == ColorMode::linear) == encodes_itself;
+    if (!self.picture.draw(*renderer, scene.width, scene.height,
+                           shown_rows(self.session->frame(), picture, scene.output, as_it_is)))
+        this->WarnOnce("not drawn: a window without OpenGL");
+}
+
+void vtkChiaroVolumeMapper::ReleaseGraphicsResources(vtkWindow* window) { this->Self->picture.release(window); }
+
+void vtkChiaroVolumeMapper::PrintSelf(ostream& os, vtkIndent indent) {
+    this->Superclass::PrintSelf(os, indent);
+    os << indent << "SampleDistance: " << this->SampleDistance << "\n";
+    os << indent << "ImageSampleDistance: " << this->ImageSampleDistance << "\n";
+    os << indent << "AutoAdjustSampleDistances: " << this->AutoAdjustSampleDistances << "\n";
+    os << indent << "IntermixIntersectingGeometry: " << this->IntermixIntersectingGeometry << "\n";
+    os << indent << "NumberOfThreads: " << this->NumberOfThreads << "\n";
+    for (const auto& [name, value] : this->Self->given) os << indent << name << ": " << value << "\n";
+}

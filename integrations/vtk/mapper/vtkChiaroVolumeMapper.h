@@ -1,0 +1,118 @@
+/**
+ * @class   vtkChiaroVolumeMapper
+ * @brief   Draws a volume in Chiaro's light.
+ *
+ * Used like any other volume mapper: `volume->SetMapper(mapper)`. Input is vtkImageData with scalars of one component
+ * at points or cells (of cells the values stand at their centres). Colour and scalar opacity functions, unit distance,
+ * shade and its coefficients come from vtkVolumeProperty, the camera from the renderer, and rays end at what opaque
+ * geometry the depth buffer has. Blend modes: composite, maximum, minimum, average (the mean, shown by the transfer
+ * functions), additive (extinction times colour added up) and isosurface. Cropping to one box, and clipping planes, six
+ * in all.
+ *
+ * What it does not draw it names in one warning, and draws nothing: see docs/vtk.md. Colours are composited as they
+ * are, as other mappers do, unless the setting "color" or the window's sRGB colour space says otherwise.
+ *
+ * Cost: of the first picture the whole way from voxels to light, later only what is to the right of a change: a camera
+ * move is rays, an edit of a function starts at classification. Memory: 1.4 times the voxels, and light.
+ */
+
+#ifndef vtkChiaroVolumeMapper_h
+#define vtkChiaroVolumeMapper_h
+
+#include "vtkChiaroModule.h"  // for export macro
+#include "vtkVolumeMapper.h"
+
+#include <memory>  // for std::unique_ptr
+
+class VTKCHIARO_EXPORT vtkChiaroVolumeMapper : public vtkVolumeMapper {
+public:
+    static vtkChiaroVolumeMapper* New();
+    vtkTypeMacro(vtkChiaroVolumeMapper, vtkVolumeMapper);
+    void PrintSelf(ostream& os, vtkIndent indent) override;
+
+    ///@{
+    /**
+     * Any setting of Chiaro by the name of its flag, such as ("albedo-max", "0.95"); it wins over what the property
+     * says. An empty value takes it back. Not those of the camera and of files. False, with an error that says what was
+     * wrong, for names and values that are none. GetSetting: what was set, else an empty text.
+     */
+    bool SetSetting(const char* name, const char* value);
+    const char* GetSetting(const char* name);
+    ///@}
+
+    ///@{
+    /**
+     * The usual ones: method of lighting (spao, the default, none, visibility, histogram, transport, reference),
+     * environment map (sky, studio, windows, three-point, white, or a file), how much of the occlusion is shown (0 to
+     * 1).
+     */
+    bool SetLighting(const char* method) { return this->SetSetting("lighting", method); }
+    bool SetProbe(const char* probe) { return this->SetSetting("probe", probe); }
+    bool SetStrength(double strength);
+    ///@}
+
+    ///@{
+    /**
+     * Distance of the samples along a ray, in world units. 0, the default: half of the smallest spacing.
+     */
+    vtkSetClampMacro(SampleDistance, double, 0, VTK_DOUBLE_MAX);
+    vtkGetMacro(SampleDistance, double);
+    ///@}
+
+    ///@{
+    /**
+     * Pixels between rays, 1 to 10; 1 by default. With AutoAdjustSampleDistances (on) as many more as keep the time
+     * that the render window allots, which is while one moves the camera.
+     */
+    vtkSetClampMacro(ImageSampleDistance, double, 1, 10);
+    vtkGetMacro(ImageSampleDistance, double);
+    vtkSetMacro(AutoAdjustSampleDistances, bool);
+    vtkGetMacro(AutoAdjustSampleDistances, bool);
+    vtkBooleanMacro(AutoAdjustSampleDistances, bool);
+    ///@}
+
+    ///@{
+    /**
+     * Whether rays end at opaque geometry, by the depth buffer; on by default.
+     */
+    vtkSetMacro(IntermixIntersectingGeometry, bool);
+    vtkGetMacro(IntermixIntersectingGeometry, bool);
+    vtkBooleanMacro(IntermixIntersectingGeometry, bool);
+    ///@}
+
+    ///@{
+    /**
+     * Threads, 0: all that the process may use.
+     */
+    vtkSetClampMacro(NumberOfThreads, int, 0, 1024);
+    vtkGetMacro(NumberOfThreads, int);
+    ///@}
+
+    /**
+     * WARNING: INTERNAL METHOD - NOT INTENDED FOR GENERAL USE
+     */
+    void Render(vtkRenderer* renderer, vtkVolume* volume) override;
+    void ReleaseGraphicsResources(vtkWindow* window) override;
+
+protected:
+    vtkChiaroVolumeMapper();
+    ~vtkChiaroVolumeMapper() override;
+
+private:
+    vtkChiaroVolumeMapper(const vtkChiaroVolumeMapper&) = delete;
+    void operator=(const vtkChiaroVolumeMapper&) = delete;
+
+    void Draw(vtkRenderer* renderer, vtkVolume* volume);
+    void WarnOnce(const std::string& what);
+
+    double SampleDistance = 0;
+    double ImageSampleDistance = 1;
+    bool AutoAdjustSampleDistances = true;
+    bool IntermixIntersectingGeometry = true;
+    int NumberOfThreads = 0;
+
+    struct Internals;
+    std::unique_ptr<Internals> Self;
+};
+
+#endif
