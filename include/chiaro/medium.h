@@ -20,6 +20,7 @@ namespace chiaro {
 class DeviceVolume {
 public:
     struct Data;  // src/volume/device_volume.h
+    struct Splines;
     DeviceVolume() = default;
     explicit DeviceVolume(std::shared_ptr<const Data> data) : data_(std::move(data)) {}
     const Data& data() const { return *data_; }
@@ -74,6 +75,12 @@ struct Clip {
     bool operator==(const Clip&) const = default;
 };
 
+/// How values are found between voxels: linearly; by a cubic B-spline that interpolates the voxels, or with the voxels
+/// as its coefficients, so that it smooths them (Sigg and Hadwiger 2005; Ruijters et al. 2008). By texture: linearly,
+/// where a GPU casts the rays by its texture units, whose weights have 8 fractional bits: each is off by up to 1/256, a
+/// value by up to 3/256 of what the eight voxels around it span; a CPU is always exact, and so are paths.
+enum class Interpolation { linear, cubic, smooth, texture };
+
 /// What of the classified volume is rendered, and how.
 struct Shape {
     Mode mode = Mode::dvr;
@@ -83,6 +90,7 @@ struct Shape {
     double threshold_high = std::numeric_limits<double>::infinity();
     double opacity_scale = 1;  ///< multiplies the extinction
     ColorMode color = ColorMode::linear;
+    Interpolation interpolation = Interpolation::linear;
     bool operator==(const Shape&) const = default;
 };
 

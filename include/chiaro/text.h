@@ -60,7 +60,9 @@ constexpr auto names_of(Mode) { return std::to_array<std::string_view>({"dvr", "
 constexpr auto names_of(Classification) { return std::to_array<std::string_view>({"post", "pre", "preintegrated"}); }
 constexpr auto names_of(Compositing) { return std::to_array<std::string_view>({"front-to-back", "back-to-front"}); }
 constexpr auto names_of(RaySetup) { return std::to_array<std::string_view>({"box", "raster"}); }
-constexpr auto names_of(Interpolation) { return std::to_array<std::string_view>({"exact", "texture"}); }
+constexpr auto names_of(Interpolation) {
+    return std::to_array<std::string_view>({"linear", "cubic", "smooth", "texture"});
+}
 constexpr auto names_of(ColorMode) { return std::to_array<std::string_view>({"linear", "display"}); }
 constexpr auto names_of(Tone) { return std::to_array<std::string_view>({"none", "aces"}); }
 constexpr auto names_of(NrrdEncoding) { return std::to_array<std::string_view>({"raw", "gzip"}); }

@@ -5,6 +5,7 @@
 #include "classify/gpu.h"
 #include "classify/largest.h"
 #include "classify/medium.h"
+#include "volume/splined.h"
 
 namespace chiaro {
 
@@ -63,6 +64,8 @@ Medium classify(const Device& device, const DeviceVolume& volume, const Transfer
         data->volume = with_largest_piece(*data);
         data->table = make_optical_table(data->volume.data(), tf, shape);
     }
+    if (shape.interpolation == Interpolation::cubic || shape.interpolation == Interpolation::smooth)
+        data->volume = splined(data->volume, shape.interpolation == Interpolation::cubic, progress);
     const RangeTest is_visible =
         shape.mode == Mode::iso ? crossed_range(data->volume.data(), shape.iso) : visible_range(data->table);
     find_occupancy(device, is_visible, *data, progress);

@@ -3,6 +3,7 @@
 #include <chiaro/render.h>
 
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -88,7 +89,7 @@ kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, cons
         .box_high = {high(nx), high(ny), high(nz)},
         .clip_view = clip_view(medium.shape.clip, volume.geometry, volume.dimensions),
         .surfaces = surfaces_view(medium, backwards, albedo_limit),
-        .maximum = {volume.cells.high.data(), volume.stored_max},
+        .maximum = {volume.cells.high.data(), volume.coefficients.size() ? std::numeric_limits<float>::max() : volume.stored_max},
         .mode = kernel::March(medium.shape.mode),
         .way = {kernel::Classification(settings.classification), backwards},
         .step_mm = float(step_mm(settings.step_voxels, volume.geometry, volume.dimensions)),

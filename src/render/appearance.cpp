@@ -37,6 +37,7 @@ Shape shape_for(const Scene& scene) {
     }
     shape.opacity_scale = scene.transfer.opacity_scale;
     shape.color = scene.output.color;
+    shape.interpolation = scene.interpolation;
     return shape;
 }
 

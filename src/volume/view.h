@@ -3,6 +3,7 @@
 #include "kernel/gather.h"
 #include "kernel/vec.h"
 #include "volume/bricks.h"
+#include "volume/spline.h"
 
 namespace chiaro::kernel {
 
@@ -26,6 +27,7 @@ struct VolumeView {
     std::int32_t bricks_x, bricks_y;
     Float3 last;                          ///< n - 1 per axis
     std::int32_t last_x, last_y, last_z;  ///< last interval's voxel, max(n - 2, 0)
+    SplineView<Voxel> spline{};
 
     template <class F>
     CHIARO_INLINE Vec3<F> clamp(Vec3<F> p) const {
@@ -51,11 +53,22 @@ struct VolumeView {
                 {p.x - to_float(i.x), p.y - to_float(i.y), p.z - to_float(i.z)}};
     }
 
-    /// Trilinear; in stored units.
+    /// Trilinear, or of the spline; in stored units.
     template <class F>
     CHIARO_INLINE F value(const Location<F>& at) const {
+        if (spline.coefficients) return spline.stored(spline_value<F>(spline.coefficients, at.index, at.t));
         const Four<F> s = along_x(corners(at), at.t.x);
         return lerp(lerp(s.a, s.b, at.t.y), lerp(s.c, s.d, at.t.y), at.t.z);
+    }
+
+    /// Between which values in a voxel interval lie; of a spline with its rounding.
+    template <class F>
+    CHIARO_INLINE Two<F> range(VoxelIndex<F> i) const {
+        const Location<F> at = locate({to_float(i.x), to_float(i.y), to_float(i.z)}, i);
+        if (spline.coefficients) return spline.stored(spline_range<F>(spline.coefficients, at.index));
+        const Four<Two<F>> v = corners(at);
+        return {min(min(min(v.a.a, v.a.b), min(v.b.a, v.b.b)), min(min(v.c.a, v.c.b), min(v.d.a, v.d.b))),
+                max(max(max(v.a.a, v.a.b), max(v.b.a, v.b.b)), max(max(v.c.a, v.c.b), max(v.d.a, v.d.b)))};
     }
 
     /// The eight voxels around a point, in pairs along x: (y, z) = (0, 0), (1, 0), (0, 1), (1, 1).
@@ -64,7 +77,8 @@ struct VolumeView {
         return gather_two(voxels, at.index, {0, brick_row, brick_slice, brick_slice + brick_row});
     }
 
-    /// Central differences of one voxel, interpolated; stored units per voxel. At the border the missing neighbour is
+    /// Central differences of one voxel, interpolated; stored units per voxel. Of splines, too: on balls with edges of .4 to
+    /// 2 voxels in 8 bits the spline's own gradient shows two to three times as much of the grid. At the border the missing neighbour is
     /// the border voxel itself. 32 voxels in 12 loads.
     template <class F>
     CHIARO_INLINE Vec3<F> gradient(const Location<F>& at) const {
