@@ -3,6 +3,7 @@
 
 #include <random>
 
+#include "classify/medium.h"
 #include "fixtures.h"
 #include "volume/device_view.h"
 #include "volume/splined.h"
@@ -187,4 +188,66 @@ TEST(Spline, IsMadeOnceAndTakesOneCopyOfTheBricks) {
     EXPECT_LT(made.bytes() - voxels.data().bricks.size(), 1.35 * double(voxels.data().bricks.size()));
     const DeviceVolume smoothed = splined(voxels, false);
     EXPECT_EQ(smoothed.data().coefficients.data(), voxels.data().bricks.data());
+}
+
+// Noise is what normal noise was made with; smooth edges add little, and what a mask leaves of them much.
+TEST(Noise, IsMeasuredAsItWasMade) {
+    const std::array<int, 3> n{80, 80, 80};
+    const auto of = [&](double sigma, double edge) {
+        std::mt19937 random(6);
+        std::normal_distribution<double> normal(0, 1);
+        return measure(sampled<float>(n, [&](double x, double y, double z) {
+            const double r = std::hypot(x - 40.3, y - 39.6, z - 40.1);
+            const double ball = edge > 0 ? 100 / (1 + std::exp((r - 25) / edge)) : r < 25 ? 100 : 0;
+            return ball + sigma * (ball > 4) * normal(random);
+        }));
+    };
+    EXPECT_LT(of(0, 0.4).noise, 0.01);
+    EXPECT_LT(of(0, 2).noise, 0.001);
+    EXPECT_GT(of(0, 0).noise, worth_smoothing);
+    for (const double sigma : {2.0, 4.0, 8.0}) {
+        const Statistics found = of(sigma, 2);
+        const double made = sigma / (found.p999 - found.p1);
+        EXPECT_NEAR(found.noise, 0.9 * made, 0.2 * made) << sigma;  // a little goes with the edge's gradient
+    }
+}
+
+TEST(Noise, DoesNotDependOnTheUnit) {
+    Volume volume = noise<std::int16_t>(across_bricks);
+    const double before = measure(volume).noise;
+    volume.slope = 0.5, volume.intercept = -20;
+    EXPECT_NEAR(measure(volume).noise, before, 1e-12);
+    EXPECT_EQ(measure(sampled<std::uint8_t>({2, 9, 9}, [](double x, double, double) { return x; })).noise, 0);
+}
+
+TEST(Interpolation, IsChosenByNoiseAndWhatIsThin) {
+    std::mt19937 random(7);
+    const auto medium = [&](bool is_thin) {
+        const Volume volume = sampled<std::uint8_t>({48, 48, 48}, [&](double x, double y, double z) {
+            const bool inside = is_thin ? std::fmod(x, 6) == 0 && std::fmod(y, 6) == 0 && z > 4 && z < 43
+                                        : std::hypot(x - 24, y - 24, z - 24) < 16;
+            return inside ? 200 - int(random() % 30) : 0;
+        });
+        TransferFunction tf = constant(0.9);
+        tf.points = {{120, {1, 1, 1}, 0}, {130, {1, 1, 1}, 0.9}};
+        return classify(upload(tested_device(), volume), tf, {});
+    };
+    EXPECT_EQ(interpolation_for(medium(false), 0.03), Interpolation::smooth);
+    EXPECT_EQ(interpolation_for(medium(false), 0.01), Interpolation::cubic);
+    EXPECT_EQ(interpolation_for(medium(true), 0.03), Interpolation::cubic);  // keeps .44 of 200
+}
+
+TEST(Interpolation, OfAMediumIsThatOfItsShape) {
+    const Device device = tested_device();
+    const Volume volume = sampled<std::uint8_t>({40, 36, 44}, [](double x, double y, double z) { return shells(x, y, z, 42); });
+    const DeviceVolume voxels = upload(device, volume);
+    for (const Interpolation interpolation : {Interpolation::linear, Interpolation::cubic, Interpolation::smooth}) {
+        const Medium made = classify(voxels, two_materials(), {.interpolation = interpolation});
+        for (const Interpolation before : {Interpolation::linear, Interpolation::smooth}) {
+            const Medium other = with_interpolation(
+                device, classify(voxels, two_materials(), {.interpolation = before}), interpolation);
+            EXPECT_EQ(other.data().cells, made.data().cells);
+            EXPECT_EQ(&other.data().volume.data(), &made.data().volume.data());
+        }
+    }
 }

@@ -72,7 +72,7 @@ void describe(Visit&& visit, S& s) {
     visit(Setting{"iso", "iso", "", "adds an isosurface at a value, in the transfer function's colour or another"}
           .written("VALUE[,COLOR][@OPACITY]").kept(SceneForm::surfaces), s.iso);
     visit(Setting{"interpolation", "sampling.interpolation", "",
-                  "values between voxels: linear; of a cubic B-spline through the voxels, or of one that smooths them; or linear by a GPU's texture units, with weights of 8 fractional bits"},
+                  "values between voxels: linear; cubic, of a B-spline through the voxels, or smooth, of one that they are the coefficients of; auto: linear drafts, then cubic, or smooth where there is noise and nothing thin; texture: linear by a GPU's texture units, with weights of 8 fractional bits"},
           s.interpolation);
     visit(Setting{"background", "background", "",
                   "colour behind the volume: a CSS name, #rrggbb or r,g,b; or nothing, or the environment map"}
