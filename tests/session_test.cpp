@@ -298,6 +298,36 @@ TEST_F(SessionTest, DraftsByTheLightAtHand) {
     EXPECT_EQ(redone(), "") << "what render keeps stays kept";
 }
 
+TEST_F(SessionTest, DraftsAreLinearWhereFinalPicturesAreCubic) {
+    scene.camera.fit = Fit::visible;
+    const auto drawn = [&](Interpolation interpolation, bool is_draft) {
+        scene.interpolation = interpolation;
+        return is_draft ? session.preview(scene, progress).pixels : session.render(scene, progress).pixels;
+    };
+    const auto linear = drawn(Interpolation::linear, false);
+    const CameraSettings camera = session.camera();
+    EXPECT_EQ(drawn(Interpolation::automatic, true), linear);
+    const auto cubic = drawn(Interpolation::automatic, false);
+    EXPECT_EQ(session.camera(), camera);
+    EXPECT_NE(cubic, linear);
+    EXPECT_EQ(drawn(Interpolation::cubic, false), cubic);
+    EXPECT_EQ(drawn(Interpolation::cubic, true), cubic) << "who names one gets it at once";
+    EXPECT_EQ(drawn(Interpolation::automatic, true), linear);
+    EXPECT_EQ(render_image(tested_device(), scene, progress).pixels, cubic);
+    scene.sampling.classification = Classification::pre;  // of materials
+    EXPECT_EQ(drawn(Interpolation::automatic, false), drawn(Interpolation::linear, false));
+}
+
+// A preview that is lit finds the light of the final picture, which then need not be found again.
+TEST_F(SessionTest, LitDraftsHaveTheFinalPicturesLight) {
+    scene.illumination.method = Method::spao;
+    scene.interpolation = Interpolation::automatic;
+    EXPECT_TRUE(session.needs_light(scene));
+    session.preview(scene, progress, true);
+    EXPECT_FALSE(session.needs_light(scene));
+    EXPECT_EQ(redone(), "raycast develop");
+}
+
 TEST_F(SessionTest, SessionsBesideShareTheVoxelsAlone) {
     Session other = session.share_volume();
     EXPECT_EQ(&other.volume().data(), &session.volume().data());

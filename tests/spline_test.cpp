@@ -52,7 +52,8 @@ template <class T>
 void expect_interpolation(std::array<int, 3> n) {
     const Volume volume = noise<T>(n);
     const DeviceVolume voxels = upload(tested_device(), volume), made = splined(voxels, true);
-    // Within half a step of the coefficients' storage, whose weights add up to 1, and rounding of stored values near 2^15.
+    // Within half a step of the coefficients' storage, whose weights add up to 1, and rounding of stored values near
+    // 2^15.
     const double allowed = std::is_floating_point_v<T> ? 2e-4 : 0.5 * made.data().spline.scale + 0.008;
     double worst = 0;
     std::size_t i = 0;
@@ -113,8 +114,9 @@ TEST(Spline, SmoothsByTheSumOverItsCoefficients) {
     const DeviceVolume made = splined(upload(tested_device(), volume), false);
     const auto voxel = [&](int x, int y, int z) {
         const auto inside = [](int i, int count) { return std::clamp(i, 0, count - 1); };
-        return double(volume.as<std::uint8_t>()[std::size_t(
-            (inside(z, n[2]) * n[1] + inside(y, n[1])) * n[0] + inside(x, n[0]))]);
+        return double(
+            volume
+                .as<std::uint8_t>()[std::size_t((inside(z, n[2]) * n[1] + inside(y, n[1])) * n[0] + inside(x, n[0]))]);
     };
     const auto expected = [&](Point p) {
         double sum = 0;
@@ -167,7 +169,8 @@ TEST(Spline, KeepsToTheRangesOfItsCells) {
 
 TEST(Spline, OfEvenMatterIsEven) {
     for (const bool interpolates : {true, false}) {
-        const Volume volume = sampled<std::uint8_t>({70, 34, 34}, [](double x, double, double) { return x < 20 ? 200 : 7; });
+        const Volume volume =
+            sampled<std::uint8_t>({70, 34, 34}, [](double x, double, double) { return x < 20 ? 200 : 7; });
         const DeviceVolume made = splined(upload(tested_device(), volume), interpolates);
         for (const float x : {40.f, 45.3f, 62.1f}) {
             EXPECT_EQ(value_at(made, {x, 12.3f, 31.7f}), 7);
@@ -239,13 +242,14 @@ TEST(Interpolation, IsChosenByNoiseAndWhatIsThin) {
 
 TEST(Interpolation, OfAMediumIsThatOfItsShape) {
     const Device device = tested_device();
-    const Volume volume = sampled<std::uint8_t>({40, 36, 44}, [](double x, double y, double z) { return shells(x, y, z, 42); });
+    const Volume volume =
+        sampled<std::uint8_t>({40, 36, 44}, [](double x, double y, double z) { return shells(x, y, z, 42); });
     const DeviceVolume voxels = upload(device, volume);
     for (const Interpolation interpolation : {Interpolation::linear, Interpolation::cubic, Interpolation::smooth}) {
         const Medium made = classify(voxels, two_materials(), {.interpolation = interpolation});
         for (const Interpolation before : {Interpolation::linear, Interpolation::smooth}) {
-            const Medium other = with_interpolation(
-                device, classify(voxels, two_materials(), {.interpolation = before}), interpolation);
+            const Medium other =
+                with_interpolation(device, classify(voxels, two_materials(), {.interpolation = before}), interpolation);
             EXPECT_EQ(other.data().cells, made.data().cells);
             EXPECT_EQ(&other.data().volume.data(), &made.data().volume.data());
         }

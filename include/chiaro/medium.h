@@ -78,8 +78,8 @@ struct Clip {
 /// How values are found between voxels: linearly; by a cubic B-spline that interpolates the voxels, or with the voxels
 /// as its coefficients, so that it smooths them (Sigg and Hadwiger 2005; Ruijters et al. 2008). By texture: linearly,
 /// where a GPU casts the rays by its texture units, whose weights have 8 fractional bits: each is off by up to 1/256, a
-/// value by up to 3/256 of what the eight voxels around it span; a CPU is always exact, and so are paths. Automatic: what
-/// interpolation_for finds; a shape that is classified with it is linear.
+/// value by up to 3/256 of what the eight voxels around it span; a CPU is always exact, and so are paths. Automatic:
+/// what interpolation_for finds; a shape that is classified with it is linear.
 enum class Interpolation { automatic, linear, cubic, smooth, texture };
 /// Noise above which it smooths, over the range (Statistics::noise).
 inline constexpr double worth_smoothing = 0.015;
@@ -131,10 +131,10 @@ CHIARO_EXPORT Medium classify(const Device& device, const DeviceVolume& volume, 
 CHIARO_EXPORT Medium with_interpolation(const Device& device, const Medium& medium, Interpolation interpolation,
                                         const Progress& progress = Progress());
 
-/// What `Interpolation::automatic` stands for in a final picture of a medium: cubic; smooth where `noise` (Statistics) is
-/// above `worth_smoothing` and thin structures survive it: of the lines of voxels along x and along z that hold
-/// something of an opacity of .1 (of isosurfaces: inside one) at least 98 % still do. Cost: where there is noise, that of
-/// smoothing, which is kept with the volume, and some 20 core-ns a voxel.
+/// What `Interpolation::automatic` stands for in a final picture of a medium: cubic; smooth where `noise` (Statistics)
+/// is above `worth_smoothing` and thin structures survive it: of the lines of voxels along x and along z that hold
+/// something of an opacity of .1 (of isosurfaces: inside one) at least 98 % still do. Cost: where there is noise, that
+/// of smoothing, which is kept with the volume, and some 20 core-ns a voxel.
 CHIARO_EXPORT Interpolation interpolation_for(const Medium& medium, double noise,
                                               const Progress& progress = Progress());
 

@@ -107,7 +107,11 @@ struct ZTest {
 void expect_opacity_of_marching(const Volume& volume, Subject subject, int samples) {
     subject.width = 23, subject.height = 19;
     subject.options.bounces = 0;
-    Shot shot{.tf = subject.tf, .shape = subject.shape, .camera = subject.camera, .width = subject.width, .height = subject.height};
+    Shot shot{.tf = subject.tf,
+              .shape = subject.shape,
+              .camera = subject.camera,
+              .width = subject.width,
+              .height = subject.height};
     shot.rays.step_voxels = 0.004;
     const Frame marched = shot(volume);
     const auto tracer = subject.traced(volume, samples);

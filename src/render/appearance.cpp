@@ -52,8 +52,8 @@ bool has_finer_interpolation(const Scene& scene) {
 Medium finely_interpolated(const Device& device, const Medium& medium, const Scene& scene, double noise,
                            const Progress& progress) {
     const bool is_automatic = scene.interpolation == Interpolation::automatic;
-    return with_interpolation(device, medium,
-                              is_automatic ? interpolation_for(medium, noise, progress) : scene.interpolation, progress);
+    return with_interpolation(
+        device, medium, is_automatic ? interpolation_for(medium, noise, progress) : scene.interpolation, progress);
 }
 
 bool looks_at_visible_voxels(const Scene& scene) {

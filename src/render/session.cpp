@@ -261,22 +261,21 @@ const Image& Session::render(const Scene& scene, Progress& progress, const Previ
 
     s.redo_illuminate(scene, camera, lighting, progress, preview);
     const std::pair size(scene.width, scene.height);
-    s.redo("raycast", s.raycast, {version, s.illuminate.version, lighting, camera, scene.sampling, size},
-           [&](Cast& cast) {
-               DeviceFrame& frame = cast.frame;
-               frame.resize(scene.width, scene.height);
-               const auto keep = [&](const DeviceFrame& better, const PathStatistics& paths) {
-                   cast.render_statistics.paths = paths;
-                   preview(develop(better, scene.output));
-               };
-               cast.render_statistics =
-                   is_path_traced(scene.illumination)
-                       ? trace_paths(s.device, medium, lighting, camera, scene.sampling, scene.illumination, frame,
-                                     progress, preview ? keep : DeviceFramePreview())
-                       : raycast(s.device, medium, s.illuminate.result, lighting, camera, scene.sampling, frame,
-                                 progress);
-               progress.check();
-           });
+    s.redo(
+        "raycast", s.raycast, {version, s.illuminate.version, lighting, camera, scene.sampling, size}, [&](Cast& cast) {
+            DeviceFrame& frame = cast.frame;
+            frame.resize(scene.width, scene.height);
+            const auto keep = [&](const DeviceFrame& better, const PathStatistics& paths) {
+                cast.render_statistics.paths = paths;
+                preview(develop(better, scene.output));
+            };
+            cast.render_statistics =
+                is_path_traced(scene.illumination)
+                    ? trace_paths(s.device, medium, lighting, camera, scene.sampling, scene.illumination, frame,
+                                  progress, preview ? keep : DeviceFramePreview())
+                    : raycast(s.device, medium, s.illuminate.result, lighting, camera, scene.sampling, frame, progress);
+            progress.check();
+        });
 
     s.redo("develop", s.develop, {s.raycast.version, scene.output},
            [&](Image& image) { image = develop(s.raycast.result.frame, scene.output); });
@@ -330,7 +329,8 @@ bool Session::needs_light(const Scene& scene) const {
     const State& s = *state_;
     return s.prepare.inputs != std::tuple(s.upload.version, preparation_of(scene.illumination)) ||
            s.classify.inputs != std::tuple(s.upload.version, scene.transfer, shape_for(scene)) ||
-           s.illuminate.inputs != std::tuple(s.medium_version(scene), s.prepare.version, scene.illumination, s.held(scene));
+           s.illuminate.inputs !=
+               std::tuple(s.medium_version(scene), s.prepare.version, scene.illumination, s.held(scene));
 }
 
 ComputedField Session::compute_field(const Scene& scene, Progress& progress) {
@@ -342,8 +342,7 @@ ComputedField Session::compute_field(const Scene& scene, Progress& progress) {
     const Lighting lighting = s.lighting_of(scene, s.camera_of(scene.camera));
     Kept<ComputedField, Version> made;
     s.redo("illuminate", made, {s.classify.version}, [&](ComputedField& field) {
-        field =
-            chiaro::compute_field(s.device, s.medium, s.prepare.result, lighting, scene.illumination, progress);
+        field = chiaro::compute_field(s.device, s.medium, s.prepare.result, lighting, scene.illumination, progress);
     });
     s.tell_steps(made.result.stages);
     return std::move(made.result);

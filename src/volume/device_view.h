@@ -12,6 +12,7 @@ template <class Voxel>
 kernel::VolumeView<Voxel> view_of(const DeviceVolume::Data& volume) {
     const auto [nx, ny, nz] = volume.dimensions;
     const SplineCoding& spline = volume.spline;
+    const auto& reach = volume.normal_reach;
     const auto* coefficients = reinterpret_cast<const Voxel*>(volume.coefficients.data());
     return {reinterpret_cast<const Voxel*>(volume.bricks.data()),
             brick_count(nx),
@@ -20,7 +21,7 @@ kernel::VolumeView<Voxel> view_of(const DeviceVolume::Data& volume) {
             std::max(nx - 2, 0),
             std::max(ny - 2, 0),
             std::max(nz - 2, 0),
-            {coefficients, spline.base, spline.scale, spline.least}};
+            {coefficients, spline.base, spline.scale, spline.least, {reach[0], reach[1], reach[2]}}};
 }
 
 /// Calls f with a value of the type that the voxels are stored as.

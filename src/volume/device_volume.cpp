@@ -218,6 +218,8 @@ DeviceVolume upload(const Device& device, Volume&& volume) {
 
 std::array<int, 3> DeviceVolume::dimensions() const { return data().dimensions; }
 const Geometry& DeviceVolume::geometry() const { return data().geometry; }
-std::size_t DeviceVolume::bytes() const { return data().bricks.size() + data().coefficients.size() + data().cells.low.size() * 2 * sizeof(float); }
+std::size_t DeviceVolume::bytes() const {
+    return data().bricks.size() + data().coefficients.size() + data().cells.low.size() * 2 * sizeof(float);
+}
 
 }  // namespace chiaro

@@ -41,6 +41,7 @@ struct DeviceVolume::Data : std::enable_shared_from_this<Data> {
 
     VoxelBuffer coefficients;  ///< of a spline, laid out as the bricks; empty: values are linear between voxels
     SplineCoding spline;
+    std::array<float, 3> normal_reach{0, 0, 0};  ///< of thick slices: kernel::SplineView::reach
     const Data* source = nullptr;  ///< of a spline: the volume whose bricks it borrows, and which outlives it
     mutable Splines splines;
 

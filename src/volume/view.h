@@ -12,7 +12,13 @@ template <class F>
 struct Location {
     typename GatherIndex<F>::type index;
     Vec3<F> t;
+    Vec3<F> p;  ///< the point itself
 };
+
+template <class Voxel>
+struct VolumeView;
+template <class F, class Voxel>
+static Vec3<F> mean_gradient(const VolumeView<Voxel>& volume, const Vec3<F>& p);
 
 /// The voxel whose interval [i, i + 1] holds a point, per axis.
 template <class F>
@@ -50,7 +56,8 @@ struct VolumeView {
         const I local = ((i.z & inside) + before) * I(brick_slice) + ((i.y & inside) + before) * I(brick_row) +
                         (i.x & inside) + before;
         return {typename GatherIndex<F>::type(brick * I(brick_voxels) + local),
-                {p.x - to_float(i.x), p.y - to_float(i.y), p.z - to_float(i.z)}};
+                {p.x - to_float(i.x), p.y - to_float(i.y), p.z - to_float(i.z)},
+                p};
     }
 
     /// Trilinear, or of the spline; in stored units.
@@ -77,11 +84,17 @@ struct VolumeView {
         return gather_two(voxels, at.index, {0, brick_row, brick_slice, brick_slice + brick_row});
     }
 
-    /// Central differences of one voxel, interpolated; stored units per voxel. Of splines, too: on balls with edges of .4 to
-    /// 2 voxels in 8 bits the spline's own gradient shows two to three times as much of the grid. At the border the missing neighbour is
-    /// the border voxel itself. 32 voxels in 12 loads.
+    /// Stored units per voxel; of thick slices the mean over their thickness (SplineView::reach).
     template <class F>
     CHIARO_INLINE Vec3<F> gradient(const Location<F>& at) const {
+        return spline.reach.x > 0 ? mean_gradient<F>(*this, at.p) : differences(at);
+    }
+
+    /// Central differences of one voxel, interpolated. Of splines, too: on balls with edges of .4 to 2 voxels in 8 bits
+    /// the spline's own gradient shows two to three times as much of the grid. At the border the missing neighbour is
+    /// the border voxel itself. 32 voxels in 12 loads.
+    template <class F>
+    CHIARO_INLINE Vec3<F> differences(const Location<F>& at) const {
         const Vec3<F> t = at.t;
         constexpr int y = brick_row, z = brick_slice;
         const Four<Four<F>> rows = gather_four(voxels - 1, at.index, {0, y, z, z + y});
@@ -107,5 +120,19 @@ private:
         return lerp(row.c - row.a, row.d - row.b, t);
     }
 };
+
+/// Of the eight points around p that lie `reach` away along every axis.
+template <class F, class Voxel>
+static CHIARO_NOINLINE Vec3<F> mean_gradient(const VolumeView<Voxel>& volume, const Vec3<F>& p) {
+    const Float3 reach = volume.spline.reach;
+    Vec3<F> sum(F(0), F(0), F(0));
+    for (int corner = 0; corner < 8; ++corner) {
+        const Vec3<F> beside(F(corner & 1 ? reach.x : -reach.x), F(corner & 2 ? reach.y : -reach.y),
+                             F(corner & 4 ? reach.z : -reach.z));
+        const Vec3<F> q = volume.clamp(p + beside);
+        sum = sum + volume.differences(volume.locate(q, volume.voxel(q)));
+    }
+    return F(0.125f) * sum;
+}
 
 }  // namespace chiaro::kernel
