@@ -23,6 +23,7 @@ struct SessionTest : ::testing::Test {
         scene.width = 40, scene.height = 30;
         scene.camera.fit = Fit::volume;
         scene.illumination.method = Method::none;
+        scene.interpolation = Interpolation::linear;
         session.show(make_sample("ball", 24), progress);
         session.render(scene, progress);
     }
