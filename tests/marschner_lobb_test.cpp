@@ -80,8 +80,8 @@ TEST(MarschnerLobb, CubicIsNearestToTheSurface) {
                  smooth = errors_of(Interpolation::smooth);
     if (std::getenv("CHIARO_SHOW"))
         for (const auto& [name, e] : {std::pair("linear", linear), {"cubic", cubic}, {"smooth", smooth}})
-            fmt::print("{}: surface {:.3f} voxels, normals {:.1f} degrees, by its own gradient {:.1f} (RMS)\n", name, e.distance,
-                       e.angle_deg, e.own_angle_deg);
+            fmt::print("{}: surface {:.3f} voxels, normals {:.1f} degrees, by its own gradient {:.1f} (RMS)\n", name,
+                       e.distance, e.angle_deg, e.own_angle_deg);
     EXPECT_LT(cubic.distance, 0.5 * linear.distance);
     EXPECT_GT(smooth.distance, linear.distance);
     EXPECT_LT(cubic.angle_deg, linear.angle_deg + 0.1);
