@@ -66,6 +66,8 @@ void print_text(const Volume& volume, const Statistics& s, const Guess& guess) {
     print_geometry(volume);
     fmt::print("  values      {:.6g} to {:.6g}\n", s.min, s.max);
     fmt::print("  percentiles 1 %: {:.6g}, 50 %: {:.6g}, 99 %: {:.6g}, 99.9 %: {:.6g}\n", s.p1, s.p50, s.p99, s.p999);
+    fmt::print("  noise       {:.2g} % of the range from 1 to 99.9 %{}\n", 100 * s.noise,
+               s.noise > worth_smoothing ? ": --interpolation auto smooths, where thin structures survive" : "");
     if (s.nonfinite) fmt::print("  not finite  {} voxels\n", s.nonfinite);
     fmt::print("  histogram   |{}| (logarithmic)\n", drawing(s.histogram));
     fmt::print("  looks like  {} ({}): --transfer {}\n", guess.modality, guess.reason, guess.preset);

@@ -169,7 +169,7 @@ bool RenderWorker::is_light_due(const Scene& scene) const {
 /// A preview whose light is its own. It is not given up for a newer request: else light would never follow a drag.
 void RenderWorker::preview_with_light(const FrameRequest& wanted, const Scene& small) {
     check_light_fits(small);
-    const Image& image = session_->render(small, *steady_);
+    const Image& image = session_->preview(small, *steady_, true);
     learn_light();
     note_frame(wanted, small);
     send(wanted, image, is_whole_ ? "full" : "draft", 1);

@@ -59,8 +59,8 @@ inline chiaro::Scene changed_scene(chiaro::Method method = chiaro::Method::spao)
         {48, 12, 100, 0.01},
         {64, ReferenceQuantity::ao, ReferenceMedium::trilinear, 0, 2, 30, 0.125},
         {{3}, 0.75, 12}};
-    s.sampling = {1,     Classification::preintegrated, Compositing::back_to_front, 4, RaySetup::raster, 0,
-                  false, Interpolation::texture};
+    s.sampling = {1, Classification::preintegrated, Compositing::back_to_front, 4, RaySetup::raster, 0, false};
+    s.interpolation = Interpolation::texture;
     s.output = {{0.1, 0.2, 0.3}, false, ColorMode::display, Tone::aces, -1.5};
     s.width = 64, s.height = 48;
     return s;

@@ -18,7 +18,7 @@ Volume noise(std::array<int, 3> size) {
 }
 
 Shot by_texture(Shot shot) {
-    shot.rays.interpolation = Interpolation::texture;
+    shot.shape.interpolation = Interpolation::texture;
     return shot;
 }
 
@@ -75,14 +75,14 @@ TEST_F(Gpus, TextureUnitsMeetTheLightOfLocalHistograms) {
         Progress progress;
         const DeviceVolume voxels = upload(gpu, volume);
         const Medium medium = classify(voxels, two_materials(), {});
+        const Medium by_texture = classify(voxels, two_materials(), {.interpolation = Interpolation::texture});
         IlluminationField field;
         const auto keep = [&](IlluminationField f) { field = std::move(f); };
         illuminate(gpu, medium, prepare(voxels, light, progress), {}, light, keep, progress);
         Frame exact(61, 47), found(61, 47), unlit(61, 47);
         raycast(gpu, medium, field, {}, camera, {}, exact, progress);
-        const RaySettings by_texture{.interpolation = Interpolation::texture};
-        raycast(gpu, medium, field, {}, camera, by_texture, found, progress);
-        raycast(gpu, medium, {}, {}, camera, by_texture, unlit, progress);
+        raycast(gpu, by_texture, field, {}, camera, {}, found, progress);
+        raycast(gpu, by_texture, {}, {}, camera, {}, unlit, progress);
         EXPECT_LT(rms(found, exact), 0.004) << emission;
         EXPECT_GT(rms(found, exact), 1e-6) << emission;
         EXPECT_GT(rms(unlit, exact), 2 * rms(found, exact)) << "the light";

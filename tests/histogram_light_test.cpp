@@ -24,6 +24,7 @@ Scene scene_of(const HistogramSettings& histogram = {.radius = 8, .clusters = 25
     scene.illumination.histogram = histogram;
     scene.width = 64, scene.height = 48;
     scene.camera.fit = Fit::volume;
+    scene.interpolation = Interpolation::linear;  // these are about light
     return scene;
 }
 

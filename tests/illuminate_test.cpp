@@ -96,6 +96,7 @@ TEST(ComputeField, ASessionGivesTheSame) {
     Session session(tested_device());
     session.show(thick_ball(), progress);
     Scene scene;
+    scene.interpolation = Interpolation::linear;
     scene.illumination = reference({.rays = 8});
     scene.transfer.points = two_materials();
     const ComputedField field = session.compute_field(scene, progress);
@@ -117,6 +118,7 @@ TEST(SessionStages, TellTheStepsOfTheLight) {
     session.show(make_sample("ball", 24), progress);
     Scene scene;
     scene.volume = "sample:ball:24", scene.width = 40, scene.height = 30;
+    scene.interpolation = Interpolation::linear;
     scene.camera.fit = Fit::volume;
     scene.illumination = reference({.rays = 8, .quantity = ReferenceQuantity::obscurance});
     const auto told = [&] {
@@ -135,7 +137,7 @@ using Illuminate = ToolTest;
 TEST_F(Illuminate, WritesTheFieldOfTheLibrary) {
     write_nrrd(thick_ball(), folder / "ball.nrrd", NrrdEncoding::raw);
     write("tf.json", to_json(two_materials()));
-    const std::string line = std::string("illuminate ball.nrrd --transfer tf.json ") + by_rays;
+    const std::string line = std::string("illuminate ball.nrrd --interpolation linear --transfer tf.json ") + by_rays;
     const Said said = tool(line + "-o f.nrrd --stats s.json --quiet");
     ASSERT_EQ(said.code, 0) << said.err;
     EXPECT_EQ(said.err + said.out, "");

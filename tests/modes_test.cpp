@@ -343,3 +343,22 @@ TYPED_TEST(EveryMode, GivesTheSameBitsEverywhere) {
                 expect_same_everywhere(on_device, shot);
             }
 }
+
+TYPED_TEST(EveryMode, OfSplinesGivesTheSameBitsEverywhere) {
+    const Volume volume =
+        sampled<TypeParam>({40, 36, 44}, [](double x, double y, double z) { return shells(x, y, z, 42); });
+    const DeviceVolume on_device = upload(tested_device(), volume);
+    for (const auto& [mode, rays] : ways())
+        for (const Interpolation interpolation : {Interpolation::cubic, Interpolation::smooth}) {
+            Shot shot;
+            shot.lighting.shading = Shading::phong;
+            shot.rays = rays;
+            shot.shape = {.mode = mode, .iso = {{.value = 90, .opacity = 0.6}, {.value = 150}}};
+            const Frame linear = shot(on_device);
+            shot.shape.interpolation = interpolation;
+            SCOPED_TRACE(to_text(mode) + " " + to_text(rays.classification) + " " + to_text(interpolation));
+            expect_same_everywhere(on_device, shot);
+            const Difference found = difference(shot(on_device), linear, 0);
+            if (rays.classification != Classification::pre || mode != Mode::dvr) EXPECT_GT(found.max, 0.01);
+        }
+}

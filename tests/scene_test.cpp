@@ -44,6 +44,9 @@ TEST(Scene, HasTheDocumentedDefaults) {
     EXPECT_EQ(scene.volume, "folder/v.nrrd");
     EXPECT_EQ(scene.camera, CameraSettings());
     EXPECT_EQ(scene.illumination.method, Method::none);
+    EXPECT_EQ(scene.interpolation, Interpolation::linear);
+    EXPECT_EQ(parse(R"("sampling": {"interpolation": "exact"})").interpolation, Interpolation::linear);
+    EXPECT_EQ(parse(R"("sampling": {"interpolation": "auto"})").interpolation, Interpolation::automatic);
     EXPECT_EQ(scene.output.color, ColorMode::linear);
 }
 

@@ -23,6 +23,7 @@ struct SessionTest : ::testing::Test {
         scene.width = 40, scene.height = 30;
         scene.camera.fit = Fit::volume;
         scene.illumination.method = Method::none;
+        scene.interpolation = Interpolation::linear;
         session.show(make_sample("ball", 24), progress);
         session.render(scene, progress);
     }
@@ -296,6 +297,40 @@ TEST_F(SessionTest, DraftsByTheLightAtHand) {
     small.width = 20, small.height = 15;
     EXPECT_EQ(session.preview(small, progress).width, 20);
     EXPECT_EQ(redone(), "") << "what render keeps stays kept";
+}
+
+TEST_F(SessionTest, DraftsAreLinearWhereFinalPicturesAreFiner) {
+    scene.camera.fit = Fit::visible;
+    const auto drawn = [&](Interpolation interpolation, bool is_draft) {
+        scene.interpolation = interpolation;
+        return is_draft ? session.preview(scene, progress).pixels : session.render(scene, progress).pixels;
+    };
+    const auto linear = drawn(Interpolation::linear, false);
+    const CameraSettings camera = session.camera();
+    EXPECT_EQ(drawn(Interpolation::automatic, true), linear);
+    const auto fine = drawn(Interpolation::automatic, false);
+    EXPECT_EQ(session.camera(), camera);
+    EXPECT_NE(fine, linear);
+    EXPECT_EQ(drawn(Interpolation::automatic, true), linear);
+    EXPECT_EQ(render_image(tested_device(), scene, progress).pixels, fine);
+    // A few voxels of a ball, which is thick: smooth.
+    EXPECT_GT(session.statistics().noise, worth_smoothing);
+    EXPECT_EQ(drawn(Interpolation::smooth, false), fine);
+    EXPECT_EQ(drawn(Interpolation::smooth, true), fine) << "who names one gets it at once";
+    EXPECT_NE(drawn(Interpolation::cubic, false), fine);
+    EXPECT_EQ(session.camera(), camera);
+    scene.sampling.classification = Classification::pre;  // of materials
+    EXPECT_EQ(drawn(Interpolation::automatic, false), drawn(Interpolation::linear, false));
+}
+
+// A preview that is lit finds the light of the final picture, which then need not be found again.
+TEST_F(SessionTest, LitDraftsHaveTheFinalPicturesLight) {
+    scene.illumination.method = Method::spao;
+    scene.interpolation = Interpolation::automatic;
+    EXPECT_TRUE(session.needs_light(scene));
+    session.preview(scene, progress, true);
+    EXPECT_FALSE(session.needs_light(scene));
+    EXPECT_EQ(redone(), "raycast develop");
 }
 
 TEST_F(SessionTest, SessionsBesideShareTheVoxelsAlone) {

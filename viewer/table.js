@@ -90,7 +90,7 @@ export const table = {
   compositing: { place: "picture", label: "Compositing" },
   "ray-setup": { place: "picture", label: "Ray set-up" },
   "early-termination": { place: "picture", label: "Ends rays at", low: 0, high: 0.1, step: 0.001 },
-  interpolation: { place: "hidden" }, // of GPUs alone
+  interpolation: { place: "picture", label: "Between voxels" },
   "no-skip-empty": { place: "hidden" }, // a check of the renderer, the same picture
 };
 

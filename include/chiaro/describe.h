@@ -71,6 +71,9 @@ void describe(Visit&& visit, S& s) {
     visit(Setting{"mode", "mode", "", "shows the volume, isosurfaces, along each ray the largest, smallest or mean value, or all light added up"}, s.mode);
     visit(Setting{"iso", "iso", "", "adds an isosurface at a value, in the transfer function's colour or another"}
           .written("VALUE[,COLOR][@OPACITY]").kept(SceneForm::surfaces), s.iso);
+    visit(Setting{"interpolation", "sampling.interpolation", "",
+                  "values between voxels: linear; cubic, of a B-spline through the voxels, or smooth, of one that they are the coefficients of; auto: linear drafts, then cubic, or smooth where there is noise and nothing thin; texture: linear by a GPU's texture units, with weights of 8 fractional bits"},
+          s.interpolation);
     visit(Setting{"background", "background", "",
                   "colour behind the volume: a CSS name, #rrggbb or r,g,b; or nothing, or the environment map"}
           .written("COLOR|transparent|probe"), s.output.background, s.output.transparent, s.lighting.probe.background);
@@ -105,9 +108,6 @@ void describe(Visit&& visit, S& s) {
           .within(0, 0.99), s.early_termination);
     visit(Setting{"no-skip-empty", "sampling.no_skip_empty", "", "samples empty space too, as a check of the skipping"},
           s.skip_empty);
-    visit(Setting{"interpolation", "sampling.interpolation", "",
-                  "interpolation between voxels, where a GPU casts the rays: exact, or by its texture units, with weights of 8 fractional bits"},
-          s.interpolation);
 }
 
 template <class Visit, SettingsOf<CameraSettings> S>

@@ -27,11 +27,6 @@ enum class Compositing { front_to_back, back_to_front };
 /// are the same.
 enum class RaySetup { box, raster };
 
-/// Between voxels values are interpolated by the kernels, in single precision; or, where a GPU casts the rays, by its
-/// texture units, whose weights have 8 fractional bits: each is off by up to 1/256, a value by up to 3/256 of what the
-/// eight voxels around it span. A CPU is always exact, and so are paths.
-enum class Interpolation { exact, texture };
-
 /// Where rays end, of things that hide what of the volume lies behind them.
 struct RayEnds {
     int width = 0, height = 0;  ///< pixels: the picture's
@@ -46,7 +41,6 @@ struct RaySettings {
     RaySetup ray_setup = RaySetup::box;
     double early_termination = 0.005;  ///< stop a ray at this remaining transmittance; 0: never
     bool skip_empty = true;            ///< jump over cells that the transfer function leaves empty
-    Interpolation interpolation = Interpolation::exact;
     std::shared_ptr<const RayEnds> ends;  ///< none: rays end where the volume does. Paths refuse them
     bool operator==(const RaySettings&) const = default;
 };

@@ -45,6 +45,7 @@ struct Scene {
     Mode mode = Mode::dvr;
     std::vector<IsoSurface> iso;  ///< for Mode::iso
     Clip clip;
+    Interpolation interpolation = Interpolation::automatic;  ///< of a scene file that names none: linear
     CameraSettings camera;
     Lighting lighting;
     IlluminationSettings illumination{.method = Method::spao};  ///< of a scene file that names none: none

@@ -38,8 +38,9 @@ public:
     /// iteration of transport), while that is still being found; and with each pass of paths (reference).
     CHIARO_EXPORT const Image& render(const Scene& scene, Progress& progress, const Preview& preview = {});
     /// What can be shown at once: the scene by the last computed lighting, whatever it was made for; by
-    /// none at first. Of the reference's radiance one path a pixel. What render keeps stays kept.
-    CHIARO_EXPORT const Image& preview(const Scene& scene, Progress& progress);
+    /// none at first; or `lit` by its own. Of the reference's radiance one path a pixel. Where the scene's
+    /// interpolation is automatic it is linear here. What render keeps stays kept.
+    CHIARO_EXPORT const Image& preview(const Scene& scene, Progress& progress, bool lit = false);
     /// Whether a render would have to find light first.
     CHIARO_EXPORT bool needs_light(const Scene& scene) const;
     /// What the scene's lighting method computes for the shown volume. Throws as chiaro::compute_field.

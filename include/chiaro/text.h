@@ -62,7 +62,9 @@ constexpr auto names_of(Mode) {
 constexpr auto names_of(Classification) { return std::to_array<std::string_view>({"post", "pre", "preintegrated"}); }
 constexpr auto names_of(Compositing) { return std::to_array<std::string_view>({"front-to-back", "back-to-front"}); }
 constexpr auto names_of(RaySetup) { return std::to_array<std::string_view>({"box", "raster"}); }
-constexpr auto names_of(Interpolation) { return std::to_array<std::string_view>({"exact", "texture"}); }
+constexpr auto names_of(Interpolation) {
+    return std::to_array<std::string_view>({"auto", "linear", "cubic", "smooth", "texture"});
+}
 constexpr auto names_of(ColorMode) { return std::to_array<std::string_view>({"linear", "display"}); }
 constexpr auto names_of(Tone) { return std::to_array<std::string_view>({"none", "aces"}); }
 constexpr auto names_of(NrrdEncoding) { return std::to_array<std::string_view>({"raw", "gzip"}); }
@@ -147,6 +149,10 @@ void from_text(std::string_view text, Named auto& value) {
 /// Accepts "fluence" too, an older name of mean-radiance.
 inline void from_text(std::string_view text, ReferenceQuantity& value) {
     value = ReferenceQuantity(index_among(text == "fluence" ? "mean-radiance" : text, names_of(value)));
+}
+/// Accepts "exact" too, an older name of linear.
+inline void from_text(std::string_view text, Interpolation& value) {
+    value = Interpolation(index_among(text == "exact" ? "linear" : text, names_of(value)));
 }
 template <class T>
 void from_text(std::string_view text, std::optional<T>& value) {

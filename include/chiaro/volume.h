@@ -169,6 +169,9 @@ struct Statistics {
     /// The value of 0 HU where these are a CT's that was stored without its unit: 1000 or 1024, as the peak of its air
     /// tells, else 0. Looks that are in HU are moved by it.
     double hu_zero = 0;
+    /// The standard deviation of noise over the range from `p1` to `p999`: of what matter's voxels and those beside
+    /// them do not share with their neighbours, jagged borders of masks included (src/volume/noise.h).
+    double noise = 0;
 };
 
 /// One or two passes over the voxels, all cores. Throws Error{input} if no voxel is finite.

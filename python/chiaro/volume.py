@@ -201,7 +201,7 @@ class Volume:
 
     @property
     def statistics(self) -> dict[str, Any]:
-        """min, max, p1, p50, p99, p999 (percentiles), nonfinite; read once."""
+        """min, max, p1, p50, p99, p999 (percentiles), noise (over the range from p1 to p999), nonfinite; read once."""
         if self._statistics is None:
             found = self._native.statistics()
             found["histogram"] = np.asarray(found["histogram"])

@@ -89,7 +89,7 @@ py::dict statistics_of(const VolumeHandle& handle) {
     const Statistics s = result_of({}, [&](Progress& progress, News&) { return measure(*handle.volume, progress); });
     py::dict told;
     told["min"] = s.min, told["max"] = s.max, told["p1"] = s.p1, told["p50"] = s.p50, told["p99"] = s.p99;
-    told["p999"] = s.p999, told["nonfinite"] = s.nonfinite;
+    told["p999"] = s.p999, told["noise"] = s.noise, told["nonfinite"] = s.nonfinite;
     told["histogram"] = Array<std::uint64_t>{{s.histogram.begin(), s.histogram.end()}, {256}};
     return told;
 }

@@ -5,6 +5,7 @@
 #include "classify/gpu.h"
 #include "classify/largest.h"
 #include "classify/medium.h"
+#include "volume/splined.h"
 
 namespace chiaro {
 
@@ -25,9 +26,11 @@ void validate(const Shape& shape) {
 namespace {
 
 /// On the GPU, which then holds it, or here.
-void find_occupancy(const Device& device, const RangeTest& is_visible, Medium::Data& data, const Progress& progress) {
+void find_occupancy(const Device& device, Medium::Data& data, const Progress& progress) {
     progress.check();
     const DeviceVolume::Data& volume = data.volume.data();
+    const RangeTest is_visible =
+        data.shape.mode == Mode::iso ? crossed_range(volume, data.shape.iso) : visible_range(data.table);
     const auto on_gpu = [&] {
         cuda::Stream& stream = *device.stream;
         GpuOccupancy made = occupancy_on_gpu(stream, volume, is_visible);
@@ -39,6 +42,14 @@ void find_occupancy(const Device& device, const RangeTest& is_visible, Medium::D
     std::size_t occupied = 0;
     for (const std::uint8_t code : data.cells) occupied += code & 1;
     data.occupied_fraction = double(occupied) / double(data.cells.size() - 1);
+}
+
+/// The volume by which values are found so.
+DeviceVolume interpolated(const DeviceVolume& volume, Interpolation interpolation, const Progress& progress) {
+    const DeviceVolume::Data* source = volume.data().source;
+    const DeviceVolume voxels = source ? DeviceVolume(source->shared_from_this()) : volume;
+    if (interpolation != Interpolation::cubic && interpolation != Interpolation::smooth) return voxels;
+    return splined(voxels, interpolation == Interpolation::cubic, progress);
 }
 
 }  // namespace
@@ -63,9 +74,20 @@ Medium classify(const Device& device, const DeviceVolume& volume, const Transfer
         data->volume = with_largest_piece(*data);
         data->table = make_optical_table(data->volume.data(), tf, shape);
     }
-    const RangeTest is_visible =
-        shape.mode == Mode::iso ? crossed_range(data->volume.data(), shape.iso) : visible_range(data->table);
-    find_occupancy(device, is_visible, *data, progress);
+    data->volume = interpolated(data->volume, shape.interpolation, progress);
+    find_occupancy(device, *data, progress);
+    return Medium(std::move(data));
+}
+
+Medium with_interpolation(const Device& device, const Medium& medium, Interpolation interpolation,
+                          const Progress& progress) {
+    const Medium::Data& from = medium.data();
+    auto data = std::make_shared<Medium::Data>();
+    data->volume = interpolated(from.volume, interpolation, progress);
+    data->table = from.table;
+    data->shape = from.shape;
+    data->shape.interpolation = interpolation;
+    find_occupancy(device, *data, progress);
     return Medium(std::move(data));
 }
 

@@ -19,20 +19,28 @@ bool shows_something(const Medium::Data& medium, const std::array<int, 3>& brick
 
 void discard_unseen(const Medium& medium) {
     const Medium::Data& shown = medium.data();
-    if (shown.shape.mode != Mode::dvr || visible_range(shown.table)(0, 0)) return;
+    const RangeTest is_visible = visible_range(shown.table);
+    const SplineCoding& spline = shown.volume.data().spline;
+    const float zero = spline.least - spline.base * spline.scale;  // as a coefficient
+    if (shown.shape.mode != Mode::dvr || is_visible(0, 0) || is_visible(zero, zero)) return;
     // What others see of a volume is constant; here none but this medium sees it, and it does not see what goes.
     auto& volume = const_cast<DeviceVolume::Data&>(shown.volume.data());
     const auto [nx, ny, nz] = volume.dimensions;
     const std::size_t bytes = brick_voxels * size_of(volume.stored);
+    const auto discard = [&](std::size_t first, std::size_t end) {
+        volume.bricks.discard(first * bytes, end * bytes);
+        volume.coefficients.discard(first * bytes, end * bytes);
+        if (volume.source) const_cast<DeviceVolume::Data*>(volume.source)->bricks.discard(first * bytes, end * bytes);
+    };
     std::size_t brick = 0, first = 0;  // of the run of bricks that go
     for (int z = 0; z < brick_count(nz); ++z)
         for (int y = 0; y < brick_count(ny); ++y)
             for (int x = 0; x < brick_count(nx); ++x, ++brick)
                 if (shows_something(shown, {x, y, z})) {
-                    volume.bricks.discard(first * bytes, brick * bytes);
+                    discard(first, brick);
                     first = brick + 1;
                 }
-    volume.bricks.discard(first * bytes, brick * bytes);
+    discard(first, brick);
 }
 
 }  // namespace chiaro

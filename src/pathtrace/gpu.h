@@ -28,7 +28,7 @@ void swap_pointers(Views& views, kernel::ProbeLightView& probe) {
 }
 template <class Views, class Matter>
 void swap_pointers(Views& views, kernel::PathKernel<Matter>& kernel) {
-    views.to_device_pointers(kernel.matter.volume.voxels);
+    swap_pointers(views, kernel.matter.volume);
     if constexpr (requires { kernel.matter.extinction; }) views.to_device_pointers(kernel.matter.extinction);
     if constexpr (requires { kernel.matter.surface; }) views.to_device_pointers(kernel.matter.surface.opacity);
     if constexpr (requires { kernel.matter.reflection; }) views.to_device_pointers(kernel.matter.reflection.reflected);

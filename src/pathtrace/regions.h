@@ -27,7 +27,7 @@ struct RangeMaximumView {
 
 /// For each 4³ cell a cube of cells around it and the largest extinction in that cube (majorants.h), so that a path
 /// crosses what is empty or even in few steps and meets what varies with majorants that are tight. Where matter is so
-/// dense that a cell would be met again and again in vain, the eight values around each voxel interval bound it.
+/// dense that a cell would be met again and again in vain, the values around each voxel interval bound it.
 struct RegionsView {
     const float* cells;  ///< majorant per mm and reach; x fastest
     std::int32_t cells_x, cells_y;
@@ -72,13 +72,10 @@ private:
         return select(climbs, select(to >= F(end), F(end + 1), to), select(from <= F(0), F(-1), from));
     }
 
-    /// The largest extinction between the smallest and the largest of the eight values around a voxel interval.
+    /// The largest extinction between the smallest and the largest value of a voxel interval.
     template <class F, class Voxel>
     CHIARO_INLINE F largest_around(const VolumeView<Voxel>& volume, const VoxelIndex<F>& voxel) const {
-        const Vec3<F> corner{to_float(voxel.x), to_float(voxel.y), to_float(voxel.z)};
-        const Four<Two<F>> v = volume.corners(volume.locate(corner, voxel));
-        const F low = min(min(min(v.a.a, v.a.b), min(v.b.a, v.b.b)), min(min(v.c.a, v.c.b), min(v.d.a, v.d.b)));
-        const F high = max(max(max(v.a.a, v.a.b), max(v.b.a, v.b.b)), max(max(v.c.a, v.c.b), max(v.d.a, v.d.b)));
+        const auto [low, high] = volume.range(voxel);
         const F rounding = mad(max(abs(low), abs(high)), F(beyond), F(1.0f / 256));
         const F reach = select(low == high, F(0), rounding);
         const auto entry = [&](F index) CHIARO_INLINE_LAMBDA { return truncate(min(max(index, F(0)), F(last))); };

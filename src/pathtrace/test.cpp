@@ -107,7 +107,11 @@ struct ZTest {
 void expect_opacity_of_marching(const Volume& volume, Subject subject, int samples) {
     subject.width = 23, subject.height = 19;
     subject.options.bounces = 0;
-    Shot shot{.tf = subject.tf, .camera = subject.camera, .width = subject.width, .height = subject.height};
+    Shot shot{.tf = subject.tf,
+              .shape = subject.shape,
+              .camera = subject.camera,
+              .width = subject.width,
+              .height = subject.height};
     shot.rays.step_voxels = 0.004;
     const Frame marched = shot(volume);
     const auto tracer = subject.traced(volume, samples);
@@ -266,6 +270,11 @@ TEST(PathTracer, OpacityIsThatOfMarching) {
     Subject plain;
     plain.options.plain = true;
     expect_opacity_of_marching(small_shells(), plain, 500);
+    for (const Interpolation interpolation : {Interpolation::cubic, Interpolation::smooth}) {
+        Subject splined;
+        splined.shape.interpolation = interpolation;
+        expect_opacity_of_marching(small_shells(), splined, 1500);
+    }
 }
 
 // A dense spot in wide thin fog is met as often as it should be.
@@ -275,6 +284,8 @@ TEST(PathTracer, MajorantsBringNoBias) {
     Subject subject;
     subject.tf.points = {{0, {1, 1, 1}, 0.005}, {50, {1, 1, 1}, 0.005}, {100, {1, 1, 1}, 0.9}};
     subject.camera.zoom = 8;
+    expect_opacity_of_marching(volume, subject, 2000);
+    subject.shape.interpolation = Interpolation::cubic;
     expect_opacity_of_marching(volume, subject, 2000);
 }
 

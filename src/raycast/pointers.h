@@ -5,6 +5,7 @@
 #include "illumination/none/field.h"
 #include "illumination/visibility/field.h"
 #include "raycast/kernel.h"
+#include "volume/device_view.h"
 #include "volume/texture_view.h"
 
 namespace chiaro {
@@ -28,10 +29,6 @@ void swap_pointers(Views& views, kernel::HistogramView& view) {
                              view.occupancy);
 }
 
-template <class Views, class Voxel>
-void swap_pointers(Views& views, kernel::VolumeView<Voxel>& view) {
-    views.to_device_pointers(view.voxels);
-}
 template <class Views>
 void swap_pointers(Views&, kernel::VolumeView<kernel::Texel>&) {}
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "classify/albedo.h"
 #include "classify/clip.h"
@@ -180,8 +181,11 @@ kernel::MarchOptions march_options(const RaySettings& settings, Mode mode) {
 
 kernel::ExtremeView extreme_view(const DeviceVolume::Data& volume, Mode mode) {
     const bool is_largest = (mode == Mode::mip) == (volume.scale > 0);  // of stored values
-    if (is_largest) return {volume.cells.high.data(), volume.stored_max, 1};
-    return {volume.cells.low.data(), volume.stored_min, -1};
+    // Splines go beyond the values that they pass through.
+    constexpr float none = std::numeric_limits<float>::max();
+    const bool is_spline = volume.coefficients.size() > 0;
+    if (is_largest) return {volume.cells.high.data(), is_spline ? none : volume.stored_max, 1};
+    return {volume.cells.low.data(), is_spline ? -none : volume.stored_min, -1};
 }
 
 RayTables make_tables(const Medium::Data& medium, const RaySettings& settings, int threads,

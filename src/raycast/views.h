@@ -3,6 +3,7 @@
 #include <chiaro/render.h>
 
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <vector>
 

@@ -37,7 +37,23 @@ Shape shape_for(const Scene& scene) {
     }
     shape.opacity_scale = scene.transfer.opacity_scale;
     shape.color = scene.output.color;
+    const bool by_texture = scene.interpolation == Interpolation::texture;
+    shape.interpolation = by_texture ? Interpolation::texture : Interpolation::linear;
     return shape;
+}
+
+bool has_finer_interpolation(const Scene& scene) {
+    // Between the numbers of materials nothing is: classified first, they stay as they are.
+    if (scene.interpolation == Interpolation::automatic && scene.sampling.classification == Classification::pre)
+        return false;
+    return scene.interpolation != Interpolation::linear && scene.interpolation != Interpolation::texture;
+}
+
+Medium finely_interpolated(const Device& device, const Medium& medium, const Scene& scene, double noise,
+                           const Progress& progress) {
+    const bool is_automatic = scene.interpolation == Interpolation::automatic;
+    return with_interpolation(
+        device, medium, is_automatic ? interpolation_for(medium, noise, progress) : scene.interpolation, progress);
 }
 
 bool looks_at_visible_voxels(const Scene& scene) {

@@ -20,7 +20,14 @@ Subject study(const Volume& volume, const Progress& progress);
 /// preset - with their window and opacity unit applied. Throws as load_transfer_function.
 TransferFunction transfer_function_for(const TransferSettings& settings, const Subject& subject);
 
+/// Linear, as drafts are and what a camera is fitted to, or by texture.
 Shape shape_for(const Scene& scene);
+
+/// Whether final pictures are found another way than drafts.
+bool has_finer_interpolation(const Scene& scene);
+/// The medium of final pictures. `medium`: of drafts; `noise`: as Statistics has it.
+Medium finely_interpolated(const Device& device, const Medium& medium, const Scene& scene, double noise,
+                           const Progress& progress);
 
 /// Whether its pictures look up voxels only where the medium shows something (see discard_unseen).
 bool looks_at_visible_voxels(const Scene& scene);

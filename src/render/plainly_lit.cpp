@@ -1,4 +1,5 @@
 #include "render/plainly_lit.h"
+#include "render/appearance.h"
 
 #include "illumination/probe/light.h"
 
@@ -52,6 +53,7 @@ Scene plainly_lit(const Scene& scene, Method method) {
     plain.lighting.shading = Shading::none;
     plain.lighting.strength = 1;
     plain.lighting.probe.background = false;
+    if (!has_finer_interpolation(scene)) plain.interpolation = Interpolation::linear;
     plain.sampling.classification = Classification::preintegrated;  // paths miss nothing that a step passes
     plain.sampling.early_termination = 0;
     plain.output = {};

@@ -226,6 +226,7 @@ Scene parse_scene(const std::string& json, const std::filesystem::path& folder,
     if (name.empty()) refuse("volume.file is missing: it names the volume to show");
     scene.volume = found_file(name, folder, data_folder);
     scene.illumination.method = Method::none;  // a scene that says nothing of it was made without
+    scene.interpolation = Interpolation::linear;
     // The first scene files fitted the volume, and say how far.
     if (find(root, "camera.fit_scale")) scene.camera.fit = Fit::volume;
     read_settings(root, scene);

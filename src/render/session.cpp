@@ -62,10 +62,12 @@ struct Session::State {
     Kept<Prepared, Version, IlluminationSettings> prepare;
     Kept<Classified, Version, TransferSettings, Shape> classify;
     Kept<CameraSettings, Version, CameraSettings, RaySettings, std::pair<int, int>> fit;
+    Kept<Medium, Version, Interpolation> interpolate;  // of final pictures, where drafts are not as fine
     Kept<Probe, std::string> probe;
     Kept<IlluminationField, Version, Version, IlluminationSettings, HeldLight> illuminate;
     Kept<Cast, Version, Version, Lighting, Camera, RaySettings, std::pair<int, int>> raycast;
     Kept<Image, Version, ToneMap> develop;
+    Medium medium;  // of the last render or preview
     Cast previewed;
     Image previewed_image;
     CameraSettings camera;  // of the last render or preview
@@ -163,9 +165,48 @@ struct Session::State {
         redo("classify", classify, inputs, [&](Classified& classified) {
             classified.tf = transfer_function_for(scene.transfer, subject);
             classified.medium = chiaro::classify(device, upload.result, classified.tf, shape, progress);
-            gave_back = one_look && looks_at_visible_voxels(scene);
-            if (gave_back) discard_unseen(classified.medium);
         });
+        medium = classify.result.medium;
+    }
+
+    /// The medium of final pictures.
+    void redo_interpolate(const Scene& scene, const Progress& progress) {
+        if (has_finer_interpolation(scene)) {
+            if (gave_back && !medium_version(scene))
+                throw Error(ErrorCode::internal, "a session of one look was asked for another");
+            redo("interpolate", interpolate, {classify.version, scene.interpolation}, [&](Medium& finer) {
+                finer = finely_interpolated(device, classify.result.medium, scene, subject.statistics.noise, progress);
+            });
+            medium = interpolate.result;
+        }
+        if (gave_back || !one_look || !looks_at_visible_voxels(scene)) return;
+        discard_unseen(medium);
+        gave_back = true;
+    }
+
+    /// Names the medium that redo_interpolate made for the scene; 0: it would be another.
+    Version medium_version(const Scene& scene) const {
+        if (!has_finer_interpolation(scene)) return classify.version;
+        return interpolate.inputs == std::tuple(classify.version, scene.interpolation) ? interpolate.version : 0;
+    }
+
+    void redo_illuminate(const Scene& scene, const Camera& camera, const Lighting& lighting, Progress& progress,
+                         const Preview& preview) {
+        redo("illuminate", illuminate,
+             {medium_version(scene), prepare.version, scene.illumination, held_light(lighting, scene.illumination)},
+             [&](IlluminationField& field) {
+                 const IlluminationField warm = field;
+                 const auto keep = [&](IlluminationField finer) {
+                     field = std::move(finer);
+                     if (!preview || !field.is_coarse()) return;
+                     DeviceFrame frame(scene.width, scene.height);
+                     chiaro::raycast(device, medium, field, lighting, camera, scene.sampling, frame, progress);
+                     if (!progress.cancelled()) preview(chiaro::develop(frame, scene.output));
+                 };
+                 chiaro::illuminate(device, medium, prepare.result, lighting, scene.illumination, keep, progress, warm);
+                 progress.check();
+             });
+        tell_steps(illuminate.result.stages());
     }
 
     /// A stage that is done anew each time.
@@ -213,59 +254,51 @@ const Image& Session::render(const Scene& scene, Progress& progress, const Previ
     const CancelScope scope(progress);
     State& s = *state_;
     s.redo_up_to_classify(scene, progress);
-    const Medium& medium = s.classify.result.medium;
     s.camera = s.fitted(scene, progress);
+    s.redo_interpolate(scene, progress);
+    const Medium& medium = s.medium;
+    const Version version = s.medium_version(scene);
     const Camera camera = s.camera_of(s.camera);
     const Lighting lighting = s.lighting_of(scene, camera);
 
-    s.redo("illuminate", s.illuminate,
-           {s.classify.version, s.prepare.version, scene.illumination, held_light(lighting, scene.illumination)},
-           [&](IlluminationField& field) {
-               const IlluminationField warm = field;
-               const auto keep = [&](IlluminationField finer) {
-                   field = std::move(finer);
-                   if (!preview || !field.is_coarse()) return;
-                   DeviceFrame frame(scene.width, scene.height);
-                   raycast(s.device, medium, field, lighting, camera, scene.sampling, frame, progress);
-                   if (!progress.cancelled()) preview(develop(frame, scene.output));
-               };
-               illuminate(s.device, medium, s.prepare.result, lighting, scene.illumination, keep, progress, warm);
-               progress.check();
-           });
-    s.tell_steps(s.illuminate.result.stages());
-
+    s.redo_illuminate(scene, camera, lighting, progress, preview);
     const std::pair size(scene.width, scene.height);
-    s.redo("raycast", s.raycast, {s.classify.version, s.illuminate.version, lighting, camera, scene.sampling, size},
-           [&](Cast& cast) {
-               DeviceFrame& frame = cast.frame;
-               frame.resize(scene.width, scene.height);
-               const auto keep = [&](const DeviceFrame& better, const PathStatistics& paths) {
-                   cast.render_statistics.paths = paths;
-                   preview(develop(better, scene.output));
-               };
-               cast.render_statistics =
-                   is_path_traced(scene.illumination)
-                       ? trace_paths(s.device, medium, lighting, camera, scene.sampling, scene.illumination, frame,
-                                     progress, preview ? keep : DeviceFramePreview())
-                       : raycast(s.device, medium, s.illuminate.result, lighting, camera, scene.sampling, frame,
-                                 progress);
-               progress.check();
-           });
+    s.redo(
+        "raycast", s.raycast, {version, s.illuminate.version, lighting, camera, scene.sampling, size}, [&](Cast& cast) {
+            DeviceFrame& frame = cast.frame;
+            frame.resize(scene.width, scene.height);
+            const auto keep = [&](const DeviceFrame& better, const PathStatistics& paths) {
+                cast.render_statistics.paths = paths;
+                preview(develop(better, scene.output));
+            };
+            cast.render_statistics =
+                is_path_traced(scene.illumination)
+                    ? trace_paths(s.device, medium, lighting, camera, scene.sampling, scene.illumination, frame,
+                                  progress, preview ? keep : DeviceFramePreview())
+                    : raycast(s.device, medium, s.illuminate.result, lighting, camera, scene.sampling, frame, progress);
+            progress.check();
+        });
 
     s.redo("develop", s.develop, {s.raycast.version, scene.output},
            [&](Image& image) { image = develop(s.raycast.result.frame, scene.output); });
     return s.develop.result;
 }
 
-const Image& Session::preview(const Scene& scene, Progress& progress) {
+const Image& Session::preview(const Scene& scene, Progress& progress, bool lit) {
     const CancelScope scope(progress);
     State& s = *state_;
-    s.begin();
-    s.redo_classify(scene, progress);
-    const Medium& medium = s.classify.result.medium;
+    if (lit)
+        s.redo_up_to_classify(scene, progress);
+    else
+        s.begin(), s.redo_classify(scene, progress);
     s.camera = s.fitted(scene, progress);
+    const bool is_draft = scene.interpolation == Interpolation::automatic && has_finer_interpolation(scene);
+    if (lit || !is_draft) s.redo_interpolate(scene, progress);
     const Camera camera = s.camera_of(s.camera);
     const Lighting lighting = s.lighting_of(scene, camera);
+    if (lit) s.redo_illuminate(scene, camera, lighting, progress, {});
+    if (is_draft) s.medium = s.classify.result.medium;
+    const Medium& medium = s.medium;
     DeviceFrame& frame = s.previewed.frame;
     frame.resize(scene.width, scene.height);
     s.timed("raycast", [&] {
@@ -298,7 +331,8 @@ bool Session::needs_light(const Scene& scene) const {
     const State& s = *state_;
     return s.prepare.inputs != std::tuple(s.upload.version, preparation_of(scene.illumination)) ||
            s.classify.inputs != std::tuple(s.upload.version, scene.transfer, shape_for(scene)) ||
-           s.illuminate.inputs != std::tuple(s.classify.version, s.prepare.version, scene.illumination, s.held(scene));
+           s.illuminate.inputs !=
+               std::tuple(s.medium_version(scene), s.prepare.version, scene.illumination, s.held(scene));
 }
 
 ComputedField Session::compute_field(const Scene& scene, Progress& progress) {
@@ -306,11 +340,11 @@ ComputedField Session::compute_field(const Scene& scene, Progress& progress) {
     State& s = *state_;
     if (s.gave_back) throw Error(ErrorCode::internal, "a session of one look has no whole volume");
     s.redo_up_to_classify(scene, progress);
+    s.redo_interpolate(scene, progress);
     const Lighting lighting = s.lighting_of(scene, s.camera_of(scene.camera));
     Kept<ComputedField, Version> made;
     s.redo("illuminate", made, {s.classify.version}, [&](ComputedField& field) {
-        field = chiaro::compute_field(s.device, s.classify.result.medium, s.prepare.result, lighting,
-                                      scene.illumination, progress);
+        field = chiaro::compute_field(s.device, s.medium, s.prepare.result, lighting, scene.illumination, progress);
     });
     s.tell_steps(made.result.stages);
     return std::move(made.result);
@@ -319,17 +353,20 @@ ComputedField Session::compute_field(const Scene& scene, Progress& progress) {
 const DeviceVolume& Session::volume() const { return state_->upload.result; }
 double Session::probe_exposure() const { return state_->probe_exposure; }
 const CameraSettings& Session::camera() const { return state_->camera; }
-const Medium& Session::medium() const { return state_->classify.result.medium; }
+const Medium& Session::medium() const { return state_->medium; }
 const IlluminationField& Session::light() const { return state_->illuminate.result; }
 const Frame& Session::frame() const { return state_->raycast.result.frame.read(); }
 const Frame& Session::frame_with_depth(Progress& progress) {
     State& s = *state_;
     DeviceFrame& frame = s.raycast.result.frame;
-    if (!s.raycast.inputs || std::get<0>(*s.raycast.inputs) != s.classify.version)
+    const Version version = s.raycast.inputs ? std::get<0>(*s.raycast.inputs) : 0;
+    const bool is_fine = s.interpolate.inputs && version == s.interpolate.version;
+    if (!s.raycast.inputs || (is_fine ? std::get<0>(*s.interpolate.inputs) : version) != s.classify.version)
         throw Error(ErrorCode::internal, "a session must render a picture before it can tell its depth");
     if (frame.read().depth_mm.empty()) {
         const auto& [classified, lit, lighting, camera, rays, size] = *s.raycast.inputs;
-        if (!find_depth(s.device, medium(), camera, rays, frame.write(), progress)) progress.check();
+        const Medium& shown = is_fine ? s.interpolate.result : s.classify.result.medium;
+        if (!find_depth(s.device, shown, camera, rays, frame.write(), progress)) progress.check();
     }
     return frame.read();
 }

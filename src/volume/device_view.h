@@ -11,13 +11,17 @@ namespace chiaro {
 template <class Voxel>
 kernel::VolumeView<Voxel> view_of(const DeviceVolume::Data& volume) {
     const auto [nx, ny, nz] = volume.dimensions;
+    const SplineCoding& spline = volume.spline;
+    const auto& reach = volume.normal_reach;
+    const auto* coefficients = reinterpret_cast<const Voxel*>(volume.coefficients.data());
     return {reinterpret_cast<const Voxel*>(volume.bricks.data()),
             brick_count(nx),
             brick_count(ny),
             {float(nx - 1), float(ny - 1), float(nz - 1)},
             std::max(nx - 2, 0),
             std::max(ny - 2, 0),
-            std::max(nz - 2, 0)};
+            std::max(nz - 2, 0),
+            {coefficients, spline.base, spline.scale, spline.least, {reach[0], reach[1], reach[2]}}};
 }
 
 /// Calls f with a value of the type that the voxels are stored as.
@@ -34,3 +38,12 @@ decltype(auto) with_stored_voxel(const DeviceVolume::Data& volume, Function&& f)
 }
 
 }  // namespace chiaro
+
+namespace chiaro::kernel {
+
+template <class Views, class Voxel>
+void swap_pointers(Views& views, VolumeView<Voxel>& view) {
+    views.to_device_pointers(view.voxels, view.spline.coefficients);
+}
+
+}  // namespace chiaro::kernel

@@ -72,18 +72,13 @@ Conversion<Source> stored_range(const Volume& volume, int threads, const Progres
     return all;
 }
 
-/// Slices of a layer of bricks that are read: behind the volume, what the ranges of its last cells touch.
-int slices_read(const Volume& volume, int layer) {
-    return std::min(brick_row, brick_before + volume.dimensions[2] + cell_edge - layer * brick_edge);
-}
-
 /// Fills one brick, border included, from the volume; outside, the nearest voxel stands.
 template <class Source, class Device>
 void fill_brick(const Volume& volume, const Conversion<Source>& conversion, std::array<int, 3> brick, Device* out) {
     const auto voxels = volume.as<Source>();
     const auto [nx, ny, nz] = volume.dimensions;
     const int x0 = brick[0] * brick_edge - brick_before;
-    for (int z = 0; z < slices_read(volume, brick[2]); ++z)
+    for (int z = 0; z < slices_read(volume.dimensions[2], brick[2]); ++z)
         for (int y = 0; y < brick_row; ++y) {
             const int sz = std::clamp(brick[2] * brick_edge - brick_before + z, 0, nz - 1);
             const int sy = std::clamp(brick[1] * brick_edge - brick_before + y, 0, ny - 1);
@@ -119,7 +114,7 @@ void fill_bricks(const Source& source, const Conversion<Stored>& conversion, Dev
     Device* out = reinterpret_cast<Device*>(data.bricks.data());
     // The last layer's other slices are never written, and with small pages take no memory.
     if (const std::size_t last = (bricks[2] - 1) * layer_bricks * brick_voxels;
-        slices_read(volume, bricks[2] - 1) < brick_row)
+        slices_read(nz, bricks[2] - 1) < brick_row)
         data.bricks.use_small_pages(last * sizeof(Device));
     for (int bz = 0; bz < bricks[2]; ++bz) {
         parallel_for(threads, std::int64_t(layer_bricks), 1,
@@ -128,7 +123,7 @@ void fill_bricks(const Source& source, const Conversion<Stored>& conversion, Dev
                          const std::array<int, 3> at{int(b % bricks[0]), int(b / bricks[0]), bz};
                          Device* brick = out + (bz * layer_bricks + std::size_t(b)) * brick_voxels;
                          fill_brick(volume, conversion, at, brick);
-                         fill_cells(brick, at, data.cells);
+                         fill_cells(brick, at, brick_row, data.cells);
                      });
         progress.check();
         progress.report("upload", double(bz + 1) / bricks[2]);
@@ -223,6 +218,8 @@ DeviceVolume upload(const Device& device, Volume&& volume) {
 
 std::array<int, 3> DeviceVolume::dimensions() const { return data().dimensions; }
 const Geometry& DeviceVolume::geometry() const { return data().geometry; }
-std::size_t DeviceVolume::bytes() const { return data().bricks.size() + data().cells.low.size() * 2 * sizeof(float); }
+std::size_t DeviceVolume::bytes() const {
+    return data().bricks.size() + data().coefficients.size() + data().cells.low.size() * 2 * sizeof(float);
+}
 
 }  // namespace chiaro

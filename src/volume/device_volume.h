@@ -3,6 +3,7 @@
 #include <chiaro/medium.h>
 
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include "core/host_array.h"
@@ -16,6 +17,17 @@ struct CellRanges {
     std::vector<float> low, high;  ///< x fastest
 };
 
+/// What a spline's coefficients stand for: stored = (coefficient - base) * scale + least.
+struct SplineCoding {
+    float base = 0, scale = 1, least = 0;
+};
+
+/// The splines that were made of a volume (volume/splined.h).
+struct DeviceVolume::Splines {
+    std::mutex mutex;
+    std::shared_ptr<const Data> interpolating, smoothing;
+};
+
 struct DeviceVolume::Data : std::enable_shared_from_this<Data> {
     Device device;
     std::array<int, 3> dimensions{0, 0, 0};
@@ -24,14 +36,42 @@ struct DeviceVolume::Data : std::enable_shared_from_this<Data> {
     VoxelBuffer bricks;
     double scale = 1, offset = 0;  ///< value = scale * stored + offset
     bool whole_numbers = false;    ///< the stored values are integers
-    CellRanges cells;
+    CellRanges cells;              ///< of all values, those between voxels too
     float stored_min = 0, stored_max = 0;
 
+    VoxelBuffer coefficients;  ///< of a spline, laid out as the bricks; empty: values are linear between voxels
+    SplineCoding spline;
+    std::array<float, 3> normal_reach{0, 0, 0};  ///< of thick slices: kernel::SplineView::reach
+    const Data* source = nullptr;  ///< of a spline: the volume whose bricks it borrows, and which outlives it
+    mutable Splines splines;
+
     void add_to(HostArrays& arrays) const {
-        arrays.add(weak_from_this(), bricks);
+        const auto keeper = [&](const VoxelBuffer& buffer) {
+            return buffer.is_borrowed() && source ? source->weak_from_this() : weak_from_this();
+        };
+        arrays.add(keeper(bricks), bricks);
+        arrays.add(keeper(coefficients), coefficients);
         arrays.add(weak_from_this(), cells.low);
         arrays.add(weak_from_this(), cells.high);
     }
 };
+
+/// Slices of a layer of bricks that are read: behind the volume, what the ranges of its last cells touch.
+inline int slices_read(int slices, int layer) {
+    return std::min(brick_row, brick_before + slices + cell_edge - layer * brick_edge);
+}
+
+/// Where voxel (x, y, z) lies in the bricks.
+inline std::size_t voxel_index(const DeviceVolume::Data& volume, int x, int y, int z) {
+    // The last voxel of an axis is the border of the last brick.
+    const auto brick = [](int i, int n) { return std::min(i / brick_edge, brick_count(n) - 1); };
+    const auto& n = volume.dimensions;
+    const std::array<int, 3> b{brick(x, n[0]), brick(y, n[1]), brick(z, n[2])};
+    const std::size_t index = (std::size_t(b[2]) * brick_count(n[1]) + b[1]) * brick_count(n[0]) + b[0];
+    const int local =
+        ((z - b[2] * brick_edge + brick_before) * brick_row + y - b[1] * brick_edge + brick_before) * brick_row + x -
+        b[0] * brick_edge + brick_before;
+    return index * brick_voxels + std::size_t(local);
+}
 
 }  // namespace chiaro

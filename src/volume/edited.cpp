@@ -49,7 +49,7 @@ DeviceVolume edited(const DeviceVolume& volume, const std::vector<std::uint8_t>&
                                                      int(b / (std::int64_t(bricks[0]) * bricks[1]))};
                          Voxel* brick = all + std::size_t(b) * brick_voxels;
                          edit_brick(source, at, is_changed, new_value, brick);
-                         fill_cells(brick, at, made->cells);
+                         fill_cells(brick, at, brick_row, made->cells);
                      });
     });
     made->stored_min = *std::min_element(made->cells.low.begin(), made->cells.low.end());

@@ -10,6 +10,7 @@
 #include <mutex>
 
 #include "core/threads.h"
+#include "volume/noise.h"
 #include "volume/validate.h"
 
 namespace chiaro {
@@ -197,6 +198,9 @@ Statistics measure(const Volume& volume, const Progress& progress) {
         summarize(levels, result);
         check_values(volume, result.min, result.max);
         result.hu_zero = hu_zero_of(volume, levels, result);
+        constexpr double empty = 0.05;  // of the range: noise of air is no matter
+        const double range = result.p999 - result.p1;
+        if (range > 0) result.noise = noise_of(volume, result.p1 + empty * range, progress) / range;
         return result;
     });
 }

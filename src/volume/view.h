@@ -3,6 +3,7 @@
 #include "kernel/gather.h"
 #include "kernel/vec.h"
 #include "volume/bricks.h"
+#include "volume/spline.h"
 
 namespace chiaro::kernel {
 
@@ -11,7 +12,13 @@ template <class F>
 struct Location {
     typename GatherIndex<F>::type index;
     Vec3<F> t;
+    Vec3<F> p;  ///< the point itself
 };
+
+template <class Voxel>
+struct VolumeView;
+template <class F, class Voxel>
+static Vec3<F> mean_gradient(const VolumeView<Voxel>& volume, const Vec3<F>& p);
 
 /// The voxel whose interval [i, i + 1] holds a point, per axis.
 template <class F>
@@ -26,6 +33,7 @@ struct VolumeView {
     std::int32_t bricks_x, bricks_y;
     Float3 last;                          ///< n - 1 per axis
     std::int32_t last_x, last_y, last_z;  ///< last interval's voxel, max(n - 2, 0)
+    SplineView<Voxel> spline{};
 
     template <class F>
     CHIARO_INLINE Vec3<F> clamp(Vec3<F> p) const {
@@ -48,14 +56,26 @@ struct VolumeView {
         const I local = ((i.z & inside) + before) * I(brick_slice) + ((i.y & inside) + before) * I(brick_row) +
                         (i.x & inside) + before;
         return {typename GatherIndex<F>::type(brick * I(brick_voxels) + local),
-                {p.x - to_float(i.x), p.y - to_float(i.y), p.z - to_float(i.z)}};
+                {p.x - to_float(i.x), p.y - to_float(i.y), p.z - to_float(i.z)},
+                p};
     }
 
-    /// Trilinear; in stored units.
+    /// Trilinear, or of the spline; in stored units.
     template <class F>
     CHIARO_INLINE F value(const Location<F>& at) const {
+        if (spline.coefficients) return spline.stored(spline_value<F>(spline.coefficients, at.index, at.t));
         const Four<F> s = along_x(corners(at), at.t.x);
         return lerp(lerp(s.a, s.b, at.t.y), lerp(s.c, s.d, at.t.y), at.t.z);
+    }
+
+    /// Between which values in a voxel interval lie; of a spline with its rounding.
+    template <class F>
+    CHIARO_INLINE Two<F> range(VoxelIndex<F> i) const {
+        const Location<F> at = locate({to_float(i.x), to_float(i.y), to_float(i.z)}, i);
+        if (spline.coefficients) return spline.stored(spline_range<F>(spline.coefficients, at.index));
+        const Four<Two<F>> v = corners(at);
+        return {min(min(min(v.a.a, v.a.b), min(v.b.a, v.b.b)), min(min(v.c.a, v.c.b), min(v.d.a, v.d.b))),
+                max(max(max(v.a.a, v.a.b), max(v.b.a, v.b.b)), max(max(v.c.a, v.c.b), max(v.d.a, v.d.b)))};
     }
 
     /// The eight voxels around a point, in pairs along x: (y, z) = (0, 0), (1, 0), (0, 1), (1, 1).
@@ -64,10 +84,17 @@ struct VolumeView {
         return gather_two(voxels, at.index, {0, brick_row, brick_slice, brick_slice + brick_row});
     }
 
-    /// Central differences of one voxel, interpolated; stored units per voxel. At the border the missing neighbour is
-    /// the border voxel itself. 32 voxels in 12 loads.
+    /// Stored units per voxel; of thick slices the mean over their thickness (SplineView::reach).
     template <class F>
     CHIARO_INLINE Vec3<F> gradient(const Location<F>& at) const {
+        return spline.reach.x > 0 ? mean_gradient<F>(*this, at.p) : differences(at);
+    }
+
+    /// Central differences of one voxel, interpolated. Of splines, too: on balls with edges of .4 to 2 voxels in 8 bits
+    /// the spline's own gradient shows two to three times as much of the grid. At the border the missing neighbour is
+    /// the border voxel itself. 32 voxels in 12 loads.
+    template <class F>
+    CHIARO_INLINE Vec3<F> differences(const Location<F>& at) const {
         const Vec3<F> t = at.t;
         constexpr int y = brick_row, z = brick_slice;
         const Four<Four<F>> rows = gather_four(voxels - 1, at.index, {0, y, z, z + y});
@@ -93,5 +120,19 @@ private:
         return lerp(row.c - row.a, row.d - row.b, t);
     }
 };
+
+/// Of the eight points around p that lie `reach` away along every axis.
+template <class F, class Voxel>
+static CHIARO_NOINLINE Vec3<F> mean_gradient(const VolumeView<Voxel>& volume, const Vec3<F>& p) {
+    const Float3 reach = volume.spline.reach;
+    Vec3<F> sum(F(0), F(0), F(0));
+    for (int corner = 0; corner < 8; ++corner) {
+        const Vec3<F> beside(F(corner & 1 ? reach.x : -reach.x), F(corner & 2 ? reach.y : -reach.y),
+                             F(corner & 4 ? reach.z : -reach.z));
+        const Vec3<F> q = volume.clamp(p + beside);
+        sum = sum + volume.differences(volume.locate(q, volume.voxel(q)));
+    }
+    return F(0.125f) * sum;
+}
 
 }  // namespace chiaro::kernel

@@ -119,7 +119,8 @@ CellValues classify_on_gpu(const Device& device, const Medium::Data& medium, con
     const auto [nx, ny, nz] = grid.count;
     kernel::OpacityBatch<Voxel> batch{
         opacity_kernel<Voxel>(medium, grid, entries), nullptr, {nx, ny, nz}, false, made.data()};
-    views.to_device_pointers(batch.kernel.volume.voxels, batch.kernel.entries);
+    swap_pointers(views, batch.kernel.volume);
+    views.to_device_pointers(batch.kernel.entries);
     const auto fill = [&](const BlockMap& map, bool near_surface) {
         batch.near_surface = near_surface;
         for_blocks(stream, map, "opacity", progress, [&](const kernel::BlockPlace* places, std::int64_t blocks) {

@@ -43,7 +43,7 @@ void bin_on_gpu(const Device& device, const DeviceVolume::Data& volume, BinnedCe
     HostArrays arrays;
     volume.add_to(arrays);
     cuda::Views views(stream, std::move(arrays));
-    views.to_device_pointers(kernel.volume.voxels);
+    swap_pointers(views, kernel.volume);
     kernel::run_on_gpu(stream, std::int64_t(made.size()), kernel);
     out.buffer.keep(device.stream, made.data());
 }

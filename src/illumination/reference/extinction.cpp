@@ -43,7 +43,8 @@ void swap_pointers(cuda::Views& views, kernel::NodeExtinction& extinction) {
 }
 template <class Voxel>
 void swap_pointers(cuda::Views& views, kernel::CellExtinction<Voxel>& extinction) {
-    views.to_device_pointers(extinction.volume.voxels, extinction.opacity, extinction.entries);
+    swap_pointers(views, extinction.volume);
+    views.to_device_pointers(extinction.opacity, extinction.entries);
 }
 
 ExtinctionTable inside_surfaces(const Medium::Data& medium) {

@@ -11,7 +11,8 @@ inline void swap_way(cuda::Views& views, kernel::CellRays& rays) {
 }
 template <class Voxel>
 void swap_medium(cuda::Views& views, kernel::InterpolatedRays<Voxel>& rays) {
-    views.to_device_pointers(rays.volume.voxels, rays.extinction);
+    swap_pointers(views, rays.volume);
+    views.to_device_pointers(rays.extinction);
 }
 template <class Voxel>
 void swap_way(cuda::Views& views, kernel::InterpolatedRays<Voxel>& rays) {

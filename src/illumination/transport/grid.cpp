@@ -128,7 +128,8 @@ private:
             kernel::ColourSums<Values> add{
                 colours(Values{view_of<decltype(voxel)>(medium_.volume.data()), cell_centres(medium_, cells_)}), depths,
                 nodes.count[0], nodes.count[1], sums};
-            executor.exchange(arrays, add.colours.values.volume.voxels, add.colours.scattering_colours.entries);
+            executor.exchange(arrays, add.colours.values.volume.voxels, add.colours.values.volume.spline.coefficients,
+                              add.colours.scattering_colours.entries);
             executor.for_each(std::int64_t(nodes.size()), add);
         });
     }

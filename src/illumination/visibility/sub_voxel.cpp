@@ -153,7 +153,7 @@ std::function<FillBlocks(cuda::Stream&)> depths_on_gpu(const DeviceVolume::Data&
         auto sub_voxel = tables->view();
         const Depth<Voxel, decltype(sub_voxel)> depth{cells->view(), cells->centres(), sub_voxel};
         return on_gpu(stream, std::move(arrays), cells->grid(), depth, [](cuda::Views& views, auto& of) {
-            views.to_device_pointers(of.volume.voxels);
+            swap_pointers(views, of.volume);
             swap_pointers(views, of.sub_voxel);
         });
     };

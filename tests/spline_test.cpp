@@ -1,0 +1,257 @@
+// Cubic B-splines between voxels, against closed forms and sums over all coefficients.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "classify/medium.h"
+#include "fixtures.h"
+#include "volume/device_view.h"
+#include "volume/splined.h"
+
+using namespace chiaro;
+using namespace chiaro::testing;
+
+namespace {
+
+using Point = kernel::Vec3<float>;
+
+/// In data units, whatever the voxels are stored as.
+double value_at(const DeviceVolume& volume, Point p) {
+    const DeviceVolume::Data& data = volume.data();
+    return with_stored_voxel(data, [&](auto zero) {
+        const auto view = view_of<decltype(zero)>(data);
+        p = view.clamp(p);
+        const auto at = view.locate(p, view.voxel(p));
+        return data.scale * view.value(at) + data.offset;
+    });
+}
+
+/// Waves with noise on them.
+template <class T>
+Volume noise(std::array<int, 3> n) {
+    std::mt19937 random(5);
+    return sampled<T>(n, [&](double x, double y, double z) {
+        return 100 + 60 * std::sin(0.3 * x + 0.4 * y) * std::cos(0.5 * z) + double(random() % 20);
+    });
+}
+
+template <class Visit>
+void for_each_voxel(std::array<int, 3> n, const Visit& visit) {
+    for (int z = 0; z < n[2]; ++z)
+        for (int y = 0; y < n[1]; ++y)
+            for (int x = 0; x < n[0]; ++x) visit(x, y, z);
+}
+
+/// The cubic B-spline at a distance.
+double bspline(double t) {
+    t = std::abs(t);
+    return t < 1 ? 2.0 / 3 - t * t + t * t * t / 2 : t < 2 ? (2 - t) * (2 - t) * (2 - t) / 6 : 0;
+}
+
+template <class T>
+void expect_interpolation(std::array<int, 3> n) {
+    const Volume volume = noise<T>(n);
+    const DeviceVolume voxels = upload(tested_device(), volume), made = splined(voxels, true);
+    // Within half a step of the coefficients' storage, whose weights add up to 1, and rounding of stored values near
+    // 2^15.
+    const double allowed = std::is_floating_point_v<T> ? 2e-4 : 0.5 * made.data().spline.scale + 0.008;
+    double worst = 0;
+    std::size_t i = 0;
+    for_each_voxel(n, [&](int x, int y, int z) {
+        const double found = value_at(made, {float(x), float(y), float(z)});
+        worst = std::max(worst, std::abs(found - double(volume.as<T>()[i++])));
+    });
+    EXPECT_LT(worst, allowed) << n[0] << " " << n[1] << " " << n[2];
+    const double coarsest = std::is_same_v<T, std::uint8_t> ? 2.5 : 1.01;
+    EXPECT_LT(made.data().spline.scale, coarsest);
+}
+
+const std::array<int, 3> across_bricks{70, 41, 37};
+
+}  // namespace
+
+TEST(Spline, GoesThroughTheVoxels) {
+    for (const auto n : {across_bricks, {5, 1, 40}, {2, 3, 66}, {33, 34, 1}}) {
+        expect_interpolation<std::uint8_t>(n);
+        expect_interpolation<std::int16_t>(n);
+        expect_interpolation<float>(n);
+    }
+}
+
+TEST(Spline, ReproducesLinearRampsToTheBorder) {
+    const auto ramp = [](double x, double y, double z) { return 3 + 2 * x - y + 0.5 * z; };
+    const DeviceVolume made = splined(upload(tested_device(), sampled<float>(across_bricks, ramp)), true);
+    std::mt19937 random(1);
+    std::uniform_real_distribution<float> u(0, 1);
+    for (int i = 0; i < 5000; ++i) {
+        const Point p{69 * u(random), 40 * u(random), 36 * u(random)};
+        ASSERT_NEAR(value_at(made, p), ramp(p.x, p.y, p.z), 2e-4) << p.x << " " << p.y << " " << p.z;
+    }
+}
+
+TEST(Spline, ReproducesQuadraticsAndTheirGradients) {
+    const auto f = [](double x, double y, double z) {
+        return 0.5 * x * x - 0.25 * y * y + 0.125 * z * z + 0.1 * x * y - 0.2 * y * z + x;
+    };
+    const DeviceVolume made = splined(upload(tested_device(), sampled<float>(across_bricks, f)), true);
+    const auto view = view_of<float>(made.data());
+    std::mt19937 random(2);
+    std::uniform_real_distribution<float> u(0, 1);
+    for (int i = 0; i < 5000; ++i) {
+        const Point p{14 + 40 * u(random), 14 + 12 * u(random), 14 + 8 * u(random)};
+        ASSERT_NEAR(value_at(made, p), f(p.x, p.y, p.z), 2e-3);
+        const kernel::Location<float> at = view.locate(p, view.voxel(p));
+        const Point g = view.gradient(at);
+        ASSERT_NEAR(g.x, p.x + 0.1 * p.y + 1, 2e-3);
+        ASSERT_NEAR(g.y, -0.5 * p.y + 0.1 * p.x - 0.2 * p.z, 2e-3);
+        ASSERT_NEAR(g.z, 0.25 * p.z - 0.2 * p.y, 2e-3);
+    }
+}
+
+TEST(Spline, SmoothsByTheSumOverItsCoefficients) {
+    const std::array<int, 3> n{40, 34, 9};
+    const Volume volume = noise<std::uint8_t>(n);
+    const DeviceVolume made = splined(upload(tested_device(), volume), false);
+    const auto voxel = [&](int x, int y, int z) {
+        const auto inside = [](int i, int count) { return std::clamp(i, 0, count - 1); };
+        return double(
+            volume
+                .as<std::uint8_t>()[std::size_t((inside(z, n[2]) * n[1] + inside(y, n[1])) * n[0] + inside(x, n[0]))]);
+    };
+    const auto expected = [&](Point p) {
+        double sum = 0;
+        const int x0 = int(p.x), y0 = int(p.y), z0 = int(p.z);
+        for (int k = z0 - 1; k < z0 + 4; ++k)
+            for (int j = y0 - 1; j < y0 + 4; ++j)
+                for (int i = x0 - 1; i < x0 + 4; ++i)
+                    sum += voxel(i, j, k) * bspline(p.x - i) * bspline(p.y - j) * bspline(p.z - k);
+        return sum;
+    };
+    std::mt19937 random(3);
+    std::uniform_real_distribution<float> u(0, 1);
+    for (int i = 0; i < 3000; ++i) {
+        const Point p{39 * u(random), 33 * u(random), 8 * u(random)};
+        ASSERT_NEAR(value_at(made, p), expected(p), 1e-3) << p.x << " " << p.y << " " << p.z;
+    }
+    // What reads voxels reads the same: light is classified from them.
+    const auto view = view_of<std::uint8_t>(made.data());
+    for_each_voxel(n, [&](int x, int y, int z) {
+        const Point p{float(x), float(y), float(z)};
+        const double stored = view.voxels[voxel_index(made.data(), x, y, z)];
+        ASSERT_NEAR(stored, expected(p), 0.501) << x << " " << y << " " << z;
+    });
+}
+
+// No value lies beyond the range of its cell, by which empty space is skipped and paths are bounded.
+TEST(Spline, KeepsToTheRangesOfItsCells) {
+    const std::array<int, 3> n{66, 35, 39};
+    for (const Volume& volume : {noise<std::uint8_t>(n), noise<std::int16_t>(n), noise<float>(n)})
+        for (const bool interpolates : {true, false}) {
+            const DeviceVolume made = splined(upload(tested_device(), volume), interpolates);
+            const DeviceVolume::Data& data = made.data();
+            double least = 1e9, largest = -1e9;
+            std::mt19937 random(4);
+            std::uniform_real_distribution<float> u(0, 1);
+            for (int i = 0; i < 30000; ++i) {
+                const Point p{65 * u(random), 34 * u(random), 38 * u(random)};
+                const double stored = (value_at(made, p) - data.offset) / data.scale;
+                const auto& count = data.cells.count;
+                const std::size_t cell =
+                    (std::size_t(int(p.z) / cell_edge) * count[1] + int(p.y) / cell_edge) * count[0] +
+                    std::size_t(int(p.x) / cell_edge);
+                ASSERT_GE(stored, data.cells.low[cell]);
+                ASSERT_LE(stored, data.cells.high[cell]);
+                least = std::min(least, stored), largest = std::max(largest, stored);
+            }
+            EXPECT_EQ(interpolates, largest > data.stored_max);  // it swings over
+        }
+}
+
+TEST(Spline, OfEvenMatterIsEven) {
+    for (const bool interpolates : {true, false}) {
+        const Volume volume =
+            sampled<std::uint8_t>({70, 34, 34}, [](double x, double, double) { return x < 20 ? 200 : 7; });
+        const DeviceVolume made = splined(upload(tested_device(), volume), interpolates);
+        for (const float x : {40.f, 45.3f, 62.1f}) {
+            EXPECT_EQ(value_at(made, {x, 12.3f, 31.7f}), 7);
+        }
+        const CellRanges& cells = made.data().cells;
+        const std::size_t last = cells.low.size() - 1;
+        EXPECT_EQ(cells.low[last], 7);
+        EXPECT_EQ(cells.high[last], 7);
+    }
+}
+
+TEST(Spline, IsMadeOnceAndTakesOneCopyOfTheBricks) {
+    const DeviceVolume voxels = upload(tested_device(), noise<std::uint8_t>(across_bricks));
+    const DeviceVolume made = splined(voxels, true);
+    EXPECT_EQ(&made.data(), &splined(voxels, true).data());
+    EXPECT_NE(&made.data(), &splined(voxels, false).data());
+    EXPECT_EQ(made.data().bricks.data(), voxels.data().bricks.data());
+    EXPECT_LT(made.bytes() - voxels.data().bricks.size(), 1.35 * double(voxels.data().bricks.size()));
+    const DeviceVolume smoothed = splined(voxels, false);
+    EXPECT_EQ(smoothed.data().coefficients.data(), voxels.data().bricks.data());
+}
+
+// Noise is what normal noise was made with; smooth edges add little, and what a mask leaves of them much.
+TEST(Noise, IsMeasuredAsItWasMade) {
+    const std::array<int, 3> n{80, 80, 80};
+    const auto of = [&](double sigma, double edge) {
+        std::mt19937 random(6);
+        std::normal_distribution<double> normal(0, 1);
+        return measure(sampled<float>(n, [&](double x, double y, double z) {
+            const double r = std::hypot(x - 40.3, y - 39.6, z - 40.1);
+            const double ball = edge > 0 ? 100 / (1 + std::exp((r - 25) / edge)) : r < 25 ? 100 : 0;
+            return ball + sigma * (ball > 4) * normal(random);
+        }));
+    };
+    EXPECT_LT(of(0, 0.4).noise, 0.01);
+    EXPECT_LT(of(0, 2).noise, 0.001);
+    EXPECT_GT(of(0, 0).noise, worth_smoothing);
+    for (const double sigma : {2.0, 4.0, 8.0}) {
+        const Statistics found = of(sigma, 2);
+        const double made = sigma / (found.p999 - found.p1);
+        EXPECT_NEAR(found.noise, 0.9 * made, 0.2 * made) << sigma;  // a little goes with the edge's gradient
+    }
+}
+
+TEST(Noise, DoesNotDependOnTheUnit) {
+    Volume volume = noise<std::int16_t>(across_bricks);
+    const double before = measure(volume).noise;
+    volume.slope = 0.5, volume.intercept = -20;
+    EXPECT_NEAR(measure(volume).noise, before, 1e-12);
+    EXPECT_EQ(measure(sampled<std::uint8_t>({2, 9, 9}, [](double x, double, double) { return x; })).noise, 0);
+}
+
+TEST(Interpolation, IsChosenByNoiseAndWhatIsThin) {
+    std::mt19937 random(7);
+    const auto medium = [&](bool is_thin) {
+        const Volume volume = sampled<std::uint8_t>({48, 48, 48}, [&](double x, double y, double z) {
+            const bool inside = is_thin ? std::fmod(x, 6) == 0 && std::fmod(y, 6) == 0 && z > 4 && z < 43
+                                        : std::hypot(x - 24, y - 24, z - 24) < 16;
+            return inside ? 200 - int(random() % 30) : 0;
+        });
+        TransferFunction tf = constant(0.9);
+        tf.points = {{120, {1, 1, 1}, 0}, {130, {1, 1, 1}, 0.9}};
+        return classify(upload(tested_device(), volume), tf, {});
+    };
+    EXPECT_EQ(interpolation_for(medium(false), 0.03), Interpolation::smooth);
+    EXPECT_EQ(interpolation_for(medium(false), 0.01), Interpolation::cubic);
+    EXPECT_EQ(interpolation_for(medium(true), 0.03), Interpolation::cubic);  // keeps .44 of 200
+}
+
+TEST(Interpolation, OfAMediumIsThatOfItsShape) {
+    const Device device = tested_device();
+    const Volume volume =
+        sampled<std::uint8_t>({40, 36, 44}, [](double x, double y, double z) { return shells(x, y, z, 42); });
+    const DeviceVolume voxels = upload(device, volume);
+    for (const Interpolation interpolation : {Interpolation::linear, Interpolation::cubic, Interpolation::smooth}) {
+        const Medium made = classify(voxels, two_materials(), {.interpolation = interpolation});
+        for (const Interpolation before : {Interpolation::linear, Interpolation::smooth}) {
+            const Medium other =
+                with_interpolation(device, classify(voxels, two_materials(), {.interpolation = before}), interpolation);
+            EXPECT_EQ(other.data().cells, made.data().cells);
+            EXPECT_EQ(&other.data().volume.data(), &made.data().volume.data());
+        }
+    }
+}
