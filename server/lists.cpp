@@ -54,7 +54,10 @@ void tell_kind(Json& json, const Setting&, const auto&...) { json["kind"] = "for
 Json defaults_of(std::string_view method) {
     Scene scene;
     if (!method.empty()) from_text(method, scene.illumination.method);
-    return Json::parse(to_json(scene));
+    scene.slices.at_mm.emplace();  // scenes leave out slices that nobody has set
+    Json json = Json::parse(to_json(scene));
+    json["slices"].erase("at");
+    return json;
 }
 
 Json value_at(const Json& scene, std::string_view key) {

@@ -11,6 +11,8 @@
 #include <chiaro/image.h>
 #include <chiaro/io.h>
 #include <chiaro/lighting.h>
+#include <chiaro/marks.h>
+#include <chiaro/measuring.h>
 #include <chiaro/medium.h>
 #include <chiaro/pick.h>
 #include <chiaro/probe.h>
@@ -21,6 +23,7 @@
 #include <chiaro/session.h>
 #include <chiaro/settings.h>
 #include <chiaro/sheet.h>
+#include <chiaro/slice.h>
 #include <chiaro/text.h>
 #include <chiaro/transfer_file.h>
 #include <chiaro/transfer_function.h>
