@@ -21,6 +21,17 @@ std::string carried_scene(const Metadata& metadata) {
 
 }  // namespace
 
+/// What the view is restored with, where the picture stays as it is.
+Json View::keep(const Json& request) {
+    const Scene scene = scene_of(object_in(request, "scene"));
+    {
+        const std::lock_guard lock(mutex_);
+        state_ = request["scene"];
+    }
+    if (context_.changed) context_.changed(scene);
+    return Json::object();
+}
+
 Json View::ping(const Json&) { return Json::object(); }
 
 /// What local histograms take on disk.

@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "image/png.h"
 #include "jpeg.h"
 #include "memory_budget.h"
 #include "overlay.h"
@@ -117,11 +118,11 @@ Json View::save(const Json& request, Progress& progress) {
     return {{"url", url}, {"name", name}, {"bytes", bytes}};
 }
 
-void View::send_frame(const Json& header, const Image& image) {
+void View::send_frame(const Json& header, const Image& image, bool lossless) {
     Json whole = header;
-    whole["type"] = "jpeg";
+    whole["type"] = lossless ? "png" : "jpeg";
     whole["size"] = {image.width, image.height}, whole["canvas"] = whole["size"];
-    std::string frame = frame_message(whole, encode_jpeg(image, 88));
+    std::string frame = frame_message(whole, lossless ? as_text(encode_png(image)) : encode_jpeg(image, 88));
     const std::lock_guard lock(mutex_);
     if (socket_) socket_->send_binary(std::move(frame));
 }

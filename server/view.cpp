@@ -175,15 +175,16 @@ void View::understand(int connection, std::string_view text) {
 }
 
 void View::dispatch(const Json& request) {
-    static const std::map<std::string, Quick> quick{{"pick", &View::pick},          {"command", &View::command},
-                                                    {"resolve", &View::resolve},    {"export", &View::export_text},
-                                                    {"import", &View::import_text}, {"cancel", &View::cancel},
-                                                    {"ping", &View::ping},          {"cache", &View::cache}};
+    static const std::map<std::string, Quick> quick{
+        {"pick", &View::pick},          {"command", &View::command},    {"resolve", &View::resolve},
+        {"export", &View::export_text}, {"import", &View::import_text}, {"cancel", &View::cancel},
+        {"ping", &View::ping},          {"cache", &View::cache},        {"keep", &View::keep}};
     static const std::map<std::string, std::pair<SerialQueue View::*, Handler>> slow{
         {"folder", {&View::side_queue_, &View::folder}},  {"open", {&View::opening_, &View::open}},
         {"save", {&View::saving_, &View::save}},          {"look", {&View::side_queue_, &View::look}},
         {"compare", {&View::comparing_, &View::compare}}, {"measure", {&View::comparing_, &View::measure}},
-        {"probe", {&View::side_queue_, &View::probe}}};
+        {"probe", {&View::side_queue_, &View::probe}},    {"slice", {&View::slicing_, &View::slice}},
+        {"snap", {&View::slicing_, &View::snap}},         {"region", {&View::side_queue_, &View::region}}};
     const std::string type = text_in(request, "type");
     id_of(request);
     if (const auto found = quick.find(type); found != quick.end()) return answer(request, found->second);

@@ -68,6 +68,7 @@ private:
     Json cancel(const Json& request);
     Json ping(const Json& request);
     Json cache(const Json& request);
+    Json keep(const Json& request);
     // What takes time.
     Json folder(const Json& request, Progress& progress);
     Json open(const Json& request, Progress& progress);
@@ -77,6 +78,9 @@ private:
     Json compare(const Json& request, Progress& progress);
     Json probe(const Json& request, Progress& progress);
     Json measure(const Json& request, Progress& progress);
+    Json slice(const Json& request, Progress& progress);
+    Json snap(const Json& request, Progress& progress);
+    Json region(const Json& request, Progress& progress);
 
     Json show(const Scene& scene, Progress& progress, int halvings = 0);
     Json take_file(const std::string& name, const std::string& bytes);
@@ -86,7 +90,7 @@ private:
     Scene scene_of(const Json& json, std::vector<std::string>* unknown = nullptr) const;
     void tell(const Json& message) const;
     void tell(int connection, const Json& message) const;
-    void send_frame(const Json& header, const Image& image);
+    void send_frame(const Json& header, const Image& image, bool lossless = false);
     Progress::Report report_for(const Json& id) const;
     void cancel_all();
 
@@ -106,7 +110,7 @@ private:
     std::optional<Session> side_;  ///< of looks; the side queue's own
     std::shared_ptr<const Loaded> side_shown_;
     RenderWorker render_worker_;
-    SerialQueue opening_, side_queue_, saving_, comparing_;
+    SerialQueue opening_, side_queue_, saving_, comparing_, slicing_;
     SerialQueue hearing_;  // the last member, as its work uses the others, and theirs those before
 };
 
