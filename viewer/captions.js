@@ -7,12 +7,14 @@ import { words } from "./texts.js";
 
 const margin = 16, dark = "rgba(0,0,0,.7)", light = "#fff";
 
-/** A round length of at most 110 CSS pixels of a picture so high, at the centre: its text and its pixels. */
-export function scaleBar(app, view, height) {
-  const size = scaleOf(view, height), most = size * 110, power = 10 ** Math.floor(Math.log10(most));
+/** A round length of at most 110 CSS pixels of so many millimetres: its text and its pixels. */
+export function barOf(app, size) {
+  const most = size * 110, power = 10 ** Math.floor(Math.log10(most));
   const length = [5, 2, 1].map((k) => k * power).find((v) => v <= most) ?? power;
-  return { text: `${short(length)} ${app.volume.spacing_stated === false ? words.voxels : "mm"}`, pixels: length / size };
+  return { text: `${short(length)} ${app.unitOfLength()}`, pixels: length / size };
 }
+/** Of a picture so high, at the centre. */
+export const scaleBar = (app, view, height) => barOf(app, scaleOf(view, height));
 
 /** The values that can be seen: where the opacity is not 0, within the file's range and the threshold. */
 export function shownRange({ tf, threshold }, [lo, hi]) {

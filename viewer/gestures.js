@@ -112,11 +112,14 @@ export function makeGestures(app, stage) {
   });
   const up = (event) => {
     if (!pointers.delete(event.pointerId)) return;
+    // A press that moved nothing is a click: the crosshair of the slices goes there.
+    const isClick = event.type === "pointerup" && start && !start.pinch && start.move === orbit && Math.hypot(event.clientX - start.x, event.clientY - start.y) < 4;
     clearTimeout(resting);
-    const read_ = start?.move !== adjust && start?.pressed; // stays until the next touch
+    const start_pressed = Boolean(start?.pressed), read_ = start?.move !== adjust && start?.pressed; // stays until the next touch
     if (start) start.over = true;
     start = null;
     store.end();
+    if (isClick && !start_pressed) app.clicked(...at(event));
     if (!read_) hideSeen();
   };
   for (const name of ["pointerup", "pointercancel"]) stage.addEventListener(name, up);
@@ -207,5 +210,10 @@ export function makeGestures(app, stage) {
   }
   choose("orbit");
   stage.append(tools, seen);
+  app.clicked = async (x, y) => {
+    if (!app.slices || app.slices.layout() === "volume") return;
+    const found = await pick(x, y).catch(() => null);
+    if (found?.hit) app.slices.moveTo(found.world_mm);
+  };
   return { choose, fly, fit, zoom };
 }

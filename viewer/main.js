@@ -12,7 +12,7 @@ import { Link } from "./link.js";
 import { makeLooks } from "./presets.js";
 import { makeMenus } from "./menus.js";
 import { makeSaving } from "./saving.js";
-import { describe, read, sceneOf, stateOf } from "./scene.js";
+import { describe, read, samePicture, sceneOf, stateOf, write } from "./scene.js";
 import { makePalette } from "./palette.js";
 import { makePlanes } from "./planes.js";
 import { makeSections } from "./sections.js";
@@ -21,13 +21,19 @@ import { Store } from "./store.js";
 import { makeTheme } from "./theme.js";
 import { words } from "./texts.js";
 
-const bar = document.getElementById("bar"), stage = document.getElementById("stage"), panel = document.getElementById("panel"), dock = document.getElementById("dock");
-const store = new Store({ values: {}, camera: {}, tf: { points: [{ value: 0, opacity: 0 }], stops: [{ value: 0, rgb: [0, 0, 0] }], unit: { key: "opacity_unit_distance", value: 1 }, scale: 1, rest: {} }, threshold: null, iso: [], rest: {} });
+const bar = document.getElementById("bar"), area = document.getElementById("area"), stage = document.getElementById("stage"), panel = document.getElementById("panel"), dock = document.getElementById("dock");
+const store = new Store({ values: {}, camera: {}, tf: { points: [{ value: 0, opacity: 0 }], stops: [{ value: 0, rgb: [0, 0, 0] }], unit: { key: "opacity_unit_distance", value: 1 }, scale: 1, rest: {} }, threshold: null, iso: [], marks: [], rest: {} });
 const link = new Link();
 /** Everything the parts share. @type {any} */
 const app = { store, link, stage, ui: { points: [], stop: -1, tool: "orbit" }, volume: null, hello: null, box: null, percent, fromHex };
 app.theme = makeTheme(store);
 app.withUnit = (v) => `${short(v)}${app.volume?.unit ? " " + app.volume.unit : ""}`;
+/** A value with the digits that tell it from any other of its type; ≈ where the program holds no more than a float of it. */
+app.exactly = (v) => {
+  const short_ = [...Array(17).keys()].map((p) => Number(v.toPrecision(p + 1))).find((t) => t === v || (v === Math.fround(v) && Math.fround(t) === v)) ?? v;
+  return `${app.volume.exact === false ? "≈ " : ""}${String(short_).replace("-", "−")}${app.volume.unit ? " " + app.volume.unit : ""}`;
+};
+app.unitOfLength = () => (app.volume?.spacing_stated === false ? words.voxels : "mm");
 app.view = () => viewOf(store.state.camera, app.box);
 app.keysOn = () => localStorage.getItem("keys") !== "off";
 app.sceneWith = (more) => sceneOf({ ...store.state, ...more }, (camera) => toScene(camera, app.box));
@@ -63,11 +69,12 @@ const modes = el("div.segmented", { role: "radiogroup", "aria-label": words.pict
 radios(modes);
 const undo = tool("undo", words.undo, () => store.step("undo")), redo = tool("redo", words.redo, () => store.step("redo")), compare = tool("compare", `${words.compare} (R)`, () => app.compare.start(), words.compare);
 redo.classList.add("wide");
+const slicing = tool("slices", `${words.slices.tip} (S)`, () => app.toggleSlices());
 const file = el("button.file", { title: `${words.about.title} (I)`, onclick: () => app.menus.about(file) }), save = el("button.primary", { title: `${words.save} (Ctrl S)`, onclick: () => app.save(save) }, el("span.long", {}, words.save), el("span.short", {}, words.saveShort));
 const more = tool("more", words.more, () => app.menus.more(more));
-const ofVolume = [file, modes, undo, redo, compare, save];
+const ofVolume = [file, modes, slicing, undo, redo, compare, save];
 app.bar = { file, save, more, compare };
-bar.append(el("div.brand", {}, mark(), el("span", {}, words.name)), file, el("div.spring"), modes, undo, redo, compare, save, more);
+bar.append(el("div.brand", {}, mark(), el("span", {}, words.name)), file, el("div.spring"), modes, slicing, undo, redo, compare, save, more);
 
 // The panel.
 app.looks = makeLooks(app);
@@ -118,26 +125,54 @@ function open(volume, scene, restored) {
   app.light.open();
   app.cross.open();
   sections.append(...folded().map((part) => part));
+  if (app.slices) sections.append(app.slices.rows), app.slices.open();
   app.looks.open();
   for (const part of [...ofVolume, panel]) part.hidden = false;
   if (volume.reduced) app.states.say(words.reduced(volume.reduced), { acts: [[words.states.details, () => app.menus.about(file)]], role: "alert" });
   changed({ moving: false });
 }
 
+/** Slices beside the volume, or none. */
+app.toggleSlices = () => store.set(words.slices.layout, (s) => write(s, "slices.layout", read(s, "slices.layout") === "volume" ? "linked" : "volume"));
+/** What slices need comes when they are first shown. */
+async function needSlices() {
+  const { makeSlices } = await import("./slices.js");
+  app.slices = await makeSlices(app, area);
+  if (app.volume) sections.append(app.slices.rows);
+  store.redraw();
+}
+let slicesAsked = null;
+function layOut(state) {
+  const layout = (app.volume && read(state, "slices.layout")) || "volume";
+  if (layout !== "volume") slicesAsked ??= needSlices();
+  area.dataset.layout = app.slices?.layout() ?? "volume";
+  slicing.setAttribute("aria-pressed", String(layout !== "volume"));
+}
+
 /** Sends the newest state; wheels and keys that follow each other closely count as moving. */
 function changed({ moving }) {
   if (!app.volume) return;
+  keep();
+  const shown = store.preview, [w, h] = app.frame.size(), size = `${w} ${h}`;
+  if (sent && !shown && !sent.shown && sent.link === link.connections && sent.size === size && samePicture(sent.state, store.state) && (moving || !sent.moving)) return keepThere();
+  sent = { state: store.state, shown, size, moving, link: link.connections };
   app.frame.forget();
   app.looks.pause();
-  keep();
-  const shown = store.preview, [w, h] = app.frame.size();
   link.send(() => {
     const scene = app.sceneWith(shown?.tf ? { tf: shown.tf } : {});
     if (shown?.unlit) scene.lighting = { method: "none" };
     return { scene, canvas: [w, h] };
   }, { moving, preview: shown !== null });
 }
+/** What was sent last; nothing is sent again that makes the same picture. */
+let sent = null;
 store.onchange = changed;
+let keeping = 0;
+/** The server keeps the state that it restores, without another picture. */
+const keepThere = () => {
+  clearTimeout(keeping);
+  keeping = setTimeout(() => app.volume && link.ask("keep", { scene: app.scene() }).catch(() => {}), 300);
+};
 app.shown = (header) => {
   // What the camera fits is found once: from then on the state has it.
   const { camera } = store.state;
@@ -238,6 +273,7 @@ link.onmessage = (m) => {
 link.onframe = (header, data) => app.frame.show(header, data);
 
 store.watch((state) => {
+  layOut(state);
   const mode = read(state, "mode") ?? "dvr";
   [...modes.children].forEach((b, i) => {
     const on = Object.keys(words.modes)[i] === mode;

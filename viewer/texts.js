@@ -72,6 +72,14 @@ export const words = {
   black: "Black", iconNames: { shape: 1, grow: 1, more: 1 }, shineOf: (n) => (n > 0.5 ? "Strong shine" : n > 0 ? "Soft shine" : "No shine"),
   measured: (share, m) => `${share} at ${m.points} points, ${short_(m.interval)}; at most ${short(m.largest, 2)} %`,
   types: { uint8: "8 bit", int8: "8 bit", uint16: "16 bit", int16: "16 bit", uint32: "32 bit", int32: "32 bit", float32: "32 bit float", float64: "64 bit float" },
+  slices: {
+    title: "Slices", tip: "Slices beside the volume, or none", layout: "Layout", layoutTip: "What stands beside the volume.", layouts: { volume: "Volume alone", linked: "With three slices" },
+    names: { axial: "Axial", coronal: "Coronal", sagittal: "Sagittal", oblique: "Along the plane" }, across: (axis) => `Across ${axis}`, slice: (name) => `Slice: ${name}`, of: (i, n) => `${i} of ${n}`,
+    enlarge: "Large", back: "Back to all", crosshair: "Crosshair", crosshairTip: "Where all slices meet, in the file's frame.", pan: "Slices moved", zoom: "Zoom of slices", outside: "outside", voxel: (v) => `voxel ${v.join(", ")}`,
+    window: "Grey levels", windowTip: "Black and white of the slices. A right drag on one does the same.", colours: "Colours", coloursTip: "Grey, or the colours of the volume over it.", grey: "Grey", transfer: "Of the volume",
+    sampling: "Voxels", samplingTip: "Interpolated, or as they are.", linear: "Interpolated", nearest: "As they are", side: "Side", sideTip: "Where the patient's left is.", sides: { radiological: ["Radiological", "left at the right"], neurological: ["Neurological", "left at the left"] },
+    outlines: "Shown in the volume", outlinesTip: "Outlines of the slices.",
+  },
   axes: ["x", "y", "z"], views: { anterior: "Anterior", posterior: "Posterior", left: "Left", right: "Right", superior: "Superior", inferior: "Inferior" },
   axisViews: { "+x": "+x", "-x": "−x", "+y": "+y", "-y": "−y", "+z": "+z", "-z": "−z" },
   perspective: "Perspective", orthographic: "Orthographic", copy: "Copy", copied: "Copied", close: "Close",
@@ -82,6 +90,6 @@ export const words = {
   largest: "Largest piece", surfaceValue: "Surface at", noTone: "no tone curve", clear: "Clear", outOfRange: (range) => `Takes ${range}.`, threshold: "Threshold",
   wipe: { reference: "Reference", rays: (n) => `${n} rays`, noise: (v) => `noise ${v}`, difference: "Difference", differenceScale: "|a − b| × 4", line: "Wipe line", leave: "Leave" },
   shortcuts: [["1 2 3", "Volume, Surface, Maximum"], ["Ctrl Z, Ctrl Shift Z", "Undo, Redo"], ["Alt Z", "Undo the camera"], ["O A L C", "Orbit, Adjust, Light, Cut"], ["F", "Fit"], ["B", "Hold: without light"],
-    ["[ ]", "Density by 10 %"], ["W", "Window to the data"], ["0", "Whole range of the graph"], ["E", "Larger editor"], ["R", "Compare"], ["H", "Picture only"], ["I", "About this volume"],
+    ["[ ]", "Density by 10 %"], ["W", "Window to the data"], ["0", "Whole range of the graph"], ["E", "Larger editor"], ["S", "Slices beside the volume"], ["Wheel, Page keys on a slice", "Next slice"], ["Ctrl and wheel on a slice", "Zoom"], ["Enter on a slice", "Large, and back"], ["R", "Compare"], ["H", "Picture only"], ["I", "About this volume"],
     ["Ctrl S", "Save image"], ["Ctrl Shift S", "Save scene"], ["Ctrl O", "Open"], ["Shift and a letter of the cross", "That view"], ["Right drag", "Window"], ["Ctrl and right drag", "Density"], ["?", "Shortcuts"]],
 };
