@@ -71,8 +71,8 @@ function drawSurfaces(g, app, surfaces) {
   });
 }
 
-/** The pieces that are wanted of a picture of w × h pixels, for a request to save it. @param {{scale: boolean, legend: boolean}} wanted */
-export async function captions(app, { scale, legend }, w, h) {
+/** The pieces that are wanted of a picture of w × h pixels, for a request to save it. @param {{scale: boolean, legend: boolean, marks: boolean}} wanted */
+export async function captions(app, { scale, legend, marks }, w, h) {
   const stage = app.stage, ratio = Math.min(w / stage.clientWidth, h / stage.clientHeight), edge = Math.round(margin * ratio), pieces = [];
   const fits = (width, height) => width * ratio + 2 * edge <= w && height * ratio + 2 * edge <= h;
   if (scale && fits(160, 34)) {
@@ -86,5 +86,7 @@ export async function captions(app, { scale, legend }, w, h) {
     const { iso } = app.store.state, surfaces = read(app.store.state, "mode") === "iso" ? iso : null, [width, height] = surfaces ? [160, 22 * surfaces.length] : [270, 38];
     if (fits(width, height)) pieces.push(piece(width, height, ratio, (_, ph) => [edge, h - edge - ph], (g) => (surfaces ? drawSurfaces(g, app, surfaces) : drawLegend(g, app, shownRange(app.store.state, app.volume.range), 200))));
   }
+  const figure = marks && app.marks?.figure(w, h, ratio);
+  if (figure) pieces.push(piece(figure.width, figure.height, 1, () => [figure.x, figure.y], figure.draw));
   return Promise.all(pieces);
 }

@@ -1,7 +1,7 @@
 // Shortcuts. Single keys act only outside text fields and can be switched off.
 import { words } from "./texts.js";
 
-const springs = { o: "orbit", a: "adjust", l: "light", c: "cut" };
+const springs = { o: "orbit", a: "adjust", l: "light", c: "cut", m: "measure" };
 
 export function makeKeys(app) {
   const { store } = app, held = new Map();

@@ -91,6 +91,7 @@ function tab(name) {
   if (innerWidth <= 760 && name === "cut") panel.querySelector(".s-cut .head[aria-expanded=false]")?.click();
   store.redraw();
 }
+app.showTab = tab;
 const handle = el("div.handle");
 handle.addEventListener("pointerdown", (event) => {
   handle.setPointerCapture(event.pointerId);
@@ -125,6 +126,7 @@ function open(volume, scene, restored) {
   app.light.open();
   app.cross.open();
   sections.append(...folded().map((part) => part));
+  if (app.marks) sections.prepend(app.marks.rows), app.marks.open();
   if (app.slices) sections.append(app.slices.rows), app.slices.open();
   app.looks.open();
   for (const part of [...ofVolume, panel]) part.hidden = false;
@@ -141,8 +143,16 @@ async function needSlices() {
   if (app.volume) sections.append(app.slices.rows);
   store.redraw();
 }
-let slicesAsked = null;
+/** So does what measuring needs. */
+async function needMarks() {
+  const { makeMarks } = await import("./marks.js");
+  app.marks = await makeMarks(app);
+  if (app.volume) sections.prepend(app.marks.rows);
+  store.redraw();
+}
+let slicesAsked = null, marksAsked = null;
 function layOut(state) {
+  if (app.volume && (app.ui.tool === "measure" || state.marks?.length)) marksAsked ??= needMarks();
   const layout = (app.volume && read(state, "slices.layout")) || "volume";
   if (layout !== "volume") slicesAsked ??= needSlices();
   area.dataset.layout = app.slices?.layout() ?? "volume";

@@ -22,10 +22,10 @@ export function angleOf({ points: [a, b, c] }) {
 export const regionOf = ({ kind, points: [a, b] }) => (kind === "ball" ? { shape: "ball", centre: a, radius: between(a, b) } : { shape: "box", corner: a, opposite: b });
 
 /** In a few words. @param {any} mark @param {any} region what the server said, or nothing yet */
-export function saysOf(mark, region, { length, value }) {
+export function saysOf(mark, region, { length, value, mean }) {
   if (mark.kind === "angle") return `${angleOf(mark).toFixed(1)}°`;
   if (mark.kind === "text" || mark.kind === "arrow") return "";
-  if (isRegion(mark)) return !region ? "…" : region.sentence ? "–" : `${short(region.mean)}${region.deviation === null ? "" : ` ± ${short(region.deviation, 3)}`}${value ? " " + value : ""}`;
+  if (isRegion(mark)) return !region ? "…" : region.sentence ? "–" : `${mean} ${short(region.mean)}${region.deviation === null ? "" : ` ± ${short(region.deviation, 3)}`}${value ? " " + value : ""}`;
   return `${short(lengthOf(mark))} ${length}`;
 }
 
@@ -33,6 +33,13 @@ export function saysOf(mark, region, { length, value }) {
 function cornersOf(volume, [a, b]) {
   const [p, q] = [a, b].map((point) => voxelOf(volume, point));
   return [...Array(8).keys()].map((i) => worldOf(volume, [0, 1, 2].map((k) => (i >> k & 1 ? q : p)[k])));
+}
+
+/** Whether a slice meets a mark. */
+function isWithin({ kind, points }, on) {
+  const away = points.map(on.away);
+  if (kind === "ball" && points.length > 1) return Math.abs(away[0]) <= between(...points);
+  return away.some((d) => Math.abs(d) <= on.half) || (Math.min(...away) <= 0 && Math.max(...away) >= 0);
 }
 
 /** Lines ({line: points, closed}), circles ({circle: [x, y], r}) and texts ({text, at}) of a mark, in pixels. `on` is what it is
@@ -56,11 +63,11 @@ export function linesOf(mark, on, says, volume) {
     const turn = ((((Math.atan2(arms[1][1], arms[1][0]) - from) % (2 * Math.PI)) + 3 * Math.PI) % (2 * Math.PI)) - Math.PI;
     parts.push({ line: [...Array(17).keys()].map((i) => [at[1][0] + r * Math.cos(from + (turn * i) / 16), at[1][1] + r * Math.sin(from + (turn * i) / 16)]) });
   }
-  if (label && at.length) {
+  const within = isWithin(mark, on);
+  if (label && at.length && within) {
     const of = kind === "angle" ? at[1] : kind === "arrow" ? at.at(-1) : at.reduce((a, b) => (b[0] > a[0] ? b : a));
     parts.push({ text: label, at: [of[0] + 9, of[1] - 7] });
   }
-  const within = (kind === "ball" && parts.some((p) => p.circle)) || points.some((p) => Math.abs(on.away(p)) <= on.half) || (points.length > 1 && Math.min(...points.map(on.away)) <= 0 && Math.max(...points.map(on.away)) >= 0);
   return { parts, within };
 }
 

@@ -4,9 +4,9 @@ import { add } from "./camera.js";
 import { clamp, el, icon, short, svg } from "./dom.js";
 import { read, transferOf } from "./scene.js";
 import { letterOf, pixelToWorld, voxelOf, worldToPixel } from "./slice-geometry.js";
-import { words } from "./texts.js";
+import { sliceWords } from "./part-texts.js";
 
-const w = words.slices;
+const w = sliceWords;
 
 /** Asks for one thing at a time, the newest: what came meanwhile replaces what waits. */
 export function newestOnly(ask) {
@@ -118,6 +118,7 @@ export function makePane(app, slices, i) {
     store.cancel();
     const v = view(), [low, high] = slices.window(), [x, y] = local(event);
     if (pointers.size === 2) {
+      app.marks?.unpress();
       let last = pinch();
       store.begin(w.pan, "camera");
       act = () => {
@@ -135,9 +136,7 @@ export function makePane(app, slices, i) {
     } else if (event.button === 1 || event.shiftKey) {
       store.begin(w.pan, "camera");
       act = (e, dx, dy) => panBy(v, dx, dy);
-    } else if ((act = app.marks?.pressOn({ pane: i, view: v, x, y, event }) ?? null)) {
-      if (act === true) act = () => {};
-    } else {
+    } else if (!(act = app.marks?.pressOn({ view: v, x, y }) ?? null)) {
       store.begin(w.crosshair, "camera");
       act = (e) => (slices.moveTo(pixelToWorld(v, ...local(e))), e.pointerType === "touch" && tell(e));
       act(event);
@@ -146,15 +145,15 @@ export function makePane(app, slices, i) {
     act = (e) => move(e, local(e)[0] - from[0], local(e)[1] - from[1]);
   });
   picture.addEventListener("pointermove", (event) => {
-    if (!pointers.has(event.pointerId)) return event.pointerType === "mouse" && (tell(event), app.marks?.hover({ pane: i, view: view(), x: local(event)[0], y: local(event)[1] }));
+    if (!pointers.has(event.pointerId)) return event.pointerType === "mouse" && (tell(event), app.marks?.hover({ view: view(), x: local(event)[0], y: local(event)[1] }));
     pointers.set(event.pointerId, local(event));
     act?.(event);
   });
-  const up = (event) => pointers.delete(event.pointerId) && ((act = null), store.end());
+  const up = (event) => pointers.delete(event.pointerId) && ((act = null), app.marks?.release(), store.end());
   for (const kind of ["pointerup", "pointercancel"]) picture.addEventListener(kind, up);
   picture.addEventListener("pointerleave", () => pointers.size || (said.hidden = true));
   picture.addEventListener("contextmenu", (event) => event.preventDefault());
-  picture.addEventListener("dblclick", (event) => event.target.closest("button") || app.marks?.busy || slices.enlarge(i));
+  picture.addEventListener("dblclick", (event) => event.target.closest("button") || app.marks?.end() || slices.enlarge(i));
   let turned = 0;
   root.addEventListener("wheel", (event) => {
     event.preventDefault();
@@ -169,7 +168,7 @@ export function makePane(app, slices, i) {
     if (event.target !== root || event.ctrlKey || event.altKey || event.metaKey) return;
     const v = view(), [dx, dy] = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key] ?? [0, 0], steps = { PageUp: 1, PageDown: -1 }[event.key];
     const zoom = { "+": 1.1, "=": 1.1, "-": 1 / 1.1 }[event.key], step = Math.min(...app.volume.spacing_mm);
-    if (app.marks?.key(event, i)) return void event.preventDefault();
+    if (app.marks?.key(event)) return void event.preventDefault();
     if (zoom) slices.zoomBy(zoom, v.middle);
     else if (steps) slices.scroll(i, steps * (event.shiftKey ? 10 : 1));
     else if (event.key === "Home" || event.key === "End") slices.scroll(i, position()[event.key === "Home" ? "low" : "high"] - position().index);

@@ -3,9 +3,10 @@ import { el, short } from "./dom.js";
 import { choiceRow, numberField, sliderRow } from "./rows.js";
 import { fold } from "./sections.js";
 import { within } from "./slice-geometry.js";
+import { sliceWords } from "./part-texts.js";
 import { words } from "./texts.js";
 
-const w = words.slices;
+const w = sliceWords;
 
 export function makeSliceRows(app, slices) {
   const root = el("div", { hidden: true });

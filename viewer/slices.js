@@ -6,16 +6,15 @@ import { read, write } from "./scene.js";
 import { fitOf, middleOf, ontoPlane, planesOf, stepOf, voxelOf, within, worldOf } from "./slice-geometry.js";
 import { makePane } from "./slice-pane.js";
 import { makeSliceRows } from "./slice-rows.js";
+import { styled } from "./styles.js";
+import { sliceWords } from "./part-texts.js";
 import { words } from "./texts.js";
 
 export const axisColours = ["#f07b6d", "#8dc063", "#7aa7f0", "#F2B84B"];
 const large = ["axial", "coronal", "sagittal", "oblique"];
 
-/** The styles come with the parts that need them. @param {string} name */
-export const styled = (name) => new Promise((done) => document.head.append(el("link", { rel: "stylesheet", href: name, onload: done, onerror: done })));
-
 export async function makeSlices(app, area) {
-  const { store, stage } = app, get = (key) => read(store.state, `slices.${key}`), w = words.slices;
+  const { store, stage } = app, get = (key) => read(store.state, `slices.${key}`), w = sliceWords;
   const put = (label, key, value) => store.set(label, (s) => write(s, `slices.${key}`, value), ["at", "centre", "zoom"].includes(key) ? "camera" : "design");
   const plane = () => read(store.state, "clip.planes")?.[0];
   const at = () => get("at") ?? middleOf(app.volume), sections = () => planesOf(app.volume, get("side"), plane());

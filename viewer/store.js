@@ -104,6 +104,12 @@ export class Store {
     this.redraw();
   }
 
+  /** Ends a step that was taken: no step of its own. @param {Partial<State>} found */
+  amend(found) {
+    this.state = { ...this.state, ...found };
+    this.#changed(false);
+  }
+
   /** Shows something that is not part of the state (null: no more). */
   show(preview) {
     if (JSON.stringify(preview) === JSON.stringify(this.preview)) return;

@@ -1,51 +1,21 @@
 // Slices beside the volume: on the program, what they show and say; on the mock, what the page makes of it.
 import assert from "node:assert/strict";
-import { writeFileSync } from "node:fs";
-import { join } from "node:path";
 import { test } from "node:test";
 import { desktop, phone, savedScene, visits } from "./mocked.mjs";
 import { drawn } from "./page.mjs";
-import { serve, servedVisits, skip } from "./served.mjs";
-import { drag, eventually, faint, final, state } from "./visit.mjs";
+import { servedVisits, skip } from "./served.mjs";
+import { drag, eventually, faint, final } from "./visit.mjs";
+import { dimensions, fileValue, onFile as fileVisit, place, shown, slices } from "./volume_file.mjs";
 
-const n = [40, 30, 20], all = servedVisits(), visit = visits();
-const fileValue = (i, j, k) => i + 100 * j + 3000 * k;
-
-/** A volume whose numbers tell where they lie; `directions` are the columns of its frame. */
-function nrrd(name, { space = "left-posterior-superior", directions = "(1,0,0) (0,1,0) (0,0,2)" } = {}) {
-  const data = Buffer.alloc(2 * n[0] * n[1] * n[2]);
-  for (let k = 0, at = 0; k < n[2]; ++k) for (let j = 0; j < n[1]; ++j) for (let i = 0; i < n[0]; ++i, at += 2) data.writeUInt16LE(fileValue(i, j, k), at);
-  const frame = space ? `space: ${space}\nspace directions: ${directions}\nspace origin: (-20,-15,10)\n` : "spacings: 1 1 2\n";
-  const file = join(all.folder, name);
-  writeFileSync(file, Buffer.concat([Buffer.from(`NRRD0004\ntype: unsigned short\ndimension: 3\nsizes: ${n.join(" ")}\n${frame}endian: little\nencoding: raw\n\n`), data]));
-  return file;
-}
-const shown = (page, count = 3) => page.waitForFunction((c) => [...document.querySelectorAll(".pane:not([hidden]) .slice-picture > canvas")].filter((one) => one.dataset.drawn === "final").length === c, count, { polling: 30 });
-const slices = async (page) => {
-  await page.keyboard.press("s");
-  await shown(page);
-};
+const n = dimensions, all = servedVisits(), visit = visits();
+const onFile = (name, act, more) => fileVisit(all, name, act, more);
 const at = (page) => page.evaluate(() => chiaro.slices.at());
 const voxel = (page) => page.evaluate(async () => (await import("./slice-geometry.js")).voxelOf(chiaro.volume, chiaro.slices.at()));
 const near = (a, b, by = 1e-6) => a.forEach((x, i) => assert.ok(Math.abs(x - b[i]) <= by, `${a} and ${b}`));
-/** Where a voxel is on the page, in a pane. */
-const place = (page, pane, p) => page.evaluate(async ([i, v]) => {
-  const { worldOf, worldToPixel } = await import("./slice-geometry.js"), { picture, view } = chiaro.slices.panes[i], box = picture.getBoundingClientRect();
-  const [x, y] = worldToPixel(view(), worldOf(chiaro.volume, v));
-  return [box.left + x, box.top + y];
-}, [pane, p]);
-
-async function onFile(name, act, more = {}, page = undefined) {
-  const own = await serve(all.folder, nrrd(name, more));
-  try {
-    await all.visit(act, { url: own.url, page });
-  } finally {
-    await own.end("SIGINT");
-  }
-}
 
 test("a nearest slice shows and tells the file's own numbers", { skip }, () => onFile("numbers.nrrd", async (page) => {
-  await slices(page);
+  await page.keyboard.press("s");
+  await shown(page);
   await page.evaluate(() => chiaro.store.set("nearest", (s) => ({ values: { ...s.values, "slices.sampling": "nearest", "slices.window": [32767.5, 65535] } })));
   // One voxel a pixel, centre on centre.
   await page.evaluate(() => {
