@@ -32,6 +32,12 @@ Json View::keep(const Json& request) {
     return Json::object();
 }
 
+/// What was sent of a volume, or all of it.
+Json View::discard(const Json& request) {
+    context_.uploads.discard(id_ + "/" + text_in(request, "uploaded"));
+    return Json::object();
+}
+
 Json View::ping(const Json&) { return Json::object(); }
 
 /// What local histograms take on disk.

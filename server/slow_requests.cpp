@@ -60,6 +60,8 @@ Json View::open(const Json& request, Progress& progress) {
         if (!loaded) throw Error(ErrorCode::usage, "no volume is open");
         return show(loaded->source, progress, loaded->halvings + 1);
     }
+    if (request.contains("uploaded"))
+        return show(scene_of_volume(context_.uploads.to_open(id_ + "/" + text_in(request, "uploaded"))), progress);
     if (!request.contains("scene")) {
         return show(scene_of_volume(context_.folders.allowed_volume(text_in(request, "volume"))), progress);
     }

@@ -175,10 +175,11 @@ void View::understand(int connection, std::string_view text) {
 }
 
 void View::dispatch(const Json& request) {
-    static const std::map<std::string, Quick> quick{
-        {"pick", &View::pick},          {"command", &View::command},    {"resolve", &View::resolve},
-        {"export", &View::export_text}, {"import", &View::import_text}, {"cancel", &View::cancel},
-        {"ping", &View::ping},          {"cache", &View::cache},        {"keep", &View::keep}};
+    static const std::map<std::string, Quick> quick{{"pick", &View::pick},          {"command", &View::command},
+                                                    {"resolve", &View::resolve},    {"export", &View::export_text},
+                                                    {"import", &View::import_text}, {"cancel", &View::cancel},
+                                                    {"ping", &View::ping},          {"cache", &View::cache},
+                                                    {"keep", &View::keep},          {"discard", &View::discard}};
     static const std::map<std::string, std::pair<SerialQueue View::*, Handler>> slow{
         {"folder", {&View::side_queue_, &View::folder}},  {"open", {&View::opening_, &View::open}},
         {"save", {&View::saving_, &View::save}},          {"look", {&View::side_queue_, &View::look}},

@@ -13,6 +13,7 @@
 #include "net.h"
 #include "render_worker.h"
 #include "serial_queue.h"
+#include "uploads.h"
 #include "volumes.h"
 
 namespace chiaro::server {
@@ -22,6 +23,7 @@ struct ServerContext {
     Volumes volumes;
     Folders folders;
     Store& store;
+    Uploads& uploads;
     Json lists;                                 ///< of hello
     std::optional<Scene> initial;               ///< what the program was started with
     std::filesystem::path data;                 ///< where volumes of scenes are looked up too
@@ -69,6 +71,7 @@ private:
     Json ping(const Json& request);
     Json cache(const Json& request);
     Json keep(const Json& request);
+    Json discard(const Json& request);
     // What takes time.
     Json folder(const Json& request, Progress& progress);
     Json open(const Json& request, Progress& progress);

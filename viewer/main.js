@@ -16,7 +16,7 @@ import { describe, read, samePicture, sceneOf, stateOf, write } from "./scene.js
 import { makePalette } from "./palette.js";
 import { makePlanes } from "./planes.js";
 import { makeSections } from "./sections.js";
-import { makeStates, mark } from "./states.js";
+import { makeStates, mark, recent } from "./states.js";
 import { Store } from "./store.js";
 import { makeTheme } from "./theme.js";
 import { words } from "./texts.js";
@@ -188,7 +188,14 @@ app.shown = (header) => {
   const { camera } = store.state;
   if (header.fit && header.n === link.n && !camera["camera.fit_centre"]) store.learn({ camera: { ...camera, "camera.fit_centre": header.fit.centre, "camera.fit_radius": header.fit.radius } });
   if (header.stage !== "draft" && !header.moving) app.looks.rest();
+  if (header.stage === "final" && !header.preview) remember();
 };
+/** A small picture for the page that has no volume yet. */
+function remember() {
+  const { canvas } = app.frame, small = el("canvas", { width: 128, height: 96 }), k = Math.max(128 / canvas.width, 96 / canvas.height), [w, h] = [canvas.width * k, canvas.height * k];
+  small.getContext("2d").drawImage(canvas, (128 - w) / 2, (96 - h) / 2, w, h);
+  recent.remember(app.volume.file, app.volume.name ?? app.volume.file, small.toDataURL("image/jpeg", 0.8));
+}
 let kept = 0;
 const keep = () => {
   clearTimeout(kept);
@@ -201,8 +208,8 @@ app.resized = () => {
 new ResizeObserver(() => app.volume && app.resized()).observe(stage);
 
 // Opening: a file below the server's folders, a sample, a scene, or what was dropped on the page.
-app.open = async (what) => {
-  const asked = link.ask("open", what, (m) => told(m)), told = app.states.reading(what.volume ?? what.scene, () => link.cancel(asked.id));
+app.open = async (what, called = what.volume ?? what.scene) => {
+  const asked = link.ask("open", what, (m) => told(m)), told = app.states.reading(called, () => link.cancel(asked.id));
   try {
     const { volume, scene } = await asked;
     open(volume, scene);
@@ -223,10 +230,19 @@ app.take = async (given) => {
 };
 /** The look of a scene for the volume that is shown: a step that can be undone. */
 const take = (scene) => app.volume && store.set(words.menu.loadScene, (s) => ({ ...stateOf({ ...scene, volume: s.rest.volume, image: s.rest.image }, s, (camera) => fromScene(camera, app.box, app.volume.world)), look: undefined }));
+/** Volumes are streamed to a folder of the server's; scenes, pictures, functions and probes are taken as they are. */
+const isSmall = (files) => files.length === 1 && /\.(json|png|exr|hdr|vp|itf|tfi)$/i.test(files[0].name);
+app.sendVolume = async (files) => (await import("./sending.js")).openFiles(app, files);
 for (const name of ["dragover", "drop"]) addEventListener(name, (event) => {
   event.preventDefault();
-  if (name === "drop" && event.dataTransfer.files[0]) app.take(event.dataTransfer.files[0]);
+  document.body.classList.toggle("dropping-file", name === "dragover");
+  if (name !== "drop" || !event.dataTransfer.items.length) return;
+  const entries = [...event.dataTransfer.items].map((item) => item.webkitGetAsEntry?.()), { files } = event.dataTransfer;
+  if (files[0] && isSmall(files) && !entries.some((e) => e?.isDirectory)) return app.take(files[0]);
+  const transfer = { items: entries.map((entry) => ({ webkitGetAsEntry: () => entry })), files: [...files] };
+  import("./sending.js").then(({ dropped, openFiles }) => dropped(transfer).then((given) => openFiles(app, given)));
 });
+addEventListener("dragleave", (event) => event.relatedTarget || document.body.classList.remove("dropping-file"));
 
 // The server.
 let wasLost = false, counting = 0, reading = null;

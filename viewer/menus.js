@@ -61,7 +61,7 @@ export function makeMenus(app) {
     if (answer) app.copy(answer.text);
   };
   const more = (anchor) => menu(anchor, [
-    [words.menu.open, app.states.choose, "Ctrl O"],
+    [words.menu.open, app.states.choose, "Ctrl O"], [words.menu.send, app.states.sendFile], [words.menu.sendFolder, app.states.sendFolder],
     // What a narrow bar has no room for.
     ...(app.volume && !app.bar.compare.offsetParent ? [...Object.entries(words.modes).map(([name, [label]]) => [label, () => app.mode(name)]), [words.redo, () => app.store.step("redo")], [words.compare, app.compare.start]] : []),
     ...(app.volume ? [[words.tools.measure, () => app.gestures.choose("measure"), "M"], [words.menu.saveScene, saveScene, "Ctrl Shift S"], [words.menu.loadScene, () => chooseFile(".json,.png,.exr", app.take)], [words.menu.loadTf, () => chooseFile("", app.take)], [words.menu.command, command]] : []),

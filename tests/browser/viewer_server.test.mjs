@@ -160,6 +160,7 @@ test("a walk: start empty, open, edit, light, clip, save", { skip }, async () =>
   try {
     await page.click("button:has-text('Try a sample')");
     await page.click(".item:has-text('shells')");
+    await page.mouse.move(200, 200); // resting on a chip or look would be a preview
     await final(page, 120000);
     const seen = [await pixels(page)];
     const step = async (act, timeout = 60000) => {
