@@ -93,6 +93,7 @@ void run(const ViewOptions& o) {
     if (!(o.max_upload >= 0 && o.max_upload <= 1e6))
         throw Error(ErrorCode::usage, fmt::format("--max-upload {}: must be 0 to 1000000", o.max_upload));
     options.max_upload = std::uint64_t(o.max_upload * 1073741824.0);
+    options.keep_views = true;
     options.base_path = o.base_path, options.embed_from = o.embed_from;
     options.device = device_of(o.common);
     ProgressBar bar(o.common.progress, o.common.quiet);

@@ -35,17 +35,26 @@ std::pair<fs::path, int> make_own_folder(const fs::path& parent) {
     return {name, lock_folder(name)};
 }
 
-void remove_left_behind(const fs::path& parent, const std::function<bool(const fs::path&)>& is_kept) {
+std::vector<std::pair<fs::path, int>> remove_left_behind(const fs::path& parent,
+                                                         const std::function<bool(const fs::path&)>& is_kept) {
+    std::vector<std::pair<fs::path, int>> kept;
     constexpr auto new_for = std::chrono::minutes(1);  // it may be about to be locked
     std::error_code ignored;
     for (const auto& entry : fs::directory_iterator(parent, ignored)) {
         if (!entry.path().filename().string().starts_with(prefix)) continue;
-        if (fs::file_time_type::clock::now() - fs::last_write_time(entry.path(), ignored) < new_for) continue;
+        const bool is_wanted = is_kept && is_kept(entry.path());
+        const auto age = fs::file_time_type::clock::now() - fs::last_write_time(entry.path(), ignored);
+        if (age < new_for && !is_wanted) continue;
         const int lock = lock_folder(entry.path());
         if (lock < 0) continue;
-        if (!is_kept || !is_kept(entry.path())) fs::remove_all(entry.path(), ignored);
+        if (is_wanted) {
+            kept.emplace_back(entry.path(), lock);
+            continue;
+        }
+        fs::remove_all(entry.path(), ignored);
         close(lock);
     }
+    return kept;
 }
 
 }  // namespace chiaro::server

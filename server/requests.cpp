@@ -27,9 +27,20 @@ Json View::keep(const Json& request) {
     {
         const std::lock_guard lock(mutex_);
         state_ = request["scene"];
+        if (request.contains("undo")) undo_ = object_in(request, "undo");
     }
+    note_state();
     if (context_.changed) context_.changed(scene);
     return Json::object();
+}
+
+/// What another view of this user's looked like when it was seen last.
+Json View::earlier(const Json& request) {
+    const auto loaded = shown();
+    const std::string view = text_in(request, "view");
+    const auto other = loaded ? context_.kept.newest_of(loaded->source.volume, id_) : std::nullopt;
+    if (!other || other->view != view) throw Error(ErrorCode::usage, "view: nothing is kept of it");
+    return {{"scene", scene_json(scene_of(other->scene), loaded->session)}, {"undo", other->undo}};
 }
 
 /// What was sent of a volume, or all of it.

@@ -8,6 +8,7 @@
 #include <map>
 #include <mutex>
 
+#include "core/user_cache.h"
 #include "lists.h"
 #include "pages.h"
 #include "token.h"
@@ -23,6 +24,12 @@ constexpr auto good_for = std::chrono::seconds(60);
 bool is_view_id(const std::string& id) {
     return id.size() >= 8 && id.size() <= 64 &&
            id.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-") == id.npos;
+}
+
+/// Beside what else is the user's own.
+std::filesystem::path views_folder() {
+    const std::filesystem::path cache = user_cache();
+    return cache.empty() ? cache : cache / "views";
 }
 
 std::string member(const std::map<std::string, std::string>& query, const std::string& name) {
@@ -48,11 +55,13 @@ Response json_response(const Json& json, int status = 200) {
 class ViewerSite : public Site {
 public:
     ViewerSite(const ViewerOptions& options)
-        : uploads_(options.max_upload, {}),
+        : kept_(options.keep_views ? views_folder() : std::filesystem::path()),
+          uploads_(options.max_upload, kept_.volumes()),
           context_{Volumes(options.device, options.volume),
-                   Folders(options.folders, {store_.uploads(), uploads_.folder()}),
+                   Folders(options.folders, hidden_folders()),
                    store_,
                    uploads_,
+                   kept_,
                    lists(options.device),
                    options.scene,
                    options.data,
@@ -151,6 +160,7 @@ public:
         context_.first.cancel();
         for (const auto& [id, view] : views_) view->say_goodbye();
         store_.remove();
+        for (const auto& folder : uploads_.folders()) kept_.forget_below(folder);
         uploads_.remove();
     }
 
@@ -236,7 +246,14 @@ private:
         return refusal(503, "Too much is asked for at once.");
     }
 
+    std::vector<std::filesystem::path> hidden_folders() const {
+        std::vector<std::filesystem::path> all = uploads_.folders();
+        all.push_back(store_.uploads());
+        return all;
+    }
+
     Store store_;
+    KeptViews kept_;
     Uploads uploads_;
     ServerContext context_;
     const std::string base_path_;

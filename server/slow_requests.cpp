@@ -48,7 +48,7 @@ Json View::show(const Scene& scene, Progress& progress, int halvings) {
     {
         const std::lock_guard lock(mutex_);
         shown_ = loaded;
-        state_ = nullptr;
+        state_ = nullptr, undo_ = nullptr;
     }
     render_worker_.show(loaded);
     return reply;
@@ -80,6 +80,18 @@ Json View::open_initial(const Json&, Progress& progress) {
     const std::lock_guard lock(mutex_);
     if (given_) reply["scene"] = scene_json(*given_, loaded->session);
     reply["type"] = "opened";
+    return reply;
+}
+
+/// The volume and the state of a view whose server was killed.
+Json View::open_kept(const Json&, Progress& progress) {
+    const KeptView kept = *kept_;
+    Json reply = show(scene_of_volume(context_.folders.allowed_volume(kept.volume)), progress);
+    reply["scene"] = scene_json(scene_of(kept.scene), shown()->session);
+    reply["undo"] = kept.undo;
+    reply["type"] = "opened";
+    const std::lock_guard lock(mutex_);
+    state_ = kept.scene, undo_ = kept.undo;
     return reply;
 }
 

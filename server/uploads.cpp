@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <tuple>
 
 #include "core/user_cache.h"
 #include "own_folder.h"
@@ -44,22 +43,30 @@ bool is_header(const fs::path& file) { return file.extension() == ".nhdr" || fil
 
 Uploads::Uploads(std::uint64_t max_bytes, const std::vector<fs::path>& kept) : max_bytes_(max_bytes) {
     const fs::path parent = parent_folder();
-    remove_left_behind(parent, [&](const fs::path& folder) {
+    owned_ = remove_left_behind(parent, [&](const fs::path& folder) {
         return std::any_of(kept.begin(), kept.end(), [&](const fs::path& file) {
             return std::mismatch(folder.begin(), folder.end(), file.begin(), file.end()).first == folder.end();
         });
     });
-    std::tie(folder_, lock_) = make_own_folder(parent);
+    owned_.push_back(make_own_folder(parent));
+    folder_ = owned_.back().first;
 }
 
 Uploads::~Uploads() {
     remove();
-    if (lock_ >= 0) close(lock_);
+    for (const auto& [folder, lock] : owned_)
+        if (lock >= 0) close(lock);
 }
 
 void Uploads::remove() {
     std::error_code ignored;
-    fs::remove_all(folder_, ignored);
+    for (const auto& [folder, lock] : owned_) fs::remove_all(folder, ignored);
+}
+
+std::vector<fs::path> Uploads::folders() const {
+    std::vector<fs::path> all;
+    for (const auto& [folder, lock] : owned_) all.push_back(folder);
+    return all;
 }
 
 fs::path Uploads::begin(const std::string& volume, const std::string& name, std::uint64_t bytes) {

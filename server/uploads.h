@@ -14,13 +14,15 @@ inline constexpr std::size_t max_upload_files = 20000;
 class Uploads {
 public:
     /// In a new folder of the user's cache, or of the temporary files where there is none. It goes with the program;
-    /// those that killed programs left behind go now, but for folders that hold something of `kept`.
+    /// those that killed programs left behind go now, but for folders that hold something of `kept`,
+    /// which are its own from now on.
     Uploads(std::uint64_t max_bytes, const std::vector<std::filesystem::path>& kept);
     ~Uploads();
     Uploads(const Uploads&) = delete;
     Uploads& operator=(const Uploads&) = delete;
 
-    const std::filesystem::path& folder() const { return folder_; }
+    /// Its own, and those that were kept.
+    std::vector<std::filesystem::path> folders() const;
     /// Where so many bytes of a volume's file go. A name's folders become part of it: files lie side by side, as
     /// readers of folders want them. Throws Error{usage} beyond the limits, Error{output} where the disk has no room.
     std::filesystem::path begin(const std::string& volume, const std::string& name, std::uint64_t bytes);
@@ -41,7 +43,7 @@ private:
     };
 
     std::filesystem::path folder_;
-    int lock_ = -1;
+    std::vector<std::pair<std::filesystem::path, int>> owned_;  ///< and their locks
     std::uint64_t max_bytes_;
     mutable std::mutex mutex_;
     std::map<std::string, Sent> sent_;

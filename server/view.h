@@ -10,6 +10,7 @@
 #include "downloads.h"
 #include "folders.h"
 #include "json.h"
+#include "kept_views.h"
 #include "net.h"
 #include "render_worker.h"
 #include "serial_queue.h"
@@ -24,6 +25,7 @@ struct ServerContext {
     Folders folders;
     Store& store;
     Uploads& uploads;
+    KeptViews& kept;
     Json lists;                                 ///< of hello
     std::optional<Scene> initial;               ///< what the program was started with
     std::filesystem::path data;                 ///< where volumes of scenes are looked up too
@@ -60,6 +62,8 @@ private:
     std::string key_of(const Json& id) const;  ///< while locked
     void hear_state(const Json& message);
     void greet();
+    void note_state();
+    bool is_there(const std::string& volume) const;
 
     // Answered at once.
     Json pick(const Json& request);
@@ -72,10 +76,12 @@ private:
     Json cache(const Json& request);
     Json keep(const Json& request);
     Json discard(const Json& request);
+    Json earlier(const Json& request);
     // What takes time.
     Json folder(const Json& request, Progress& progress);
     Json open(const Json& request, Progress& progress);
     Json open_initial(const Json& request, Progress& progress);
+    Json open_kept(const Json& request, Progress& progress);
     Json save(const Json& request, Progress& progress);
     Json look(const Json& request, Progress& progress);
     Json compare(const Json& request, Progress& progress);
@@ -105,10 +111,13 @@ private:
     std::int64_t newest_ = -1;  ///< state of this connection
     std::optional<std::chrono::steady_clock::time_point> left_;
     std::shared_ptr<const Loaded> shown_;
-    Json state_;                  ///< the scene of the last state that was no preview
-    std::optional<Scene> given_;  ///< was put, maybe before its volume was read
+    Json state_;                    ///< the scene of the last state that was no preview
+    Json undo_;                     ///< the page's steps
+    std::optional<KeptView> kept_;  ///< of a server before this one, until its volume is open
+    std::optional<Scene> given_;    ///< was put, maybe before its volume was read
     std::map<std::string, std::shared_ptr<Progress>> running_;
 
+    bool shown_before_ = false;    ///< a page was greeted; the hearing queue's own
     int heard_ = 0;                ///< the connection whose message is being understood; the hearing queue's own
     std::optional<Session> side_;  ///< of looks; the side queue's own
     std::shared_ptr<const Loaded> side_shown_;

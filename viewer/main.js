@@ -163,8 +163,9 @@ function layOut(state) {
 function changed({ moving }) {
   if (!app.volume) return;
   keep();
+  if (!store.preview) keepThere();
   const shown = store.preview, [w, h] = app.frame.size(), size = `${w} ${h}`;
-  if (sent && !shown && !sent.shown && sent.link === link.connections && sent.size === size && samePicture(sent.state, store.state) && (moving || !sent.moving)) return keepThere();
+  if (sent && !shown && !sent.shown && sent.link === link.connections && sent.size === size && samePicture(sent.state, store.state) && (moving || !sent.moving)) return;
   sent = { state: store.state, shown, size, moving, link: link.connections };
   app.frame.forget();
   app.looks.pause();
@@ -177,11 +178,16 @@ function changed({ moving }) {
 /** What was sent last; nothing is sent again that makes the same picture. */
 let sent = null;
 store.onchange = changed;
-let keeping = 0;
-/** The server keeps the state that it restores, without another picture. */
+let keeping = 0, keptSteps = -1;
+/** The server keeps the state and its steps, for a reload, and for the server that comes after it. */
 const keepThere = () => {
   clearTimeout(keeping);
-  keeping = setTimeout(() => app.volume && link.ask("keep", { scene: app.scene() }).catch(() => {}), 300);
+  keeping = setTimeout(() => {
+    if (!app.volume || store.dragging) return;
+    const undo = keptSteps === store.steps ? {} : { undo: store.history() };
+    keptSteps = store.steps;
+    link.ask("keep", { scene: app.scene(), ...undo }).catch(() => (keptSteps = -1));
+  }, 300);
 };
 app.shown = (header) => {
   // What the camera fits is found once: from then on the state has it.
@@ -199,7 +205,7 @@ function remember() {
 let kept = 0;
 const keep = () => {
   clearTimeout(kept);
-  kept = setTimeout(() => sessionStorage.setItem("state", JSON.stringify({ file: app.volume.file, state: store.state })), 500);
+  kept = setTimeout(() => sessionStorage.setItem("state", JSON.stringify({ file: app.volume.file, state: store.state, history: store.history() })), 500);
 };
 app.resized = () => {
   store.redraw();
@@ -274,8 +280,20 @@ const hello = (m) => {
   if (!m.volume) return app.states.empty();
   open(m.volume, m.scene);
   const last = JSON.parse(sessionStorage.getItem("state") ?? "null");
-  if (!m.restored && last?.file === m.volume.file) store.replace(last.state);
+  if (!m.restored && last?.file === m.volume.file) store.restore(last.state, last.history);
+  else if (m.undo) store.restore(store.state, m.undo);
+  else if (m.earlier && !last) offerEarlier(m.earlier);
 };
+/** A page that was closed: another one of the same volume may go on where it was. */
+function offerEarlier({ view, seconds }) {
+  const w = words.states, takeUp = async () => {
+    app.states.hush();
+    const answer = await link.ask("earlier", { view }).catch(app.fault);
+    if (answer) take(answer.scene);
+  };
+  app.states.say(w.earlier(ago(seconds)), { acts: [[w.takeUp, takeUp]], role: "alert" });
+}
+const ago = (seconds) => (seconds < 5400 ? `${Math.max(1, Math.round(seconds / 60))} min` : seconds < 129600 ? `${Math.round(seconds / 3600)} h` : `${Math.round(seconds / 86400)} days`);
 /** Opens the page's own volume again, all settings kept: the server came back with another or none, or it is to be smaller. */
 async function reopen(what = { volume: app.volume.file }) {
   const { state } = store, answer = await link.ask("open", what).catch(app.fault);
@@ -291,7 +309,7 @@ function outOfMemory(sentence) {
 link.onmessage = (m) => {
   if (m.type === "hello") hello(m);
   else if (m.type === "progress") m.re === "open" ? reading?.(m) : app.frame.progress(m);
-  else if (m.type === "opened") !app.volume ? open(m.volume, m.scene) : m.volume.file === app.volume.file ? changed({ moving: false }) : reopen();
+  else if (m.type === "opened") !app.volume ? (open(m.volume, m.scene), m.undo && store.restore(store.state, m.undo)) : m.volume.file === app.volume.file ? changed({ moving: false }) : reopen();
   else if (m.type === "error") m.re === "open" ? (app.states.clear(), m.code === "interrupted" ? app.volume || app.states.empty() : app.states.failed(m.sentence)) : m.code === "memory" && m.n ? outOfMemory(m.sentence) : app.states.say(m.sentence, { role: "alert" });
   else if (m.type === "put") take(m.scene);
   else if (m.type === "note") app.states.say(m.sentence, { keep: false });

@@ -56,6 +56,7 @@ export const words = {
     left: (seconds) => `about ${seconds} s left`,
     unreadable: "This file could not be read", another: "Open another", copyMessage: "Copy the message", back: "Back to the picture",
     lost: (s) => `Connection lost. Your settings are kept. Trying again in ${s} s.`, tryNow: "Try now", lostPill: "Waiting",
+    earlier: (ago) => `This volume was open ${ago} ago, in a page that is closed.`, takeUp: "Go on from there",
     restarted: "Chiaro was restarted; everything is as you left it.",
     elsewhere: "This view is open elsewhere.", takeOver: "Take over", refused: "This address is not valid any more. Open the one that Chiaro printed.",
     updated: "Chiaro was updated.", reload: "Reload", details: "Details", coarser: "Coarser light", halfSize: "Half size",
