@@ -39,12 +39,12 @@ async function piece(width, height, ratio, place, draw) {
 }
 
 /** White with a dark rim: read on any picture. */
-function write(g, text, x, y, align = "center") {
+export function write(g, text, x, y, align = "center") {
   Object.assign(g, { textAlign: align, lineWidth: 3, strokeStyle: dark, fillStyle: light });
   g.strokeText(text, x, y);
   g.fillText(text, x, y);
 }
-function frame(g, x, y, width, height) {
+export function frame(g, x, y, width, height) {
   g.fillStyle = dark;
   g.fillRect(x - 2, y - 2, width + 4, height + 4);
   g.fillStyle = light;

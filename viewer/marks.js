@@ -155,8 +155,14 @@ export async function makeMarks(app) {
   }));
   /** What a figure of w × h pixels carries: {x, y, width, height} in its pixels and draw(g). */
   api.figure = (width, height, ratio) => {
-    const on = onVolume(width, height), all = list().map((mark) => linesOf(mark, on, mark.kind === "text" || mark.kind === "arrow" ? "" : api.says(mark), app.volume).parts.map((p) => ({ ...p })));
+    const on = onVolume(width, height), all = list().map((mark) => linesOf(mark, on, mark.kind === "text" || mark.kind === "arrow" ? "" : api.says(mark), app.volume).parts);
     return figureOf(all.flat(), width, height, ratio);
+  };
+
+  /** The same of a slice, where it meets them. */
+  api.figureOn = (view, ratio) => {
+    const on = onPane(view), all = list().map((mark) => linesOf(mark, on, mark.kind === "text" || mark.kind === "arrow" ? "" : api.says(mark), app.volume)).filter((one) => one.within).flatMap((one) => one.parts), k = (p) => p.map((c) => c * ratio);
+    return figureOf(all.map((p) => (p.line ? { line: p.line.map(k) } : p.circle ? { circle: k(p.circle), r: p.r * ratio } : { ...p, at: k(p.at) })), view.w * ratio, view.h * ratio, ratio);
   };
 
   /** The points of the chosen mark, to be dragged or moved by arrow keys. */

@@ -7,7 +7,7 @@ export const sliceWords = {
   enlarge: "Large", back: "Back to all", crosshair: "Crosshair", crosshairTip: "Where all slices meet, in the file's frame.", pan: "Slices moved", zoom: "Zoom of slices", outside: "outside", voxel: (v) => `voxel ${v.join(", ")}`,
   window: "Grey levels", windowTip: "Black and white of the slices. A right drag on one does the same.", colours: "Colours", coloursTip: "Grey, or the colours of the volume over it.", grey: "Grey", transfer: "Of the volume",
   sampling: "Voxels", samplingTip: "Interpolated, or as they are.", linear: "Interpolated", nearest: "As they are", side: "Side", sideTip: "Where the patient's left is.", sides: { radiological: ["Radiological", "left at the right"], neurological: ["Neurological", "left at the left"] },
-  outlines: "Shown in the volume", outlinesTip: "Outlines of the slices.",
+  save: "Save as a picture", outlines: "Shown in the volume", outlinesTip: "Outlines of the slices.",
 };
 
 export const markWords = {

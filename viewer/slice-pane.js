@@ -1,7 +1,7 @@
 // One slice: its picture from the server, the crosshair, letters, ruler and slider, and what the pointer does there.
-import { barOf } from "./captions.js";
+import { barOf, frame, write } from "./captions.js";
 import { add } from "./camera.js";
-import { clamp, el, icon, short, svg } from "./dom.js";
+import { clamp, download, el, icon, short, svg } from "./dom.js";
 import { read, transferOf } from "./scene.js";
 import { letterOf, pixelToWorld, voxelOf, worldToPixel } from "./slice-geometry.js";
 import { sliceWords } from "./part-texts.js";
@@ -53,8 +53,8 @@ export function makePane(app, slices, i) {
     canvas.dataset.key = keyOf(request);
   });
   const keyOf = ({ lossless, ...request }) => JSON.stringify(request);
-  function request() {
-    const v = view(), ratio = devicePixelRatio, size = [v.w, v.h].map((n) => clamp(Math.round(n * ratio), 1, 4096)), [low, high] = slices.window();
+  function request(ratio = devicePixelRatio) {
+    const v = view(), size = [v.w, v.h].map((n) => clamp(Math.round(n * ratio), 1, 4096)), [low, high] = slices.window();
     const colours = slices.get("colors") === "transfer" ? { transfer_function: transferOf(store.state.tf), ...(store.state.threshold ? { threshold: store.state.threshold } : {}) } : {};
     return { plane: { centre: v.middle, right: v.section.right.map((c) => (c * v.s) / ratio), down: v.section.down.map((c) => (c * v.s) / ratio) }, size, sampling: slices.get("sampling"), window: [(low + high) / 2, high - low], ...colours };
   }
@@ -90,6 +90,29 @@ export function makePane(app, slices, i) {
     const [x, y] = worldToPixel(v, slices.at()), others = [0, 1, 2].filter((k) => k !== i).map((k) => slices.section(k)), colour = (d) => slices.colourOf(others.map((o) => [Math.abs(o.normal.reduce((s, c, k) => s + c * d[k], 0)), o]).sort((a, b) => b[0] - a[0])[0][1]);
     const line = (d, c) => svg("path", { d, style: `stroke:${c}` }), gap = 10;
     lines.replaceChildren(line(`M${x} 0V${y - gap}M${x} ${y + gap}V${v.h}`, colour(v.section.right)), line(`M0 ${y}H${x - gap}M${x + gap} ${y}H${v.w}`, colour(v.section.down)));
+  }
+
+  /** The slice as a figure, twice as fine as it is seen: with its name, letters, side, ruler and what was measured. */
+  async function figure() {
+    const v = view(), ratio = Math.min(2, 4096 / Math.max(v.w, v.h)), made = new OffscreenCanvas(Math.round(v.w * ratio), Math.round(v.h * ratio)), g = made.getContext("2d");
+    let data;
+    await app.link.ask("slice", { ...request(ratio), lossless: true }, (_, blob) => blob && (data = blob));
+    const bitmap = await createImageBitmap(data, { colorSpaceConversion: "none" });
+    g.drawImage(bitmap, 0, 0, made.width, made.height);
+    bitmap.close();
+    const measured = app.marks?.figureOn(v, ratio);
+    if (measured) g.translate(measured.x, measured.y), measured.draw(g), g.translate(-measured.x, -measured.y);
+    g.scale(ratio, ratio);
+    g.font = `600 13px ${getComputedStyle(document.body).fontFamily}`;
+    const edge = 12, at = { left: ["left", edge, v.h / 2], right: ["right", v.w - edge, v.h / 2], up: ["center", v.w / 2, edge + 8], down: ["center", v.w / 2, v.h - edge] };
+    const say = (text, x, y, align) => text && write(g, text, x, y, align);
+    letters.forEach((letter) => { const [align, x, y] = at[letter.classList[1]]; say(letter.textContent, x, y, align); });
+    say(`${name.textContent}  ${place.textContent}`, edge, edge + 8, "left");
+    say(side.textContent, edge, v.h - edge, "left");
+    const bar = barOf(app, v.s);
+    frame(g, v.w - edge - bar.pixels, v.h - edge - 2, bar.pixels, 2);
+    say(bar.text, v.w - edge, v.h - edge - 8, "right");
+    download(await made.convertToBlob({ type: "image/png" }), `${slices.nameOf(i).toLowerCase().replaceAll(" ", "-")}.png`);
   }
 
   // What is under the pointer: the file's own number, where it is in the world and in voxels.
@@ -178,5 +201,5 @@ export function makePane(app, slices, i) {
     event.preventDefault();
   });
   new ResizeObserver(() => root.hidden || store.redraw()).observe(picture);
-  return { root, picture, show, view, forget: () => (asked = "") };
+  return { root, picture, show, view, figure, forget: () => (asked = "") };
 }

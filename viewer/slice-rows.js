@@ -33,6 +33,9 @@ export function makeSliceRows(app, slices) {
     const rows = [layout, place(), window_,
       choice("colors", w.colours, [["grey", w.grey], ["transfer", w.transfer]], w.coloursTip), choice("sampling", w.sampling, [["linear", w.linear], ["nearest", w.nearest]], w.samplingTip),
       ...(framed ? [choice("side", w.side, Object.entries(w.sides).map(([side, [name, where]]) => [side, `${name}: ${where}`]), w.sideTip)] : []), choice("outlines", w.outlines, [[true, words.choices.on], [false, words.choices.off]], w.outlinesTip)];
+    const saves = el("div.buttons", { role: "group", "aria-label": w.save }, el("span.label", {}, w.save), ...[0, 1, 2, 3].map((i) => el("button", { onclick: () => slices.figure(i) }, slices.nameOf(i))));
+    saves.show = () => [...saves.querySelectorAll("button")].forEach((button, i) => (button.hidden = !slices.isShown(i)));
+    rows.push(saves);
     made = fold(w.title, () => (slices.layout() === "volume" ? "" : w.layouts[slices.layout()] ?? slices.nameOf(["axial", "coronal", "sagittal", "oblique"].indexOf(slices.layout()))), rows, "", "section.section.s-slices");
     root.replaceChildren(made);
   }

@@ -58,6 +58,8 @@ export async function makeSlices(app, area) {
       return { section: now, w: width, h: height, s: Math.max(...alike.map((one) => fitOf(app.volume, one, width, height))) / get("zoom"), middle: ontoPlane(get("centre") ?? app.box.centre, now.at, now.normal) };
     },
     enlarge: (i) => put(w.layout, "layout", layout() === large[i] ? "linked" : large[i]),
+    figure: (i) => panes[i].figure().catch(app.fault),
+    isShown: (i) => !panes[i].root.hidden,
     nameOf: (i) => (i === 3 ? w.names.oblique : app.volume.world === "unknown" ? w.across(words.axes[2 - i]) : w.names[large[i]]),
     colourOf: (now) => axisColours[now.axis ?? 3],
   };

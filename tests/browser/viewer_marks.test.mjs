@@ -186,6 +186,26 @@ test("a saved figure carries what was measured, where it is", { skip }, () => on
   assert.equal(accent(await colour(await saved(false))), false);
 }));
 
+test("a slice is saved as a figure: twice as fine, with its name, ruler and what was measured", { skip }, () => onFile(all, "slice-figure.nrrd", async (page) => {
+  await slices(page);
+  await page.evaluate(() => chiaro.store.set("d", () => ({ marks: [{ kind: "distance", points: [[-15, 0, 30], [15, 0, 30]] }] })));
+  await page.waitForSelector(".mark-row");
+  await page.click(".s-slices .head");
+  const download = page.waitForEvent("download");
+  await page.click("[aria-label='Save as a picture'] button:has-text('Axial')");
+  const saved = await download, bytes = [...readFileSync(await saved.path())];
+  assert.equal(saved.suggestedFilename(), "axial.png");
+  const [x, y] = await page.evaluate(async () => (await import("./slice-geometry.js")).worldToPixel(chiaro.slices.panes[0].view(), [0, 0, 30]));
+  const { size, line, corner } = await page.evaluate(async ([data, px, py]) => {
+    const image = await createImageBitmap(new Blob([Uint8Array.from(data)])), g = new OffscreenCanvas(image.width, image.height).getContext("2d");
+    g.drawImage(image, 0, 0);
+    return { size: [image.width, image.height], line: [...g.getImageData(Math.round(2 * px), Math.round(2 * py), 1, 1).data], corner: [...g.getImageData(20, 10, 100, 40).data].some((v) => v > 240) };
+  }, [bytes, x, y]);
+  assert.deepEqual(size, await page.evaluate(() => { const { w, h } = chiaro.slices.panes[0].view(); return [2 * w, 2 * h]; }));
+  assert.ok(line[0] > 215 && line[2] < 110, `${line}`);
+  assert.ok(corner, "the name");
+}));
+
 visit("what measuring needs is loaded when it is first used; Escape and Backspace take back", async (page) => {
   const loaded = () => page.evaluate(() => performance.getEntriesByType("resource").map((e) => e.name.split("/").at(-1)).filter((name) => /^mark/.test(name) && name !== "markers.js"));
   assert.deepEqual(await loaded(), []);
@@ -238,6 +258,15 @@ visit("by keys alone: kinds by arrows, points at the crosshair, points moved, a 
   await field.fill("12.5");
   await field.press("Enter");
   assert.equal((await marks(page))[0].points[0][1], 12.5);
+  await page.locator("[data-kind=polyline]").click();
+  await pane.focus();
+  for (const key of [" ", "ArrowUp", " ", "ArrowUp", "ArrowUp", " ", "Enter"]) await page.keyboard.press(key);
+  await count(page, 2);
+  assert.equal((await marks(page))[1].points.length, 3);
+  await page.keyboard.press("Control+z");
+  await count(page, 1);
+  await value(page, 0).click();
+  await drawn(page);
   await handle.focus();
   await page.keyboard.press("Delete");
   await count(page, 0);

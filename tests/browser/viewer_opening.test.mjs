@@ -31,7 +31,7 @@ const drop = (page, files) => page.evaluate((given) => {
 const sent = () => {
   const below = (folder) => readdirSync(folder, { withFileTypes: true }).flatMap((e) => (e.isDirectory() ? below(join(folder, e.name)) : [join(folder, e.name)]));
   try {
-    return below(join(all.folder, "chiaro")).filter((file) => /chiaro-view-/.test(file));
+    return below(join(all.folder, "chiaro")).filter((file) => /chiaro-view-/.test(file.slice(all.folder.length)));
   } catch {
     return [];
   }
