@@ -7,6 +7,7 @@
 #include <chiaro/device.h>
 #include <chiaro/error.h>
 #include <chiaro/export.h>
+#include <chiaro/film.h>
 #include <chiaro/geometry.h>
 #include <chiaro/image.h>
 #include <chiaro/io.h>
@@ -27,5 +28,6 @@
 #include <chiaro/text.h>
 #include <chiaro/transfer_file.h>
 #include <chiaro/transfer_function.h>
+#include <chiaro/video.h>
 #include <chiaro/view.h>
 #include <chiaro/volume.h>
