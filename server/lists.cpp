@@ -1,6 +1,7 @@
 #include "lists.h"
 
 #include <chiaro/chiaro.h>
+#include <chiaro/video.h>
 
 #include <cmath>
 
@@ -134,6 +135,7 @@ Json lists(const Device& device) {
     for (const auto& sample : list_samples())
         json["samples"].push_back(
             {{"name", sample.name}, {"sentence", sample.sentence}, {"size", sample.default_size}});
+    json["films"] = has_ffmpeg() ? Json{"mp4", "webm", "png"} : Json{"png"};
     for (const auto& format : list_formats())
         json["formats"].push_back({{"name", format.name}, {"extensions", format.extensions}, {"note", format.note}});
     return json;

@@ -206,13 +206,19 @@ void View::dispatch(const Json& request) {
         {"pick", &View::pick},          {"command", &View::command},    {"resolve", &View::resolve},
         {"export", &View::export_text}, {"import", &View::import_text}, {"cancel", &View::cancel},
         {"ping", &View::ping},          {"cache", &View::cache},        {"keep", &View::keep},
-        {"discard", &View::discard},    {"earlier", &View::earlier}};
+        {"discard", &View::discard},    {"earlier", &View::earlier},    {"film_frame", &View::film_frame}};
     static const std::map<std::string, std::pair<SerialQueue View::*, Handler>> slow{
-        {"folder", {&View::side_queue_, &View::folder}},  {"open", {&View::opening_, &View::open}},
-        {"save", {&View::saving_, &View::save}},          {"look", {&View::side_queue_, &View::look}},
-        {"compare", {&View::comparing_, &View::compare}}, {"measure", {&View::comparing_, &View::measure}},
-        {"probe", {&View::side_queue_, &View::probe}},    {"slice", {&View::slicing_, &View::slice}},
-        {"snap", {&View::slicing_, &View::snap}},         {"region", {&View::side_queue_, &View::region}}};
+        {"folder", {&View::side_queue_, &View::folder}},
+        {"open", {&View::opening_, &View::open}},
+        {"save", {&View::saving_, &View::save}},
+        {"look", {&View::side_queue_, &View::look}},
+        {"compare", {&View::comparing_, &View::compare}},
+        {"measure", {&View::comparing_, &View::measure}},
+        {"probe", {&View::side_queue_, &View::probe}},
+        {"slice", {&View::slicing_, &View::slice}},
+        {"snap", {&View::slicing_, &View::snap}},
+        {"region", {&View::side_queue_, &View::region}},
+        {"export_film", {&View::filming_, &View::export_film}}};
     const std::string type = text_in(request, "type");
     id_of(request);
     if (const auto found = quick.find(type); found != quick.end()) return answer(request, found->second);

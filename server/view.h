@@ -1,5 +1,7 @@
 // One page's state on this side, and the answers to what it asks.
 #pragma once
+#include <chiaro/film.h>
+
 #include <chrono>
 #include <map>
 #include <memory>
@@ -77,6 +79,7 @@ private:
     Json keep(const Json& request);
     Json discard(const Json& request);
     Json earlier(const Json& request);
+    Json film_frame(const Json& request);
     // What takes time.
     Json folder(const Json& request, Progress& progress);
     Json open(const Json& request, Progress& progress);
@@ -90,12 +93,14 @@ private:
     Json slice(const Json& request, Progress& progress);
     Json snap(const Json& request, Progress& progress);
     Json region(const Json& request, Progress& progress);
+    Json export_film(const Json& request, Progress& progress);
 
     Json show(const Scene& scene, Progress& progress, int halvings = 0);
     Json take_file(const std::string& name, const std::string& bytes);
     Json file_as_scene(const std::string& text, const std::string& name);
     Json file_as_transfer(const std::filesystem::path& file);
     std::shared_ptr<const Loaded> shown() const;
+    Film film_of(const Json& request) const;
     Scene scene_of(const Json& json, std::vector<std::string>* unknown = nullptr) const;
     void tell(const Json& message) const;
     void tell(int connection, const Json& message) const;
@@ -122,7 +127,7 @@ private:
     std::optional<Session> side_;  ///< of looks; the side queue's own
     std::shared_ptr<const Loaded> side_shown_;
     RenderWorker render_worker_;
-    SerialQueue opening_, side_queue_, saving_, comparing_, slicing_;
+    SerialQueue opening_, side_queue_, saving_, comparing_, slicing_, filming_;
     SerialQueue hearing_;  // the last member, as its work uses the others, and theirs those before
 };
 

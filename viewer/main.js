@@ -126,6 +126,7 @@ function open(volume, scene, restored) {
   app.light.open();
   app.cross.open();
   sections.append(...folded().map((part) => part));
+  app.film?.open();
   if (app.marks) sections.prepend(app.marks.rows), app.marks.open();
   if (app.slices) sections.append(app.slices.rows), app.slices.open();
   app.looks.open();
@@ -150,6 +151,23 @@ async function needMarks() {
   if (app.volume) sections.prepend(app.marks.rows);
   store.redraw();
 }
+/** And the strip of keyframes. */
+let filmAsked = null;
+const needFilm = () => (filmAsked ??= import("./film.js").then(({ makeFilm }) => makeFilm(app)).then((film) => (app.film = film)));
+app.toggleFilm = async () => app.volume && (await needFilm()).toggle();
+/** A file of keyframes: the server says what is wrong with it. */
+async function needFilmOf(file) {
+  const json = await file.text().then(JSON.parse).catch(() => null);
+  if (json?.film !== 1) return false;
+  const told = await link.ask("film_frame", { film: json, seconds: 0 }).catch(app.fault);
+  if (told) (await needFilm()).take(json);
+  return true;
+}
+app.addKey = async () => {
+  const film = await needFilm();
+  if (film.root.hidden) film.toggle(true);
+  film.add();
+};
 let slicesAsked = null, marksAsked = null;
 function layOut(state) {
   if (app.volume && (app.ui.tool === "measure" || state.marks?.length)) marksAsked ??= needMarks();
@@ -170,10 +188,11 @@ function changed({ moving }) {
   app.frame.forget();
   app.looks.pause();
   link.send(() => {
+    if (shown?.scene) return { scene: shown.scene, canvas: [w, h] };
     const scene = app.sceneWith(shown?.tf ? { tf: shown.tf } : {});
     if (shown?.unlit) scene.lighting = { method: "none" };
     return { scene, canvas: [w, h] };
-  }, { moving, preview: shown !== null });
+  }, { moving: moving || Boolean(shown?.moving), preview: shown !== null });
 }
 /** What was sent last; nothing is sent again that makes the same picture. */
 let sent = null;
@@ -184,7 +203,7 @@ const keepThere = () => {
   clearTimeout(keeping);
   keeping = setTimeout(() => {
     if (!app.volume || store.dragging) return;
-    const undo = keptSteps === store.steps ? {} : { undo: store.history() };
+    const undo = keptSteps === store.steps ? {} : { undo: { ...store.history(), film: store.state.film } };
     keptSteps = store.steps;
     link.ask("keep", { scene: app.scene(), ...undo }).catch(() => (keptSteps = -1));
   }, 300);
@@ -227,6 +246,7 @@ app.open = async (what, called = what.volume ?? what.scene) => {
 };
 app.openEntry = (entry) => (entry.kind === "transfer" ? link.ask("resolve", { transfer_function: { file: entry.path } }).then((a) => app.setTransfer(a.transfer_function, words.importTf), app.fault) : app.open(entry.kind === "scene" ? { scene: entry.path } : { volume: entry.path }));
 app.take = async (given) => {
+  if (app.volume && /\.json$/i.test(given.name) && (await needFilmOf(given))) return;
   const found = await link.upload(given).catch(app.fault);
   if (!found) return;
   if (found.kind === "transfer") app.setTransfer(found.transfer_function, words.importTf);
@@ -235,7 +255,7 @@ app.take = async (given) => {
   else take(found.scene);
 };
 /** The look of a scene for the volume that is shown: a step that can be undone. */
-const take = (scene) => app.volume && store.set(words.menu.loadScene, (s) => ({ ...stateOf({ ...scene, volume: s.rest.volume, image: s.rest.image }, s, (camera) => fromScene(camera, app.box, app.volume.world)), look: undefined }));
+const take = (scene) => app.volume && store.set(words.menu.loadScene, (s) => ({ film: s.film, ...stateOf({ ...scene, volume: s.rest.volume, image: s.rest.image }, s, (camera) => fromScene(camera, app.box, app.volume.world)), look: undefined }));
 /** Volumes are streamed to a folder of the server's; scenes, pictures, functions and probes are taken as they are. */
 const isSmall = (files) => files.length === 1 && /\.(json|png|exr|hdr|vp|itf|tfi)$/i.test(files[0].name);
 app.sendVolume = async (files) => (await import("./sending.js")).openFiles(app, files);
@@ -281,7 +301,7 @@ const hello = (m) => {
   open(m.volume, m.scene);
   const last = JSON.parse(sessionStorage.getItem("state") ?? "null");
   if (!m.restored && last?.file === m.volume.file) store.restore(last.state, last.history);
-  else if (m.undo) store.restore(store.state, m.undo);
+  else if (m.undo) store.restore({ ...store.state, film: m.undo.film }, m.undo);
   else if (m.earlier && !last) offerEarlier(m.earlier);
 };
 /** A page that was closed: another one of the same volume may go on where it was. */
@@ -309,7 +329,7 @@ function outOfMemory(sentence) {
 link.onmessage = (m) => {
   if (m.type === "hello") hello(m);
   else if (m.type === "progress") m.re === "open" ? reading?.(m) : app.frame.progress(m);
-  else if (m.type === "opened") !app.volume ? (open(m.volume, m.scene), m.undo && store.restore(store.state, m.undo)) : m.volume.file === app.volume.file ? changed({ moving: false }) : reopen();
+  else if (m.type === "opened") !app.volume ? (open(m.volume, m.scene), m.undo && store.restore({ ...store.state, film: m.undo.film }, m.undo)) : m.volume.file === app.volume.file ? changed({ moving: false }) : reopen();
   else if (m.type === "error") m.re === "open" ? (app.states.clear(), m.code === "interrupted" ? app.volume || app.states.empty() : app.states.failed(m.sentence)) : m.code === "memory" && m.n ? outOfMemory(m.sentence) : app.states.say(m.sentence, { role: "alert" });
   else if (m.type === "put") take(m.scene);
   else if (m.type === "note") app.states.say(m.sentence, { keep: false });

@@ -19,3 +19,9 @@ export const markWords = {
   csv: "Save as CSV", clear: "Remove all", file: "measurements.csv", profileFile: "profile.csv", profileCsv: "Save the profile as CSV", points: (unit, world) => `Points, ${unit}${world === "unknown" ? "" : `, ${world}`}`,
   count: "Voxels", mean: "Mean", deviation: "Standard deviation", range: "Range", median: "Median", quartiles: "Quartiles", tails: "5 % and 95 %", volume: "Volume of the voxels", exactVolume: "Exact volume", radius: "Radius", histogram: "Histogram of the values", profileOf: (low, high) => `Values along the line, ${low} to ${high}`,
 };
+
+export const filmWords = {
+  title: "Film", time: "Time in the film", add: "Add a key", removed: "Key removed", loaded: "Film loaded", moved: "Key moved", turntable: "Turntable", go: "Go there", update: "Replace", play: "Play", pause: "Pause", key: (n) => `Key ${n}`,
+  fps: "Frames a second", perSecond: (n) => `${n} a second`, save: "Save the film", writing: "Writing the film", formats: { mp4: "As MP4", webm: "As WebM", png: "As PNGs, in an archive" }, file: "As keyframes, for chiaro render --film",
+  needsTwo: "A film needs two keys: add one, change the picture, add another.", tooMany: "The film has more keys than can be sent at once; save its keyframes and use chiaro render --film.",
+};

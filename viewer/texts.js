@@ -65,7 +65,7 @@ export const words = {
     notMeasured: "not measured", fromReference: (share) => `${share} from reference`, stages: "Stages", leaves: "Leaves out", lower: "Nearer with", frames: "Frames a second", device: "Device", left: "about" },
   saving: { title: "Save image", kind: "Format", size: "Size", seen: "As seen", twice: "Twice", uhd: "3840 × 2160", own: "Own size", width: "Width", height: "Height",
     background: "Background", transparent: "Transparent", scale: "Scale bar", legend: "Colour legend", keep: "Keep the settings inside the picture", go: "Save", cancel: "Cancel", done: "Saved", takes: (s) => `Takes about ${s}.` },
-  menu: { open: "Open on the server", send: "Open a file of this computer", sendFolder: "Open a folder of this computer", saveScene: "Save scene", loadScene: "Load scene or picture", loadTf: "Load transfer function", command: "Copy the command line", theme: "Theme",
+  menu: { open: "Open on the server", film: "Film", send: "Open a file of this computer", sendFolder: "Open a folder of this computer", saveScene: "Save scene", loadScene: "Load scene or picture", loadTf: "Load transfer function", command: "Copy the command line", theme: "Theme",
     dark: "Dark", lightTheme: "Light", system: "As system", shortcuts: "Shortcuts", about: "About this volume", keys: "Single-key shortcuts" },
   about: { title: "About this volume", dimensions: "Dimensions", spacing: "Spacing", unitless: "unit not stated", range: "Range", percentiles: "Percentiles 1, 50, 99, 99.9",
     frame: "Frame", unknown: "unknown", guess: "Seems to be", type: "Stored as", nonfinite: "Not finite", notes: "Notes", copy: "Copy as JSON", use: "Use", notForDiagnosis: "Not for diagnosis." },
@@ -85,6 +85,6 @@ export const words = {
   largest: "Largest piece", surfaceValue: "Surface at", noTone: "no tone curve", clear: "Clear", outOfRange: (range) => `Takes ${range}.`, threshold: "Threshold",
   wipe: { reference: "Reference", rays: (n) => `${n} rays`, noise: (v) => `noise ${v}`, difference: "Difference", differenceScale: "|a − b| × 4", line: "Wipe line", leave: "Leave" },
   shortcuts: [["1 2 3", "Volume, Surface, Maximum"], ["Ctrl Z, Ctrl Shift Z", "Undo, Redo"], ["Alt Z", "Undo the camera"], ["O A L C M", "Orbit, Adjust, Light, Cut, Measure"], ["F", "Fit"], ["B", "Hold: without light"],
-    ["[ ]", "Density by 10 %"], ["W", "Window to the data"], ["0", "Whole range of the graph"], ["E", "Larger editor"], ["S", "Slices beside the volume"], ["Wheel, Page keys on a slice", "Next slice"], ["Ctrl and wheel on a slice", "Zoom"], ["Enter on a slice", "Large, and back"], ["R", "Compare"], ["H", "Picture only"], ["I", "About this volume"],
+    ["[ ]", "Density by 10 %"], ["W", "Window to the data"], ["0", "Whole range of the graph"], ["E", "Larger editor"], ["S", "Slices beside the volume"], ["K", "Key of a film"], ["Wheel, Page keys on a slice", "Next slice"], ["Ctrl and wheel on a slice", "Zoom"], ["Enter on a slice", "Large, and back"], ["R", "Compare"], ["H", "Picture only"], ["I", "About this volume"],
     ["Ctrl S", "Save image"], ["Ctrl Shift S", "Save scene"], ["Ctrl O", "Open"], ["Shift and a letter of the cross", "That view"], ["Right drag", "Window"], ["Ctrl and right drag", "Density"], ["?", "Shortcuts"]],
 };

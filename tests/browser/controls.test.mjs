@@ -33,6 +33,10 @@ const controls = {
   "open a folder": ["a folder is chosen by a button", "(a button)", "(a button)", opening, opening, "else the folder, as slices"],
   "cancel": ["progress and cancel", "(a button)", "(a button)", opening, opening, "with progress and *Cancel*"],
   "recent volumes": ["the page without a volume", "the page without a volume", "(buttons)", opening, opening, "what was open before"],
+  "keys of a film": ["keys are dragged and removed", "two keys make a film", "with fingers: the strip stands over", "two keys make a film", "keys are dragged and removed", "Keys are dragged, or moved"],
+  "play": ["play shows what is between", "play shows what is between", "(a button)", "(nothing is changed)", "(nothing is changed)", "*Play* plays"],
+  "turntable": ["a turntable in one click", "(a button)", "with fingers: the strip stands over", "two keys make a film", "keys are dragged and removed", "*Turntable* sets four keys"],
+  "write a film": ["a turntable in one click", "(a button)", "(a button)", "two keys make a film", "(nothing is changed)", "in the background, with progress"],
   "go on where it was": ["a page that was closed by mistake", "(a button)", "(a button)", "killed with -9 in the middle of an edit", "killed with -9 in the middle of an edit", "killed in the middle of an edit"],
 };
 

@@ -104,7 +104,7 @@ export class Mock {
     const infos = Object.keys(looks).map((name) => ({ name, modality: { "micro-ct": "micro-CT", simulation: "simulation" }[name] ?? "", sentence: "a look", stretched: true, is_map: name === "viridis" }));
     const methods = ["none", "spao", "visibility", "histogram", "transport", "reference"].map((name) => ({ name, sentence: name }));
     peer.send(JSON.stringify({ type: "hello", version: "0.2.0", protocol: 1, view, restored: Boolean(kept), device: { name: "cpu", isa: "mock", threads: 1 }, settings: settings(), methods, presets: infos,
-      probes: ["white", "sky", "studio", "windows"].map((name) => ({ name, sentence: name })), samples: [{ name: "cornell", sentence: "walls and two bodies", size: 128 }], formats: [], volume, scene: kept ?? scene, error: null, ...this.hello }));
+      probes: ["white", "sky", "studio", "windows"].map((name) => ({ name, sentence: name })), samples: [{ name: "cornell", sentence: "walls and two bodies", size: 128 }], formats: [], films: ["png"], volume, scene: kept ?? scene, error: null, ...this.hello }));
   }
 
   async #hear(peer, view, message) {
