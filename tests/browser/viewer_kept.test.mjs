@@ -18,10 +18,10 @@ const kept = () => {
 };
 /** Waits until what is on disk is the page's state. */
 const written = (page) => eventually(async () => {
-  const { view, scale, n } = await page.evaluate(() => ({ view: chiaro.link.view, scale: chiaro.store.state.tf.scale, n: chiaro.store.history().undo.design.length }));
+  const { view, scale, n, turns } = await page.evaluate(() => ({ view: chiaro.link.view, scale: chiaro.store.state.tf.scale, n: chiaro.store.history().undo.design.length, turns: chiaro.store.history().undo.camera.length }));
   return kept().filter((file) => file.includes(view)).some((file) => {
     const { scene, undo } = JSON.parse(readFileSync(file, "utf8"));
-    return (scene.transfer_function.opacity_scale ?? 1) === scale && undo?.undo?.design?.length === n;
+    return (scene.transfer_function.opacity_scale ?? 1) === scale && undo?.undo?.design?.length === n && undo.undo.camera.length === turns;
   });
 }, "the state is on disk", 3000);
 const lost = { allowed: /WebSocket|ERR_CONNECTION|failed/ };
