@@ -43,7 +43,7 @@ function isWithin({ kind, points }, on) {
 }
 
 /** Lines ({line: points, closed}), circles ({circle: [x, y], r}) and texts ({text, at}) of a mark, in pixels. `on` is what it is
- * drawn on: {at(point) → [x, y], mm: of a pixel at a point, away(point): mm in front of or behind a slice, half: mm that count as within}. */
+ * drawn on: {at(point) → [x, y], mm: of a pixel at a point, away(point): mm in front of or behind a slice, half: mm that count as within, width: of all of it}. */
 export function linesOf(mark, on, says, volume) {
   const { kind, points } = mark, at = points.map(on.at), parts = [];
   const label = [mark.text, says].filter(Boolean).join(": ");
@@ -66,7 +66,9 @@ export function linesOf(mark, on, says, volume) {
   const within = isWithin(mark, on);
   if (label && at.length && within) {
     const of = kind === "angle" ? at[1] : kind === "arrow" ? at.at(-1) : at.reduce((a, b) => (b[0] > a[0] ? b : a));
-    parts.push({ text: label, at: [of[0] + 9, of[1] - 7] });
+    // At the right edge it stands at the left of its place.
+    const left = of[0] + 9 + 7.5 * label.length > on.width;
+    parts.push({ text: label, left, at: [of[0] + (left ? -9 : 9), Math.max(of[1] - 7, 14)] });
   }
   return { parts, within };
 }

@@ -19,11 +19,11 @@ export async function makeMarks(app) {
   let reach = Number(localStorage.getItem("snap") ?? 3);
 
   // What is drawn on: a slice, or the volume.
-  const onPane = (view) => ({ at: (p) => worldToPixel(view, p), mm: () => view.s, away: (p) => dot(add(p, view.middle, -1), view.section.normal), half: 0.5 * Math.hypot(...view.section.step) + 1e-9,
+  const onPane = (view) => ({ at: (p) => worldToPixel(view, p), width: view.w, mm: () => view.s, away: (p) => dot(add(p, view.middle, -1), view.section.normal), half: 0.5 * Math.hypot(...view.section.step) + 1e-9,
     moved: (p, dx, dy) => add(add(p, view.section.right, dx * view.s), view.section.down, dy * view.s), normal: view.section.normal });
   function onVolume(width = stage.clientWidth, height = stage.clientHeight) {
     const view = app.view(), mm = (p) => (2 * view.half * (view.perspective ? Math.max(dot(add(p, view.eye, -1), view.forward), 1e-9) : 1)) / height;
-    return { at: (p) => project(view, p, width, height), mm, away: () => 0, half: 1, moved: (p, dx, dy) => add(add(p, view.right, dx * mm(p)), view.up, -dy * mm(p)), normal: null };
+    return { at: (p) => project(view, p, width, height), width, mm, away: () => 0, half: 1, moved: (p, dx, dy) => add(add(p, view.right, dx * mm(p)), view.up, -dy * mm(p)), normal: null };
   }
 
   // What the server says of regions and lines, asked once for each.
@@ -147,8 +147,8 @@ export async function makeMarks(app) {
     .map((one) => (one.i < 0 && !isRegion(one.mark) && !(one.mark.kind === "angle" && one.mark.points.length < 3) ? { ...one, says: saysOf(one.mark, null, units()) } : one));
   const drawOn = (on) => svg("g", { class: "marks" }, ...shown().flatMap(({ mark, i, says }) => {
     const { parts, within } = linesOf(mark, on, i >= 0 && (mark.kind === "text" || mark.kind === "arrow") ? "" : says ?? "", app.volume);
-    return [svg("g", { class: `${i === api.selected ? "chosen" : ""} ${within ? "" : "away"}` }, ...parts.map(({ line, circle, r, text, at }) => {
-      if (text) return svg("text", { x: at[0].toFixed(1), y: at[1].toFixed(1) }, text);
+    return [svg("g", { class: `${i === api.selected ? "chosen" : ""} ${within ? "" : "away"}` }, ...parts.map(({ line, circle, r, text, at, left }) => {
+      if (text) return svg("text", { x: at[0].toFixed(1), y: at[1].toFixed(1), "text-anchor": left ? "end" : "start" }, text);
       if (circle) return svg("circle", { cx: circle[0].toFixed(1), cy: circle[1].toFixed(1), r: r.toFixed(1) });
       return svg("path", { d: `M${line.map((p) => p.map((c) => c.toFixed(1)).join(" ")).join("L")}` });
     }), ...(mark.kind === "text" ? [] : mark.points.map(on.at).map(([x, y]) => svg("circle", { cx: x.toFixed(1), cy: y.toFixed(1), r: 2.5, class: "end" }))))];
@@ -230,7 +230,7 @@ export async function makeMarks(app) {
 
 /** Lines and texts, in a picture's pixels, as one piece with a margin: white over a dark rim. */
 function figureOf(parts, width, height, ratio) {
-  const points = parts.flatMap((p) => (p.text ? [p.at, [p.at[0] + 9 * p.text.length * ratio, p.at[1] - 16 * ratio]] : p.circle ? [[p.circle[0] - p.r, p.circle[1] - p.r], [p.circle[0] + p.r, p.circle[1] + p.r]] : p.line));
+  const points = parts.flatMap((p) => (p.text ? [p.at, [p.at[0] + (p.left ? -9 : 9) * p.text.length * ratio, p.at[1] - 16 * ratio]] : p.circle ? [[p.circle[0] - p.r, p.circle[1] - p.r], [p.circle[0] + p.r, p.circle[1] + p.r]] : p.line));
   if (!points.length) return null;
   const edge = 8 * ratio, range = (k, most) => [Math.max(0, Math.floor(Math.min(...points.map((p) => p[k])) - edge)), Math.min(most, Math.ceil(Math.max(...points.map((p) => p[k])) + edge))];
   const [x, x1] = range(0, width), [y, y1] = range(1, height);
@@ -249,7 +249,7 @@ function figureOf(parts, width, height, ratio) {
       parts.filter((p) => !p.text).forEach(path);
     }
     Object.assign(g, { strokeStyle: "rgba(0,0,0,.8)", lineWidth: 3.5 * ratio, fillStyle: "#fff" });
-    for (const p of parts.filter((p) => p.text)) g.strokeText(p.text, p.at[0] - x, p.at[1] - y), g.fillText(p.text, p.at[0] - x, p.at[1] - y);
+    for (const p of parts.filter((p) => p.text)) (g.textAlign = p.left ? "right" : "left"), g.strokeText(p.text, p.at[0] - x, p.at[1] - y), g.fillText(p.text, p.at[0] - x, p.at[1] - y);
   };
   return { x, y, width: x1 - x, height: y1 - y, draw };
 }
