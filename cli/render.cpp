@@ -10,6 +10,7 @@
 #include "command.h"
 #include "job.h"
 #include "output_file.h"
+#include "render_film.h"
 #include "scene_source.h"
 
 namespace chiaro::cli {
@@ -19,6 +20,7 @@ struct RenderOptions {
     SceneSource source;
     std::string output;
     std::optional<int> frames;  // none: one picture
+    std::string film;           // of keyframes
     SettingFlags flags;
     CommonOptions common;
 };
@@ -141,9 +143,20 @@ Command render_command(CLI::App& tool) {
     app->add_option("--frames", o->frames,
                     "turntable of N azimuths after a warm-up; without {frame} only the first is kept")
         ->type_name("N");
+    app->add_option(
+           "--film", o->film,
+           "keyframes (JSON, docs/scene.md), in the place of a volume: to frame-{frame:04}.png, or by ffmpeg to "
+           ".mp4, .mkv or .webm")
+        ->type_name("FILE");
     add_common_options(*app, o->common);
     o->flags.add_to(*app);
-    return {app, [o] { Rendering(*o).run(); }};
+    return {app, [o] {
+                if (o->film.empty()) return Rendering(*o).run();
+                if (!o->source.volume.empty() || !o->source.scene.empty() || o->frames || o->flags.any())
+                    throw Error(ErrorCode::usage,
+                                "--film says all of the pictures itself: it goes with --output alone");
+                render_film(o->film, o->source.data.string(), o->output, o->common);
+            }};
 }
 
 }  // namespace chiaro::cli

@@ -21,6 +21,7 @@ struct ViewOptions {
     std::optional<int> port;
     std::string host = "127.0.0.1";
     bool no_open = false;
+    double max_upload = 4;  // GiB
     std::string base_path = "/";
     std::vector<std::string> embed_from;
     SettingFlags flags;
@@ -89,6 +90,10 @@ void run(const ViewOptions& o) {
     options.folders = folders_of(o, options.scene);
     options.data = o.source.data;
     options.host = o.host, options.port = o.port;
+    if (!(o.max_upload >= 0 && o.max_upload <= 1e6))
+        throw Error(ErrorCode::usage, fmt::format("--max-upload {}: must be 0 to 1000000", o.max_upload));
+    options.max_upload = std::uint64_t(o.max_upload * 1073741824.0);
+    options.keep_views = true;
     options.base_path = o.base_path, options.embed_from = o.embed_from;
     options.device = device_of(o.common);
     ProgressBar bar(o.common.progress, o.common.quiet);
@@ -119,6 +124,8 @@ Command view_command(CLI::App& tool) {
         ->type_name("ORIGIN")
         ->expected(1)
         ->take_all();
+    app->add_option("--max-upload", o->max_upload, "largest volume that a page may send, in GiB; 0: none [4]")
+        ->type_name("GIB");
     app->add_flag("--no-open", o->no_open, "only prints the address");
     add_common_options(*app, o->common);
     o->flags.add_to(*app);

@@ -1,16 +1,14 @@
 #include "downloads.h"
 
 #include <chiaro/error.h>
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <fstream>
+#include <tuple>
 
+#include "own_folder.h"
 #include "token.h"
 
 namespace chiaro::server {
@@ -19,43 +17,9 @@ namespace fs = std::filesystem;
 constexpr auto lifetime = std::chrono::minutes(5);
 constexpr std::size_t max_offers = 64, max_uploads = 64;
 
-namespace {
-
-constexpr std::string_view prefix = "chiaro-view-";
-
-/// An open folder, locked; -1 where it is no folder of this user's, or locked by another program.
-int lock_folder(const fs::path& folder) {
-    const int opened = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-    struct stat status {};
-    if (opened >= 0 && fstat(opened, &status) == 0 && status.st_uid == geteuid() &&
-        flock(opened, LOCK_EX | LOCK_NB) == 0)
-        return opened;
-    if (opened >= 0) close(opened);
-    return -1;
-}
-
-/// Folders whose programs have ended without a chance to remove them. New ones may be about to be locked.
-void remove_left_behind() {
-    constexpr auto new_for = std::chrono::minutes(1);
-    std::error_code ignored;
-    for (const auto& entry : fs::directory_iterator(fs::temp_directory_path(), ignored)) {
-        if (!entry.path().filename().string().starts_with(prefix)) continue;
-        if (fs::file_time_type::clock::now() - fs::last_write_time(entry.path(), ignored) < new_for) continue;
-        const int lock = lock_folder(entry.path());
-        if (lock < 0) continue;
-        fs::remove_all(entry.path(), ignored);
-        close(lock);
-    }
-}
-
-}  // namespace
-
 Store::Store() {
-    remove_left_behind();
-    std::string name = (fs::temp_directory_path() / prefix).string() + "XXXXXX";
-    if (!mkdtemp(name.data())) throw Error(ErrorCode::output, fmt::format("{}: cannot be made", name));
-    folder_ = name;
-    lock_ = lock_folder(folder_);
+    remove_left_behind(fs::temp_directory_path());
+    std::tie(folder_, lock_) = make_own_folder(fs::temp_directory_path());
     uploads_ = folder_ / "uploads";
     fs::create_directory(uploads_);
 }

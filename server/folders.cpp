@@ -50,8 +50,8 @@ Json entry_of(const fs::directory_entry& entry) {
 
 }  // namespace
 
-Folders::Folders(const std::vector<fs::path>& roots, const fs::path& uploads)
-    : uploads_(fs::weakly_canonical(uploads)) {
+Folders::Folders(const std::vector<fs::path>& roots, const std::vector<fs::path>& hidden) {
+    for (const fs::path& folder : hidden) hidden_.push_back(fs::weakly_canonical(folder));
     for (const fs::path& root : roots) {
         const fs::path whole = fs::weakly_canonical(fs::absolute(root));
         if (std::find(roots_.begin(), roots_.end(), whole) == roots_.end()) roots_.push_back(whole);
@@ -62,8 +62,9 @@ fs::path Folders::allowed(const std::string& path) const {
     std::error_code error;
     const fs::path whole = fs::weakly_canonical(roots_.front() / path, error);
     const auto holds = [&](const fs::path& root) { return is_below(whole, root); };
-    if (error || path.find('\0') != path.npos || !(std::any_of(roots_.begin(), roots_.end(), holds) || holds(uploads_)))
-        refuse_path(path);
+    const bool is_held =
+        std::any_of(roots_.begin(), roots_.end(), holds) || std::any_of(hidden_.begin(), hidden_.end(), holds);
+    if (error || path.find('\0') != path.npos || !is_held) refuse_path(path);
     return whole;
 }
 

@@ -13,8 +13,8 @@ namespace chiaro::server {
 
 class Folders {
 public:
-    /// `uploads` may be read, but is not shown.
-    Folders(const std::vector<std::filesystem::path>& roots, const std::filesystem::path& uploads);
+    /// `hidden` ones may be read, but are not shown.
+    Folders(const std::vector<std::filesystem::path>& roots, const std::vector<std::filesystem::path>& hidden);
 
     /// The path, absolute and without links, if it lies below a folder; relative paths begin at the first of them.
     /// Throws Error{input} otherwise.
@@ -30,7 +30,7 @@ public:
 
 private:
     std::vector<std::filesystem::path> roots_;
-    std::filesystem::path uploads_;
+    std::vector<std::filesystem::path> hidden_;
 };
 
 }  // namespace chiaro::server

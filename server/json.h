@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace chiaro::server {
 
@@ -34,6 +35,10 @@ const Json& object_in(const Json& request, const char* name);
 Json error_message(const Json& re, std::string_view code, const std::string& sentence);
 /// Of the exception being handled.
 Json current_error(const Json& re);
+
+inline std::string as_text(const std::vector<std::byte>& bytes) {
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
 
 /// A binary message: "CHF1", the header's length, the header, the picture.
 std::string frame_message(const Json& header, std::string_view image);

@@ -1,6 +1,7 @@
 #include "lists.h"
 
 #include <chiaro/chiaro.h>
+#include <chiaro/video.h>
 
 #include <cmath>
 
@@ -54,7 +55,10 @@ void tell_kind(Json& json, const Setting&, const auto&...) { json["kind"] = "for
 Json defaults_of(std::string_view method) {
     Scene scene;
     if (!method.empty()) from_text(method, scene.illumination.method);
-    return Json::parse(to_json(scene));
+    scene.slices.at_mm.emplace();  // scenes leave out slices that nobody has set
+    Json json = Json::parse(to_json(scene));
+    json["slices"].erase("at");
+    return json;
 }
 
 Json value_at(const Json& scene, std::string_view key) {
@@ -131,6 +135,7 @@ Json lists(const Device& device) {
     for (const auto& sample : list_samples())
         json["samples"].push_back(
             {{"name", sample.name}, {"sentence", sample.sentence}, {"size", sample.default_size}});
+    json["films"] = has_ffmpeg() ? Json{"mp4", "webm", "png"} : Json{"png"};
     for (const auto& format : list_formats())
         json["formats"].push_back({{"name", format.name}, {"extensions", format.extensions}, {"note", format.note}});
     return json;

@@ -1,5 +1,6 @@
 // HTTP and WebSocket, and nothing of what is said over them. Boost.Beast lives behind this in net.cpp alone.
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -15,6 +16,7 @@ struct Request {
     std::string method, path;
     std::map<std::string, std::string> query;
     std::string body;
+    std::uint64_t bytes = 0;  ///< of a body that went to a file
 };
 
 struct Response {
@@ -55,6 +57,11 @@ public:
     virtual std::optional<Response> answer(Request request, std::function<void(Response)> later) = 0;
     /// Whether who asks has been let in: has the token, or the key of a download.
     virtual bool is_known(const Request& request) const = 0;
+    /// Of an admitted POST whose body goes to a file as it comes: that file, which must not be there yet; else "".
+    /// `request.bytes` is what will come. Throws Error whose sentence is told.
+    virtual std::filesystem::path destination(const Request& request) = 0;
+    /// That body did not come whole; the file is gone.
+    virtual void abandon(const Request& request) = 0;
     /// Whether a WebSocket may be opened: status 200 if so.
     virtual Response admit(const Request& request) = 0;
     virtual std::shared_ptr<Listener> welcome(const Request& request, std::shared_ptr<Socket> socket) = 0;

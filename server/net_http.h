@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <limits>
+
 #include "gzip.h"
 #include "net_socket.h"
 
@@ -39,6 +41,7 @@ public:
         context_.strangers.push_back(this);
     }
     ~Connection() {
+        give_up_file();
         --context_.connections;
         context_.uploads -= is_upload_;
         if (!is_known_) context_.strangers.remove(this);
@@ -47,7 +50,7 @@ public:
     void read() {
         parser_.emplace();
         parser_->header_limit(16384);
-        parser_->body_limit(largest_upload);
+        parser_->body_limit(std::numeric_limits<std::uint64_t>::max());  // until it is known where the body goes
         stream_.expires_after(std::chrono::seconds(is_known_ ? 30 : 10));
         http::async_read_header(stream_, buffer_, *parser_,
                                 [self = shared_from_this()](beast::error_code error, std::size_t) {
@@ -96,6 +99,8 @@ private:
             return refuse(405, "Only GET, HEAD and POST are understood.\n");
         get_to_know();
         if (request_.method == "POST" ? !begin_upload() : !has_no_body()) return;
+        if (!file_.empty()) return read_into_file();
+        parser_->body_limit(largest_upload);
         http::async_read(stream_, buffer_, *parser_, [self = shared_from_this()](beast::error_code error, std::size_t) {
             if (!error) return self->request_read();
             if (error == http::error::body_limit) self->refuse(413, "The file is too large.\n");
@@ -110,14 +115,63 @@ private:
 
     /// What a stranger sends is not read; of others, little at a time.
     bool begin_upload() {
-        if (parser_->content_length().value_or(0) > largest_upload)
-            return refuse(413, fmt::format("A file may have at most {} MiB.\n", largest_upload >> 20)), false;
         const Response admitted = context_.site.admit(request_);
         if (admitted.status != 200) return refuse(admitted.status, admitted.body), false;
         if (context_.uploads >= max_uploads) return refuse(503, "Too many files are being sent.\n"), false;
+        request_.bytes = parser_->content_length().value_or(0);
+        try {
+            file_ = context_.site.destination(request_);
+        } catch (const std::exception& error) {
+            return refuse(413, std::string(error.what()) + "\n"), false;
+        }
+        if (file_.empty() && request_.bytes > largest_upload)
+            return refuse(413, fmt::format("A file may have at most {} MiB.\n", largest_upload >> 20)), false;
+        if (!file_.empty() && !parser_->content_length())
+            return give_up_file(), refuse(411, "A file must state its length.\n"), false;
         ++context_.uploads, is_upload_ = true;
         stream_.expires_after(std::chrono::seconds(300));
         return true;
+    }
+
+    /// Never whole in memory: what comes goes to the file, as long as something comes.
+    void read_into_file() {
+        keep_alive_ = parser_->get().keep_alive();
+        into_file_.emplace(std::move(*parser_));
+        parser_.emplace();
+        into_file_->body_limit(request_.bytes);
+        beast::error_code error;
+        into_file_->get().body().open(file_.c_str(), beast::file_mode::write_new, error);
+        if (error) return refuse(507, "What is sent cannot be kept: " + error.message() + ".\n");
+        read_more();
+    }
+
+    void read_more() {
+        if (into_file_->is_done()) return file_read();
+        stream_.expires_after(std::chrono::seconds(60));
+        http::async_read_some(stream_, buffer_, *into_file_,
+                              [self = shared_from_this()](beast::error_code error, std::size_t) {
+                                  if (!error) return self->read_more();
+                                  if (error == beast::errc::no_space_on_device) {
+                                      self->give_up_file();
+                                      self->refuse(507, "The disk is full.\n");
+                                  }
+                              });
+    }
+
+    void file_read() {
+        into_file_.reset();  // which closes the file
+        file_.clear();
+        request_read();
+    }
+
+    /// A file that did not come whole goes.
+    void give_up_file() {
+        if (file_.empty()) return;
+        into_file_.reset();
+        std::error_code ignored;
+        std::filesystem::remove(file_, ignored);
+        file_.clear();
+        context_.site.abandon(request_);
     }
 
     void request_read() {
@@ -211,6 +265,8 @@ private:
     Context& context_;
     beast::flat_buffer buffer_;
     std::optional<http::request_parser<http::string_body>> parser_;
+    std::optional<http::request_parser<http::file_body>> into_file_;
+    std::filesystem::path file_;  ///< that the body goes to
     Request request_;
     asio::ip::address address_;
     bool keep_alive_ = true, with_body_ = true;

@@ -33,10 +33,6 @@ Json json_of(const std::vector<Stage>& stages) {
     return list;
 }
 
-std::string_view text_in(const std::vector<std::byte>& bytes) {
-    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
 Scene with_samples(Scene scene, int samples) {
     scene.sampling.samples_per_pixel = samples;
     if (samples == 1) scene.camera.aperture_mm = 0;  // a lens takes many rays: what comes first is sharp
@@ -270,8 +266,8 @@ void RenderWorker::send(const FrameRequest& wanted, const Image& image, const ch
         header["fit"] = {{"centre", json_of(*camera.fit_centre)}, {"radius", *camera.fit_radius_mm}};
     for (const std::string& note : session_->notes()) header["notes"].push_back(note);
     const bool is_preview = image.width != wanted.scene.width || wanted.moving;
-    const std::string encoded_image = is_final ? std::string(text_in(encode_png(image)))
-                                               : encode_jpeg(image, is_preview ? moving_quality : still_quality);
+    const std::string encoded_image =
+        is_final ? as_text(encode_png(image)) : encode_jpeg(image, is_preview ? moving_quality : still_quality);
     header["seconds"] = seconds_since(wanted.arrived);
     callbacks_.frame(wanted.connection, frame_message(header, encoded_image));
 }

@@ -21,6 +21,34 @@ std::string carried_scene(const Metadata& metadata) {
 
 }  // namespace
 
+/// What the view is restored with, where the picture stays as it is.
+Json View::keep(const Json& request) {
+    const Scene scene = scene_of(object_in(request, "scene"));
+    {
+        const std::lock_guard lock(mutex_);
+        state_ = request["scene"];
+        if (request.contains("undo")) undo_ = object_in(request, "undo");
+    }
+    note_state();
+    if (context_.changed) context_.changed(scene);
+    return Json::object();
+}
+
+/// What another view of this user's looked like when it was seen last.
+Json View::earlier(const Json& request) {
+    const auto loaded = shown();
+    const std::string view = text_in(request, "view");
+    const auto other = loaded ? context_.kept.newest_of(loaded->source.volume, id_) : std::nullopt;
+    if (!other || other->view != view) throw Error(ErrorCode::usage, "view: nothing is kept of it");
+    return {{"scene", scene_json(scene_of(other->scene), loaded->session)}, {"undo", other->undo}};
+}
+
+/// What was sent of a volume, or all of it.
+Json View::discard(const Json& request) {
+    context_.uploads.discard(id_ + "/" + text_in(request, "uploaded"));
+    return Json::object();
+}
+
 Json View::ping(const Json&) { return Json::object(); }
 
 /// What local histograms take on disk.

@@ -8,6 +8,7 @@
 #include <map>
 #include <mutex>
 
+#include "core/user_cache.h"
 #include "lists.h"
 #include "pages.h"
 #include "token.h"
@@ -23,6 +24,12 @@ constexpr auto good_for = std::chrono::seconds(60);
 bool is_view_id(const std::string& id) {
     return id.size() >= 8 && id.size() <= 64 &&
            id.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-") == id.npos;
+}
+
+/// Beside what else is the user's own.
+std::filesystem::path views_folder() {
+    const std::filesystem::path cache = user_cache();
+    return cache.empty() ? cache : cache / "views";
 }
 
 std::string member(const std::map<std::string, std::string>& query, const std::string& name) {
@@ -48,9 +55,13 @@ Response json_response(const Json& json, int status = 200) {
 class ViewerSite : public Site {
 public:
     ViewerSite(const ViewerOptions& options)
-        : context_{Volumes(options.device, options.volume),
-                   Folders(options.folders, store_.uploads()),
+        : kept_(options.keep_views ? views_folder() : std::filesystem::path()),
+          uploads_(options.max_upload, kept_.volumes()),
+          context_{Volumes(options.device, options.volume),
+                   Folders(options.folders, hidden_folders()),
                    store_,
+                   uploads_,
+                   kept_,
                    lists(options.device),
                    options.scene,
                    options.data,
@@ -82,6 +93,7 @@ public:
 
     std::optional<Response> answer(Request request, std::function<void(Response)> later) override {
         request.path = within_base(request.path);
+        if (request.method == "POST" && request.path == "/volume") return json_response({{"bytes", request.bytes}});
         if (request.method == "POST") return upload(std::move(request), std::move(later));
         if (request.path.starts_with("/download/")) return store_.fetch(request.path.substr(10));
         const bool is_page = request.path == "/" || request.path == "/index.html";
@@ -101,14 +113,23 @@ public:
     }
 
     Response admit(const Request& request) override {
-        const bool is_known = within_base(request.path) == (request.method == "POST" ? "/upload" : "/socket");
+        const std::string path = within_base(request.path);
+        const bool is_known = request.method == "POST" ? path == "/upload" || path == "/volume" : path == "/socket";
         if (!is_known) return refusal(404, "There is nothing at this address.");
         if (!has_token(request)) return refusal(403, "The token is not this server's.");
         if (!is_view_id(member(request.query, "view")))
             return refusal(400, "view: must be 8 to 64 of A-Z, a-z, 0-9, _ and -.");
+        if (path == "/volume" && !is_view_id(member(request.query, "volume")))
+            return refusal(400, "volume: must be 8 to 64 of A-Z, a-z, 0-9, _ and -.");
         if (!make_space(member(request.query, "view"))) return refusal(503, "Too many views are open.");
         return {};
     }
+
+    std::filesystem::path destination(const Request& request) override {
+        if (within_base(request.path) != "/volume") return {};
+        return uploads_.begin(sent_name(request), member(request.query, "name"), request.bytes);
+    }
+    void abandon(const Request& request) override { uploads_.abandon(sent_name(request), request.bytes); }
 
     std::shared_ptr<Listener> welcome(const Request& request, std::shared_ptr<Socket> socket) override {
         const std::string id = member(request.query, "view");
@@ -139,6 +160,8 @@ public:
         context_.first.cancel();
         for (const auto& [id, view] : views_) view->say_goodbye();
         store_.remove();
+        for (const auto& folder : uploads_.folders()) kept_.forget_below(folder);
+        uploads_.remove();
     }
 
 private:
@@ -147,6 +170,11 @@ private:
         if (is_same_key(token, token_)) return true;
         return std::any_of(visits_.begin(), visits_.end(),
                            [&](const auto& visit) { return is_same_key(token, visit); });
+    }
+
+    /// A volume that a page sends is its own.
+    static std::string sent_name(const Request& request) {
+        return member(request.query, "view") + "/" + member(request.query, "volume");
     }
 
     /// A proxy may take the base path away, or leave it.
@@ -218,7 +246,15 @@ private:
         return refusal(503, "Too much is asked for at once.");
     }
 
+    std::vector<std::filesystem::path> hidden_folders() const {
+        std::vector<std::filesystem::path> all = uploads_.folders();
+        all.push_back(store_.uploads());
+        return all;
+    }
+
     Store store_;
+    KeptViews kept_;
+    Uploads uploads_;
     ServerContext context_;
     const std::string base_path_;
     std::string token_;

@@ -4,6 +4,7 @@
 #include <chiaro/scene.h>
 #include <chiaro/volume.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -12,6 +13,8 @@
 #include <vector>
 
 namespace chiaro::server {
+
+inline constexpr std::uint64_t default_max_upload = std::uint64_t(4) << 30;
 
 struct ViewerOptions {
     std::optional<Scene> scene;                  ///< what to show first
@@ -25,7 +28,9 @@ struct ViewerOptions {
     std::string token{};  ///< "": the user's own at this port
     /// What the first scene shows, where that is in memory; its voxels stay as they are.
     std::shared_ptr<const Volume> volume{};
-    std::function<void(const Scene&)> changed{};  ///< hears of each state of a page; from another thread
+    std::function<void(const Scene&)> changed{};    ///< hears of each state of a page; from another thread
+    bool keep_views = false;                        ///< on disk, for a server that is killed
+    std::uint64_t max_upload = default_max_upload;  ///< bytes of a volume that a page sends
     Device device;
     Progress::Report report = {};              ///< hears of reading the first volume
     std::function<void(double)> read_in = {};  ///< is told the seconds it took; both from another thread

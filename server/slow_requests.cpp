@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "image/png.h"
 #include "jpeg.h"
 #include "memory_budget.h"
 #include "overlay.h"
@@ -47,7 +48,7 @@ Json View::show(const Scene& scene, Progress& progress, int halvings) {
     {
         const std::lock_guard lock(mutex_);
         shown_ = loaded;
-        state_ = nullptr;
+        state_ = nullptr, undo_ = nullptr;
     }
     render_worker_.show(loaded);
     return reply;
@@ -59,6 +60,8 @@ Json View::open(const Json& request, Progress& progress) {
         if (!loaded) throw Error(ErrorCode::usage, "no volume is open");
         return show(loaded->source, progress, loaded->halvings + 1);
     }
+    if (request.contains("uploaded"))
+        return show(scene_of_volume(context_.uploads.to_open(id_ + "/" + text_in(request, "uploaded"))), progress);
     if (!request.contains("scene")) {
         return show(scene_of_volume(context_.folders.allowed_volume(text_in(request, "volume"))), progress);
     }
@@ -77,6 +80,18 @@ Json View::open_initial(const Json&, Progress& progress) {
     const std::lock_guard lock(mutex_);
     if (given_) reply["scene"] = scene_json(*given_, loaded->session);
     reply["type"] = "opened";
+    return reply;
+}
+
+/// The volume and the state of a view whose server was killed.
+Json View::open_kept(const Json&, Progress& progress) {
+    const KeptView kept = *kept_;
+    Json reply = show(scene_of_volume(context_.folders.allowed_volume(kept.volume)), progress);
+    reply["scene"] = scene_json(scene_of(kept.scene), shown()->session);
+    reply["undo"] = kept.undo;
+    reply["type"] = "opened";
+    const std::lock_guard lock(mutex_);
+    state_ = kept.scene, undo_ = kept.undo;
     return reply;
 }
 
@@ -117,11 +132,11 @@ Json View::save(const Json& request, Progress& progress) {
     return {{"url", url}, {"name", name}, {"bytes", bytes}};
 }
 
-void View::send_frame(const Json& header, const Image& image) {
+void View::send_frame(const Json& header, const Image& image, bool lossless) {
     Json whole = header;
-    whole["type"] = "jpeg";
+    whole["type"] = lossless ? "png" : "jpeg";
     whole["size"] = {image.width, image.height}, whole["canvas"] = whole["size"];
-    std::string frame = frame_message(whole, encode_jpeg(image, 88));
+    std::string frame = frame_message(whole, lossless ? as_text(encode_png(image)) : encode_jpeg(image, 88));
     const std::lock_guard lock(mutex_);
     if (socket_) socket_->send_binary(std::move(frame));
 }

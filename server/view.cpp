@@ -100,6 +100,16 @@ void View::say_goodbye() {
     cancel_all();
 }
 
+bool View::is_there(const std::string& volume) const {
+    try {
+        const std::string whole = context_.folders.allowed_volume(volume);
+        std::error_code error;
+        return whole.starts_with("sample:") || std::filesystem::exists(split_volume_name(whole).first, error);
+    } catch (const Error&) {
+        return false;
+    }
+}
+
 /// Says hello, and sees that there is something to show.
 void View::greet() {
     Json hello = context_.lists;
@@ -111,12 +121,29 @@ void View::greet() {
     auto loaded = shown();
     Scene scene = loaded ? loaded->source : Scene();
     if (!loaded && context_.initial && (loaded = context_.volumes.find(*context_.initial))) scene = *context_.initial;
+    const bool is_first = !shown_before_;
+    shown_before_ = true;
+    std::optional<KeptView> kept = is_first ? context_.kept.find(id_) : std::nullopt;
+    const std::string name = context_.initial ? context_.initial->volume : "";
     Json state;
     {
         const std::lock_guard lock(mutex_);
         shown_ = loaded;
+        if (kept && state_.is_null() && (name == kept->volume)) state_ = kept->scene, undo_ = kept->undo;
         state = state_;
+        hello["undo"] = undo_;
     }
+    // The view had gone on to another volume: that one, if it still is there.
+    if (kept && kept->volume != name && is_there(kept->volume)) {
+        kept_ = kept;
+        hello["reading"] = kept->volume;
+        hello["restored"] = false;
+        tell(hello);
+        return run(opening_, {{"id", "open"}}, &View::open_kept);
+    }
+    if (is_first && state.is_null() && !name.empty())
+        if (const auto other = context_.kept.newest_of(name, id_))
+            hello["earlier"] = {{"view", other->view}, {"seconds", other->seconds}};
     hello["restored"] = loaded && !state.is_null();
     if (loaded) {
         hello["volume"] = loaded->told;
@@ -175,15 +202,23 @@ void View::understand(int connection, std::string_view text) {
 }
 
 void View::dispatch(const Json& request) {
-    static const std::map<std::string, Quick> quick{{"pick", &View::pick},          {"command", &View::command},
-                                                    {"resolve", &View::resolve},    {"export", &View::export_text},
-                                                    {"import", &View::import_text}, {"cancel", &View::cancel},
-                                                    {"ping", &View::ping},          {"cache", &View::cache}};
+    static const std::map<std::string, Quick> quick{
+        {"pick", &View::pick},          {"command", &View::command},    {"resolve", &View::resolve},
+        {"export", &View::export_text}, {"import", &View::import_text}, {"cancel", &View::cancel},
+        {"ping", &View::ping},          {"cache", &View::cache},        {"keep", &View::keep},
+        {"discard", &View::discard},    {"earlier", &View::earlier},    {"film_frame", &View::film_frame}};
     static const std::map<std::string, std::pair<SerialQueue View::*, Handler>> slow{
-        {"folder", {&View::side_queue_, &View::folder}},  {"open", {&View::opening_, &View::open}},
-        {"save", {&View::saving_, &View::save}},          {"look", {&View::side_queue_, &View::look}},
-        {"compare", {&View::comparing_, &View::compare}}, {"measure", {&View::comparing_, &View::measure}},
-        {"probe", {&View::side_queue_, &View::probe}}};
+        {"folder", {&View::side_queue_, &View::folder}},
+        {"open", {&View::opening_, &View::open}},
+        {"save", {&View::saving_, &View::save}},
+        {"look", {&View::side_queue_, &View::look}},
+        {"compare", {&View::comparing_, &View::compare}},
+        {"measure", {&View::comparing_, &View::measure}},
+        {"probe", {&View::side_queue_, &View::probe}},
+        {"slice", {&View::slicing_, &View::slice}},
+        {"snap", {&View::slicing_, &View::snap}},
+        {"region", {&View::side_queue_, &View::region}},
+        {"export_film", {&View::filming_, &View::export_film}}};
     const std::string type = text_in(request, "type");
     id_of(request);
     if (const auto found = quick.find(type); found != quick.end()) return answer(request, found->second);
@@ -262,8 +297,15 @@ void View::hear_state(const Json& message) {
         wanted.connection = connection_;
         if (!wanted.preview) state_ = message["scene"];
     }
+    if (!wanted.preview) note_state();
     if (!wanted.preview && context_.changed) context_.changed(wanted.scene);
     render_worker_.request(std::move(wanted));
+}
+
+/// For a server after this one.
+void View::note_state() {
+    const std::lock_guard lock(mutex_);
+    if (shown_ && !state_.is_null()) context_.kept.note({id_, shown_->source.volume, state_, undo_, 0});
 }
 
 std::shared_ptr<const Loaded> View::shown() const {

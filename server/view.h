@@ -1,5 +1,7 @@
 // One page's state on this side, and the answers to what it asks.
 #pragma once
+#include <chiaro/film.h>
+
 #include <chrono>
 #include <map>
 #include <memory>
@@ -10,9 +12,11 @@
 #include "downloads.h"
 #include "folders.h"
 #include "json.h"
+#include "kept_views.h"
 #include "net.h"
 #include "render_worker.h"
 #include "serial_queue.h"
+#include "uploads.h"
 #include "volumes.h"
 
 namespace chiaro::server {
@@ -22,6 +26,8 @@ struct ServerContext {
     Volumes volumes;
     Folders folders;
     Store& store;
+    Uploads& uploads;
+    KeptViews& kept;
     Json lists;                                 ///< of hello
     std::optional<Scene> initial;               ///< what the program was started with
     std::filesystem::path data;                 ///< where volumes of scenes are looked up too
@@ -58,6 +64,8 @@ private:
     std::string key_of(const Json& id) const;  ///< while locked
     void hear_state(const Json& message);
     void greet();
+    void note_state();
+    bool is_there(const std::string& volume) const;
 
     // Answered at once.
     Json pick(const Json& request);
@@ -68,25 +76,35 @@ private:
     Json cancel(const Json& request);
     Json ping(const Json& request);
     Json cache(const Json& request);
+    Json keep(const Json& request);
+    Json discard(const Json& request);
+    Json earlier(const Json& request);
+    Json film_frame(const Json& request);
     // What takes time.
     Json folder(const Json& request, Progress& progress);
     Json open(const Json& request, Progress& progress);
     Json open_initial(const Json& request, Progress& progress);
+    Json open_kept(const Json& request, Progress& progress);
     Json save(const Json& request, Progress& progress);
     Json look(const Json& request, Progress& progress);
     Json compare(const Json& request, Progress& progress);
     Json probe(const Json& request, Progress& progress);
     Json measure(const Json& request, Progress& progress);
+    Json slice(const Json& request, Progress& progress);
+    Json snap(const Json& request, Progress& progress);
+    Json region(const Json& request, Progress& progress);
+    Json export_film(const Json& request, Progress& progress);
 
     Json show(const Scene& scene, Progress& progress, int halvings = 0);
     Json take_file(const std::string& name, const std::string& bytes);
     Json file_as_scene(const std::string& text, const std::string& name);
     Json file_as_transfer(const std::filesystem::path& file);
     std::shared_ptr<const Loaded> shown() const;
+    Film film_of(const Json& request) const;
     Scene scene_of(const Json& json, std::vector<std::string>* unknown = nullptr) const;
     void tell(const Json& message) const;
     void tell(int connection, const Json& message) const;
-    void send_frame(const Json& header, const Image& image);
+    void send_frame(const Json& header, const Image& image, bool lossless = false);
     Progress::Report report_for(const Json& id) const;
     void cancel_all();
 
@@ -98,15 +116,18 @@ private:
     std::int64_t newest_ = -1;  ///< state of this connection
     std::optional<std::chrono::steady_clock::time_point> left_;
     std::shared_ptr<const Loaded> shown_;
-    Json state_;                  ///< the scene of the last state that was no preview
-    std::optional<Scene> given_;  ///< was put, maybe before its volume was read
+    Json state_;                    ///< the scene of the last state that was no preview
+    Json undo_;                     ///< the page's steps
+    std::optional<KeptView> kept_;  ///< of a server before this one, until its volume is open
+    std::optional<Scene> given_;    ///< was put, maybe before its volume was read
     std::map<std::string, std::shared_ptr<Progress>> running_;
 
+    bool shown_before_ = false;    ///< a page was greeted; the hearing queue's own
     int heard_ = 0;                ///< the connection whose message is being understood; the hearing queue's own
     std::optional<Session> side_;  ///< of looks; the side queue's own
     std::shared_ptr<const Loaded> side_shown_;
     RenderWorker render_worker_;
-    SerialQueue opening_, side_queue_, saving_, comparing_;
+    SerialQueue opening_, side_queue_, saving_, comparing_, slicing_, filming_;
     SerialQueue hearing_;  // the last member, as its work uses the others, and theirs those before
 };
 

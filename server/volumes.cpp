@@ -30,6 +30,16 @@ Json finer_histogram(const Volume& volume, double least, double greatest) {
     return {{"min", least}, {"max", greatest}, {"counts", counts}};
 }
 
+Json sections_told(const Geometry& geometry) {
+    Json list = Json::array();
+    for (const Section& s : sections_of(geometry))
+        list.push_back({{"name", s.name},
+                        {"axis", s.axis},
+                        {"right", server::json_of(s.right)},
+                        {"down", server::json_of(s.down)}});
+    return list;
+}
+
 Json told(const Volume& volume) {
     const Statistics statistics = measure(volume);
     const Guess guessed = guess(volume, statistics);
@@ -38,6 +48,7 @@ Json told(const Volume& volume) {
     json["unit"] = guessed.modality == "CT" ? "HU" : "";
     json["bytes"] = volume.voxels.size();
     const std::string name = std::filesystem::path(volume.source).filename().string();
+    json["sections"] = sections_told(volume.geometry);
     json["name"] = name.empty() ? volume.source : name;
     return json;
 }
@@ -77,6 +88,7 @@ std::shared_ptr<const Loaded> read(const Scene& scene, Device device, int halvin
     if (fitted.is_reduced()) json["reduced"] = {{"from", fitted.from}, {"to", fitted.to}, {"bytes", fitted.free}};
     auto loaded = std::make_shared<Loaded>(Loaded{scene, Session(device), std::move(json), halvings});
     loaded->session.show(std::move(volume), progress);
+    loaded->told["exact"] = loaded->session.volume().is_exact() && !fitted.is_reduced();
     return loaded;
 }
 
@@ -87,6 +99,7 @@ std::shared_ptr<const Loaded> take(const Scene& scene, Device device, const Volu
     json["reduced"] = nullptr;
     auto loaded = std::make_shared<Loaded>(Loaded{scene, Session(device), std::move(json), 0});
     loaded->session.show(volume, progress);
+    loaded->told["exact"] = loaded->session.volume().is_exact();
     return loaded;
 }
 

@@ -62,6 +62,8 @@ inline chiaro::Scene changed_scene(chiaro::Method method = chiaro::Method::spao)
     s.sampling = {1, Classification::preintegrated, Compositing::back_to_front, 4, RaySetup::raster, 0, false};
     s.interpolation = Interpolation::texture;
     s.output = {{0.1, 0.2, 0.3}, false, ColorMode::display, Tone::aces, -1.5};
+    s.slices = {SliceLayout::linked,    Vec3{1, 2, 3},         Vec3{4, 5, 6},           2.5,  std::pair{40.0, 400.0},
+                SliceSampling::nearest, SliceColors::transfer, SliceSide::neurological, false};
     s.width = 64, s.height = 48;
     return s;
 }

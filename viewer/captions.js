@@ -7,12 +7,14 @@ import { words } from "./texts.js";
 
 const margin = 16, dark = "rgba(0,0,0,.7)", light = "#fff";
 
-/** A round length of at most 110 CSS pixels of a picture so high, at the centre: its text and its pixels. */
-export function scaleBar(app, view, height) {
-  const size = scaleOf(view, height), most = size * 110, power = 10 ** Math.floor(Math.log10(most));
+/** A round length of at most 110 CSS pixels of so many millimetres: its text and its pixels. */
+export function barOf(app, size) {
+  const most = size * 110, power = 10 ** Math.floor(Math.log10(most));
   const length = [5, 2, 1].map((k) => k * power).find((v) => v <= most) ?? power;
-  return { text: `${short(length)} ${app.volume.spacing_stated === false ? words.voxels : "mm"}`, pixels: length / size };
+  return { text: `${short(length)} ${app.unitOfLength()}`, pixels: length / size };
 }
+/** Of a picture so high, at the centre. */
+export const scaleBar = (app, view, height) => barOf(app, scaleOf(view, height));
 
 /** The values that can be seen: where the opacity is not 0, within the file's range and the threshold. */
 export function shownRange({ tf, threshold }, [lo, hi]) {
@@ -37,12 +39,12 @@ async function piece(width, height, ratio, place, draw) {
 }
 
 /** White with a dark rim: read on any picture. */
-function write(g, text, x, y, align = "center") {
+export function write(g, text, x, y, align = "center") {
   Object.assign(g, { textAlign: align, lineWidth: 3, strokeStyle: dark, fillStyle: light });
   g.strokeText(text, x, y);
   g.fillText(text, x, y);
 }
-function frame(g, x, y, width, height) {
+export function frame(g, x, y, width, height) {
   g.fillStyle = dark;
   g.fillRect(x - 2, y - 2, width + 4, height + 4);
   g.fillStyle = light;
@@ -69,8 +71,8 @@ function drawSurfaces(g, app, surfaces) {
   });
 }
 
-/** The pieces that are wanted of a picture of w × h pixels, for a request to save it. @param {{scale: boolean, legend: boolean}} wanted */
-export async function captions(app, { scale, legend }, w, h) {
+/** The pieces that are wanted of a picture of w × h pixels, for a request to save it. @param {{scale: boolean, legend: boolean, marks: boolean}} wanted */
+export async function captions(app, { scale, legend, marks }, w, h) {
   const stage = app.stage, ratio = Math.min(w / stage.clientWidth, h / stage.clientHeight), edge = Math.round(margin * ratio), pieces = [];
   const fits = (width, height) => width * ratio + 2 * edge <= w && height * ratio + 2 * edge <= h;
   if (scale && fits(160, 34)) {
@@ -84,5 +86,7 @@ export async function captions(app, { scale, legend }, w, h) {
     const { iso } = app.store.state, surfaces = read(app.store.state, "mode") === "iso" ? iso : null, [width, height] = surfaces ? [160, 22 * surfaces.length] : [270, 38];
     if (fits(width, height)) pieces.push(piece(width, height, ratio, (_, ph) => [edge, h - edge - ph], (g) => (surfaces ? drawSurfaces(g, app, surfaces) : drawLegend(g, app, shownRange(app.store.state, app.volume.range), 200))));
   }
+  const figure = marks && app.marks?.figure(w, h, ratio);
+  if (figure) pieces.push(piece(figure.width, figure.height, 1, () => [figure.x, figure.y], figure.draw));
   return Promise.all(pieces);
 }

@@ -112,11 +112,14 @@ export function makeGestures(app, stage) {
   });
   const up = (event) => {
     if (!pointers.delete(event.pointerId)) return;
+    // A press that moved nothing is a click: the crosshair of the slices goes there.
+    const isClick = event.type === "pointerup" && start && !start.pinch && start.move === orbit && Math.hypot(event.clientX - start.x, event.clientY - start.y) < 4;
     clearTimeout(resting);
-    const read_ = start?.move !== adjust && start?.pressed; // stays until the next touch
+    const start_pressed = Boolean(start?.pressed), read_ = start?.move !== adjust && start?.pressed; // stays until the next touch
     if (start) start.over = true;
     start = null;
     store.end();
+    if (isClick && !start_pressed) app.clicked(...at(event));
     if (!read_) hideSeen();
   };
   for (const name of ["pointerup", "pointercancel"]) stage.addEventListener(name, up);
@@ -133,7 +136,7 @@ export function makeGestures(app, stage) {
     zoom(1.0015 ** clamp(event.deltaY, -300, 300), ...at(event));
   }, { passive: false });
   stage.addEventListener("dblclick", async (event) => {
-    if (event.target !== app.frame.canvas) return;
+    if (event.target !== app.frame.canvas || app.marks?.end()) return;
     const seen = await pick(...at(event)).catch(() => null);
     if (seen?.hit) fly({ "camera.target": seen.world_mm });
   });
@@ -195,17 +198,25 @@ export function makeGestures(app, stage) {
   stage.addEventListener("pointerleave", hideSeen);
 
   const tools = el("div.float.tools", { role: "toolbar", "aria-label": "Tools" });
-  const kinds = ["orbit", "adjust", "light", "cut"];
+  const kinds = ["orbit", "adjust", "light", "cut", "measure"];
   const buttons = kinds.map((name) => el("button.tool", { title: `${words.tools[name]} (${name[0].toUpperCase()})`, "aria-label": words.tools[name], onclick: () => choose(name) }, icon(name)));
   tools.append(...buttons, el("hr"), el("button.tool", { title: `${words.tools.fit} (F)`, "aria-label": words.tools.fit, onclick: () => fit() }, icon("fit")),
     el("button.tool", { title: words.tools.panel, "aria-label": words.tools.panel, onclick: () => app.togglePanel() }, icon("panel")));
   function choose(name) {
+    if (name === "measure") app.showTab("more"); // where its table is, on a phone
     ui.tool = name;
     store.redraw();
     buttons.forEach((button, i) => button.setAttribute("aria-pressed", String(kinds[i] === name)));
-    stage.style.cursor = { orbit: "grab", adjust: "ns-resize", light: "move", cut: "crosshair" }[name];
+    stage.style.cursor = { orbit: "grab", adjust: "ns-resize", light: "move", cut: "crosshair", measure: "crosshair" }[name];
   }
   choose("orbit");
   stage.append(tools, seen);
+  app.clicked = async (x, y) => {
+    const measures = ui.tool === "measure" && app.marks;
+    if (!measures && (!app.slices || app.slices.layout() === "volume")) return;
+    const found = await pick(x, y).catch(() => null);
+    if (measures) return app.marks.clicked(x, y, found?.hit ? found : null);
+    if (found?.hit) app.slices.moveTo(found.world_mm);
+  };
   return { choose, fly, fit, zoom };
 }

@@ -1,7 +1,7 @@
 // Shortcuts. Single keys act only outside text fields and can be switched off.
 import { words } from "./texts.js";
 
-const springs = { o: "orbit", a: "adjust", l: "light", c: "cut" };
+const springs = { o: "orbit", a: "adjust", l: "light", c: "cut", m: "measure" };
 
 export function makeKeys(app) {
   const { store } = app, held = new Map();
@@ -11,7 +11,7 @@ export function makeKeys(app) {
 
   const withCtrl = { z: (e) => store.step(e.shiftKey ? "redo" : "undo"), y: () => store.step("redo"), s: (e) => (e.shiftKey ? app.menus.saveScene() : app.save(app.bar.save)), o: () => app.states.choose() };
   const single = { 1: () => mode("dvr"), 2: () => mode("iso"), 3: () => mode("mip"), f: () => app.gestures.fit(), h: () => (document.body.classList.toggle("bare"), app.resized()), i: () => app.menus.about(app.bar.file),
-    e: () => app.dock(), r: () => app.compare.start(), w: () => app.fitWindow(), "[": () => app.colour.density(1 / 1.1), "]": () => app.colour.density(1.1), "?": () => app.menus.shortcuts(app.bar.more),
+    s: () => app.toggleSlices(), k: () => app.addKey(), e: () => app.dock(), r: () => app.compare.start(), w: () => app.fitWindow(), "[": () => app.colour.density(1 / 1.1), "]": () => app.colour.density(1.1), "?": () => app.menus.shortcuts(app.bar.more),
     0: () => ((app.graph.axis.view = [...app.graph.axis.range]), store.redraw()) };
 
   addEventListener("keydown", (event) => {

@@ -13,6 +13,7 @@ export class Link {
   /** Of the address, or where that was good for one visit, the page's own. */
   token = new URLSearchParams(location.search).get("token") ?? document.querySelector("meta[name=chiaro-visit]")?.getAttribute("content") ?? "";
   open = false;
+  /** How often it was connected. */ connections = 0;
   n = 0;
   /** @type {(message: any) => void} */ onmessage = () => {};
   /** @type {(frame: any, data: Blob) => void} */ onframe = () => {};
@@ -36,7 +37,7 @@ export class Link {
     address.search = new URLSearchParams({ token: this.token, view: this.view, ...(take ? { take: "1" } : {}) }).toString();
     const socket = (this.#socket = new WebSocket(address));
     socket.binaryType = "arraybuffer";
-    socket.onopen = () => ((this.open = true), (this.#tries = 0), (this.#inFlight = 0));
+    socket.onopen = () => ((this.open = true), this.connections++, (this.#tries = 0), (this.#inFlight = 0));
     socket.onmessage = ({ data }) => (typeof data === "string" ? this.#text(JSON.parse(data)) : this.#frame(data));
     socket.onclose = ({ code }) => socket === this.#socket && this.#lost(code);
   }

@@ -12,22 +12,28 @@ import { Link } from "./link.js";
 import { makeLooks } from "./presets.js";
 import { makeMenus } from "./menus.js";
 import { makeSaving } from "./saving.js";
-import { describe, read, sceneOf, stateOf } from "./scene.js";
+import { describe, read, samePicture, sceneOf, stateOf, write } from "./scene.js";
 import { makePalette } from "./palette.js";
 import { makePlanes } from "./planes.js";
 import { makeSections } from "./sections.js";
-import { makeStates, mark } from "./states.js";
+import { makeStates, mark, recent } from "./states.js";
 import { Store } from "./store.js";
 import { makeTheme } from "./theme.js";
 import { words } from "./texts.js";
 
-const bar = document.getElementById("bar"), stage = document.getElementById("stage"), panel = document.getElementById("panel"), dock = document.getElementById("dock");
-const store = new Store({ values: {}, camera: {}, tf: { points: [{ value: 0, opacity: 0 }], stops: [{ value: 0, rgb: [0, 0, 0] }], unit: { key: "opacity_unit_distance", value: 1 }, scale: 1, rest: {} }, threshold: null, iso: [], rest: {} });
+const bar = document.getElementById("bar"), area = document.getElementById("area"), stage = document.getElementById("stage"), panel = document.getElementById("panel"), dock = document.getElementById("dock");
+const store = new Store({ values: {}, camera: {}, tf: { points: [{ value: 0, opacity: 0 }], stops: [{ value: 0, rgb: [0, 0, 0] }], unit: { key: "opacity_unit_distance", value: 1 }, scale: 1, rest: {} }, threshold: null, iso: [], marks: [], rest: {} });
 const link = new Link();
 /** Everything the parts share. @type {any} */
 const app = { store, link, stage, ui: { points: [], stop: -1, tool: "orbit" }, volume: null, hello: null, box: null, percent, fromHex };
 app.theme = makeTheme(store);
 app.withUnit = (v) => `${short(v)}${app.volume?.unit ? " " + app.volume.unit : ""}`;
+/** A value with the digits that tell it from any other of its type; ≈ where the program holds no more than a float of it. */
+app.exactly = (v) => {
+  const short_ = [...Array(17).keys()].map((p) => Number(v.toPrecision(p + 1))).find((t) => t === v || (v === Math.fround(v) && Math.fround(t) === v)) ?? v;
+  return `${app.volume.exact === false ? "≈ " : ""}${String(short_).replace("-", "−")}${app.volume.unit ? " " + app.volume.unit : ""}`;
+};
+app.unitOfLength = () => (app.volume?.spacing_stated === false ? words.voxels : "mm");
 app.view = () => viewOf(store.state.camera, app.box);
 app.keysOn = () => localStorage.getItem("keys") !== "off";
 app.sceneWith = (more) => sceneOf({ ...store.state, ...more }, (camera) => toScene(camera, app.box));
@@ -63,11 +69,12 @@ const modes = el("div.segmented", { role: "radiogroup", "aria-label": words.pict
 radios(modes);
 const undo = tool("undo", words.undo, () => store.step("undo")), redo = tool("redo", words.redo, () => store.step("redo")), compare = tool("compare", `${words.compare} (R)`, () => app.compare.start(), words.compare);
 redo.classList.add("wide");
+const slicing = tool("slices", `${words.slices.tip} (S)`, () => app.toggleSlices());
 const file = el("button.file", { title: `${words.about.title} (I)`, onclick: () => app.menus.about(file) }), save = el("button.primary", { title: `${words.save} (Ctrl S)`, onclick: () => app.save(save) }, el("span.long", {}, words.save), el("span.short", {}, words.saveShort));
 const more = tool("more", words.more, () => app.menus.more(more));
-const ofVolume = [file, modes, undo, redo, compare, save];
+const ofVolume = [file, modes, slicing, undo, redo, compare, save];
 app.bar = { file, save, more, compare };
-bar.append(el("div.brand", {}, mark(), el("span", {}, words.name)), file, el("div.spring"), modes, undo, redo, compare, save, more);
+bar.append(el("div.brand", {}, mark(), el("span", {}, words.name)), file, el("div.spring"), modes, slicing, undo, redo, compare, save, more);
 
 // The panel.
 app.looks = makeLooks(app);
@@ -84,6 +91,7 @@ function tab(name) {
   if (innerWidth <= 760 && name === "cut") panel.querySelector(".s-cut .head[aria-expanded=false]")?.click();
   store.redraw();
 }
+app.showTab = tab;
 const handle = el("div.handle");
 handle.addEventListener("pointerdown", (event) => {
   handle.setPointerCapture(event.pointerId);
@@ -118,36 +126,105 @@ function open(volume, scene, restored) {
   app.light.open();
   app.cross.open();
   sections.append(...folded().map((part) => part));
+  app.film?.open();
+  if (app.marks) sections.prepend(app.marks.rows), app.marks.open();
+  if (app.slices) sections.append(app.slices.rows), app.slices.open();
   app.looks.open();
   for (const part of [...ofVolume, panel]) part.hidden = false;
   if (volume.reduced) app.states.say(words.reduced(volume.reduced), { acts: [[words.states.details, () => app.menus.about(file)]], role: "alert" });
   changed({ moving: false });
 }
 
+/** Slices beside the volume, or none. */
+app.toggleSlices = () => store.set(words.slices.layout, (s) => write(s, "slices.layout", read(s, "slices.layout") === "volume" ? "linked" : "volume"));
+/** What slices need comes when they are first shown. */
+async function needSlices() {
+  const { makeSlices } = await import("./slices.js");
+  app.slices = await makeSlices(app, area);
+  if (app.volume) sections.append(app.slices.rows);
+  store.redraw();
+}
+/** So does what measuring needs. */
+async function needMarks() {
+  const { makeMarks } = await import("./marks.js");
+  app.marks = await makeMarks(app);
+  if (app.volume) sections.prepend(app.marks.rows);
+  store.redraw();
+}
+/** And the strip of keyframes. */
+let filmAsked = null;
+const needFilm = () => (filmAsked ??= import("./film.js").then(({ makeFilm }) => makeFilm(app)).then((film) => (app.film = film)));
+app.toggleFilm = async () => app.volume && (await needFilm()).toggle();
+/** A file of keyframes: the server says what is wrong with it. */
+async function needFilmOf(file) {
+  const json = await file.text().then(JSON.parse).catch(() => null);
+  if (json?.film !== 1) return false;
+  const told = await link.ask("film_frame", { film: json, seconds: 0 }).catch(app.fault);
+  if (told) (await needFilm()).take(json);
+  return true;
+}
+app.addKey = async () => {
+  const film = await needFilm();
+  if (film.root.hidden) film.toggle(true);
+  film.add();
+};
+let slicesAsked = null, marksAsked = null;
+function layOut(state) {
+  if (app.volume && (app.ui.tool === "measure" || state.marks?.length)) marksAsked ??= needMarks();
+  const layout = (app.volume && read(state, "slices.layout")) || "volume";
+  if (layout !== "volume") slicesAsked ??= needSlices();
+  area.dataset.layout = app.slices?.layout() ?? "volume";
+  slicing.setAttribute("aria-pressed", String(layout !== "volume"));
+}
+
 /** Sends the newest state; wheels and keys that follow each other closely count as moving. */
 function changed({ moving }) {
   if (!app.volume) return;
+  keep();
+  if (!store.preview) keepThere();
+  const shown = store.preview, [w, h] = app.frame.size(), size = `${w} ${h}`;
+  if (sent && !shown && !sent.shown && sent.link === link.connections && sent.size === size && samePicture(sent.state, store.state) && (moving || !sent.moving)) return;
+  sent = { state: store.state, shown, size, moving, link: link.connections };
   app.frame.forget();
   app.looks.pause();
-  keep();
-  const shown = store.preview, [w, h] = app.frame.size();
   link.send(() => {
+    if (shown?.scene) return { scene: shown.scene, canvas: [w, h] };
     const scene = app.sceneWith(shown?.tf ? { tf: shown.tf } : {});
     if (shown?.unlit) scene.lighting = { method: "none" };
     return { scene, canvas: [w, h] };
-  }, { moving, preview: shown !== null });
+  }, { moving: moving || Boolean(shown?.moving), preview: shown !== null });
 }
+/** What was sent last; nothing is sent again that makes the same picture. */
+let sent = null;
 store.onchange = changed;
+let keeping = 0, keptSteps = -1;
+/** The server keeps the state and its steps, for a reload, and for the server that comes after it. */
+const keepThere = () => {
+  clearTimeout(keeping);
+  keeping = setTimeout(() => {
+    if (!app.volume || store.dragging) return;
+    const undo = keptSteps === store.steps ? {} : { undo: { ...store.history(), film: store.state.film } };
+    keptSteps = store.steps;
+    link.ask("keep", { scene: app.scene(), ...undo }).catch(() => (keptSteps = -1));
+  }, 300);
+};
 app.shown = (header) => {
   // What the camera fits is found once: from then on the state has it.
   const { camera } = store.state;
   if (header.fit && header.n === link.n && !camera["camera.fit_centre"]) store.learn({ camera: { ...camera, "camera.fit_centre": header.fit.centre, "camera.fit_radius": header.fit.radius } });
   if (header.stage !== "draft" && !header.moving) app.looks.rest();
+  if (header.stage === "final" && !header.preview) remember();
 };
+/** A small picture for the page that has no volume yet. */
+function remember() {
+  const { canvas } = app.frame, small = el("canvas", { width: 128, height: 96 }), k = Math.max(128 / canvas.width, 96 / canvas.height), [w, h] = [canvas.width * k, canvas.height * k];
+  small.getContext("2d").drawImage(canvas, (128 - w) / 2, (96 - h) / 2, w, h);
+  recent.remember(app.volume.file, app.volume.name ?? app.volume.file, small.toDataURL("image/jpeg", 0.8));
+}
 let kept = 0;
 const keep = () => {
   clearTimeout(kept);
-  kept = setTimeout(() => sessionStorage.setItem("state", JSON.stringify({ file: app.volume.file, state: store.state })), 500);
+  kept = setTimeout(() => sessionStorage.setItem("state", JSON.stringify({ file: app.volume.file, state: store.state, history: store.history() })), 500);
 };
 app.resized = () => {
   store.redraw();
@@ -156,8 +233,8 @@ app.resized = () => {
 new ResizeObserver(() => app.volume && app.resized()).observe(stage);
 
 // Opening: a file below the server's folders, a sample, a scene, or what was dropped on the page.
-app.open = async (what) => {
-  const asked = link.ask("open", what, (m) => told(m)), told = app.states.reading(what.volume ?? what.scene, () => link.cancel(asked.id));
+app.open = async (what, called = what.volume ?? what.scene) => {
+  const asked = link.ask("open", what, (m) => told(m)), told = app.states.reading(called, () => link.cancel(asked.id));
   try {
     const { volume, scene } = await asked;
     open(volume, scene);
@@ -169,6 +246,7 @@ app.open = async (what) => {
 };
 app.openEntry = (entry) => (entry.kind === "transfer" ? link.ask("resolve", { transfer_function: { file: entry.path } }).then((a) => app.setTransfer(a.transfer_function, words.importTf), app.fault) : app.open(entry.kind === "scene" ? { scene: entry.path } : { volume: entry.path }));
 app.take = async (given) => {
+  if (app.volume && /\.json$/i.test(given.name) && (await needFilmOf(given))) return;
   const found = await link.upload(given).catch(app.fault);
   if (!found) return;
   if (found.kind === "transfer") app.setTransfer(found.transfer_function, words.importTf);
@@ -177,11 +255,20 @@ app.take = async (given) => {
   else take(found.scene);
 };
 /** The look of a scene for the volume that is shown: a step that can be undone. */
-const take = (scene) => app.volume && store.set(words.menu.loadScene, (s) => ({ ...stateOf({ ...scene, volume: s.rest.volume, image: s.rest.image }, s, (camera) => fromScene(camera, app.box, app.volume.world)), look: undefined }));
+const take = (scene) => app.volume && store.set(words.menu.loadScene, (s) => ({ film: s.film, ...stateOf({ ...scene, volume: s.rest.volume, image: s.rest.image }, s, (camera) => fromScene(camera, app.box, app.volume.world)), look: undefined }));
+/** Volumes are streamed to a folder of the server's; scenes, pictures, functions and probes are taken as they are. */
+const isSmall = (files) => files.length === 1 && /\.(json|png|exr|hdr|vp|itf|tfi)$/i.test(files[0].name);
+app.sendVolume = async (files) => (await import("./sending.js")).openFiles(app, files);
 for (const name of ["dragover", "drop"]) addEventListener(name, (event) => {
   event.preventDefault();
-  if (name === "drop" && event.dataTransfer.files[0]) app.take(event.dataTransfer.files[0]);
+  document.body.classList.toggle("dropping-file", name === "dragover");
+  if (name !== "drop" || !event.dataTransfer.items.length) return;
+  const entries = [...event.dataTransfer.items].map((item) => item.webkitGetAsEntry?.()), { files } = event.dataTransfer;
+  if (files[0] && isSmall(files) && !entries.some((e) => e?.isDirectory)) return app.take(files[0]);
+  const transfer = { items: entries.map((entry) => ({ webkitGetAsEntry: () => entry })), files: [...files] };
+  import("./sending.js").then(({ dropped, openFiles }) => dropped(transfer).then((given) => openFiles(app, given)));
 });
+addEventListener("dragleave", (event) => event.relatedTarget || document.body.classList.remove("dropping-file"));
 
 // The server.
 let wasLost = false, counting = 0, reading = null;
@@ -213,8 +300,20 @@ const hello = (m) => {
   if (!m.volume) return app.states.empty();
   open(m.volume, m.scene);
   const last = JSON.parse(sessionStorage.getItem("state") ?? "null");
-  if (!m.restored && last?.file === m.volume.file) store.replace(last.state);
+  if (!m.restored && last?.file === m.volume.file) store.restore(last.state, last.history);
+  else if (m.undo) store.restore({ ...store.state, film: m.undo.film }, m.undo);
+  else if (m.earlier && !last) offerEarlier(m.earlier);
 };
+/** A page that was closed: another one of the same volume may go on where it was. */
+function offerEarlier({ view, seconds }) {
+  const w = words.states, takeUp = async () => {
+    app.states.hush();
+    const answer = await link.ask("earlier", { view }).catch(app.fault);
+    if (answer) take(answer.scene);
+  };
+  app.states.say(w.earlier(ago(seconds)), { acts: [[w.takeUp, takeUp]], role: "alert" });
+}
+const ago = (seconds) => (seconds < 5400 ? `${Math.max(1, Math.round(seconds / 60))} min` : seconds < 129600 ? `${Math.round(seconds / 3600)} h` : `${Math.round(seconds / 86400)} days`);
 /** Opens the page's own volume again, all settings kept: the server came back with another or none, or it is to be smaller. */
 async function reopen(what = { volume: app.volume.file }) {
   const { state } = store, answer = await link.ask("open", what).catch(app.fault);
@@ -230,7 +329,7 @@ function outOfMemory(sentence) {
 link.onmessage = (m) => {
   if (m.type === "hello") hello(m);
   else if (m.type === "progress") m.re === "open" ? reading?.(m) : app.frame.progress(m);
-  else if (m.type === "opened") !app.volume ? open(m.volume, m.scene) : m.volume.file === app.volume.file ? changed({ moving: false }) : reopen();
+  else if (m.type === "opened") !app.volume ? (open(m.volume, m.scene), m.undo && store.restore({ ...store.state, film: m.undo.film }, m.undo)) : m.volume.file === app.volume.file ? changed({ moving: false }) : reopen();
   else if (m.type === "error") m.re === "open" ? (app.states.clear(), m.code === "interrupted" ? app.volume || app.states.empty() : app.states.failed(m.sentence)) : m.code === "memory" && m.n ? outOfMemory(m.sentence) : app.states.say(m.sentence, { role: "alert" });
   else if (m.type === "put") take(m.scene);
   else if (m.type === "note") app.states.say(m.sentence, { keep: false });
@@ -238,6 +337,7 @@ link.onmessage = (m) => {
 link.onframe = (header, data) => app.frame.show(header, data);
 
 store.watch((state) => {
+  layOut(state);
   const mode = read(state, "mode") ?? "dvr";
   [...modes.children].forEach((b, i) => {
     const on = Object.keys(words.modes)[i] === mode;

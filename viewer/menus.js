@@ -44,6 +44,7 @@ export function makeMenus(app) {
     const rows = [[w.dimensions, v.dimensions.join(" × ")], [w.type, v.type], [w.spacing, `${v.spacing_mm.map((s) => short(s)).join(" × ")} ${v.spacing_stated === false ? w.unitless : "mm"}`], [w.range, `${short(v.range[0])} ${words.to} ${short(v.range[1])} ${v.unit ?? ""}`],
       [w.percentiles, ["1", "50", "99", "99.9"].map((p) => short(v.percentiles[p])).join(", ")], [w.frame, v.world === "unknown" ? w.unknown : v.world], [w.guess, v.modality_guess]];
     if (v.nonfinite) rows.push([w.nonfinite, String(v.nonfinite)]);
+    rows.push([w.use, w.notForDiagnosis]);
     for (const note of app.doubts()) rows.push([w.notes, note]);
     popover(anchor, el("div", {}, el("h2", {}, v.name), el("dl", {}, ...rows.flatMap(([k, x]) => [el("dt", {}, k), el("dd", {}, x)])), el("div.buttons", {}, el("button", { onclick: () => app.copy(JSON.stringify(v, null, 1)) }, w.copy))));
   }
@@ -60,10 +61,10 @@ export function makeMenus(app) {
     if (answer) app.copy(answer.text);
   };
   const more = (anchor) => menu(anchor, [
-    [words.menu.open, app.states.choose, "Ctrl O"],
+    [words.menu.open, app.states.choose, "Ctrl O"], [words.menu.send, app.states.sendFile], [words.menu.sendFolder, app.states.sendFolder],
     // What a narrow bar has no room for.
     ...(app.volume && !app.bar.compare.offsetParent ? [...Object.entries(words.modes).map(([name, [label]]) => [label, () => app.mode(name)]), [words.redo, () => app.store.step("redo")], [words.compare, app.compare.start]] : []),
-    ...(app.volume ? [[words.menu.saveScene, saveScene, "Ctrl Shift S"], [words.menu.loadScene, () => chooseFile(".json,.png,.exr", app.take)], [words.menu.loadTf, () => chooseFile("", app.take)], [words.menu.command, command]] : []),
+    ...(app.volume ? [[words.menu.film, app.toggleFilm], [words.tools.measure, () => app.gestures.choose("measure"), "M"], [words.menu.saveScene, saveScene, "Ctrl Shift S"], [words.menu.loadScene, () => chooseFile(".json,.png,.exr", app.take)], [words.menu.loadTf, () => chooseFile("", app.take)], [words.menu.command, command]] : []),
     ...themes.map(([key, name]) => [`${words.menu.theme}: ${name}`, () => app.theme.set(key), app.theme.now === key ? "✓" : ""]),
     [words.menu.shortcuts, () => shortcuts(anchor), "?"], ...(app.volume ? [[words.menu.about, () => about(anchor), "I"]] : [])]);
   return { popover, menu, close, about, shortcuts, more, saveScene, command, get open() { return open !== null; } };

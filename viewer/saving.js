@@ -11,7 +11,7 @@ export const makeSaving = (app) => (anchor) => {
   const tick = (checked = false) => el("input", { type: "checkbox", checked });
   const kind = el("select", {}, ...["PNG", "EXR"].map((k) => el("option", {}, k))), size = el("select", { onchange: () => show() }, ...sizes.map(([name, s]) => el("option", {}, s && name !== w.uhd ? `${name}, ${s[0]} × ${s[1]}` : name)));
   const wide = side(cw, w.width), high = side(ch, w.height), own = el("div.buttons", { hidden: true }, wide, high), behind = el("select", {}, el("option", {}, w.seen), el("option", {}, w.transparent));
-  const scale = tick(), legend = tick(), keep = tick(true);
+  const scale = tick(), legend = tick(), keep = tick(true), marks = tick(true), measured = Boolean(app.marks?.list().length);
   const takes = el("small"), bar = el("div.progress", { hidden: true }, el("i", { style: "width:0" })), wrong = el("div.wrong", { hidden: true, role: "alert" });
   const stop = el("button.plain", { type: "button", hidden: true, onclick: () => asked && app.link.cancel(asked.id) }, w.cancel), go = el("button.primary", { type: "submit" }, w.go);
   const pixels = () => sizes[size.selectedIndex][1] ?? [Number(wide.value), Number(high.value)];
@@ -30,7 +30,7 @@ export const makeSaving = (app) => (anchor) => {
     const scene = app.scene();
     if (behind.selectedIndex) scene.background = "transparent";
     (go.disabled = true), (bar.hidden = stop.hidden = false);
-    const overlays = await captions(app, { scale: scale.checked, legend: legend.checked }, a, b);
+    const overlays = await captions(app, { scale: scale.checked, legend: legend.checked, marks: measured && marks.checked }, a, b);
     asked = app.link.ask("save", { scene, size: [a, b], format: kind.value.toLowerCase(), metadata: keep.checked, overlays }, (m) => (bar.firstChild.style.width = `${100 * (m.fraction ?? 0)}%`));
     try {
       const answer = await asked;
@@ -43,7 +43,7 @@ export const makeSaving = (app) => (anchor) => {
     (go.disabled = false), (bar.hidden = stop.hidden = true);
   }
   const label = (text, field) => el("label.row.choice", {}, el("span", {}, text), field), check = (field, text) => el("label.check", {}, field, text);
-  const form = el("form", { onsubmit: save }, el("h2", {}, w.title), label(w.kind, kind), label(w.size, size), own, label(w.background, behind), check(scale, w.scale), check(legend, w.legend), check(keep, w.keep), takes, bar, wrong, el("div.buttons", {}, go, stop));
+  const form = el("form", { onsubmit: save }, el("h2", {}, w.title), label(w.kind, kind), label(w.size, size), own, label(w.background, behind), check(scale, w.scale), check(legend, w.legend), measured ? check(marks, words.inFigure) : null, check(keep, w.keep), takes, bar, wrong, el("div.buttons", {}, go, stop));
   show();
   app.menus.popover(anchor, form);
 };

@@ -16,14 +16,16 @@ export function describe(groups) {
 }
 
 export const setting = (key) => described.get(key);
+/** Where one looks from, in the volume and in its slices: kept beside the design, with undo steps of its own. */
+const placeOf = (key) => (/^(camera\.|slices\.(at|centre|zoom)$)/.test(key) ? "camera" : "values");
 export const read = (state, key) => {
-  const values = key.startsWith("camera.") ? state.camera : state.values;
+  const values = state[placeOf(key)];
   return key in values ? values[key] : (described.get(key)?.default ?? null);
 };
 
 /** The part of a change that gives `key` the value. */
 export function write(state, key, value) {
-  const place = key.startsWith("camera.") ? "camera" : "values";
+  const place = placeOf(key);
   const next = { ...state[place] };
   if (value === null || value === undefined) delete next[key];
   else next[key] = value;
@@ -107,12 +109,13 @@ export function sceneOf(state, toCamera = (camera) => camera) {
   }
   if (state.threshold) scene.threshold = state.threshold;
   if (state.iso.length) scene.iso = state.iso;
+  if (state.marks?.length) scene.marks = state.marks;
   return scene;
 }
 
 /** The state of a scene; `old` gives what other methods were set to. */
 export function stateOf(scene, old, fromCamera = (camera) => camera) {
-  const { chiaro, transfer_function, threshold, iso, camera = {}, ...others } = structuredClone(scene);
+  const { chiaro, transfer_function, threshold, iso, marks, camera = {}, ...others } = structuredClone(scene);
   const now = others.lighting?.method ?? "none";
   const values = {}, rest = {};
   for (const [key, value] of Object.entries(old?.values ?? {})) if (key.includes(":") && !key.startsWith(now + ":")) values[key] = value;
@@ -130,6 +133,12 @@ export function stateOf(scene, old, fromCamera = (camera) => camera) {
     } else if (value !== null && !take(group, value)) rest[group] = value;
   }
   values["lighting.method"] = now;
+  const looked = Object.fromEntries(Object.entries(values).filter(([key]) => placeOf(key) === "camera"));
+  for (const key in looked) delete values[key];
   const placed = Object.fromEntries(Object.entries(camera).filter(([, v]) => v !== null).map(([key, value]) => [`camera.${key}`, value]));
-  return { values, camera: fromCamera(placed), tf: split(transfer_function), threshold: threshold ?? null, iso: iso ?? [], rest };
+  return { values, camera: { ...fromCamera(placed), ...looked }, tf: split(transfer_function), threshold: threshold ?? null, iso: iso ?? [], marks: marks ?? [], rest };
 }
+
+const others = (values) => JSON.stringify(Object.entries(values).filter(([key]) => !key.startsWith("slices.")).sort());
+/** Whether two states make the same picture of the volume: slices and marks are not part of it. */
+export const samePicture = (a, b) => ["tf", "threshold", "iso", "rest"].every((key) => a[key] === b[key]) && others(a.values) === others(b.values) && others(a.camera) === others(b.camera);

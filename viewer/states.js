@@ -5,6 +5,15 @@ import { words } from "./texts.js";
 const w = words.states;
 export const mark = () => svg("svg", { viewBox: "0 0 20 20", fill: "none", "aria-hidden": "true" }, svg("circle", { cx: 10, cy: 10, r: 8.75, stroke: "currentColor", "stroke-width": 1.5 }), svg("path", { d: "M10 4a6 6 0 0 1 0 12z", fill: "var(--accent)" }));
 
+/** Volumes that were open here, newest first, with a small picture of each: of this browser, for this address. */
+export const recent = {
+  list: () => JSON.parse(localStorage.getItem("recent") ?? "[]"),
+  remember(file, name, picture) {
+    if (/\/chiaro-view-/.test(file)) return; // what was sent goes with the server
+    localStorage.setItem("recent", JSON.stringify([{ file, name, picture }, ...recent.list().filter((one) => one.file !== file)].slice(0, 8)));
+  },
+};
+
 export function makeStates(app, stage) {
   let shown = null, banner = null, timer = 0;
   const show = (...children) => {
@@ -18,13 +27,16 @@ export function makeStates(app, stage) {
     document.body.classList.add("none");
     stage.classList.add("empty");
     const sample = el("button.plain", { onclick: () => app.menu(sample, app.hello.samples.map((s) => [s.name, () => app.open({ volume: `sample:${s.name}` }), s.sentence])) }, w.sample);
-    show(mark(), el("h1", {}, w.open), el("p", {}, w.formats), el("div.pair", {}, el("button.primary", { onclick: choose }, w.choose), sample));
+    const known = recent.list();
+    show(mark(), el("h1", {}, w.open), el("p", {}, w.formats), el("div.pair", {}, el("button.primary", { onclick: () => sendFile() }, w.send), el("button.plain", { onclick: () => sendFolder() }, w.sendFolder), el("button.plain", { onclick: choose }, w.choose), sample),
+      el("small", {}, w.dropHere),
+      ...(known.length ? [el("h2", {}, w.recent), el("div.recent", {}, ...known.map((one) => el("button", { title: one.file, onclick: () => app.open({ volume: one.file }) }, el("img", { src: one.picture, alt: "" }), el("span", {}, one.name))))] : []));
   }
   /** Shown after 400 ms, so that nothing flashes. */
-  function reading(name, cancel) {
+  function reading(name, cancel, heading = w.reading(name)) {
     clear();
     const bar = el("i", { style: "width:0" }), text = el("p", { role: "status" });
-    timer = setTimeout(() => show(el("h1", {}, w.reading(name)), el("div.progress", { role: "progressbar", "aria-label": w.reading(name) }, bar), text, cancel ? el("button", { onclick: cancel }, w.cancel) : null), 400);
+    timer = setTimeout(() => show(el("h1", {}, heading), el("div.progress", { role: "progressbar", "aria-label": heading }, bar), text, cancel ? el("button", { onclick: cancel }, w.cancel) : null), 400);
     return (m) => {
       bar.style.width = `${100 * (m.fraction ?? 0)}%`;
       text.textContent = [percent(Math.round(100 * (m.fraction ?? 0)) / 100), m.bytes ? bytes(m.bytes) : "", m.seconds > 2 && m.remaining_s ? w.left(Math.round(m.remaining_s)) : ""].filter(Boolean).join(", ");
@@ -46,6 +58,9 @@ export function makeStates(app, stage) {
   }
   const hush = () => (banner?.remove(), (banner = null));
 
+  const sendFile = () => el("input", { type: "file", multiple: true, onchange: (e) => e.target.files.length && app.sendVolume(chosen(e.target.files)) }).click();
+  const sendFolder = () => el("input", { type: "file", webkitdirectory: true, onchange: (e) => e.target.files.length && app.sendVolume(chosen(e.target.files)) }).click();
+  const chosen = (files) => [...files].map((file) => ({ file, name: file.webkitRelativePath || file.name }));
   /** The folders of the computer that runs Chiaro. */
   async function choose() {
     const list = el("div.list"), head = el("h2", {}, w.open), box = el("dialog", { "aria-label": w.open }, head, list, el("div.buttons", {}, el("button", { onclick: () => box.close() }, w.cancel)));
@@ -64,5 +79,5 @@ export function makeStates(app, stage) {
     box.showModal();
     go("");
   }
-  return { empty, reading, failed, clear, say, hush, choose, get blocking() { return shown !== null; } };
+  return { empty, reading, failed, clear, say, hush, choose, sendFile, sendFolder, get blocking() { return shown !== null; } };
 }

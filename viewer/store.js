@@ -71,6 +71,7 @@ export class Store {
     else this.#undo[track].push({ label, before, time: now });
     if (this.#undo[track].length > most) this.#undo[track].shift();
     this.#redo[track] = [];
+    this.steps++;
   }
 
   /** The name of the step that undo or redo would take, or nothing. */
@@ -85,6 +86,7 @@ export class Store {
     if (!entry) return;
     to[track].push({ label: entry.label, before: this.state, time: 0 });
     const { camera, ...design } = entry.before;
+    this.steps++;
     this.state = track === "camera" ? { ...this.state, camera } : { ...this.state, ...design };
     this.#changed(false);
   }
@@ -98,10 +100,46 @@ export class Store {
     silent ? this.redraw() : this.#changed(false);
   }
 
+  /** The steps to be kept elsewhere, the next one first: each with what it changes alone; as many as fit. */
+  history(most = 200_000) {
+    const packed = (stack) => {
+      const steps = [];
+      let next = this.state, size = 0;
+      for (const { label, before } of [...stack].reverse()) {
+        const changes = Object.fromEntries([...new Set([...Object.keys(before), ...Object.keys(next)])].filter((key) => before[key] !== next[key]).map((key) => [key, before[key] ?? null]));
+        if ((size += JSON.stringify(changes).length) > most) break;
+        steps.push({ label, changes });
+        next = before;
+      }
+      return steps;
+    };
+    return Object.fromEntries([["undo", this.#undo], ["redo", this.#redo]].map(([name, stacks]) => [name, { design: packed(stacks.design), camera: packed(stacks.camera) }]));
+  }
+
+  /** A state with the steps that were kept of it. */
+  restore(state, history) {
+    this.replace(state, { silent: true });
+    const unpacked = (steps) => {
+      let next = state;
+      return (steps ?? []).map(({ label, changes }) => ({ label, before: (next = { ...next, ...changes }), time: 0 })).reverse();
+    };
+    for (const [name, stacks] of [["undo", this.#undo], ["redo", this.#redo]]) for (const track of ["design", "camera"]) stacks[track] = unpacked(history?.[name]?.[track]);
+    this.#changed(false);
+  }
+
+  /** How many steps there were: tells whether there are others. */
+  steps = 0;
+
   /** What the server found out about the state: no step, nothing to send. @param {Partial<State>} found */
   learn(found) {
     this.state = { ...this.state, ...found };
     this.redraw();
+  }
+
+  /** Ends a step that was taken: no step of its own. @param {Partial<State>} found */
+  amend(found) {
+    this.state = { ...this.state, ...found };
+    this.#changed(false);
   }
 
   /** Shows something that is not part of the state (null: no more). */

@@ -7,10 +7,13 @@
 #include <chiaro/device.h>
 #include <chiaro/error.h>
 #include <chiaro/export.h>
+#include <chiaro/film.h>
 #include <chiaro/geometry.h>
 #include <chiaro/image.h>
 #include <chiaro/io.h>
 #include <chiaro/lighting.h>
+#include <chiaro/marks.h>
+#include <chiaro/measuring.h>
 #include <chiaro/medium.h>
 #include <chiaro/pick.h>
 #include <chiaro/probe.h>
@@ -21,8 +24,10 @@
 #include <chiaro/session.h>
 #include <chiaro/settings.h>
 #include <chiaro/sheet.h>
+#include <chiaro/slice.h>
 #include <chiaro/text.h>
 #include <chiaro/transfer_file.h>
 #include <chiaro/transfer_function.h>
+#include <chiaro/video.h>
 #include <chiaro/view.h>
 #include <chiaro/volume.h>

@@ -292,6 +292,21 @@ void describe(Visit&& visit, S& s) {
           .within(-32, 32).written("STOPS"), s.exposure_stops);
 }
 
+/// Scene files only: no flags.
+template <class Visit, SettingsOf<SliceSettings> S>
+void describe(Visit&& visit, S& s) {
+    visit(Setting{"", "slices.layout", "", "the viewer shows the volume, with three linked slices, or one of them large"}, s.layout);
+    visit(Setting{"", "slices.at", "mm", "point in the world that the viewer's slices pass through"}, s.at_mm);
+    visit(Setting{"", "slices.centre", "mm", "point in the world that is in the middle of the viewer's slices"}, s.centre_mm);
+    visit(Setting{"", "slices.zoom", "", "1 shows the whole slice"}.within(0.01, 1000), s.zoom);
+    visit(Setting{"", "slices.window", "", "grey levels of slices (the 1st to the 99.9th percentile)"}
+          .written("CENTER,WIDTH"), s.window);
+    visit(Setting{"", "slices.sampling", "", "interpolation of slices between voxels"}, s.sampling);
+    visit(Setting{"", "slices.colors", "", "slices in grey, or with the transfer function's colours over it"}, s.colors);
+    visit(Setting{"", "slices.side", "", "where slices show the patient's left: at the right, or at the left"}, s.side);
+    visit(Setting{"", "slices.outlines", "", "shows in the volume where the slices lie"}, s.outlines);
+}
+
 /// Calls group(title, settings) for each struct of settings in a scene, in the order of --help.
 template <class Group, SettingsOf<Scene> S>
 void for_each_group(Group&& group, S& scene) {
@@ -312,6 +327,7 @@ void for_each_group(Group&& group, S& scene) {
     group("Lighting by reference", scene.illumination.reference);
     group("Scattering", scene.illumination.scattering);
     group("Output", scene.output);
+    group("Slices of the viewer", scene.slices);
 }
 
 /// Calls visit(Setting, field...) for every setting of a scene.

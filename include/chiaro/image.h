@@ -4,10 +4,14 @@
 #include <chiaro/medium.h>
 #include <chiaro/progress.h>
 #include <chiaro/settings.h>
+#include <chiaro/slice.h>
+#include <chiaro/transfer_function.h>
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -83,6 +87,19 @@ struct ToneMap {
 CHIARO_EXPORT Image develop(const Frame& frame, const ToneMap& tone);
 /// The same, on the GPU that holds the frame: 3 or 4 bytes a pixel come back.
 CHIARO_EXPORT Image develop(const DeviceFrame& frame, const ToneMap& tone);
+
+/// What a slice's values look like.
+struct SliceTone {
+    double low = 0, high = 255;                                   ///< black and white, in data units
+    std::optional<TransferFunction> colors;                       ///< laid over the grey
+    double shown_low = -std::numeric_limits<double>::infinity();  ///< values outside keep the grey alone
+    double shown_high = std::numeric_limits<double>::infinity();
+};
+
+/// 8 bit: round(255 (value - low) / (high - low)), the grey levels as they are, without a tone curve. Colours lie over
+/// it, each with the share that its opacity is of the function's largest one. Outside of the volume black. Throws
+/// Error{usage} for a window without width, and as `validate`.
+CHIARO_EXPORT Image develop(const Slice& slice, const SliceTone& tone);
 
 /// The frame with its light multiplied by the exposure: what an .exr holds. Neither tone curve nor background. With
 /// `progress`, Error{interrupted} when cancelled.

@@ -28,6 +28,8 @@ public:
 
     CHIARO_EXPORT std::array<int, 3> dimensions() const;
     CHIARO_EXPORT const Geometry& geometry() const;
+    /// Whether every voxel is the file's number: not where floats stand for doubles, or a finite one for NaN.
+    CHIARO_EXPORT bool is_exact() const;
     CHIARO_EXPORT std::size_t bytes() const;  ///< held on the device
 
 private:

@@ -6,7 +6,9 @@
 #include <chiaro/image.h>
 #include <chiaro/io.h>
 #include <chiaro/lighting.h>
+#include <chiaro/marks.h>
 #include <chiaro/render.h>
+#include <chiaro/slice.h>
 #include <chiaro/transfer_function.h>
 
 #include <filesystem>
@@ -52,6 +54,8 @@ struct Scene {
     RaySettings sampling;
     ToneMap output;  ///< its `color` is the scene's colour mode
     int width = 1024, height = 768;
+    SliceSettings slices;     ///< of viewers: this and what follows
+    std::vector<Mark> marks;  ///< at most `max_marks`
 };
 
 /// What a volume is shown with where nothing else is said: from where its frame has it (CameraSettings::by_frame),

@@ -6,9 +6,11 @@
 #include <chiaro/image.h>
 #include <chiaro/io.h>
 #include <chiaro/lighting.h>
+#include <chiaro/marks.h>
 #include <chiaro/medium.h>
 #include <chiaro/render.h>
 #include <chiaro/settings.h>
+#include <chiaro/slice.h>
 #include <chiaro/volume.h>
 
 #include <array>
@@ -66,6 +68,16 @@ constexpr auto names_of(Interpolation) {
     return std::to_array<std::string_view>({"auto", "linear", "cubic", "smooth", "texture"});
 }
 constexpr auto names_of(ColorMode) { return std::to_array<std::string_view>({"linear", "display"}); }
+constexpr auto names_of(SliceSampling) { return std::to_array<std::string_view>({"linear", "nearest"}); }
+constexpr auto names_of(SliceLayout) {
+    return std::to_array<std::string_view>({"volume", "linked", "axial", "coronal", "sagittal", "oblique"});
+}
+constexpr auto names_of(SliceColors) { return std::to_array<std::string_view>({"grey", "transfer"}); }
+constexpr auto names_of(SliceSide) { return std::to_array<std::string_view>({"radiological", "neurological"}); }
+constexpr auto names_of(MarkKind) {
+    return std::to_array<std::string_view>(
+        {"distance", "polyline", "angle", "ball", "box", "profile", "arrow", "text"});
+}
 constexpr auto names_of(Tone) { return std::to_array<std::string_view>({"none", "aces"}); }
 constexpr auto names_of(NrrdEncoding) { return std::to_array<std::string_view>({"raw", "gzip"}); }
 constexpr auto names_of(Isa) {

@@ -11,16 +11,16 @@
 #include <utility>
 
 namespace chiaro {
-AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
+AtomicFile::AtomicFile(std::filesystem::path path, unsigned mode) : path_(std::move(path)) {
     struct stat existing {};
     if (stat(path_.c_str(), &existing) == 0 && !S_ISREG(existing.st_mode))
         fail(S_ISDIR(existing.st_mode) ? EISDIR : EINVAL);  // renaming over a device would replace it
     const std::filesystem::path folder = path_.has_parent_path() ? path_.parent_path() : ".";
     if (access("/proc/self/fd", X_OK) == 0)  // through which it gets its name
-        descriptor_ = open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+        descriptor_ = open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, mode);
     if (descriptor_ < 0)
         take_name([&] {
-            descriptor_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+            descriptor_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
             return descriptor_ >= 0;
         });
 }

@@ -13,7 +13,8 @@ namespace chiaro {
 /// Error{output}, naming the path and the reason.
 class AtomicFile {
 public:
-    explicit AtomicFile(std::filesystem::path path);
+    /// `mode` is what umask takes from.
+    explicit AtomicFile(std::filesystem::path path, unsigned mode = 0666);
     AtomicFile(const AtomicFile&) = delete;
     AtomicFile& operator=(const AtomicFile&) = delete;
     ~AtomicFile();  ///< removes the temporary unless committed

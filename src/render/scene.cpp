@@ -9,6 +9,7 @@
 #include "core/text.h"
 #include "render/scene_files.h"
 #include "render/scene_keys.h"
+#include "render/scene_marks.h"
 
 namespace chiaro {
 namespace {
@@ -199,6 +200,8 @@ void check(const Scene& scene, ErrorCode code) {
     const auto& [source, points, window, threshold, scale, unit, unit_mm] = scene.transfer;
     if (window && window->second <= 0)
         throw Error(code, fmt::format("window {}: the width must be above 0", to_text(window)));
+    if (scene.slices.window && scene.slices.window->second <= 0)
+        throw Error(code, fmt::format("slices.window {}: the width must be above 0", to_text(scene.slices.window)));
     if (threshold && threshold->first > threshold->second)
         throw Error(code, fmt::format("threshold {}: LO must not be above HI", to_text(threshold)));
     if (unit && unit_mm) throw Error(code, "opacity unit: give it in voxels or in mm, not both");
@@ -235,6 +238,7 @@ Scene parse_scene(const std::string& json, const std::filesystem::path& folder,
     if (std::string& emission = scene.illumination.histogram.emission;
         !emission.empty() && emission.find('=') == emission.npos)
         emission = found_file(emission, folder, data_folder);
+    scene.marks = read_marks(root);
     check(scene, ErrorCode::input);
     unknown_keys = unknown_keys_of(root);
     return scene;
@@ -255,6 +259,8 @@ std::string to_json(const Scene& scene) {
         at(root, setting.key) = is_name ? Json(text) : json_of(setting, text);
     };
     for_each_setting(write, scene);
+    if (scene.slices == SliceSettings()) root.erase("slices");
+    write_marks(scene.marks, root);
     if (scene.read.raw == RawLayout()) root["volume"].erase("raw_endian"), root["volume"].erase("raw_offset");
     return root.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

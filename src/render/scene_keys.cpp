@@ -30,6 +30,9 @@ constexpr std::string_view other_keys[] = {"chiaro",
                                            "transfer_function.points.opacity",
                                            "transfer_function.rgb_space",
                                            "transfer_function.name",
+                                           "marks.kind",
+                                           "marks.points",
+                                           "marks.text",
                                            "probe.file",
                                            "probe.preset"};
 

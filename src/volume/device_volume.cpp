@@ -24,13 +24,19 @@ struct Conversion {
     Source shift = 0;
     Source low = 0, high = 0;
     int exponent = 0;
+    bool all_finite = true;
 };
+
+template <class Source>
+double largest_of(const Conversion<Source>& c) {
+    return std::max(std::abs(double(c.low)), std::abs(double(c.high)));
+}
 
 /// 0 but for numbers that floats cannot hold, or not their squares: these come to 2^40, so that doubles have room for
 /// what is 2^42 times as much.
 template <class Source>
 int exponent_for(const Conversion<Source>& c) {
-    const double most = std::max(std::abs(double(c.low)), std::abs(double(c.high)));
+    const double most = largest_of(c);
     const bool fits = most == 0 || (most > 0x1p-90 && most < 0x1p120);
     return fits ? 0 : std::min(40 - std::ilogb(most), 1020);
 }
@@ -58,15 +64,20 @@ Conversion<Source> stored_range(const Volume& volume, int threads, const Progres
     parallel_for(threads, std::int64_t(voxels.size()), 1 << 20, [&](std::int64_t first, std::int64_t last) {
         if (progress.cancelled()) return;
         Source low = std::numeric_limits<Source>::max(), high = std::numeric_limits<Source>::lowest();
+        bool is_finite = true;
         for (auto i = first; i < last; ++i) {
             if constexpr (std::is_floating_point_v<Source>)
-                if (!std::isfinite(voxels[i])) continue;
+                if (!std::isfinite(voxels[i])) {
+                    is_finite = false;
+                    continue;
+                }
             low = std::min(low, voxels[i]);
             high = std::max(high, voxels[i]);
         }
         const std::lock_guard lock(merging);
         all.low = std::min(all.low, low);
         all.high = std::max(all.high, high);
+        all.all_finite = all.all_finite && is_finite;
     });
     progress.check();
     return all;
@@ -140,13 +151,14 @@ void store(const Source& source, DeviceVolume::Data& data) {
     const Volume& volume = source.volume;
     Conversion<Stored> c;
     data.scale = volume.slope;
-    data.offset = volume.intercept;
+    data.offset = data.intercept = volume.intercept;
     data.whole_numbers = std::is_integral_v<Stored>;
     if constexpr (std::is_integral_v<Stored> && sizeof(Stored) <= 2) {
         using Device = std::make_unsigned_t<Stored>;
         data.stored = voxel_type_of<Device>();
         c.shift = std::numeric_limits<Stored>::min();
-        data.offset += volume.slope * double(c.shift);
+        data.shift = double(c.shift);
+        data.offset += volume.slope * data.shift;
         return fill_bricks<Stored, Device>(source, c, data);
     } else {
         c = stored_range<Stored>(volume, source.threads, source.progress);
@@ -155,13 +167,17 @@ void store(const Source& source, DeviceVolume::Data& data) {
             if (std::make_unsigned_t<Stored>(c.high) - std::make_unsigned_t<Stored>(c.low) <= 65535u) {
                 data.stored = VoxelType::u16;
                 c.shift = c.low;
-                data.offset += volume.slope * double(c.low);
+                data.shift = double(c.low);
+                data.offset += volume.slope * data.shift;
                 return fill_bricks<Stored, std::uint16_t>(source, c, data);
             }
         data.stored = VoxelType::f32;
+        data.exact =
+            std::is_same_v<Stored, float> ? c.all_finite : largest_of(c) <= 0x1p24 && std::is_integral_v<Stored>;
         if constexpr (std::is_floating_point_v<Stored>) {
             c.exponent = exponent_for(c);
             data.scale = std::ldexp(volume.slope, -c.exponent);
+            data.exact = data.exact && c.exponent == 0;
         }
         fill_bricks<Stored, float>(source, c, data);
     }
@@ -218,6 +234,7 @@ DeviceVolume upload(const Device& device, Volume&& volume) {
 
 std::array<int, 3> DeviceVolume::dimensions() const { return data().dimensions; }
 const Geometry& DeviceVolume::geometry() const { return data().geometry; }
+bool DeviceVolume::is_exact() const { return data().exact; }
 std::size_t DeviceVolume::bytes() const {
     return data().bricks.size() + data().coefficients.size() + data().cells.low.size() * 2 * sizeof(float);
 }

@@ -34,10 +34,21 @@ struct DeviceVolume::Data : std::enable_shared_from_this<Data> {
     Geometry geometry;
     VoxelType stored = VoxelType::u8;  ///< u8, u16 or f32
     VoxelBuffer bricks;
-    double scale = 1, offset = 0;  ///< value = scale * stored + offset
-    bool whole_numbers = false;    ///< the stored values are integers
-    CellRanges cells;              ///< of all values, those between voxels too
+    double scale = 1, offset = 0;     ///< value = scale * stored + offset
+    double shift = 0, intercept = 0;  ///< the same to the last bit: scale * (stored + shift) + intercept
+    bool exact = true;                ///< no voxel was rounded or replaced when it was stored
+    bool whole_numbers = false;       ///< the stored values are integers
+    CellRanges cells;                 ///< of all values, those between voxels too
     float stored_min = 0, stored_max = 0;
+
+    /// All that another volume says of its grid and of what its numbers mean; not the voxels.
+    void describe_as(const Data& other) {
+        device = other.device, dimensions = other.dimensions, geometry = other.geometry, stored = other.stored;
+        scale = other.scale, offset = other.offset, shift = other.shift, intercept = other.intercept;
+        exact = other.exact, whole_numbers = other.whole_numbers;
+    }
+    /// The file's own value of a stored number.
+    double value_of(double number) const { return scale * (number + shift) + intercept; }
 
     VoxelBuffer coefficients;  ///< of a spline, laid out as the bricks; empty: values are linear between voxels
     SplineCoding spline;

@@ -32,9 +32,7 @@ DeviceVolume edited(const DeviceVolume& volume, const std::vector<std::uint8_t>&
                     const std::function<float(float)>& new_value) {
     const DeviceVolume::Data& source = volume.data();
     auto made = std::make_shared<DeviceVolume::Data>();
-    made->device = source.device, made->dimensions = source.dimensions, made->geometry = source.geometry;
-    made->stored = source.stored, made->scale = source.scale, made->offset = source.offset;
-    made->whole_numbers = source.whole_numbers;
+    made->describe_as(source);
     made->cells = source.cells;
     made->bricks = VoxelBuffer(source.bricks.size());
     std::memcpy(made->bricks.data(), source.bricks.data(), source.bricks.size());

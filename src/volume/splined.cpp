@@ -108,9 +108,8 @@ DeviceVolume splined(const DeviceVolume& volume, bool interpolates, const Progre
     auto& kept = interpolates ? splines.interpolating : splines.smoothing;
     if (!kept) {
         auto made = std::make_shared<DeviceVolume::Data>();
-        made->device = source->device, made->dimensions = source->dimensions, made->geometry = source->geometry;
-        made->stored = source->stored, made->scale = source->scale, made->offset = source->offset;
-        made->whole_numbers = source->whole_numbers, made->cells = source->cells;
+        made->describe_as(*source);
+        made->cells = source->cells;
         made->stored_min = source->stored_min, made->stored_max = source->stored_max;
         made->normal_reach = normal_reach(source->geometry);
         made->source = source.get();

@@ -4,7 +4,7 @@ import { createServer } from "node:http";
 import { readFileSync } from "node:fs";
 import { dirname, extname, join } from "node:path";
 import { fileURLToPath } from "node:url";
-import { ballOf, functionAt, picture, sky, valueAt } from "./mock_picture.mjs";
+import { ballOf, functionAt, picture, png, sky, valueAt } from "./mock_picture.mjs";
 import { accept } from "./mock_socket.mjs";
 
 const root = join(dirname(fileURLToPath(import.meta.url)), "../..");
@@ -24,7 +24,7 @@ export function settings() {
     const own = /Lighting by (\w+)/.exec(groups.at(-1).title)?.[1], methods = own ? [own] : groups.at(-1).title === "Scattering" ? ["transport", "reference"] : [];
     const value = fallback === "" ? null : /^-?[\d.]+$/.test(fallback) ? Number(fallback) : fallback;
     groups.at(-1).settings.push({ flag: flag ?? null, key, unit: "", sentence: cells[3], lowest: range ? Number(range[2]) : null, highest: range?.[4] ? Number(range[4]) : null, lowest_excluded: Boolean(range?.[1]),
-      default: key === "shading.enabled" ? true : key === "background" ? [0, 0, 0] : key === "camera.fit_scale" ? 1 : value, default_text: fallback, kind: choice ? "choice" : number ? "number" : form === "" ? "switch" : "form", choices: choice ? form.split("|") : [], form, repeats: false, method: own ?? "", methods });
+      default: key === "shading.enabled" || key === "slices.outlines" ? true : key === "background" ? [0, 0, 0] : key === "camera.fit_scale" ? 1 : value, default_text: fallback, kind: choice ? "choice" : number ? "number" : form === "" ? "switch" : "form", choices: choice ? form.split("|") : [], form, repeats: false, method: own ?? "", methods });
   }
   return groups;
 }
@@ -32,7 +32,8 @@ export function settings() {
 const bump = (i, at, wide, high) => high * Math.exp(-(((i - at) / wide) ** 2));
 export const volume = {
   file: "ball.nrrd", name: "ball.nrrd", format: "nrrd", dimensions: [64, 64, 64], type: "uint8", components: 1, spacing_mm: [1, 1, 1], origin_mm: [0, 0, 0], direction: [[1, 0, 0], [0, 1, 0], [0, 0, 1]], world: "unknown", range: [0, 255],
-  percentiles: { 1: 0, 50: 40, 99: 220, 99.9: 250 }, nonfinite: 0, modality_guess: "micro-CT", preset_guess: "micro-ct", notes: [], unit: "", spacing_stated: false, bytes: 262144,
+  percentiles: { 1: 0, 50: 40, 99: 220, 99.9: 250 }, nonfinite: 0, modality_guess: "micro-CT", preset_guess: "micro-ct", notes: [], unit: "", spacing_stated: false, bytes: 262144, exact: true,
+  sections: [{ name: "z", axis: 2, right: [1, 0, 0], down: [0, 1, 0] }, { name: "y", axis: 1, right: [1, 0, 0], down: [0, 0, -1] }, { name: "x", axis: 0, right: [0, 1, 0], down: [0, 0, -1] }],
   histogram512: { min: 0, max: 255, counts: Array.from({ length: 512 }, (_, i) => Math.round(bump(i, 8, 12, 9e5) + bump(i, 90, 30, 4000) + bump(i, 260, 120, 900) + bump(i, 420, 20, 3000) + 20)) },
 };
 const looks = {
@@ -103,7 +104,7 @@ export class Mock {
     const infos = Object.keys(looks).map((name) => ({ name, modality: { "micro-ct": "micro-CT", simulation: "simulation" }[name] ?? "", sentence: "a look", stretched: true, is_map: name === "viridis" }));
     const methods = ["none", "spao", "visibility", "histogram", "transport", "reference"].map((name) => ({ name, sentence: name }));
     peer.send(JSON.stringify({ type: "hello", version: "0.2.0", protocol: 1, view, restored: Boolean(kept), device: { name: "cpu", isa: "mock", threads: 1 }, settings: settings(), methods, presets: infos,
-      probes: ["white", "sky", "studio", "windows"].map((name) => ({ name, sentence: name })), samples: [{ name: "cornell", sentence: "walls and two bodies", size: 128 }], formats: [], volume, scene: kept ?? scene, error: null, ...this.hello }));
+      probes: ["white", "sky", "studio", "windows"].map((name) => ({ name, sentence: name })), samples: [{ name: "cornell", sentence: "walls and two bodies", size: 128 }], formats: [], films: ["png"], volume, scene: kept ?? scene, error: null, ...this.hello }));
   }
 
   async #hear(peer, view, message) {
@@ -137,6 +138,12 @@ export class Mock {
         return answer(r < 1 ? { hit: true, value, world_mm: [32, 32, 32], voxel: [32, 32, 32], opacity: f.opacity, rgb: f.rgb, share: 1, depth_mm: 100 } : { hit: false });
       }
       case "look": frame({ n: message.id, kind: "look", type: "png", size: message.size }, picture(message.scene, ...message.size)); return setTimeout(() => answer({}), 5);
+      case "slice":
+        if (message.values) return answer({ values: Array(message.size[0] * message.size[1]).fill(42) });
+        frame({ n: message.id, kind: "slice", type: "png", size: message.size }, png(1, 1, Buffer.from([90, 90, 90, 255])));
+        return setTimeout(() => answer({}), 5);
+      case "snap": return answer({ hit: false });
+      case "region": return answer({ count: 8, mean: 42, deviation: 2, min: 40, max: 45, percentiles: { 1: 40, 5: 40, 25: 41, 50: 42, 75: 43, 95: 44, 99: 45 }, histogram: Array(64).fill(1), volume_mm3: 8, exact_mm3: 7.5 });
       case "probe": frame({ n: message.id, kind: "probe", type: "png", size: [128, 64] }, sky(message.probe.preset ?? "own")); return setTimeout(() => answer({}), 5);
       case "resolve": return answer({ transfer_function: message.transfer_function.preset ? transfer(message.transfer_function.preset) : message.transfer_function });
       case "cache": return answer({ folder: "/home/me/.cache/chiaro", bytes: this.heard.some((m) => m.type === "cache" && m.clear) ? 0 : 12e6 });

@@ -316,7 +316,7 @@ visit("the same view elsewhere offers to take over", async (page, mock) => {
 visit("no volume: what can be opened; the panel appears with the picture", async (page, mock) => {
   await page.waitForSelector("h1:has-text('Open a volume')");
   assert.equal(await page.locator("#panel").isVisible(), false);
-  await page.click("button:has-text('Choose a file')");
+  await page.click("button:has-text('On the server')");
   await page.click("dialog .item:has-text('ball.nrrd')");
   await final(page);
   assert.equal(await page.locator("#panel").isVisible(), true);

@@ -1,59 +1,14 @@
 // The page and the program: `chiaro view` with a small sample, from loading to a saved picture.
 import assert from "node:assert/strict";
-import { execFileSync, spawn } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
-import { tmpdir } from "node:os";
+import { execFileSync } from "node:child_process";
+import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
-import { after, before, test } from "node:test";
-import { launch, openPage } from "./page.mjs";
+import { test } from "node:test";
+import { openPage } from "./page.mjs";
+import { chiaro, options, serve as serveIn, servedVisits, skip, token } from "./served.mjs";
 import { drag, final, pixels, settled, state } from "./visit.mjs";
 
-const chiaro = join(process.env.CHIARO_BIN ?? "", "chiaro");
-const folder = mkdtempSync(join(tmpdir(), "chiaro-view-")), token = "0123456789abcdef0123456789abcdef";
-const there = (() => {
-  try {
-    return execFileSync(chiaro, ["view", "--help"], { encoding: "utf8" }).includes("--no-open");
-  } catch {
-    return false;
-  }
-})();
-const skip = there ? false : "no chiaro view";
-
-/** Starts the program and answers its address and how to end it. */
-async function serve(volume = "sample:cornell:48", port = 0) {
-  const child = spawn(chiaro, ["view", ...(volume ? [volume] : []), "--port", String(port), "--no-open", "--quiet"], { cwd: folder, env: { ...process.env, CHIARO_VIEW_TOKEN: token, XDG_CACHE_HOME: folder } });
-  const url = await new Promise((done, fail) => {
-    child.stdout.once("data", (text) => done(String(text).split("\n")[0]));
-    child.once("exit", (code) => fail(new Error(`chiaro view ended with ${code}`)));
-  });
-  const end = (signal = "SIGKILL") => new Promise((done) => (child.once("exit", done), child.kill(signal)));
-  return { url, port: Number(new URL(url).port), end };
-}
-
-let browser, server;
-before(async () => {
-  if (skip) return;
-  browser = await launch();
-  server = await serve();
-});
-after(async () => {
-  if (skip) return;
-  await browser.close();
-  await server.end("SIGINT");
-  rmSync(folder, { recursive: true, force: true });
-});
-
-const options = { viewport: { width: 900, height: 560 }, colorScheme: "dark", acceptDownloads: true };
-async function visit(act, { url = server.url, allowed = /$^/ } = {}) {
-  const { page, faults } = await openPage(browser, url, options);
-  try {
-    await final(page, 60000);
-    await act(page);
-    assert.deepEqual(faults.filter((fault) => !allowed.test(fault)), []);
-  } finally {
-    await page.close();
-  }
-}
+const all = servedVisits(), { folder, visit } = all, serve = (volume, port) => serveIn(folder, volume, port);
 
 test("what the camera fits is found once, and anew when it is asked for", { skip }, () => visit(async (page) => {
   const found = async () => { const { camera } = await state(page); return [...camera["camera.fit_centre"], camera["camera.fit_radius"]]; };
@@ -186,25 +141,26 @@ test("killed and started again, it shows the same picture", { skip }, async () =
 });
 
 test("a wrong token and a foreign page are refused", { skip }, async () => {
-  const wrong = server.url.replace(token, "0".repeat(32));
+  const wrong = all.server.url.replace(token, "0".repeat(32));
   assert.equal((await fetch(wrong)).status, 403);
-  assert.equal((await fetch(server.url)).status, 200);
-  const page = await browser.newPage();
+  assert.equal((await fetch(all.server.url)).status, 200);
+  const page = await all.browser.newPage();
   const refused = await page.evaluate((url) => new Promise((done) => {
     const socket = new WebSocket(url);
     socket.onopen = () => done("open");
     socket.onerror = () => done("refused");
-  }), server.url.replace("http", "ws").replace("/?", "/socket?view=abcdefgh12&"));
+  }), all.server.url.replace("http", "ws").replace("/?", "/socket?view=abcdefgh12&"));
   assert.equal(refused, "refused", "a page of another origin");
   await page.close();
 });
 
 test("a walk: start empty, open, edit, light, clip, save", { skip }, async () => {
   const own = await serve("");
-  const { page, faults } = await openPage(browser, own.url, options);
+  const { page, faults } = await openPage(all.browser, own.url, options);
   try {
     await page.click("button:has-text('Try a sample')");
     await page.click(".item:has-text('shells')");
+    await page.mouse.move(200, 200); // resting on a chip or look would be a preview
     await final(page, 120000);
     const seen = [await pixels(page)];
     const step = async (act, timeout = 60000) => {

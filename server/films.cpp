@@ -1,0 +1,118 @@
+// Films of a page's keyframes: the scene of a frame, and the whole as a file.
+#include <chiaro/film.h>
+#include <chiaro/video.h>
+#include <fmt/format.h>
+
+#include <cstring>
+#include <fstream>
+
+#include "view.h"
+
+namespace chiaro::server {
+namespace fs = std::filesystem;
+namespace {
+
+/// A tape archive (POSIX ustar): pictures one after the other, for whoever has no ffmpeg.
+class TarWriter {
+public:
+    explicit TarWriter(const fs::path& file) : stream_(file, std::ios::binary) {}
+
+    void add(const std::string& name, const std::string& bytes) {
+        std::string head(512, '\0');
+        const auto put = [&](std::size_t at, const std::string& text) {
+            std::memcpy(&head[at], text.data(), text.size());
+        };
+        put(0, name), put(100, "0000644"), put(108, "0000000"), put(116, "0000000");
+        put(124, fmt::format("{:011o}", bytes.size())), put(136, "00000000000"), put(148, "        "), put(156, "0");
+        put(257, "ustar"), put(263, "00");
+        unsigned sum = 0;
+        for (const char c : head) sum += static_cast<unsigned char>(c);
+        put(148, fmt::format("{:06o}", sum)), head[154] = '\0';
+        const std::size_t rest = (512 - bytes.size() % 512) % 512;
+        stream_ << head << bytes << std::string(rest, '\0');
+        if (!stream_) throw Error(ErrorCode::output, "the film cannot be written: the disk is full");
+    }
+    void finish() {
+        stream_ << std::string(1024, '\0');
+        if (!stream_.flush()) throw Error(ErrorCode::output, "the film cannot be written: the disk is full");
+    }
+
+private:
+    std::ofstream stream_;
+};
+
+}  // namespace
+
+/// A page's film: of the volume that is shown, and of no file that it may not see.
+Film View::film_of(const Json& request) const {
+    const auto loaded = shown();
+    if (!loaded) throw Error(ErrorCode::usage, "no volume is open");
+    Json own = object_in(request, "film");
+    if (own.contains("keys") && own["keys"].is_array())
+        for (Json& key : own["keys"])
+            if (key.is_object() && key.contains("scene") && key["scene"].is_object())
+                key["scene"]["volume"] = Json::parse(to_json(loaded->source))["volume"];
+    std::vector<std::string> ignored;
+    Film film = parse_film(text_of(own), context_.folders.first(), {}, ignored);
+    for (Keyframe& key : film.keys) context_.folders.confine(key.scene);
+    return film;
+}
+
+/// What is seen at a time.
+Json View::film_frame(const Json& request) {
+    const Film film = film_of(request);
+    const double seconds = number_in(request, "seconds", 0, 1e6);
+    const DeviceVolume& volume = shown()->session.volume();
+    const int count = frame_count(film);
+    const int frame =
+        int(std::clamp(std::floor((seconds - film.keys.front().seconds) * film.fps + 1e-6), 0.0, count - 1.0));
+    const Scene scene = frame_of(film, volume.geometry(), volume.dimensions(), frame);
+    return {{"scene", Json::parse(to_json(scene))}, {"frame", frame}, {"frames", count}};
+}
+
+/// All frames, as a film by ffmpeg or as pictures in an archive.
+Json View::export_film(const Json& request, Progress& progress) {
+    const Film film = film_of(request);
+    const std::string format = text_in(request, "format");
+    const bool is_video = format == "mp4" || format == "webm";
+    if (!is_video && format != "png")
+        throw Error(ErrorCode::usage, fmt::format("format {}: must be mp4, webm or png", format));
+    Session session = shown()->session.share_volume();
+    const DeviceVolume& volume = session.volume();
+    const fs::path file = context_.store.fresh(is_video ? "." + format : ".tar");
+    std::optional<VideoWriter> video;
+    std::optional<TarWriter> pictures;
+    if (is_video)
+        video.emplace(file, film.width, film.height, film.fps);
+    else
+        pictures.emplace(file);
+    try {
+        const int count = frame_count(film);
+        for (int frame = 0; frame < count; ++frame) {
+            progress.report("film", double(frame) / count);
+            progress.check();
+            Progress quiet([&](std::string_view, double) {
+                if (progress.cancelled()) quiet.cancel();
+            });
+            const Scene scene = frame_of(film, volume.geometry(), volume.dimensions(), frame);
+            const Image& image = session.render(scene, quiet);
+            if (video)
+                video->write(image);
+            else
+                pictures->add(fmt::format("frame-{:05}.png", frame),
+                              as_text(encode_png(image, {{"chiaro", to_json(scene)}})));
+        }
+        if (video) video->finish();
+        if (pictures) pictures->finish();
+    } catch (...) {
+        std::error_code ignored;
+        fs::remove(file, ignored);
+        throw;
+    }
+    const std::string name = is_video ? "film." + format : "film-frames.tar";
+    const auto bytes = fs::file_size(file);
+    const char* type = format == "mp4" ? "video/mp4" : is_video ? "video/webm" : "application/x-tar";
+    return {{"url", context_.store.offer(file, type, name)}, {"name", name}, {"bytes", bytes}};
+}
+
+}  // namespace chiaro::server

@@ -1,0 +1,133 @@
+// Slices, places on surfaces and values of regions: the library's answers, in messages.
+#include <chiaro/measuring.h>
+#include <chiaro/slice.h>
+#include <chiaro/text.h>
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "memory_budget.h"
+#include "view.h"
+
+namespace chiaro::server {
+namespace {
+
+constexpr int largest_slice = 4096;
+constexpr int max_values = 65536;
+constexpr double farthest_mm = 1e12;
+
+Vec3 vector_in(const Json& request, const char* name) {
+    const auto found = request.find(name);
+    const auto is_number = [](const Json& c) { return c.is_number() && std::abs(c.get<double>()) <= farthest_mm; };
+    if (found == request.end() || !found->is_array() || found->size() != 3 ||
+        !std::all_of(found->begin(), found->end(), is_number))
+        throw Error(ErrorCode::usage, fmt::format("{}: must be three numbers of at most 1e12", name));
+    return {(*found)[0].get<double>(), (*found)[1].get<double>(), (*found)[2].get<double>()};
+}
+
+SlicePlane plane_in(const Json& request) {
+    const Json& plane = object_in(request, "plane");
+    SlicePlane told{vector_in(plane, "centre"), vector_in(plane, "right"), vector_in(plane, "down")};
+    std::tie(told.width, told.height) = size_in(request, "size", largest_slice);
+    return told;
+}
+
+SliceSampling sampling_in(const Json& request) {
+    SliceSampling sampling = SliceSampling::linear;
+    if (const std::string name = text_in(request, "sampling", ""); !name.empty()) from_text(name, sampling);
+    return sampling;
+}
+
+Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+
+const std::shared_ptr<const Loaded>& opened(const std::shared_ptr<const Loaded>& loaded) {
+    if (!loaded) throw Error(ErrorCode::usage, "no volume is open");
+    return loaded;
+}
+
+Region region_in(const Json& request) {
+    const std::string shape = text_in(request, "shape");
+    if (shape == "ball") return BallRegion{vector_in(request, "centre"), number_in(request, "radius", 0, farthest_mm)};
+    if (shape == "box") return BoxRegion{vector_in(request, "corner"), vector_in(request, "opposite")};
+    throw Error(ErrorCode::usage, "shape: must be ball or box");
+}
+
+/// About how many voxels a region holds.
+double voxels_in(const Region& region, const DeviceVolume& volume) {
+    const Geometry& g = volume.geometry();
+    const auto [nx, ny, nz] = volume.dimensions();
+    const double count = double(nx) * ny * nz;
+    if (const auto* ball = std::get_if<BallRegion>(&region))
+        return std::min(count, 4.2 * std::pow(ball->radius_mm, 3) / (g.spacing_mm.x * g.spacing_mm.y * g.spacing_mm.z));
+    const BoxRegion& box = std::get<BoxRegion>(region);
+    const Vec3 sides = g.voxel_from_world_vector(box.opposite_mm - box.corner_mm);
+    return std::min(count, (std::abs(sides.x) + 1) * (std::abs(sides.y) + 1) * (std::abs(sides.z) + 1));
+}
+
+}  // namespace
+
+/// A picture of a plane, as a frame; or its values, as numbers.
+Json View::slice(const Json& request, Progress&) {
+    const auto loaded = opened(shown());
+    const SlicePlane plane = plane_in(request);
+    const DeviceVolume& volume = loaded->session.volume();
+    if (flag_in(request, "values", false)) {
+        if (plane.width * plane.height > max_values)
+            throw Error(ErrorCode::usage, fmt::format("size: at most {} values at a time", max_values));
+        Json values = Json::array();
+        for (const double value : chiaro::slice(volume, plane, sampling_in(request)).values)
+            values.push_back(number_or_null(value));
+        return {{"values", std::move(values)}};
+    }
+    const Json& window = request.contains("window") ? request["window"] : Json();
+    if (!window.is_array() || window.size() != 2 || !window[0].is_number() || !window[1].is_number())
+        throw Error(ErrorCode::usage, "window: must be [centre, width]");
+    const double centre = window[0].get<double>(), width = window[1].get<double>();
+    SliceTone tone{centre - width / 2, centre + width / 2, {}};
+    if (request.contains("transfer_function") && request["transfer_function"].is_object()) {
+        Json own{{"transfer_function", request["transfer_function"]}};
+        if (request.contains("threshold")) own["threshold"] = request["threshold"];
+        const Scene scene = scene_of(own);
+        tone.colors = loaded->session.resolve(scene.transfer);
+        if (scene.transfer.threshold) std::tie(tone.shown_low, tone.shown_high) = *scene.transfer.threshold;
+    }
+    const Image image = develop(chiaro::slice(volume, plane, sampling_in(request)), tone);
+    send_frame({{"n", request["id"]}, {"kind", "slice"}, {"stage", "final"}}, image,
+               flag_in(request, "lossless", false));
+    return Json::object();
+}
+
+/// The place on the nearest half-value surface.
+Json View::snap(const Json& request, Progress&) {
+    const auto loaded = opened(shown());
+    const Vec3 at = vector_in(request, "at");
+    std::optional<Vec3> normal;
+    if (request.contains("normal") && !request["normal"].is_null()) normal = vector_in(request, "normal");
+    const auto on =
+        snap_to_surface(loaded->session.volume(), at, number_in(request, "reach_mm", 0, farthest_mm), normal);
+    if (!on) return {{"hit", false}};
+    return {{"hit", true}, {"at", json_of(*on)}};
+}
+
+/// The values of a ball or box.
+Json View::region(const Json& request, Progress& progress) {
+    const auto loaded = opened(shown());
+    const DeviceVolume& volume = loaded->session.volume();
+    const Region region = region_in(request);
+    check_memory(24 * voxels_in(region, volume));
+    const RegionValues told = chiaro::measure(volume, region, progress);
+    Json percentiles = Json::object();
+    for (std::size_t i = 0; i < told.shares.size(); ++i)
+        percentiles[fmt::format("{}", std::lround(100 * told.shares[i]))] = told.percentiles[i];
+    return {{"count", told.count},
+            {"mean", told.mean},
+            {"deviation", told.deviation ? Json(*told.deviation) : Json()},
+            {"min", told.min},
+            {"max", told.max},
+            {"percentiles", percentiles},
+            {"histogram", told.histogram},
+            {"volume_mm3", told.volume_mm3},
+            {"exact_mm3", told.exact_mm3}};
+}
+
+}  // namespace chiaro::server

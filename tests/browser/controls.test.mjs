@@ -1,0 +1,54 @@
+// What the second round of the viewer can be told, and where each way of telling it is shown: a test by its name, a line of
+// docs/viewer.md, or (in brackets) why there is nothing to show. No field may be empty, and what is named must be there.
+import assert from "node:assert/strict";
+import { readdirSync, readFileSync } from "node:fs";
+import { test } from "node:test";
+
+const cross = "one crosshair: a click in a slice", drags = "right drag, shift drag and Ctrl with the wheel", fingers = "with fingers: a tap places the crosshair", rows = "the section of the slices: place by number", back = "slices come back with a scene and after a reload";
+const two = "with fingers: two taps measure", byKeys = "by keys alone: kinds by arrows", dragged = "a point is dragged, in a slice and on the volume", keptMarks = "marks are kept in the scene, in undo and over a reload", regions = "a ball and a box hold the voxels", taps = "with fingers: two taps";
+const opening = "(opening is no edit)";
+const controls = {
+  //                   mouse, keyboard, touch, scene file, undo, docs
+  "layout": ["the parts that slices need are loaded", "layouts, letters and sides", fingers, back, rows, "`S` puts three slices beside the volume"],
+  "one slice large": ["layouts, letters and sides", "layouts, letters and sides", "(the button of each slice is a button: buttons are tapped)", "layouts, letters and sides", rows, "double click, `Enter`"],
+  "crosshair": [cross, cross, fingers, back, cross, "places the crosshair"],
+  "next slice": [cross, cross, fingers, back, cross, "wheel, slider, `Page Up`"],
+  "grey levels": [drags, rows, "(the row's thumbs are dragged as all rows' are)", back, rows, "right widens, up raises the centre"],
+  "pan and zoom of slices": [drags, cross, fingers, back, cross, "Ctrl and wheel, `+`, `-`"],
+  "colours, voxels, side, outlines": [rows, rows, "(selects of the system)", back, rows, "the volume's colours over the grey"],
+  "oblique slice": ["an oblique slice follows the clip plane", cross, fingers, "an oblique slice follows the clip plane", "(it is the clip plane's)", "*Along the plane*"],
+  "value under the pointer": ["a nearest slice shows and tells the file's own numbers", "(the crosshair's own place is in the panel)", fingers, "(nothing is changed)", "(nothing is changed)", "the value as the file has it"],
+  "save a slice": ["a slice is saved as a figure", "(a button)", "(a button)", "(nothing is changed)", "(nothing is changed)", "*Save as a picture*"],
+  "distance": ["distances between edges are right", byKeys, two, keptMarks, byKeys, "Distance, Angle"],
+  "path": [keptMarks, byKeys, taps, keptMarks, keptMarks, "double click or `Enter` ends it"],
+  "angle": ["distances between edges are right", byKeys, taps, keptMarks, keptMarks, "arm, corner, arm"],
+  "ball and box": [regions, regions, taps, keptMarks, keptMarks, "voxels whose centres lie inside"],
+  "profile": ["a profile has the values along its line", byKeys, taps, keptMarks, keptMarks, "*Save the profile as CSV*"],
+  "arrow and text": [keptMarks, keptMarks, taps, keptMarks, keptMarks, "where it points, then where it begins"],
+  "points moved": [dragged, byKeys, two, keptMarks, dragged, "dragged, moved by arrow keys"],
+  "snap": ["distances between edges are right", byKeys, taps, "(a habit of the browser's, not of the scene)", "(a habit of the browser's, not of the scene)", "*Snap to edges*"],
+  "table as CSV": [keptMarks, "(a button)", "(a button)", "(nothing is changed)", "(nothing is changed)", "*Save as CSV*"],
+  "saved figures": ["a saved figure carries what was measured", "(a check box)", "(a check box)", "a saved figure carries what was measured", "(nothing is changed)", "drawn into saved pictures"],
+  "open a file": ["a file that is dropped is sent", "(a button)", "(a button)", opening, opening, "a file or a folder of this computer"],
+  "open a folder": ["a folder is chosen by a button", "(a button)", "(a button)", opening, opening, "else the folder, as slices"],
+  "cancel": ["progress and cancel", "(a button)", "(a button)", opening, opening, "with progress and *Cancel*"],
+  "recent volumes": ["the page without a volume", "the page without a volume", "(buttons)", opening, opening, "what was open before"],
+  "keys of a film": ["keys are dragged and removed", "two keys make a film", "with fingers: the strip stands over", "two keys make a film", "keys are dragged and removed", "Keys are dragged, or moved"],
+  "play": ["play shows what is between", "play shows what is between", "(a button)", "(nothing is changed)", "(nothing is changed)", "*Play* plays"],
+  "turntable": ["a turntable in one click", "(a button)", "with fingers: the strip stands over", "two keys make a film", "keys are dragged and removed", "*Turntable* sets four keys"],
+  "write a film": ["a turntable in one click", "(a button)", "(a button)", "two keys make a film", "(nothing is changed)", "in the background, with progress"],
+  "go on where it was": ["a page that was closed by mistake", "(a button)", "(a button)", "killed with -9 in the middle of an edit", "killed with -9 in the middle of an edit", "killed in the middle of an edit"],
+};
+
+test("each control is told by mouse, keys and fingers, kept, undone and documented", () => {
+  const folder = new URL(".", import.meta.url), titles = readdirSync(folder).filter((name) => /^viewer_.*\.test\.mjs$/.test(name)).map((name) => readFileSync(new URL(name, folder), "utf8")).join("\n");
+  const docs = readFileSync(new URL("../../docs/viewer.md", folder), "utf8").replace(/\s+/g, " "), missing = [];
+  for (const [control, fields] of Object.entries(controls)) {
+    assert.equal(fields.length, 6, control);
+    fields.forEach((field, i) => {
+      const known = /^\(.{5,}\)$/.test(field) ? i < 5 : i === 5 ? docs.includes(field) : new RegExp(`(test|visit)\\(["\`]${field.replace(/[.*+?^${}()|[\]\\]/g, "\\$&")}`).test(titles);
+      if (!known) missing.push(`${control}: ${["mouse", "keyboard", "touch", "scene file", "undo", "docs"][i]}: ${field || "nothing"}`);
+    });
+  }
+  assert.deepEqual(missing, []);
+});

@@ -1,0 +1,27 @@
+// The words of slices and measurements: they come with these parts.
+import { words } from "./texts.js";
+
+export const sliceWords = {
+  title: "Slices", layout: words.slices.layout, layoutTip: "What stands beside the volume.", layouts: { volume: "Volume alone", linked: "With three slices" },
+  names: { axial: "Axial", coronal: "Coronal", sagittal: "Sagittal", oblique: "Along the plane" }, across: (axis) => `Across ${axis}`, slice: (name) => `Slice: ${name}`, of: (i, n) => `${i} of ${n}`,
+  enlarge: "Large", back: "Back to all", crosshair: "Crosshair", crosshairTip: "Where all slices meet, in the file's frame.", pan: "Slices moved", zoom: "Zoom of slices", outside: "outside", voxel: (v) => `voxel ${v.join(", ")}`,
+  window: "Grey levels", windowTip: "Black and white of the slices. A right drag on one does the same.", colours: "Colours", coloursTip: "Grey, or the colours of the volume over it.", grey: "Grey", transfer: "Of the volume",
+  sampling: "Voxels", samplingTip: "Interpolated, or as they are.", linear: "Interpolated", nearest: "As they are", side: "Side", sideTip: "Where the patient's left is.", sides: { radiological: ["Radiological", "left at the right"], neurological: ["Neurological", "left at the left"] },
+  save: "Save as a picture", outlines: "Shown in the volume", outlinesTip: "Outlines of the slices.",
+};
+
+export const markWords = {
+  title: "Measurements", tool: "Measure", none: "None", some: (n) => (n === 1 ? "1" : String(n)), kinds: { distance: "Distance", polyline: "Path", angle: "Angle", ball: "Ball", box: "Box", profile: "Profile", arrow: "Arrow", text: "Text" },
+  hints: { distance: "Click two points, in a slice or on the volume.", polyline: "Click point by point; a double click or Enter ends the path.", angle: "Click an arm, the corner, the other arm.", ball: "Press in the centre and drag to the rim: the values inside.", box: "Drag from corner to corner: the values inside, one slice thick.",
+    profile: "Click two points: the values along the line.", arrow: "Click where it points, then where it begins.", text: "Click a place." },
+  added: (name) => name, changed: "Measurement", moved: "Point moved", removed: "Measurement removed", named: "Name of a measurement", pointOf: (name, n) => `${name}, point ${n}`, nameOf: (name) => `Name of ${name}`, nothingThere: "Nothing is seen there.", show: "Show",
+  snap: "Snap to edges within", snapTip: "Points go to the half-value surface that is nearest, at most so many pixels away; 0: they stay where they are put.", atCrosshair: "Point at the crosshair", atCrosshairTip: "Space in a slice does the same.", done: "End the path",
+  csv: "Save as CSV", clear: "Remove all", file: "measurements.csv", profileFile: "profile.csv", profileCsv: "Save the profile as CSV", points: (unit, world) => `Points, ${unit}${world === "unknown" ? "" : `, ${world}`}`,
+  count: "Voxels", mean: "Mean", deviation: "Standard deviation", range: "Range", median: "Median", quartiles: "Quartiles", tails: "5 % and 95 %", volume: "Volume of the voxels", exactVolume: "Exact volume", radius: "Radius", histogram: "Histogram of the values", profileOf: (low, high) => `Values along the line, ${low} to ${high}`,
+};
+
+export const filmWords = {
+  title: "Film", time: "Time in the film", add: "Add a key", removed: "Key removed", loaded: "Film loaded", moved: "Key moved", turntable: "Turntable", go: "Go there", update: "Replace", play: "Play", pause: "Pause", key: (n) => `Key ${n}`,
+  fps: "Frames a second", perSecond: (n) => `${n} a second`, save: "Save the film", writing: "Writing the film", formats: { mp4: "As MP4", webm: "As WebM", png: "As PNGs, in an archive" }, file: "As keyframes, for chiaro render --film",
+  needsTwo: "A film needs two keys: add one, change the picture, add another.", tooMany: "The film has more keys than can be sent at once; save its keyframes and use chiaro render --film.",
+};
