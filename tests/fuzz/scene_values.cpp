@@ -38,7 +38,7 @@ const Json values =
     Json::parse(R"([null, true, false, 0, -0.0, 1, -1, 2, 0.5, 16, 1e-300, 5e-324, -1e-300, 1e-12, 1e12, 1e300,
     1.7976931348623157e308, -1.7976931348623157e308, 2147483647, 2147483648, -2147483649, 9223372036854775807,
     -9223372036854775808, 18446744073709551615, 1e19, "", " ", "nan", "inf", "-inf", "1e999", "-", "0x10", "1,2,3", ";", "@",
-    "sky", "spao", "reference", "transport", "histogram", "visibility", "iso", "mip", "transparent", "probe", "#12345", "anterior",
+    "sky", "spao", "reference", "transport", "histogram", "visibility", "iso", "mip", "minip", "mean", "additive", "transparent", "probe", "#12345", "anterior",
     [], {}, [[]], [{}], [1], [1, 1], [0, 0, 0], [1e308, 1e308, 1e308], [1, 2, 3, 4], [0, 1, 0, 1, 0, 1], [[0, 0, 0, 1]],
     [{"value": 1e308}], [{"value": 1, "opacity": 2}], [{"value": 1, "color": [9, 9, 9]}],
     [{"value": -1e308, "rgb": [0, 0, 0], "opacity": 0}, {"value": 1e308, "rgb": [1, 1, 1], "opacity": 1}],
