@@ -255,3 +255,32 @@ TEST(Interpolation, OfAMediumIsThatOfItsShape) {
         }
     }
 }
+
+// Of a single look: bricks in which nothing is seen go, of coefficients and of the voxels that they were made of.
+TEST(Unseen, OfASplineChangesNoBit) {
+    for (const Interpolation interpolation : {Interpolation::cubic, Interpolation::smooth}) {
+        Shot shot;
+        shot.shape.interpolation = interpolation;
+        shot.lighting.shading = Shading::phong;
+        const DeviceVolume voxels = upload(
+            shot.device, sampled<std::uint8_t>({100, 70, 65},
+                                               [](double x, double y, double z) { return x + y + z < 20 ? 210 : 30; }));
+        const Medium medium = classify(voxels, shot.tf, shot.shape);
+        Progress progress;
+        const auto drawn = [&] {
+            Frame frame(shot.width, shot.height);
+            raycast(shot.device, medium, {}, shot.lighting, make_camera({}, voxels.geometry(), voxels.dimensions()),
+                    shot.rays, frame, progress);
+            return frame;
+        };
+        const Frame before = drawn();
+        EXPECT_GT(mean_alpha(before), 0.001);
+        discard_unseen(medium);
+        EXPECT_EQ(difference(drawn(), before, 0).max, 0) << to_text(interpolation);
+        const DeviceVolume::Data& data = medium.data().volume.data();
+        for (const VoxelBuffer* buffer : {&data.coefficients, &data.bricks, &voxels.data().bricks})
+            EXPECT_GT(std::count(buffer->data(), buffer->data() + buffer->size(), std::byte(0)),
+                      0.9 * double(buffer->size()))
+                << to_text(interpolation);
+    }
+}

@@ -6,6 +6,7 @@
 #include "illumination/cells/launch_gpu.h"
 #include "volume/device_view.h"
 #include "volume/float3.h"
+#include "volume/occupancy.h"
 
 namespace chiaro {
 namespace {
@@ -52,7 +53,8 @@ public:
     CellClassifier(const Medium::Data& medium, CellValues& out)
         : out_(out),
           entries_(opacity_entries(medium, out.grid)),
-          kernel_(opacity_kernel<Voxel>(medium, out.grid, entries_)) {
+          kernel_(opacity_kernel<Voxel>(medium, out.grid, entries_)),
+          occupancy_{medium.cells.data(), medium.volume.data().cells.count[0], medium.volume.data().cells.count[1]} {
         if (!entries_.empty() && sizeof(Voxel) <= 2)
             for (std::size_t v = 0; v < std::size_t(1) << (8 * sizeof(Voxel)); ++v)
                 of_stored_.push_back(kernel_.of_stored(float(v)));
@@ -66,12 +68,18 @@ public:
         else if (kernel_.cells.are_voxels)
             copy_row(x0, x1, y, z, row);
         else
-            for (int x = x0; x < x1; ++x) row[x] = kernel_.between_voxels(x, y, z);
+            for (int x = x0; x < x1; ++x) row[x] = is_seen(x, y, z) ? kernel_.between_voxels(x, y, z) : 0;
         for (int x = x0; kernel_.cells.plane_count > 0 && x < x1; ++x)
             if (kernel_.cells.is_clipped(x, y, z)) row[x] = 0;
     }
 
 private:
+    /// Whether anything may be seen around a cell; where nothing is, no value needs to be found.
+    bool is_seen(int x, int y, int z) const {
+        const auto voxel = kernel_.volume.voxel(kernel_.volume.clamp(kernel_.cells.of(x, y, z)));
+        return occupancy_.cells[occupancy_.index<float>(voxel)] & 1;
+    }
+
     /// Straight through the bricks: voxel i lies in the brick of interval min(i, n - 2).
     void copy_row(int x0, int x1, int y, int z, std::uint16_t* row) const {
         while (x0 < x1) {
@@ -90,6 +98,7 @@ private:
     CellValues& out_;
     const std::vector<std::uint16_t> entries_;
     const kernel::CellOpacityKernel<Voxel> kernel_;
+    const kernel::OccupancyView occupancy_;
     std::vector<std::uint16_t> of_stored_;  ///< opacities by stored value
 };
 
