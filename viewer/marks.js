@@ -49,6 +49,13 @@ export async function makeMarks(app) {
     const answer = await app.link.ask("snap", { at: point, reach_mm, normal }).catch(() => null);
     return answer?.hit ? answer.at : point;
   }
+  /** Of a path the second press of two at one place, with a mouse or a finger. */
+  let lastPress = { x: 0, y: 0, at: 0 };
+  function isDouble(x, y) {
+    const was = lastPress;
+    lastPress = { x, y, at: performance.now() };
+    return kind === "polyline" && lastPress.at - was.at < 400 && Math.hypot(x - was.x, y - was.y) < 6;
+  }
   /** @param {number[]} point @param {{mm: number, least?: number, normal?: any, step?: any}} where */
   const place = (point, where) => (chain = chain.then(async () => {
     const at = await snapped(point, Math.max(reach * where.mm, where.least ?? 0), where.normal ?? null);
@@ -95,6 +102,7 @@ export async function makeMarks(app) {
     /** A press on a slice: the first point; a drag from it places the second. */
     pressOn({ view, x, y }) {
       if (ui.tool !== "measure") return null;
+      if (isDouble(x, y)) return api.end(), () => {};
       const where = { mm: view.s, normal: view.section.normal, step: view.section.step };
       pressed = { where, moved: false, at: null };
       place(pixelToWorld(view, x, y), where);
@@ -125,6 +133,7 @@ export async function makeMarks(app) {
       store.redraw();
     },
     clicked(x, y, seen) {
+      if (isDouble(x, y)) return api.end();
       if (!seen) return app.states.say(w.nothingThere);
       place(seen.world_mm, { mm: onVolume().mm(seen.world_mm), least: 2 * Math.min(...app.volume.spacing_mm) });
     },

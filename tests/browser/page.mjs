@@ -1,12 +1,14 @@
-// A headless Chromium that remembers what went wrong in a page.
-import { chromium } from "playwright-core";
+// A headless browser that remembers what went wrong in a page.
+import playwright from "playwright-core";
 import { existsSync } from "node:fs";
 
 const executablePath = [process.env.CHROMIUM, "/usr/bin/chromium", "/usr/bin/chromium-browser"].find(
   (path) => path && existsSync(path),
 );
 
-export const launch = () => chromium.launch({ executablePath, args: ["--no-sandbox"] });
+/** Chromium; or Firefox over WebDriver BiDi, where CHIARO_FIREFOX names the program. */
+export const firefox = process.env.CHIARO_FIREFOX;
+export const launch = () => (firefox ? playwright._bidiFirefox.launch({ executablePath: firefox }) : playwright.chromium.launch({ executablePath, args: ["--no-sandbox"] }));
 
 /** Waits for the frame in which the page shows what was done to it. */
 export const drawn = (page) =>

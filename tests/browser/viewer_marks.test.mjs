@@ -304,6 +304,12 @@ visit("with fingers: two taps measure, and the points can be dragged", async (pa
   await page.touchscreen.tap(box.x + 60, box.y + 50);
   await page.touchscreen.tap(box.x + 120, box.y + 70);
   await count(page, 1);
+  await page.click("[data-kind=polyline]");
+  for (const [x, y] of [[30, 30], [80, 60], [100, 90], [100, 90]]) await page.touchscreen.tap(box.x + x, box.y + y);
+  await count(page, 2);
+  assert.equal((await marks(page))[1].points.length, 3, "a double tap ends a path");
+  await page.evaluate(() => chiaro.store.step("undo"));
+  await value(page, 0).click();
   const size = await page.locator(".slice-picture .mark-point").first().boundingBox();
   assert.ok(size.width >= 44 && size.height >= 44);
   assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth && document.querySelector("#sections").scrollWidth <= document.querySelector("#sections").clientWidth));

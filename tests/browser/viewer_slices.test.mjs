@@ -29,6 +29,7 @@ test("a nearest slice shows and tells the file's own numbers", { skip }, () => o
   // numpy: np.floor(np.clip((v - 0) / (65535 - 0), 0, 1) * 255 + 0.5)
   const expected = Array.from({ length: n[0] * n[1] }, (_, at) => Math.floor((fileValue(at % n[0], Math.floor(at / n[0]), k) / 65535) * 255 + 0.5));
   assert.deepEqual(grey, expected);
+  await page.evaluate(() => chiaro.store.set("all", (state) => ({ camera: { ...state.camera, "slices.zoom": 1, "slices.centre": null } }), "camera"));
   for (const [i, j] of [[3, 4], [39, 29], [20, 0]]) {
     await page.mouse.move(...(await place(page, 0, [i, j, k])));
     await page.waitForSelector(`.read b:text-is("${fileValue(i, j, k)}")`);
