@@ -38,18 +38,6 @@ TEST_F(Gpus, EveryWayOfClassifyingAndCompositing) {
         }
 }
 
-TEST_F(Gpus, EveryInterpolation) {
-    for (const Interpolation interpolation : {Interpolation::cubic, Interpolation::smooth}) {
-        Shot shot = shaded();
-        shot.shape.interpolation = interpolation;
-        expect_same(shot, shells_of<std::uint8_t>(40));
-        expect_same(shot, shells_of<float>(40));
-        Volume thick = shells_of<std::uint16_t>(40);
-        thick.geometry.spacing_mm = {1, 1, 2};
-        expect_same(shot, thick);
-    }
-}
-
 TEST_F(Gpus, SeveralRaysAPixelEarlyEndsNoSkippingRaster) {
     const Volume volume = shells_of<std::uint8_t>(40);
     Shot shot = shaded();

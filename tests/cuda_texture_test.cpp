@@ -1,4 +1,4 @@
-// Rays whose samples a GPU's texture units interpolate, against those that are exact.
+// Values between voxels on GPUs: splines, and those of texture units against exact ones.
 #include <random>
 
 #include "cuda_case.h"
@@ -29,6 +29,19 @@ double rms(const Frame& a, const Frame& b) {
 }
 
 }  // namespace
+
+// Splines are the kernels' own: the bits of the CPU, and of thick slices, too.
+TEST_F(Gpus, EveryInterpolation) {
+    for (const Interpolation interpolation : {Interpolation::cubic, Interpolation::smooth}) {
+        Shot shot = shaded();
+        shot.shape.interpolation = interpolation;
+        expect_same(shot, shells_of<std::uint8_t>(40));
+        expect_same(shot, shells_of<float>(40));
+        Volume thick = shells_of<std::uint16_t>(40);
+        thick.geometry.spacing_mm = {1, 1, 2};
+        expect_same(shot, thick);
+    }
+}
 
 // Shown as they are, the largest values differ by no more than each value may.
 TEST_F(Gpus, TextureUnitsKeepToTheirWeights) {

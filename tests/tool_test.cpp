@@ -119,7 +119,7 @@ TEST_F(Tool, InfoGivesJson) {
     const auto info = nlohmann::json::parse(tool("info sample:ball:16 --json").out);
     for (const char* key :
          {"file", "format", "dimensions", "type", "components", "spacing_mm", "origin_mm", "direction", "world",
-          "range", "percentiles", "histogram", "nonfinite", "modality_guess", "preset_guess", "notes"})
+          "range", "percentiles", "noise", "histogram", "nonfinite", "modality_guess", "preset_guess", "notes"})
         EXPECT_TRUE(info.contains(key)) << key;
     EXPECT_EQ(info["dimensions"], nlohmann::json({16, 16, 16}));
     EXPECT_EQ(info["histogram"]["counts"].size(), 256u);

@@ -35,6 +35,7 @@ OrderedJson info_of(const Volume& volume, const Statistics& s, const Guess& gues
     OrderedJson json = json_of(volume);
     json["range"] = {s.min, s.max};
     json["percentiles"] = {{"1", s.p1}, {"50", s.p50}, {"99", s.p99}, {"99.9", s.p999}};
+    json["noise"] = s.noise;
     json["histogram"] = {{"min", s.min}, {"max", s.max}, {"counts", s.histogram}};
     json["nonfinite"] = s.nonfinite;
     json["modality_guess"] = guess.modality;
