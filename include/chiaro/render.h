@@ -39,8 +39,8 @@ struct RaySettings {
     Compositing compositing = Compositing::front_to_back;  ///< back to front no ray ends early
     int samples_per_pixel = 1;                             ///< rays through a pixel, averaged
     RaySetup ray_setup = RaySetup::box;
-    double early_termination = 0.005;  ///< stop a ray at this remaining transmittance; 0: never
-    bool skip_empty = true;            ///< jump over cells that the transfer function leaves empty
+    double early_termination = 0.005;     ///< stop a ray at this remaining transmittance; 0: never
+    bool skip_empty = true;               ///< jump over cells that the transfer function leaves empty
     std::shared_ptr<const RayEnds> ends;  ///< none: rays end where the volume does. Paths refuse them
     bool operator==(const RaySettings&) const = default;
 };
