@@ -88,9 +88,9 @@ export function toScene(camera, box) {
   return { ...rest, "camera.eye": viewOf(bent, box).eye, "camera.target": target };
 }
 
-/** The page's camera of a scene's: named views and eyes become an orbit. */
+/** The page's camera of a scene's: named views and eyes become an orbit; of another program's matrix there is none. */
 export function fromScene(camera, box, world) {
-  const { "camera.eye": eye, "camera.target": target, "camera.view": named, "camera.model": _, ...rest } = camera;
+  const { "camera.eye": eye, "camera.target": target, "camera.view": named, "camera.model": _, "camera.matrix": _matrix, ...rest } = camera;
   if (named) return { ...rest, ...namedView(named, world, upOf(rest)) };
   if (!eye || !target) return rest;
   const [azimuth, elevation] = anglesOf(add(eye, target, -1), upOf(rest));

@@ -78,6 +78,7 @@ export const table = {
   zoom: { place: "camera", label: "Zoom", low: 0.1, high: 20, step: 0.01, log: true, unit: "×" },
   up: { place: "camera", label: "Up" },
   aperture: { place: "camera", label: "Aperture", low: 0, high: 50, step: 0.5, unit: "mm" },
+  "camera-matrix": { place: "hidden" }, // another program's camera
   focus: { place: "hidden" }, // the centre, or what a double click chose
   // Picture.
   background: { place: "picture" },
