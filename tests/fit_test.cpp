@@ -37,6 +37,7 @@ struct Shown {
     explicit Shown(const std::string& volume, int width = 240, int height = 180) {
         scene = scene_of_volume(volume);
         scene.illumination.method = Method::none;
+        scene.interpolation = Interpolation::linear;  // which is fitted
         scene.width = width, scene.height = height;
         session.show(read_volume(scene, progress), progress);
     }

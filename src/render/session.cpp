@@ -99,8 +99,8 @@ struct Session::State {
         return lighting;
     }
 
-    /// The scene's camera with the ball that it fits, of the medium that is at hand when it is first asked for; zoom
-    /// changes nothing about that.
+    /// The scene's camera with the ball that it fits, of values that are linear between voxels: so that drafts and
+    /// final pictures have one. Zoom changes nothing about it.
     CameraSettings fitted(const Scene& scene, Progress& progress) {
         CameraSettings camera = scene.camera;
         look_from(camera, upload.result.geometry().world);
@@ -110,7 +110,7 @@ struct Session::State {
         rays.ends = nullptr;
         const auto [width, height] = std::pair(scene.width, scene.height);
         redo("fit", fit, {classify.version, camera, rays, {width, height}}, [&](CameraSettings& found) {
-            found = fit_camera(device, medium, camera, rays, width, height, progress);
+            found = fit_camera(device, classify.result.medium, camera, rays, width, height, progress);
         });
         camera = fit.result, camera.zoom = scene.camera.zoom;
         return camera;
@@ -255,8 +255,8 @@ const Image& Session::render(const Scene& scene, Progress& progress, const Previ
     const CancelScope scope(progress);
     State& s = *state_;
     s.redo_up_to_classify(scene, progress);
-    s.redo_interpolate(scene, progress);  // first: a smoothed speck is nothing to fit
     s.camera = s.fitted(scene, progress);
+    s.redo_interpolate(scene, progress);
     const Medium& medium = s.medium;
     const Version version = s.medium_version(scene);
     const Camera camera = s.camera_of(s.camera);
