@@ -331,7 +331,7 @@ TEST_F(Gpus, KeepTheLightThatTheyFound) {
 
 TEST_F(Gpus, SessionsOfOneVolumeSideBySide) {
     Scene scene;
-    scene.width = 61, scene.height = 47;
+    scene.width = 61, scene.height = 47, scene.interpolation = Interpolation::linear;
     scene.illumination.method = Method::spao;
     scene.transfer.points = two_materials();
     Progress progress;
