@@ -55,7 +55,7 @@ export function makeMarkRows(app, marks) {
     if (key === detailsOf || (mark && details.contains(document.activeElement) && app.store.dragging)) return;
     detailsOf = key;
     if (!mark) return details.replaceChildren();
-    if (details.dataset.of !== `${i} ${mark.kind} ${mark.points.length}`) {
+    if (!details.lastChild || details.dataset.of !== `${i} ${mark.kind} ${mark.points.length}`) {
       details.dataset.of = `${i} ${mark.kind} ${mark.points.length}`;
       const points = mark.points.length > 12 ? [] : mark.points.map((_, n) => {
         const fields = words.axes.map((axis, k) => numberField(app, { label: `${w.pointOf(marks.nameOf(mark, i), n + 1)} ${axis}`, low: -1e9, high: 1e9, step: Math.min(...app.volume.spacing_mm), now: () => marks.list()[i].points[n][k], text: () => short(marks.list()[i]?.points[n]?.[k] ?? 0, 6),
