@@ -14,8 +14,6 @@ using namespace chiaro::testing;
 
 namespace {
 
-constexpr CameraSettings along_x{.azimuth_deg = 0, .elevation_deg = 0, .projection = Projection::orthographic};
-
 Frame depths(const Shot& shot, const Volume& volume) {
     Frame frame(shot.width, shot.height);
     Progress progress;
@@ -40,15 +38,10 @@ std::pair<Vec3, Vec3> ray_of(const Camera& camera, const Frame& frame, int colum
 
 // T = exp(-κ s) is ½ at s = ln 2 / κ behind the entry, whatever the step.
 TEST(Depth, OfConstantExtinctionIsLogarithmOfTwo) {
-    Volume volume = sampled<std::uint8_t>({65, 33, 33}, [](double, double, double) { return 100; });
-    volume.geometry.spacing_mm = {0.5, 1, 1.25};
-    Shot shot;
-    shot.camera = along_x;
-    shot.tf = constant(0.1);
-    shot.tf.opacity_unit_is_mm = true;
-    const double way_mm = std::log(2) / -std::log1p(-0.1);
-    const Camera camera = make_camera(shot.camera, volume.geometry, volume.dimensions);
-    const double entry_mm = dot(volume.geometry.world_from_voxel({64, 16, 16}) - camera.eye, camera.forward);
+    ConstantExtinction scene;
+    const Volume& volume = scene.volume;
+    Shot& shot = scene.shot;
+    const double way_mm = std::log(2) / scene.per_mm, entry_mm = scene.entry_mm;
     for (const double step : {0.3, 1.0, 7.0})
         for (const auto way : {Classification::post, Classification::pre, Classification::preintegrated})
             for (const bool skip : {false, true}) {

@@ -82,6 +82,25 @@ struct Shot {
     }
 };
 
+inline constexpr CameraSettings along_x{.azimuth_deg = 0, .elevation_deg = 0, .projection = Projection::orthographic};
+
+/// Constant extinction, 32 mm of it along the rays.
+struct ConstantExtinction {
+    Volume volume = sampled<std::uint8_t>({65, 33, 33}, [](double, double, double) { return 100; });
+    Shot shot;
+    double per_mm = -std::log1p(-0.1);
+    double entry_mm;  ///< from the eye
+
+    ConstantExtinction() {
+        volume.geometry.spacing_mm = {0.5, 1, 1.25};
+        shot.camera = along_x;
+        shot.tf = constant(0.1);
+        shot.tf.opacity_unit_is_mm = true;
+        const Camera camera = make_camera(along_x, volume.geometry, volume.dimensions);
+        entry_mm = dot(volume.geometry.world_from_voxel({64, 16, 16}) - camera.eye, camera.forward);
+    }
+};
+
 /// Largest absolute difference, and how many pixels differ by more than `tolerance`.
 struct Difference {
     double max = 0;

@@ -10,8 +10,6 @@ using namespace chiaro::testing;
 
 namespace {
 
-constexpr CameraSettings along_x{.azimuth_deg = 0, .elevation_deg = 0, .projection = Projection::orthographic};
-
 /// The pick in the middle of a picture, whose ray is the volume's x axis, met from its far end.
 std::optional<Pick> middle(const Shot& shot, const Volume& volume, double x = 30.5, double y = 23.5) {
     return pick(classify(upload(shot.device, volume), shot.tf, shot.shape),

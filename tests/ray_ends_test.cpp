@@ -13,7 +13,6 @@ using namespace chiaro::testing;
 namespace {
 
 constexpr float never = std::numeric_limits<float>::infinity();
-constexpr CameraSettings along_x{.azimuth_deg = 0, .elevation_deg = 0, .projection = Projection::orthographic};
 
 /// The same everywhere, or by pixel.
 template <class Mm>
@@ -32,18 +31,12 @@ bool same_bits(const Frame& a, const Frame& b) {
 
 // T = exp(-κ s) of what lies before the end: s mm behind the entry, at any step, whichever way samples are taken.
 TEST(RayEnds, CutConstantExtinctionWhereTheySay) {
-    Volume volume = sampled<std::uint8_t>({65, 33, 33}, [](double, double, double) { return 100; });
-    volume.geometry.spacing_mm = {0.5, 1, 1.25};
-    Shot shot;
-    shot.camera = along_x;
-    shot.tf = constant(0.1);
-    shot.tf.opacity_unit_is_mm = true;
-    const double kappa = -std::log1p(-0.1);
-    const Camera camera = make_camera(along_x, volume.geometry, volume.dimensions);
-    const double entry = dot(volume.geometry.world_from_voxel({64, 16, 16}) - camera.eye, camera.forward);
+    ConstantExtinction scene;
+    const Volume& volume = scene.volume;
+    Shot& shot = scene.shot;
     for (const double s : {-3.0, 0.0, 4.321, 17.0, 32.0, 50.0}) {
-        shot.rays.ends = ends(shot, [&](int, int) { return entry + s; });
-        const double expected = -std::expm1(-kappa * std::clamp(s, 0.0, 32.0));
+        shot.rays.ends = ends(shot, [&](int, int) { return scene.entry_mm + s; });
+        const double expected = -std::expm1(-scene.per_mm * std::clamp(s, 0.0, 32.0));
         for (Isa isa : available_isas())
             for (const auto way : {Classification::post, Classification::pre, Classification::preintegrated})
                 for (const auto order : {Compositing::front_to_back, Compositing::back_to_front})

@@ -100,7 +100,9 @@ void scatter(const Device& device, const Medium::Data& medium, const Lighting& l
     const auto memory = std::make_shared<TransportMemory>(warm.data().memory ? *warm.data().memory : TransportMemory{});
     const Vec3 up = lighting.probe_up.value_or(Vec3{0, 0, 1});
     const Geometry& geometry = medium.volume.geometry();
-    const std::array<float, 3> most = max_on_a_surface(unexposed, up, geometry);
+    // Pictures of particles alone look at opaque cells from outside.
+    const std::array<float, 3> most =
+        shows_surfaces(settings) ? std::array<float, 3>{} : max_on_a_surface(unexposed, up, geometry);
     std::shared_ptr<const TransportLight> before = warm.data().transport;
     const auto keep = [&](TransportNodes nodes, bool is_coarse) {
         auto data = std::make_shared<IlluminationField::Data>();

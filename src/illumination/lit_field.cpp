@@ -48,8 +48,8 @@ kernel::CutLight light_on_cuts(const Lighting& lighting, Vec3 orbit_up, const Me
 }
 
 LitField lit_by_visibility(const std::shared_ptr<const LitNodes>& nodes, bool surfaces, const Lighting& lighting,
-                           Vec3 orbit_up, const Medium::Data& medium) {
-    const auto lit = nodes->light({lighting, orbit_up, medium.volume.geometry(), surfaces});
+                           Vec3 orbit_up, const Medium::Data& medium, bool particles = true) {
+    const auto lit = nodes->light({lighting, orbit_up, medium.volume.geometry(), surfaces, particles});
     HostArrays arrays;
     arrays.add(lit, lit->light);
     arrays.add(lit, lit->surface);
@@ -95,7 +95,7 @@ LitField particles_by_transport(const IlluminationField::Data& data, const Light
 LitField surfaces_by_transport(const IlluminationField::Data& data, const Lighting& lighting, const Camera& camera,
                                const Medium::Data& medium) {
     const TransportNodes& nodes = data.transport->nodes();
-    LitField lit = lit_by_visibility(nodes.seen, true, lighting, camera.orbit_up, medium);
+    LitField lit = lit_by_visibility(nodes.seen, true, lighting, camera.orbit_up, medium, false);
     const Geometry& geometry = medium.volume.geometry();
     const auto shown = data.transport->shown(Look::surfaces);
     kernel::VisibilityView& view = std::get<kernel::VisibilityView>(lit.view);

@@ -3,8 +3,6 @@
 #include <numbers>
 
 #include "core/threads.h"
-#include "illumination/probe/lambert.h"
-#include "illumination/probe/light.h"
 #include "illumination/visibility/gpu.h"
 #include "illumination/visibility/launch.h"
 #include "illumination/visibility/sweep.h"
@@ -51,7 +49,7 @@ std::shared_ptr<const LitLight> LitNodes::light(const ProbeLight& probe) const {
     const Lighting& l = probe.lighting;
     const Axes rows = transposed(grid_from_world(probe.geometry));
     const Inputs inputs{l.loaded_probe, l.probe.rotation_deg, exposure_stops(l), l.strength, probe.orbit_up,
-                        rows,           probe.surfaces};
+                        rows,           probe.surfaces,       probe.particles};
     const std::lock_guard lock(mutex_);
     if (of_ != inputs) {
         kept_ = find(probe, rows);
@@ -85,6 +83,27 @@ std::vector<std::uint8_t> LitNodes::sunlit(Vec3 direction, double node_edges) co
     return share;
 }
 
+void LitNodes::light_particles(const ShLight& from, const LambertTable& table, LitLight& lit) const {
+    constexpr std::size_t spare = 8;  // look-ups read two nodes at a time
+    lit.light = VoxelBuffer((nodes_.grid.size() * 4 + spare) * sizeof(kernel::Light16));
+    kernel::LightKernel light{nodes_.view(),
+                              light_on_particles(nodes_, from),
+                              {},
+                              lit.view.strength,
+                              reinterpret_cast<kernel::Light16*>(lit.light.data())};
+    // Nothing is brighter than where nothing stops the light.
+    const double all = std::sqrt(4 * pi);  // V_00 there
+    std::array<double, 3> scale;
+    for (int k = 0; k < 3; ++k) {
+        double brightest = std::max(from.mean[k], 1e-30);
+        for (const LambertTable::Entry& entry : table.entries) brightest = std::max(brightest, all * entry[k][0] / pi);
+        scale[k] = brightest / kernel::Light16::most;
+        light.per_unit[k] = float(1 / scale[k]);
+    }
+    light_all(light);
+    lit.view.light = {light.light, view_of(nodes_.grid), {float(scale[0]), float(scale[1]), float(scale[2])}};
+}
+
 std::shared_ptr<const LitLight> LitNodes::find(const ProbeLight& probe, const Axes& rows) const {
     const int bands = nodes_.coefficients == 4 ? 2 : 4;
     const ShLight from = sh_light(probe.lighting, probe.orbit_up, probe.geometry, nodes_.window, bands);
@@ -100,42 +119,20 @@ std::shared_ptr<const LitLight> LitNodes::find(const ProbeLight& probe, const Ax
     lit->surface = light_on_surfaces(nodes_, table);
     const kernel::SurfaceLight surface{lit->surface.empty() ? nullptr : lit->surface.data(), (table.edge + 1) / 2,
                                        float(nodes_.step(0) / std::sqrt(4 * pi))};
-    constexpr std::size_t spare = 8;  // look-ups read two nodes at a time
-    lit->light = VoxelBuffer((nodes_.grid.size() * 4 + spare) * sizeof(kernel::Light16));
-
-    // Nothing is brighter than where nothing stops the light.
-    const double all = std::sqrt(4 * pi);  // V_00 there
-    std::array<double, 3> brightest;
-    for (int k = 0; k < 3; ++k) {
-        brightest[k] = std::max(from.mean[k], 1e-30);
-        for (const LambertTable::Entry& entry : table.entries)
-            brightest[k] = std::max(brightest[k], all * entry[k][0] / pi);
-    }
-    const double strength = probe.lighting.strength;
-    kernel::LightKernel light{nodes_.view(),
-                              light_on_particles(nodes_, from),
-                              {},
-                              {float(strength), float((1 - strength) * all / nodes_.step(0))},
-                              reinterpret_cast<kernel::Light16*>(lit->light.data())};
-    std::array<double, 3> scale;
-    for (int k = 0; k < 3; ++k) {
-        scale[k] = brightest[k] / kernel::Light16::most;
-        light.per_unit[k] = float(1 / scale[k]);
-    }
-    light_all(light);
-
-    lit->view = {.light = {light.light, view_of(nodes_.grid), {float(scale[0]), float(scale[1]), float(scale[2])}},
+    const double strength = probe.lighting.strength, all = std::sqrt(4 * pi);
+    lit->view = {.light = {},
                  .grid = view_of(nodes_.grid),
                  .harmonics = nodes_.view(),
                  .surface = surface,
                  .sun = {},
-                 .strength = light.strength,
+                 .strength = {float(strength), float((1 - strength) * all / nodes_.step(0))},
                  .grid_x = float3(rows[0]),
                  .grid_y = float3(rows[1]),
                  .grid_z = float3(rows[2]),
                  .edge_voxels = float3((1 / node_edges) * nodes_.grid.voxels_per_cell),
                  .lift_edges = float(surface_lift * node_edges),
                  .scattered = {}};
+    if (probe.particles) light_particles(from, table, *lit);
     if (sun)
         lit->view.sun = {lit->sunlit.data(), float3(sun->direction),
                          float3(4 * Vec3{sun->light[0], sun->light[1], sun->light[2]})};

@@ -7,7 +7,8 @@
 #include <mutex>
 #include <optional>
 
-#include "illumination/sh/rotation.h"
+#include "illumination/probe/lambert.h"
+#include "illumination/probe/light.h"
 #include "illumination/visibility/field.h"
 #include "illumination/visibility/nodes.h"
 
@@ -18,7 +19,8 @@ struct ProbeLight {
     const Lighting& lighting;
     Vec3 orbit_up;
     const Geometry& geometry;
-    bool surfaces;  ///< where matter has them, by Lambert's law
+    bool surfaces;          ///< where matter has them, by Lambert's law
+    bool particles = true;  ///< E of the nodes, too; transport has its own
 };
 
 /// Where most of a probe's light comes from.
@@ -59,12 +61,13 @@ private:
         double rotation_deg, exposure_stops, strength;
         Vec3 orbit_up;
         Axes rows;  ///< from the world's axes to the grid's
-        bool surfaces;
+        bool surfaces, particles;
 
         bool operator==(const Inputs&) const = default;
     };
     std::shared_ptr<const LitLight> find(const ProbeLight& probe, const Axes& rows) const;
     void light_all(const kernel::LightKernel& light) const;
+    void light_particles(const ShLight& from, const LambertTable& table, LitLight& lit) const;
     /// T towards the sun.
     std::vector<std::uint8_t> sunlit(Vec3 direction, double node_edges) const;
 
