@@ -18,7 +18,7 @@ struct Location {
 template <class Voxel>
 struct VolumeView;
 template <class F, class Voxel>
-static Vec3<F> mean_gradient(const VolumeView<Voxel>& volume, const Vec3<F>& p);
+static CHIARO_NOINLINE Vec3<F> mean_gradient(const VolumeView<Voxel>& volume, const Vec3<F>& p);
 
 /// The voxel whose interval [i, i + 1] holds a point, per axis.
 template <class F>
