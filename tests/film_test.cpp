@@ -31,6 +31,7 @@ Scene at(const Film& film, int frame) { return frame_of(film, Geometry(), {16, 1
 }  // namespace
 
 class FilmFiles : public FolderTest {};
+class FilmTool : public ToolTest {};
 
 TEST(Film, KeysAreMetExactlyAndTurntablesTurnEvenly) {
     const Film film = film_of({{0, scene_with(0)}, {1, scene_with(120)}, {2, scene_with(-120)}, {3, scene_with(0)}});
@@ -147,7 +148,7 @@ TEST(Film, AFileComesBackAndWrongOnesAreASentence) {
             "sampling.step");
 }
 
-TEST_F(FilmFiles, TheToolWritesItsFramesAndGoesOnWhereItWasStopped) {
+TEST_F(FilmTool, WritesItsFramesAndGoesOnWhereItWasStopped) {
     const auto run = [&](const std::string& arguments) {
         return std::system((std::string(CHIARO_BIN) + "/chiaro render --quiet " + arguments + " 2>/dev/null").c_str());
     };

@@ -152,7 +152,9 @@ TEST_F(ServerUpload, MoreThanIsHeldInMemoryIsNeverHeldInMemory) {
     const auto head = connection.read_until("\r\n", 60);
     ASSERT_TRUE(head);
     EXPECT_NE(head->find(" 200 "), std::string::npos) << *head;
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // which keep memory of their own
     EXPECT_LT(most, before + (40 << 20));
+#endif
     ASSERT_EQ(files().size(), 1u);
     EXPECT_EQ(fs::file_size(files()[0]), whole);
 }
