@@ -168,6 +168,7 @@ export function settingRow(app, s) {
   if (s.flag === "up") return choiceRow(app, { ...s, tip, options: ["+x", "-x", "+y", "-y", "+z", "-z"].map((n) => [n, n]), value: () => now() ?? "+z", change });
   if (s.flag === "shading") return choiceRow(app, { ...s, tip, options: [["none", words.choices.none], ["lambert", words.choices.lambert], ["phong", words.choices.phong]],
     value: () => ({ true: "phong", false: "none" })[String(now())] ?? now(), change: (v) => change({ phong: true, none: false }[v] ?? v) });
+  if (s.kind === "switch") return choiceRow(app, { ...s, tip, options: [[false, words.choices.off], [true, words.choices.on]], value: () => now() ?? false, change });
   if (s.kind === "choice") return choiceRow(app, { ...s, tip, options: s.choices.map((c) => [c, nameOf(c)]), value: now, change });
   const least = s.lowest ?? s.low, most = s.highest ?? s.high;
   const wrap = s.unit === "°" && s.flag !== "fov" && s.flag !== "elevation";

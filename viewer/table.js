@@ -93,6 +93,8 @@ export const table = {
   "ray-setup": { place: "picture", label: "Ray set-up" },
   "early-termination": { place: "picture", label: "Ends rays at", low: 0, high: 0.1, step: 0.001 },
   interpolation: { place: "picture", label: "Between voxels" },
+  floor: { place: "picture", label: "Floor" },
+  "floor-albedo": { place: "picture", label: "Floor's albedo", low: 0, high: 1, step: 0.01 },
   "no-skip-empty": { place: "hidden" }, // a check of the renderer, the same picture
 };
 

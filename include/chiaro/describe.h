@@ -171,6 +171,14 @@ void describe(Visit&& visit, S& s) {
     visit(Setting{"probe-background", "probe.background", "", "shows the environment map behind the volume"}, s.background);
 }
 
+template <class Visit, SettingsOf<FloorSettings> S>
+void describe(Visit&& visit, S& s) {
+    visit(Setting{"floor", "floor.show", "",
+                  "puts a matte floor under what is visible, which takes its shadow and reflects light; not for modes without light"},
+          s.show);
+    visit(Setting{"floor-albedo", "floor.albedo", "", "share of the light that the floor reflects"}.within(0, 1), s.albedo);
+}
+
 template <class Visit, SettingsOf<IlluminationSettings> S>
 void describe(Visit&& visit, S& s) {
     visit(Setting{"lighting", "lighting.method", "", "method that computes how much light arrives at a sample"},
@@ -319,6 +327,7 @@ void for_each_group(Group&& group, S& scene) {
     group("Camera", scene.camera);
     group("Shading", scene.lighting);
     group("Light probe", scene.lighting.probe);
+    group("Floor", scene.lighting.floor);
     group("Lighting", scene.illumination);
     group("Lighting by spao", scene.illumination.spao);
     group("Lighting by visibility", scene.illumination.visibility);

@@ -35,6 +35,14 @@ struct ProbeSettings {
     bool operator==(const ProbeSettings&) const = default;
 };
 
+/// A matte floor under the lowest of what is visible, perpendicular to the light's up (Camera::orbit_up): it takes
+/// shadows and reflects light; it fades out around the subject, and is not seen from below.
+struct FloorSettings {
+    bool show = false;
+    double albedo = 0.5;
+    bool operator==(const FloorSettings&) const = default;
+};
+
 /// One directional light with Blinn-Phong reflection (Blinn 1977), and what lights from all around.
 struct Lighting {
     Shading shading = Shading::phong;
@@ -44,6 +52,7 @@ struct Lighting {
     Rgb color{1, 1, 1};                         ///< sRGB, as picked
     double strength = 1;                        ///< of the illumination method: A' = 1 - strength (1 - A)
     ProbeSettings probe;
+    FloorSettings floor;
     Probe loaded_probe;            ///< of `probe.source`; none: a white one where an environment map is needed
     std::optional<Vec3> probe_up;  ///< for `illuminate`: Camera::orbit_up of the picture; none: +z
     bool operator==(const Lighting&) const = default;

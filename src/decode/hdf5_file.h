@@ -1,5 +1,6 @@
 // An HDF5 file that cannot lead out of itself, and its identifiers, closed in time.
 #pragma once
+#define H5_USE_110_API  // newer libraries have it too
 #include <hdf5.h>
 
 #include <filesystem>

@@ -7,6 +7,7 @@
 
 #include "illumination/cells/field.h"
 #include "illumination/cells/grid.h"
+#include "illumination/floor/floor_light.h"
 #include "illumination/histogram/light.h"
 #include "illumination/none/field.h"
 #include "illumination/transport/light.h"
@@ -29,6 +30,7 @@ struct IlluminationField::Data {
     std::optional<double> albedo_limit;               ///< of the colours that light was scattered by
     bool surfaces = true;                             ///< matter shows surfaces
     bool is_coarse = false;
+    FloorLight floor;  ///< on a floor under the medium, found when a picture asks
     std::vector<Stage> stages;
 };
 

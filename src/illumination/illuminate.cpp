@@ -7,6 +7,7 @@
 #include "illumination/access.h"
 #include "illumination/cells/normal_offset.h"
 #include "illumination/field.h"
+#include "illumination/floor/floor.h"
 #include "illumination/prepared.h"
 #include "illumination/probe/lambert.h"
 #include "illumination/spao/layers.h"
@@ -93,7 +94,7 @@ std::array<float, 3> max_on_a_surface(const Lighting& lighting, Vec3 orbit_up, c
 void scatter(const Device& device, const Medium::Data& medium, const Lighting& lighting,
              const IlluminationSettings& settings, const Sink& sink, Progress& progress,
              const IlluminationField& warm) {
-    Lighting unexposed = lighting;
+    Lighting unexposed = above_floor(lighting);
     unexposed.probe.exposure = 0;  // a factor, which needs no light to be found again
     StageTimer timer;
     // All fields of this call share it: each leaves the newest solver.

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "classify/clip.h"
+#include "illumination/floor/floor.h"
 #include "illumination/probe/data.h"
 #include "illumination/probe/lambert.h"
 #include "illumination/probe/light.h"
@@ -114,8 +115,9 @@ LitField surfaces_by_transport(const IlluminationField::Data& data, const Lighti
 
 }  // namespace
 
-LitField lit_field(const IlluminationField& field, const Lighting& lighting, const Camera& camera,
+LitField lit_field(const IlluminationField& field, const Lighting& shown, const Camera& camera,
                    const Medium::Data& medium) {
+    const Lighting lighting = above_floor(shown);
     const Vec3 orbit_up = camera.orbit_up;
     const IlluminationField::Data& data = field.data();
     if (data.visibility) return lit_by_visibility(data.visibility, data.surfaces, lighting, orbit_up, medium);

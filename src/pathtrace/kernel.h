@@ -1,5 +1,6 @@
 // The path tracer: light's ways followed backwards from the eye, one path at a time, or sixteen, each at its own stage.
 #pragma once
+#include "illumination/floor/floor_view.h"
 #include "kernel/launch.h"
 #include "kernel/queue.h"
 #include "pathtrace/cloud.h"
@@ -59,6 +60,8 @@ struct PathKernel {
     Box seen, lit;  ///< what the camera looks into; what light passes through
     ClipView clip_view;
     ProbeLightView probe;
+    FloorView floor;
+    std::int32_t floor_material;  ///< its entry in the tables of colours
     std::int32_t max_scatterings;
     float start_mm;          ///< light paths begin this far from where they scatter
     float normal_offset_mm;  ///< and so far above a surface
@@ -86,6 +89,7 @@ struct PathKernel {
             if (any(meeting)) {
                 collisions += select(meeting, I(1), I(0));
                 matter.meet(meeting, path);
+                if (floor.on) leave_floor(meeting, path);
             }
             const Mask<F> waiting = (path.stage >= I(collided)) & (path.stage <= I(ended));
             const Mask<F> busy = path.stage <= I(met);
@@ -172,6 +176,7 @@ private:
             if (const Mask<F> enters = from_outside & !cut.open; any(enters))
                 enter_by_border(ray, box.low, box.high, way.near, enters, cut);
         const Vec3<F> d = ray.direction;
+        if (floor.on) end_at_floor(ray, way);
         path.origin = select(lanes, mad(way.near, d, ray.origin), path.origin);
         path.direction = select(lanes, d, path.direction);
         path.inverse = select<F>(
@@ -181,6 +186,15 @@ private:
         path.end = select(lanes, length, path.end);
         path.stage = select(lanes, select(length > F(0), Int<F>(travelling), Int<F>(escaped)), path.stage);
         matter.begin(lanes, cut, path);
+    }
+
+    /// What lies behind the floor is not met; a way that comes to it first has no length.
+    template <class F>
+    CHIARO_INLINE void end_at_floor(const Ray<F>& ray, Interval<F>& way) const {
+        const F to_floor = floor.distance(ray.origin, ray.direction);
+        const Mask<F> is_first = to_floor < way.near;
+        way.near = select(is_first, F(0), way.near);
+        way.far = select(is_first, F(0), min(way.far, to_floor));
     }
 
     /// From where the path last collided.
@@ -197,10 +211,12 @@ private:
         using I = Int<F>;
         Mask<F> lanes = at_stage(path, collided);
         if (!any(lanes)) return;
-        const Mask<F> spent = lanes & (path.scatterings >= I(max_scatterings));
+        Mask<F> counted = lanes;  // the floor is a part of the light's world, but where the eye sees it
+        if (floor.on) counted = counted & ((path.on_surface != F(on_floor)) | (path.scatterings == I(0)));
+        const Mask<F> spent = counted & (path.scatterings >= I(max_scatterings));
         path.stage = select(spent, I(ended), path.stage);
         lanes = lanes & !spent;
-        path.scatterings += select(lanes, I(1), I(0));
+        path.scatterings += select(lanes & counted, I(1), I(0));
         path.place = select(lanes, mad(path.t, path.direction, path.origin), path.place);
         absorb(path, lanes);
         const Mask<F> goes_on = max(path.throughput.x, max(path.throughput.y, path.throughput.z)) > F(0);
@@ -233,8 +249,9 @@ private:
         const Draw<F> bin = draw_for(lanes, path), within = draw_for(lanes, path);
         const Vec3<F> direction = probe.template towards<F>(bin, within);
         const auto light = probe.template at<F>(direction);
-        const Scattered<F> found = matter.scattered(path, direction);
+        const Scattered<F> found = scattered(path, direction);
         lanes = lanes & (found.light > F(0));
+        if (floor.on) lanes = lanes & !falls(direction);
         const F weight = found.light / max(found.density + light.density, F(1e-30f));
         path.offer = select(lanes, weight * scaled(path.throughput, light.radiance), path.offer);
         path.transmittance = select(lanes, F(1), path.transmittance);
@@ -248,10 +265,12 @@ private:
         using I = Int<F>;
         const Mask<F> lanes = at_stage(path, escaped);
         if (!any(lanes)) return;
-        const Mask<F> asked = lanes & (path.to_light == I(1)), own = lanes & !asked;
+        const Mask<F> asked = lanes & (path.to_light == I(1));
+        Mask<F> own = lanes & !asked;
         path.light = select(asked, mad(path.transmittance, path.offer, path.light), path.light);
         path.to_light = select(asked, I(0), path.to_light);
         path.stage = select(asked, I(turning), select(own, I(ended), path.stage));
+        if (floor.on) own = own & !fall(path, own);
         const Mask<F> lit_ones = own & (path.scatterings > I(0));
         if (!any(lit_ones)) return;
         const auto light = probe.template at<F>(path.heading);
@@ -260,12 +279,62 @@ private:
     }
 
     template <class F>
+    CHIARO_INLINE Mask<F> falls(Vec3<F> direction) const {
+        return dot(Vec3<F>(floor.up), direction) < F(0);
+    }
+
+    /// Of paths that leave downwards those that come to the floor collide with it; the eye sees as much of it as is
+    /// shown. All that fall are returned: below there is no light.
+    template <class F>
+    CHIARO_INLINE Mask<F> fall(Path<F>& path, Mask<F> own) const {
+        const Mask<F> falling = own & falls(path.heading);
+        if (!any(falling)) return falling;
+        const F t = floor.distance(path.origin, path.direction);
+        Mask<F> meets = falling & (t < F(1e30f));
+        const Mask<F> seen = meets & (path.scatterings == Int<F>(0));
+        if (any(seen)) {
+            const Vec3<F> p = mad(t, path.direction, path.origin);
+            const Mask<F> is_there = draw_for(seen, path).a < floor.share(floor.u(p), floor.v(p));
+            meets = meets & (is_there | (path.scatterings > Int<F>(0)));
+        }
+        path.t = select(meets, t, path.t);
+        path.normal = select(meets, Vec3<F>(floor.up), path.normal);
+        path.on_surface = select(meets, F(on_floor), path.on_surface);
+        path.material = select(meets, Int<F>(floor_material), path.material);
+        path.stage = select(meets, Int<F>(collided), path.stage);
+        return falling;
+    }
+
+    /// What collides with particles after the floor is no longer on it.
+    template <class F>
+    CHIARO_INLINE void leave_floor(Mask<F> meeting, Path<F>& path) const {
+        const Mask<F> left = meeting & at_stage(path, collided) & (path.on_surface == F(on_floor));
+        path.on_surface = select(left, F(0), path.on_surface);
+    }
+
+    /// The floor is matte.
+    template <class F>
+    CHIARO_INLINE Scattered<F> scattered(const Path<F>& path, Vec3<F> direction) const {
+        const Scattered<F> found = matter.scattered(path, direction);
+        if (!floor.on) return found;
+        const Mask<F> of_floor = path.on_surface == F(on_floor);
+        const F matte = max(dot(Vec3<F>(floor.up), direction), F(0)) * F(0.318309886f);
+        return {select(of_floor, matte, found.light), select(of_floor, matte, found.density)};
+    }
+    template <class F>
+    CHIARO_INLINE Vec3<F> direction(const Path<F>& path, F u, F v) const {
+        const Vec3<F> found = matter.direction(path, u, v);
+        if (!floor.on) return found;
+        return select(path.on_surface == F(on_floor), around(Vec3<F>(floor.up), sqrt(u), v), found);
+    }
+
+    template <class F>
     CHIARO_INLINE void turn(Path<F>& path) const {
         const Mask<F> lanes = at_stage(path, turning);
         if (!any(lanes)) return;
         const Draw<F> numbers = draw_for(lanes, path);
-        const Vec3<F> direction = matter.direction(path, numbers.a, numbers.b);
-        const Scattered<F> found = matter.scattered(path, direction);
+        const Vec3<F> direction = this->direction(path, numbers.a, numbers.b);
+        const Scattered<F> found = scattered(path, direction);
         const Mask<F> alike = found.light == found.density;
         const F weight = select(alike, F(1), found.light / max(found.density, F(1e-30f)));
         const Mask<F> goes_on = lanes & (weight > F(0));

@@ -17,6 +17,8 @@ enum Stage : std::int32_t {
     idle         ///< there are no more paths
 };
 
+inline constexpr float on_floor = 3;  ///< Path::on_surface
+
 /// Light that is scattered into a direction, its colour left out, and the density with which the direction is drawn;
 /// both per steradian.
 template <class F>
@@ -38,9 +40,9 @@ struct Path {
     Vec3<F> place{F(0), F(0), F(0)};       ///< of the last collision, voxels
     Vec3<F> heading{F(0), F(0), F(1)};     ///< unit, world: away from the eye
     Vec3<F> normal{F(0), F(0), F(0)};      ///< of surfaces: unit, world, on the side the path comes from
-    F on_surface{0};                       ///< the last collision: 0 a particle, 1 a matte surface, 2 its highlight
-    F density{0};                          ///< with which the heading was drawn, per steradian
-    Int<F> material{0};                    ///< entry in the tables of colours
+    F on_surface{0};     ///< the last collision: 0 a particle, 1 a matte surface, 2 its highlight, 3 the floor
+    F density{0};        ///< with which the heading was drawn, per steradian
+    Int<F> material{0};  ///< entry in the tables of colours
 
     // The way it is on.
     Vec3<F> origin{F(0), F(0), F(0)}, direction{F(1), F(1), F(1)};  ///< voxels, voxels per mm

@@ -22,7 +22,7 @@ struct SurfaceCloud : Cloud<Voxel> {
     CHIARO_INLINE void begin(Mask<F> lanes, const Cut<F>& cut, Path<F>& path) const {
         Base::begin(lanes, cut, path);
         path.held = select(lanes, F(0), path.held);
-        const Mask<F> leaving = lanes & (path.on_surface > F(0));
+        const Mask<F> leaving = lanes & (path.on_surface > F(0)) & (path.on_surface < F(on_floor));
         if (any(leaving)) path.held = select(leaving, free_depth(draw_for(leaving, path).a), path.held);
         const Mask<F> cut_open = lanes & cut.open & at_stage(path, travelling);
         if (any(cut_open)) enter_cut(cut_open, cut, path);

@@ -90,6 +90,7 @@ PathTracer::PathTracer(const Device& device, const Medium& medium, const Lightin
       medium_(checked(medium, settings)),
       lighting_(lighting),
       light_(lighting_, camera.orbit_up),
+      floor_(lighting.floor.show ? find_floor(medium.data(), camera.orbit_up) : std::nullopt),
       surface_table_(medium_.data()),
       reflection_(lighting.shading == Shading::phong ? lighting.specular : 0, lighting.shininess),
       majorants_(options.plain ? one_majorant(medium.data()) : make_majorants(medium.data(), device.threads)),
@@ -119,10 +120,11 @@ void PathTracer::make_colours(const PathOptions& options) {
             const float inverse = c.a > 0 ? 1 / c.a : 0;
             add(inverse * c.r, inverse * c.g, inverse * c.b);
         }
-        return;
+    } else {
+        extinction_ = extinctions_of(data);
+        for (const auto& entry : data.table.entries) add(entry.r, entry.g, entry.b);
     }
-    extinction_ = extinctions_of(data);
-    for (const auto& entry : data.table.entries) add(entry.r, entry.g, entry.b);
+    for (auto* of_floor : {&red_, &green_, &blue_}) of_floor->push_back(float(lighting_.floor.albedo));  // the last
 }
 
 template <class Voxel>
@@ -177,6 +179,8 @@ PathTracer::TraceTile PathTracer::tracer_of(const Matter& matter, const Camera& 
         .lit = box_of(volume.dimensions, !Matter::has_cuts),  // or its borders are cuts
         .clip_view = clip_view(medium_.data().shape.clip, volume.geometry, volume.dimensions),
         .probe = light_.view(),
+        .floor = floor_ ? view_of(*floor_, volume.geometry) : kernel::FloorView(),
+        .floor_material = int(red_.size()) - 1,
         .max_scatterings = options.bounces.value_or(unlimited_bounces) + 1,
         .start_mm = Matter::has_cuts ? 0 : float(0.5 * edge * options.start_half_voxels),
         .normal_offset_mm = float(normal_offset_edges * edge),

@@ -9,6 +9,7 @@
 
 #include "classify/medium.h"
 #include "classify/surface_table.h"
+#include "illumination/floor/floor.h"
 #include "pathtrace/gpu.h"
 #include "pathtrace/light_table.h"
 #include "pathtrace/majorants.h"
@@ -70,6 +71,7 @@ private:
     const Medium medium_;
     const Lighting lighting_;
     const LightTable light_;
+    const std::optional<Floor> floor_;
     const SurfaceTable surface_table_;
     const ReflectionTable reflection_;
     const Majorants majorants_;

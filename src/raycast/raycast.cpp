@@ -6,6 +6,7 @@
 #include "illumination/lit_field.h"
 #include "raycast/background.h"
 #include "raycast/cast.h"
+#include "raycast/floor.h"
 #include "raycast/gpu.h"
 #include "raycast/texture.h"
 #include "raycast/views.h"
@@ -103,6 +104,9 @@ RenderStatistics fill(const Device& device, const Medium& medium, const Illumina
     if (settings.ends) arrays.add(settings.ends, settings.ends->mm);
     const Caster cast{device, data, lit, lighting, camera, settings, tables, arrays, target, progress};
     RenderStatistics render_statistics = std::visit(cast, lit.view);
+    if (lighting.floor.show && is_lit(data.shape.mode) && render_statistics.complete)
+        render_statistics.complete =
+            put_floor_behind(device, data, field, lighting, camera, rays_per_pixel(camera, settings), target, progress);
     if (lighting.probe.background && render_statistics.complete)
         render_statistics.complete = put_probe_behind(device, lighting, camera, data.shape.color, target, progress);
     return render_statistics;

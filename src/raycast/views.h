@@ -66,6 +66,9 @@ kernel::ExtremeView extreme_view(const DeviceVolume::Data& volume, Mode mode);
 
 /// Through each pixel, at least, where a lens blurs what is not in focus.
 inline constexpr int lens_rays = 64;
+inline int rays_per_pixel(const Camera& camera, const RaySettings& settings) {
+    return camera.aperture_mm > 0 ? std::max(settings.samples_per_pixel, lens_rays) : settings.samples_per_pixel;
+}
 
 /// Everything but the voxels' type and the field: the members that all kernels share.
 template <class Voxel, class Field>
@@ -105,8 +108,7 @@ kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, cons
         .mode = march_of(medium.shape.mode),
         .way = march_options(settings, medium.shape.mode),
         .step_mm = float(step_mm(settings.step_voxels, volume.geometry, volume.dimensions)),
-        .rays_per_pixel =
-            camera.aperture_mm > 0 ? std::max(settings.samples_per_pixel, lens_rays) : settings.samples_per_pixel,
+        .rays_per_pixel = rays_per_pixel(camera, settings),
         .bounds = {},
     };
 }

@@ -53,6 +53,7 @@ Scene plainly_lit(const Scene& scene, Method method) {
     plain.lighting.shading = Shading::none;
     plain.lighting.strength = 1;
     plain.lighting.probe.background = false;
+    plain.lighting.floor = {};
     if (!has_finer_interpolation(scene)) plain.interpolation = Interpolation::linear;
     plain.sampling.classification = Classification::preintegrated;  // paths miss nothing that a step passes
     plain.sampling.early_termination = 0;

@@ -213,6 +213,10 @@ void check(const Scene& scene, ErrorCode code) {
         throw Error(code,
                     fmt::format("camera: --aperture has no meaning with --mode {}: a value of a whole ray has no depth",
                                 to_text(scene.mode)));
+    if (scene.lighting.floor.show && !is_lit(scene.mode))
+        throw Error(code,
+                    fmt::format("floor: --floor has no meaning with --mode {}: a value of a whole ray casts no shadow",
+                                to_text(scene.mode)));
     const Method method = scene.illumination.method;
     const bool has_probe = !scene.lighting.probe.source.empty() || scene.lighting.loaded_probe;
     if (scene.lighting.probe.background && !has_probe && (method == Method::none || method == Method::spao))

@@ -20,11 +20,12 @@ struct HeldLight {
     Probe probe;
     double rotation_deg = 0;
     Vec3 up;
+    FloorSettings floor;
     bool operator==(const HeldLight&) const = default;
 };
 HeldLight held_light(const Lighting& lighting, const IlluminationSettings& settings) {
     if (!holds_light(settings)) return {};
-    return {lighting.loaded_probe, lighting.probe.rotation_deg, *lighting.probe_up};
+    return {lighting.loaded_probe, lighting.probe.rotation_deg, *lighting.probe_up, lighting.floor};
 }
 
 /// A stage's result, kept with the inputs that made it.

@@ -4,7 +4,9 @@
 
 #include <cmath>
 #include <memory>
+#include <mutex>
 #include <numbers>
+#include <optional>
 
 #include "core/lazy.h"
 #include "core/srgb.h"
@@ -63,7 +65,16 @@ struct Probe::Data : std::enable_shared_from_this<Data> {
         return pieces_([&] { return pieces_of_probe(*this); });
     }
 
+    /// The same light above an open floor of that albedo (illumination/floor); the last one is kept.
+    Probe above_floor(double albedo) const;
+
 private:
+    struct LastFloor {
+        std::mutex mutex;
+        std::optional<double> albedo;
+        Probe probe;
+    };
+    mutable LastFloor floor_;
     Lazy<LambertTable> lambert_;
     Lazy<ProbePieces> pieces_;
     Lazy<double> suitable_stops_;
