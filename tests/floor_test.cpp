@@ -141,16 +141,15 @@ TEST(Floor, AnOpenOneIsAnOpenPlane) {
 }
 
 TEST(Floor, LiveIsTheReference) {
-    for (const char* probe : {"white", "studio"})
-        for (const Method method : {Method::visibility, Method::transport}) {
-            const Lighting lighting = over_floor(probe);
-            IlluminationSettings settings{.method = Method::reference};
-            settings.reference.rays = 64;
-            if (method == Method::visibility) settings.scattering.bounces.most = 0;
-            const double error = block_error(picture({.method = method}, lighting), picture(settings, lighting));
-            if (std::getenv("CHIARO_SHOW")) fmt::print("{} {}: {:.3f}\n", probe, to_text(method), error);
-            EXPECT_LT(error, 0.05) << probe << to_text(method);
-        }
+    for (const auto& [probe, method] : {std::pair{"white", Method::transport}, {"studio", Method::visibility}}) {
+        const Lighting lighting = over_floor(probe);
+        IlluminationSettings settings{.method = Method::reference};
+        settings.reference.rays = 64;
+        if (method == Method::visibility) settings.scattering.bounces.most = 0;
+        const double error = block_error(picture({.method = method}, lighting), picture(settings, lighting));
+        if (std::getenv("CHIARO_SHOW")) fmt::print("{} {}: {:.3f}\n", probe, to_text(method), error);
+        EXPECT_LT(error, 0.05) << probe << to_text(method);
+    }
 }
 
 // Where nothing absorbs light, all is as bright as the sky.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "classify/occupancy_kernel.h"
+#include "core/lazy.h"
 #include "volume/device_volume.h"
 
 namespace chiaro {
@@ -36,6 +37,8 @@ struct LastSegments {
     std::shared_ptr<const SegmentTable> table;
 };
 
+class SurfaceTable;
+
 struct Medium::Data : std::enable_shared_from_this<Data> {
     DeviceVolume volume;
     OpticalTable table;
@@ -43,6 +46,7 @@ struct Medium::Data : std::enable_shared_from_this<Data> {
     std::vector<std::uint8_t> cells;  ///< as volume/occupancy.h reads them
     double occupied_fraction = 0;
     mutable LastSegments last_segments;
+    Lazy<std::shared_ptr<const SurfaceTable>> surface_table;  ///< classify/surface_table.h
 
     void add_to(HostArrays& arrays) const {
         volume.data().add_to(arrays);

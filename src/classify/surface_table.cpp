@@ -25,4 +25,8 @@ SurfaceTable::SurfaceTable(const Medium::Data& medium) {
              .world_z = row({0, 0, 1})};
 }
 
+std::shared_ptr<const SurfaceTable> surface_table_of(const Medium::Data& medium) {
+    return medium.surface_table([&] { return std::make_shared<const SurfaceTable>(medium); });
+}
+
 }  // namespace chiaro

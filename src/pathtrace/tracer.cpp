@@ -91,7 +91,7 @@ PathTracer::PathTracer(const Device& device, const Medium& medium, const Lightin
       lighting_(lighting),
       light_(lighting_, camera.orbit_up),
       floor_(lighting.floor.show ? find_floor(medium.data(), camera.orbit_up) : std::nullopt),
-      surface_table_(medium_.data()),
+      surface_table_(surface_table_of(medium_.data())),
       reflection_(lighting.shading == Shading::phong ? lighting.specular : 0, lighting.shininess),
       majorants_(options.plain ? one_majorant(medium.data()) : make_majorants(medium.data(), device.threads)),
       width_(width),
@@ -144,7 +144,7 @@ PathTracer::TraceTile PathTracer::tracer_through(const Camera& camera, const Lig
                                          .last = float(data.table.entries.size() - 1),
                                          .phase = {float(options.anisotropy)}};
         if (!options.surfaces) return tracer_of(cloud, camera, settings, options);
-        return tracer_of(kernel::SurfaceCloud<Voxel>{cloud, surface_table_.view(), reflection_.view()}, camera,
+        return tracer_of(kernel::SurfaceCloud<Voxel>{cloud, surface_table_->view(), reflection_.view()}, camera,
                          settings, options);
     }
     const kernel::SurfacesView view = surfaces_view(data, false);
@@ -199,7 +199,7 @@ std::unique_ptr<GpuPaths> PathTracer::gpu_tracer_of(const Kernel& kernel) const 
     medium_.data().add_to(arrays);
     light_.add_to(arrays);
     const std::vector<float>* const own[] = {
-        &majorants_.cells, &majorants_.runs, &extinction_, &surface_table_.opacity(), &red_, &green_, &blue_,
+        &majorants_.cells, &majorants_.runs, &extinction_, &surface_table_->opacity(), &red_, &green_, &blue_,
         &points_.x,        &points_.y,       &points_.z,   &reflection_.numbers()};
     for (const auto* numbers : own) arrays.add(*numbers);
     return std::make_unique<GpuTracer<Kernel>>(device_, kernel, arrays, width_, height_);

@@ -72,7 +72,7 @@ private:
     const Lighting lighting_;
     const LightTable light_;
     const std::optional<Floor> floor_;
-    const SurfaceTable surface_table_;
+    const std::shared_ptr<const SurfaceTable> surface_table_;
     const ReflectionTable reflection_;
     const Majorants majorants_;
     std::vector<float> extinction_, red_, green_, blue_;

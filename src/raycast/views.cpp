@@ -200,7 +200,7 @@ RayTables make_tables(const Medium::Data& medium, const RaySettings& settings, i
                                             : step_table(table, integrated ? step_mm : table.unit_mm),
                      {},
                      {}};
-    if (by_surface && mode == Mode::dvr) tables.surface.emplace(medium);
+    if (by_surface && mode == Mode::dvr) tables.surface = surface_table_of(medium);
     if (mode == Mode::dvr && settings.classification == Classification::preintegrated)
         tables.segments = segment_table(medium, step_mm, albedo_limit, threads);
     return tables;

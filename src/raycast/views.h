@@ -35,12 +35,12 @@ std::vector<kernel::Rgba> emission_table(const OpticalTable& table, double step_
 /// What the kernel looks colours up in.
 struct RayTables {
     std::vector<kernel::Rgba> steps;
-    std::optional<SurfaceTable> surface;
+    std::shared_ptr<const SurfaceTable> surface;
     std::shared_ptr<const SegmentTable> segments;  ///< null unless needed
 
     void add_to(HostArrays& arrays) const {
         arrays.add(steps);
-        if (surface) arrays.add(surface->opacity());
+        if (surface) arrays.add(surface, surface->opacity());
         if (!segments) return;
         arrays.add(segments, segments->entries);
         arrays.add(segments, segments->visible_before);

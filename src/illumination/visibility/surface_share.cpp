@@ -26,14 +26,14 @@ Density shares_of_surface(const Medium::Data& medium, const Density& density, co
         return shares;
     }
     const DeviceVolume::Data& volume = medium.volume.data();
-    const SurfaceTable table(medium);
+    const std::shared_ptr<const SurfaceTable> table = surface_table_of(medium);
     const double edge = volume.geometry.smallest_spacing_mm(), wide = grid.edge_mm / edge + 2 * margin_edges;
     const int points = std::clamp(int(std::ceil(wide / apart_edges - 1e-6)), 1, max_points);
     run_steps(device, &progress, [&](auto& executor) {
         const auto made = executor.template output<float>(shares.buffer);
         with_stored_voxel(volume, [&](auto voxel) {
             using Voxel = decltype(voxel);
-            kernel::SurfaceShareKernel<Voxel> kernel{view_of<Voxel>(volume),   table.view(), {}, {}, points, {},
+            kernel::SurfaceShareKernel<Voxel> kernel{view_of<Voxel>(volume),   table->view(), {}, {}, points, {},
                                                      executor.values(density), made.data()};
             for (int axis = 0; axis < 3; ++axis) {
                 const double cells = grid.voxels_per_cell[axis];
@@ -42,7 +42,7 @@ Density shares_of_surface(const Medium::Data& medium, const Density& density, co
                     float((cells + 2 * margin_edges * edge / volume.geometry.spacing_mm[axis]) / points);
             }
             HostArrays arrays;
-            volume.add_to(arrays), arrays.add(table.opacity());
+            volume.add_to(arrays), arrays.add(table, table->opacity());
             executor.exchange(arrays, kernel.volume.voxels, kernel.volume.spline.coefficients, kernel.surface.opacity);
             executor.for_each_node(grid.count, kernel, "surfaces");
             executor.synchronize();
