@@ -127,6 +127,7 @@ Scene mixed_settings(const Scene& a, const Scene& b, double t) {
             }
         },
         scene);
+    scene.read.time = int(std::lround(a.read.time + t * (b.read.time - a.read.time)));  // through all between
     if (a.iso.size() == b.iso.size())
         for (std::size_t i = 0; i < a.iso.size(); ++i) scene.iso[i] = mixed(a.iso[i], b.iso[i], t);
     if (a.transfer.points && b.transfer.points)

@@ -261,6 +261,7 @@ std::string to_json(const Scene& scene) {
     for_each_setting(write, scene);
     if (scene.slices == SliceSettings()) root.erase("slices");
     write_marks(scene.marks, root);
+    if (scene.read.time == 0) root["volume"].erase("time");
     if (scene.read.raw == RawLayout()) root["volume"].erase("raw_endian"), root["volume"].erase("raw_offset");
     return root.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
