@@ -30,6 +30,7 @@ public:
     /// show() found, so that all moments look alike; light is found anew. Throws Error{input} unless it has the same
     /// dimensions.
     CHIARO_EXPORT void show_moment(Volume&& volume, Progress& progress);
+    CHIARO_EXPORT void show_moment(const Volume& volume, Progress& progress);
     /// Promises that all renders to come look like the first one but for the camera, as the frames of a turntable do:
     /// voxels that cannot be seen are then given back. Renders with another transfer function, shape or classification,
     /// or light that needs all voxels, and fields throw Error{internal}.

@@ -120,8 +120,20 @@ struct Session::State {
         upload_by(upload_to, progress);
     }
 
+    /// With what all moments have in common, and nothing else.
+    std::unique_ptr<State> for_moment(const Volume& volume) const {
+        if (volume.dimensions != upload.result.dimensions())
+            throw Error(ErrorCode::input,
+                        fmt::format("moment {} has {} voxels, where the first one has {}", volume.moments.shown,
+                                    to_text(volume.dimensions), to_text(upload.result.dimensions())));
+        auto moment = std::make_unique<State>(device);
+        moment->subject = subject, moment->one_look = one_look, moment->probe = probe;
+        return moment;
+    }
+
     template <class Upload>
     void upload_by(Upload&& upload_to, Progress& progress) {
+        const CancelScope scope(progress);
         progress.report("upload", 0);
         redo("upload", upload, {0}, [&](DeviceVolume& voxels) { voxels = upload_to(device); });
         shown = stages;
@@ -226,17 +238,13 @@ void Session::show(const Volume& volume, Progress& progress) {
 }
 
 void Session::show_moment(Volume&& volume, Progress& progress) {
-    const CancelScope scope(progress);
-    if (volume.dimensions != state_->upload.result.dimensions())
-        throw Error(ErrorCode::input,
-                    fmt::format("moment {} has {} voxels, where the first one has {}", volume.moments.shown,
-                                to_text(volume.dimensions), to_text(state_->upload.result.dimensions())));
-    auto next = std::make_unique<State>(state_->device);
-    next->subject = state_->subject;
-    next->one_look = state_->one_look;
-    next->probe = std::move(state_->probe);
-    state_ = std::move(next);
+    state_ = state_->for_moment(volume);
     state_->upload_by([&](const Device& device) { return upload(device, std::move(volume), progress); }, progress);
+}
+
+void Session::show_moment(const Volume& volume, Progress& progress) {
+    state_ = state_->for_moment(volume);
+    state_->upload_by([&](const Device& device) { return upload(device, volume, progress); }, progress);
 }
 
 void Session::expect_one_look() { state_->one_look = true; }
