@@ -30,4 +30,14 @@ struct Kept {
     Version version = 0;  ///< names the result among the inputs of the stages to its right
 };
 
+struct Classified {
+    TransferFunction tf;
+    Medium medium;
+};
+
+struct Cast {
+    DeviceFrame frame;
+    RenderStatistics render_statistics;
+};
+
 }  // namespace chiaro

@@ -14,19 +14,6 @@
 #include "render/kept.h"
 
 namespace chiaro {
-namespace {
-
-struct Classified {
-    TransferFunction tf;
-    Medium medium;
-};
-
-struct Cast {
-    DeviceFrame frame;
-    RenderStatistics render_statistics;
-};
-
-}  // namespace
 
 struct Session::State {
     explicit State(const Device& where) : device(where.with_own_stream()) {}  // a stream of its own
