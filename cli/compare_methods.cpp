@@ -67,7 +67,7 @@ void MethodsOptions::add_to(CLI::App& app) {
 void compare_on_volume(const MethodsOptions& options, const Limits& limits, bool as_json, const SettingFlags& flags,
                        const CommonOptions& common) {
     const std::vector<Method> methods = methods_in(options.names);
-    const Scene scene = scene_from({options.volume, options.scene, options.data}, flags, common, "compare");
+    Scene scene = scene_from({options.volume, options.scene, options.data}, flags, common, "compare");
     if (!options.output.empty()) check_output(options.output, {".html"});
     (void)limits.broken(metrics_of({}));  // refuses what it does not understand, before long work
     const Device device = device_of(common);

@@ -43,7 +43,7 @@ NrrdEncoding checked(const IlluminateOptions& o, const Scene& scene) {
 }
 
 void run(const IlluminateOptions& o) {
-    const Scene scene = scene_from(o.source, o.flags, o.common, "illuminate");
+    Scene scene = scene_from(o.source, o.flags, o.common, "illuminate");
     const NrrdEncoding encoding = checked(o, scene);
     const Device device = device_of(o.common);
     Session session(device);

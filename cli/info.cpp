@@ -59,11 +59,28 @@ void print_geometry(const Volume& volume) {
     fmt::print("  world       {}\n", name_of(g.world));
 }
 
+/// All moments, as many to a line as there is room for.
+void print_moments(const Moments& moments) {
+    fmt::print("  moments     {}, of which this is {}{}\n", moments.count, moments.shown,
+               moments.times.empty() ? "; when they were taken is not told" : "");
+    std::string line;
+    for (std::size_t i = 0; i < moments.times.size(); ++i) {
+        const std::string number = fmt::format("{:.6g}", moments.times[i]);
+        const bool is_file = moments.unit == "file";
+        const std::string when = fmt::format("{}: {}{}{}", i, is_file ? "file " : "", number,
+                                             is_file || moments.unit.empty() ? "" : " " + moments.unit);
+        if (line.size() + when.size() > 100) fmt::print("              {}\n", line), line.clear();
+        line += (line.empty() ? "" : "   ") + when;
+    }
+    if (!line.empty()) fmt::print("              {}\n", line);
+}
+
 void print_text(const Volume& volume, const Statistics& s, const Guess& guess) {
     const std::string parts = volume.components > 1 ? fmt::format(", {} components", volume.components) : "";
     fmt::print("{}\n  format      {}\n  voxels      {} {}{}\n", one_line(volume.source, 4000), volume.format,
                to_text(volume.dimensions), chiaro::name_of(volume.type), parts);
     print_geometry(volume);
+    if (volume.moments.count > 1) print_moments(volume.moments);
     fmt::print("  values      {:.6g} to {:.6g}\n", s.min, s.max);
     fmt::print("  percentiles 1 %: {:.6g}, 50 %: {:.6g}, 99 %: {:.6g}, 99.9 %: {:.6g}\n", s.p1, s.p50, s.p99, s.p999);
     fmt::print("  noise       {:.2g} % of the range from 1 to 99.9 %{}\n", 100 * s.noise,

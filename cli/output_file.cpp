@@ -45,16 +45,20 @@ FramePattern::FramePattern(const std::string& text) {
     has_placeholder_ = true;
     const auto refuse = [&] {
         throw Error(ErrorCode::usage,
-                    fmt::format("{}: the only placeholder is {{frame}} or, with digits, {{frame:03}}", text));
+                    fmt::format("{}: the only placeholders are {{frame}} and {{t}} or, with digits, {{frame:03}} and "
+                                "{{t:03}}, one of them",
+                                text));
     };
     if (open == text.npos || close == text.npos || close < open) refuse();
-    std::string inside = text.substr(open + 1, close - open - 1);
+    const std::string inside = text.substr(open + 1, close - open - 1), name = inside.substr(0, inside.find(':'));
     after_ = text.substr(close + 1);
-    if (inside.starts_with("frame:0") && inside.size() == 8 && std::isdigit(static_cast<unsigned char>(inside[7]))) {
-        digits_ = std::size_t(inside[7] - '0');
-        inside = "frame";
+    is_of_moments_ = name == "t";
+    if (const std::string digits = inside.substr(name.size()); !digits.empty()) {
+        if (digits.size() != 3 || !digits.starts_with(":0") || !std::isdigit(static_cast<unsigned char>(digits[2])))
+            refuse();
+        digits_ = std::size_t(digits[2] - '0');
     }
-    if (inside != "frame" || after_.find_first_of("{}") != after_.npos) refuse();
+    if ((name != "frame" && name != "t") || after_.find_first_of("{}") != after_.npos) refuse();
 }
 
 fs::path FramePattern::operator()(int frame) const {

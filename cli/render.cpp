@@ -34,7 +34,10 @@ void check_options(const RenderOptions& o, const FramePattern& pattern, const Sc
     if (o.frames && (scene.camera.view || scene.camera.eye || scene.camera.matrix))
         throw Error(ErrorCode::usage,
                     "--frames turns the orbit: it goes with none of --view, --eye and --camera-matrix");
-    if (pattern.has_placeholder() && !o.frames)
+    if (pattern.is_of_moments() && (o.frames || scene.read.time > 0))
+        throw Error(ErrorCode::usage,
+                    fmt::format("{}: a {{t}} draws every moment: it goes with neither --frames nor --time", o.output));
+    if (pattern.has_placeholder() && !pattern.is_of_moments() && !o.frames)
         throw Error(ErrorCode::usage, fmt::format("{}: a {{frame}} needs --frames N", o.output));
     check_output(pattern(0), {".png", ".exr"});
     if (is_exr(pattern(0)) && scene.output.color == ColorMode::display)
@@ -56,9 +59,9 @@ public:
 
     void run() {
         Job job(o_.common);
-        show(scene_, session_, stats_, job, o_.common);
+        show(scene_, session_, stats_, job, o_.common, o_.frames.has_value());
         session_.expect_one_look();
-        o_.frames ? turntable(job) : image(job);
+        o_.frames ? turntable(job) : pattern_.is_of_moments() ? moments(job) : image(job);
         if (!o_.common.stats.empty()) write_stats(o_.common.stats, stats_, device_, scene_);
         job.bar.clear();
         if (stats_.paths.samples && !o_.common.quiet) tell_noise(stats_.paths);
@@ -77,6 +80,7 @@ private:
     }
 
     void count_frame(FrameTime time) {
+        time.moment = scene_.read.time;
         stats_.frames.push_back(time);
         stats_.samples += session_.render_statistics().samples;
         stats_.paths = session_.render_statistics().paths;
@@ -99,8 +103,18 @@ private:
         scene_.camera = session_.camera();
         scene_.lighting.probe.exposure = session_.probe_exposure();
         keep_stages();
-        write(scene_, 0, job);
+        write(scene_, scene_.read.time, job);
         stats_.stages.push_back({"write", write_seconds_});
+    }
+
+    void moments(Job& job) {
+        const int count = stats_.volume.contains("moments") ? stats_.volume["moments"]["count"].get<int>() : 1;
+        image(job);
+        for (int moment = 1; moment < count; ++moment) {
+            scene_.read.time = moment;
+            show_moment(scene_, session_, stats_, job);
+            image(job);
+        }
     }
 
     void turntable(Job& job) {
@@ -136,9 +150,9 @@ Command render_command(CLI::App& tool) {
     const auto o = std::make_shared<RenderOptions>();
     CLI::App* app = tool.add_subcommand("render", "Renders a volume or a scene to a picture");
     add_scene_source(*app, o->source);
-    app->add_option(
-           "-o,--output", o->output,
-           "picture to write, .png or .exr (linear light, premultiplied); turn-{frame:03}.png keeps all frames")
+    app->add_option("-o,--output", o->output,
+                    "picture to write, .png or .exr (linear light, premultiplied); turn-{frame:03}.png keeps all "
+                    "frames, beat-{t:03}.png all moments")
         ->type_name("IMAGE");
     app->add_option("--frames", o->frames,
                     "turntable of N azimuths after a warm-up; without {frame} only the first is kept")

@@ -52,26 +52,32 @@ void render_film(const std::string& file, const std::string& data, const std::st
     Job job(common);
     Session session(device_of(common));
     Stats stats;
-    show(film.keys.front().scene, session, stats, job, common);
+    show(film.keys.front().scene, session, stats, job, common, true);
+    int moment = film.keys.front().scene.read.time;
     // What the camera fits is found once, for all keys that do not say it.
     const CameraSettings fitted = session.fit_all_around(film.keys.front().scene, job.progress);
     for (Keyframe& key : film.keys)
         if (key.scene.camera.fit == Fit::visible && !key.scene.camera.fit_centre)
             key.scene.camera.fit_centre = fitted.fit_centre, key.scene.camera.fit_radius_mm = fitted.fit_radius_mm;
-    const DeviceVolume& volume = session.volume();
+    const Geometry geometry = session.volume().geometry();
+    const auto dimensions = session.volume().dimensions();
+    const auto render = [&](const Scene& scene) -> const Image& {
+        if (scene.read.time != moment) show_moment(scene, session, stats, job);
+        moment = scene.read.time;
+        return session.render(scene, job.progress);
+    };
     std::optional<VideoWriter> video;
     if (is_video(output)) video.emplace(output, film.width, film.height, film.fps);
     const int count = frame_count(film);
     for (int frame = 0; frame < count; ++frame) {
-        const Scene scene = frame_of(film, volume.geometry(), volume.dimensions(), frame);
+        const Scene scene = frame_of(film, geometry, dimensions, frame);
         if (video) {
-            video->write(session.render(scene, job.progress));
+            video->write(render(scene));
             continue;
         }
         const std::filesystem::path path = FramePattern(output)(frame);
         const std::string told = to_json(seen_from(scene, path.parent_path()));
-        if (!is_there(path, told))
-            write_png(session.render(scene, job.progress), path, {{"chiaro", told}}, &job.progress);
+        if (!is_there(path, told)) write_png(render(scene), path, {{"chiaro", told}}, &job.progress);
     }
     if (video) video->finish();
     job.bar.clear();

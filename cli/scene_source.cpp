@@ -47,17 +47,30 @@ Scene scene_from(const SceneSource& source, const SettingFlags& flags, const Com
     return scene;
 }
 
-void show(const Scene& scene, Session& session, Stats& stats, Job& job, const CommonOptions& common) {
-    Volume volume;
-    stats.stages.push_back({"read", Stats::time([&] { volume = read_volume(scene, job.progress); })});
+void show(Scene& scene, Session& session, Stats& stats, Job& job, const CommonOptions& common, bool all_around) {
+    Scene first = scene;
+    first.read.time = 0;
+    Volume volume = stats.stage("read", [&] { return read_volume(first, job.progress); });
     stats.volume = json_of(volume);
-    const std::vector<std::string> notes = volume.notes;
+    std::vector<std::string> notes = volume.notes;
     session.show(std::move(volume), job.progress);
+    if (scene.read.time > 0) {
+        scene.camera = all_around ? session.fit_all_around(first, job.progress) : session.fit(first, job.progress);
+        show_moment(scene, session, stats, job);
+        notes = {fmt::format("moment {} of {}: its range, look and camera are those of moment 0", scene.read.time,
+                             stats.volume["moments"]["count"].get<int>())};
+    }
     job.bar.clear();
     if (common.quiet) return;
     for (const auto& note : notes) say(fmt::format("{}: {}", scene.volume, note));
     tell_guess(session, scene);
     tell_transfer(session, scene);
+}
+
+void show_moment(const Scene& scene, Session& session, Stats& stats, Job& job) {
+    Volume volume = stats.stage("read", [&] { return read_volume(scene, job.progress); });
+    stats.volume = json_of(volume);
+    session.show_moment(std::move(volume), job.progress);
 }
 
 }  // namespace chiaro::cli

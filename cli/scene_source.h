@@ -19,7 +19,11 @@ void add_scene_source(CLI::App& app, SceneSource& source);
 Scene scene_from(const SceneSource& source, const SettingFlags& flags, const CommonOptions& common,
                  std::string_view command);
 
-/// Reads the scene's volume into the session, and says what there is to know about it.
-void show(const Scene& scene, Session& session, Stats& stats, Job& job, const CommonOptions& common);
+/// Reads the scene's volume into the session, and says what there is to know about it. Of a later moment the first is
+/// looked at before it, and the scene gets the camera that fits that one, `all_around` as a turntable's.
+void show(Scene& scene, Session& session, Stats& stats, Job& job, const CommonOptions& common, bool all_around = false);
+
+/// Goes on to the scene's moment of the volume that is shown.
+void show_moment(const Scene& scene, Session& session, Stats& stats, Job& job);
 
 }  // namespace chiaro::cli

@@ -51,8 +51,10 @@ void write_stats(const std::filesystem::path& path, const Stats& stats, const De
     for (const Stage& stage : stats.stages)
         json["stages"].push_back({{"name", stage.name}, {"seconds", stage.seconds}});
     json["frames"] = Json::array();
-    for (const auto& [seconds, cpu_seconds] : stats.frames)
+    for (const auto& [seconds, cpu_seconds, moment] : stats.frames) {
         json["frames"].push_back({{"seconds", seconds}, {"cpu_seconds", cpu_seconds}});
+        if (stats.volume.contains("moments")) json["frames"].back()["moment"] = moment;
+    }
     json["samples"] = stats.samples;
     if (stats.paths.samples)
         json["paths"] = {{"samples", stats.paths.samples},

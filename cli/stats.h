@@ -16,6 +16,7 @@ namespace chiaro::cli {
 /// On the wall, and of all threads together.
 struct FrameTime {
     double seconds, cpu_seconds;
+    int moment = 0;  ///< that was shown, of several
 };
 
 struct Stats {
@@ -53,7 +54,7 @@ struct Stats {
     static FrameTime frame_time(Work&& work) {
         const std::clock_t start = std::clock();
         const double seconds = time(work);
-        return {seconds, double(std::clock() - start) / CLOCKS_PER_SEC};
+        return {seconds, double(std::clock() - start) / CLOCKS_PER_SEC, 0};
     }
 };
 

@@ -51,7 +51,7 @@ Film View::film_of(const Json& request) const {
     if (own.contains("keys") && own["keys"].is_array())
         for (Json& key : own["keys"])
             if (key.is_object() && key.contains("scene") && key["scene"].is_object())
-                key["scene"]["volume"] = Json::parse(to_json(loaded->source))["volume"];
+                key["scene"]["volume"] = volume_of(*loaded, key["scene"]);
     std::vector<std::string> ignored;
     Film film = parse_film(text_of(own), context_.folders.first(), {}, ignored);
     for (Keyframe& key : film.keys) context_.folders.confine(key.scene);
@@ -77,8 +77,10 @@ Json View::export_film(const Json& request, Progress& progress) {
     const bool is_video = format == "mp4" || format == "webm";
     if (!is_video && format != "png")
         throw Error(ErrorCode::usage, fmt::format("format {}: must be mp4, webm or png", format));
-    Session session = shown()->session.share_volume();
-    const DeviceVolume& volume = session.volume();
+    const auto loaded = shown();
+    const DeviceVolume& volume = loaded->session.volume();
+    int moment = 0;
+    std::optional<Session> session(loaded->session.share_volume());
     const fs::path file = context_.store.fresh(is_video ? "." + format : ".tar");
     std::optional<VideoWriter> video;
     std::optional<TarWriter> pictures;
@@ -95,7 +97,9 @@ Json View::export_film(const Json& request, Progress& progress) {
                 if (progress.cancelled()) quiet.cancel();
             });
             const Scene scene = frame_of(film, volume.geometry(), volume.dimensions(), frame);
-            const Image& image = session.render(scene, quiet);
+            if (scene.read.time != moment) session.emplace(session_at(*loaded, scene, quiet));
+            moment = scene.read.time;
+            const Image& image = session->render(scene, quiet);
             if (video)
                 video->write(image);
             else

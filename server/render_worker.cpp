@@ -33,6 +33,11 @@ Json json_of(const std::vector<Stage>& stages) {
     return list;
 }
 
+/// Light that is none, or is found for each picture.
+bool holds_no_light(const Scene& scene) {
+    return scene.illumination.method == Method::none || is_path_traced(scene.illumination);
+}
+
 Scene with_samples(Scene scene, int samples) {
     scene.sampling.samples_per_pixel = samples;
     if (samples == 1) scene.camera.aperture_mm = 0;  // a lens takes many rays: what comes first is sharp
@@ -105,14 +110,60 @@ void RenderWorker::change_volume(std::unique_lock<std::mutex>& lock) {
     volume_changed_ = false;
     const auto shown = shown_;
     lock.unlock();
+    next_.forget();
     session_.reset();  // its light goes before anything new comes
     if (shown) session_.emplace(shown->session.share_volume());
+    loaded_ = shown;
+    has_own_light_ = false;
     resolution_.forget();
     light_seconds_ = 1e9;
     lock.lock();
+    voxels_.reset(), moment_ = 0;
+}
+
+std::optional<Session> RenderWorker::share(const Loaded& loaded, int moment) const {
+    const std::lock_guard lock(mutex_);
+    const bool is_shown = shown_.get() == &loaded && !volume_changed_ && moment == moment_ && voxels_;
+    return is_shown ? std::optional(voxels_->share_volume()) : std::nullopt;
+}
+
+Session RenderWorker::share_shown(const Loaded& loaded) const {
+    const std::lock_guard lock(mutex_);
+    const bool is_shown = shown_.get() == &loaded && !volume_changed_ && voxels_;
+    return is_shown ? voxels_->share_volume() : loaded.session.share_volume();
+}
+
+/// Goes on to the moment that is wanted, unless something newer is wanted by then. A scene that does not know yet what
+/// its camera fits takes what fits the first moment.
+bool RenderWorker::change_moment(FrameRequest& wanted) {
+    std::shared_ptr<Progress> progress;
+    {
+        const std::lock_guard lock(mutex_);
+        if (newest_ || volume_changed_ || ending_) return false;
+        progress = refining_ = std::make_shared<Progress>(report_for(wanted));
+    }
+    if (moment_ == 0) wanted.scene.camera = session_->fit(wanted.scene, *progress);
+    Session session = next_.take(*loaded_, wanted.scene, *progress);
+    const bool is_first = wanted.scene.read.time == 0;
+    {
+        const std::lock_guard lock(mutex_);
+        moment_ = wanted.scene.read.time;
+        voxels_.reset();
+        if (!is_first) voxels_.emplace(session.share_volume());
+    }
+    session_.reset();
+    session_.emplace(std::move(session));
+    has_own_light_ = false;
+    return true;
 }
 
 void RenderWorker::render_frame(FrameRequest wanted) {
+    if (wanted.scene.read.time != moment_ && !change_moment(wanted)) return;
+    if (wanted.next >= 0 && wanted.next != moment_) {
+        Scene next = wanted.scene;
+        next.read.time = wanted.next;
+        next_.prepare(loaded_, next);
+    }
     preview(wanted);
     wanted.scene.camera = session_->camera();  // what it fits was found for the first picture, and holds for all
     if (wanted.moving && !comes_to_rest(wanted)) return;
@@ -137,10 +188,13 @@ void RenderWorker::preview(const FrameRequest& wanted) {
     const auto start = Clock::now();
     Scene scene = with_samples(wanted.scene, 1);
     const double whole = double(scene.width) * scene.height;
-    const bool is_small = wanted.moving || resolution_.expected(whole) == 0 || resolution_.expected(whole) > at_once;
+    const bool is_fresh = awaits_light() && !(wanted.moving && light_seconds_ > quick_light);
+    const bool is_slow = resolution_.expected(whole) == 0 || resolution_.expected(whole) > at_once;
+    const bool is_small = wanted.moving || (is_slow && !is_fresh);
     if (is_small) std::tie(scene.width, scene.height) = resolution_.size(scene.width, scene.height);
     is_whole_ = scene.width == wanted.scene.width && scene.height == wanted.scene.height;
-    if (!is_path_traced(scene.illumination) && session_->needs_light(scene) && light_seconds_ < instant_light)
+    if (!is_path_traced(scene.illumination) && session_->needs_light(scene) &&
+        (is_fresh || light_seconds_ < instant_light))
         return preview_with_light(wanted, scene);
 
     const Image& image = session_->preview(scene, *steady_);
@@ -165,6 +219,7 @@ bool RenderWorker::is_light_due(const Scene& scene) const {
 /// A preview whose light is its own. It is not given up for a newer request: else light would never follow a drag.
 void RenderWorker::preview_with_light(const FrameRequest& wanted, const Scene& small) {
     check_light_fits(small);
+    has_own_light_ = true;
     const Image& image = session_->preview(small, *steady_, true);
     learn_light();
     note_frame(wanted, small);
@@ -203,12 +258,13 @@ void RenderWorker::refine_cast(const FrameRequest& wanted, Progress& progress) {
     const int samples = wanted.scene.sampling.samples_per_pixel;
     const bool is_dark = session_->needs_light(once);
     if (is_dark) check_light_fits(once);
-    if (is_dark && !is_whole_ && (wanted.preview || light_seconds_ > soon)) {
+    if (is_dark && !is_whole_ && !awaits_light() && (wanted.preview || light_seconds_ > soon)) {
         const Image& image = session_->preview(once, progress);
         note_frame(wanted, once);
         send(wanted, image, "full", 1);
     }
     if (wanted.preview && (is_dark || is_whole_)) return;
+    has_own_light_ = true;
     if (is_dark || !is_whole_) {
         const auto coarse = [&](const Image& image) { send(wanted, image, "light", 1, true); };
         const Image& image = session_->render(once, progress, coarse);
@@ -261,6 +317,8 @@ void RenderWorker::send(const FrameRequest& wanted, const Image& image, const ch
                 {"fps", wanted.moving && preview_interval_ > 0 ? Json(1 / preview_interval_) : Json()},
                 {"verbs", json_of(session_->stages())},
                 {"notes", wanted.notes}};
+    if (loaded_->moments() > 1) header["moment"] = {{"voxels", moment_}, {"light", Json()}};
+    if (loaded_->moments() > 1 && (has_own_light_ || holds_no_light(wanted.scene))) header["moment"]["light"] = moment_;
     header["probe_exposure"] = session_->probe_exposure();
     if (const CameraSettings& camera = session_->camera(); camera.fit == Fit::visible && camera.fit_centre)
         header["fit"] = {{"centre", json_of(*camera.fit_centre)}, {"radius", *camera.fit_radius_mm}};

@@ -14,6 +14,7 @@
 
 #include "adaptive_resolution.h"
 #include "json.h"
+#include "moments.h"
 #include "volumes.h"
 
 namespace chiaro::server {
@@ -21,7 +22,8 @@ namespace chiaro::server {
 /// What a page wants to see.
 struct FrameRequest {
     std::int64_t n = 0;
-    Scene scene;  ///< its size is the canvas's
+    Scene scene;    ///< its size is the canvas's
+    int next = -1;  ///< the moment that will be asked for then, to be made ready
     bool moving = false, preview = false;
     std::vector<std::string> notes;  ///< to be told with its frames
     int connection = 0;              ///< which of the view's connections requested it
@@ -53,6 +55,10 @@ public:
     /// Takes the place of every earlier request; work that is only for these is given up.
     void request(FrameRequest wanted);
     std::optional<LastFrame> last_frame() const;
+    /// Another session of what is shown, where that is this moment of this volume.
+    std::optional<Session> share(const Loaded& loaded, int moment) const;
+    /// Of whichever moment is shown.
+    Session share_shown(const Loaded& loaded) const;
 
 private:
     using Clock = std::chrono::steady_clock;
@@ -60,6 +66,8 @@ private:
     void run();
     void change_volume(std::unique_lock<std::mutex>& lock);
     void render_frame(FrameRequest wanted);
+    bool change_moment(FrameRequest& wanted);
+    bool awaits_light() const { return loaded_->moments() > 1 && !has_own_light_; }
     void preview(const FrameRequest& wanted);
     void preview_with_light(const FrameRequest& wanted, const Scene& small);
     bool is_light_due(const Scene& scene) const;
@@ -81,10 +89,15 @@ private:
     bool volume_changed_ = false, ending_ = false;
     std::shared_ptr<Progress> steady_, refining_;  ///< of previews; of what a newer request stops
     std::optional<LastFrame> last_frame_;
+    std::optional<Session> voxels_;  ///< of the moment that is shown, beside the first
+    int moment_ = 0;                 ///< written by the thread alone
     std::thread thread_;
 
     // The thread's own.
     std::optional<Session> session_;
+    std::shared_ptr<const Loaded> loaded_;  ///< that it is of
+    NextMoment next_;
+    bool has_own_light_ = false;  ///< found since the moment is shown
     AdaptiveResolution resolution_;
     double light_seconds_ = 1e9;  ///< what light took last
     Clock::time_point light_found_, last_preview_;

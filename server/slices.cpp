@@ -70,7 +70,8 @@ double voxels_in(const Region& region, const DeviceVolume& volume) {
 Json View::slice(const Json& request, Progress&) {
     const auto loaded = opened(shown());
     const SlicePlane plane = plane_in(request);
-    const DeviceVolume& volume = loaded->session.volume();
+    const Session session = render_worker_.share_shown(*loaded);
+    const DeviceVolume& volume = session.volume();
     if (flag_in(request, "values", false)) {
         if (plane.width * plane.height > max_values)
             throw Error(ErrorCode::usage, fmt::format("size: at most {} values at a time", max_values));
@@ -103,8 +104,8 @@ Json View::snap(const Json& request, Progress&) {
     const Vec3 at = vector_in(request, "at");
     std::optional<Vec3> normal;
     if (request.contains("normal") && !request["normal"].is_null()) normal = vector_in(request, "normal");
-    const auto on =
-        snap_to_surface(loaded->session.volume(), at, number_in(request, "reach_mm", 0, farthest_mm), normal);
+    const auto on = snap_to_surface(render_worker_.share_shown(*loaded).volume(), at,
+                                    number_in(request, "reach_mm", 0, farthest_mm), normal);
     if (!on) return {{"hit", false}};
     return {{"hit", true}, {"at", json_of(*on)}};
 }
@@ -112,7 +113,8 @@ Json View::snap(const Json& request, Progress&) {
 /// The values of a ball or box.
 Json View::region(const Json& request, Progress& progress) {
     const auto loaded = opened(shown());
-    const DeviceVolume& volume = loaded->session.volume();
+    const Session session = render_worker_.share_shown(*loaded);
+    const DeviceVolume& volume = session.volume();
     const Region region = region_in(request);
     check_memory(24 * voxels_in(region, volume));
     const RegionValues told = chiaro::measure(volume, region, progress);

@@ -107,7 +107,7 @@ Json View::save(const Json& request, Progress& progress) {
     check_memory(28.0 * scene.width * scene.height);  // frame, picture and what encoding needs
     const std::vector<Overlay> overlays = overlays_in(request, scene.width, scene.height);
     // A session of its own: the page goes on with its.
-    Session session = shown()->session.share_volume();
+    Session session = session_of(scene, progress);
     Image picture = session.render(scene, progress);
     scene.camera = session.camera();
     scene.lighting.probe.exposure = session.probe_exposure();
@@ -148,9 +148,10 @@ Json View::look(const Json& request, Progress& progress) {
     scene.illumination.method = Method::none;
     scene.lighting.probe.background = false;
     scene.sampling.samples_per_pixel = 1;
-    if (const auto loaded = shown(); loaded != side_shown_) {
-        side_.emplace(loaded->session.share_volume());
-        side_shown_ = loaded;
+    if (const auto loaded = shown(); loaded != side_shown_ || scene.read.time != side_moment_) {
+        side_.reset(), side_shown_.reset();
+        side_.emplace(session_of(scene, progress));
+        side_shown_ = loaded, side_moment_ = scene.read.time;
     }
     const Image& image = side_->render(scene, progress);
     send_frame({{"n", request["id"]}, {"kind", "look"}, {"stage", "final"}}, image);
@@ -189,7 +190,7 @@ Json View::compare(const Json& request, Progress& progress) {
     std::tie(scene.width, scene.height) = size_in(request, "size", largest_comparison);
     Method method = scene.illumination.method;
     if (const std::string name = text_in(request, "method", ""); !name.empty()) from_text(name, method);
-    Session session = shown()->session.share_volume();
+    Session session = session_of(scene, progress);
     bool is_first = true;
     const auto send = [&](const MethodComparison& so_far, const char* stage) {
         const Json figures = figures_of(so_far);
@@ -220,7 +221,7 @@ Json View::compare(const Json& request, Progress& progress) {
 Json View::measure(const Json& request, Progress& progress) {
     Scene scene = scene_of(object_in(request, "scene"));
     if (request.contains("size")) std::tie(scene.width, scene.height) = size_in(request, "size", largest_image);
-    Session session = shown()->session.share_volume();
+    Session session = session_of(scene, progress);
     try {
         const LightError error = measure_light(session, scene, progress);
         return {{"percent", 100 * error.rmse},

@@ -283,6 +283,7 @@ void View::hear_state(const Json& message) {
         std::vector<std::string> unknown;
         wanted.scene = scene_of(object_in(message, "scene"), &unknown);
         wanted.scene.width = width, wanted.scene.height = height;
+        if (message.contains("next")) wanted.next = int(number_in(message, "next", 0, shown()->moments() - 1));
         wanted.moving = flag_in(message, "moving", false), wanted.preview = flag_in(message, "preview", false);
         for (const std::string& key : unknown) wanted.notes.push_back(fmt::format("unknown key {}", key));
     } catch (...) {
@@ -313,12 +314,27 @@ std::shared_ptr<const Loaded> View::shown() const {
     return shown_;
 }
 
+/// The volume that is shown, at the moment of a page's scene.
+Json View::volume_of(const Loaded& loaded, const Json& scene) {
+    Json volume = Json::parse(to_json(loaded.source))["volume"];
+    const Json time = scene.value(Json::json_pointer("/volume/time"), Json());
+    if (time.is_number_integer() && time >= 0 && time < loaded.moments()) volume["time"] = time;
+    return volume;
+}
+
+/// A session of the scene's moment, with the voxels that are in memory where these are.
+Session View::session_of(const Scene& scene, Progress& progress) {
+    const auto loaded = shown();
+    if (auto session = render_worker_.share(*loaded, scene.read.time)) return std::move(*session);
+    return session_at(*loaded, scene, progress);
+}
+
 /// A page's scene: always of the volume that is shown, and of no file that it may not see.
 Scene View::scene_of(const Json& json, std::vector<std::string>* unknown) const {
     const auto loaded = shown();
     if (!loaded) throw Error(ErrorCode::usage, "no volume is open");
     Json own = json;
-    own["volume"] = Json::parse(to_json(loaded->source))["volume"];
+    own["volume"] = volume_of(*loaded, json);
     std::vector<std::string> ignored;
     Scene scene = parse_scene(text_of(own), context_.folders.first(), {}, unknown ? *unknown : ignored);
     context_.folders.confine(scene);

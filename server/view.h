@@ -13,6 +13,7 @@
 #include "folders.h"
 #include "json.h"
 #include "kept_views.h"
+#include "moments.h"
 #include "net.h"
 #include "render_worker.h"
 #include "serial_queue.h"
@@ -101,6 +102,8 @@ private:
     Json file_as_transfer(const std::filesystem::path& file);
     std::shared_ptr<const Loaded> shown() const;
     Film film_of(const Json& request) const;
+    static Json volume_of(const Loaded& loaded, const Json& scene);
+    Session session_of(const Scene& scene, Progress& progress);
     Scene scene_of(const Json& json, std::vector<std::string>* unknown = nullptr) const;
     void tell(const Json& message) const;
     void tell(int connection, const Json& message) const;
@@ -126,6 +129,7 @@ private:
     int heard_ = 0;                ///< the connection whose message is being understood; the hearing queue's own
     std::optional<Session> side_;  ///< of looks; the side queue's own
     std::shared_ptr<const Loaded> side_shown_;
+    int side_moment_ = 0;
     RenderWorker render_worker_;
     SerialQueue opening_, side_queue_, saving_, comparing_, slicing_, filming_;
     SerialQueue hearing_;  // the last member, as its work uses the others, and theirs those before

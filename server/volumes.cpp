@@ -58,10 +58,11 @@ bool states_spacing(const Volume& volume) {
     return volume.geometry.world != World::unknown || !(volume.geometry.spacing_mm == Vec3{1, 1, 1});
 }
 
-/// What makes two volumes the same: name, options, stated geometry, and how often it is halved.
+/// What makes two volumes the same: name, options, stated geometry, and how often it is halved; all moments are one.
 std::string key_of(const Scene& scene, int halvings = 0) {
     Scene only;
     only.volume = scene.volume, only.read = scene.read, only.stated = scene.stated;
+    only.read.time = 0;
     return fmt::format("{} {}", halvings, to_json(only));
 }
 
@@ -76,6 +77,7 @@ void check_sample(const std::string& name) {
 std::shared_ptr<const Loaded> read(const Scene& scene, Device device, int halvings, Progress& progress) {
     check_sample(scene.volume);
     Scene reading = scene;  // which shows how far it is and can be cancelled
+    reading.read.time = 0;
     reading.read.seconds = longest_reading,
     reading.read.max_bytes = std::max<std::uint64_t>(1, std::uint64_t(free_memory()));
     reading.read.spill = user_cache();
@@ -87,6 +89,7 @@ std::shared_ptr<const Loaded> read(const Scene& scene, Device device, int halvin
     json["reduced"] = nullptr;
     if (fitted.is_reduced()) json["reduced"] = {{"from", fitted.from}, {"to", fitted.to}, {"bytes", fitted.free}};
     auto loaded = std::make_shared<Loaded>(Loaded{scene, Session(device), std::move(json), halvings});
+    loaded->source.read.time = 0;
     loaded->session.show(std::move(volume), progress);
     loaded->told["exact"] = loaded->session.volume().is_exact() && !fitted.is_reduced();
     return loaded;
@@ -97,6 +100,7 @@ std::shared_ptr<const Loaded> take(const Scene& scene, Device device, const Volu
     Json json = told(volume);
     json["spacing_stated"] = states_spacing(volume);
     json["reduced"] = nullptr;
+    json.erase("moments");  // there are no others to be read
     auto loaded = std::make_shared<Loaded>(Loaded{scene, Session(device), std::move(json), 0});
     loaded->session.show(volume, progress);
     loaded->told["exact"] = loaded->session.volume().is_exact();

@@ -14,10 +14,11 @@ namespace chiaro::server {
 
 /// A volume that was read, and what a page is told of it.
 struct Loaded {
-    Scene source;      ///< its volume and how it was read; the rest as initially
+    Scene source;      ///< its volume and how it was read, at moment 0; the rest as initially
     Session session;   ///< shows it; others are made beside it
     Json told;         ///< VOLUME of the protocol
     int halvings = 0;  ///< that were asked for
+    int moments() const { return told.contains("moments") ? told["moments"]["count"].get<int>() : 1; }
 };
 
 class Volumes {

@@ -13,6 +13,7 @@ inline chiaro::Scene changed_scene(chiaro::Method method = chiaro::Method::spao)
     s.read.raw = {{{4, 5, 6}}, VoxelType::u16, Vec3{1, 2, 3}, true, 12};
     s.read.series = "1.10";
     s.read.rescale = {2, -1024};
+    s.read.time = 7;
     s.stated = {{{7, 8, 9}}, VoxelType::f32, Vec3{0.5, 0.25, 2}};
     s.transfer.source = "ct-bone";
     s.transfer.window = {40, 400};

@@ -98,7 +98,7 @@ TEST(Nrrd, AsciiListsAndFourDimensions) {
     const auto series = read(folder.write("c.nrrd", nrrd("type: uchar\ndimension: 4\nsizes: 2 2 2 3\nencoding: raw\n",
                                                          bytes_of_all(ramp<std::uint8_t>(24)))));
     EXPECT_EQ(voxels_of<std::uint8_t>(series), ramp<std::uint8_t>(8));
-    EXPECT_TRUE(has_note(series, "3 volumes"));
+    EXPECT_TRUE(has_note(series, "3 moments"));
 }
 
 TEST(MetaImage, AttachedDetachedAndCompressed) {

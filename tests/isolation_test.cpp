@@ -80,7 +80,7 @@ TEST_F(Isolation, CpuTimeIsLimitedByTheKernel) {
         const std::string program = CHIARO_BIN "/misbehaving_decoder";
         const int null_for_voxels = open("/dev/null", O_RDWR), null_for_messages = open("/dev/null", O_RDWR);
         dup2(null_for_voxels, 3), dup2(null_for_messages, 4);
-        execl(program.c_str(), program.c_str(), "nrrd", file.c_str(), "", "1000000", "1", nullptr);
+        execl(program.c_str(), program.c_str(), "nrrd", file.c_str(), "", "1000000", "1", "0", nullptr);
         _exit(127);
     }
     int status = 0;

@@ -101,7 +101,7 @@ const std::map<std::string, void (*)()> ends{
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc != 6) return 2;
+    if (argc != 7) return 2;
     std::string deed;
     std::getline(std::ifstream(argv[2]), deed);
     decode::limit_this_process({std::strtoull(argv[4], nullptr, 10), unsigned(std::strtoul(argv[5], nullptr, 10))});

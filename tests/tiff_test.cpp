@@ -229,7 +229,7 @@ TEST(Tiff, HyperstacksGiveTheirFirstChannelAndTime) {
         "a.tif", tiff_file(pages("ImageJ=1.53t\nimages=12\nchannels=2\nslices=3\nframes=2\nhyperstack=true\n"))));
     EXPECT_EQ(firsts(volume), (std::vector{0, 2, 4}));
     EXPECT_TRUE(has_note(volume, "2 channels"));
-    EXPECT_TRUE(has_note(volume, "2 points in time"));
+    EXPECT_TRUE(has_note(volume, "2 moments in time"));
     volume = read(folder.write(
         "a.tif", tiff_file(pages(
                      R"(<OME><Image><Pixels DimensionOrder="XYTCZ" SizeZ="3" SizeC="2" SizeT="2"/></Image></OME>)"))));

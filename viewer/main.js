@@ -127,6 +127,7 @@ function open(volume, scene, restored) {
   app.cross.open();
   sections.append(...folded().map((part) => part));
   app.film?.open();
+  app.moments ? app.moments.open() : volume.moments && needMoments();
   if (app.marks) sections.prepend(app.marks.rows), app.marks.open();
   if (app.slices) sections.append(app.slices.rows), app.slices.open();
   app.looks.open();
@@ -151,6 +152,8 @@ async function needMarks() {
   if (app.volume) sections.prepend(app.marks.rows);
   store.redraw();
 }
+/** And moments. */
+const needMoments = async () => (app.moments = await import("./moments.js").then(({ makeMoments }) => makeMoments(app, stage)));
 /** And the strip of keyframes. */
 let filmAsked = null;
 const needFilm = () => (filmAsked ??= import("./film.js").then(({ makeFilm }) => makeFilm(app)).then((film) => (app.film = film)));
@@ -192,7 +195,7 @@ function changed({ moving }) {
     const scene = app.sceneWith(shown?.tf ? { tf: shown.tf } : {});
     if (shown?.unlit) scene.lighting = { method: "none" };
     return { scene, canvas: [w, h] };
-  }, { moving: moving || Boolean(shown?.moving), preview: shown !== null });
+  }, { moving: moving || Boolean(shown?.moving), preview: shown !== null, ...(shown?.next !== undefined ? { next: shown.next } : {}) });
 }
 /** What was sent last; nothing is sent again that makes the same picture. */
 let sent = null;
@@ -212,6 +215,7 @@ app.shown = (header) => {
   // What the camera fits is found once: from then on the state has it.
   const { camera } = store.state;
   if (header.fit && header.n === link.n && !camera["camera.fit_centre"]) store.learn({ camera: { ...camera, "camera.fit_centre": header.fit.centre, "camera.fit_radius": header.fit.radius } });
+  app.moments?.shown(header);
   if (header.stage !== "draft" && !header.moving) app.looks.rest();
   if (header.stage === "final" && !header.preview) remember();
 };

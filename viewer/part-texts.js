@@ -20,6 +20,9 @@ export const markWords = {
   count: "Voxels", mean: "Mean", deviation: "Standard deviation", range: "Range", median: "Median", quartiles: "Quartiles", tails: "5 % and 95 %", volume: "Volume of the voxels", exactVolume: "Exact volume", radius: "Radius", histogram: "Histogram of the values", profileOf: (low, high) => `Values along the line, ${low} to ${high}`,
 };
 
+export const momentWords = {
+  title: "Moment", play: "Play the moments", pause: "Pause", of: (i, n) => `${i + 1} of ${n}`, went: "Another moment",
+};
 export const filmWords = {
   title: "Film", time: "Time in the film", add: "Add a key", removed: "Key removed", loaded: "Film loaded", moved: "Key moved", turntable: "Turntable", go: "Go there", update: "Replace", play: "Play", pause: "Pause", key: (n) => `Key ${n}`,
   fps: "Frames a second", perSecond: (n) => `${n} a second`, save: "Save the film", writing: "Writing the film", formats: { mp4: "As MP4", webm: "As WebM", png: "As PNGs, in an archive" }, file: "As keyframes, for chiaro render --film",

@@ -34,6 +34,9 @@ void describe(Visit&& visit, S& s) {
           .written("UID|N"), s.series);
     visit(Setting{"rescale", "volume.rescale", "", "value = SLOPE * stored + INTERCEPT, where a file lacks it"}
           .written("SLOPE,INTERCEPT"), s.rescale);
+    visit(Setting{"time", "volume.time", "",
+                  "which moment of a volume that changes with time, from 0; its range and camera are the first one's"}
+          .within(0, 1e9), s.time);
 }
 
 template <class Visit, SettingsOf<TransferSettings> S>

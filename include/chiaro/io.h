@@ -27,6 +27,7 @@ struct ReadOptions {
     /// Of a DICOM folder: its UID, or its number in the order of size (1 = largest); empty: the largest.
     std::string series;
     std::optional<std::pair<double, double>> rescale;  ///< slope and intercept where a file lacks them
+    int time = 0;                                      ///< which of several moments, from 0
     double seconds = 120;                              ///< wall time allowed to decode
     double stall_seconds = 15;                         ///< allowed without any progress
     std::uint64_t max_bytes = 0;                       ///< largest decoded volume; 0: what the machine's memory allows
@@ -34,13 +35,18 @@ struct ReadOptions {
     std::filesystem::path spill{};
 };
 
-/// Reads a file, a folder of DICOM slices, `sample:NAME[:SIZE]`, or `-` (NRRD on standard input).
+/// Reads a file, a folder of DICOM slices, `sample:NAME[:SIZE]`, or `-` (NRRD on standard input). Of what changes with
+/// time, in one file or in files that a pattern names (`scan_{t:03}.nrrd`), it reads the moment `options.time`.
 /// Files are decoded by the isolated helper program `chiaro-decode`: whatever they hold, this call either returns a
 /// consistent volume or throws. NaN and infinite voxels are kept, and counted in `notes`.
 /// Throws Error{input} for everything wrong with the file, Error{interrupted} when cancelled.
 CHIARO_EXPORT Volume read_volume(const std::string& name, const ReadOptions& options, Progress& progress);
 /// A volume's name `file:/part` as file and part, where there is such a file and none of the whole name; else the name.
 CHIARO_EXPORT std::pair<std::string, std::string> split_volume_name(const std::string& name);
+
+/// The files of a pattern such as `scan_{t:03}.nrrd`, in the order of their numbers: each is one moment. Empty for a
+/// name that is no pattern, or of no files.
+CHIARO_EXPORT std::vector<std::string> moment_files(const std::string& name);
 
 enum class NrrdEncoding { raw, gzip };
 

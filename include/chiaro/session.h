@@ -26,6 +26,11 @@ public:
     CHIARO_EXPORT void show(Volume&& volume, Progress& progress);
     /// The same of a volume that stays as it is, as one must whose voxels are borrowed and wanted later.
     CHIARO_EXPORT void show(const Volume& volume, Progress& progress);
+    /// Takes another moment of the volume that is shown. What the values mean - their range, looks, noise - stays what
+    /// show() found, so that all moments look alike; light is found anew. Throws Error{input} unless it has the same
+    /// dimensions.
+    CHIARO_EXPORT void show_moment(Volume&& volume, Progress& progress);
+    CHIARO_EXPORT void show_moment(const Volume& volume, Progress& progress);
     /// Promises that all renders to come look like the first one but for the camera, as the frames of a turntable do:
     /// voxels that cannot be seen are then given back. Renders with another transfer function, shape or classification,
     /// or light that needs all voxels, and fields throw Error{internal}.
@@ -46,6 +51,8 @@ public:
     /// What the scene's lighting method computes for the shown volume. Throws as chiaro::compute_field.
     CHIARO_EXPORT ComputedField compute_field(const Scene& scene, Progress& progress);
 
+    /// The scene's camera with the ball that one picture of what is shown fits: for pictures of other moments, too.
+    CHIARO_EXPORT CameraSettings fit(const Scene& scene, Progress& progress);
     /// The scene's camera with the ball that all frames of a turntable fit (fit_camera). Of one picture renders find
     /// it themselves, each anew where the scene's camera has none yet: who wants it found once keeps camera().
     CHIARO_EXPORT CameraSettings fit_all_around(const Scene& scene, Progress& progress);

@@ -130,6 +130,15 @@ private:
     std::shared_ptr<const void> owner_;  // of borrowed bytes
 };
 
+/// The moments of what changes with time; a Volume is one of them.
+struct Moments {
+    int count = 1;
+    int shown = 0;              ///< which of them the voxels are, from 0
+    std::vector<double> times;  ///< of each, in `unit`, where they are told; else empty
+    std::string unit;           ///< "s", "ms", ..., or what else the file steps through, such as "ppm"
+    bool operator==(const Moments&) const = default;
+};
+
 struct Volume {
     std::array<int, 3> dimensions{0, 0, 0};  ///< x, y, z; x is fastest in memory
     VoxelType type = VoxelType::u8;
@@ -142,6 +151,7 @@ struct Volume {
     std::string source;              ///< file, folder or "sample:NAME"
     std::string format;              ///< "NRRD", "NIfTI", "DICOM", "sample", ...
     std::string modality;            ///< "CT", "MR", ... where the file says so, else empty
+    Moments moments;                 ///< that the file holds, or that a pattern names
     std::vector<std::string> notes;  ///< what a user should know: files skipped, values replaced, frames missing
     std::map<std::string, std::string> key_values;  ///< of the header, where the format has them
 

@@ -59,7 +59,7 @@ def _of_itk(image: Any, **more: Any) -> Volume:
     if direction.shape != (3, 3):
         raise ValueError(f"an image of {direction.shape[0]} axes: a volume has three")
     spacing, origin = [float(s) for s in image.GetSpacing()], [float(o) for o in image.GetOrigin()]
-    kept = {"name": f"{_module(image)} image", **more}
+    kept: dict[str, Any] = {"name": f"{_module(image)} image", **more}
     volume = Volume(array, spacing=spacing[::-1], origin=origin, direction=direction, frame="LPS", **kept)
     volume._owner = image  # type: ignore[attr-defined] # the view does not keep it
     return volume

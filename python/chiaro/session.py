@@ -16,7 +16,7 @@ from .image import Image
 from .probe import Probe
 from .scene import HasSettings, Scene, scene_of
 from .transfer import TransferFunction
-from .volume import Volume
+from .volume import Volume, _read
 
 log = logging.getLogger("chiaro")
 
@@ -68,14 +68,14 @@ class Session(HasSettings):
         """What is shown; read when first asked for."""
         if self._scene._volume is not None:
             return self._scene._volume  # type: ignore[no-any-return]
-        if self._volume_read is None or self._volume_read[0] != self._scene._native.volume:
+        wanted = (self._scene._native.volume, self._scene.time)
+        if self._volume_read is None or self._volume_read[0] != wanted:
             begun = time.perf_counter()
-            with _progress.reporting(None) as report:
-                read_now = Volume._of_native(_chiaro.read(self._scene._native.volume, self._scene._native, report))
+            read_now = _read(self._scene._native.volume, self._scene)
             for note in read_now.notes:
                 log.warning("%s: %s", read_now.name, note)
             self.__dict__["_read_seconds"] = time.perf_counter() - begun
-            self.__dict__["_volume_read"] = (self._scene._native.volume, read_now)
+            self.__dict__["_volume_read"] = (wanted, read_now)
         return self._volume_read[1]  # type: ignore[no-any-return]
 
     def set(self, **settings: Any) -> "Session":
@@ -96,7 +96,11 @@ class Session(HasSettings):
             return
         self._forget()
         self.__dict__["_shown"] = None
-        self._session.show(volume._native, report)
+        if volume._first is None:
+            self._session.show(volume._native, report)
+        else:
+            native = self._session.show_moment(self._scene._native, volume._first()._native, volume._native, report)
+            self.__dict__["_scene"] = Scene._of(native, self._scene._volume)
         self.__dict__["_shown"] = shown
         self._tell_guess()
 
@@ -162,7 +166,7 @@ class Session(HasSettings):
         told: dict[str, Any] = {
             "chiaro": __version__,
             **self._session.device(),
-            "volume": {"file": volume.name, "format": volume.format, "dimensions": list(volume.shape[::-1]), "type": volume.dtype.name},
+            "volume": {"file": volume.name, "format": volume.format, "dimensions": list(volume.shape[::-1]), "type": volume.dtype.name, **({"moments": volume.moments} if volume.moments["count"] > 1 else {})},
             "settings": json.loads(self._scene.to_json()),
             "stages": stages,
             "samples": done["samples"],

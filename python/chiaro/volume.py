@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import os
-from typing import Any, Iterator, Sequence
+from typing import Any, Callable, Iterator, Sequence
 
 import numpy as np
 
@@ -29,7 +29,7 @@ class Volume:
     """Voxels, and where they lie.
 
     ``array``
-        (z, y, x), any integer or float type. Its memory is borrowed where it is in C or Fortran order: nothing is
+        (z, y, x), any integer or float type; with ``time`` (t, z, y, x). Its memory is borrowed where it is in C or Fortran order: nothing is
         copied, changed or freed, and the array lives as long as the volume. Else it is copied, and ``notes`` say why.
     ``spacing``
         distance of the voxels in mm along z, y, x (one number: of all three).
@@ -43,6 +43,8 @@ class Volume:
         in the place of spacing, origin, direction and frame: 4 × 4, from (x, y, z) index to RAS mm, as nibabel has it.
     ``name``
         what messages and scene files call it.
+    ``time``
+        which moment of an array of several, from 0. Its pictures have the range, the look and the camera of moment 0.
 
     Raises TypeError for types, ValueError for shapes and numbers that are none of these. Costs nothing to speak of;
     the first picture reads the array once.
@@ -58,12 +60,18 @@ class Volume:
         name: str = "array",
         *,
         affine: Any = None,
+        time: int | None = None,
     ) -> None:
-        held, notes = _arrays.stored(array)
+        self._first: Callable[[], Volume] | None = None
+        moments = 1 if time is None else _moments_in(array, time)
+        if time:
+            self._first = lambda: Volume(array, spacing, origin, direction, frame, name, affine=affine, time=0)
+        held, notes = _arrays.stored(array if time is None else array[time])
         self._transposed = not held.flags.c_contiguous
         base = held.T if self._transposed else held
         dimensions = tuple(int(n) for n in base.shape[::-1])
         native = _chiaro.borrow(base, held.dtype.name, dimensions, 1).told(str(name), "array", "", 1.0, 0.0)
+        native = native.at_moment(time or 0, moments)
         if affine is not None:
             place = _place_of_affine(affine)
         else:
@@ -94,6 +102,7 @@ class Volume:
         self = cls.__new__(cls)
         self._native = native
         self._transposed = False
+        self._first = None
         self._notes = list(native.notes)
         self._version = 0
         self._statistics = None
@@ -195,6 +204,11 @@ class Volume:
         return str(self._native.modality)
 
     @property
+    def moments(self) -> dict[str, Any]:
+        """Of what changes with time: count, shown (which of them this is, from 0), times and their unit."""
+        return dict(self._native.moments)
+
+    @property
     def notes(self) -> list[str]:
         """What one should know, a sentence each: slices left out, voxels copied."""
         return list(self._notes)
@@ -232,6 +246,15 @@ class Volume:
         return _html.volume(self)
 
 
+def _moments_in(array: Any, time: int) -> int:
+    shape: tuple[int, ...] = tuple(getattr(array, "shape", ()))
+    if len(shape) != 4:
+        raise ValueError(f"time={time}: the array must be (t, z, y, x), not of shape {shape}")
+    if not 0 <= time < shape[0]:
+        raise ValueError(f"time={time}: the array has moments 0 to {shape[0] - 1}")
+    return int(shape[0])
+
+
 def _frame(frame: str | None) -> str:
     if frame not in (None, "RAS", "LPS"):
         raise ValueError(f"frame={frame!r}: must be 'RAS', 'LPS' or None")
@@ -252,18 +275,24 @@ def _place_of_affine(affine: Any) -> tuple[Any, Any, np.ndarray[Any, Any], str]:
 def read(path: str | os.PathLike[str], *, progress: Any = None, **settings: Any) -> Volume:
     """The volume of a file, a folder of DICOM slices, or ``sample:NAME[:SIZE]``: all that the tool reads.
 
-    ``settings``: raw_size, raw_type, raw_spacing, raw_endian, raw_offset, series, rescale. Files are opened by a helper
+    ``settings``: raw_size, raw_type, raw_spacing, raw_endian, raw_offset, series, rescale, time. Files are opened by a helper
     program, never in this process. Raises InputError with a sentence about the file. What one should know of it goes to
     ``logging.getLogger("chiaro")`` and to ``volume.notes``.
     """
     from .scene import Scene
 
     name = os.fspath(path)
-    scene = Scene(**settings)
-    with _progress.reporting(progress) as report:
-        volume = Volume._of_native(_chiaro.read(name, scene._native, report))
+    volume = _read(name, Scene(**settings), progress)
     for note in volume.notes:
         log.warning("%s: %s", name, note)
+    return volume
+
+
+def _read(name: str, scene: Any, progress: Any = None) -> Volume:
+    with _progress.reporting(progress) as report:
+        volume = Volume._of_native(_chiaro.read(name, scene._native, report))
+    if volume.moments["shown"] > 0:
+        volume._first = lambda: _read(name, scene.with_(time=0))
     return volume
 
 

@@ -32,6 +32,15 @@ public:
     void show(const VolumeHandle& volume, py::object report) {
         use({report}, [&](Progress& progress, News&) { session_.show(*volume.volume, progress); });
     }
+    /// A later moment: what its values mean, and what the scene's camera fits, is the first one's.
+    Scene show_moment(Scene scene, const VolumeHandle& first, const VolumeHandle& volume, py::object report) {
+        use({report}, [&](Progress& progress, News&) {
+            session_.show(*first.volume, progress);
+            scene.camera = session_.fit(scene, progress);
+            session_.show_moment(*volume.volume, progress);
+        });
+        return scene;
+    }
     void expect_one_look() { session_.expect_one_look(); }
 
     Array<std::uint8_t> render(const Scene& scene, py::object report, py::object preview) {
@@ -138,6 +147,7 @@ void add_session(py::module_& module) {
     using S = SessionHandle;
     py::class_<S>(module, "Session")
         .def(py::init<const std::string&, int, const std::string&>())
+        .def("show_moment", &SessionHandle::show_moment)
         .def("show", &S::show)
         .def("expect_one_look", &S::expect_one_look)
         .def("render", &S::render)

@@ -35,6 +35,7 @@ std::shared_ptr<Volume> with_same_voxels(const VolumeHandle& handle) {
     copy->dimensions = v.dimensions, copy->type = v.type, copy->components = v.components;
     copy->slope = v.slope, copy->intercept = v.intercept, copy->geometry = v.geometry;
     copy->source = v.source, copy->format = v.format, copy->modality = v.modality;
+    copy->moments = v.moments;
     copy->notes = v.notes, copy->key_values = v.key_values;
     copy->voxels = VoxelBuffer::borrow(v.voxels.data(), v.voxels.size(), handle.volume);
     return copy;
@@ -55,6 +56,12 @@ VolumeHandle told(const VolumeHandle& handle, const std::string& source, const s
     auto volume = with_same_voxels(handle);
     volume->source = source, volume->format = format, volume->modality = modality;
     volume->slope = slope, volume->intercept = intercept;
+    return {volume};
+}
+
+VolumeHandle at_moment(const VolumeHandle& handle, int shown, int count) {
+    auto volume = with_same_voxels(handle);
+    volume->moments.shown = shown, volume->moments.count = count;
     return {volume};
 }
 
@@ -119,6 +126,7 @@ void add_volume(py::module_& module) {
         .def_buffer(lend)
         .def("placed", placed)
         .def("told", told)
+        .def("at_moment", at_moment)
         .def("statistics", statistics_of)
         .def_property_readonly("dimensions",
                                [](const Handle& h) {
@@ -138,6 +146,14 @@ void add_volume(py::module_& module) {
                                    return world == World::lps ? "LPS" : world == World::ras ? "RAS" : "";
                                })
         .def_property_readonly("source", [](const Handle& h) { return h.volume->source; })
+        .def_property_readonly("moments",
+                               [](const Handle& h) {
+                                   const Moments& m = h.volume->moments;
+                                   py::dict told;
+                                   told["count"] = m.count, told["shown"] = m.shown;
+                                   told["times"] = m.times, told["unit"] = m.unit;
+                                   return told;
+                               })
         .def_property_readonly("format", [](const Handle& h) { return h.volume->format; })
         .def_property_readonly("modality", [](const Handle& h) { return h.volume->modality; })
         .def_property_readonly("notes", [](const Handle& h) { return h.volume->notes; })

@@ -209,7 +209,7 @@ Volume read_dicom(const Path& path, const std::string& wanted, Output& output) {
     Volume volume;
     volume.format = "DICOM";
     DicomSeries series = choose(group_series(scan(path, volume, output)), wanted, volume);
-    arrange(series, volume);
+    arrange(series, output, volume);
     const DicomSlice& first = series[0];
     const bool rescaled = !same_rescale(series);
     volume.type = rescaled ? VoxelType::f32 : first.type;

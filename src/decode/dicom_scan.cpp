@@ -66,6 +66,26 @@ VoxelType dicom_type(const gdcm::PixelFormat& format) {
     }
 }
 
+/// One number that is stored as such.
+template <std::uint16_t group, std::uint16_t element, long long type>
+std::optional<double> stored_number(const DataSet& data) {
+    if (!data.FindDataElement(Tag(group, element)) || data.GetDataElement(Tag(group, element)).IsEmpty()) return {};
+    gdcm::Attribute<group, element, type, gdcm::VM::VM1> attribute;
+    attribute.SetFromDataSet(data);
+    return double(attribute.GetValue());
+}
+
+/// When the picture was taken: trigger time or delay, temporal position or index.
+void take_time(const DataSet& data, DicomSlice& slice) {
+    const auto take = [](std::optional<double>& known, std::optional<double> stated) {
+        if (stated) known = stated;
+    };
+    if (const auto trigger = decimals(data, Tag(0x0018, 0x1060), 1); !trigger.empty()) slice.trigger_ms = trigger[0];
+    if (const auto position = decimals(data, Tag(0x0020, 0x0100), 1); !position.empty()) slice.temporal = position[0];
+    take(slice.trigger_ms, stored_number<0x0018, 0x9153, gdcm::VR::FD>(data));
+    take(slice.temporal, stored_number<0x0020, 0x9128, gdcm::VR::UL>(data));
+}
+
 /// Position, orientation, spacing and rescale, as far as `data` states them: a whole data set, or one macro of an
 /// enhanced image.
 void take_place(const DataSet& data, DicomSlice& slice) {
@@ -85,6 +105,7 @@ void take_place(const DataSet& data, DicomSlice& slice) {
     slice.thickness = decimal_or(data, Tag(0x0018, 0x0088), decimal_or(data, Tag(0x0018, 0x0050), slice.thickness));
     slice.slope = decimal_or(data, Tag(0x0028, 0x1053), decimal_or(data, Tag(0x3004, 0x000e), slice.slope));  // dose
     slice.intercept = decimal_or(data, Tag(0x0028, 0x1052), slice.intercept);
+    take_time(data, slice);
 }
 
 gdcm::SmartPointer<gdcm::SequenceOfItems> sequence(const DataSet& data, const Tag& tag) {
@@ -94,7 +115,8 @@ gdcm::SmartPointer<gdcm::SequenceOfItems> sequence(const DataSet& data, const Ta
 
 /// Everything in the functional-group macros of one item: they are sequences of one item each.
 void take_macros(const DataSet& item, DicomSlice& slice) {
-    for (const Tag& tag : {Tag(0x0020, 0x9113), Tag(0x0020, 0x9116), Tag(0x0028, 0x9110), Tag(0x0028, 0x9145)})
+    for (const Tag& tag : {Tag(0x0020, 0x9113), Tag(0x0020, 0x9116), Tag(0x0028, 0x9110), Tag(0x0028, 0x9145),
+                           Tag(0x0018, 0x9118), Tag(0x0020, 0x9111)})
         if (const auto macro = sequence(item, tag); macro && macro->GetNumberOfItems() > 0)
             take_place(macro->GetItem(1).GetNestedDataSet(), slice);
 }

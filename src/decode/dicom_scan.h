@@ -22,6 +22,8 @@ struct DicomSlice {
     double column_spacing = 1, row_spacing = 1;  ///< mm between neighbours in a row (x) and in a column (y)
     double thickness = 1;
     double slope = 1, intercept = 0;
+    std::optional<double> trigger_ms;  ///< when it was taken after the heart's beat
+    std::optional<double> temporal;    ///< its number among those that were taken at its place
 
     std::size_t bytes() const { return std::size_t(columns) * std::size_t(rows) * size_of(type); }
 };

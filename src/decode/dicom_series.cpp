@@ -1,6 +1,5 @@
 #include "decode/dicom_series.h"
 
-#include "decode/output.h"
 #include "volume/validate.h"
 
 #include <fmt/format.h>
@@ -8,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 namespace chiaro::decode {
 namespace {
@@ -22,15 +22,58 @@ bool belong_together(const DicomSlice& a, const DicomSlice& b) {
 
 Vec3 normal_of(const DicomSlice& slice) { return cross(slice.along_row, slice.along_column); }
 
-/// Several slices at one place are several volumes in one series: the first of each place is kept.
-void leave_out_repeated(DicomSeries& series, Volume& volume) {
-    const auto end =
-        std::unique(series.begin(), series.end(), [](auto& a, auto& b) { return close(a.position, b.position); });
-    const auto count = series.end() - end;
-    if (count == 0) return;
-    volume.notes.push_back(
-        fmt::format("{} slices lie at the place of another; the first at each place is taken", count));
-    series.erase(end, series.end());
+/// Where the slices of each place begin, and where the last one's end.
+std::vector<std::ptrdiff_t> places_of(const DicomSeries& series) {
+    std::vector<std::ptrdiff_t> begins;
+    for (std::size_t i = 0; i < series.size(); ++i)
+        if (i == 0 || !close(series[i].position, series[i - 1].position)) begins.push_back(std::ptrdiff_t(i));
+    begins.push_back(std::ptrdiff_t(series.size()));
+    return begins;
+}
+
+using Clock = std::optional<double> DicomSlice::*;
+
+/// Sorts the slices of each place, unless one states no time or two state the same.
+bool sort_by(Clock clock, const std::vector<std::ptrdiff_t>& places, DicomSeries& series) {
+    DicomSeries sorted = series;
+    for (std::size_t i = 0; i + 1 < places.size(); ++i) {
+        const auto first = sorted.begin() + places[i], last = sorted.begin() + places[i + 1];
+        if (std::any_of(first, last, [&](auto& slice) { return !(slice.*clock).has_value(); })) return false;
+        std::sort(first, last, [&](auto& a, auto& b) { return a.*clock < b.*clock; });
+        const auto is_same = [&](auto& a, auto& b) { return a.*clock == b.*clock; };
+        if (std::adjacent_find(first, last, is_same) != last) return false;
+    }
+    series = std::move(sorted);
+    return true;
+}
+
+/// Several slices at one place are several moments: of the wanted one each place keeps its slice, or else its first.
+void keep_one_moment(DicomSeries& series, const Output& output, Volume& volume) {
+    const auto places = places_of(series);
+    if (places.size() == series.size() + 1) return;
+    auto counts = places;
+    std::adjacent_difference(places.begin(), places.end(), counts.begin());
+    const auto [least, most] = std::minmax_element(counts.begin() + 1, counts.end());
+    const bool has_triggers = sort_by(&DicomSlice::trigger_ms, places, series);
+    const Clock clock = has_triggers ? &DicomSlice::trigger_ms : &DicomSlice::temporal;
+    std::string why;
+    if (!has_triggers && !sort_by(clock, places, series))
+        why = "no trigger time or temporal position tells when";
+    else if (*least != *most)
+        why = fmt::format("the places have {} to {} each, so which belong together is not told", *least, *most);
+    std::ptrdiff_t moment = 0;
+    if (!why.empty()) {
+        volume.notes.push_back(
+            fmt::format("{} slices lie at the place of another; {}: the first at each place is taken",
+                        series.size() - (places.size() - 1), why));
+    } else {
+        moment = std::ptrdiff_t(output.choose_moment(std::uint64_t(*most), volume));
+        for (std::ptrdiff_t i = 0; i < *most; ++i) volume.moments.times.push_back(*(series[std::size_t(i)].*clock));
+        if (has_triggers) volume.moments.unit = "ms";
+    }
+    DicomSeries kept;
+    for (std::size_t i = 0; i + 1 < places.size(); ++i) kept.push_back(series[std::size_t(places[i] + moment)]);
+    series = std::move(kept);
 }
 
 /// Slots that leave room for whole slices that are missing between evenly spaced ones, or none where that is not what
@@ -110,7 +153,7 @@ std::vector<DicomSeries> group_series(std::vector<DicomSlice> slices) {
     return all;
 }
 
-void arrange(DicomSeries& series, Volume& volume) {
+void arrange(DicomSeries& series, const Output& output, Volume& volume) {
     const DicomSlice first = series.at(0);
     const Vec3 normal = normal_of(first);
     std::stable_sort(series.begin(), series.end(), [](auto& a, auto& b) { return a.instance < b.instance; });
@@ -125,7 +168,7 @@ void arrange(DicomSeries& series, Volume& volume) {
         for (const auto& slice : series)
             if (!std::isfinite(key(slice))) refuse("has a slice whose position is not finite");
         std::stable_sort(series.begin(), series.end(), [&](auto& a, auto& b) { return key(a) < key(b); });
-        leave_out_repeated(series, volume);
+        keep_one_moment(series, output, volume);
         number_slots();
         const auto slots = slots_with_gaps(series);
         for (std::size_t i = 0; i < slots.size(); ++i) series[i].slot = slots[i];

@@ -1,6 +1,6 @@
 // chiaro-decode: decodes one volume in a process of its own, so that a damaged or hostile file harms nothing else.
 //
-//   chiaro-decode FORMAT PATH PART MAX_BYTES CPU_SECONDS
+//   chiaro-decode FORMAT PATH PART MAX_BYTES CPU_SECONDS MOMENT
 //
 // Started by the library (io/helper.cpp), which hands over a memory file for the voxels and a pipe for messages
 // (io/wire.h). Formats that need a library have a program each, chiaro-decode-dicom and so on, which this one becomes:
@@ -43,7 +43,7 @@ std::uintmax_t size_of(const char* path) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc != 6 || fcntl(wire::voxels_descriptor, F_GETFD) < 0 || fcntl(wire::messages_descriptor, F_GETFD) < 0) {
+    if (argc != 7 || fcntl(wire::voxels_descriptor, F_GETFD) < 0 || fcntl(wire::messages_descriptor, F_GETFD) < 0) {
         std::fputs("chiaro-decode is started by chiaro; it does nothing on its own\n", stderr);
         return 2;
     }
@@ -52,11 +52,12 @@ int main(int argc, char** argv) {
     if (!reader) become_program_for(format, argv);
     const std::uint64_t max_bytes = std::strtoull(argv[4], nullptr, 10);
     decode::limit_this_process({max_bytes, unsigned(std::strtoul(argv[5], nullptr, 10))});
-    decode::Output output(max_bytes);
+    decode::Output output(max_bytes, int(std::strtol(argv[6], nullptr, 10)));
     try {
         if (!reader) decode::refuse("the program chiaro-decode-" + format + " is missing beside chiaro-decode");
         const std::uintmax_t size = size_of(argv[2]);
-        const Volume volume = reader(argv[2], argv[3], output);
+        Volume volume = reader(argv[2], argv[3], output);
+        if (volume.moments.count == 1) output.choose_moment(1, volume);
         if (size_of(argv[2]) < size) decode::refuse(was_cut);
         output.succeed(volume);
     } catch (const decode::TooLarge& error) {

@@ -50,6 +50,26 @@ Datatype datatype_of(int code) {
     }
 }
 
+/// What the fourth axis steps through (nifti1.h, xyzt_units).
+const char* unit_of_moments(const NiftiHeader& header) {
+    switch (header.xyzt_units & 0x38) {
+        case 8:
+            return "s";
+        case 16:
+            return "ms";
+        case 24:
+            return "us";
+        case 32:
+            return "Hz";
+        case 40:
+            return "ppm";
+        case 48:
+            return "rad/s";
+        default:
+            return "";
+    }
+}
+
 /// Sets the shape and returns how many volumes there are behind each other.
 std::uint64_t set_shape(const NiftiHeader& header, Volume& volume) {
     const auto& dim = header.dim;
@@ -67,8 +87,19 @@ std::uint64_t set_shape(const NiftiHeader& header, Volume& volume) {
     for (std::size_t i = 4; i <= std::size_t(dim[0]); ++i)
         if (dim[i] < 1 || __builtin_mul_overflow(volumes, std::uint64_t(dim[i]), &volumes))
             refuse(fmt::format("states a size of {} along dimension {}", dim[i], i));
-    if (volumes > 1) volume.notes.push_back(fmt::format("holds {} volumes; the first is taken", volumes));
     return volumes;
+}
+
+/// Times run along the fourth axis; of those behind it the first values are taken. Volumes without a step are counted.
+MomentAxis moments_of(const NiftiHeader& header, std::uint64_t volumes, Volume& volume, const Output& output) {
+    const std::uint64_t along_time = header.dim[0] > 3 ? std::uint64_t(header.dim[4]) : 1;
+    const std::uint64_t moments = along_time > 1 ? along_time : volumes;
+    if (volumes > moments)
+        volume.notes.push_back(fmt::format("holds {} volumes for each moment; the first is taken", volumes / moments));
+    MomentAxis axis{.count = moments, .wanted = output.choose_moment(moments, volume)};
+    axis.run = size_of(volume.type) * std::uint64_t(volume.components) * volume.voxel_count();
+    if (along_time > 1) set_even_times(volume.moments, header.toffset, header.pixdim[4], unit_of_moments(header));
+    return axis;
 }
 
 /// Columns of the rotation that the quaternion (b, c, d) stands for; qfac turns the third around (nifti1.h, method 2).
@@ -142,8 +173,9 @@ void set_scale(const NiftiHeader& header, Volume& volume) {
     if (std::isfinite(header.scl_inter)) volume.intercept = header.scl_inter;
 }
 
-Payload payload_from(const NiftiHeader& header, const Path& path, std::uint64_t volumes) {
+Payload payload_from(const NiftiHeader& header, const Path& path, std::uint64_t volumes, const MomentAxis& moments) {
     Payload payload;
+    payload.moments = moments;
     payload.big_endian = header.big_endian;
     payload.volumes = volumes;
     const std::uint64_t first = header.detached ? 0 : header.size + 4;
@@ -175,7 +207,8 @@ Volume read_nifti(const Path& path, const std::string&, Output& output) {
     set_geometry(header, volume);
     set_scale(header, volume);
     if (!header.description.empty()) volume.key_values["descrip"] = header.description;
-    read_voxels(payload_from(header, path, volumes), volume, output);
+    const MomentAxis moments = moments_of(header, volumes, volume, output);
+    read_voxels(payload_from(header, path, volumes, moments), volume, output);
     return volume;
 }
 

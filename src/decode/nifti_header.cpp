@@ -60,6 +60,7 @@ void copy_version_1(const HeaderBytes& f, NiftiHeader& header) {
     header.scl_slope = double(f.at<float>(112));
     header.scl_inter = double(f.at<float>(116));
     header.xyzt_units = f.at<std::uint8_t>(123);
+    header.toffset = double(f.at<float>(136));
     header.description = f.text(148, 80);
     copy_transform<std::int16_t, float>(f, 252, 256, header);
 }
@@ -72,6 +73,7 @@ void copy_version_2(const HeaderBytes& f, NiftiHeader& header) {
     header.vox_offset = double(f.at<std::int64_t>(168));
     header.scl_slope = f.at<double>(176);
     header.scl_inter = f.at<double>(184);
+    header.toffset = f.at<double>(224);
     header.description = f.text(240, 80);
     copy_transform<std::int32_t, double>(f, 344, 352, header);
     header.xyzt_units = f.at<std::int32_t>(500);

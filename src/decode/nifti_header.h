@@ -14,7 +14,7 @@ struct NiftiHeader {
     std::array<std::int64_t, 8> dim{};
     int datatype = 0, bitpix = 0, qform_code = 0, sform_code = 0, xyzt_units = 0;
     std::array<double, 8> pixdim{};
-    double vox_offset = 0, scl_slope = 0, scl_inter = 0;
+    double vox_offset = 0, scl_slope = 0, scl_inter = 0, toffset = 0;
     std::array<double, 3> quatern{}, qoffset{};
     std::array<std::array<double, 4>, 3> srow{};
     std::string description;

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <limits>
 #include <optional>
 
@@ -74,8 +75,11 @@ std::vector<std::optional<Vec3>> vectors_from(const std::string& text, const std
         if (text[at] != '(' || end == std::string::npos)
             refuse(fmt::format("its '{}' is '{}', not vectors", what, text.substr(0, 80)));
         const auto parts = words(text.substr(at + 1, end - at - 1), ",");
-        if (parts.size() != 3) refuse(fmt::format("its '{}' has {} numbers in a vector, not 3", what, parts.size()));
-        result.push_back(Vec3{number(parts[0], what), number(parts[1], what), number(parts[2], what)});
+        if (parts.size() != 3 && parts.size() != 4)
+            refuse(fmt::format("its '{}' has {} numbers in a vector, not 3", what, parts.size()));
+        const Vec3 vector{number(parts[0], what), number(parts[1], what), number(parts[2], what)};
+        const bool is_time_alone = parts.size() == 4 && vector == Vec3{};  // of spaces such as left-...-superior-time
+        result.push_back(is_time_alone ? std::nullopt : std::optional(vector));
         at = end + 1;
     }
     return result;
@@ -84,19 +88,59 @@ std::vector<std::optional<Vec3>> vectors_from(const std::string& text, const std
 /// Which of the file's axes are what.
 struct Axes {
     std::vector<std::int64_t> sizes;
-    std::size_t first = 0;      ///< the first of the three in space; 1 when values of a voxel come first
-    std::size_t spatial = 3;    ///< how many there are in space (2: one slice)
-    std::uint64_t volumes = 1;  ///< along the axes behind
+    std::vector<std::size_t> space;   ///< two (one slice) or three
+    bool has_list = false;            ///< values of a voxel come first
+    std::optional<std::size_t> time;  ///< the one that moments follow each other along
+    std::uint64_t volumes = 1;        ///< along all axes but those
+
+    /// How many values there are along the axes before this one.
+    std::uint64_t before(std::size_t axis) const {
+        std::uint64_t product = 1;
+        for (std::size_t i = 0; i < axis; ++i)
+            if (__builtin_mul_overflow(product, std::uint64_t(sizes[i]), &product))
+                refuse("states more voxels than can be counted in 64 bits");
+        return product;
+    }
 };
 
-bool has_list_first(const NrrdHeader& header, std::size_t dimension) {
+/// Sequences of 3D Slicer call their moments a list.
+bool has_moments_first(const NrrdHeader& header) {
+    return header.key_values.contains("MultiVolume.FrameIdentifyingDICOMTagName") ||
+           header.key_values.contains("axis 0 index values");
+}
+
+bool has_list_first(const NrrdHeader& header, const std::vector<std::string>& kinds, std::size_t dimension) {
+    if (has_moments_first(header) || (!kinds.empty() && kinds[0] == "time")) return false;
     if (const auto directions = value_or(header.fields, "space directions"); !directions.empty())
         return directions.starts_with("none");
-    const auto kinds = words(value_or(header.fields, "kinds"));
     const auto in_space = [](const std::string& kind) {
-        return kind == "domain" || kind == "space" || kind == "time" || kind == "???" || kind == "none";
+        return kind == "domain" || kind == "space" || kind == "???" || kind == "none";
     };
-    return kinds.size() == dimension && !in_space(lower(kinds[0]));
+    return kinds.size() == dimension && !in_space(kinds[0]);
+}
+
+/// Time is an axis that says so, or has no direction in space; else the first behind those in space.
+void tell_axes_apart(const NrrdHeader& header, Axes& axes) {
+    const std::size_t dimension = axes.sizes.size();
+    const auto kinds = words(lower(value_or(header.fields, "kinds")));
+    const auto vectors = vectors_from(value_or(header.fields, "space directions"), "space directions");
+    axes.has_list = has_list_first(header, kinds, dimension);
+    std::optional<std::size_t> behind;
+    for (std::size_t i = axes.has_list ? 1 : 0; i < dimension; ++i) {
+        const bool is_time = kinds.size() == dimension && kinds[i] == "time";
+        const bool is_undirected = vectors.size() == dimension && !vectors[i];
+        const bool is_first = i == 0 && has_moments_first(header);
+        if (!axes.time && (is_time || is_first || (is_undirected && axes.space.size() < 3)))
+            axes.time = i;
+        else if (axes.space.size() < 3 && !is_undirected)
+            axes.space.push_back(i);
+        else if (axes.space.size() < 3)
+            refuse("has an axis without direction between those in space, which is not supported");
+        else if (!behind)
+            behind = i;
+    }
+    if (!axes.time) axes.time = behind;
+    if (axes.space.size() < 2) refuse("has fewer than two axes in space");
 }
 
 Axes find_axes(const NrrdHeader& header) {
@@ -105,24 +149,57 @@ Axes find_axes(const NrrdHeader& header) {
     const auto dimension = integer(required(header.fields, "dimension"), "dimension");
     if (dimension < 2 || dimension > 16 || axes.sizes.size() != std::size_t(dimension))
         refuse(fmt::format("states dimension {} and {} sizes; volumes have 3", dimension, axes.sizes.size()));
-    axes.first = has_list_first(header, axes.sizes.size()) ? 1 : 0;
-    axes.spatial = std::min<std::size_t>(3, axes.sizes.size() - axes.first);
-    if (axes.spatial < 2) refuse("has fewer than two axes in space");
-    for (std::size_t i = axes.first + axes.spatial; i < axes.sizes.size(); ++i)
-        if (axes.sizes[i] < 1 || __builtin_mul_overflow(axes.volumes, std::uint64_t(axes.sizes[i]), &axes.volumes))
+    tell_axes_apart(header, axes);
+    for (std::size_t i = axes.has_list ? 1 : 0; i < axes.sizes.size(); ++i)
+        if (std::find(axes.space.begin(), axes.space.end(), i) == axes.space.end() &&
+            (axes.sizes[i] < 1 || __builtin_mul_overflow(axes.volumes, std::uint64_t(axes.sizes[i]), &axes.volumes)))
             refuse(fmt::format("states a size of {} along axis {}", axes.sizes[i], i));
     return axes;
 }
 
 void set_shape(const Axes& axes, Volume& volume) {
     std::array<std::int64_t, 3> n{1, 1, 1};
-    std::copy_n(axes.sizes.begin() + std::ptrdiff_t(axes.first), axes.spatial, n.begin());
-    const std::int64_t components = axes.first == 1 ? axes.sizes[0] : 1;
+    for (std::size_t i = 0; i < axes.space.size(); ++i) n[i] = axes.sizes[axes.space[i]];
+    const std::int64_t components = axes.has_list ? axes.sizes[0] : 1;
     checked_bytes(n, components, volume.type);
     volume.dimensions = {int(n[0]), int(n[1]), int(n[2])};
     volume.components = int(components);
-    if (axes.spatial == 2) volume.notes.push_back("a picture of two dimensions, taken as one slice");
-    if (axes.volumes > 1) volume.notes.push_back(fmt::format("holds {} volumes; the first is taken", axes.volumes));
+    if (axes.space.size() == 2) volume.notes.push_back("a picture of two dimensions, taken as one slice");
+}
+
+/// What a field says of one axis, in the place of quoted or plain words.
+std::string word_of_axis(const NrrdHeader& header, const char* field, std::size_t axis) {
+    const auto all = words(value_or(header.fields, field));
+    std::string word = axis < all.size() ? all[axis] : "";
+    std::erase(word, '"');
+    return word;
+}
+
+void set_times(const NrrdHeader& header, std::size_t axis, Moments& moments) {
+    const auto listed = [&](const char* key, const char* separators) {
+        std::vector<double> times;
+        double time = 0;
+        for (const auto& word : words(value_or(header.key_values, key), separators))
+            if (std::from_chars(word.data(), word.data() + word.size(), time).ec == std::errc()) times.push_back(time);
+        if (times.size() == std::size_t(moments.count)) moments.times = times;
+    };
+    const std::string step = word_of_axis(header, "spacings", axis);
+    if (!step.empty()) set_even_times(moments, 0, number(step, "spacings"), word_of_axis(header, "units", axis));
+    if (axis > 0) return;
+    listed("MultiVolume.FrameLabels", ",");
+    listed("axis 0 index values", " ");
+    moments.unit = value_or(header.key_values, "MultiVolume.FrameIdentifyingDICOMTagUnits", moments.unit);
+}
+
+MomentAxis moments_of(const NrrdHeader& header, const Axes& axes, Volume& volume, const Output& output) {
+    const std::uint64_t moments = axes.time ? std::uint64_t(axes.sizes[*axes.time]) : 1;
+    if (axes.volumes > moments)
+        volume.notes.push_back(
+            fmt::format("holds {} volumes for each moment; the first is taken", axes.volumes / moments));
+    MomentAxis axis{.count = moments, .wanted = output.choose_moment(moments, volume)};
+    if (axes.time) axis.run = axes.before(*axes.time) * size_of(volume.type);
+    if (axes.time) set_times(header, *axes.time, volume.moments);
+    return axis;
 }
 
 /// The sign of each world axis that leads from the file's space to ours, and the name of ours.
@@ -152,17 +229,16 @@ void set_directions(const NrrdHeader& header, const Axes& axes, Volume& volume) 
     if (vectors.size() != axes.sizes.size())
         refuse(fmt::format("has {} space directions for {} axes", vectors.size(), axes.sizes.size()));
     std::array<Vec3, 3> steps;
-    for (std::size_t i = 0; i < axes.spatial; ++i) {
-        const auto& vector = vectors[axes.first + i];
+    for (std::size_t i = 0; i < axes.space.size(); ++i) {
+        const auto& vector = vectors[axes.space[i]];
         if (!vector) refuse("has an axis without direction between those in space, which is not supported");
         steps[i] = times(space.sign, *vector);
     }
-    if (axes.spatial == 2) steps[2] = normalized(cross(steps[0], steps[1]));
+    if (axes.space.size() == 2) steps[2] = normalized(cross(steps[0], steps[1]));
     set_steps(volume.geometry, steps);
     volume.geometry.world = space.world;
-    if (const auto origin = vectors_from(value_or(header.fields, "space origin"), "space origin");
-        !origin.empty() && origin[0])
-        volume.geometry.origin_mm = times(space.sign, *origin[0]);
+    if (const auto origin = value_or(header.fields, "space origin"); origin.starts_with('('))
+        volume.geometry.origin_mm = times(space.sign, vectors_from(origin, "space origin")[0].value_or(Vec3{}));
     else if (space.world != World::unknown)
         volume.notes.push_back("states no space origin; (0, 0, 0) is taken");
 }
@@ -179,7 +255,7 @@ void set_geometry(const NrrdHeader& header, const Axes& axes, Volume& volume) {
     const auto spacings = numbers(header.fields.at("spacings"), "spacings");
     if (spacings.size() != axes.sizes.size())
         refuse(fmt::format("has {} spacings for {} axes", spacings.size(), axes.sizes.size()));
-    for (std::size_t i = 0; i < axes.spatial; ++i) volume.geometry.spacing_mm[int(i)] = spacings[axes.first + i];
+    for (std::size_t i = 0; i < axes.space.size(); ++i) volume.geometry.spacing_mm[int(i)] = spacings[axes.space[i]];
 }
 
 std::vector<Path> data_files(const NrrdHeader& header, const Path& path) {
@@ -220,8 +296,10 @@ void set_skips(const Fields& fields, std::uint64_t data_bytes, Payload& payload)
     }
 }
 
-Payload payload_from(const NrrdHeader& header, const Axes& axes, const Path& path, const Volume& volume) {
+Payload payload_from(const NrrdHeader& header, const Axes& axes, const MomentAxis& moments, const Path& path,
+                     const Volume& volume) {
     Payload payload;
+    payload.moments = moments;
     const std::string encoding = lower(required(header.fields, "encoding"));
     if (encoding == "gzip" || encoding == "gz")
         payload.encoding = Encoding::deflated;
@@ -256,7 +334,8 @@ Volume read_nrrd(const Path& path, const std::string&, Output& output) {
     volume.modality = value_or(header.key_values, "modality");
     set_shape(axes, volume);
     set_geometry(header, axes, volume);
-    read_voxels(payload_from(header, axes, path, volume), volume, output);
+    const MomentAxis moments = moments_of(header, axes, volume, output);
+    read_voxels(payload_from(header, axes, moments, path, volume), volume, output);
     return volume;
 }
 

@@ -7,7 +7,10 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 namespace chiaro::decode {
@@ -24,6 +27,23 @@ void send(const nlohmann::json& message) {
 }
 
 }  // namespace
+
+std::uint64_t Output::choose_moment(std::uint64_t count, Volume& volume) const {
+    if (std::uint64_t(moment_) >= count)
+        refuse(count == 1 ? fmt::format("holds one moment in time, so there is none of number {}", moment_)
+                          : fmt::format("holds {} moments in time, 0 to {}: there is none of number {}", count,
+                                        count - 1, moment_));
+    volume.moments.count = int(std::min<std::uint64_t>(count, std::numeric_limits<int>::max()));
+    volume.moments.shown = moment_;
+    return std::uint64_t(moment_);
+}
+
+void set_even_times(Moments& moments, double first, double step, const std::string& unit) {
+    constexpr int most = 10000;
+    if (!(std::isfinite(step) && step > 0) || !std::isfinite(first) || moments.count > most) return;
+    moments.unit = unit;
+    for (int i = 0; i < moments.count; ++i) moments.times.push_back(first + i * step);
+}
 
 void Output::allocate(Volume& volume) {
     const std::uint64_t bytes = check_header(volume);

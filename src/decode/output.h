@@ -19,7 +19,11 @@ struct TooLarge : Error {
 
 class Output {
 public:
-    explicit Output(std::uint64_t max_bytes) : max_bytes_(max_bytes) {}
+    explicit Output(std::uint64_t max_bytes, int moment = 0) : max_bytes_(max_bytes), moment_(moment) {}
+
+    /// Says that the file holds `count` moments, and which of them is wanted, from 0: that one's number.
+    /// Throws Error{input} where there is none of that number.
+    std::uint64_t choose_moment(std::uint64_t count, Volume& volume) const;
 
     /// Gives `volume` its voxels, mapped from the memory file. Throws Error{input} for a header that makes no sense or
     /// takes more than the permitted bytes; the caller has already made sure that its file can hold that much.
@@ -32,7 +36,11 @@ public:
 
 private:
     std::uint64_t max_bytes_;
+    int moment_;
     std::chrono::steady_clock::time_point last_report_{};
 };
+
+/// Moments that are `step` apart, where that is a step; and not of so many that they would fill a page.
+void set_even_times(Moments& moments, double first, double step, const std::string& unit);
 
 }  // namespace chiaro::decode

@@ -1,5 +1,6 @@
 #include "decode/payload.h"
 
+#include "decode/moment_source.h"
 #include "decode/text.h"
 #include "volume/validate.h"
 
@@ -88,15 +89,18 @@ void check_capacity(std::uint64_t bytes, std::uint64_t most) {
             bytes, most));
 }
 
-TextEnd fill_from_text(ByteSource& source, VoxelType type, std::span<std::byte> to, Output& output) {
+TextEnd fill_from_text(ByteSource& source, VoxelType type, std::span<std::byte> to, Output& output,
+                       const MomentAxis& moments) {
     TextReader reader(source);
     with_voxel_type(type, [&](auto zero) {
         using T = decltype(zero);
         auto* values = reinterpret_cast<T*>(to.data());
-        const std::size_t count = to.size() / sizeof(T);
-        for (std::size_t i = 0; i < count; ++i) {
-            values[i] = value_from<T>(reader.next());
-            if (i % 65536 == 0) output.progress(double(i) / double(count));
+        const std::size_t count = to.size() / sizeof(T), run = std::max<std::size_t>(1, moments.run / sizeof(T));
+        for (std::size_t i = 0, kept = 0; kept < count; ++i) {
+            const std::string word = reader.next();
+            if (i / run % moments.count != moments.wanted) continue;
+            values[kept++] = value_from<T>(word);
+            if (kept % 65536 == 0) output.progress(double(kept) / double(count));
         }
     });
     return reader.end();
@@ -134,10 +138,17 @@ void read_voxels(const Payload& payload, Volume& volume, Output& output) {
     std::uint64_t stated = 0;
     if (__builtin_mul_overflow(bytes, payload.volumes, &stated))
         refuse("states more voxels than can be counted in 64 bits");
-    if (payload.files.empty() || bytes % (payload.files.size() * size_of(volume.type)) != 0)
+    if (payload.files.empty() || stated % (payload.files.size() * size_of(volume.type)) != 0)
         refuse(fmt::format("has {} data files, which {} slices cannot be shared among", payload.files.size(), n[2]));
     check_capacity(stated, capacity_of(payload, volume.type));
     output.allocate(volume);
+    if (payload.moments.count > 1 && payload.encoding == Encoding::text && payload.files.size() > 1)
+        refuse("spreads several moments over several files of text, which is not supported");
+    if (payload.moments.count > 1 && payload.encoding != Encoding::text) {
+        const auto source = open_moment(payload, stated / payload.files.size());
+        return fill_from_bytes(*source, payload.big_endian, volume.type,
+                               std::span(volume.voxels.data(), volume.voxels.size()), output);
+    }
     const std::size_t share = bytes / payload.files.size();
     TextEnd end;
     for (std::size_t i = 0; i < payload.files.size(); ++i) {
@@ -147,7 +158,7 @@ void read_voxels(const Payload& payload, Volume& volume, Output& output) {
         skip(*source, payload.skip);
         const std::span<std::byte> to(volume.voxels.data() + i * share, share);
         if (payload.encoding == Encoding::text)
-            end = fill_from_text(*source, volume.type, to, output);
+            end = fill_from_text(*source, volume.type, to, output, payload.moments);
         else
             fill_from_bytes(*source, payload.big_endian, volume.type, to, output);
         if (payload.encoding != Encoding::text && payload.volumes == 1 && !payload.more_may_follow)

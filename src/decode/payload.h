@@ -9,6 +9,12 @@ namespace chiaro::decode {
 
 enum class Encoding { raw, deflated, text };
 
+/// Runs of bytes of one moment after the other, again and again.
+struct MomentAxis {
+    std::uint64_t count = 1, wanted = 0;
+    std::uint64_t run = 0;  ///< bytes of one moment before the next one's begin
+};
+
 /// Where and how voxels lie. With several files each holds an equal share.
 struct Payload {
     std::vector<std::filesystem::path> files;
@@ -16,7 +22,8 @@ struct Payload {
     std::uint64_t skip = 0;    ///< bytes of the inflated data before the first voxel
     Encoding encoding = Encoding::raw;
     bool big_endian = false;
-    std::uint64_t volumes = 1;     ///< in the data, one after the other; the first is read
+    std::uint64_t volumes = 1;     ///< in the data
+    MomentAxis moments{};          ///< along which these are ordered, where there are several
     bool more_may_follow = false;  ///< behind the voxels, and means nothing
 };
 
@@ -31,7 +38,8 @@ struct TextEnd {
 };
 
 /// Fill voxels that are allocated, from text or from bytes. Throw Error{input} where the source ends before.
-TextEnd fill_from_text(ByteSource& source, VoxelType type, std::span<std::byte> to, Output& output);
+TextEnd fill_from_text(ByteSource& source, VoxelType type, std::span<std::byte> to, Output& output,
+                       const MomentAxis& moments = {});
 void fill_from_bytes(ByteSource& source, bool big_endian, VoxelType type, std::span<std::byte> to, Output& output);
 
 /// Throws Error{input} where a header states `bytes` of voxels and the file can hold no more than `most`.

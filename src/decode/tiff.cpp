@@ -203,16 +203,17 @@ std::optional<Run> run_of(const Slice& first, const TiffLayout& layout, std::siz
     return Run{offset, TIFFIsBigEndian(file.get()) != 0};
 }
 
-/// Chooses the slices of the first channel and time. Returns their indices among the pages.
-std::vector<std::size_t> choose_pages(const TiffLayout& layout, std::size_t pages, bool is_run, Volume& volume) {
+/// Chooses the slices of the first channel at the wanted time. Returns their indices among the pages.
+std::vector<std::size_t> choose_pages(const TiffLayout& layout, std::size_t pages, bool is_run, const Output& output,
+                                      Volume& volume) {
     const auto images = std::size_t(layout.channels * layout.slices * layout.times);
     std::vector<std::size_t> chosen;
     if (layout.stated && (is_run || images == pages)) {
-        for (std::int64_t z = 0; z < layout.slices; ++z) chosen.push_back(std::size_t(z * layout.slice_step));
+        const auto first = std::int64_t(output.choose_moment(std::uint64_t(layout.times), volume)) * layout.time_step;
+        set_even_times(volume.moments, 0, layout.seconds, "s");
+        for (std::int64_t z = 0; z < layout.slices; ++z) chosen.push_back(std::size_t(first + z * layout.slice_step));
         if (layout.channels > 1)
             volume.notes.push_back(fmt::format("holds {} channels; the first is taken", layout.channels));
-        if (layout.times > 1)
-            volume.notes.push_back(fmt::format("holds {} points in time; the first is taken", layout.times));
         return chosen;
     }
     if (layout.stated && images != pages)
@@ -259,7 +260,7 @@ Volume read_tiff(const Path& path, const std::string&, Output& output) {
     const bool is_stack = slices.front().path != slices.back().path;
     const TiffLayout layout = is_stack ? TiffLayout{} : layout_from(page.description, std::int64_t(slices.size()));
     const auto run = run_of(slices[0], layout, slices.size());
-    const auto chosen = choose_pages(layout, slices.size(), run.has_value(), volume);
+    const auto chosen = choose_pages(layout, slices.size(), run.has_value(), output, volume);
     volume.type = page.type;
     checked_bytes({page.columns, page.rows, std::int64_t(chosen.size())}, 1, volume.type);
     volume.dimensions = {page.columns, page.rows, int(chosen.size())};

@@ -53,6 +53,8 @@ TiffLayout from_imagej(const std::string& text, std::int64_t pages) {
         layout.times = 1;
     }
     layout.slice_step = layout.channels;
+    layout.time_step = layout.channels * layout.slices;
+    if (const auto step = positive(fields, "finterval")) layout.seconds = *step;
     layout.unit_mm = millimetres(value_or(fields, "unit"));
     if (const auto z = positive(fields, "spacing"); z && layout.unit_mm) layout.z_spacing_mm = *z * *layout.unit_mm;
     if (const auto z = positive(fields, "spacing"); z && !layout.unit_mm) layout.z_spacing_mm = z;
@@ -70,6 +72,14 @@ std::optional<double> physical_size(const pugi::xml_node& pixels, const std::str
     return size > 0 && std::isfinite(size) && unit ? std::optional(size * *unit) : std::nullopt;
 }
 
+/// Between moments; 0 where that is not told in a unit of time.
+double seconds_of(const pugi::xml_node& pixels) {
+    const double step = pixels.attribute("TimeIncrement").as_double();
+    const std::string unit = pixels.attribute("TimeIncrementUnit").as_string("s");
+    const double seconds = unit == "s" ? 1 : unit == "ms" ? 1e-3 : unit == "min" ? 60 : unit == "h" ? 3600 : 0;
+    return step > 0 && std::isfinite(step) ? step * seconds : 0;
+}
+
 /// https://docs.openmicroscopy.org/ome-model/: Pixels with SizeZ, SizeC, SizeT, and the order of the pages.
 TiffLayout from_ome(const std::string& text) {
     pugi::xml_document document;
@@ -82,8 +92,9 @@ TiffLayout from_ome(const std::string& text) {
     for (const char axis : std::string(pixels.attribute("DimensionOrder").as_string("XYZCT"))) {
         if (axis == 'Z') layout.slice_step = step, step *= layout.slices;
         if (axis == 'C') layout.channel_step = step, step *= layout.channels;
-        if (axis == 'T') step *= layout.times;
+        if (axis == 'T') layout.time_step = step, step *= layout.times;
     }
+    layout.seconds = seconds_of(pixels);
     layout.x_spacing_mm = physical_size(pixels, "X");
     layout.y_spacing_mm = physical_size(pixels, "Y");
     layout.z_spacing_mm = physical_size(pixels, "Z");

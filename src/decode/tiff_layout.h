@@ -8,11 +8,13 @@
 
 namespace chiaro::decode {
 
-/// The order of the pages, and their place. Page of channel c, slice z, time t: c * channel_step + z * slice_step.
+/// The order of the pages, and their place. Page of channel c, slice z, time t:
+/// c * channel_step + z * slice_step + t * time_step.
 struct TiffLayout {
     bool stated = false;
     std::int64_t channels = 1, slices = 1, times = 1;  ///< as many pages as their product
-    std::int64_t channel_step = 1, slice_step = 1;
+    std::int64_t channel_step = 1, slice_step = 1, time_step = 1;
+    double seconds = 0;             ///< between moments; 0: not told
     std::optional<double> unit_mm;  ///< ImageJ: of the resolution tags and of z_spacing
     std::optional<double> x_spacing_mm, y_spacing_mm, z_spacing_mm;
     double slope = 1, intercept = 0;  ///< of a linear calibration

@@ -26,10 +26,10 @@ std::array<double, taps> gaussian() {
 }
 
 /// Weighted means of two signals, their squares and their product.
-struct Moments {
+struct WindowMoments {
     double a = 0, b = 0, aa = 0, bb = 0, ab = 0;
 
-    void add(double weight, const Moments& m) {
+    void add(double weight, const WindowMoments& m) {
         a += weight * m.a, b += weight * m.b;
         aa += weight * m.aa, bb += weight * m.bb, ab += weight * m.ab;
     }
@@ -46,7 +46,7 @@ double ssim(const Frame& a, const Frame& b) {
     if (columns < 1 || rows < 1) return std::numeric_limits<double>::quiet_NaN();
     const auto window = gaussian();
     const auto sum_of_row = [&](std::int64_t row) {
-        std::vector<Moments> column(a.width);  // weighted down the window; then along it
+        std::vector<WindowMoments> column(a.width);  // weighted down the window; then along it
         for (int y = 0; y < taps; ++y)
             for (int x = 0; x < a.width; ++x) {
                 const std::size_t pixel = 4 * ((row + y) * a.width + x);
@@ -55,7 +55,7 @@ double ssim(const Frame& a, const Frame& b) {
             }
         double sum = 0;
         for (int x = 0; x < columns; ++x) {
-            Moments moments;
+            WindowMoments moments;
             for (int i = 0; i < taps; ++i) moments.add(window[i], column[x + i]);
             sum += moments.ssim();
         }

@@ -128,8 +128,12 @@ Volume checked_volume(const nlohmann::json& header, const Place& place) {
 
 Volume decode_into(const Place& place, const DecodeRequest& request, const ReadOptions& options, Progress& progress) {
     const auto cpu_seconds = std::uint64_t(std::clamp(options.seconds, 1.0, 1e6)) + 1;
-    const std::vector<std::string> arguments{request.format, request.path, request.part,
-                                             std::to_string(place.max_bytes), std::to_string(cpu_seconds)};
+    const std::vector<std::string> arguments{request.format,
+                                             request.path,
+                                             request.part,
+                                             std::to_string(place.max_bytes),
+                                             std::to_string(cpu_seconds),
+                                             std::to_string(options.time)};
     nlohmann::json header;
     {
         // Killed at the end of this block, so that nobody else writes into the voxels any more.

@@ -3,6 +3,7 @@
 #include "core/text.h"
 #include "core/threads.h"
 #include "io/helper.h"
+#include "io/moment_files.h"
 #include "io/raw.h"
 #include "io/standard_input.h"
 
@@ -199,9 +200,32 @@ std::uint64_t count_nonfinite(const Volume& volume) {
     return sum;
 }
 
+/// What one should know of the moments beside the one that is read.
+void tell_moments(const ReadOptions& options, Volume& volume) {
+    const auto& [count, shown, times, unit] = volume.moments;
+    if (shown != options.time)
+        throw Error(ErrorCode::input, fmt::format("cannot read '{}': it holds one moment in time, so there is none of "
+                                                  "number {}",
+                                                  one_line(volume.source), options.time));
+    if (count > 1 && shown == 0)
+        volume.notes.push_back(
+            fmt::format("holds {} moments in time; the first is shown (--time N shows another, 0 to "
+                        "{}; -o NAME-{{t:03}}.png draws all)",
+                        count, count - 1));
+}
+
 }  // namespace
 
 Volume read_volume(const std::string& name, const ReadOptions& options, Progress& progress) {
+    if (options.time < 0)
+        throw Error(ErrorCode::usage, fmt::format("time {}: moments are counted from 0", options.time));
+    if (is_moment_pattern(name)) {
+        Volume volume =
+            read_moment_file(name, options, [&](auto& file, auto& one) { return read_volume(file, one, progress); });
+        volume.source = name;
+        tell_moments(options, volume);
+        return volume;
+    }
     if (options.rescale && options.rescale->first == 0)
         throw Error(ErrorCode::usage, "rescale: a slope of 0 would leave nothing of the volume");
     progress.report("read", 0);
@@ -219,6 +243,7 @@ Volume read_volume(const std::string& name, const ReadOptions& options, Progress
     volume.source = name;
     if (options.rescale && volume.slope == 1 && volume.intercept == 0)
         std::tie(volume.slope, volume.intercept) = *options.rescale;
+    tell_moments(options, volume);
     if (const auto n = count_nonfinite(volume); n > 0)
         volume.notes.push_back(fmt::format("{} voxels are not finite", n));
     progress.report("read", 1);

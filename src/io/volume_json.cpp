@@ -28,6 +28,9 @@ OrderedJson json_of(const Volume& volume) {
     json["origin_mm"] = json_of(g.origin_mm);
     json["direction"] = json_of(g.direction);
     json["world"] = name_of(g.world);
+    if (const Moments& moments = volume.moments; moments.count > 1)
+        json["moments"] = {
+            {"count", moments.count}, {"shown", moments.shown}, {"times", moments.times}, {"unit", moments.unit}};
     return json;
 }
 

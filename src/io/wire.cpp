@@ -27,6 +27,17 @@ Enum enum_from(const json& j, Enum last) {
     return Enum(value);
 }
 
+Moments moments_from(const json& j) {
+    Moments moments{.count = int_from(j.at("count")),
+                    .shown = int_from(j.at("shown")),
+                    .times = j.at("times").get<std::vector<double>>(),
+                    .unit = j.at("unit").get<std::string>()};
+    const bool is_one_of_them = moments.shown >= 0 && moments.shown < moments.count;
+    if (!is_one_of_them || !(moments.times.empty() || moments.times.size() == std::size_t(moments.count)))
+        throw std::out_of_range("moments");
+    return moments;
+}
+
 }  // namespace
 
 json header_to_json(const Volume& volume) {
@@ -41,6 +52,11 @@ json header_to_json(const Volume& volume) {
             {"origin_mm", to_json(geometry.origin_mm)},
             {"direction", {to_json(direction[0]), to_json(direction[1]), to_json(direction[2])}},
             {"world", int(geometry.world)},
+            {"moments",
+             {{"count", volume.moments.count},
+              {"shown", volume.moments.shown},
+              {"times", volume.moments.times},
+              {"unit", volume.moments.unit}}},
             {"format", volume.format},
             {"modality", volume.modality},
             {"notes", volume.notes},
@@ -58,6 +74,7 @@ Volume header_from_json(const json& j) {
     volume.geometry.origin_mm = vec3_from(j.at("origin_mm"));
     for (int axis = 0; axis < 3; ++axis) volume.geometry.direction[axis] = vec3_from(j.at("direction").at(axis));
     volume.geometry.world = enum_from(j.at("world"), World::ras);
+    volume.moments = moments_from(j.at("moments"));
     volume.format = j.at("format").get<std::string>();
     volume.modality = j.at("modality").get<std::string>();
     volume.notes = j.at("notes").get<std::vector<std::string>>();

@@ -6,8 +6,25 @@
 
 namespace chiaro {
 
+namespace {
+
+/// Of a later moment the range, the look and what the camera fits are the first one's.
+Image render_later_moment(const Device& device, const Scene& scene, Progress& progress) {
+    Session session(device);
+    Scene moment = scene;
+    moment.read.time = 0;
+    session.show(read_volume(moment, progress), progress);
+    moment.camera = session.fit(moment, progress);
+    moment.read.time = scene.read.time;
+    session.show_moment(read_volume(moment, progress), progress);
+    return session.render(moment, progress);
+}
+
+}  // namespace
+
 Image render_image(const Device& device, const Scene& scene, Progress& progress) {
     const CancelScope scope(progress);
+    if (scene.read.time > 0) return render_later_moment(device, scene, progress);
 
     // What is shown, and what its values mean.
     Volume volume = read_volume(scene, progress);

@@ -39,7 +39,10 @@ bool is_file(const fs::path& path) {
 std::string found_file(const std::string& name, const fs::path& folder, const fs::path& data_folder) {
     if (names_no_file(name)) return name;
     const std::string file = name.substr(0, name.find(":/"));
-    const bool only_in_data = !is_file(folder / file) && !data_folder.empty() && is_file(data_folder / file);
+    const auto is_there = [&](const fs::path& where) {
+        return is_file(where / file) || !moment_files((where / file).string()).empty();
+    };
+    const bool only_in_data = !is_there(folder) && !data_folder.empty() && is_there(data_folder);
     return ((only_in_data ? data_folder : folder) / name).lexically_normal().string();
 }
 

@@ -1,5 +1,7 @@
 #include <chiaro/error.h>
 #include <chiaro/session.h>
+#include <chiaro/text.h>
+#include <fmt/format.h>
 
 #include <chrono>
 #include <cstdint>
@@ -9,44 +11,9 @@
 #include "classify/medium.h"
 #include "core/threads.h"
 #include "render/appearance.h"
+#include "render/kept.h"
 
 namespace chiaro {
-namespace {
-
-using Version = std::uint64_t;
-
-/// Of the light all around, what a field may hold: how bright it is is a factor.
-struct HeldLight {
-    Probe probe;
-    double rotation_deg = 0;
-    Vec3 up;
-    FloorSettings floor;
-    bool operator==(const HeldLight&) const = default;
-};
-HeldLight held_light(const Lighting& lighting, const IlluminationSettings& settings) {
-    if (!holds_light(settings)) return {};
-    return {lighting.loaded_probe, lighting.probe.rotation_deg, *lighting.probe_up, lighting.floor};
-}
-
-/// A stage's result, kept with the inputs that made it.
-template <class Result, class... Inputs>
-struct Kept {
-    Result result;
-    std::optional<std::tuple<Inputs...>> inputs;
-    Version version = 0;  ///< names the result among the inputs of the stages to its right
-};
-
-struct Classified {
-    TransferFunction tf;
-    Medium medium;
-};
-
-struct Cast {
-    DeviceFrame frame;
-    RenderStatistics render_statistics;
-};
-
-}  // namespace
 
 struct Session::State {
     explicit State(const Device& where) : device(where.with_own_stream()) {}  // a stream of its own
@@ -137,6 +104,23 @@ struct Session::State {
         Kept<Subject, Version> measured;
         redo("measure", measured, {0}, [&](Subject& studied) { studied = study(volume, progress); });
         subject = std::move(measured.result);
+        upload_by(upload_to, progress);
+    }
+
+    /// With what all moments have in common, and nothing else.
+    std::unique_ptr<State> for_moment(const Volume& volume) const {
+        if (volume.dimensions != upload.result.dimensions())
+            throw Error(ErrorCode::input,
+                        fmt::format("moment {} has {} voxels, where the first one has {}", volume.moments.shown,
+                                    to_text(volume.dimensions), to_text(upload.result.dimensions())));
+        auto moment = std::make_unique<State>(device);
+        moment->subject = subject, moment->one_look = one_look, moment->probe = probe;
+        return moment;
+    }
+
+    template <class Upload>
+    void upload_by(Upload&& upload_to, Progress& progress) {
+        const CancelScope scope(progress);
         progress.report("upload", 0);
         redo("upload", upload, {0}, [&](DeviceVolume& voxels) { voxels = upload_to(device); });
         shown = stages;
@@ -240,6 +224,16 @@ void Session::show(const Volume& volume, Progress& progress) {
     state_->show(volume, progress, [&](const Device& device) { return upload(device, volume, progress); });
 }
 
+void Session::show_moment(Volume&& volume, Progress& progress) {
+    state_ = state_->for_moment(volume);
+    state_->upload_by([&](const Device& device) { return upload(device, std::move(volume), progress); }, progress);
+}
+
+void Session::show_moment(const Volume& volume, Progress& progress) {
+    state_ = state_->for_moment(volume);
+    state_->upload_by([&](const Device& device) { return upload(device, volume, progress); }, progress);
+}
+
 void Session::expect_one_look() { state_->one_look = true; }
 
 Session Session::share_volume() const {
@@ -314,6 +308,13 @@ const Image& Session::preview(const Scene& scene, Progress& progress, bool lit) 
     });
     s.timed("develop", [&] { s.previewed_image = develop(frame, scene.output); });
     return s.previewed_image;
+}
+
+CameraSettings Session::fit(const Scene& scene, Progress& progress) {
+    State& s = *state_;
+    s.begin();
+    s.redo_classify(scene, progress);
+    return s.fitted(scene, progress);
 }
 
 CameraSettings Session::fit_all_around(const Scene& scene, Progress& progress) {

@@ -39,6 +39,12 @@ void add_nrrd(std::vector<Seed>& all) {
                             "encoding: raw\n\n" +
                             std::string(48, 'v'),
                    .is_text = true});
+    all.push_back(
+        {.name = "moments.nrrd",
+         .bytes = "NRRD0005\ntype: short\ndimension: 4\nsizes: 4 3 2 2\nkinds: domain domain time domain\n"
+                  "spacings: 1 1 0.5 2\nunits: \"mm\" \"mm\" \"s\" \"mm\"\nendian: little\nencoding: raw\n\n" +
+                  bytes_of_all(ramp<std::int16_t>(48, -7)),
+         .is_text = true});
     const std::string header = start + place + "encoding: raw\ndata file: beside.raw\n";
     all.push_back({.name = "detached.nhdr", .bytes = header, .beside = {{"beside.raw", voxels}}, .is_text = true});
     all.push_back(
@@ -68,8 +74,11 @@ void add_nifti(std::vector<Seed>& all) {
     one.qform(0.5F, 0.5F, 0.5F, {1, 2, 3});
     big.sform({2, 0, 0, 1, 0, -2, 0, 2, 0, 0, 2, 3});
     pair.set<float>(108, 0).set<char>(345, 'i');
+    auto moments = Nifti(2, 8).set<std::int16_t>(40, 4).set<std::int16_t>(48, 3).set<float>(92, 40);
+    moments.set<std::uint8_t>(123, 18);  // mm and ms
     const std::string floats = bytes_of_all(ramp<float>(24)), bytes = std::string(24, 'v');
     all.push_back({.name = "one.nii", .bytes = one.bytes() + floats});
+    all.push_back({.name = "moments.nii", .bytes = moments.bytes() + std::string(72, 'v')});
     all.push_back({.name = "big.nii", .bytes = big.bytes() + bytes_of_all(ramp<std::int16_t>(24), true)});
     all.push_back({.name = "inside.nii.gz", .bytes = one.bytes() + floats, .packed = gzipped});
     all.push_back({.name = "outside.nii.gz", .bytes = deflated(one.bytes() + floats)});

@@ -26,11 +26,12 @@ public:
         iso_ = (std::min_element(surfaces.begin(), surfaces.end(), by_value)->value - volume.offset) / volume.scale;
         upwards_ = volume.scale > 0;
     }
-    double operator()(float stored) const {
+    /// `factor`: of the extinction.
+    double operator()(float stored, float factor) const {
         if (iso_) return (upwards_ ? stored >= *iso_ : stored <= *iso_) ? 1 : 0;
         const double last = double(table_.entries.size()) - 1;
         const auto entry = std::size_t(std::clamp(table_.index_of(stored) + 0.5, 0.0, last));
-        return -std::expm1(-double(table_.entries[entry].extinction_per_mm) * table_.unit_mm);
+        return -std::expm1(-double(table_.entries[entry].extinction_per_mm) * double(factor) * table_.unit_mm);
     }
 
 private:
@@ -102,7 +103,9 @@ double lowest_voxel(const Medium::Data& medium, Vec3 up, const std::vector<Cell>
     const Opacity opacity(medium);
     const auto is_visible = [&](Vec3 p) {
         const kernel::Vec3<float> point = view.clamp(kernel::Vec3<float>{float(p.x), float(p.y), float(p.z)});
-        return !is_clipped(p) && opacity(view.value(view.locate(point, view.voxel(point)))) >= least_opacity;
+        const auto at = view.locate(point, view.voxel(point));
+        const float value = view.value(at);
+        return !is_clipped(p) && opacity(value, view.has_factor() ? view.factor_at(at, value) : 1) >= least_opacity;
     };
     constexpr int steps = 8;  // of a voxel, down which what is visible goes on
     const double voxel_mm = volume.geometry.smallest_spacing_mm();
