@@ -14,6 +14,7 @@
 
 #include "adaptive_resolution.h"
 #include "json.h"
+#include "link_pace.h"
 #include "volumes.h"
 
 namespace chiaro::server {
@@ -43,6 +44,7 @@ public:
     struct FrameCallbacks {
         std::function<void(int connection, std::string frame)> frame;
         std::function<void(int connection, const Json& message)> tell;
+        std::function<LinkState()> link;  ///< the way to the page
     };
 
     explicit RenderWorker(FrameCallbacks callbacks) : callbacks_(std::move(callbacks)) {}
@@ -53,6 +55,8 @@ public:
     /// Takes the place of every earlier request; work that is only for these is given up.
     void request(FrameRequest wanted);
     std::optional<LastFrame> last_frame() const;
+    /// The way to the page may have room again.
+    void look_at_link();
 
 private:
     using Clock = std::chrono::steady_clock;
@@ -70,7 +74,10 @@ private:
     void refine_cast(const FrameRequest& wanted, Progress& progress);
     void learn_light();
     void note_frame(const FrameRequest& wanted, const Scene& scene);
-    void send(const FrameRequest& wanted, const Image& image, const char* stage, int samples, bool is_coarse = false);
+    double too_early(const FrameRequest& wanted) const;
+    /// Answers the bytes of the encoded picture.
+    std::size_t send(const FrameRequest& wanted, const Image& image, const char* stage, int samples,
+                     bool is_coarse = false);
     Progress::Report report_for(const FrameRequest& wanted);
 
     FrameCallbacks callbacks_;
@@ -78,7 +85,7 @@ private:
     std::condition_variable changed_;
     std::optional<FrameRequest> newest_;
     std::shared_ptr<const Loaded> shown_;
-    bool volume_changed_ = false, ending_ = false;
+    bool volume_changed_ = false, ending_ = false, link_moved_ = false;
     std::shared_ptr<Progress> steady_, refining_;  ///< of previews; of what a newer request stops
     std::optional<LastFrame> last_frame_;
     std::thread thread_;
@@ -86,9 +93,11 @@ private:
     // The thread's own.
     std::optional<Session> session_;
     AdaptiveResolution resolution_;
+    DraftSize draft_{0, 0, 70};   ///< what the last preview was drawn at
     double light_seconds_ = 1e9;  ///< what light took last
     Clock::time_point light_found_, last_preview_;
     double preview_interval_ = 0;
+    bool is_refining_ = false;
     bool is_whole_ = false;  ///< the last preview had the canvas's size and no better light to come
 };
 

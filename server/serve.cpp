@@ -139,7 +139,7 @@ public:
             if (given_) view->put(*given_);
         }
         try {
-            view->attach(socket, member(request.query, "take") == "1");
+            view->attach(socket, member(request.query, "take") == "1", member(request.query, "paced") == "1");
         } catch (...) {
             socket->send(text_of(current_error(nullptr)));
             socket->close(1011, "");

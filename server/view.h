@@ -11,6 +11,7 @@
 
 #include "downloads.h"
 #include "folders.h"
+#include "frame_sender.h"
 #include "json.h"
 #include "kept_views.h"
 #include "net.h"
@@ -41,7 +42,7 @@ public:
     ~View() override;
 
     /// Speaks to this page from now on; false (and the page is told) where another has the view and `take` is not said.
-    bool attach(std::shared_ptr<Socket> socket, bool take);
+    bool attach(std::shared_ptr<Socket> socket, bool take, bool paced);
     void hear(const Socket& from, std::string text, std::function<void()> done) override;
     void gone(const Socket& from) override;
     /// What a file that the page brought is, or an error, to `reply`, after what the page said before; false where too
@@ -63,6 +64,7 @@ private:
     void run(SerialQueue& queue, const Json& request, Handler handler);
     std::string key_of(const Json& id) const;  ///< while locked
     void hear_state(const Json& message);
+    void hear_got(const Json& message);
     void greet();
     void note_state();
     bool is_there(const std::string& volume) const;
@@ -126,6 +128,7 @@ private:
     int heard_ = 0;                ///< the connection whose message is being understood; the hearing queue's own
     std::optional<Session> side_;  ///< of looks; the side queue's own
     std::shared_ptr<const Loaded> side_shown_;
+    mutable FrameSender frames_;
     RenderWorker render_worker_;
     SerialQueue opening_, side_queue_, saving_, comparing_, slicing_, filming_;
     SerialQueue hearing_;  // the last member, as its work uses the others, and theirs those before

@@ -1,6 +1,7 @@
 // Keyframes of everything in the state: a strip of them below the picture, played, and written as a film. Loaded when first used.
 import { fromScene } from "./camera.js";
 import { bytes, clamp, download, el, icon, percent, short } from "./dom.js";
+import { newestOnly } from "./link.js";
 import { draggable } from "./rows.js";
 import { stateOf } from "./scene.js";
 import { filmWords as w } from "./part-texts.js";
@@ -48,20 +49,19 @@ export async function makeFilm(app, area) {
   }), store.set(`${words.camera}…`, (s) => ({ camera: { ...fromScene(Object.fromEntries(Object.entries(keys()[i].scene.camera ?? {}).map(([key, v]) => [`camera.${key}`, v])), app.box, app.volume.world), ...Object.fromEntries(Object.entries(s.camera).filter(([key]) => key.startsWith("slices."))) } }), "camera"));
   const update = (i) => put(w.update, { keys: keys().map((key, k) => (k === i ? { ...key, scene: sceneNow() } : key)) });
 
-  // Looking at a moment: a preview, as a look on trial is; one asked for at a time.
-  let asking = false, wanted = null;
-  async function seek(t) {
+  // Looking at a moment: a preview, as a look on trial is.
+  const look = newestOnly(app.link, async ({ t }) => {
+    const answer = await app.link.ask("film_frame", { film: told(), seconds: t }).catch((error) => (stop(), app.fault(error)));
+    if (answer && root.isConnected && !root.hidden && looking) store.show({ scene: answer.scene, moving: playing !== null });
+  });
+  let looking = false;
+  function seek(t) {
     now = clamp(t, 0, Math.max(end(), 0));
     store.redraw();
-    if (keys().length < 2) return;
-    if (asking) return void (wanted = now);
-    asking = true;
-    const answer = await app.link.ask("film_frame", { film: told(), seconds: now }).catch((error) => (stop(), app.fault(error)));
-    asking = false;
-    if (answer && root.isConnected && !root.hidden) store.show({ scene: answer.scene, moving: playing !== null });
-    if (wanted !== null) (t = wanted), (wanted = null), seek(t);
+    looking = keys().length > 1;
+    if (looking) look({ t: now });
   }
-  const leave = () => (stop(), store.show(null));
+  const leave = () => (stop(), (looking = false), store.show(null));
   function stop() {
     if (playing === null) return;
     cancelAnimationFrame(playing);
