@@ -69,12 +69,23 @@ public:
                    options.changed},
           base_path_(options.base_path),
           read_in_(options.read_in) {
+        context_.lists["embed_from"] = options.embed_from;
         if (context_.initial) reading_.post([this] { read_first(); });
     }
     ~ViewerSite() override { context_.first.cancel(); }
 
     void expect(const std::string& token) { token_ = token; }
     const std::string& token() const { return token_; }
+
+    /// A page that asks for it, so that links need not carry it.
+    static Response ask_for_token() {
+        const auto file = page_file("ask.html");
+        if (!file)
+            return refusal(403, "This page opens with the whole address that chiaro view printed, token and all.");
+        Response response;
+        response.status = 403, response.type = file->type, response.body = file->bytes;
+        return response;
+    }
 
     /// Good for one visit.
     std::string fresh_key() {
@@ -98,8 +109,7 @@ public:
         if (request.path.starts_with("/download/")) return store_.fetch(request.path.substr(10));
         const bool is_page = request.path == "/" || request.path == "/index.html";
         if (is_page && request.query.contains("key")) return visit(member(request.query, "key"));
-        if (is_page && !has_token(request))
-            return refusal(403, "This page opens with the whole address that chiaro view printed, token and all.");
+        if (is_page && !has_token(request)) return ask_for_token();
         const auto file = page_file(is_page ? "index.html" : std::string_view(request.path).substr(1));
         if (!file) return refusal(404, "There is nothing at this address.");
         Response response;

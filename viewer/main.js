@@ -11,7 +11,6 @@ import { makeLight, radios } from "./light.js";
 import { Link } from "./link.js";
 import { makeLooks } from "./presets.js";
 import { makeMenus } from "./menus.js";
-import { makeSaving } from "./saving.js";
 import { describe, read, samePicture, sceneOf, stateOf, write } from "./scene.js";
 import { makePalette } from "./palette.js";
 import { makePlanes } from "./planes.js";
@@ -38,7 +37,7 @@ app.view = () => viewOf(store.state.camera, app.box);
 app.keysOn = () => localStorage.getItem("keys") !== "off";
 app.sceneWith = (more) => sceneOf({ ...store.state, ...more }, (camera) => toScene(camera, app.box));
 app.scene = () => app.sceneWith({});
-app.copy = (text) => navigator.clipboard.writeText(text).then(() => app.states.say(words.copied), () => app.states.say(text));
+app.copy = (text, copied = words.copied) => navigator.clipboard.writeText(text).then(() => app.states.say(copied), () => app.states.say(text));
 app.fault = (error) => void (error?.sentence && app.states.say(error.sentence, { role: "alert" }));
 /** What is to be known about the volume, in About and as a dot at its name. */
 app.doubts = () => [...(app.volume.reduced ? [words.reduced(app.volume.reduced)] : []), ...app.volume.notes];
@@ -54,7 +53,7 @@ stage.tabIndex = 0;
 app.frame = makeFrame(app);
 app.states = makeStates(app, stage);
 app.menus = makeMenus(app);
-app.save = makeSaving(app);
+app.save = async (anchor) => (await import("./saving.js")).makeSaving(app)(anchor);
 app.popover = app.menus.popover;
 app.menu = app.menus.menu;
 stage.append(app.frame.canvas, app.frame.pill, app.frame.said);
@@ -133,6 +132,17 @@ function open(volume, scene, restored) {
   for (const part of [...ofVolume, panel]) part.hidden = false;
   if (volume.reduced) app.states.say(words.reduced(volume.reduced), { acts: [[words.states.details, () => app.menus.about(file)]], role: "alert" });
   changed({ moving: false });
+  app.embed?.opened();
+  if (linked) follow();
+}
+/** A link to a state: of this volume, or of one that is opened for it. */
+let linked = location.hash.startsWith("#state=") ? import("./share.js").then((share) => share.linked()) : null;
+async function follow() {
+  const scene = await linked, file = scene?.volume?.file;
+  linked = null;
+  if (!scene) return;
+  if (file && file !== app.volume?.file) await app.open({ volume: file });
+  if (file === app.volume?.file) take(scene);
 }
 
 /** Slices beside the volume, or none. */
@@ -213,7 +223,7 @@ app.shown = (header) => {
   const { camera } = store.state;
   if (header.fit && header.n === link.n && !camera["camera.fit_centre"]) store.learn({ camera: { ...camera, "camera.fit_centre": header.fit.centre, "camera.fit_radius": header.fit.radius } });
   if (header.stage !== "draft" && !header.moving) app.looks.rest();
-  if (header.stage === "final" && !header.preview) remember();
+  if (header.stage === "final" && !header.preview) remember(), app.embed?.shown();
 };
 /** A small picture for the page that has no volume yet. */
 function remember() {
@@ -283,9 +293,12 @@ link.onstate = (state, wait = 0) => {
   const banner = app.states.say(w.lost(left), { acts: [[w.tryNow, () => link.connect()]], keep: true });
   counting = setInterval(() => banner.change(w.lost(Math.max(0, --left))), 1000);
 };
+const isEmbedded = new URLSearchParams(location.search).has("embed");
+let makeEmbed = null;
 const hello = (m) => {
   const updated = app.hello && app.hello.version !== m.version;
   app.hello = m;
+  app.embed ??= makeEmbed?.(app, take);
   describe(m.settings);
   if (updated) return app.states.say(words.states.updated, { acts: [[words.states.reload, () => location.reload()]], keep: true });
   if (app.volume) {
@@ -297,7 +310,7 @@ const hello = (m) => {
   }
   if (m.error) return app.states.failed(m.error);
   if (m.reading) return (reading = app.states.reading(m.reading, () => link.cancel("open")));
-  if (!m.volume) return app.states.empty();
+  if (!m.volume) return linked ? follow() : app.states.empty();
   open(m.volume, m.scene);
   const last = JSON.parse(sessionStorage.getItem("state") ?? "null");
   if (!m.restored && last?.file === m.volume.file) store.restore(last.state, last.history);
@@ -355,4 +368,5 @@ makeKeys(app);
 for (const part of ofVolume) part.hidden = true;
 tab("colour");
 Object.assign(window, { chiaro: app });
-link.connect();
+if (isEmbedded) import("./embed.js").then((module) => ((makeEmbed = module.makeEmbed), link.connect()));
+else link.connect();
