@@ -57,11 +57,13 @@ public:
     ViewerSite(const ViewerOptions& options)
         : kept_(options.keep_views ? views_folder() : std::filesystem::path()),
           uploads_(options.max_upload, kept_.volumes()),
+          films_(options.keep_views && !views_folder().empty() ? user_cache() / "films" : store_.fresh("")),
           context_{Volumes(options.device, options.volume),
                    Folders(options.folders, hidden_folders()),
                    store_,
                    uploads_,
                    kept_,
+                   films_,
                    lists(options.device),
                    options.scene,
                    options.data,
@@ -172,6 +174,7 @@ public:
         store_.remove();
         for (const auto& folder : uploads_.folders()) kept_.forget_below(folder);
         uploads_.remove();
+        films_.clear();
     }
 
 private:
@@ -265,6 +268,7 @@ private:
     Store store_;
     KeptViews kept_;
     Uploads uploads_;
+    FilmStore films_;
     ServerContext context_;
     const std::string base_path_;
     std::string token_;

@@ -51,6 +51,7 @@ bool View::attach(std::shared_ptr<Socket> socket, bool take, bool paced) {
         if (socket_) {
             socket_->send(taken);
             socket_->close(4001, "taken over");
+            for (const auto& [id, progress] : running_) progress->cancel();  // nobody hears the answers
         }
         socket_ = std::move(socket);
         frames_.attach(socket_, paced);

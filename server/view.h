@@ -10,6 +10,7 @@
 #include <string>
 
 #include "downloads.h"
+#include "film_store.h"
 #include "folders.h"
 #include "frame_sender.h"
 #include "json.h"
@@ -29,6 +30,7 @@ struct ServerContext {
     Store& store;
     Uploads& uploads;
     KeptViews& kept;
+    FilmStore& films;
     Json lists;                                 ///< of hello
     std::optional<Scene> initial;               ///< what the program was started with
     std::filesystem::path data;                 ///< where volumes of scenes are looked up too
@@ -103,6 +105,9 @@ private:
     Json file_as_transfer(const std::filesystem::path& file);
     std::shared_ptr<const Loaded> shown() const;
     Film film_of(const Json& request) const;
+    std::string film_text(const Film& film) const;
+    void render_film(const Film& film, const std::filesystem::path& folder, Progress& progress);
+    bool is_connected(int connection) const;
     Scene scene_of(const Json& json, std::vector<std::string>* unknown = nullptr) const;
     void tell(const Json& message) const;
     void tell(int connection, const Json& message) const;

@@ -83,6 +83,7 @@ export async function makeFilm(app, area) {
   async function write(format) {
     if (keys().length < 2 || !fits()) return app.states.say(w.needsTwo);
     leave();
+    sessionStorage.setItem("film", format); // goes on after a reload, and when the server is there again
     const asked = app.link.ask("export_film", { film: told(), format }, (m) => ((exporting = { ...exporting, ...m }), store.redraw()));
     exporting = { id: asked.id, fraction: 0 };
     store.redraw();
@@ -91,14 +92,27 @@ export async function makeFilm(app, area) {
       el("a", { href: new URL(answer.url.replace(/^\//, ""), location.href).href, download: answer.name }).click();
       app.states.say(`${words.saving.done}: ${answer.name}, ${bytes(answer.bytes)}`);
     } catch (error) {
+      if (error.code === "lost") return void (exporting.id = null);
       if (error.code !== "interrupted") app.fault(error);
     }
+    sessionStorage.removeItem("film");
     exporting = null;
     store.redraw();
   }
+  /** What broke off: the server has its frames. */
+  function goOn() {
+    const format = sessionStorage.getItem("film");
+    if (!format || exporting?.id || keys().length < 2) return;
+    api.toggle(true);
+    write(format);
+  }
+  function cancelWriting() {
+    if (exporting?.id) app.link.cancel(exporting.id);
+    else sessionStorage.removeItem("film"), (exporting = null), store.redraw();
+  }
 
   const playButton = el("button.plain", { onclick: play }), time = el("span.film-time"), line = el("div.film-line"), heads = el("div.film-keys"), head = el("div.film-head", { role: "slider", tabIndex: 0, "aria-label": w.time }, el("i"));
-  const track = el("div.film-track", {}, line, heads, head), more = el("div.buttons"), bar = el("div.progress", { role: "progressbar", "aria-label": w.writing }, el("i")), cancel = el("button.plain", { onclick: () => exporting && app.link.cancel(exporting.id) }, words.states.cancel), at = el("small", {});
+  const track = el("div.film-track", {}, line, heads, head), more = el("div.buttons"), bar = el("div.progress", { role: "progressbar", "aria-label": w.writing }, el("i")), cancel = el("button.plain", { onclick: cancelWriting }, words.states.cancel), at = el("small", {});
   const writing = el("div.film-writing", { hidden: true }, bar, at, cancel);
   const fps = el("select", { "aria-label": w.fps, onchange: () => put(w.fps, { fps: Number(fps.value) }) }, ...[24, 25, 30, 50, 60].map((n) => el("option", { value: String(n) }, w.perSecond(n)))), sizes = [[1280, 720], [1920, 1080], [3840, 2160], [1080, 1080]];
   const size = el("select", { "aria-label": words.saving.size, onchange: () => put(words.saving.size, { size: sizes[size.selectedIndex] }) }, ...sizes.map((s) => el("option", {}, s.join(" × "))));
@@ -163,7 +177,7 @@ export async function makeFilm(app, area) {
     now = 0;
     api.toggle(true);
   };
-  const api = { take, add, play, root, seek, write, get now() { return now; }, get playing() { return playing !== null; },
+  const api = { goOn, take, add, play, root, seek, write, get now() { return now; }, get playing() { return playing !== null; },
     toggle(on = root.hidden) {
       root.hidden = !on;
       document.body.classList.toggle("filming", on);

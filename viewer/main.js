@@ -134,7 +134,10 @@ function open(volume, scene, restored) {
   changed({ moving: false });
   app.embed?.opened();
   if (linked) follow();
+  goOnFilming();
 }
+/** A film whose writing broke off, by a reload or a lost server. */
+const goOnFilming = () => sessionStorage.getItem("film") && needFilm().then((film) => film.goOn());
 /** A link to a state: of this volume, or of one that is opened for it. */
 let linked = location.hash.startsWith("#state=") ? import("./share.js").then((share) => share.linked()) : null;
 async function follow() {
@@ -306,7 +309,7 @@ const hello = (m) => {
     if (wasLost && !m.restored) app.states.say(words.states.restarted);
     wasLost = false;
     link.n = Math.max(link.n, 0);
-    return m.volume && m.volume.file === app.volume.file ? changed({ moving: false }) : m.reading ? undefined : reopen();
+    return m.volume && m.volume.file === app.volume.file ? (changed({ moving: false }), goOnFilming()) : m.reading ? undefined : reopen();
   }
   if (m.error) return app.states.failed(m.error);
   if (m.reading) return (reading = app.states.reading(m.reading, () => link.cancel("open")));
@@ -342,7 +345,7 @@ function outOfMemory(sentence) {
 link.onmessage = (m) => {
   if (m.type === "hello") hello(m);
   else if (m.type === "progress") m.re === "open" ? reading?.(m) : app.frame.progress(m);
-  else if (m.type === "opened") !app.volume ? (open(m.volume, m.scene), m.undo && store.restore({ ...store.state, film: m.undo.film }, m.undo)) : m.volume.file === app.volume.file ? changed({ moving: false }) : reopen();
+  else if (m.type === "opened") !app.volume ? (open(m.volume, m.scene), m.undo && store.restore({ ...store.state, film: m.undo.film }, m.undo)) : m.volume.file === app.volume.file ? (changed({ moving: false }), goOnFilming()) : reopen();
   else if (m.type === "error") m.re === "open" ? (app.states.clear(), m.code === "interrupted" ? app.volume || app.states.empty() : app.states.failed(m.sentence)) : m.code === "memory" && m.n ? outOfMemory(m.sentence) : app.states.say(m.sentence, { role: "alert" });
   else if (m.type === "put") take(m.scene);
   else if (m.type === "note") app.states.say(m.sentence, { keep: false });
