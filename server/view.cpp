@@ -214,7 +214,8 @@ void View::dispatch(const Json& request) {
         {"pick", &View::pick},          {"command", &View::command},    {"resolve", &View::resolve},
         {"export", &View::export_text}, {"import", &View::import_text}, {"cancel", &View::cancel},
         {"ping", &View::ping},          {"cache", &View::cache},        {"keep", &View::keep},
-        {"discard", &View::discard},    {"earlier", &View::earlier},    {"film_frame", &View::film_frame}};
+        {"discard", &View::discard},    {"earlier", &View::earlier},    {"film_frame", &View::film_frame},
+        {"room", &View::room}};
     static const std::map<std::string, std::pair<SerialQueue View::*, Handler>> slow{
         {"folder", {&View::side_queue_, &View::folder}},
         {"open", {&View::opening_, &View::open}},

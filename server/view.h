@@ -82,6 +82,7 @@ private:
     Json cache(const Json& request);
     Json keep(const Json& request);
     Json discard(const Json& request);
+    Json room(const Json& request);
     Json earlier(const Json& request);
     Json film_frame(const Json& request);
     // What takes time.
