@@ -112,7 +112,7 @@ export async function makeFilm(app, area) {
   }
 
   const playButton = el("button.plain", { onclick: play }), time = el("span.film-time"), line = el("div.film-line"), heads = el("div.film-keys"), head = el("div.film-head", { role: "slider", tabIndex: 0, "aria-label": w.time }, el("i"));
-  const track = el("div.film-track", {}, line, heads, head), more = el("div.buttons"), bar = el("div.progress", { role: "progressbar", "aria-label": w.writing }, el("i")), cancel = el("button.plain", { onclick: cancelWriting }, words.states.cancel), at = el("small", {});
+  const hint = el("small.film-hint", {}, w.hint), track = el("div.film-track", {}, line, heads, head, hint), more = el("div.buttons"), bar = el("div.progress", { role: "progressbar", "aria-label": w.writing }, el("i")), cancel = el("button.plain", { onclick: cancelWriting }, words.states.cancel), at = el("small", {});
   const writing = el("div.film-writing", { hidden: true }, bar, at, cancel);
   const fps = el("select", { "aria-label": w.fps, onchange: () => put(w.fps, { fps: Number(fps.value) }) }, ...[24, 25, 30, 50, 60].map((n) => el("option", { value: String(n) }, w.perSecond(n)))), sizes = [[1280, 720], [1920, 1080], [3840, 2160], [1080, 1080]];
   const size = el("select", { "aria-label": words.saving.size, onchange: () => put(words.saving.size, { size: sizes[size.selectedIndex] }) }, ...sizes.map((s) => el("option", {}, s.join(" × "))));
@@ -146,6 +146,7 @@ export async function makeFilm(app, area) {
   }
   function show() {
     const all = keys(), playingNow = playing !== null;
+    hint.hidden = all.length > 1;
     playButton.textContent = playingNow ? w.pause : w.play;
     time.textContent = `${now.toFixed(1)} / ${end().toFixed(1)} s`;
     if (heads.children.length !== all.length) heads.replaceChildren(...all.map((_, i) => keyHandle(i)));

@@ -250,6 +250,7 @@ app.open = async (what, called = what.volume ?? what.scene) => {
   const asked = link.ask("open", what, (m) => told(m)), told = app.states.reading(called, () => link.cancel(asked.id));
   try {
     const { volume, scene } = await asked;
+    app.states.hush(); // what was said was about another volume
     open(volume, scene);
   } catch (error) {
     app.states.clear();
