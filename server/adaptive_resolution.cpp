@@ -23,7 +23,8 @@ constexpr Quality qualities[] = {{70, 1}, {50, 0.72}, {35, 0.56}};
 double AdaptiveResolution::expected(double pixels) const { return known_ ? per_pixel_ * pixels : 0; }
 
 DraftSize AdaptiveResolution::size(int width, int height, const LinkState& link) {
-    const double target = link.is_slow() ? slow_target_seconds : target_seconds;
+    // Far away size matters more than rate, as a picture is under way for longer than it is drawn.
+    const double target = link.is_slow() ? 0.045 + 0.2 * std::min(link.round_trip, 0.5) : target_seconds;
     const auto pixels = [&](int steps) { return double(width) * height * std::exp2(-steps); };
     if (known_) {
         while (steps_ < max_steps && expected(pixels(steps_)) > target) ++steps_;

@@ -12,11 +12,12 @@ struct DraftSize {
 };
 
 /// Sizes go down from the canvas's by √2 a side, to a quarter of it, so that a frame takes a thirtieth of a second by
-/// what the last ones took (an eighteenth where the way is slow); and further, with lower qualities, so that it has no
-/// more bytes than the way to the page has room for, but for that never below 640 pixels across.
+/// what the last ones took (an eighteenth on a slow way of 50 ms, a thirteenth on one of 150); and further, with lower
+/// qualities, so that it has no more bytes than the way to the page has room for, but for that never below 640 pixels
+/// across.
 class AdaptiveResolution {
 public:
-    static constexpr double target_seconds = 1.0 / 30, slow_target_seconds = 1.0 / 18;
+    static constexpr double target_seconds = 1.0 / 30;
 
     /// What to draw of a canvas of this size.
     DraftSize size(int width, int height, const LinkState& link);

@@ -68,6 +68,7 @@ void RenderWorker::show(std::shared_ptr<const Loaded> loaded) {
 void RenderWorker::request(FrameRequest wanted) {
     const std::lock_guard lock(mutex_);
     newest_ = std::move(wanted);
+    link_moved_ = true;  // what it waits for may be another
     if (refining_) refining_->cancel();
     if (!thread_.joinable()) thread_ = std::thread([this] { run(); });
     changed_.notify_all();

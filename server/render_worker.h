@@ -44,7 +44,7 @@ public:
     struct FrameCallbacks {
         std::function<void(int connection, std::string frame)> frame;
         std::function<void(int connection, const Json& message)> tell;
-        std::function<LinkState()> link;  ///< the way to the page
+        std::function<LinkState()> link = [] { return LinkState(); };  ///< the way to the page
     };
 
     explicit RenderWorker(FrameCallbacks callbacks) : callbacks_(std::move(callbacks)) {}

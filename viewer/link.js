@@ -1,7 +1,7 @@
 // The socket: requests with answers, the newest state only, frames in order, and trying again when it is lost.
 const waits = [1, 2, 4, 8, 15];
 // Milliseconds: a way that takes longer is far, where states follow each other so closely at most.
-const near = 25, spacing = 33;
+const near = 25, spacing = 20;
 
 const viewId = () => {
   // The tab's own: a duplicated tab has the same one and is told so by the server, a new tab draws another.
@@ -95,7 +95,7 @@ export class Link {
   }
 
   /** Sends a state in the next animation frame: the newest only, and while moving no more than are needed for the server to have
-   * one whenever it can draw: one at a time on a short way, as many as are under way at 30 a second on a long one. */
+   * one whenever it can draw: one at a time on a short way, as many as are under way at 50 a second on a long one. */
   send(make, options) {
     this.#pending = { make, options };
     if (this.#scheduled) return;
@@ -107,7 +107,7 @@ export class Link {
     if (!this.#pending || !this.open) return;
     const { make, options } = this.#pending;
     const now = performance.now(), far = this.way > near, last = this.#inFlight.at(-1)?.[1] ?? 0, oldest = this.#inFlight[0]?.[1] ?? now;
-    if (options.moving && this.#inFlight.length >= (far ? Math.min(8, 2 + Math.ceil(this.way / spacing)) : 1) && now - oldest < 1000) return;
+    if (options.moving && this.#inFlight.length >= (far ? Math.min(12, 2 + Math.ceil(this.way / spacing)) : 1) && now - oldest < 1000) return;
     if (options.moving && far && now - last < spacing) return void (this.#later ||= setTimeout(() => ((this.#later = 0), this.#flush()), spacing - (now - last)));
     if (now - oldest >= 1000) this.#inFlight = [];
     this.#pending = null;
