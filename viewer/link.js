@@ -3,10 +3,11 @@ const waits = [1, 2, 4, 8, 15];
 // Milliseconds: a way that takes longer is far, where states follow each other so closely at most.
 const near = 25, spacing = 20;
 
+const drawnId = () => Array.from(crypto.getRandomValues(new Uint8Array(12)), (b) => b.toString(16).padStart(2, "0")).join("");
 const viewId = () => {
   // The tab's own: a duplicated tab has the same one and is told so by the server, a new tab draws another.
   let id = sessionStorage.getItem("view");
-  if (!id) sessionStorage.setItem("view", (id = Array.from(crypto.getRandomValues(new Uint8Array(12)), (b) => b.toString(16).padStart(2, "0")).join("")));
+  if (!id) sessionStorage.setItem("view", (id = drawnId()));
   return id;
 };
 
@@ -66,6 +67,12 @@ export class Link {
     socket.onopen = () => ((this.open = true), this.connections++, (this.#tries = 0), (this.#inFlight = []), (this.#bytes = 0), (this.#parts = []));
     socket.onmessage = ({ data }) => (typeof data === "string" ? this.#text(JSON.parse(data)) : this.#took(data));
     socket.onclose = ({ code }) => socket === this.#socket && this.#lost(code);
+  }
+
+  /** Goes on as a view of its own: frames within one page share what a tab keeps. */
+  renew() {
+    this.view = drawnId();
+    this.connect(false);
   }
 
   #lost(code) {

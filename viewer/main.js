@@ -291,6 +291,7 @@ link.onstate = (state, wait = 0) => {
   stage.classList.toggle("lost", state !== "open");
   if (state === "open") return app.states.hush();
   const w = words.states;
+  if (state === "taken" && isEmbedded) return link.renew();
   if (state === "taken") return app.states.say(w.elsewhere, { acts: [[w.takeOver, () => link.connect(true)]], keep: true });
   wasLost = true;
   let left = wait;

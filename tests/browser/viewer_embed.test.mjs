@@ -79,6 +79,13 @@ test("within a page of an origin that was named: ready, scene, picture, picked; 
   for (const [message, sentence] of [[{ type: "scene", id: 11, scene: { mode: "no such" } }, /mode/], [{ type: "open", id: 12, volume: "/etc/passwd" }, /no such message/], [{ type: "__proto__", id: 13 }, /no such message/], [{ type: "scene", id: 14, scene: 7 }, /no scene/],
     [{ type: "scene", id: 15, scene: { volume: { file: "sample:tubes" } } }, /another volume/], [{ type: "scene", id: 16, scene: { note: "x".repeat(600000) } }, /too large/]])
     assert.match((await ask(page, message)).sentence, sentence);
+  // A second one beside it is a view of its own.
+  await page.evaluate((src) => document.body.append(Object.assign(document.createElement("iframe"), { name: "second", src, width: 300, height: 200 })), outer.inner);
+  await page.waitForFunction(() => window.heard.filter((m) => m.type === "ready").length === 2, null, { timeout: 30000 });
+  const second = page.frame("second");
+  await final(second, 60000);
+  assert.notEqual(await second.evaluate(() => chiaro.link.view), await inner.evaluate(() => chiaro.link.view));
+  assert.equal(await inner.evaluate(() => chiaro.link.open), true);
   // The token is in no message and no address that the page around was asked for with.
   assert.ok(!JSON.stringify(await page.evaluate(() => window.heard.map(({ png, ...rest }) => rest))).includes(token));
   assert.ok(outer.asked.every((request) => !request.headers.referer?.includes(token)));
