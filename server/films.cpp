@@ -5,6 +5,7 @@
 
 #include <cstring>
 #include <fstream>
+#include <optional>
 
 #include "view.h"
 
@@ -41,6 +42,13 @@ private:
     std::ofstream stream_;
 };
 
+std::string frame_name(int frame) { return fmt::format("frame-{:05}.png", frame); }
+
+std::string bytes_of(const fs::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
 }  // namespace
 
 /// A page's film: of the volume that is shown, and of no file that it may not see.
@@ -70,49 +78,80 @@ Json View::film_frame(const Json& request) {
     return {{"scene", Json::parse(to_json(scene))}, {"frame", frame}, {"frames", count}};
 }
 
-/// All frames, as a film by ffmpeg or as pictures in an archive.
+/// What the frames depend on: who writes them, of what, and how.
+std::string View::film_text(const Film& film) const {
+    const std::string volume = shown()->source.volume;
+    std::error_code none;
+    const auto size = fs::file_size(volume, none);
+    const auto written = fs::last_write_time(volume, none).time_since_epoch().count();
+    std::string text = fmt::format("{} {} {} {} {} {} {} {}", CHIARO_VERSION, id_, volume, size, written, film.fps,
+                                   film.width, film.height);
+    for (const Keyframe& key : film.keys) text += fmt::format("\n{} {}", key.seconds, to_json(key.scene));
+    return text;
+}
+
+/// Renders the frames that are not there yet.
+void View::render_film(const Film& film, const fs::path& folder, Progress& progress) {
+    const auto loaded = shown();
+    const DeviceVolume& volume = loaded->session.volume();
+    int moment = 0;
+    std::optional<Session> session(loaded->session.share_volume());
+    const int count = frame_count(film);
+    for (int frame = 0; frame < count; ++frame) {
+        progress.report("film", double(frame) / count);
+        progress.check();
+        const fs::path file = folder / frame_name(frame);
+        if (fs::exists(file)) continue;
+        Progress quiet([&](std::string_view, double) {
+            if (progress.cancelled()) quiet.cancel();
+        });
+        const Scene scene = frame_of(film, volume.geometry(), volume.dimensions(), frame);
+        if (scene.read.time != moment) session.emplace(session_at(*loaded, scene, quiet));
+        moment = scene.read.time;
+        write_png(session->render(scene, quiet), file, {{"chiaro", to_json(scene)}});
+    }
+}
+
+/// Whether the page that asked is still there, and so wants no more of it itself.
+bool View::is_connected(int connection) const {
+    const std::lock_guard lock(mutex_);
+    return socket_ && connection == connection_;
+}
+
+/// All frames, as a film by ffmpeg or as pictures in an archive. Where the page is gone before it is done the frames
+/// stay: who asks for the same film again goes on from there.
 Json View::export_film(const Json& request, Progress& progress) {
     const Film film = film_of(request);
     const std::string format = text_in(request, "format");
     const bool is_video = format == "mp4" || format == "webm";
     if (!is_video && format != "png")
         throw Error(ErrorCode::usage, fmt::format("format {}: must be mp4, webm or png", format));
-    const auto loaded = shown();
-    const DeviceVolume& volume = loaded->session.volume();
-    int moment = 0;
-    std::optional<Session> session(loaded->session.share_volume());
+    int connection = 0;
+    {
+        const std::lock_guard lock(mutex_);
+        connection = connection_;
+    }
+    const fs::path frames = context_.films.folder_of(film_text(film));
     const fs::path file = context_.store.fresh(is_video ? "." + format : ".tar");
-    std::optional<VideoWriter> video;
-    std::optional<TarWriter> pictures;
-    if (is_video)
-        video.emplace(file, film.width, film.height, film.fps);
-    else
-        pictures.emplace(file);
     try {
+        render_film(film, frames, progress);
         const int count = frame_count(film);
+        std::optional<VideoWriter> video;
+        std::optional<TarWriter> pictures;
+        is_video ? void(video.emplace(file, film.width, film.height, film.fps)) : void(pictures.emplace(file));
         for (int frame = 0; frame < count; ++frame) {
-            progress.report("film", double(frame) / count);
             progress.check();
-            Progress quiet([&](std::string_view, double) {
-                if (progress.cancelled()) quiet.cancel();
-            });
-            const Scene scene = frame_of(film, volume.geometry(), volume.dimensions(), frame);
-            if (scene.read.time != moment) session.emplace(session_at(*loaded, scene, quiet));
-            moment = scene.read.time;
-            const Image& image = session->render(scene, quiet);
-            if (video)
-                video->write(image);
-            else
-                pictures->add(fmt::format("frame-{:05}.png", frame),
-                              as_text(encode_png(image, {{"chiaro", to_json(scene)}})));
+            const fs::path picture = frames / frame_name(frame);
+            video ? video->write(read_png(picture)) : pictures->add(frame_name(frame), bytes_of(picture));
         }
-        if (video) video->finish();
-        if (pictures) pictures->finish();
-    } catch (...) {
+        video ? video->finish() : pictures->finish();
+    } catch (const Error& error) {
         std::error_code ignored;
         fs::remove(file, ignored);
+        if (error.code() != ErrorCode::interrupted || is_connected(connection)) context_.films.remove(frames);
         throw;
     }
+    context_.films.remove(frames);
     const std::string name = is_video ? "film." + format : "film-frames.tar";
     const auto bytes = fs::file_size(file);
     const char* type = format == "mp4" ? "video/mp4" : is_video ? "video/webm" : "application/x-tar";

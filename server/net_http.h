@@ -13,6 +13,7 @@ namespace chiaro::server {
 
 inline constexpr std::size_t worth_packing = 1024;  // bytes
 inline constexpr std::size_t largest_upload = 64 << 20, max_uploads = 4, max_sockets = 128;
+inline constexpr std::size_t largest_read_away = 64 << 20;  // bytes
 // A browser opens six connections to a server, and shows the token on the first.
 inline constexpr std::size_t max_strangers = 64, max_strangers_of_address = 32;
 
@@ -258,7 +259,18 @@ private:
                               if (message->keep_alive() && !self->context_.ending) return self->read();
                               beast::error_code ignored;
                               self->stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+                              self->stream_.expires_after(std::chrono::seconds(2));
+                              self->read_away(largest_read_away);
                           });
+    }
+
+    /// What still comes of a request that was refused: were it left unread, the answer would be lost with it.
+    void read_away(std::size_t most) {
+        buffer_.consume(buffer_.size());
+        stream_.async_read_some(buffer_.prepare(65536),
+                                [self = shared_from_this(), most](beast::error_code error, std::size_t count) {
+                                    if (!error && count < most) self->read_away(most - count);
+                                });
     }
 
     beast::tcp_stream stream_;

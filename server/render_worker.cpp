@@ -17,7 +17,9 @@ using Clock = std::chrono::steady_clock;
 // The limits below are seconds as a user feels them, chosen by eye as far as history shows; scripts/latency measures
 // what they lead to.
 constexpr auto rest = milliseconds(120);  // without a newer request: then the image is refined
-constexpr int moving_quality = 70, still_quality = 92;
+constexpr int still_quality = 92, still_far_quality = 75;
+// Until a slow way is this free, a picture that a better one follows is not sent.
+constexpr double nearly_free = 0.1;
 // Light that is quicker than this is found while something moves, for an eighth of the time at most.
 constexpr double quick_light = 0.15, light_share = 8, instant_light = 0.04;
 // Light that is this quick needs no picture of the whole size by the last light before it.
@@ -71,6 +73,7 @@ void RenderWorker::show(std::shared_ptr<const Loaded> loaded) {
 void RenderWorker::request(FrameRequest wanted) {
     const std::lock_guard lock(mutex_);
     newest_ = std::move(wanted);
+    link_moved_ = true;  // what it waits for may be another
     if (refining_) refining_->cancel();
     if (!thread_.joinable()) thread_ = std::thread([this] { run(); });
     changed_.notify_all();
@@ -90,6 +93,12 @@ void RenderWorker::run() {
             change_volume(lock);
             continue;
         }
+        if (const double wait = too_early(*newest_); wait > 0) {
+            link_moved_ = false;
+            changed_.wait_for(lock, std::chrono::duration<double>(wait),
+                              [&] { return ending_ || volume_changed_ || link_moved_; });
+            continue;
+        }
         const FrameRequest wanted = std::move(*newest_);
         newest_.reset();
         steady_ = std::make_shared<Progress>();
@@ -104,6 +113,19 @@ void RenderWorker::run() {
         lock.lock();
         steady_.reset(), refining_.reset();
     }
+}
+
+void RenderWorker::look_at_link() {
+    const std::lock_guard lock(mutex_);
+    link_moved_ = true;
+    changed_.notify_all();
+}
+
+/// Seconds until a picture of something that moves, if it were begun then, would find the way to the page free: of what
+/// is drawn later the state is newer.
+double RenderWorker::too_early(const FrameRequest& wanted) const {
+    if (!wanted.moving || !session_) return 0;
+    return callbacks_.link().free_in - resolution_.expected(double(draft_.width) * draft_.height);
 }
 
 void RenderWorker::change_volume(std::unique_lock<std::mutex>& lock) {
@@ -158,6 +180,7 @@ bool RenderWorker::change_moment(FrameRequest& wanted) {
 }
 
 void RenderWorker::render_frame(FrameRequest wanted) {
+    is_refining_ = false;
     if (wanted.scene.read.time != moment_ && !change_moment(wanted)) return;
     if (wanted.next >= 0 && wanted.next != moment_) {
         Scene next = wanted.scene;
@@ -179,7 +202,10 @@ void RenderWorker::render_frame(FrameRequest wanted) {
 /// Whether nothing newer comes for a while.
 bool RenderWorker::comes_to_rest(const FrameRequest& wanted) {
     std::unique_lock lock(mutex_);
-    const auto until = std::max(wanted.arrived, Clock::now() - milliseconds(60)) + rest;
+    // States on a long way come less evenly.
+    const auto uneven = std::chrono::duration_cast<Clock::duration>(
+        std::chrono::duration<double>(std::min(0.5, callbacks_.link().round_trip)));
+    const auto until = std::max(wanted.arrived, Clock::now() - milliseconds(60)) + rest + uneven;
     return !changed_.wait_until(lock, until, [&] { return ending_ || volume_changed_ || newest_; });
 }
 
@@ -190,8 +216,11 @@ void RenderWorker::preview(const FrameRequest& wanted) {
     const double whole = double(scene.width) * scene.height;
     const bool is_fresh = awaits_light() && !(wanted.moving && light_seconds_ > quick_light);
     const bool is_slow = resolution_.expected(whole) == 0 || resolution_.expected(whole) > at_once;
-    const bool is_small = wanted.moving || (is_slow && !is_fresh);
-    if (is_small) std::tie(scene.width, scene.height) = resolution_.size(scene.width, scene.height);
+    const bool is_small = wanted.moving || callbacks_.link().is_slow() || (is_slow && !is_fresh);
+    draft_ = is_small ? resolution_.size(scene.width, scene.height, callbacks_.link())
+                      : DraftSize{scene.width, scene.height,
+                                  callbacks_.link().is_slow() ? still_far_quality : still_quality};
+    scene.width = draft_.width, scene.height = draft_.height;
     is_whole_ = scene.width == wanted.scene.width && scene.height == wanted.scene.height;
     if (!is_path_traced(scene.illumination) && session_->needs_light(scene) &&
         (is_fresh || light_seconds_ < instant_light))
@@ -206,7 +235,7 @@ void RenderWorker::preview(const FrameRequest& wanted) {
     preview_interval_ = since < 0.5 ? 0.7 * preview_interval_ + 0.3 * since : 0;
     last_preview_ = start;
     const auto encoding = Clock::now();
-    send(wanted, image, is_whole_ ? "full" : "draft", 1);
+    resolution_.learn_bytes(draft_, send(wanted, image, is_whole_ ? "full" : "draft", 1));
     resolution_.learn(double(scene.width) * scene.height, seconds + seconds_since(encoding));
     if (wanted.moving && is_light_due(scene)) preview_with_light(wanted, scene);
 }
@@ -233,6 +262,7 @@ void RenderWorker::check_light_fits(const Scene& scene) const {
 }
 
 void RenderWorker::refine(const FrameRequest& wanted, Progress& progress) {
+    is_refining_ = true;
     if (is_path_traced(wanted.scene.illumination))
         refine_traced(wanted, progress);
     else
@@ -301,9 +331,13 @@ void RenderWorker::note_frame(const FrameRequest& wanted, const Scene& scene) {
     if (!volume_changed_) last_frame_ = std::move(seen);
 }
 
-void RenderWorker::send(const FrameRequest& wanted, const Image& image, const char* stage, int samples,
-                        bool is_coarse) {
+std::size_t RenderWorker::send(const FrameRequest& wanted, const Image& image, const char* stage, int samples,
+                               bool is_coarse) {
     const bool is_final = std::string_view(stage) == "final";
+    const LinkState link = callbacks_.link();
+    const bool is_refined = is_refining_ && !is_final;
+    if (is_refined && link.is_slow() && (link.free_in > nearly_free || wanted.scene.sampling.samples_per_pixel == 1))
+        return 0;  // the final picture is all the sooner there
     Json header{{"n", wanted.n},
                 {"kind", "state"},
                 {"type", is_final ? "png" : "jpeg"},
@@ -323,11 +357,11 @@ void RenderWorker::send(const FrameRequest& wanted, const Image& image, const ch
     if (const CameraSettings& camera = session_->camera(); camera.fit == Fit::visible && camera.fit_centre)
         header["fit"] = {{"centre", json_of(*camera.fit_centre)}, {"radius", *camera.fit_radius_mm}};
     for (const std::string& note : session_->notes()) header["notes"].push_back(note);
-    const bool is_preview = image.width != wanted.scene.width || wanted.moving;
-    const std::string encoded_image =
-        is_final ? as_text(encode_png(image)) : encode_jpeg(image, is_preview ? moving_quality : still_quality);
+    const int quality = !is_refining_ ? draft_.quality : link.is_slow() ? still_far_quality : still_quality;
+    const std::string encoded_image = is_final ? as_text(encode_png(image)) : encode_jpeg(image, quality);
     header["seconds"] = seconds_since(wanted.arrived);
     callbacks_.frame(wanted.connection, frame_message(header, encoded_image));
+    return encoded_image.size();
 }
 
 /// At most ten times a second, and not about what is quickly done.

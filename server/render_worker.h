@@ -14,6 +14,7 @@
 
 #include "adaptive_resolution.h"
 #include "json.h"
+#include "link_pace.h"
 #include "moments.h"
 #include "volumes.h"
 
@@ -45,6 +46,7 @@ public:
     struct FrameCallbacks {
         std::function<void(int connection, std::string frame)> frame;
         std::function<void(int connection, const Json& message)> tell;
+        std::function<LinkState()> link = [] { return LinkState(); };  ///< the way to the page
     };
 
     explicit RenderWorker(FrameCallbacks callbacks) : callbacks_(std::move(callbacks)) {}
@@ -59,6 +61,8 @@ public:
     std::optional<Session> share(const Loaded& loaded, int moment) const;
     /// Of whichever moment is shown.
     Session share_shown(const Loaded& loaded) const;
+    /// The way to the page may have room again.
+    void look_at_link();
 
 private:
     using Clock = std::chrono::steady_clock;
@@ -78,7 +82,10 @@ private:
     void refine_cast(const FrameRequest& wanted, Progress& progress);
     void learn_light();
     void note_frame(const FrameRequest& wanted, const Scene& scene);
-    void send(const FrameRequest& wanted, const Image& image, const char* stage, int samples, bool is_coarse = false);
+    double too_early(const FrameRequest& wanted) const;
+    /// Answers the bytes of the encoded picture.
+    std::size_t send(const FrameRequest& wanted, const Image& image, const char* stage, int samples,
+                     bool is_coarse = false);
     Progress::Report report_for(const FrameRequest& wanted);
 
     FrameCallbacks callbacks_;
@@ -86,7 +93,7 @@ private:
     std::condition_variable changed_;
     std::optional<FrameRequest> newest_;
     std::shared_ptr<const Loaded> shown_;
-    bool volume_changed_ = false, ending_ = false;
+    bool volume_changed_ = false, ending_ = false, link_moved_ = false;
     std::shared_ptr<Progress> steady_, refining_;  ///< of previews; of what a newer request stops
     std::optional<LastFrame> last_frame_;
     std::optional<Session> voxels_;  ///< of the moment that is shown, beside the first
@@ -99,9 +106,11 @@ private:
     NextMoment next_;
     bool has_own_light_ = false;  ///< found since the moment is shown
     AdaptiveResolution resolution_;
+    DraftSize draft_{0, 0, 70};   ///< what the last preview was drawn at
     double light_seconds_ = 1e9;  ///< what light took last
     Clock::time_point light_found_, last_preview_;
     double preview_interval_ = 0;
+    bool is_refining_ = false;
     bool is_whole_ = false;  ///< the last preview had the canvas's size and no better light to come
 };
 

@@ -49,6 +49,13 @@ Json View::discard(const Json& request) {
     return Json::object();
 }
 
+/// Whether a volume may be sent: told before its bytes are on their way.
+Json View::room(const Json& request) {
+    context_.uploads.check_room(std::uint64_t(number_in(request, "bytes", 0, 1e15)),
+                                std::uint64_t(number_in(request, "files", 0, 1e9)));
+    return Json::object();
+}
+
 Json View::ping(const Json&) { return Json::object(); }
 
 /// What local histograms take on disk.

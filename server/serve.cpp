@@ -57,11 +57,13 @@ public:
     ViewerSite(const ViewerOptions& options)
         : kept_(options.keep_views ? views_folder() : std::filesystem::path()),
           uploads_(options.max_upload, kept_.volumes()),
+          films_(options.keep_views && !views_folder().empty() ? user_cache() / "films" : store_.fresh("")),
           context_{Volumes(options.device, options.volume),
                    Folders(options.folders, hidden_folders()),
                    store_,
                    uploads_,
                    kept_,
+                   films_,
                    lists(options.device),
                    options.scene,
                    options.data,
@@ -69,12 +71,23 @@ public:
                    options.changed},
           base_path_(options.base_path),
           read_in_(options.read_in) {
+        context_.lists["embed_from"] = options.embed_from;
         if (context_.initial) reading_.post([this] { read_first(); });
     }
     ~ViewerSite() override { context_.first.cancel(); }
 
     void expect(const std::string& token) { token_ = token; }
     const std::string& token() const { return token_; }
+
+    /// A page that asks for it, so that links need not carry it.
+    static Response ask_for_token() {
+        const auto file = page_file("ask.html");
+        if (!file)
+            return refusal(403, "This page opens with the whole address that chiaro view printed, token and all.");
+        Response response;
+        response.status = 403, response.type = file->type, response.body = file->bytes;
+        return response;
+    }
 
     /// Good for one visit.
     std::string fresh_key() {
@@ -98,8 +111,7 @@ public:
         if (request.path.starts_with("/download/")) return store_.fetch(request.path.substr(10));
         const bool is_page = request.path == "/" || request.path == "/index.html";
         if (is_page && request.query.contains("key")) return visit(member(request.query, "key"));
-        if (is_page && !has_token(request))
-            return refusal(403, "This page opens with the whole address that chiaro view printed, token and all.");
+        if (is_page && !has_token(request)) return ask_for_token();
         const auto file = page_file(is_page ? "index.html" : std::string_view(request.path).substr(1));
         if (!file) return refusal(404, "There is nothing at this address.");
         Response response;
@@ -139,7 +151,7 @@ public:
             if (given_) view->put(*given_);
         }
         try {
-            view->attach(socket, member(request.query, "take") == "1");
+            view->attach(socket, member(request.query, "take") == "1", member(request.query, "paced") == "1");
         } catch (...) {
             socket->send(text_of(current_error(nullptr)));
             socket->close(1011, "");
@@ -162,6 +174,7 @@ public:
         store_.remove();
         for (const auto& folder : uploads_.folders()) kept_.forget_below(folder);
         uploads_.remove();
+        films_.clear();
     }
 
 private:
@@ -255,6 +268,7 @@ private:
     Store store_;
     KeptViews kept_;
     Uploads uploads_;
+    FilmStore films_;
     ServerContext context_;
     const std::string base_path_;
     std::string token_;

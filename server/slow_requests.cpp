@@ -136,9 +136,8 @@ void View::send_frame(const Json& header, const Image& image, bool lossless) {
     Json whole = header;
     whole["type"] = lossless ? "png" : "jpeg";
     whole["size"] = {image.width, image.height}, whole["canvas"] = whole["size"];
-    std::string frame = frame_message(whole, lossless ? as_text(encode_png(image)) : encode_jpeg(image, 88));
-    const std::lock_guard lock(mutex_);
-    if (socket_) socket_->send_binary(std::move(frame));
+    const int quality = frames_.link().is_slow() ? 70 : 88;
+    frames_.post(frame_message(whole, lossless ? as_text(encode_png(image)) : encode_jpeg(image, quality)));
 }
 
 /// A look on trial, by the ray caster alone.

@@ -35,7 +35,12 @@ std::string plain_name(const std::string& name) {
     return plain;
 }
 
-std::string gib(std::uint64_t bytes) { return fmt::format("{:.1f} GiB", double(bytes) / double(1 << 30)); }
+std::string told(std::uint64_t bytes) {
+    const double kib = double(bytes) / 1024;
+    return kib < 1024          ? fmt::format("{:.1f} KiB", kib)
+           : kib < 1024 * 1024 ? fmt::format("{:.1f} MiB", kib / 1024)
+                               : fmt::format("{:.1f} GiB", kib / 1024 / 1024);
+}
 
 bool is_header(const fs::path& file) { return file.extension() == ".nhdr" || file.extension() == ".mhd"; }
 
@@ -69,20 +74,37 @@ std::vector<fs::path> Uploads::folders() const {
     return all;
 }
 
+void Uploads::refuse_size() const {
+    throw Error(ErrorCode::usage, fmt::format("A volume may have at most {} (--max-upload).", told(max_bytes_)));
+}
+
+void Uploads::refuse_count() const {
+    throw Error(ErrorCode::usage, fmt::format("A folder may have at most {} files.", max_upload_files));
+}
+
+void Uploads::check_disk(std::uint64_t bytes) const {
+    std::error_code error;
+    const auto space = fs::space(folder_, error);
+    if (!error && space.available < bytes + disk_reserve)
+        throw Error(ErrorCode::output,
+                    fmt::format("The disk has no room: {} are sent, {} are free.", told(bytes), told(space.available)));
+}
+
+void Uploads::check_room(std::uint64_t bytes, std::uint64_t files) const {
+    if (bytes > max_bytes_) refuse_size();
+    if (files > max_upload_files) refuse_count();
+    check_disk(bytes);
+}
+
 fs::path Uploads::begin(const std::string& volume, const std::string& name, std::uint64_t bytes) {
     const std::string plain = plain_name(name);
     const std::lock_guard lock(mutex_);
     const auto found = sent_.find(volume);
     Sent sent = found == sent_.end() ? Sent() : found->second;
-    if (bytes > max_bytes_ || sent.bytes > max_bytes_ - bytes)
-        throw Error(ErrorCode::usage, fmt::format("A volume may have at most {} (--max-upload).", gib(max_bytes_)));
-    if (sent.files >= max_upload_files)
-        throw Error(ErrorCode::usage, fmt::format("A folder may have at most {} files.", max_upload_files));
+    if (bytes > max_bytes_ || sent.bytes > max_bytes_ - bytes) refuse_size();
+    if (sent.files >= max_upload_files) refuse_count();
+    check_disk(bytes);
     std::error_code error;
-    const auto space = fs::space(folder_, error);
-    if (!error && space.available < bytes + disk_reserve)
-        throw Error(ErrorCode::output,
-                    fmt::format("The disk has no room: {} are sent, {} are free.", gib(bytes), gib(space.available)));
     if (sent.folder.empty()) {
         sent.folder = folder_ / random_key();
         if (!fs::create_directory(sent.folder, error))

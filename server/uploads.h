@@ -23,6 +23,8 @@ public:
 
     /// Its own, and those that were kept.
     std::vector<std::filesystem::path> folders() const;
+    /// Whether a volume of so many bytes in so many files may come: before the first of it does. Throws as `begin`.
+    void check_room(std::uint64_t bytes, std::uint64_t files) const;
     /// Where so many bytes of a volume's file go. A name's folders become part of it: files lie side by side, as
     /// readers of folders want them. Throws Error{usage} beyond the limits, Error{output} where the disk has no room.
     std::filesystem::path begin(const std::string& volume, const std::string& name, std::uint64_t bytes);
@@ -36,6 +38,9 @@ public:
     void remove();
 
 private:
+    [[noreturn]] void refuse_size() const;
+    [[noreturn]] void refuse_count() const;
+    void check_disk(std::uint64_t bytes) const;
     struct Sent {
         std::filesystem::path folder;
         std::uint64_t bytes = 0;

@@ -23,11 +23,13 @@ Json id_of(const Json& request) {
 View::View(ServerContext& context, std::string id)
     : context_(context),
       id_(std::move(id)),
+      frames_([this] { render_worker_.look_at_link(); }),
       render_worker_({[this](int connection, std::string frame) {
                           const std::lock_guard lock(mutex_);
-                          if (socket_ && connection == connection_) socket_->send_newest(std::move(frame));
+                          if (socket_ && connection == connection_) frames_.post_newest(std::move(frame));
                       },
-                      [this](int connection, const Json& message) { tell(connection, message); }}) {}
+                      [this](int connection, const Json& message) { tell(connection, message); },
+                      [this] { return frames_.link(); }}) {}
 
 View::~View() { cancel_all(); }
 
@@ -36,7 +38,7 @@ void View::cancel_all() {
     for (const auto& [id, progress] : running_) progress->cancel();
 }
 
-bool View::attach(std::shared_ptr<Socket> socket, bool take) {
+bool View::attach(std::shared_ptr<Socket> socket, bool take, bool paced) {
     const std::string taken = text_of({{"type", "taken"}});
     int connection = 0;
     {
@@ -49,8 +51,10 @@ bool View::attach(std::shared_ptr<Socket> socket, bool take) {
         if (socket_) {
             socket_->send(taken);
             socket_->close(4001, "taken over");
+            for (const auto& [id, progress] : running_) progress->cancel();  // nobody hears the answers
         }
         socket_ = std::move(socket);
+        frames_.attach(socket_, paced);
         connection = ++connection_;
         newest_ = -1;
         left_.reset();
@@ -72,6 +76,7 @@ void View::gone(const Socket& from) {
         const std::lock_guard lock(mutex_);
         if (socket_.get() != &from) return;
         socket_.reset();
+        frames_.detach();
         left_ = Clock::now();
     }
     cancel_all();
@@ -192,7 +197,10 @@ void View::understand(int connection, std::string_view text) {
     try {
         request = parse_message(text);
         const std::string type = text_in(request, "type");
-        type == "state" ? hear_state(request) : dispatch(request);
+        if (type == "got")
+            hear_got(request);
+        else
+            type == "state" ? hear_state(request) : dispatch(request);
     } catch (...) {
         const bool has_id = request.is_object() && request.contains("id") && request["id"].is_number_integer();
         Json error = current_error(has_id ? request["id"] : Json());
@@ -206,7 +214,8 @@ void View::dispatch(const Json& request) {
         {"pick", &View::pick},          {"command", &View::command},    {"resolve", &View::resolve},
         {"export", &View::export_text}, {"import", &View::import_text}, {"cancel", &View::cancel},
         {"ping", &View::ping},          {"cache", &View::cache},        {"keep", &View::keep},
-        {"discard", &View::discard},    {"earlier", &View::earlier},    {"film_frame", &View::film_frame}};
+        {"discard", &View::discard},    {"earlier", &View::earlier},    {"film_frame", &View::film_frame},
+        {"room", &View::room}};
     static const std::map<std::string, std::pair<SerialQueue View::*, Handler>> slow{
         {"folder", {&View::side_queue_, &View::folder}},
         {"open", {&View::opening_, &View::open}},
@@ -270,6 +279,13 @@ void View::run(SerialQueue& queue, const Json& request, Handler handler) {
     const std::lock_guard lock(mutex_);
     running_.erase(key);
     throw Error(ErrorCode::usage, "too much is asked for at once");
+}
+
+/// The page tells how many bytes of pictures it has.
+void View::hear_got(const Json& message) {
+    if (!message.contains("bytes") || !message["bytes"].is_number_unsigned())
+        throw Error(ErrorCode::usage, "bytes: must be a whole number");
+    frames_.got(message["bytes"].get<std::uint64_t>());
 }
 
 void View::hear_state(const Json& message) {
@@ -343,12 +359,12 @@ Scene View::scene_of(const Json& json, std::vector<std::string>* unknown) const 
 
 void View::tell(const Json& message) const {
     const std::lock_guard lock(mutex_);
-    if (socket_) socket_->send(text_of(message));
+    frames_.tell(text_of(message));
 }
 
 void View::tell(int connection, const Json& message) const {
     const std::lock_guard lock(mutex_);
-    if (socket_ && connection == connection_) socket_->send(text_of(message));
+    if (connection == connection_) frames_.tell(text_of(message));
 }
 
 /// At most ten times a second.

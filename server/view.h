@@ -10,7 +10,9 @@
 #include <string>
 
 #include "downloads.h"
+#include "film_store.h"
 #include "folders.h"
+#include "frame_sender.h"
 #include "json.h"
 #include "kept_views.h"
 #include "moments.h"
@@ -29,6 +31,7 @@ struct ServerContext {
     Store& store;
     Uploads& uploads;
     KeptViews& kept;
+    FilmStore& films;
     Json lists;                                 ///< of hello
     std::optional<Scene> initial;               ///< what the program was started with
     std::filesystem::path data;                 ///< where volumes of scenes are looked up too
@@ -42,7 +45,7 @@ public:
     ~View() override;
 
     /// Speaks to this page from now on; false (and the page is told) where another has the view and `take` is not said.
-    bool attach(std::shared_ptr<Socket> socket, bool take);
+    bool attach(std::shared_ptr<Socket> socket, bool take, bool paced);
     void hear(const Socket& from, std::string text, std::function<void()> done) override;
     void gone(const Socket& from) override;
     /// What a file that the page brought is, or an error, to `reply`, after what the page said before; false where too
@@ -64,6 +67,7 @@ private:
     void run(SerialQueue& queue, const Json& request, Handler handler);
     std::string key_of(const Json& id) const;  ///< while locked
     void hear_state(const Json& message);
+    void hear_got(const Json& message);
     void greet();
     void note_state();
     bool is_there(const std::string& volume) const;
@@ -79,6 +83,7 @@ private:
     Json cache(const Json& request);
     Json keep(const Json& request);
     Json discard(const Json& request);
+    Json room(const Json& request);
     Json earlier(const Json& request);
     Json film_frame(const Json& request);
     // What takes time.
@@ -104,6 +109,9 @@ private:
     Film film_of(const Json& request) const;
     static Json volume_of(const Loaded& loaded, const Json& scene);
     Session session_of(const Scene& scene, Progress& progress);
+    std::string film_text(const Film& film) const;
+    void render_film(const Film& film, const std::filesystem::path& folder, Progress& progress);
+    bool is_connected(int connection) const;
     Scene scene_of(const Json& json, std::vector<std::string>* unknown = nullptr) const;
     void tell(const Json& message) const;
     void tell(int connection, const Json& message) const;
@@ -130,6 +138,7 @@ private:
     std::optional<Session> side_;  ///< of looks; the side queue's own
     std::shared_ptr<const Loaded> side_shown_;
     int side_moment_ = 0;
+    mutable FrameSender frames_;
     RenderWorker render_worker_;
     SerialQueue opening_, side_queue_, saving_, comparing_, slicing_, filming_;
     SerialQueue hearing_;  // the last member, as its work uses the others, and theirs those before

@@ -8,6 +8,7 @@
 #include <mutex>
 
 #include "races.h"
+#include "server/frame_sender.h"
 #include "server/render_worker.h"
 #include "server_case.h"
 
@@ -34,6 +35,9 @@ public:
                 [this](int, const Json& message) {
                     const std::lock_guard lock(mutex_);
                     if (message["type"] == "error") errors_ += message.dump() + "\n";
+                },
+                [this] {
+                    return asked_++ % 2 ? server::LinkState{6e5, 0.05, 0.002} : server::LinkState();
                 }};
     }
     /// The final picture of state n.
@@ -55,6 +59,7 @@ private:
         changed_.notify_all();
     }
 
+    std::atomic<int> asked_{0};  // for the way, which changes all the time
     std::mutex mutex_;
     std::condition_variable changed_;
     std::map<std::int64_t, std::string> finals_;
@@ -122,6 +127,68 @@ void work(Page& page, Json& scene, Chance& chance, int steps) {
 
 }  // namespace
 
+namespace {
+
+/// A page that counts what comes, and puts the pictures of each lane together.
+class Counting : public server::Socket {
+public:
+    void send(std::string) override {}
+    void send_newest(std::string) override {}
+    void close(int, std::string) override {}
+    void send_binary(std::string bytes) override {
+        const std::lock_guard lock(mutex_);
+        total_ += bytes.size();
+        if (bytes.substr(0, 4) != "CHFP" || bytes.size() == 16) return;
+        std::string& picture = pictures_[std::size_t(bytes[4])];
+        if (bytes.compare(12, 4, std::string(4, '\0')) == 0) picture.clear();
+        picture += bytes.substr(16);
+    }
+    std::uint64_t total() const {
+        const std::lock_guard lock(mutex_);
+        return total_;
+    }
+    std::string picture(std::size_t lane) const {
+        const std::lock_guard lock(mutex_);
+        return pictures_[lane];
+    }
+
+private:
+    mutable std::mutex mutex_;
+    std::uint64_t total_ = 0;
+    std::string pictures_[2];
+};
+
+}  // namespace
+
+TEST(ServerRaces, PicturesArePostedWhileAPageTellsWhatItGot) {
+    for (Rounds rounds; rounds.next();) {
+        const auto socket = std::make_shared<Counting>();
+        std::atomic<int> moved{0};
+        server::FrameSender sender([&] { ++moved; });
+        sender.attach(socket, true);
+        const std::string last(100'000, 'z'), asked(50'000, 'y');
+        std::atomic<bool> done{false};
+        const auto is_whole = [&] { return socket->picture(0) == last && socket->picture(1) == asked; };
+        {
+            const std::jthread page([&] {
+                while (!done || !is_whole()) sender.got(socket->total()), std::this_thread::yield();
+            });
+            const std::jthread other([&] {
+                for (int i = 0; i < 20; ++i) sender.post(asked), sender.tell("answer"), (void)sender.link();
+            });
+            Chance chance(rounds.seed());
+            for (int i = 0; i < 20; ++i) {
+                sender.post_newest(std::string(std::size_t(chance.pick(1, 60'000)), 'a'));
+                chance.wait(2);
+            }
+            sender.post_newest(last);
+            done = true;
+        }
+        EXPECT_TRUE(is_whole());
+        EXPECT_GT(moved, 0);
+    }
+}
+
 TEST(ServerRaces, RequestsArriveWhileAFrameIsDrawn) {
     for (Rounds rounds; rounds.next();) {
         server::Volumes volumes(Device::cpu(2));
@@ -138,6 +205,7 @@ TEST(ServerRaces, RequestsArriveWhileAFrameIsDrawn) {
                 chiaro::testing::edit(scene, chance);
                 worker.request(request_of(++n, scene, chance));
                 if (const auto last = worker.last_frame()) EXPECT_LE(last->n, n);
+                worker.look_at_link();
                 chance.wait(20);
             }
         };

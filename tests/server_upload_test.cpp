@@ -1,5 +1,6 @@
 // Volumes that pages send: streamed, limited, named, opened, and gone.
 #include <gtest/gtest.h>
+#include <sys/mount.h>
 
 #include "server_case.h"
 
@@ -117,7 +118,7 @@ TEST_F(ServerUpload, WhatIsTooLargeOrBreaksOffLeavesNothing) {
     std::thread thread([&] { viewer.run(false); });
     const auto too_large = http(viewer.port(), "POST", address("volume-5", "a"), "", std::string(1001, 'x'));
     EXPECT_EQ(too_large.status, 413);
-    EXPECT_EQ(too_large.body, "A volume may have at most 0.0 GiB (--max-upload).\n");
+    EXPECT_EQ(too_large.body, "A volume may have at most 1.0 KiB (--max-upload).\n");
     EXPECT_EQ(http(viewer.port(), "POST", address("volume-5", "a"), "", std::string(600, 'x')).status, 200);
     EXPECT_EQ(http(viewer.port(), "POST", address("volume-5", "b"), "", std::string(600, 'x')).status, 413);
     {
@@ -133,6 +134,51 @@ TEST_F(ServerUpload, WhatIsTooLargeOrBreaksOffLeavesNothing) {
         << "what broke off does not count";
     viewer.stop();
     thread.join();
+}
+
+TEST_F(ServerUpload, AFullDiskIsASentenceAndLeavesNothing) {
+    if (mount("none", cache.c_str(), "tmpfs", 0, "size=72m,mode=700") != 0) GTEST_SKIP() << "needs the right to mount";
+    struct Unmount {
+        const fs::path& disk;
+        ~Unmount() { umount2(disk.c_str(), MNT_DETACH); }
+    } unmount{cache};
+    const Server server("");
+    Page page = server.page();
+    // What would not fit is refused before it comes: the disk keeps 64 MiB.
+    const auto refused = http(server.port, "POST", address("volume-8", "large.raw"), "", std::string(16 << 20, 'x'));
+    EXPECT_EQ(refused.status, 413);
+    EXPECT_EQ(refused.body, "The disk has no room: 16.0 MiB are sent, 72.0 MiB are free.\n");
+    EXPECT_TRUE(files().empty());
+    EXPECT_EQ(page.ask({{"type", "room"}, {"bytes", 16 << 20}, {"files", 1}})["code"], "output");
+    EXPECT_EQ(page.ask({{"type", "room"}, {"bytes", 4 << 20}, {"files", 20001}})["code"], "usage");
+    EXPECT_EQ(page.ask({{"type", "room"}, {"bytes", 4 << 20}, {"files", 1}})["type"], "answer");
+    // Others fill the disk while it comes.
+    constexpr std::size_t whole = 4 << 20, part = 1 << 20;
+    const std::string piece(part, 'x');
+    Wire connection(server.port);
+    connection.write("POST " + address("volume-9", "scan.raw") +
+                     " HTTP/1.1\r\nHost: localhost\r\nContent-Length: " + std::to_string(whole) + "\r\n\r\n" + piece);
+    for (int i = 0; i < 500 && (files().empty() || fs::file_size(files()[0]) < part); ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    ASSERT_EQ(files().size(), 1u);
+    std::ofstream filler(cache / "filler", std::ios::binary);
+    while (filler.write(piece.data(), std::streamsize(part)).flush()) {
+    }
+    filler.close();
+    try {
+        for (std::size_t sent = part; sent < whole; sent += part) connection.write(piece);
+    } catch (const std::runtime_error&) {  // it is not read to its end
+    }
+    const std::string answer = connection.read_all(20);
+    EXPECT_NE(answer.find(" 507 "), answer.npos) << answer;
+    EXPECT_NE(answer.find("The disk is full."), answer.npos) << answer;
+    for (int i = 0; i < 500 && files().size() > 1; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    ASSERT_EQ(files().size(), 1u);
+    EXPECT_EQ(files()[0].filename(), "filler");
+    EXPECT_EQ(page.ask({{"type", "open"}, {"uploaded", "volume-9"}})["code"], "usage");
+    // With room again it is taken.
+    fs::remove(cache / "filler");
+    EXPECT_EQ(http(server.port, "POST", address("volume-9", "scan.raw"), "", piece).status, 200);
 }
 
 TEST_F(ServerUpload, MoreThanIsHeldInMemoryIsNeverHeldInMemory) {

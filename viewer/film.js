@@ -1,6 +1,7 @@
 // Keyframes of everything in the state: a strip of them below the picture, played, and written as a film. Loaded when first used.
 import { fromScene } from "./camera.js";
 import { bytes, clamp, download, el, icon, percent, short } from "./dom.js";
+import { newestOnly } from "./link.js";
 import { draggable } from "./rows.js";
 import { stateOf } from "./scene.js";
 import { filmWords as w } from "./part-texts.js";
@@ -48,20 +49,19 @@ export async function makeFilm(app, area) {
   }), store.set(`${words.camera}…`, (s) => ({ camera: { ...fromScene(Object.fromEntries(Object.entries(keys()[i].scene.camera ?? {}).map(([key, v]) => [`camera.${key}`, v])), app.box, app.volume.world), ...Object.fromEntries(Object.entries(s.camera).filter(([key]) => key.startsWith("slices."))) } }), "camera"));
   const update = (i) => put(w.update, { keys: keys().map((key, k) => (k === i ? { ...key, scene: sceneNow() } : key)) });
 
-  // Looking at a moment: a preview, as a look on trial is; one asked for at a time.
-  let asking = false, wanted = null;
-  async function seek(t) {
+  // Looking at a moment: a preview, as a look on trial is.
+  const look = newestOnly(app.link, async ({ t }) => {
+    const answer = await app.link.ask("film_frame", { film: told(), seconds: t }).catch((error) => (stop(), app.fault(error)));
+    if (answer && root.isConnected && !root.hidden && looking) store.show({ scene: answer.scene, moving: playing !== null });
+  });
+  let looking = false;
+  function seek(t) {
     now = clamp(t, 0, Math.max(end(), 0));
     store.redraw();
-    if (keys().length < 2) return;
-    if (asking) return void (wanted = now);
-    asking = true;
-    const answer = await app.link.ask("film_frame", { film: told(), seconds: now }).catch((error) => (stop(), app.fault(error)));
-    asking = false;
-    if (answer && root.isConnected && !root.hidden) store.show({ scene: answer.scene, moving: playing !== null });
-    if (wanted !== null) (t = wanted), (wanted = null), seek(t);
+    looking = keys().length > 1;
+    if (looking) look({ t: now });
   }
-  const leave = () => (stop(), store.show(null));
+  const leave = () => (stop(), (looking = false), store.show(null));
   function stop() {
     if (playing === null) return;
     cancelAnimationFrame(playing);
@@ -83,6 +83,7 @@ export async function makeFilm(app, area) {
   async function write(format) {
     if (keys().length < 2 || !fits()) return app.states.say(w.needsTwo);
     leave();
+    sessionStorage.setItem("film", format); // goes on after a reload, and when the server is there again
     const asked = app.link.ask("export_film", { film: told(), format }, (m) => ((exporting = { ...exporting, ...m }), store.redraw()));
     exporting = { id: asked.id, fraction: 0 };
     store.redraw();
@@ -91,14 +92,27 @@ export async function makeFilm(app, area) {
       el("a", { href: new URL(answer.url.replace(/^\//, ""), location.href).href, download: answer.name }).click();
       app.states.say(`${words.saving.done}: ${answer.name}, ${bytes(answer.bytes)}`);
     } catch (error) {
+      if (error.code === "lost") return void (exporting.id = null);
       if (error.code !== "interrupted") app.fault(error);
     }
+    sessionStorage.removeItem("film");
     exporting = null;
     store.redraw();
   }
+  /** What broke off: the server has its frames. */
+  function goOn() {
+    const format = sessionStorage.getItem("film");
+    if (!format || exporting?.id || keys().length < 2) return;
+    api.toggle(true);
+    write(format);
+  }
+  function cancelWriting() {
+    if (exporting?.id) app.link.cancel(exporting.id);
+    else sessionStorage.removeItem("film"), (exporting = null), store.redraw();
+  }
 
   const playButton = el("button.plain", { onclick: play }), time = el("span.film-time"), line = el("div.film-line"), heads = el("div.film-keys"), head = el("div.film-head", { role: "slider", tabIndex: 0, "aria-label": w.time }, el("i"));
-  const track = el("div.film-track", {}, line, heads, head), more = el("div.buttons"), bar = el("div.progress", { role: "progressbar", "aria-label": w.writing }, el("i")), cancel = el("button.plain", { onclick: () => exporting && app.link.cancel(exporting.id) }, words.states.cancel), at = el("small", {});
+  const hint = el("small.film-hint", {}, w.hint), track = el("div.film-track", {}, line, heads, head, hint), more = el("div.buttons"), bar = el("div.progress", { role: "progressbar", "aria-label": w.writing }, el("i")), cancel = el("button.plain", { onclick: cancelWriting }, words.states.cancel), at = el("small", {});
   const writing = el("div.film-writing", { hidden: true }, bar, at, cancel);
   const fps = el("select", { "aria-label": w.fps, onchange: () => put(w.fps, { fps: Number(fps.value) }) }, ...[24, 25, 30, 50, 60].map((n) => el("option", { value: String(n) }, w.perSecond(n)))), sizes = [[1280, 720], [1920, 1080], [3840, 2160], [1080, 1080]];
   const size = el("select", { "aria-label": words.saving.size, onchange: () => put(words.saving.size, { size: sizes[size.selectedIndex] }) }, ...sizes.map((s) => el("option", {}, s.join(" × "))));
@@ -132,6 +146,7 @@ export async function makeFilm(app, area) {
   }
   function show() {
     const all = keys(), playingNow = playing !== null;
+    hint.hidden = all.length > 1;
     playButton.textContent = playingNow ? w.pause : w.play;
     time.textContent = `${now.toFixed(1)} / ${end().toFixed(1)} s`;
     if (heads.children.length !== all.length) heads.replaceChildren(...all.map((_, i) => keyHandle(i)));
@@ -163,7 +178,7 @@ export async function makeFilm(app, area) {
     now = 0;
     api.toggle(true);
   };
-  const api = { take, add, play, root, seek, write, get now() { return now; }, get playing() { return playing !== null; },
+  const api = { goOn, take, add, play, root, seek, write, get now() { return now; }, get playing() { return playing !== null; },
     toggle(on = root.hidden) {
       root.hidden = !on;
       document.body.classList.toggle("filming", on);

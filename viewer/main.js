@@ -11,7 +11,6 @@ import { makeLight, radios } from "./light.js";
 import { Link } from "./link.js";
 import { makeLooks } from "./presets.js";
 import { makeMenus } from "./menus.js";
-import { makeSaving } from "./saving.js";
 import { describe, read, samePicture, sceneOf, stateOf, write } from "./scene.js";
 import { makePalette } from "./palette.js";
 import { makePlanes } from "./planes.js";
@@ -38,7 +37,7 @@ app.view = () => viewOf(store.state.camera, app.box);
 app.keysOn = () => localStorage.getItem("keys") !== "off";
 app.sceneWith = (more) => sceneOf({ ...store.state, ...more }, (camera) => toScene(camera, app.box));
 app.scene = () => app.sceneWith({});
-app.copy = (text) => navigator.clipboard.writeText(text).then(() => app.states.say(words.copied), () => app.states.say(text));
+app.copy = (text, copied = words.copied) => navigator.clipboard.writeText(text).then(() => app.states.say(copied), () => app.states.say(text));
 app.fault = (error) => void (error?.sentence && app.states.say(error.sentence, { role: "alert" }));
 /** What is to be known about the volume, in About and as a dot at its name. */
 app.doubts = () => [...(app.volume.reduced ? [words.reduced(app.volume.reduced)] : []), ...app.volume.notes];
@@ -54,7 +53,7 @@ stage.tabIndex = 0;
 app.frame = makeFrame(app);
 app.states = makeStates(app, stage);
 app.menus = makeMenus(app);
-app.save = makeSaving(app);
+app.save = async (anchor) => (await import("./saving.js")).makeSaving(app)(anchor);
 app.popover = app.menus.popover;
 app.menu = app.menus.menu;
 stage.append(app.frame.canvas, app.frame.pill, app.frame.said);
@@ -134,6 +133,20 @@ function open(volume, scene, restored) {
   for (const part of [...ofVolume, panel]) part.hidden = false;
   if (volume.reduced) app.states.say(words.reduced(volume.reduced), { acts: [[words.states.details, () => app.menus.about(file)]], role: "alert" });
   changed({ moving: false });
+  app.embed?.opened();
+  if (linked) follow();
+  goOnFilming();
+}
+/** A film whose writing broke off, by a reload or a lost server. */
+const goOnFilming = () => sessionStorage.getItem("film") && needFilm().then((film) => film.goOn());
+/** A link to a state: of this volume, or of one that is opened for it. */
+let linked = location.hash.startsWith("#state=") ? import("./share.js").then((share) => share.linked()) : null;
+async function follow() {
+  const scene = await linked, file = scene?.volume?.file;
+  linked = null;
+  if (!scene) return;
+  if (file && file !== app.volume?.file) await app.open({ volume: file });
+  if (file === app.volume?.file) take(scene);
 }
 
 /** Slices beside the volume, or none. */
@@ -217,7 +230,7 @@ app.shown = (header) => {
   if (header.fit && header.n === link.n && !camera["camera.fit_centre"]) store.learn({ camera: { ...camera, "camera.fit_centre": header.fit.centre, "camera.fit_radius": header.fit.radius } });
   app.moments?.shown(header);
   if (header.stage !== "draft" && !header.moving) app.looks.rest();
-  if (header.stage === "final" && !header.preview) remember();
+  if (header.stage === "final" && !header.preview) remember(), app.embed?.shown();
 };
 /** A small picture for the page that has no volume yet. */
 function remember() {
@@ -241,6 +254,7 @@ app.open = async (what, called = what.volume ?? what.scene) => {
   const asked = link.ask("open", what, (m) => told(m)), told = app.states.reading(called, () => link.cancel(asked.id));
   try {
     const { volume, scene } = await asked;
+    app.states.hush(); // what was said was about another volume
     open(volume, scene);
   } catch (error) {
     app.states.clear();
@@ -281,15 +295,19 @@ link.onstate = (state, wait = 0) => {
   stage.classList.toggle("lost", state !== "open");
   if (state === "open") return app.states.hush();
   const w = words.states;
+  if (state === "taken" && isEmbedded) return link.renew();
   if (state === "taken") return app.states.say(w.elsewhere, { acts: [[w.takeOver, () => link.connect(true)]], keep: true });
   wasLost = true;
   let left = wait;
   const banner = app.states.say(w.lost(left), { acts: [[w.tryNow, () => link.connect()]], keep: true });
   counting = setInterval(() => banner.change(w.lost(Math.max(0, --left))), 1000);
 };
+const isEmbedded = new URLSearchParams(location.search).has("embed");
+let makeEmbed = null;
 const hello = (m) => {
   const updated = app.hello && app.hello.version !== m.version;
   app.hello = m;
+  app.embed ??= makeEmbed?.(app, take);
   describe(m.settings);
   if (updated) return app.states.say(words.states.updated, { acts: [[words.states.reload, () => location.reload()]], keep: true });
   if (app.volume) {
@@ -297,11 +315,11 @@ const hello = (m) => {
     if (wasLost && !m.restored) app.states.say(words.states.restarted);
     wasLost = false;
     link.n = Math.max(link.n, 0);
-    return m.volume && m.volume.file === app.volume.file ? changed({ moving: false }) : m.reading ? undefined : reopen();
+    return m.volume && m.volume.file === app.volume.file ? (changed({ moving: false }), goOnFilming()) : m.reading ? undefined : reopen();
   }
   if (m.error) return app.states.failed(m.error);
   if (m.reading) return (reading = app.states.reading(m.reading, () => link.cancel("open")));
-  if (!m.volume) return app.states.empty();
+  if (!m.volume) return linked ? follow() : app.states.empty();
   open(m.volume, m.scene);
   const last = JSON.parse(sessionStorage.getItem("state") ?? "null");
   if (!m.restored && last?.file === m.volume.file) store.restore(last.state, last.history);
@@ -333,7 +351,7 @@ function outOfMemory(sentence) {
 link.onmessage = (m) => {
   if (m.type === "hello") hello(m);
   else if (m.type === "progress") m.re === "open" ? reading?.(m) : app.frame.progress(m);
-  else if (m.type === "opened") !app.volume ? (open(m.volume, m.scene), m.undo && store.restore({ ...store.state, film: m.undo.film }, m.undo)) : m.volume.file === app.volume.file ? changed({ moving: false }) : reopen();
+  else if (m.type === "opened") !app.volume ? (open(m.volume, m.scene), m.undo && store.restore({ ...store.state, film: m.undo.film }, m.undo)) : m.volume.file === app.volume.file ? (changed({ moving: false }), goOnFilming()) : reopen();
   else if (m.type === "error") m.re === "open" ? (app.states.clear(), m.code === "interrupted" ? app.volume || app.states.empty() : app.states.failed(m.sentence)) : m.code === "memory" && m.n ? outOfMemory(m.sentence) : app.states.say(m.sentence, { role: "alert" });
   else if (m.type === "put") take(m.scene);
   else if (m.type === "note") app.states.say(m.sentence, { keep: false });
@@ -359,4 +377,5 @@ makeKeys(app);
 for (const part of ofVolume) part.hidden = true;
 tab("colour");
 Object.assign(window, { chiaro: app });
-link.connect();
+if (isEmbedded) import("./embed.js").then((module) => ((makeEmbed = module.makeEmbed), link.connect()));
+else link.connect();

@@ -26,5 +26,6 @@ export const momentWords = {
 export const filmWords = {
   title: "Film", time: "Time in the film", add: "Add a key", removed: "Key removed", loaded: "Film loaded", moved: "Key moved", turntable: "Turntable", go: "Go there", update: "Replace", play: "Play", pause: "Pause", key: (n) => `Key ${n}`,
   fps: "Frames a second", perSecond: (n) => `${n} a second`, save: "Save the film", writing: "Writing the film", formats: { mp4: "As MP4", webm: "As WebM", png: "As PNGs, in an archive" }, file: "As keyframes, for chiaro render --film",
+  hint: "Change the picture and add another key: the film goes from one to the next. Turntable sets four, once around.",
   needsTwo: "A film needs two keys: add one, change the picture, add another.", tooMany: "The film has more keys than can be sent at once; save its keyframes and use chiaro render --film.",
 };

@@ -56,6 +56,7 @@ export async function openFiles(app, given) {
     }
   };
   try {
+    await app.link.ask("room", { bytes: total, files: files.length });
     await Promise.all([...Array(atOnce)].map(worker));
     if (over) throw { code: "interrupted" };
     app.states.clear();
@@ -65,6 +66,6 @@ export async function openFiles(app, given) {
     app.states.clear();
     app.link.ask("discard", { uploaded: volume }).catch(() => {});
     if (error.code === "interrupted") app.volume || app.states.empty();
-    else app.states.failed(error.sentence, w.notTaken(bytes(total)));
+    else app.states.failed(error.sentence || w.notSent(called), w.notTaken(bytes(total)));
   }
 }

@@ -2,23 +2,12 @@
 import { barOf, frame, write } from "./captions.js";
 import { add } from "./camera.js";
 import { clamp, download, el, icon, short, svg } from "./dom.js";
+import { newestOnly } from "./link.js";
 import { read, transferOf } from "./scene.js";
 import { letterOf, pixelToWorld, voxelOf, worldToPixel } from "./slice-geometry.js";
 import { sliceWords } from "./part-texts.js";
 
 const w = sliceWords;
-
-/** Asks for one thing at a time, the newest: what came meanwhile replaces what waits. */
-export function newestOnly(ask) {
-  let busy = false, next = null;
-  return async function want(what) {
-    if (busy) return void (next = what);
-    busy = true;
-    await ask(what).catch(() => {});
-    busy = false;
-    if (next) [what, next] = [next, null], want(what);
-  };
-}
 
 export function makePane(app, slices, i) {
   const { store } = app, canvas = el("canvas"), lines = svg("svg", { "aria-hidden": "true" });
@@ -39,13 +28,14 @@ export function makePane(app, slices, i) {
   }
 
   // The picture: quick while things move, lossless 200 ms after.
-  let asked = "", resting = 0, drawn = 0;
-  const fetch = newestOnly(async (request) => {
-    const order = ++drawn;
+  let asked = "", resting = 0, last = 0, drawn = 0;
+  const fetch = newestOnly(app.link, async (request) => {
+    const order = ++last;
     let frame;
     await app.link.ask("slice", request, (_, data) => data && (frame = data));
     const bitmap = frame && (await createImageBitmap(frame, { colorSpaceConversion: "none" }));
-    if (!bitmap || order !== drawn) return;
+    if (!bitmap || order < drawn) return;
+    drawn = order;
     Object.assign(canvas, { width: bitmap.width, height: bitmap.height });
     canvas.getContext("2d", { willReadFrequently: true }).drawImage(bitmap, 0, 0);
     bitmap.close();
@@ -116,7 +106,7 @@ export function makePane(app, slices, i) {
   }
 
   // What is under the pointer: the file's own number, where it is in the world and in voxels.
-  const look = newestOnly(async (point) => {
+  const look = newestOnly(app.link, async (point) => {
     const { values } = await app.link.ask("slice", { plane: { centre: point, right: [1, 0, 0], down: [0, 1, 0] }, size: [1, 1], sampling: "nearest", values: true });
     if (said.hidden) return;
     const voxel = voxelOf(app.volume, point).map((c) => Math.round(c)), mm = point.map((c) => c.toFixed(1).replace("-", "−")).join(", ");

@@ -71,6 +71,8 @@ export const words = {
     frame: "Frame", unknown: "unknown", guess: "Seems to be", type: "Stored as", nonfinite: "Not finite", notes: "Notes", copy: "Copy as JSON", use: "Use", notForDiagnosis: "Not for diagnosis." },
   reduced: ({ from, to, bytes: free }) => `Shown at ${to[0] * 2 >= from[0] - 1 ? "half size" : "a smaller size"} (${shape(to)} of ${shape(from)}) to fit ${bytes(free)}. Saved pictures use the same.`,
   cutNone: "Nothing cut", cutReset: "Reset", addPlane: "Add a plane", flip: "Flip", remove: "Remove", plane: "Plane", planeTip: "Drag: moves the plane. Its rim: tilts it. --clip-plane", planes: (n) => (n === 1 ? "1 plane" : `${n} planes`), box: "Box",
+  link: { copy: "Copy a link to this", copied: "Copied. Who opens it is asked for the token." },
+  embed: { nothing: "No volume is open.", unknown: "There is no such message.", noScene: "This is no scene.", otherVolume: "This scene is of another volume.", tooLarge: "This scene is too large.", noToken: "A token is 32 of 0-9 and a-f." },
   black: "Black", iconNames: { shape: 1, grow: 1, more: 1 }, shineOf: (n) => (n > 0.5 ? "Strong shine" : n > 0 ? "Soft shine" : "No shine"),
   measured: (share, m) => `${share} at ${m.points} points, ${short_(m.interval)}; at most ${short(m.largest, 2)} %`,
   types: { uint8: "8 bit", int8: "8 bit", uint16: "16 bit", int16: "16 bit", uint32: "32 bit", int32: "32 bit", float32: "32 bit float", float64: "64 bit float" },

@@ -1,11 +1,11 @@
 // Keyframes: set, moved, played, and written: the same frames as the tool's.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { mkdirSync, readdirSync, readFileSync, statSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
 import { desktop, phone, visits } from "./mocked.mjs";
-import { chiaro, servedVisits, skip } from "./served.mjs";
+import { chiaro, serve, servedVisits, skip } from "./served.mjs";
 import { drag, eventually, faint, final, pixels, settled, state } from "./visit.mjs";
 
 const all = servedVisits("sample:ball:24"), visit = visits();
@@ -173,3 +173,48 @@ for (const colorScheme of ["dark", "light"])
     const nameless = await page.locator("#film :is(button, select, [role=slider]):visible").evaluateAll((all) => all.filter((e) => !(e.getAttribute("aria-label") || e.textContent.trim())).map((e) => e.outerHTML));
     assert.deepEqual(nameless, []);
   }, { options: { ...desktop, colorScheme } });
+
+test("writing goes on after a reload and after kill -9 where it was", { skip }, async () => {
+  let own = await serve(all.folder, "sample:ball:24");
+  const below = join(all.folder, "chiaro", "films"), frames = () => {
+    try {
+      return readdirSync(below).flatMap((film) => readdirSync(join(below, film)).filter((name) => name.endsWith(".png")).map((name) => join(below, film, name))).sort();
+    } catch {
+      return [];
+    }
+  };
+  await all.visit(async (page) => {
+    await page.keyboard.press("k");
+    await count(page, 1);
+    await page.click("#film button:has-text('Turntable')");
+    await count(page, 4);
+    await page.evaluate(() => chiaro.store.set("smaller", (s) => ({ film: { ...s.film, size: [320, 180] } }))); // for the test
+    await page.waitForTimeout(800); // the server has the film
+    await page.click("#film button:has-text('Save the film')");
+    await page.click(".item:has-text('As PNGs')");
+    await eventually(() => frames().length > 2, "frames are made");
+    const [first] = frames(), bytes = readFileSync(first), made = statSync(first).mtimeMs;
+    assert.equal(statSync(join(first, "..")).mode & 0o777, 0o700);
+    await page.reload();
+    await page.waitForSelector("#film .film-writing:not([hidden])", { timeout: 30000 });
+    const soFar = frames().length;
+    await eventually(() => frames().length > soFar, "it goes on", 30000);
+    await own.end("SIGKILL");
+    assert.equal(statSync(first).mtimeMs, made);
+    const download = page.waitForEvent("download", { timeout: 120000 });
+    own = await serve(all.folder, "sample:ball:24", own.port);
+    await page.waitForFunction(() => chiaro.link.open || (document.querySelector(".banner button")?.click(), false), null, { timeout: 30000, polling: 300 });
+    const files = untar(readFileSync(await (await download).path()));
+    assert.deepEqual(files.map(([name]) => name), Array.from({ length: 201 }, (_, i) => `frame-${String(i).padStart(5, "0")}.png`));
+    assert.ok(files[0][1].equals(bytes), "the first frame is the one made first");
+    assert.deepEqual(frames(), []);
+    assert.equal(await page.evaluate(() => sessionStorage.getItem("film")), null);
+    // Given up, it leaves nothing.
+    await page.click("#film button:has-text('Save the film')");
+    await page.click(".item:has-text('As PNGs')");
+    await eventually(() => frames().length > 2, "frames are made");
+    await page.click("#film .film-writing button");
+    await eventually(() => frames().length === 0, "they go");
+  }, { url: own.url, allowed: /WebSocket|ERR_CONNECTION|failed/ });
+  await own.end("SIGINT");
+});

@@ -98,7 +98,7 @@ test("progress and cancel: what was sent is taken away", { skip }, () => empty(a
 test("more than is allowed is refused in a sentence", { skip }, () => empty(async (page) => {
   await drop(page, [["big.nrrd", Buffer.alloc(200000)]]);
   await page.waitForSelector("h1:has-text('could not be taken')");
-  assert.equal(await page.locator(".state p").textContent(), "A volume may have at most 0.0 GiB (--max-upload).");
+  assert.equal(await page.locator(".state p").textContent(), "A volume may have at most 104.9 KiB (--max-upload).");
 }, { more: ["--max-upload", "0.0001"], allowed: /volume\?|413/ }));
 
 for (const colorScheme of ["dark", "light"])

@@ -344,6 +344,62 @@ visit("reduced motion: nothing of the page has an animation or a transition", as
   }
 }, { options: { ...desktop, reducedMotion: "reduce" } });
 
+for (const [name, options] of Object.entries({ desktop, phone }))
+  visit(`every button, field and slider of every part is named, in reach of Tab and large enough, ${name}`, async (page) => {
+    await page.keyboard.press("s");
+    await page.keyboard.press("k");
+    await page.evaluate(() => chiaro.gestures.choose("measure"));
+    for (const part of [".pane:visible", "#film:visible"]) await page.waitForSelector(part);
+    for (const tab of ["look", "colour", "light", "cut", "more"]) {
+      await page.evaluate((shown) => (chiaro.showTab(shown), document.querySelectorAll(".head[aria-expanded=false]").forEach((head) => head.click())), tab);
+      await drawn(page);
+      const faults = await page.evaluate(() => {
+        const found = [];
+        for (const e of document.querySelectorAll("button, input, select, [role=slider], [tabindex]")) {
+          if (!e.checkVisibility({ visibilityProperty: true }) || e.disabled) continue;
+          const { width, height } = (e.closest("label, .field") ?? e).getBoundingClientRect(), says = (e.getAttribute("aria-label") || e.labels?.[0]?.textContent || e.textContent || e.title).trim(), who = `${e.tagName}.${e.className} ${says}`;
+          if (!says) found.push(`no name: ${who}`);
+          // Of a group that arrows move in one is reached; points of the graph are as large as a finger takes them for.
+          if (e.tabIndex < 0 && !e.closest("[role=radiogroup], [role=tablist], [role=toolbar], .layer")?.querySelector("[tabindex='0'], button:not([tabindex='-1'])")) found.push(`no Tab: ${who}`);
+          if (!e.closest(".layer, .shutter") && Math.min(width, height) < 23.9) found.push(`${width} x ${height}: ${who}`);
+        }
+        return found;
+      });
+      assert.deepEqual(faults, []);
+    }
+  }, { options });
+
+visit("the volume by keys and by fingers: arrows turn, Shift and arrows move, + comes nearer; one finger turns, two move and pinch", async (page) => {
+  const camera = () => page.evaluate(() => chiaro.store.state.camera), stage = page.locator("#stage");
+  const changes = async (act, key) => {
+    const before = JSON.stringify((await camera())[key] ?? null);
+    await act();
+    await eventually(async () => JSON.stringify((await camera())[key] ?? null) !== before, key);
+  };
+  await stage.focus();
+  await changes(() => page.keyboard.press("ArrowLeft"), "camera.azimuth_deg");
+  await changes(() => page.keyboard.press("ArrowUp"), "camera.elevation_deg");
+  await changes(() => page.keyboard.press("Shift+ArrowLeft"), "camera.target");
+  await changes(() => page.keyboard.press("+"), "camera.fit_scale");
+  const wire = await page.context().newCDPSession(page), touch = (type, ...points) => wire.send("Input.dispatchTouchEvent", { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
+  const box = await stage.boundingBox(), [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  await changes(async () => {
+    await touch("touchStart", [x, y]);
+    for (const dx of [10, 25, 50]) await touch("touchMove", [x + dx, y]);
+    await touch("touchEnd");
+  }, "camera.azimuth_deg");
+  const turned = (await camera())["camera.azimuth_deg"];
+  await changes(async () => {
+    await touch("touchStart", [x - 30, y]);
+    await touch("touchStart", [x - 30, y], [x + 30, y]);
+    for (const gap of [36, 45, 60]) await touch("touchMove", [x - gap, y + 10], [x + gap, y + 10]);
+    await touch("touchEnd");
+  }, "camera.fit_scale");
+  assert.equal((await camera())["camera.azimuth_deg"], turned, "two fingers do not turn");
+  await page.evaluate(() => chiaro.store.step("undo", "camera"));
+  assert.equal((await camera())["camera.azimuth_deg"], turned);
+}, { options: phone });
+
 test("the page weighs 160 kB gzipped at most, and what comes first 86", () => {
   const folder = new URL("../../viewer/", import.meta.url), text = (name) => readFileSync(new URL(name, folder), "utf8"), weight = (names) => names.reduce((sum, name) => sum + gzipSync(text(name)).length, 0);
   const first = new Set(["index.html", "style.css", "main.js"]);
