@@ -137,6 +137,11 @@ void read_voxels(const Payload& payload, Volume& volume, Output& output) {
     if (payload.files.empty() || bytes % (payload.files.size() * size_of(volume.type)) != 0)
         refuse(fmt::format("has {} data files, which {} slices cannot be shared among", payload.files.size(), n[2]));
     check_capacity(stated, capacity_of(payload, volume.type));
+    if (output.asks_for_place()) {
+        if (payload.encoding != Encoding::raw || payload.files.size() != 1 || volume.components != 1)
+            refuse(not_in_place);
+        return output.lie_at({payload.files[0], payload.offset + payload.skip, payload.big_endian});
+    }
     output.allocate(volume);
     const std::size_t share = bytes / payload.files.size();
     TextEnd end;
