@@ -4,6 +4,8 @@
 #include <chiaro/transfer_file.h>
 #include <fmt/format.h>
 
+#include "paging_options.h"
+
 namespace chiaro::cli {
 namespace {
 
@@ -47,12 +49,18 @@ Scene scene_from(const SceneSource& source, const SettingFlags& flags, const Com
     return scene;
 }
 
-void show(const Scene& scene, Session& session, Stats& stats, Job& job, const CommonOptions& common) {
+void show(const Scene& scene, Session& session, Stats& stats, Job& job, const CommonOptions& common,
+          const PagingSettings* paging) {
+    const auto source = paging ? paged_volume(scene, *paging) : nullptr;
     Volume volume;
-    stats.stages.push_back({"read", Stats::time([&] { volume = read_volume(scene, job.progress); })});
-    stats.volume = json_of(volume);
-    const std::vector<std::string> notes = volume.notes;
-    session.show(std::move(volume), job.progress);
+    if (!source) stats.stages.push_back({"read", Stats::time([&] { volume = read_volume(scene, job.progress); })});
+    const Volume& header = source ? source->header() : volume;
+    stats.volume = json_of(header);
+    const std::vector<std::string> notes = header.notes;
+    if (source)
+        session.show(source, *paging, job.progress);
+    else
+        session.show(std::move(volume), job.progress);
     job.bar.clear();
     if (common.quiet) return;
     for (const auto& note : notes) say(fmt::format("{}: {}", scene.volume, note));

@@ -19,7 +19,9 @@ void add_scene_source(CLI::App& app, SceneSource& source);
 Scene scene_from(const SceneSource& source, const SettingFlags& flags, const CommonOptions& common,
                  std::string_view command);
 
-/// Reads the scene's volume into the session, and says what there is to know about it.
-void show(const Scene& scene, Session& session, Stats& stats, Job& job, const CommonOptions& common);
+/// Reads the scene's volume into the session, and says what there is to know about it. With `paging` one that does not
+/// fit in its budget is read by bricks where its format allows.
+void show(const Scene& scene, Session& session, Stats& stats, Job& job, const CommonOptions& common,
+          const PagingSettings* paging = nullptr);
 
 }  // namespace chiaro::cli

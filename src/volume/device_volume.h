@@ -22,6 +22,8 @@ struct SplineCoding {
     float base = 0, scale = 1, least = 0;
 };
 
+struct LevelPages;  // volume/paged_level.h
+
 /// The splines that were made of a volume (volume/splined.h).
 struct DeviceVolume::Splines {
     std::mutex mutex;
@@ -55,6 +57,7 @@ struct DeviceVolume::Data : std::enable_shared_from_this<Data> {
     std::array<float, 3> normal_reach{0, 0, 0};  ///< of thick slices: kernel::SplineView::reach
     const Data* source = nullptr;  ///< of a spline: the volume whose bricks it borrows, and which outlives it
     mutable Splines splines;
+    std::shared_ptr<const LevelPages> pages;  ///< of a level by bricks: which of them are there; null: all are
 
     void add_to(HostArrays& arrays) const {
         const auto keeper = [&](const VoxelBuffer& buffer) {
