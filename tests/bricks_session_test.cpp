@@ -158,7 +158,7 @@ TEST_F(BricksTool, RendersByBricksAndTellsTheLevel) {
 
 TEST_F(BricksTool, ALevelAloneIsTheSampleOfItsSize) {
     const std::string look = " --size 90x70";
-    ASSERT_EQ(tool("render sample:shells:512 -o a.png --level 3 --opacity-unit 8" + look).code, 0);
+    ASSERT_EQ(tool("render sample:shells:512 -o a.png --level 3 --opacity-unit 8 --spao-levels 10" + look).code, 0);
     ASSERT_EQ(tool("render sample:shells:64 -o b.png --interpolation linear" + look).code, 0);
     EXPECT_EQ(tool("compare a.png b.png --fail-above max=0").code, 0);
 }

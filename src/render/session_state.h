@@ -3,6 +3,7 @@
 #include <chiaro/error.h>
 #include <chiaro/session.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <optional>
@@ -122,9 +123,13 @@ struct Session::State {
         return make_camera(settings, upload.result.geometry(), upload.result.dimensions());
     }
 
-    /// Between the voxels of a level that is not the finest nothing is worth a spline, and bricks have none.
+    /// Bricks have no splines, which between a coarse level's voxels would show nothing either. Lengths in voxels are
+    /// those of the volume, whichever level light is found on.
     Scene as_drawn(Scene scene) const {
-        if (refiner && scene.interpolation == Interpolation::automatic) scene.interpolation = Interpolation::linear;
+        if (!refiner) return scene;
+        if (scene.interpolation == Interpolation::automatic) scene.interpolation = Interpolation::linear;
+        int& levels = scene.illumination.spao.levels;  // of spao: each twice as wide as the one before
+        levels = std::max(levels - refiner->whole_level(), 1);
         return scene;
     }
 
