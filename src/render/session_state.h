@@ -128,8 +128,11 @@ struct Session::State {
     Scene as_drawn(Scene scene) const {
         if (!refiner) return scene;
         if (scene.interpolation == Interpolation::automatic) scene.interpolation = Interpolation::linear;
-        int& levels = scene.illumination.spao.levels;  // of spao: each twice as wide as the one before
-        levels = std::max(levels - refiner->whole_level(), 1);
+        // Of spao each shell is twice as wide as the one before. With fewer than three the picture of level 5 of
+        // sample:shells:8192 is .02 too bright, with three .009.
+        constexpr int least_shells = 3;
+        int& shells = scene.illumination.spao.levels;
+        shells = std::max(shells - refiner->whole_level(), std::min(shells, least_shells));
         return scene;
     }
 
