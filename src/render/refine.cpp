@@ -164,12 +164,14 @@ bool Refiner::open(int level, const Medium& medium) {
     return true;
 }
 
-/// Casts rays until they miss nothing: at first without light, which hides no brick. False where there is no room.
+/// Casts rays until they miss nothing; without light, which hides no brick, while they may miss many. False where there
+/// is no room.
 bool Refiner::read_what_is_seen(const Device& device, const IlluminationField& field, const Lighting& lighting,
                                 const Camera& camera, const RaySettings& rays, DeviceFrame& frame,
                                 RenderStatistics& statistics, Progress& progress) {
     const Lighting plain{.shading = Shading::none};
-    for (bool is_lit = false;;) {
+    constexpr std::size_t few = 16;  // of so many one is missing
+    for (bool is_lit = level_->bricks_there() > 0;;) {
         level_->forget_seen();
         statistics = raycast(device, medium_, is_lit ? field : IlluminationField(), is_lit ? lighting : plain, camera,
                              rays, frame, progress);
@@ -177,7 +179,7 @@ bool Refiner::read_what_is_seen(const Device& device, const IlluminationField& f
         const std::vector<std::int64_t> missing = level_->missing();
         if (!missing.empty() && !level_->read(missing, progress)) return false;
         if (missing.empty() && is_lit) return true;
-        is_lit = missing.empty();
+        is_lit = few * missing.size() <= level_->bricks_there();
     }
 }
 
