@@ -11,6 +11,7 @@
 #include "core/text.h"
 #include "job.h"
 #include "json.h"
+#include "paging_options.h"
 #include "setting_flags.h"
 #include "stats.h"
 
@@ -20,16 +21,34 @@ namespace {
 struct InfoOptions {
     std::string volume;
     bool json = false;
+    PagingOptions paging;
     SettingFlags flags;
     CommonOptions common;
 };
 
 constexpr double worth_leaving_out = 0.005;  // of the dense matter: more than specks
 
-void print_json(const Volume& volume, const Statistics& s, const Guess& guess) {
-    OrderedJson info = info_of(volume, s, guess);
+/// What is told of a volume: by all of its voxels, or by those of a coarse level.
+struct Told {
+    const Volume& volume;   ///< of a volume by bricks without its voxels
+    const Volume& sampled;  ///< whose voxels were measured
+    const BrickSource* source;
+    Statistics statistics = measure(sampled);
+    Guess guess = chiaro::guess(sampled, statistics);
+    double detached = detached_share(sampled, statistics);
+};
+
+void print_json(const Told& told) {
+    OrderedJson info = info_of(told.volume, told.statistics, told.guess);
     info["suggests"] = Json::array();
-    if (detached_share(volume, s) >= worth_leaving_out) info["suggests"].push_back("--largest");
+    if (told.detached >= worth_leaving_out) info["suggests"].push_back("--largest");
+    info["statistics"] = told.source ? "sampled" : "exact";
+    if (told.source)
+        for (const SourceLevel& level : told.source->levels()) {
+            const Vec3& spacing = level.geometry.spacing_mm;
+            info["levels"].push_back(
+                {{"dimensions", level.dimensions}, {"spacing_mm", {spacing.x, spacing.y, spacing.z}}});
+        }
     fmt::print("{}\n", printable_json(info.dump(2, ' ', false, Json::error_handler_t::replace)));
 }
 
@@ -75,12 +94,16 @@ void print_moments(const Moments& moments) {
     if (!line.empty()) fmt::print("              {}\n", line);
 }
 
-void print_text(const Volume& volume, const Statistics& s, const Guess& guess) {
+void print_text(const Told& told) {
+    const auto& [volume, sampled, source, s, guess, detached] = told;
     const std::string parts = volume.components > 1 ? fmt::format(", {} components", volume.components) : "";
     fmt::print("{}\n  format      {}\n  voxels      {} {}{}\n", one_line(volume.source, 4000), volume.format,
                to_text(volume.dimensions), chiaro::name_of(volume.type), parts);
     print_geometry(volume);
     if (volume.moments.count > 1) print_moments(volume.moments);
+    if (source)
+        fmt::print("  levels      {}, halved to {}; what follows is of {} voxels of them (--exact: of all)\n",
+                   source->levels().size(), to_text(source->levels().back().dimensions), to_text(sampled.dimensions));
     fmt::print("  values      {:.6g} to {:.6g}\n", s.min, s.max);
     fmt::print("  percentiles 1 %: {:.6g}, 50 %: {:.6g}, 99 %: {:.6g}, 99.9 %: {:.6g}\n", s.p1, s.p50, s.p99, s.p999);
     fmt::print("  noise       {:.2g} % of the range from 1 to 99.9 %{}\n", 100 * s.noise,
@@ -88,12 +111,12 @@ void print_text(const Volume& volume, const Statistics& s, const Guess& guess) {
     if (s.nonfinite) fmt::print("  not finite  {} voxels\n", s.nonfinite);
     fmt::print("  histogram   |{}| (logarithmic)\n", drawing(s.histogram));
     fmt::print("  looks like  {} ({}): --transfer {}\n", guess.modality, guess.reason, guess.preset);
-    if (const double share = detached_share(volume, s); share >= worth_leaving_out)
+    if (detached >= worth_leaving_out)
         fmt::print(
             "  suggests    --largest: {:.2g} % of what is denser than -500 HU is no part of the largest piece (a "
             "table, "
             "a head rest)\n",
-            100 * share);
+            100 * detached);
     for (const auto& note : volume.notes) fmt::print("  note        {}\n", one_line(note, 4000));
 }
 
@@ -104,11 +127,16 @@ void run(const InfoOptions& o) {
     o.flags.apply(scene);
     Job job(o.common);
     Stats stats;
-    const Volume volume = stats.stage("read", [&] { return read_volume(scene, job.progress); });
-    const Statistics statistics = stats.stage("measure", [&] { return measure(volume); });
+    const auto source = o.paging.exact ? nullptr : paged_volume(scene, paging_of(o.paging));
+    const Volume volume = stats.stage("read", [&] {
+        return source ? read_level(*source, small_level(*source), job.progress) : read_volume(scene, job.progress);
+    });
+    const Told told = stats.stage("measure", [&] {
+        return Told{source ? source->header() : volume, volume, source.get()};
+    });
     job.progress.check();
     job.bar.clear();
-    (o.json ? print_json : print_text)(volume, statistics, guess(volume, statistics));
+    (o.json ? print_json : print_text)(told);
     if (o.common.verbose) tell_stages(stats);
 }
 
@@ -119,6 +147,9 @@ Command info_command(CLI::App& tool) {
     CLI::App* app = tool.add_subcommand("info", "Tells a volume's geometry, values and notes");
     app->add_option("VOLUME", o->volume, "file, folder of slices, sample:NAME[:SIZE], or - for NRRD on standard input");
     app->add_flag("--json", o->json, "as JSON; the columns of `direction` are the index axes in the world");
+    app->add_flag("--exact", o->paging.exact,
+                  "reads all voxels, where a volume that does not fit is measured on a coarse level");
+    add_memory_option(*app, o->paging);
     add_common_options(*app, o->common);
     o->flags.add_to(*app, "Volume");
     return {app, [o] { run(*o); }};

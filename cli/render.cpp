@@ -10,6 +10,7 @@
 #include "command.h"
 #include "job.h"
 #include "output_file.h"
+#include "paging_options.h"
 #include "render_film.h"
 #include "scene_source.h"
 
@@ -22,6 +23,8 @@ struct RenderOptions {
     std::optional<int> frames;  // none: one picture
     std::string film;           // of keyframes
     SettingFlags flags;
+    PagingOptions paging;
+    std::string first_picture;
     CommonOptions common;
 };
 
@@ -43,6 +46,7 @@ void check_options(const RenderOptions& o, const FramePattern& pattern, const Sc
     if (is_exr(pattern(0)) && scene.output.color == ColorMode::display)
         throw Error(ErrorCode::usage,
                     fmt::format("{}: --color display gives no linear light, which .exr holds", o.output));
+    if (!o.first_picture.empty()) check_output(o.first_picture, {".png"});
     if (!o.common.stats.empty()) check_output(o.common.stats, {".json"});
 }
 
@@ -53,15 +57,19 @@ public:
         : o_(options),
           pattern_(options.output),
           scene_(scene_from(options.source, options.flags, options.common, "render")),
-          device_(device_of(options.common)) {
+          device_(device_of(options.common)),
+          paging_(paging_of(options.paging)) {
         check_options(o_, pattern_, scene_);
     }
 
     void run() {
         Job job(o_.common);
-        show(scene_, session_, stats_, job, o_.common, o_.frames.has_value());
+        if (!o_.first_picture.empty()) first_picture(job);
+        show(scene_, session_, stats_, job, o_.common, o_.frames.has_value(),
+             pattern_.is_of_moments() ? nullptr : &paging_);
         session_.expect_one_look();
         o_.frames ? turntable(job) : pattern_.is_of_moments() ? moments(job) : image(job);
+        stats_.paging = session_.paging();
         if (!o_.common.stats.empty()) write_stats(o_.common.stats, stats_, device_, scene_);
         job.bar.clear();
         if (stats_.paths.samples && !o_.common.quiet) tell_noise(stats_.paths);
@@ -95,6 +103,19 @@ private:
                 write_exr(expose(session_.frame(), scene.output, &job.progress), path, metadata, &job.progress);
             else
                 write_png(image, path, metadata, &job.progress);
+        });
+    }
+
+    /// Of a volume that is read by bricks, by a level that takes no time.
+    void first_picture(Job& job) {
+        PagingSettings coarse = paging_;
+        const auto source = paged_volume(scene_, coarse);
+        if (!source) return;
+        coarse.finest_level = std::max(coarse.finest_level, small_level(*source));
+        Session session(device_);
+        stats_.stage("first picture", [&] {
+            session.show(source, coarse, job.progress);
+            write_png(session.render(scene_, job.progress), o_.first_picture, {}, &job.progress);
         });
     }
 
@@ -139,6 +160,7 @@ private:
     const FramePattern pattern_;
     Scene scene_;
     const Device device_;
+    const PagingSettings paging_;
     Session session_{device_};
     Stats stats_;
     double write_seconds_ = 0;
@@ -162,6 +184,11 @@ Command render_command(CLI::App& tool) {
            "keyframes (JSON, docs/scene.md), in the place of a volume: to frame-{frame:04}.png, or by ffmpeg to "
            ".mp4, .mkv or .webm")
         ->type_name("FILE");
+    add_paging_options(*app, o->paging);
+    app->add_option("--first-picture", o->first_picture,
+                    "of a volume that is read by bricks also writes a coarse picture, as soon as there is one")
+        ->type_name("FILE.png")
+        ->group("Memory");
     add_common_options(*app, o->common);
     o->flags.add_to(*app);
     return {app, [o] {

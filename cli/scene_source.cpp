@@ -4,6 +4,8 @@
 #include <chiaro/transfer_file.h>
 #include <fmt/format.h>
 
+#include "paging_options.h"
+
 namespace chiaro::cli {
 namespace {
 
@@ -47,14 +49,21 @@ Scene scene_from(const SceneSource& source, const SettingFlags& flags, const Com
     return scene;
 }
 
-void show(Scene& scene, Session& session, Stats& stats, Job& job, const CommonOptions& common, bool all_around) {
+void show(Scene& scene, Session& session, Stats& stats, Job& job, const CommonOptions& common, bool all_around,
+          const PagingSettings* paging) {
     Scene first = scene;
     first.read.time = 0;
-    Volume volume = stats.stage("read", [&] { return read_volume(first, job.progress); });
-    stats.volume = json_of(volume);
-    std::vector<std::string> notes = volume.notes;
-    session.show(std::move(volume), job.progress);
-    if (scene.read.time > 0) {
+    const auto source = paging ? paged_volume(scene, *paging) : nullptr;
+    Volume volume;
+    if (!source) volume = stats.stage("read", [&] { return read_volume(first, job.progress); });
+    const Volume& header = source ? source->header() : volume;
+    stats.volume = json_of(header);
+    std::vector<std::string> notes = header.notes;
+    if (source)
+        session.show(source, *paging, job.progress);
+    else
+        session.show(std::move(volume), job.progress);
+    if (scene.read.time > 0 && !source) {
         scene.camera = all_around ? session.fit_all_around(first, job.progress) : session.fit(first, job.progress);
         show_moment(scene, session, stats, job);
         notes = {fmt::format("moment {} of {}: its range, look and camera are those of moment 0", scene.read.time,

@@ -20,8 +20,10 @@ Scene scene_from(const SceneSource& source, const SettingFlags& flags, const Com
                  std::string_view command);
 
 /// Reads the scene's volume into the session, and says what there is to know about it. Of a later moment the first is
-/// looked at before it, and the scene gets the camera that fits that one, `all_around` as a turntable's.
-void show(Scene& scene, Session& session, Stats& stats, Job& job, const CommonOptions& common, bool all_around = false);
+/// looked at before it, and the scene gets the camera that fits that one, `all_around` as a turntable's. With `paging`
+/// one that does not fit in its budget is read by bricks where its format allows.
+void show(Scene& scene, Session& session, Stats& stats, Job& job, const CommonOptions& common, bool all_around = false,
+          const PagingSettings* paging = nullptr);
 
 /// Goes on to the scene's moment of the volume that is shown.
 void show_moment(const Scene& scene, Session& session, Stats& stats, Job& job);

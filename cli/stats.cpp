@@ -60,6 +60,15 @@ void write_stats(const std::filesystem::path& path, const Stats& stats, const De
         json["paths"] = {{"samples", stats.paths.samples},
                          {"noise", stats.paths.noise},
                          {"relative_noise", stats.paths.relative_noise}};
+    if (const auto& paging = stats.paging)
+        json["paging"] = {{"level", paging->level},
+                          {"levels", paging->levels},
+                          {"dimensions", paging->dimensions},
+                          {"stopped_by", paging->stopped_by},
+                          {"light_level", paging->light_level},
+                          {"bricks", paging->bricks},
+                          {"bricks_read", paging->bricks_read},
+                          {"faults", paging->faults}};
     json["peak_memory_bytes"] = peak_memory_bytes();
     write_text(path, printable_json(json.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n");
 }

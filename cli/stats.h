@@ -6,6 +6,7 @@
 #include <chrono>
 #include <ctime>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,10 +22,11 @@ struct FrameTime {
 
 struct Stats {
     Json volume;
-    std::vector<Stage> stages;      ///< in order; the stages of the first picture
-    std::vector<FrameTime> frames;  ///< one for each picture
-    std::uint64_t samples = 0;      ///< at which the volume was read, in all these pictures
-    PathStatistics paths;           ///< of the last picture, if it was path-traced
+    std::vector<Stage> stages;           ///< in order; the stages of the first picture
+    std::vector<FrameTime> frames;       ///< one for each picture
+    std::uint64_t samples = 0;           ///< at which the volume was read, in all these pictures
+    PathStatistics paths;                ///< of the last picture, if it was path-traced
+    std::optional<PagingReport> paging;  ///< of the last picture, if the volume was read by bricks
 
     /// Runs the work as a stage and returns what it returns.
     template <class Work>

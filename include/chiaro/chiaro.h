@@ -1,5 +1,6 @@
 // All of Chiaro's public interface.
 #pragma once
+#include <chiaro/brick_source.h>
 #include <chiaro/camera.h>
 #include <chiaro/compare.h>
 #include <chiaro/comparison.h>

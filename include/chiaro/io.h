@@ -1,10 +1,12 @@
 // Volumes in and out.
 #pragma once
+#include <chiaro/brick_source.h>
 #include <chiaro/export.h>
 #include <chiaro/progress.h>
 #include <chiaro/volume.h>
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -41,6 +43,14 @@ struct ReadOptions {
 /// consistent volume or throws. NaN and infinite voxels are kept, and counted in `notes`.
 /// Throws Error{input} for everything wrong with the file, Error{interrupted} when cancelled.
 CHIARO_EXPORT Volume read_volume(const std::string& name, const ReadOptions& options, Progress& progress);
+/// What `read_volume` reads whole, piece by piece: samples (up to 16384 voxels an axis, where read_volume makes at most
+/// 4096), raw files, and NRRD, MetaImage, NIfTI-1/2 and legacy VTK whose voxels lie in one file as they are. Levels: of
+/// a sample, the same sample at half the size, and so on; of a file, every second voxel, and so on, of axes whose
+/// voxels are not twice as wide as others already. Of numbers wider than 16 bits floats are kept. Headers are read by
+/// the isolated helper program; the voxels' bytes, in which nothing can be wrong but their number, by this process.
+/// Null for what can be read as a whole only. Throws as read_volume.
+CHIARO_EXPORT std::shared_ptr<const BrickSource> open_brick_source(const std::string& name, const ReadOptions& options);
+
 /// A volume's name `file:/part` as file and part, where there is such a file and none of the whole name; else the name.
 CHIARO_EXPORT std::pair<std::string, std::string> split_volume_name(const std::string& name);
 

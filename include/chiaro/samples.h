@@ -1,10 +1,12 @@
 // Generated volumes: exact functions of position, at any size.
 #pragma once
+#include <chiaro/brick_source.h>
 #include <chiaro/export.h>
 #include <chiaro/progress.h>
 #include <chiaro/transfer_function.h>
 #include <chiaro/volume.h>
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -23,6 +25,10 @@ CHIARO_EXPORT std::vector<SampleInfo> list_samples();
 CHIARO_EXPORT Volume make_sample(const std::string& name, int size = 0);
 /// The same, reported as "sample". Throws Error{interrupted} when cancelled.
 CHIARO_EXPORT Volume make_sample(const std::string& name, int size, Progress& progress);
+
+/// The sample by bricks (chiaro/brick_source.h), of which none is made before it is read. Throws Error{usage} as
+/// make_sample, for a size outside 2..16384.
+CHIARO_EXPORT std::shared_ptr<const BrickSource> open_sample(const std::string& name, int size = 0);
 
 /// The transfer function a sample is shown with by default.
 CHIARO_EXPORT TransferFunction sample_transfer_function(const std::string& name);

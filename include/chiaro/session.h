@@ -1,10 +1,13 @@
 // One viewer's state: each stage's result, kept with the inputs that made it.
 #pragma once
+#include <chiaro/brick_source.h>
 #include <chiaro/device.h>
 #include <chiaro/export.h>
 #include <chiaro/scene.h>
 
 #include <functional>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +15,29 @@ namespace chiaro {
 
 /// Receives a picture that a better one follows.
 using Preview = std::function<void(const Image&)>;
+
+/// How a volume that does not fit is read.
+struct PagingSettings {
+    std::uint64_t memory_bytes = 0;  ///< what it may take; 0: half of what is free
+    int finest_level = 0;            ///< no finer one is drawn
+    /// All voxels are read once: the range of values, and which bricks are empty, are not those of a coarse level.
+    bool exact = false;
+    double budget_bytes() const;
+};
+/// Whether its pictures, light included, fit in the budget as a whole, and nothing coarser was asked for.
+CHIARO_EXPORT bool fits(const BrickSource& source, const PagingSettings& settings);
+
+/// What the last picture of such a volume was drawn from.
+struct PagingReport {
+    int level = 0, levels = 1;               ///< drawn, of so many; 0: the finest
+    int light_level = 0;                     ///< whose grid light was found on; values and looks, too
+    std::array<int, 3> dimensions{0, 0, 0};  ///< of the level drawn
+    /// What no finer level was drawn for: "pixels" (a voxel is less than 1.5 of them), "level" (as asked), "volume"
+    /// (there is none), "memory", or why all voxels are needed.
+    std::string stopped_by;
+    std::size_t bricks = 0, bricks_read = 0;  ///< of the level, in memory and since it was opened; 0: it is whole
+    std::vector<std::string> faults;          ///< what cannot be read, a sentence each
+};
 
 /// Renders scenes one after the other and redoes only the stages to the right of what changed: an edit of the transfer
 /// function starts at `classify`, a camera move is `raycast` and `develop`.
@@ -31,6 +57,11 @@ public:
     /// dimensions.
     CHIARO_EXPORT void show_moment(Volume&& volume, Progress& progress);
     CHIARO_EXPORT void show_moment(const Volume& volume, Progress& progress);
+    /// The same of a volume that is read by bricks: a level that fits in a third of the budget as a whole, from which
+    /// values, looks and light are found, and of finer ones what pictures show. A GPU has none of it: the CPU does all.
+    /// Throws as BrickSource::read.
+    CHIARO_EXPORT void show(std::shared_ptr<const BrickSource> source, const PagingSettings& settings,
+                            Progress& progress);
     /// Promises that all renders to come look like the first one but for the camera, as the frames of a turntable do:
     /// voxels that cannot be seen are then given back. Renders with another transfer function, shape or classification,
     /// or light that needs all voxels, and fields throw Error{internal}.
@@ -74,6 +105,8 @@ public:
     CHIARO_EXPORT const IlluminationField& light() const;  ///< of the last render
     /// What a user should know: of what was prepared, of the device.
     CHIARO_EXPORT std::vector<std::string> notes() const;
+    /// Of the last render of a volume that is read by bricks; none: it is there as a whole.
+    CHIARO_EXPORT std::optional<PagingReport> paging() const;
     CHIARO_EXPORT RenderStatistics render_statistics() const;  ///< of the last render; its paths, as frame()
     CHIARO_EXPORT std::size_t light_bytes() const;  ///< held: what the last render's lighting prepared, and its light
     CHIARO_EXPORT const Statistics& statistics() const;  ///< of the shown volume

@@ -45,6 +45,7 @@ struct Medium::Data : std::enable_shared_from_this<Data> {
     Shape shape;
     std::vector<std::uint8_t> cells;  ///< as volume/occupancy.h reads them
     double occupied_fraction = 0;
+    std::shared_ptr<const Data> lit_as;  ///< of a level by bricks: the medium whose light it is seen in
     mutable LastSegments last_segments;
     Lazy<std::shared_ptr<const SurfaceTable>> surface_table;  ///< classify/surface_table.h
 

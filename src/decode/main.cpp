@@ -2,6 +2,8 @@
 //
 //   chiaro-decode FORMAT PATH PART MAX_BYTES CPU_SECONDS MOMENT
 //
+// With 0 for MAX_BYTES it tells where the voxels lie, of those that lie in one file as they are.
+//
 // Started by the library (io/helper.cpp), which hands over a memory file for the voxels and a pipe for messages
 // (io/wire.h). Formats that need a library have a program each, chiaro-decode-dicom and so on, which this one becomes:
 // loading GDCM alone takes longer than reading a small volume.

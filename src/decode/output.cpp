@@ -47,6 +47,7 @@ void set_even_times(Moments& moments, double first, double step, const std::stri
 
 void Output::allocate(Volume& volume) {
     const std::uint64_t bytes = check_header(volume);
+    if (asks_for_place()) refuse(not_in_place);
     const auto& n = volume.dimensions;
     if (bytes > max_bytes_)
         throw TooLarge(ErrorCode::input,
@@ -68,7 +69,11 @@ void Output::progress(double fraction) {
 
 void Output::at(const std::string& file) { send({{"at", file}}); }
 
-void Output::succeed(const Volume& volume) { send({{"volume", wire::header_to_json(volume)}}); }
+void Output::succeed(const Volume& volume) {
+    nlohmann::json message{{"volume", wire::header_to_json(volume)}};
+    if (place_) message["place"] = wire::to_json(*place_);
+    send(message);
+}
 
 void Output::fail(const std::string& sentence, bool is_too_large) {
     send({{"error", sentence}, {"too_large", is_too_large}});

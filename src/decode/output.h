@@ -5,7 +5,10 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
+
+#include "io/wire.h"
 
 namespace chiaro::decode {
 
@@ -17,14 +20,20 @@ struct TooLarge : Error {
     using Error::Error;
 };
 
+inline constexpr const char* not_in_place = "its voxels do not lie in one file as they are";
+
 class Output {
 public:
+    /// With room for no bytes voxels are not asked for, but where they lie.
     explicit Output(std::uint64_t max_bytes, int moment = 0) : max_bytes_(max_bytes), moment_(moment) {}
 
     /// Says that the file holds `count` moments, and which of them is wanted, from 0: that one's number.
     /// Throws Error{input} where there is none of that number.
     std::uint64_t choose_moment(std::uint64_t count, Volume& volume) const;
 
+    bool asks_for_place() const { return max_bytes_ == 0; }
+    /// Told with the header, in the place of voxels.
+    void lie_at(VoxelsInFile place) { place_ = std::move(place); }
     /// Gives `volume` its voxels, mapped from the memory file. Throws Error{input} for a header that makes no sense or
     /// takes more than the permitted bytes; the caller has already made sure that its file can hold that much.
     void allocate(Volume& volume);
@@ -37,6 +46,7 @@ public:
 private:
     std::uint64_t max_bytes_;
     int moment_;
+    std::optional<VoxelsInFile> place_;
     std::chrono::steady_clock::time_point last_report_{};
 };
 

@@ -141,6 +141,14 @@ void read_voxels(const Payload& payload, Volume& volume, Output& output) {
     if (payload.files.empty() || stated % (payload.files.size() * size_of(volume.type)) != 0)
         refuse(fmt::format("has {} data files, which {} slices cannot be shared among", payload.files.size(), n[2]));
     check_capacity(stated, capacity_of(payload, volume.type));
+    if (output.asks_for_place()) {
+        const MomentAxis& moments = payload.moments;
+        if (payload.encoding != Encoding::raw || payload.files.size() != 1 || volume.components != 1 ||
+            (moments.count > 1 && moments.run != bytes))
+            refuse(not_in_place);
+        const std::uint64_t before = moments.count > 1 ? moments.wanted * bytes : 0;
+        return output.lie_at({payload.files[0], payload.offset + payload.skip + before, payload.big_endian});
+    }
     output.allocate(volume);
     if (payload.moments.count > 1 && payload.encoding == Encoding::text && payload.files.size() > 1)
         refuse("spreads several moments over several files of text, which is not supported");

@@ -135,4 +135,21 @@ LitField lit_field(const IlluminationField& field, const Lighting& shown, const 
     return lit;
 }
 
+void read_from(LitField& lit, const LevelPages& pages) {
+    const kernel::Float3 scale = float3(Vec3{pages.per_voxel[0], pages.per_voxel[1], pages.per_voxel[2]}),
+                         shift = float3(Vec3{pages.shift[0], pages.shift[1], pages.shift[2]});
+    const auto move = [&](kernel::GridView& grid) {
+        kernel::Float3& per_voxel = grid.nodes_per_voxel;
+        grid.shift = {grid.shift.x + per_voxel.x * shift.x, grid.shift.y + per_voxel.y * shift.y,
+                      grid.shift.z + per_voxel.z * shift.z};
+        per_voxel = {per_voxel.x * scale.x, per_voxel.y * scale.y, per_voxel.z * scale.z};
+    };
+    if (auto* access = std::get_if<kernel::AccessView>(&lit.view)) move(access->grid);
+    if (auto* visibility = std::get_if<kernel::VisibilityView>(&lit.view)) {
+        move(visibility->light.grid), move(visibility->grid);
+        kernel::Float3& edge = visibility->edge_voxels;
+        edge = {edge.x / scale.x, edge.y / scale.y, edge.z / scale.z};
+    }
+}
+
 }  // namespace chiaro

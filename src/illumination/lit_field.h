@@ -4,6 +4,7 @@
 
 #include "classify/medium.h"
 #include "illumination/field.h"
+#include "volume/level_pages.h"
 
 namespace chiaro {
 
@@ -25,5 +26,9 @@ struct LitField {
 /// Joins field and lighting; a probe is projected on the field where that holds no light of its own.
 LitField lit_field(const IlluminationField& field, const Lighting& lighting, const Camera& camera,
                    const Medium::Data& medium);
+
+/// From now on it is read from places of a level by bricks, where it was found for the coarse volume; none of
+/// local histograms is.
+void read_from(LitField& lit, const LevelPages& pages);
 
 }  // namespace chiaro

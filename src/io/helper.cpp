@@ -45,13 +45,13 @@ std::string text_of_end(int signal, const std::string& at) {
     return "the decoder ended without an answer";
 }
 
-/// Reads messages until the volume's header arrives.
+/// Reads messages until the one with the volume's header arrives.
 class Conversation {
 public:
     Conversation(const DecodeRequest& request, const ReadOptions& options, Progress& progress)
         : request_(request), options_(options), progress_(progress) {}
 
-    nlohmann::json header_from(HelperProcess& helper) {
+    nlohmann::json answer_of(HelperProcess& helper) {
         const auto start = Clock::now();
         auto last_sign = start;
         const auto seconds_since = [](auto then) { return std::chrono::duration<double>(Clock::now() - then).count(); };
@@ -66,7 +66,7 @@ public:
             }
             if (event == HelperProcess::Event::line) {
                 last_sign = Clock::now();
-                if (auto header = take(line); !header.is_null()) return header;
+                if (auto answer = take(line); !answer.is_null()) return answer;
             }
             if (seconds_since(start) > options_.seconds)
                 refuse(request_, fmt::format("decoding it took more than {} seconds", options_.seconds));
@@ -88,8 +88,7 @@ private:
         if (const auto fraction = message.find("progress"); fraction != message.end() && fraction->is_number())
             progress_.report("read", std::clamp(fraction->get<double>(), 0.0, 1.0));
         if (const auto at = message.find("at"); at != message.end() && at->is_string()) at_ = at->get<std::string>();
-        const auto volume = message.find("volume");
-        return volume == message.end() ? nlohmann::json() : *volume;
+        return message.contains("volume") ? message : nlohmann::json();
     }
 
     const DecodeRequest& request_;
@@ -126,7 +125,8 @@ Volume checked_volume(const nlohmann::json& header, const Place& place) {
     return volume;
 }
 
-Volume decode_into(const Place& place, const DecodeRequest& request, const ReadOptions& options, Progress& progress) {
+/// What the helper answers. It is gone then, so that nobody else writes into the voxels any more.
+nlohmann::json ask(const Place& place, const DecodeRequest& request, const ReadOptions& options, Progress& progress) {
     const auto cpu_seconds = std::uint64_t(std::clamp(options.seconds, 1.0, 1e6)) + 1;
     const std::vector<std::string> arguments{request.format,
                                              request.path,
@@ -134,20 +134,45 @@ Volume decode_into(const Place& place, const DecodeRequest& request, const ReadO
                                              std::to_string(place.max_bytes),
                                              std::to_string(cpu_seconds),
                                              std::to_string(options.time)};
-    nlohmann::json header;
-    {
-        // Killed at the end of this block, so that nobody else writes into the voxels any more.
-        HelperProcess helper(find_helper(), arguments, request.standard_input, place.file.number());
-        header = Conversation(request, options, progress).header_from(helper);
-    }
+    HelperProcess helper(find_helper(), arguments, request.standard_input, place.file.number());
+    return Conversation(request, options, progress).answer_of(helper);
+}
+
+Volume decode_into(const Place& place, const DecodeRequest& request, const ReadOptions& options, Progress& progress) {
+    const nlohmann::json answer = ask(place, request, options, progress);
     try {
-        return checked_volume(header, place);
+        return checked_volume(answer.at("volume"), place);
     } catch (const std::exception& error) {
         refuse(request, error.what());
     }
 }
 
+/// Whatever the helper says, no other file is opened than those that the user's may name.
+void check_folder(const std::filesystem::path& named, const std::filesystem::path& path) {
+    const auto folder = std::filesystem::canonical(named).parent_path(), file = std::filesystem::canonical(path);
+    if (std::mismatch(folder.begin(), folder.end(), file.begin(), file.end()).first != folder.end() ||
+        !std::filesystem::is_regular_file(file))
+        throw Error(ErrorCode::input, "the decoder named a file that is none of its");
+}
+
 }  // namespace
+
+std::pair<Volume, VoxelsInFile> locate_isolated(const DecodeRequest& request, const ReadOptions& options,
+                                                Progress& progress) {
+    const nlohmann::json answer = ask({make_memory_file("no voxels"), true, 0}, request, options, progress);
+    try {
+        std::pair located(wire::header_from_json(answer.at("volume")), wire::place_from_json(answer.at("place")));
+        const std::uint64_t bytes = check_header(located.first);
+        check_folder(request.path, located.second.path);
+        const auto size = std::filesystem::file_size(located.second.path);
+        if (size < located.second.offset || size - located.second.offset < bytes)
+            throw Error(ErrorCode::input, "the decoder stated more voxels than there are");
+        for (auto& note : located.first.notes) note = one_line(note);
+        return located;
+    } catch (const std::exception& error) {
+        refuse(request, error.what());
+    }
+}
 
 Volume decode_isolated(const DecodeRequest& request, const ReadOptions& options, Progress& progress) {
     const std::uint64_t max_bytes = memory_within(options.max_bytes);

@@ -3,6 +3,9 @@
 #include <chiaro/io.h>
 
 #include <string>
+#include <utility>
+
+#include "io/wire.h"
 
 namespace chiaro {
 
@@ -18,5 +21,10 @@ struct DecodeRequest {
 /// that it filled. Throws Error{input} with one sentence for everything that goes wrong with the file, a crash
 /// included; Error{interrupted} when cancelled; Error{internal} when the program is not installed.
 Volume decode_isolated(const DecodeRequest& request, const ReadOptions& options, Progress& progress);
+
+/// What a volume is and where its voxels lie, of those that lie in one file as they are, in the folder of the file that
+/// was named or below it. Throws as decode_isolated, for all others, too.
+std::pair<Volume, VoxelsInFile> locate_isolated(const DecodeRequest& request, const ReadOptions& options,
+                                                Progress& progress);
 
 }  // namespace chiaro

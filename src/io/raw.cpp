@@ -96,38 +96,41 @@ RawLayout completed_layout(RawLayout layout, const std::string& name) {
     return layout;
 }
 
-Volume read_raw(const std::filesystem::path& path, const ReadOptions& options, Progress& progress) {
+RawFile examine_raw(const std::filesystem::path& path, const ReadOptions& options) {
     const RawLayout layout = completed_layout(options.raw, path.filename().string());
     if (!layout.dimensions || !layout.type)
         refuse(path,
                "a raw file needs its size and type, by --raw-size 64x64x64 --raw-type uint8 or in a name such as "
                "a_64x64x64_uint8.raw");
-    Volume volume;
-    volume.format = "raw";
-    volume.dimensions = *layout.dimensions;
-    volume.type = *layout.type;
-    volume.geometry.spacing_mm = layout.spacing_mm.value_or(Vec3{1, 1, 1});
-    std::uint64_t bytes = 0;
+    RawFile raw{.volume = {}, .layout = layout};
+    raw.volume.format = "raw";
+    raw.volume.dimensions = *layout.dimensions;
+    raw.volume.type = *layout.type;
+    raw.volume.geometry.spacing_mm = layout.spacing_mm.value_or(Vec3{1, 1, 1});
+    const auto& n = raw.volume.dimensions;
     try {
-        const auto& n = volume.dimensions;
-        bytes = checked_bytes({n[0], n[1], n[2]}, 1, volume.type);
-        check_geometry(volume.geometry);
+        raw.bytes = checked_bytes({n[0], n[1], n[2]}, 1, raw.volume.type);
+        check_geometry(raw.volume.geometry);
     } catch (const Error& error) {
         refuse(path, error.what());
     }
     struct stat status {};
     if (stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) refuse(path, "it is not a regular file");
-    if (const auto size = std::uint64_t(status.st_size); size < layout.offset || size - layout.offset != bytes)
+    if (const auto size = std::uint64_t(status.st_size); size < layout.offset || size - layout.offset != raw.bytes)
         refuse(path, fmt::format("it has {} bytes, but {} x {} x {} {} voxels behind {} bytes of header need {}", size,
-                                 volume.dimensions[0], volume.dimensions[1], volume.dimensions[2], name_of(volume.type),
-                                 layout.offset, bytes + layout.offset));
+                                 n[0], n[1], n[2], name_of(raw.volume.type), layout.offset, raw.bytes + layout.offset));
+    return raw;
+}
+
+Volume read_raw(const std::filesystem::path& path, const ReadOptions& options, Progress& progress) {
+    auto [volume, layout, bytes] = examine_raw(path, options);
     const auto room = memory_within(options.max_bytes);
     if (bytes > room && bytes > free_disk_bytes(options.spill))
         refuse(path, fmt::format("its voxels take {} MiB, but at most {} MiB may be used", bytes >> 20, room >> 20));
     volume.voxels = bytes > room ? make_spilled_voxels(options.spill, bytes) : VoxelBuffer(bytes);
     read_bytes(path, layout.offset, volume.voxels, progress);
     if (layout.big_endian) swap_all(volume);
-    return volume;
+    return std::move(volume);
 }
 
 }  // namespace chiaro

@@ -2,11 +2,14 @@
 #include "core/did_you_mean.h"
 #include "core/text.h"
 #include "core/threads.h"
+#include "io/file_source.h"
 #include "io/helper.h"
 #include "io/moment_files.h"
 #include "io/raw.h"
+#include "io/sample_name.h"
 #include "io/standard_input.h"
 
+#include <chiaro/brick_source.h>
 #include <chiaro/error.h>
 #include <chiaro/io.h>
 #include <chiaro/samples.h>
@@ -32,6 +35,17 @@ std::pair<std::string, std::string> split_volume_name(const std::string& name) {
     for (const auto at : {first, colon})
         if (fs::is_regular_file(name.substr(0, at), error)) return {name.substr(0, at), name.substr(at + 1)};
     return {name, ""};
+}
+
+std::pair<std::string, int> split_sample_name(const std::string& name) {
+    const std::string rest = name.substr(7), text = rest.substr(std::min(rest.find(':'), rest.size()));
+    int size = 0;
+    if (!text.empty()) {
+        const auto [end, error] = std::from_chars(text.data() + 1, text.data() + text.size(), size);
+        if (error != std::errc{} || end != text.data() + text.size() || size <= 0)
+            throw Error(ErrorCode::usage, "'" + name + "' is not sample:NAME or sample:NAME:SIZE");
+    }
+    return {rest.substr(0, rest.size() - text.size()), size};
 }
 
 namespace {
@@ -105,14 +119,8 @@ Candidate examine(const std::string& stated_name, const ReadOptions& options) {
 }
 
 Volume read_sample(const Candidate& candidate, const ReadOptions&, Progress& progress) {
-    const std::string name = candidate.name.substr(7), text = name.substr(std::min(name.find(':'), name.size()));
-    int size = 0;
-    if (!text.empty()) {
-        const auto [end, error] = std::from_chars(text.data() + 1, text.data() + text.size(), size);
-        if (error != std::errc{} || end != text.data() + text.size() || size <= 0)
-            throw Error(ErrorCode::usage, "'" + candidate.name + "' is not sample:NAME or sample:NAME:SIZE");
-    }
-    return make_sample(name.substr(0, name.size() - text.size()), size, progress);
+    const auto [name, size] = split_sample_name(candidate.name);
+    return make_sample(name, size, progress);
 }
 
 Volume read_standard_input(const Candidate&, const ReadOptions& options, Progress& progress) {
@@ -248,6 +256,39 @@ Volume read_volume(const std::string& name, const ReadOptions& options, Progress
         volume.notes.push_back(fmt::format("{} voxels are not finite", n));
     progress.report("read", 1);
     return volume;
+}
+
+std::shared_ptr<const BrickSource> open_brick_source(const std::string& name, const ReadOptions& options) {
+    if (is_sample_name(name)) {
+        const auto [sample, size] = split_sample_name(name);
+        return open_sample(sample, size);
+    }
+    const auto all = readers();
+    const Candidate candidate = examine(name, options);
+    const Reader* reader = find_reader(all, candidate);
+    const auto open_at = [&](Volume header, const VoxelsInFile& place) {
+        header.source = name;
+        if (options.rescale && header.slope == 1 && header.intercept == 0)
+            std::tie(header.slope, header.intercept) = *options.rescale;
+        return open_file_source(header, place);
+    };
+    if (reader && reader->info.name == "raw") {
+        RawFile raw = examine_raw(candidate.name, options);
+        return open_at(std::move(raw.volume), {candidate.name, raw.layout.offset, raw.layout.big_endian});
+    }
+    constexpr std::pair<std::string_view, const char*> in_place[] = {
+        {"NRRD", "nrrd"}, {"MetaImage", "meta"}, {"NIfTI", "nifti"}, {"VTK", "vtk"}};
+    const auto format = std::find_if(std::begin(in_place), std::end(in_place),
+                                     [&](const auto& row) { return reader && reader->info.name == row.first; });
+    if (format == std::end(in_place)) return {};
+    try {
+        Progress progress;
+        auto [header, place] = locate_isolated({format->second, candidate.name, candidate.name, ""}, options, progress);
+        return open_at(std::move(header), place);
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::input) throw;
+        return {};  // read_volume says why, or reads it
+    }
 }
 
 std::vector<FormatInfo> list_formats() {

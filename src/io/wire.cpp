@@ -82,4 +82,13 @@ Volume header_from_json(const json& j) {
     return volume;
 }
 
+nlohmann::json to_json(const VoxelsInFile& place) {
+    return {{"path", place.path.string()}, {"offset", place.offset}, {"big_endian", place.big_endian}};
+}
+
+VoxelsInFile place_from_json(const nlohmann::json& json) {
+    return {json.at("path").get<std::string>(), json.at("offset").get<std::uint64_t>(),
+            json.at("big_endian").get<bool>()};
+}
+
 }  // namespace chiaro::wire

@@ -3,4 +3,5 @@
 
 namespace chiaro::kernel::CHIARO_ISA {
 CHIARO_INSTANTIATE(AccessView)
+CHIARO_INSTANTIATE_PAGED(AccessView)
 }  // namespace chiaro::kernel::CHIARO_ISA

@@ -3,4 +3,5 @@
 
 namespace chiaro::kernel::CHIARO_ISA {
 CHIARO_INSTANTIATE(NoneView)
+CHIARO_INSTANTIATE_PAGED(NoneView)
 }  // namespace chiaro::kernel::CHIARO_ISA

@@ -3,4 +3,5 @@
 
 namespace chiaro::kernel::CHIARO_ISA {
 CHIARO_INSTANTIATE(VisibilityView)
+CHIARO_INSTANTIATE_PAGED(VisibilityView)
 }  // namespace chiaro::kernel::CHIARO_ISA

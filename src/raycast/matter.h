@@ -56,10 +56,10 @@ struct Matter {
     template <class F>
     CHIARO_INLINE Mask<F> skip_empty_cells(const Lattice<F>& lattice, Mask<F> lost, Vec3<F> p, VoxelIndex<F> voxel,
                                            F behind, F& next, F& leave) const {
-        const Cube<F> cube = occupancy.around(voxel);
-        behind = behind + steps_to_leave(cube, voxel, p, lattice.ahead, lattice.steps_per_voxel);
-        const Mask<F> empty = lost & cube.empty;
-        leave = select(lost & !cube.empty, behind, leave);
+        const Skip<F> skip = skip_from(lattice, lost, p, voxel);
+        behind = behind + skip.steps;
+        const Mask<F> empty = lost & skip.empty;
+        leave = select(lost & !skip.empty, behind, leave);
         next = select(empty, behind, next);
         return empty;
     }
@@ -95,6 +95,16 @@ struct Matter {
     }
 
 private:
+    template <class F>
+    CHIARO_INLINE Skip<F> skip_from(const Lattice<F>& lattice, Mask<F> lost, Vec3<F> p, VoxelIndex<F> voxel) const {
+        if constexpr (requires { volume.table; }) {
+            return volume.table.template skip<F>(lost, voxel, p, lattice.ahead, lattice.steps_per_voxel);
+        } else {
+            const Cube<F> cube = occupancy.around(voxel);
+            return {cube.empty, steps_to_leave(cube, voxel, p, lattice.ahead, lattice.steps_per_voxel)};
+        }
+    }
+
     /// A surface that was met reaches two edges far along its ray. Within the first of them light is looked up again
     /// only where there is more of a surface.
     template <class F>

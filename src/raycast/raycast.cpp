@@ -10,6 +10,7 @@
 #include "raycast/gpu.h"
 #include "raycast/texture.h"
 #include "raycast/views.h"
+#include "volume/level_pages.h"
 
 namespace chiaro {
 namespace {
@@ -39,6 +40,7 @@ struct Caster {
         if constexpr (View::adds_opacity) view.step_edges = float(settings.step_voxels);
         const DeviceVolume::Data& volume = medium.volume.data();
         RenderStatistics render_statistics;
+        if (volume.pages) return cast_by_bricks(view);
         if (medium.shape.interpolation == Interpolation::texture && !volume.factor &&
             cast_by_texture(view, render_statistics))
             return render_statistics;
@@ -49,6 +51,15 @@ struct Caster {
     }
 
 private:
+    /// By the CPU.
+    template <class View>
+    RenderStatistics cast_by_bricks(const View& view) const {
+        if constexpr (View::adds_opacity)
+            throw Error(ErrorCode::internal, "light by local histograms is not read by bricks");
+        else
+            return cast_here(kernel_of(kernel::Paged(), view));
+    }
+
     /// False where the device has no GPU that does it; nor is there one where the GPU cannot have the texture.
     template <class View>
     bool cast_by_texture(const View& view, RenderStatistics& render_statistics) const {
@@ -84,7 +95,7 @@ private:
         arrays.fetch();
         std::optional<BoundingGeometry> geometry;  // a value of the whole ray is looked for everywhere
         const Frame& frame = target.frame;
-        if (settings.ray_setup == RaySetup::raster && camera.aperture_mm == 0 &&
+        if (settings.ray_setup == RaySetup::raster && !medium.volume.data().pages && camera.aperture_mm == 0 &&
             kernel.mode <= kernel::March::surfaces && !emits(kernel.matter.field))
             geometry.emplace(medium, camera_view(camera, medium.volume.geometry(), frame.width, frame.height));
         return cast_tiles(device, kernel, geometry ? &*geometry : nullptr, frame, "raycast", progress);
@@ -97,7 +108,9 @@ RenderStatistics fill(const Device& device, const Medium& medium, const Illumina
     target.frame.depth_mm.clear();  // of an older picture
     const Medium::Data& data = medium.data();
     check_ends(settings, target.frame);
-    const LitField lit = lit_field(is_lit(data.shape.mode) ? field : IlluminationField(), lighting, camera, data);
+    const IlluminationField& shown = is_lit(data.shape.mode) ? field : IlluminationField();
+    LitField lit = lit_field(shown, lighting, camera, data.lit_as ? *data.lit_as : data);
+    if (const auto& pages = data.volume.data().pages) read_from(lit, *pages);
     const RayTables tables = make_tables(data, settings, device.threads, lit.albedo_limit, lit.by_surface());
     HostArrays arrays = lit.arrays;
     data.add_to(arrays);

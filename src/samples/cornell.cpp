@@ -30,9 +30,8 @@ int material(Vec3 p) {
     return in_sphere(p) ? blue_sphere : air;
 }
 
-Volume make_cornell(int size, Progress& progress) {
-    return generate<std::uint8_t>(size, progress,
-                                  [=](int i, int j, int k) { return material(in_unit_cube(i, j, k, size)); });
+SampleVoxels make_cornell(int size) {
+    return generate<std::uint8_t>([=](int i, int j, int k) { return material(in_unit_cube(i, j, k, size)); });
 }
 
 TransferFunction cornell_transfer_function() {

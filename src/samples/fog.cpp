@@ -47,8 +47,8 @@ double density(Vec3 p) {
     return smooth_step(0.25, 0.7, sum) * (1 - smooth_step(0.15, 0.48, from_centre));
 }
 
-Volume make_fog(int size, Progress& progress) {
-    return generate<float>(size, progress, [=](int i, int j, int k) { return density(in_unit_cube(i, j, k, size)); });
+SampleVoxels make_fog(int size) {
+    return generate<float>([=](int i, int j, int k) { return density(in_unit_cube(i, j, k, size)); });
 }
 
 TransferFunction fog_transfer_function() {

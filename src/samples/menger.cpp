@@ -14,12 +14,11 @@ bool solid(int x, int y, int z) {
     return true;
 }
 
-Volume make_menger(int size, Progress& progress) {
+SampleVoxels make_menger(int size) {
     const auto cell = [=](int i) {
         return int((2 * std::int64_t(i) + 1) * (cells + 2) / (2 * std::int64_t(size))) - 1;
     };
-    return generate<std::uint8_t>(size, progress,
-                                  [=](int i, int j, int k) { return solid(cell(i), cell(j), cell(k)) ? 255 : 0; });
+    return generate<std::uint8_t>([=](int i, int j, int k) { return solid(cell(i), cell(j), cell(k)) ? 255 : 0; });
 }
 
 TransferFunction menger_transfer_function() {

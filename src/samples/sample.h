@@ -1,19 +1,30 @@
 // What the generators share: one row per sample, and the loop over the voxels.
 #pragma once
+#include <chiaro/brick_source.h>
 #include <chiaro/samples.h>
 
 #include <algorithm>
 #include <cstdint>
-
-#include "core/threads.h"
+#include <functional>
 
 namespace chiaro {
 
+/// Voxels of any box of a sample.
+struct SampleVoxels {
+    VoxelType type;
+    std::function<void(const VoxelBox& box, std::byte* to)> fill;  ///< x fastest; from any thread
+};
+
 struct Sample {
     SampleInfo info;
-    Volume (*make)(int size, Progress& progress);
+    SampleVoxels (*voxels)(int size);
     TransferFunction (*transfer_function)();
+    void (*place)(Volume& volume) = nullptr;  ///< in the world, where it is not one voxel a millimetre
 };
+/// Throws Error{usage} for an unknown name (with "did you mean").
+Sample sample_named(const std::string& name);
+/// The sample's header, without voxels. Throws Error{usage} for a size outside 2..`most`.
+Volume sample_header(const Sample& sample, int size, int most);
 
 // The rows of the table in samples.cpp.
 Sample cornell_sample();
@@ -27,21 +38,18 @@ Sample tubes_sample();
 Sample menger_sample();
 Sample torso_sample();
 
-/// A cube of `size` voxels of type T, voxel (i, j, k) = value_at(i, j, k); slices in parallel. Throws
-/// Error{interrupted} when cancelled.
+/// Voxels of type T, voxel (i, j, k) = value_at(i, j, k).
 template <class T, class ValueAt>
-Volume generate(int size, Progress& progress, const ValueAt& value_at) {
-    Volume volume = make_volume({size, size, size}, voxel_type_of<T>());
-    const auto voxels = volume.as<T>();
-    parallel_for(usable_threads(), size, 1, "sample", progress, [&](std::int64_t first, std::int64_t last) {
-        for (auto k = int(first); k < int(last); ++k)
-            for (int j = 0; j < size; ++j) {
-                T* row = voxels.data() + (std::size_t(k) * size + j) * size;
-                for (int i = 0; i < size; ++i) row[i] = T(value_at(i, j, k));
-            }
-    });
-    progress.check();
-    return volume;
+SampleVoxels generate(const ValueAt& value_at) {
+    const auto fill = [value_at](const VoxelBox& box, std::byte* to) {
+        T* voxel = reinterpret_cast<T*>(to);
+        const auto [x, y, z] = box.first;
+        const auto [nx, ny, nz] = box.size;
+        for (int k = z; k < z + nz; ++k)
+            for (int j = y; j < y + ny; ++j, voxel += nx)
+                for (int i = 0; i < nx; ++i) voxel[i] = T(value_at(x + i, j, k));
+    };
+    return {voxel_type_of<T>(), fill};
 }
 
 /// Centre of voxel (i, j, k) in the unit cube that the whole voxels fill.

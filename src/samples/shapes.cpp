@@ -10,24 +10,24 @@ constexpr double inside = 200;
 std::uint8_t value_at_depth(double depth, int size) { return std::uint8_t(inside * coverage(depth * size) + 0.5); }
 
 /// 1/4 < z < 3/4; sharp where `size` is a multiple of 4.
-Volume make_slab(int size, Progress& progress) {
-    return generate<std::uint8_t>(size, progress, [=](int i, int j, int k) {
+SampleVoxels make_slab(int size) {
+    return generate<std::uint8_t>([=](int i, int j, int k) {
         const double z = in_unit_cube(i, j, k, size).z;
         return value_at_depth(std::min(z - 0.25, 0.75 - z), size);
     });
 }
 
 /// Radius 3/8 of the cube about its centre.
-Volume make_ball(int size, Progress& progress) {
-    return generate<std::uint8_t>(size, progress, [=](int i, int j, int k) {
+SampleVoxels make_ball(int size) {
+    return generate<std::uint8_t>([=](int i, int j, int k) {
         return value_at_depth(0.375 - length(in_unit_cube(i, j, k, size) - Vec3{0.5, 0.5, 0.5}), size);
     });
 }
 
 /// z < 1/2; sharp where `size` is even.
-Volume make_halfspace(int size, Progress& progress) {
+SampleVoxels make_halfspace(int size) {
     return generate<std::uint8_t>(
-        size, progress, [=](int i, int j, int k) { return value_at_depth(0.5 - in_unit_cube(i, j, k, size).z, size); });
+        [=](int i, int j, int k) { return value_at_depth(0.5 - in_unit_cube(i, j, k, size).z, size); });
 }
 
 TransferFunction homogeneous(Rgb rgb, double opacity) {

@@ -9,8 +9,8 @@ namespace chiaro {
 namespace {
 
 /// Marschner and Lobb 1994, eq. 3, with f_M = 6 and α = 1/4; in [0, 1]. Needs at least 40 voxels an axis.
-Volume make_marschner_lobb(int size, Progress& progress) {
-    return generate<float>(size, progress, [=](int i, int j, int k) {
+SampleVoxels make_marschner_lobb(int size) {
+    return generate<float>([=](int i, int j, int k) {
         constexpr double f_m = 6, alpha = 0.25, pi = std::numbers::pi;
         const double x = in_signed_range(i, size), y = in_signed_range(j, size), z = in_signed_range(k, size);
         const double rho = std::cos(2 * pi * f_m * std::cos(pi * std::sqrt(x * x + y * y) / 2));
@@ -48,9 +48,9 @@ struct Wave {
 };
 
 /// Three wobbling Gaussian shells around the centre, a background of 8 and white noise of ±6.
-Volume make_shells(int size, Progress& progress) {
+SampleVoxels make_shells(int size) {
     const Wave a(size, 9, 31, 3), b(size, 8, 29, 1), c(size, 7, 27, 2);
-    return generate<std::uint8_t>(size, progress, [&](int i, int j, int k) {
+    return generate<std::uint8_t>([=](int i, int j, int k) {
         const double r = std::sqrt(a.x[i] * a.x[i] + b.x[j] * b.x[j] + c.x[k] * c.x[k]);
         const double wobble =
             0.035 * a.coarse[i] * b.coarse[j] * c.coarse[k] + 0.01 * a.fine[i] * b.fine[j] * c.fine[k];

@@ -120,18 +120,21 @@ struct Torso {
     }
 };
 
-Volume make_torso(int size, Progress& progress) {
+SampleVoxels make_torso(int size) {
     const Torso torso;
     const double voxel_mm = torso_edge_mm / size;
     const auto at = [=](int i) { return (i + 0.5) * voxel_mm - torso_edge_mm / 2; };
-    Volume volume = generate<std::int16_t>(size, progress, [&](int i, int j, int k) {
+    return generate<std::int16_t>([=](int i, int j, int k) {
         return std::lround(torso.at({at(i), at(j), at(k)}, voxel_mm));
     });
+}
+
+void place_torso(Volume& volume) {
+    const double voxel_mm = torso_edge_mm / volume.dimensions[0], first = 0.5 * voxel_mm - torso_edge_mm / 2;
     volume.geometry.spacing_mm = {voxel_mm, voxel_mm, voxel_mm};
-    volume.geometry.origin_mm = {at(0), at(0), at(0)};
+    volume.geometry.origin_mm = {first, first, first};
     volume.geometry.world = World::lps;
     volume.modality = "CT";
-    return volume;
 }
 
 /// Skin and muscle left out: bone, vessels and liver.
@@ -150,7 +153,8 @@ Sample torso_sample() {
     return {
         {"torso", "a torso in HU with contrast medium, on a table, for the looks of CT; no anatomy to learn from", 128},
         make_torso,
-        torso_transfer_function};
+        torso_transfer_function,
+        place_torso};
 }
 
 }  // namespace chiaro

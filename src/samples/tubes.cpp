@@ -35,9 +35,8 @@ double value(Vec3 p, int size) {
     return tube_air + opaque + translucent;
 }
 
-Volume make_tubes(int size, Progress& progress) {
-    return generate<std::uint8_t>(size, progress,
-                                  [=](int i, int j, int k) { return value(in_unit_cube(i, j, k, size), size) + 0.5; });
+SampleVoxels make_tubes(int size) {
+    return generate<std::uint8_t>([=](int i, int j, int k) { return value(in_unit_cube(i, j, k, size), size) + 0.5; });
 }
 
 TransferFunction tubes_transfer_function() {

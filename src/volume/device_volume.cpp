@@ -10,22 +10,11 @@
 
 #include "core/threads.h"
 #include "volume/cell_ranges.h"
+#include "volume/fill_brick.h"
 #include "volume/validate.h"
 
 namespace chiaro {
 namespace {
-
-constexpr double below_2_41 = 0x1.fffffep40;  ///< the last float: the largest double may not be rounded up to infinity
-
-/// How stored numbers become device numbers: device = stored - shift, then clamped to [low, high] where that is not
-/// finite; of floating-point numbers times 2^exponent.
-template <class Source>
-struct Conversion {
-    Source shift = 0;
-    Source low = 0, high = 0;
-    int exponent = 0;
-    bool all_finite = true;
-};
 
 template <class Source>
 double largest_of(const Conversion<Source>& c) {
@@ -39,20 +28,6 @@ int exponent_for(const Conversion<Source>& c) {
     const double most = largest_of(c);
     const bool fits = most == 0 || (most > 0x1p-90 && most < 0x1p120);
     return fits ? 0 : std::min(40 - std::ilogb(most), 1020);
-}
-
-template <class Device, class Source>
-Device convert(Source v, const Conversion<Source>& c) {
-    if constexpr (std::is_floating_point_v<Source>) {
-        // NaN reads as the smallest value, which transfer functions leave empty more often than any other.
-        if (!std::isfinite(v)) v = v > 0 ? c.high : c.low;
-        if (c.exponent == 0) return Device(v);
-        return Device(std::clamp(double(std::ldexp(v, c.exponent)), -below_2_41, below_2_41));
-    } else if constexpr (std::is_floating_point_v<Device>) {
-        return Device(v);
-    } else {
-        return Device(std::make_unsigned_t<Source>(v) - std::make_unsigned_t<Source>(c.shift));
-    }
 }
 
 /// Smallest and largest finite stored value; low > high if there is none.
@@ -83,25 +58,6 @@ Conversion<Source> stored_range(const Volume& volume, int threads, const Progres
     return all;
 }
 
-/// Fills one brick, border included, from the volume; outside, the nearest voxel stands.
-template <class Source, class Device>
-void fill_brick(const Volume& volume, const Conversion<Source>& conversion, std::array<int, 3> brick, Device* out) {
-    const auto voxels = volume.as<Source>();
-    const auto [nx, ny, nz] = volume.dimensions;
-    const int x0 = brick[0] * brick_edge - brick_before;
-    for (int z = 0; z < slices_read(volume.dimensions[2], brick[2]); ++z)
-        for (int y = 0; y < brick_row; ++y) {
-            const int sz = std::clamp(brick[2] * brick_edge - brick_before + z, 0, nz - 1);
-            const int sy = std::clamp(brick[1] * brick_edge - brick_before + y, 0, ny - 1);
-            const Source* row = voxels.data() + (std::size_t(sz) * ny + sy) * nx;
-            Device* to = out + z * brick_slice + y * brick_row;
-            const int begin = std::clamp(-x0, 0, brick_row), end = std::clamp(nx - x0, begin, brick_row);
-            for (int x = 0; x < begin; ++x) to[x] = convert<Device>(row[0], conversion);
-            for (int x = begin; x < end; ++x) to[x] = convert<Device>(row[x0 + x], conversion);
-            for (int x = end; x < brick_row; ++x) to[x] = convert<Device>(row[nx - 1], conversion);
-        }
-}
-
 /// Whose voxels, and how they are gone through.
 struct Source {
     const Volume& volume;
@@ -123,6 +79,7 @@ void fill_bricks(const Source& source, const Conversion<Stored>& conversion, Dev
     // Gathers read up to three voxels behind the last one they need.
     data.bricks = VoxelBuffer((layer_bricks * bricks[2] * brick_voxels + 4) * sizeof(Device));
     Device* out = reinterpret_cast<Device*>(data.bricks.data());
+    const BoxedVoxels<Stored> voxels{volume.as<Stored>().data(), {{0, 0, 0}, volume.dimensions}, volume.dimensions};
     // The last layer's other slices are never written, and with small pages take no memory.
     if (const std::size_t last = (bricks[2] - 1) * layer_bricks * brick_voxels;
         slices_read(nz, bricks[2] - 1) < brick_row)
@@ -133,7 +90,7 @@ void fill_bricks(const Source& source, const Conversion<Stored>& conversion, Dev
                          if (progress.cancelled()) return;
                          const std::array<int, 3> at{int(b % bricks[0]), int(b / bricks[0]), bz};
                          Device* brick = out + (bz * layer_bricks + std::size_t(b)) * brick_voxels;
-                         fill_brick(volume, conversion, at, brick);
+                         fill_brick(voxels, conversion, at, slices_read(volume.dimensions[2], bz), brick);
                          fill_cells(brick, at, brick_row, data.cells);
                      });
         progress.check();

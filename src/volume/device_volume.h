@@ -30,6 +30,7 @@ struct ExtinctionFactor {
     double index_scale = 0, index_offset = 0;  ///< column of a stored value
     double rows_per_unit = 0;                  ///< row = magnitude * rows_per_unit
 };
+struct LevelPages;  // volume/paged_level.h
 
 /// The splines that were made of a volume (volume/splined.h).
 struct DeviceVolume::Splines {
@@ -66,6 +67,7 @@ struct DeviceVolume::Data : std::enable_shared_from_this<Data> {
     mutable Splines splines;
     std::shared_ptr<const Data> plain;  ///< of a medium's with a factor: what it borrows all from
     std::shared_ptr<const ExtinctionFactor> factor;
+    std::shared_ptr<const LevelPages> pages;  ///< of a level by bricks: which of them are there; null: all are
 
     void add_to(HostArrays& arrays) const {
         if (plain) plain->add_to(arrays), arrays.add(factor, factor->entries);

@@ -34,24 +34,36 @@ struct OccupancyView {
     }
 };
 
-/// Steps along one axis from `position` to the cube's side ahead: `ahead` is the cell's edge for rays that climb, else
-/// 0.
+/// Steps along one axis to the cube's side ahead, from a position in a cell: `ahead` is its edge for rays that climb,
+/// else 0.
 template <class F>
-CHIARO_INLINE F steps_along(Int<F> voxel, F position, F ahead, F reach, F steps_per_voxel) {
-    const F in_cell = position - to_float(voxel & Int<F>(~(cell_edge - 1)));
+CHIARO_INLINE F steps_along(F in_cell, F ahead, F reach, F steps_per_voxel) {
     return (abs(ahead - in_cell) + reach) * steps_per_voxel;
 }
 
-/// How many whole steps lie between p and the far side of the cube, which is moved a little nearer so that rounding
-/// never counts a sample into a cube that it has left.
+/// How many whole steps lie between p and the far side of the cube around the cell that begins at `cell`, which is
+/// moved a little nearer so that rounding never counts a sample into a cube that it has left.
+template <class F>
+CHIARO_INLINE F steps_to_leave(F cube_reach, VoxelIndex<F> cell, Vec3<F> p, Vec3<F> ahead, Vec3<F> steps_per_voxel) {
+    const F reach = cube_reach - F(1.0f / 512);
+    const F steps = min(steps_along(p.x - to_float(cell.x), ahead.x, reach, steps_per_voxel.x),
+                        min(steps_along(p.y - to_float(cell.y), ahead.y, reach, steps_per_voxel.y),
+                            steps_along(p.z - to_float(cell.z), ahead.z, reach, steps_per_voxel.z)));
+    return floor(max(steps, F(0)));
+}
+
 template <class F>
 CHIARO_INLINE F steps_to_leave(const Cube<F>& cube, VoxelIndex<F> i, Vec3<F> p, Vec3<F> ahead,
                                Vec3<F> steps_per_voxel) {
-    const F reach = cube.reach - F(1.0f / 512);
-    const F steps = min(steps_along(i.x, p.x, ahead.x, reach, steps_per_voxel.x),
-                        min(steps_along(i.y, p.y, ahead.y, reach, steps_per_voxel.y),
-                            steps_along(i.z, p.z, ahead.z, reach, steps_per_voxel.z)));
-    return floor(max(steps, F(0)));
+    const Int<F> cell(~(cell_edge - 1));
+    return steps_to_leave<F>(cube.reach, {i.x & cell, i.y & cell, i.z & cell}, p, ahead, steps_per_voxel);
 }
+
+/// Steps through what is all empty or all occupied.
+template <class F>
+struct Skip {
+    Mask<F> empty;
+    F steps;
+};
 
 }  // namespace chiaro::kernel

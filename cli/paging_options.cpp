@@ -1,0 +1,98 @@
+#include "paging_options.h"
+
+#include <chiaro/error.h>
+#include <chiaro/text.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+
+namespace chiaro::cli {
+namespace {
+
+/// "4G", "96M", "512K" or bytes.
+std::uint64_t bytes_of(const std::string& text) {
+    constexpr std::uint64_t least = 16 << 20, most = std::uint64_t(1) << 50;
+    double number = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    const std::string unit(end, text.data() + text.size());
+    const auto at = std::string("KMGT").find(unit.empty() ? ' ' : unit[0]);
+    const bool is_size = error == std::errc() && unit.size() <= 1 && (unit.empty() || at != std::string::npos);
+    const double bytes = unit.empty() ? number : number * double(std::uint64_t(1024) << 10 * at);
+    if (!is_size || !(bytes >= double(least) && bytes <= double(most)))
+        throw Error(ErrorCode::usage,
+                    fmt::format("--memory {}: must be a size such as 4G or 512M, 16M at least", text));
+    return std::uint64_t(bytes);
+}
+
+/// A file that is no header of another, and fits however its numbers are stored, need not be looked at.
+bool is_small(const std::string& volume, const PagingSettings& paging) {
+    constexpr std::uintmax_t longest_header = 1 << 20;
+    std::error_code error;
+    const auto bytes = std::filesystem::is_regular_file(volume, error) ? std::filesystem::file_size(volume, error) : 0;
+    return paging.finest_level == 0 && bytes > longest_header &&
+           whole_volume_bytes({1, 1, 1}, VoxelType::u8) * double(bytes) <= paging.budget_bytes();
+}
+
+constexpr const char* group = "Memory";
+
+}  // namespace
+
+void add_memory_option(CLI::App& app, PagingOptions& o) {
+    app.add_option("--memory", o.memory,
+                   "memory that pictures may take, such as 4G: a volume that needs more is read by bricks where its "
+                   "format allows [half of what is free]")
+        ->type_name("SIZE")
+        ->group(group);
+}
+
+void add_paging_options(CLI::App& app, PagingOptions& o) {
+    add_memory_option(app, o);
+    app.add_option("--level", o.level, "finest level that is drawn; each further one has half the voxels an axis [0]")
+        ->type_name("N")
+        ->group(group);
+    app.add_flag("--exact", o.exact,
+                 "reads all voxels of a volume that is read by bricks once, for the range of values and for what is "
+                 "empty; else a coarse level tells")
+        ->group(group);
+}
+
+PagingSettings paging_of(const PagingOptions& o) {
+    if (o.level < 0 || o.level > 32) throw Error(ErrorCode::usage, fmt::format("--level {}: must be 0 to 32", o.level));
+    return {.memory_bytes = o.memory.empty() ? 0 : bytes_of(o.memory), .finest_level = o.level, .exact = o.exact};
+}
+
+std::shared_ptr<const BrickSource> paged_volume(const Scene& scene, const PagingSettings& paging) {
+    if (scene.stated.spacing_mm || scene.volume == "-" || scene.read.time > 0 || !moment_files(scene.volume).empty() ||
+        is_small(scene.volume, paging))
+        return {};
+    auto source = open_brick_source(scene.volume, scene.read);
+    if (!source) {
+        if (paging.finest_level > 0)
+            throw Error(
+                ErrorCode::usage,
+                fmt::format("--level {}: {} is read as a whole; samples are not, nor raw, NRRD, MetaImage, NIfTI "
+                            "and VTK files whose voxels are not compressed",
+                            paging.finest_level, scene.volume));
+        return {};
+    }
+    if (fits(*source, paging)) return {};
+    const int levels = int(source->levels().size());
+    if (paging.finest_level >= levels)
+        throw Error(ErrorCode::usage,
+                    fmt::format("--level {}: {} has levels 0 to {}", paging.finest_level, scene.volume, levels - 1));
+    const auto& stated = scene.stated.dimensions;
+    if (stated && *stated != source->header().dimensions) return {};  // read_volume says so
+    return source;
+}
+
+int small_level(const BrickSource& source) {
+    const auto& levels = source.levels();
+    const auto is_small = [](const SourceLevel& level) {
+        return *std::max_element(level.dimensions.begin(), level.dimensions.end()) <= 256;
+    };
+    return int(std::find_if(levels.begin(), levels.end() - 1, is_small) - levels.begin());
+}
+
+}  // namespace chiaro::cli

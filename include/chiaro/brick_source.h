@@ -1,0 +1,64 @@
+// Volumes of any size: voxels that are read where they are needed.
+#pragma once
+#include <chiaro/export.h>
+#include <chiaro/progress.h>
+#include <chiaro/volume.h>
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+namespace chiaro {
+
+/// One resolution of a volume: a grid of its own, in the same world.
+struct SourceLevel {
+    std::array<int, 3> dimensions{0, 0, 0};
+    Geometry geometry;
+};
+
+/// No level's longest axis is shorter, but where the volume's own is.
+inline constexpr int least_level_edge = 32;
+
+/// The grid whose voxel (0, 0, 0) is `first` of another, and the next ones `stride` away from it.
+inline Geometry every(const Geometry& geometry, Vec3 stride, Vec3 first) {
+    Geometry coarser = geometry;
+    coarser.origin_mm = geometry.world_from_voxel(first);
+    for (int axis = 0; axis < 3; ++axis) coarser.spacing_mm[axis] *= stride[axis];
+    return coarser;
+}
+
+struct VoxelBox {
+    std::array<int, 3> first{0, 0, 0}, size{0, 0, 0};
+};
+
+/// The one door for voxels of a volume that need not fit in memory. Level 0 is the volume itself; those behind it are
+/// coarser. Never changes; may be read from several threads at a time.
+class BrickSource {
+public:
+    CHIARO_EXPORT virtual ~BrickSource();
+    BrickSource(const BrickSource&) = delete;
+    BrickSource& operator=(const BrickSource&) = delete;
+
+    /// All that is known of level 0 but its voxels. The type is u8, i8, u16, i16 or f32.
+    const Volume& header() const { return header_; }
+    const std::vector<SourceLevel>& levels() const { return levels_; }  ///< finest first
+    /// The voxels of a box within a level, of the header's type, x fastest. Throws Error{input} where they cannot be
+    /// had.
+    virtual void read(int level, const VoxelBox& box, std::byte* to) const = 0;
+
+protected:
+    CHIARO_EXPORT BrickSource(Volume header, std::vector<SourceLevel> levels);
+
+private:
+    Volume header_;
+    std::vector<SourceLevel> levels_;
+};
+
+/// A level as a volume in memory. Throws Error{interrupted} when cancelled, and as `read`. Reported as "read".
+CHIARO_EXPORT Volume read_level(const BrickSource& source, int level, Progress& progress);
+
+/// Bytes that pictures of a volume as a whole take, light included, to within a half: what a budget is held against.
+CHIARO_EXPORT double whole_volume_bytes(const std::array<int, 3>& dimensions, VoxelType type);
+
+}  // namespace chiaro

@@ -1,0 +1,232 @@
+// What stands behind a Session: a table of stages.
+#pragma once
+#include <chiaro/error.h>
+#include <chiaro/session.h>
+#include <chiaro/text.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <tuple>
+
+#include "classify/medium.h"
+#include "core/threads.h"
+#include "render/appearance.h"
+#include "render/kept.h"
+#include "render/refine.h"
+
+namespace chiaro {
+
+struct Session::State {
+    explicit State(const Device& where) : device(where.with_own_stream()) {}  // a stream of its own
+
+    Device device;
+    Subject subject;
+    std::optional<Refiner> refiner;  // of a volume that is read by bricks; `upload` has its whole level
+    std::vector<Stage> shown;        // what it took to show the volume, until a render has told it
+    std::vector<Stage> stages;       // of the last render
+    Version last_version = 0;
+    bool one_look = false, gave_back = false;  // voxels that the one look cannot show
+
+    // The table: what each stage makes, and from what.
+    Kept<DeviceVolume, Version> upload;
+    Kept<Prepared, Version, IlluminationSettings> prepare;
+    Kept<Classified, Version, TransferSettings, Shape> classify;
+    Kept<CameraSettings, Version, CameraSettings, RaySettings, std::pair<int, int>> fit;
+    Kept<Medium, Version, Interpolation> interpolate;  // of final pictures, where drafts are not as fine
+    Kept<Probe, std::string> probe;
+    Kept<IlluminationField, Version, Version, IlluminationSettings, HeldLight> illuminate;
+    Kept<Cast, Version, Version, Lighting, Camera, RaySettings, std::pair<int, int>> raycast;
+    Kept<Image, Version, ToneMap> develop;
+    Medium medium;  // of the last render or preview
+    Cast previewed;
+    Image previewed_image;
+    CameraSettings camera;  // of the last render or preview
+    double probe_exposure = 0;
+
+    /// Calls stage(result), unless the kept result was made from these very inputs.
+    template <class Result, class... Inputs, class Verb>
+    void redo(std::string name, Kept<Result, Inputs...>& kept, std::tuple<Inputs...> inputs, Verb&& verb) {
+        stages.push_back({std::move(name), 0});
+        if (kept.inputs == inputs) return;
+        kept.inputs.reset();  // a stage that throws leaves nothing that could serve
+        const auto start = std::chrono::steady_clock::now();
+        verb(kept.result);
+        stages.back().seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        kept.inputs = std::move(inputs);
+        kept.version = ++last_version;
+    }
+
+    /// The scene's, with its probe loaded and standing as the camera's orbit has it.
+    Lighting lighting_of(const Scene& scene, const Camera& camera) {
+        Lighting lighting = scene.lighting;
+        lighting.probe_up = camera.orbit_up;
+        if (!lighting.probe.source.empty()) {
+            redo("probe", probe, {lighting.probe.source},
+                 [&](Probe& loaded) { loaded = load_probe(lighting.probe.source); });
+            lighting.loaded_probe = probe.result;
+        }
+        lighting.probe.exposure = probe_exposure = exposure_stops(lighting);
+        return lighting;
+    }
+
+    /// The scene's camera with the ball that it fits, of values that are linear between voxels: so that drafts and
+    /// final pictures have one. Zoom changes nothing about it.
+    CameraSettings fitted(const Scene& scene, Progress& progress) {
+        CameraSettings camera = scene.camera;
+        look_from(camera, upload.result.geometry().world);
+        if (camera.fit == Fit::volume || camera.fit_centre) return camera;
+        camera.zoom = 1;
+        RaySettings rays = scene.sampling;
+        rays.ends = nullptr;
+        const auto [width, height] = std::pair(scene.width, scene.height);
+        redo("fit", fit, {classify.version, camera, rays, {width, height}}, [&](CameraSettings& found) {
+            found = fit_camera(device, classify.result.medium, camera, rays, width, height, progress);
+        });
+        camera = fit.result, camera.zoom = scene.camera.zoom;
+        return camera;
+    }
+
+    Camera camera_of(const CameraSettings& settings) const {
+        if (refiner) return make_camera(settings, refiner->finest().geometry, refiner->finest().dimensions);
+        return make_camera(settings, upload.result.geometry(), upload.result.dimensions());
+    }
+
+    /// Bricks have no splines, which between a coarse level's voxels would show nothing either. Lengths in voxels are
+    /// those of the volume, whichever level light is found on.
+    Scene as_drawn(Scene scene) const {
+        if (!refiner) return scene;
+        if (scene.interpolation == Interpolation::automatic) scene.interpolation = Interpolation::linear;
+        // Of spao each shell is twice as wide as the one before. With fewer than three the picture of level 5 of
+        // sample:shells:8192 is .02 too bright, with three .009.
+        constexpr int least_shells = 3;
+        int& shells = scene.illumination.spao.levels;
+        shells = std::max(shells - refiner->whole_level(), std::min(shells, least_shells));
+        return scene;
+    }
+
+    /// What the scene's light would leave in a field; a probe that is not loaded yet is none.
+    HeldLight held(const Scene& scene) const {
+        Lighting lighting = scene.lighting;
+        lighting.probe_up = camera_of(scene.camera).orbit_up;
+        if (!lighting.probe.source.empty())
+            lighting.loaded_probe = probe.inputs == std::tuple(lighting.probe.source) ? probe.result : Probe();
+        return held_light(lighting, scene.illumination);
+    }
+
+    template <class Upload>
+    void show(const Volume& volume, Progress& progress, Upload&& upload_to) {
+        const CancelScope scope(progress);
+        progress.report("measure", 0);
+        Kept<Subject, Version> measured;
+        redo("measure", measured, {0}, [&](Subject& studied) { studied = study(volume, progress); });
+        subject = std::move(measured.result);
+        upload_by(upload_to, progress);
+    }
+
+    /// With what all moments have in common, and nothing else.
+    std::unique_ptr<State> for_moment(const Volume& volume) const {
+        if (volume.dimensions != upload.result.dimensions())
+            throw Error(ErrorCode::input,
+                        fmt::format("moment {} has {} voxels, where the first one has {}", volume.moments.shown,
+                                    to_text(volume.dimensions), to_text(upload.result.dimensions())));
+        auto moment = std::make_unique<State>(device);
+        moment->subject = subject, moment->one_look = one_look, moment->probe = probe;
+        return moment;
+    }
+
+    template <class Upload>
+    void upload_by(Upload&& upload_to, Progress& progress) {
+        const CancelScope scope(progress);
+        progress.report("upload", 0);
+        redo("upload", upload, {0}, [&](DeviceVolume& voxels) { voxels = upload_to(device); });
+        shown = stages;
+    }
+
+    void begin() {
+        if (!upload.inputs) throw Error(ErrorCode::internal, "a session must show a volume before it renders");
+        stages = shown;
+        for (Stage& stage : shown) stage.seconds = 0;
+    }
+
+    /// The stages that pictures and fields have in common.
+    void redo_up_to_classify(const Scene& scene, Progress& progress) {
+        begin();
+        const DeviceVolume& voxels = upload.result;
+        redo("prepare", prepare, {upload.version, preparation_of(scene.illumination)},
+             [&](Prepared& prepared) { prepared = chiaro::prepare(device, voxels, scene.illumination, progress); });
+        tell_steps(prepare.result.stages());
+        progress.check();
+        redo_classify(scene, progress);
+    }
+
+    void redo_classify(const Scene& scene, const Progress& progress) {
+        const Shape shape = shape_for(scene);
+        const std::tuple inputs(upload.version, scene.transfer, shape);
+        if (gave_back && (classify.inputs != inputs || !looks_at_visible_voxels(scene)))
+            throw Error(ErrorCode::internal, "a session of one look was asked for another");
+        redo("classify", classify, inputs, [&](Classified& classified) {
+            classified.tf = transfer_function_for(scene.transfer, subject);
+            if (refiner) classified.tf = of_finest_voxels(classified.tf, refiner->finest());
+            classified.medium = chiaro::classify(device, upload.result, classified.tf, shape, progress);
+        });
+        medium = classify.result.medium;
+    }
+
+    /// The medium of final pictures.
+    void redo_interpolate(const Scene& scene, const Progress& progress) {
+        if (has_finer_interpolation(scene)) {
+            if (gave_back && !medium_version(scene))
+                throw Error(ErrorCode::internal, "a session of one look was asked for another");
+            redo("interpolate", interpolate, {classify.version, scene.interpolation}, [&](Medium& finer) {
+                finer = finely_interpolated(device, classify.result.medium, scene, subject.statistics.noise, progress);
+            });
+            medium = interpolate.result;
+        }
+        if (gave_back || !one_look || refiner || !looks_at_visible_voxels(scene)) return;
+        discard_unseen(medium);
+        gave_back = true;
+    }
+
+    /// Names the medium that redo_interpolate made for the scene; 0: it would be another.
+    Version medium_version(const Scene& scene) const {
+        if (!has_finer_interpolation(scene)) return classify.version;
+        return interpolate.inputs == std::tuple(classify.version, scene.interpolation) ? interpolate.version : 0;
+    }
+
+    void redo_illuminate(const Scene& scene, const Camera& camera, const Lighting& lighting, Progress& progress,
+                         const Preview& preview) {
+        redo("illuminate", illuminate,
+             {medium_version(scene), prepare.version, scene.illumination, held_light(lighting, scene.illumination)},
+             [&](IlluminationField& field) {
+                 const IlluminationField warm = field;
+                 const auto keep = [&](IlluminationField finer) {
+                     field = std::move(finer);
+                     if (!preview || !field.is_coarse()) return;
+                     DeviceFrame frame(scene.width, scene.height);
+                     chiaro::raycast(device, medium, field, lighting, camera, scene.sampling, frame, progress);
+                     if (!progress.cancelled()) preview(chiaro::develop(frame, scene.output));
+                 };
+                 chiaro::illuminate(device, medium, prepare.result, lighting, scene.illumination, keep, progress, warm);
+                 progress.check();
+             });
+        tell_steps(illuminate.result.stages());
+    }
+
+    /// A stage that is done anew each time.
+    template <class Verb>
+    void timed(std::string name, Verb&& verb) {
+        Kept<int> nothing;
+        redo(std::move(name), nothing, {}, [&](int&) { verb(); });
+    }
+
+    /// What the last stage consisted of.
+    void tell_steps(const std::vector<Stage>& steps) {
+        const bool is_kept = stages.back().seconds == 0;
+        for (const Stage& step : steps) stages.push_back({step.name, is_kept ? 0 : step.seconds});
+    }
+};
+
+}  // namespace chiaro

@@ -1,0 +1,160 @@
+// A level of which only some bricks are in memory, as a kernel sees it. A table says in which slot each brick lies;
+// where one is absent, a coarser volume that is there as a whole stands for it.
+#pragma once
+#include "volume/occupancy.h"
+#include "volume/view.h"
+
+namespace chiaro::kernel {
+
+/// In the place of a stored type: any, by bricks.
+struct Paged {};
+
+/// Numbers of lanes, one after the other.
+template <class F>
+struct LaneArray {
+    std::int32_t at[LaneTraits<F>::count];
+    LaneArray() = default;
+    explicit CHIARO_INLINE LaneArray(Int<F> lanes) { __builtin_memcpy(at, &lanes, sizeof at); }
+    CHIARO_INLINE Int<F> lanes() const {
+        Int<F> lanes;
+        __builtin_memcpy(&lanes, at, sizeof at);
+        return lanes;
+    }
+};
+
+template <class F>
+CHIARO_INLINE Int<F> gather_int(const std::int32_t* p, Int<F> index) {
+    const LaneArray<F> i(index);
+    LaneArray<F> found;
+    for (int lane = 0; lane < LaneTraits<F>::count; ++lane) found.at[lane] = p[std::uint32_t(i.at[lane])];
+    return found.lanes();
+}
+
+template <class F>
+CHIARO_INLINE Int<F> brick_of(VoxelIndex<F> i, std::int32_t bricks_x, std::int32_t bricks_y) {
+    using I = Int<F>;
+    return ((i.z >> I(brick_bits)) * I(bricks_y) + (i.y >> I(brick_bits))) * I(bricks_x) + (i.x >> I(brick_bits));
+}
+
+/// Which bricks are there, what their cells hold, and which of them rays come through.
+struct BrickTable {
+    static constexpr std::int32_t absent = -1;                                ///< below: that is empty
+    static constexpr std::int32_t cells = 1 << 3 * (brick_bits - cell_bits);  ///< in a brick
+    const std::int32_t*
+        slots;           ///< of each brick: its slot; `absent`; or -1 - r, it and all less than r away being empty
+    std::uint8_t* seen;  ///< of each brick: set where a ray comes through
+    const std::uint8_t* codes;  ///< of each slot's cells, as OccupancyView::cells
+    std::int32_t bricks_x, bricks_y;
+
+    /// Cubes end with their brick, but where bricks are empty. What is absent may be occupied.
+    template <class F>
+    CHIARO_NOINLINE Skip<F> skip(const Mask<F>& wanted, const VoxelIndex<F>& i, const Vec3<F>& p, const Vec3<F>& ahead,
+                                 const Vec3<F>& steps_per_voxel) const {
+        using I = Int<F>;
+        const I brick = brick_of<F>(i, bricks_x, bricks_y);
+        const LaneArray<F> bricks(brick), asks(select(wanted, I(1), I(0)));
+        for (int lane = 0; lane < LaneTraits<F>::count; ++lane)
+            if (asks.at[lane]) __atomic_store_n(seen + bricks.at[lane], std::uint8_t(1), __ATOMIC_RELAXED);
+        const I slot = gather_int<F>(slots, brick);
+        const Mask<F> is_there = slot >= I(0);
+        constexpr int bits = brick_bits - cell_bits;
+        const auto cell_of = [](I voxel) CHIARO_INLINE_LAMBDA { return (voxel >> I(cell_bits)) & I((1 << bits) - 1); };
+        const I cell = (((cell_of(i.z) << I(bits)) + cell_of(i.y)) << I(bits)) + cell_of(i.x);
+        const I code = gather_byte(codes, select(is_there, slot * I(cells) + cell, I(0)));
+        const I edges = select(is_there, I(~(cell_edge - 1)), I(~(brick_edge - 1)));
+        const F longer = select(is_there, F(1), F(float(brick_edge / cell_edge)));
+        const F of_cells = to_float((code >> I(1)) << I(cell_bits));
+        const F of_bricks = F(float(brick_edge)) * to_float(max(I(absent - 1) - slot, I(0)));
+        const Mask<F> is_empty = (is_there & ((code & I(1)) == I(0))) | (slot < I(absent));
+        return {is_empty,
+                steps_to_leave<F>(select(is_there, of_cells, of_bricks), {i.x & edges, i.y & edges, i.z & edges}, p,
+                                  longer * ahead, steps_per_voxel)};
+    }
+};
+
+/// What the slots hold, and behind them the coarse volume's bricks, is one array, of less than 2^32 voxels.
+template <>
+struct VolumeView<Paged> {
+    VolumeView<float> grid;  ///< of the level, without voxels
+    VolumeView<float> coarse_grid;
+    Float3 coarse_per_voxel, coarse_shift;  ///< coarse voxel = voxel of the level × per_voxel + shift
+    BrickTable table;
+    std::uint32_t first_coarse;  ///< the coarse volume's first voxel
+    const void* voxels;
+    std::int32_t voxel_bytes;  ///< 1, 2: whole numbers; 4: floats
+
+    template <class F>
+    CHIARO_INLINE Vec3<F> clamp(Vec3<F> p) const {
+        return grid.clamp(p);
+    }
+    template <class F>
+    CHIARO_INLINE VoxelIndex<F> voxel(Vec3<F> p) const {
+        return grid.voxel(p);
+    }
+
+    template <class F>
+    CHIARO_NOINLINE Location<F> locate(const Vec3<F>& p, const VoxelIndex<F>& i) const {
+        using I = Int<F>;
+        const I slots = gather_int<F>(table.slots, brick_of<F>(i, table.bricks_x, table.bricks_y));
+        const Mask<F> is_absent = slots < I(0);
+        const I inside(brick_edge - 1), before(brick_before);
+        I index = slots * I(brick_voxels) + ((i.z & inside) + before) * I(brick_slice) +
+                  ((i.y & inside) + before) * I(brick_row) + (i.x & inside) + before;
+        Vec3<F> t{p.x - to_float(i.x), p.y - to_float(i.y), p.z - to_float(i.z)};
+        if (any(is_absent)) {
+            const Vec3<F> s(coarse_per_voxel);
+            const Vec3<F> q = coarse_grid.clamp(Vec3<F>(
+                mad(p.x, s.x, F(coarse_shift.x)), mad(p.y, s.y, F(coarse_shift.y)), mad(p.z, s.z, F(coarse_shift.z))));
+            const VoxelIndex<F> j = coarse_grid.voxel(q);
+            const I there = brick_of<F>(j, coarse_grid.bricks_x, coarse_grid.bricks_y) * I(brick_voxels) +
+                            ((j.z & inside) + before) * I(brick_slice) + ((j.y & inside) + before) * I(brick_row) +
+                            (j.x & inside) + before;
+            index = select(is_absent, there + I(std::int32_t(first_coarse)), index);
+            t = {select(is_absent, q.x - to_float(j.x), t.x), select(is_absent, q.y - to_float(j.y), t.y),
+                 select(is_absent, q.z - to_float(j.z), t.z)};
+        }
+        return {typename GatherIndex<F>::type(index), t, p};
+    }
+
+    template <class F>
+    CHIARO_NOINLINE F value(const Location<F>& at) const {
+        return as_stored([&](const auto& stored) CHIARO_INLINE_LAMBDA { return stored.value(at); });
+    }
+    template <class F>
+    CHIARO_NOINLINE Four<Two<F>> corners(const Location<F>& at) const {
+        return as_stored([&](const auto& stored) CHIARO_INLINE_LAMBDA { return stored.corners(at); });
+    }
+    /// Opacity by gradient is of the whole level (render/refine.cpp).
+    static constexpr bool has_factor() { return false; }
+    template <class F>
+    CHIARO_INLINE F factor_at(const Location<F>&, F) const {
+        return F(1);
+    }
+    template <class F>
+    CHIARO_INLINE F factor_of(F, Vec3<F>) const {
+        return F(1);
+    }
+    /// Stored units per voxel of the level.
+    template <class F>
+    CHIARO_NOINLINE Vec3<F> gradient(const Location<F>& at) const {
+        const Vec3<F> g = as_stored([&](const auto& stored) CHIARO_INLINE_LAMBDA { return stored.differences(at); });
+        using I = Int<F>;
+        const VoxelIndex<F> i = voxel(at.p);
+        const Mask<F> is_absent = gather_int<F>(table.slots, brick_of<F>(i, table.bricks_x, table.bricks_y)) < I(0);
+        if (!any(is_absent)) return g;
+        const Float3 s = coarse_per_voxel;
+        return {select(is_absent, F(s.x) * g.x, g.x), select(is_absent, F(s.y) * g.y, g.y),
+                select(is_absent, F(s.z) * g.z, g.z)};
+    }
+
+private:
+    template <class Use>
+    CHIARO_INLINE auto as_stored(const Use& use) const {
+        if (voxel_bytes == 1) return use(VolumeView<std::uint8_t>{.voxels = static_cast<const std::uint8_t*>(voxels)});
+        if (voxel_bytes == 2)
+            return use(VolumeView<std::uint16_t>{.voxels = static_cast<const std::uint16_t*>(voxels)});
+        return use(VolumeView<float>{.voxels = static_cast<const float*>(voxels)});
+    }
+};
+
+}  // namespace chiaro::kernel

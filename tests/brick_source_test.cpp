@@ -1,0 +1,92 @@
+// Voxels by bricks are those of whole volumes.
+#include <chiaro/error.h>
+#include <chiaro/io.h>
+#include <chiaro/samples.h>
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+using namespace chiaro;
+
+namespace {
+
+template <class T>
+std::vector<T> voxels_in(const BrickSource& source, int level, const VoxelBox& box) {
+    std::vector<T> voxels(std::size_t(box.size[0]) * box.size[1] * box.size[2]);
+    source.read(level, box, reinterpret_cast<std::byte*>(voxels.data()));
+    return voxels;
+}
+
+}  // namespace
+
+TEST(BrickSource, LevelsOfASampleAreTheSampleAtHalfTheSize) {
+    const auto source = open_sample("shells", 200);
+    ASSERT_EQ(source->levels().size(), 3u) << "200, 100, 50";
+    Progress progress;
+    for (int level = 0; level < 3; ++level) {
+        const Volume whole = make_sample("shells", 200 >> level);
+        const Volume read = read_level(*source, level, progress);
+        EXPECT_EQ(read.dimensions, whole.dimensions);
+        EXPECT_TRUE(std::ranges::equal(read.as<std::uint8_t>(), whole.as<std::uint8_t>()));
+    }
+    const auto box = voxels_in<std::uint8_t>(*source, 1, {{7, 8, 9}, {3, 2, 1}});
+    const Volume half = make_sample("shells", 100);
+    EXPECT_EQ(box[4], half.as<std::uint8_t>()[(9 * 100 + 9) * 100 + 8]);
+    const Geometry& g = source->levels()[2].geometry;
+    EXPECT_EQ(g.spacing_mm, (Vec3{4, 4, 4}));
+    EXPECT_EQ(g.origin_mm, (Vec3{1.5, 1.5, 1.5})) << "voxels fill the same cube";
+    EXPECT_EQ(open_sample("torso", 200)->header().type, VoxelType::i16);
+    EXPECT_EQ(open_sample("shells", 16384)->levels()[3].dimensions[0], 2048) << "of which nothing is made";
+    EXPECT_THROW(open_sample("shells", 16385), Error);
+}
+
+TEST(BrickSource, BricksOfAFileAreItsVoxels) {
+    const auto path = std::filesystem::temp_directory_path() / fmt::format("chiaro-{}_70x66x9_int32.raw", getpid());
+    std::vector<std::int32_t> numbers(70 * 66 * 9);
+    for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = std::int32_t(i * 2654435761u >> 8) - (1 << 23);
+    ReadOptions options;
+    options.raw.spacing_mm = Vec3{1, 1, 5};
+    options.raw.big_endian = true;
+    {
+        std::ofstream file(path, std::ios::binary);
+        for (std::int32_t n : numbers) {
+            auto* bytes = reinterpret_cast<char*>(&n);
+            std::reverse(bytes, bytes + 4);
+            file.write(bytes, 4);
+        }
+    }
+    const auto source = open_brick_source(path, options);
+    ASSERT_TRUE(source);
+    EXPECT_EQ(source->header().type, VoxelType::f32) << "of whole numbers wider than 16 bits";
+    const auto box = voxels_in<float>(*source, 0, {{3, 4, 5}, {2, 2, 2}});
+    EXPECT_EQ(box[7], float(numbers[(6 * 66 + 5) * 70 + 4]));
+    ASSERT_EQ(source->levels().size(), 2u);
+    const SourceLevel& half = source->levels()[1];
+    EXPECT_EQ(half.dimensions, (std::array{35, 33, 9})) << "slices are five times as thick";
+    EXPECT_EQ(half.geometry.spacing_mm, (Vec3{2, 2, 5}));
+    EXPECT_EQ(half.geometry.origin_mm, (Vec3{1, 1, 0}));
+    const auto every_second = voxels_in<float>(*source, 1, {{2, 3, 4}, {1, 1, 1}});
+    EXPECT_EQ(every_second[0], float(numbers[(4 * 66 + 7) * 70 + 5]));
+    std::filesystem::resize_file(path, 1000);
+    EXPECT_THROW(voxels_in<float>(*source, 0, {{0, 0, 5}, {1, 1, 1}}), Error) << "cut while it is shown";
+    std::filesystem::remove(path);
+}
+
+TEST(BrickSource, OfAFileWithAHeaderVoxelsAreReadWhereTheyLieAsTheyAre) {
+    const auto path = std::filesystem::temp_directory_path() / fmt::format("chiaro-{}.nrrd", getpid());
+    write_nrrd(make_sample("ball", 8), path, NrrdEncoding::gzip);
+    EXPECT_FALSE(open_brick_source(path, {}));
+    Progress progress;
+    const Volume torso = make_sample("torso", 64);
+    write_nrrd(torso, path, NrrdEncoding::raw);
+    const auto source = open_brick_source(path, {});
+    ASSERT_TRUE(source);
+    EXPECT_TRUE(std::ranges::equal(read_level(*source, 0, progress).as<std::int16_t>(), torso.as<std::int16_t>()));
+    EXPECT_EQ(source->header().geometry, read_volume(path, {}, progress).geometry);
+    std::filesystem::remove(path);
+    EXPECT_THROW(open_brick_source("no such file", {}), Error);
+}
