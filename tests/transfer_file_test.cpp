@@ -27,7 +27,8 @@ TEST(Slicer, CountsNumbersNotPoints) {
     EXPECT_TRUE(file.function.opacity_unit_is_mm);
     EXPECT_EQ(notes(file),
               "its shading is no part of a transfer function: --ambient 0.1 --diffuse 0.9 --specular 0.2 --shininess "
-              "10 gives it\nits opacity by gradient is not kept\n");
+              "10 gives it\n");
+    EXPECT_EQ(file.function.gradient, (std::vector<GradientPoint>{{0, 1}, {255, 0.5}}));
 }
 
 TEST(Slicer, RefusesLinesWithOneSentence) {

@@ -20,20 +20,44 @@ struct ControlPoint {
     bool operator==(const ControlPoint&) const = default;
 };
 
+/// Opacity by gradient: a factor of the extinction over the magnitude of the values' gradient.
+struct GradientPoint {
+    double magnitude = 0;  ///< >= 0, data units per mm, by the differences that shade
+    double opacity = 1;    ///< [0, 1]
+    bool operator==(const GradientPoint&) const = default;
+};
+
+/// A shape over value and magnitude of the gradient, in which matter is shown: all of a rectangle; of an ellipse in the
+/// box most in its middle, nothing at its border; of Kindlmann's triangle, which stands on its tip at no gradient and
+/// is as wide as the box at its upper end, most along its middle.
+enum class WidgetShape { rectangle, ellipse, triangle };
+struct GradientWidget {
+    WidgetShape shape = WidgetShape::rectangle;
+    double value_low = 0, value_high = 1;          ///< data units
+    double magnitude_low = 0, magnitude_high = 1;  ///< data units per mm
+    double opacity = 1;                            ///< [0, 1]
+    bool operator==(const GradientWidget&) const = default;
+};
+
 enum class RgbSpace { srgb, linear };
 
 /// Piecewise linear between points, constant outside. Two points of equal value make a step.
 struct TransferFunction {
     std::vector<ControlPoint> points;  ///< at least one, values not falling
     RgbSpace rgb_space = RgbSpace::srgb;
-    double opacity_unit = 1;          ///< the length that `opacity` belongs to, > 0 ...
-    bool opacity_unit_is_mm = false;  ///< ... in millimetres, or else in units of the smallest voxel size
-    std::string name;                 ///< preset, file or colour map it came from
+    double opacity_unit = 1;                ///< the length that `opacity` belongs to, > 0 ...
+    bool opacity_unit_is_mm = false;        ///< ... in millimetres, or else in units of the smallest voxel size
+    std::string name;                       ///< preset, file or colour map it came from
+    std::vector<GradientPoint> gradient{};  ///< magnitudes not falling, linear between, constant outside; empty: 1
+    std::vector<GradientWidget> widgets{};  ///< of which the largest factor counts; empty: 1
     bool operator==(const TransferFunction&) const = default;
 };
 
 /// Colour and opacity at `value`, interpolated in the function's own rgb_space. It has no name.
 CHIARO_EXPORT ControlPoint evaluate(const TransferFunction& tf, double value);
+
+/// What the gradient's points and widgets leave of the extinction of a value, [0, 1]: their product.
+CHIARO_EXPORT double extinction_factor(const TransferFunction& tf, double value, double magnitude);
 
 /// Throws Error{input} with one sentence unless the points are finite, in range and in order.
 CHIARO_EXPORT void validate(const TransferFunction& tf);

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "classify/gpu.h"
+#include "classify/gradient_factor.h"
 #include "classify/largest.h"
 #include "classify/medium.h"
 #include "volume/splined.h"
@@ -37,7 +38,10 @@ void find_occupancy(const Device& device, Medium::Data& data, const Progress& pr
         data.cells = std::move(made.codes);
         stream.device_cache()->keep(HostArray::of(data.weak_from_this(), data.cells), made.on_gpu.data(), stream);
     };
-    if (!cuda::try_gpu(device, on_gpu))
+    if (volume.factor)
+        data.cells =
+            make_occupancy(volume.cells, std::cref(is_visible), device.threads, progress, cells_with_factor(volume));
+    else if (!cuda::try_gpu(device, on_gpu))
         data.cells = make_occupancy(volume.cells, std::cref(is_visible), device.threads, progress);
     std::size_t occupied = 0;
     for (const std::uint8_t code : data.cells) occupied += code & 1;
@@ -45,7 +49,8 @@ void find_occupancy(const Device& device, Medium::Data& data, const Progress& pr
 }
 
 /// The volume by which values are found so.
-DeviceVolume interpolated(const DeviceVolume& volume, Interpolation interpolation, const Progress& progress) {
+DeviceVolume interpolated(const DeviceVolume& given, Interpolation interpolation, const Progress& progress) {
+    const DeviceVolume volume = with_factor(given, nullptr);
     const DeviceVolume::Data* source = volume.data().source;
     const DeviceVolume voxels = source ? DeviceVolume(source->shared_from_this()) : volume;
     if (interpolation != Interpolation::cubic && interpolation != Interpolation::smooth) return voxels;
@@ -75,6 +80,8 @@ Medium classify(const Device& device, const DeviceVolume& volume, const Transfer
         data->table = make_optical_table(data->volume.data(), tf, shape);
     }
     data->volume = interpolated(data->volume, shape.interpolation, progress);
+    if (shape.mode == Mode::dvr || shape.mode == Mode::additive)
+        data->volume = with_factor(data->volume, make_factor(data->volume.data(), tf));
     find_occupancy(device, *data, progress);
     return Medium(std::move(data));
 }
@@ -83,7 +90,7 @@ Medium with_interpolation(const Device& device, const Medium& medium, Interpolat
                           const Progress& progress) {
     const Medium::Data& from = medium.data();
     auto data = std::make_shared<Medium::Data>();
-    data->volume = interpolated(from.volume, interpolation, progress);
+    data->volume = with_factor(interpolated(from.volume, interpolation, progress), from.volume.data().factor);
     data->table = from.table;
     data->shape = from.shape;
     data->shape.interpolation = interpolation;

@@ -74,11 +74,13 @@ struct RangeTest {
 };
 
 /// The code of every cell (volume/occupancy.h), and a spare byte at the end.
-/// A cell is occupied where `is_visible` says so of its range of stored values. Throws Error{interrupted} when
+/// A cell is occupied where `is_visible` says so of its range of stored values, and where `left` (of each cell; empty:
+/// all) is not 0. Throws Error{interrupted} when
 /// cancelled.
 std::vector<std::uint8_t> make_occupancy(const CellRanges& ranges,
                                          const std::function<bool(float low, float high)>& is_visible, int threads,
-                                         const Progress& progress = Progress());
+                                         const Progress& progress = Progress(),
+                                         const std::vector<std::uint8_t>& left = {});
 /// Whether the transfer function leaves something visible between two stored values.
 RangeTest visible_range(const OpticalTable& table);
 /// Whether an isosurface passes between two stored values.

@@ -114,8 +114,9 @@ RangeTest crossed_range(const DeviceVolume::Data& volume, const std::vector<IsoS
 }
 
 std::vector<std::uint8_t> make_occupancy(const CellRanges& ranges, const Test& is_visible, int threads,
-                                         const Progress& progress) {
-    const CellGrid occupied = occupied_cells(ranges, is_visible, threads, progress);
+                                         const Progress& progress, const std::vector<std::uint8_t>& left) {
+    CellGrid occupied = occupied_cells(ranges, is_visible, threads, progress);
+    for (std::size_t c = 0; c < left.size(); ++c) occupied.at[c] &= left[c];
     KindDistance distances(occupied, progress);
     const CellGrid& distance = distances.compute();
 

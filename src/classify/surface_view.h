@@ -11,6 +11,7 @@ struct SurfaceAt {
     Vec3<F> outward;   ///< n, unit, world: towards where opacity falls; 0 where values are even
     F share;           ///< q, [0, 1]: of the matter here that scatters as a surface
     F hold;            ///< h, [0, 1]: of light that leaves here, what half an edge does not dim
+    F factor;          ///< what opacity by gradient leaves of extinction
     F depth;           ///< [0, 2]: edges of matter like this between here and the outside
 };
 
@@ -39,19 +40,23 @@ struct SurfaceView {
     template <class F, class Voxel>
     CHIARO_INLINE SurfaceAt<F> at(const VolumeView<Voxel>& volume, Vec3<F> p) const {
         const auto where = volume.locate(p, volume.voxel(p));
-        return of(volume.value(where), volume.gradient(where));
+        return of(volume, volume.value(where), volume.gradient(where));
     }
 
     /// Of a value and its gradient, stored units per voxel.
-    template <class F>
-    CHIARO_INLINE SurfaceAt<F> of(F value, Vec3<F> gradient) const {
+    template <class F, class Volume>
+    CHIARO_INLINE SurfaceAt<F> of(const Volume& volume, F value, Vec3<F> gradient) const {
         SurfaceAt<F> s;
         s.value = value;
         s.gradient = gradient;
+        const bool by_gradient = volume.has_factor();
+        s.factor = by_gradient ? volume.factor_of(value, gradient) : F(1);
         const Vec3<F> g = to_world(s.gradient);
         const F slope = sqrt(dot(g, g));
-        const auto opacity_at = [&](float edges)
-                                    CHIARO_INLINE_LAMBDA { return opacity_of(mad(F(edges), slope, s.value)); };
+        const auto opacity_at = [&](float edges) CHIARO_INLINE_LAMBDA {
+            const F alpha = opacity_of(mad(F(edges), slope, s.value));
+            return by_gradient ? opacity_of_share(alpha, s.factor) : alpha;
+        };
         const F far_below = opacity_at(-1.5f), below = opacity_at(-0.5f), above = opacity_at(0.5f),
                 far_above = opacity_at(1.5f);
         const F sign = select(far_above > far_below, F(-1), F(1));
@@ -72,7 +77,10 @@ struct SurfaceView {
     template <class F>
     CHIARO_INLINE Mask<F> rises(const SurfaceAt<F>& s, Vec3<F> direction) const {
         const F half = F(0.5f * edge_mm) * dot(s.gradient, direction);
-        return opacity_of(s.value + half) - opacity_of(s.value - half) > F(another);
+        const F ahead = opacity_of(s.value + half), behind = opacity_of(s.value - half);
+        if (any(s.factor < F(1)))
+            return opacity_of_share(ahead, s.factor) - opacity_of_share(behind, s.factor) > F(another);
+        return ahead - behind > F(another);
     }
 };
 

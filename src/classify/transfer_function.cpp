@@ -29,7 +29,61 @@ void validate_point(const TransferFunction& tf, std::size_t i) {
                        to_text(tf.points[i - 1].value) + " before it");
 }
 
+void validate_gradient(const TransferFunction& tf) {
+    for (std::size_t i = 0; i < tf.gradient.size(); ++i) {
+        const GradientPoint& point = tf.gradient[i];
+        const std::string name = "gradient_opacity[" + std::to_string(i) + "]";
+        if (!(point.magnitude >= 0 && std::isfinite(point.magnitude)))
+            refuse(tf, name + ".magnitude is " + to_text(point.magnitude) + ": must be finite and not below 0");
+        require_unit_range(tf, name + ".opacity", point.opacity);
+        if (i > 0 && point.magnitude < tf.gradient[i - 1].magnitude)
+            refuse(tf, name + ".magnitude is " + to_text(point.magnitude) + ": must not fall below the " +
+                           to_text(tf.gradient[i - 1].magnitude) + " before it");
+    }
+    for (std::size_t i = 0; i < tf.widgets.size(); ++i) {
+        const GradientWidget& widget = tf.widgets[i];
+        const std::string name = "widgets[" + std::to_string(i) + "]";
+        const auto rises = [](double low, double high) {
+            return std::isfinite(low) && std::isfinite(high) && low < high;
+        };
+        if (!rises(widget.value_low, widget.value_high))
+            refuse(tf, name + ".value: must rise from the first to the second");
+        if (!rises(widget.magnitude_low, widget.magnitude_high) || widget.magnitude_low < 0)
+            refuse(tf, name + ".magnitude: must rise from the first to the second, neither below 0");
+        require_unit_range(tf, name + ".opacity", widget.opacity);
+    }
+}
+
+double by_magnitude(const std::vector<GradientPoint>& points, double magnitude) {
+    if (points.empty()) return 1;
+    const auto above = std::upper_bound(points.begin(), points.end(), magnitude,
+                                        [](double m, const GradientPoint& p) { return m < p.magnitude; });
+    if (above == points.begin() || above == points.end())
+        return above == points.begin() ? points.front().opacity : points.back().opacity;
+    return std::lerp(above[-1].opacity, above->opacity,
+                     share_between(above[-1].magnitude, above->magnitude, magnitude));
+}
+
+double within(const GradientWidget& w, double value, double magnitude) {
+    if (value < w.value_low || value > w.value_high || magnitude < w.magnitude_low || magnitude > w.magnitude_high)
+        return 0;
+    if (w.shape == WidgetShape::rectangle) return w.opacity;
+    const double half = (w.value_high - w.value_low) / 2, x = (value - w.value_low) / half - 1;
+    if (w.shape == WidgetShape::triangle) {
+        const double width = magnitude / w.magnitude_high;
+        return width > 0 ? w.opacity * std::max(0.0, 1 - std::abs(x) / width) : 0;
+    }
+    const double y = 2 * (magnitude - w.magnitude_low) / (w.magnitude_high - w.magnitude_low) - 1;
+    return w.opacity * std::max(0.0, 1 - x * x - y * y);
+}
+
 }  // namespace
+
+double extinction_factor(const TransferFunction& tf, double value, double magnitude) {
+    double shown = tf.widgets.empty() ? 1 : 0;
+    for (const GradientWidget& widget : tf.widgets) shown = std::max(shown, within(widget, value, magnitude));
+    return shown * by_magnitude(tf.gradient, magnitude);
+}
 
 ControlPoint evaluate(const TransferFunction& tf, double value) {
     const auto& points = tf.points;
@@ -48,6 +102,7 @@ ControlPoint evaluate(const TransferFunction& tf, double value) {
 void validate(const TransferFunction& tf) {
     if (tf.points.empty()) refuse(tf, "has no points: must have at least one");
     for (std::size_t i = 0; i < tf.points.size(); ++i) validate_point(tf, i);
+    validate_gradient(tf);
     if (!(tf.opacity_unit > 0 && std::isfinite(tf.opacity_unit)))
         refuse(tf, "opacity unit is " + to_text(tf.opacity_unit) + ": must be greater than 0");
 }
@@ -60,6 +115,15 @@ TransferFunction with_window(TransferFunction tf, double center, double width) {
     const double first = tf.points.front().value, last = tf.points.back().value;
     for (ControlPoint& point : tf.points)  // a function of one value only is moved, not stretched
         point.value = last > first ? center + (share_between(first, last, point.value) - 0.5) * width : center;
+    // Values that are stretched rise as much more steeply.
+    if (!(last > first)) return tf;
+    const double stretch = width / (last - first);
+    for (GradientPoint& point : tf.gradient) point.magnitude *= stretch;
+    for (GradientWidget& widget : tf.widgets) {
+        for (double* value : {&widget.value_low, &widget.value_high})
+            *value = center + (share_between(first, last, *value) - 0.5) * width;
+        widget.magnitude_low *= stretch, widget.magnitude_high *= stretch;
+    }
     return tf;
 }
 

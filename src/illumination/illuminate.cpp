@@ -144,6 +144,10 @@ const std::shared_ptr<const LocalHistograms>& histograms_of(const Prepared& prep
 
 IlluminationField light_of_histograms(const Device& device, const Medium::Data& medium, const Prepared& prepared,
                                       const IlluminationSettings& settings) {
+    if (medium.volume.data().factor)
+        throw Error(ErrorCode::usage,
+                    "lighting histogram: local histograms know values and no gradients, so opacity by gradient goes "
+                    "with spao, visibility, transport and reference");
     StageTimer timer;
     if (!shows_surfaces(settings)) {
         ParticleLight light = timer("histogram table", [&] {

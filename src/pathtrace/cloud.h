@@ -61,9 +61,11 @@ struct Cloud {
     CHIARO_INLINE void meet(Mask<F> lanes, Path<F>& path) const {
         using I = Int<F>;
         const Vec3<F> p = volume.clamp(mad(path.t, path.direction, path.origin));
-        const F value = volume.value(volume.locate(p, volume.voxel(p)));
+        const auto where = volume.locate(p, volume.voxel(p));
+        const F value = volume.value(where);
         const I entry = entry_of(value);
-        const F kappa = gather_float(extinction, entry);
+        F kappa = gather_float(extinction, entry);
+        if (volume.has_factor()) kappa = kappa * volume.factor_at(where, value);
         const Draw<F> numbers = draw_for(lanes, path);
         path.depth = select(lanes, free_depth(numbers.b), path.depth);
         const Mask<F> shadow = lanes & (path.to_light == I(1));

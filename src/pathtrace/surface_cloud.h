@@ -103,8 +103,10 @@ private:
     template <class F>
     CHIARO_INLINE void enter_cut(Mask<F> lanes, const Cut<F>& cut, Path<F>& path) const {
         const Vec3<F> p = this->volume.clamp(path.origin);
-        const F value = this->volume.value(this->volume.locate(p, this->volume.voxel(p)));
-        lanes = lanes & (surface.opacity_of(value) >= F(0.5f));
+        const auto where = this->volume.locate(p, this->volume.voxel(p));
+        const F value = this->volume.value(where), all = surface.opacity_of(value);
+        const bool by_gradient = this->volume.has_factor();
+        lanes = lanes & ((by_gradient ? opacity_of_share(all, this->volume.factor_at(where, value)) : all) >= F(0.5f));
         if (!any(lanes)) return;
         const Vec3<F> g = surface.to_world(cut.normal);
         const Mask<F> shadow = lanes & (path.to_light == Int<F>(1)), real = lanes & !shadow;

@@ -42,6 +42,14 @@ struct Matter {
         return volume.value(volume.locate(p_clamped, volume.voxel(p_clamped)));
     }
 
+    /// Of a step there.
+    template <class F>
+    CHIARO_INLINE F alpha_at(Vec3<F> p_clamped) const {
+        const auto at = volume.locate(p_clamped, volume.voxel(p_clamped));
+        const F value = volume.value(at), alpha = alpha_of(table.at(value));
+        return volume.has_factor() ? opacity_of_share(alpha, volume.factor_at(at, value)) : alpha;
+    }
+
     /// For the lanes that have left the cube they knew: those in an empty cube are returned, and get as `next` the
     /// sample `behind` p, moved on by as many as the cube still holds; the others learn in `leave` where their occupied
     /// cube ends. Samples stay on the lattice.
@@ -61,7 +69,8 @@ struct Matter {
     struct Place {
         const Lattice<F>& lattice;
         F step;
-        bool backwards;  ///< the samples before it are not known yet
+        bool backwards;                     ///< the samples before it are not known yet
+        const Vec3<F>* gradient = nullptr;  ///< of its values, where that is known
     };
 
     /// Light that arrives at a sample and leaves it towards the eye.
@@ -73,7 +82,7 @@ struct Matter {
         if constexpr (Field::by_surface) asks_surfaces = field.asks_surfaces();
         if (shows_cuts) sample.cut = select(cut.open, cut.number, F(-1));
         if (shading.enabled || asks_surfaces) {
-            const Vec3<F> gradient = volume.gradient(at);
+            const Vec3<F> gradient = place.gradient ? *place.gradient : volume.gradient(at);
             shading.reflect(select(cut.open, cut.normal, F(shading.out) * gradient), sample);
             if (asks_surfaces) find_surface(gradient, visible & !cut.open, place, met, sample);
         }
@@ -100,7 +109,7 @@ private:
         SurfacePoint<F> here{F(1), sample.p_voxel,
                              towards_eye(sample.outward, F(shading.out) * dot(gradient, place.lattice.step))};
         if (surface.opacity) {  // isosurfaces are whole ones
-            const SurfaceAt<F> found = surface.of(sample.value, gradient);
+            const SurfaceAt<F> found = surface.of(volume, sample.value, gradient);
             here.share = found.share, here.depth = found.depth;
             if (place.backwards) look_before(wanted, place, here);
         }

@@ -38,7 +38,8 @@ struct Caster {
         if constexpr (View::adds_opacity) view.step_edges = float(settings.step_voxels);
         const DeviceVolume::Data& volume = medium.volume.data();
         RenderStatistics render_statistics;
-        if (medium.shape.interpolation == Interpolation::texture && cast_by_texture(view, render_statistics))
+        if (medium.shape.interpolation == Interpolation::texture && !volume.factor &&
+            cast_by_texture(view, render_statistics))
             return render_statistics;
         return with_stored_voxel(volume, [&](auto voxel) {
             const auto kernel = kernel_of(voxel, view);

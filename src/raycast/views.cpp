@@ -171,12 +171,22 @@ kernel::March march_of(Mode mode) {
     return mode == Mode::mean ? kernel::March::mean : kernel::March::volume;
 }
 
-kernel::MarchOptions march_options(const RaySettings& settings, Mode mode) {
+kernel::MarchOptions march_options(const RaySettings& settings, const Medium::Data& medium) {
+    const Mode mode = medium.shape.mode;
+    const bool by_gradient = medium.volume.data().factor != nullptr;
+    if (by_gradient && settings.classification != Classification::post)
+        throw Error(ErrorCode::usage,
+                    "--classification: opacity by gradient, and over value and gradient, goes with post: a step by the "
+                    "values at its ends, or a voxel alone, has no gradient");
     if (mode == Mode::additive)
-        return {.classification = kernel::Classification::post, .backwards = false, .additive = true};
+        return {.classification = kernel::Classification::post,
+                .backwards = false,
+                .additive = true,
+                .by_gradient = by_gradient};
     return {.classification = kernel::Classification(settings.classification),
             .backwards = settings.compositing == Compositing::back_to_front,
-            .additive = false};
+            .additive = false,
+            .by_gradient = by_gradient};
 }
 
 kernel::ExtremeView extreme_view(const DeviceVolume::Data& volume, Mode mode) {

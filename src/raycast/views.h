@@ -61,7 +61,8 @@ kernel::SurfacesView surfaces_view(const Medium::Data& medium, bool backwards, s
 /// Throws Error{usage} where rays are to end in a picture of another size.
 void check_ends(const RaySettings& settings, const Frame& frame);
 kernel::March march_of(Mode mode);
-kernel::MarchOptions march_options(const RaySettings& settings, Mode mode);
+/// Throws Error{usage} where opacity by gradient goes with another classification than post.
+kernel::MarchOptions march_options(const RaySettings& settings, const Medium::Data& medium);
 kernel::ExtremeView extreme_view(const DeviceVolume::Data& volume, Mode mode);
 
 /// Through each pixel, at least, where a lens blurs what is not in focus.
@@ -103,7 +104,7 @@ kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, cons
         .surfaces = surfaces_view(medium, backwards, albedo_limit),
         .extreme = extreme_view(volume, medium.shape.mode),
         .mode = march_of(medium.shape.mode),
-        .way = march_options(settings, medium.shape.mode),
+        .way = march_options(settings, medium),
         .step_mm = float(step_mm(settings.step_voxels, volume.geometry, volume.dimensions)),
         .rays_per_pixel =
             camera.aperture_mm > 0 ? std::max(settings.samples_per_pixel, lens_rays) : settings.samples_per_pixel,

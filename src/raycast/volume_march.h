@@ -10,13 +10,15 @@ enum class Classification : std::int32_t { post, pre, preintegrated };
 /// How a volume is marched through: the usual way, known when compiling, and any other.
 struct CommonMarch {
     static constexpr Classification classification = Classification::post;
-    static constexpr bool backwards = false, additive = false;
+    static constexpr bool backwards = false, additive = false, by_gradient = false;
 };
 struct MarchOptions {
     Classification classification;
     bool backwards, additive;
+    bool by_gradient;  ///< opacity is, too
     CHIARO_INLINE bool operator==(CommonMarch common) const {
-        return classification == common.classification && backwards == common.backwards && additive == common.additive;
+        return classification == common.classification && backwards == common.backwards &&
+               additive == common.additive && by_gradient == common.by_gradient;
     }
 };
 
@@ -49,13 +51,12 @@ CHIARO_INLINE Classified<F> classify_step(const Matter& matter, const Lattice<F>
     return {matter.segments.between(near, far, matter.table), F(0.5f) * (near + far)};
 }
 
-/// Opacity correction of the last, shorter step: 1 - (1 - α)^rest; of what adds up α rest.
+/// Opacity of a share of a step's extinction, as of its last, shorter step: 1 - (1 - α)^share; of what adds up α share.
 template <class F>
-CHIARO_INLINE void shorten_last(const Lattice<F>& lattice, bool additive, Mask<F> last, RgbaLanes<F>& colour,
-                                F& alpha) {
-    if (!any(last)) return;
-    const F shorter = additive ? alpha * lattice.rest : F(1) - pow(max(F(1) - alpha, F(0)), lattice.rest);
-    const F ratio = select(last, shorter / max(alpha, F(1e-30f)), F(1));
+CHIARO_INLINE void take_share(F share, bool additive, Mask<F> lanes, RgbaLanes<F>& colour, F& alpha) {
+    if (!any(lanes)) return;
+    const F less = additive ? alpha * share : F(1) - pow(max(F(1) - alpha, F(0)), share);
+    const F ratio = select(lanes, less / max(alpha, F(1e-30f)), F(1));
     colour = scale(colour, ratio);
     alpha = alpha * ratio;
 }
@@ -78,6 +79,13 @@ CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& 
 
     F alpha = select(sampled, alpha_of(c.colour), F(0));
     Mask<F> visible = alpha > F(0);
+    Vec3<F> gradient;
+    if (way.by_gradient) {
+        if (!any(visible)) return;
+        gradient = matter.volume.gradient(at);
+        take_share(matter.volume.factor_of(c.value, gradient), way.additive, visible, c.colour, alpha);
+        visible = alpha > F(0);
+    }
     RgbaLanes<F> emission;
     bool emits = false;
     if constexpr (Matter::adds_opacity) {
@@ -90,8 +98,9 @@ CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& 
     const Cut<F> solid{cut.normal, Mask<F>(sampled & (k < cut_end)), cut.number};
     SamplePoint<F> sample{p, c.value};
     sample.solid = matter.solid.of(alpha);
-    shorten_last(lattice, way.additive, visible & (k >= lattice.full), c.colour, alpha);
-    matter.light(at, solid, visible, {lattice, k, way.backwards}, met, sample, c.colour);
+    take_share(lattice.rest, way.additive, visible & (k >= lattice.full), c.colour, alpha);
+    matter.light(at, solid, visible, {lattice, k, way.backwards, way.by_gradient ? &gradient : nullptr}, met, sample,
+                 c.colour);
     if (emits) {
         c.colour = accumulate(c.colour, F(1), emission);
         alpha = alpha + alpha_of(emission);
@@ -109,7 +118,7 @@ CHIARO_NOINLINE F solid_behind(const Matter& matter, const Lattice<F>& lattice, 
     constexpr float nothing = 1e-3f;  // of the light passes; what follows is not seen
     F steps(0), passes(1);
     while (any(open)) {
-        const F alpha = alpha_of(matter.table.at(matter.value_at(matter.volume.clamp(lattice.position(steps)))));
+        const F alpha = matter.alpha_at(matter.volume.clamp(lattice.position(steps)));
         open = open & (alpha > F(matter.cut_alpha));
         passes = passes * (F(1) - alpha);
         steps = steps + select(open, F(1), F(0));

@@ -78,6 +78,10 @@ TransferFunction mixed(const TransferFunction& a, const TransferFunction& b, dou
     if (a.rgb_space != b.rgb_space || a.opacity_unit_is_mm != b.opacity_unit_is_mm) return a;
     TransferFunction tf = a;
     tf.opacity_unit += t * (b.opacity_unit - a.opacity_unit);
+    for (std::size_t i = 0; a.gradient.size() == b.gradient.size() && i < tf.gradient.size(); ++i) {
+        tf.gradient[i].magnitude += t * (b.gradient[i].magnitude - a.gradient[i].magnitude);
+        tf.gradient[i].opacity += t * (b.gradient[i].opacity - a.gradient[i].opacity);
+    }
     if (a.points.size() == b.points.size()) {
         for (std::size_t i = 0; i < tf.points.size(); ++i) tf.points[i] = mixed(a.points[i], b.points[i], t);
         return tf;

@@ -141,8 +141,8 @@ void read_transfer_function(const ReadJson& root, const std::filesystem::path& f
         refuse("transfer_function: points, file and preset exclude each other");
     transfer.source = file.empty() ? preset : found_function(file, folder, data_folder);
     if (!points) return;
-    ReadJson own =
-        only(root["transfer_function"], {"points", "opacity_unit_distance", "opacity_unit_mm", "rgb_space", "name"});
+    ReadJson own = only(root["transfer_function"], {"points", "opacity_unit_distance", "opacity_unit_mm", "rgb_space",
+                                                    "name", "gradient_opacity", "widgets"});
     if (points->is_array())
         for (ReadJson& point : own["points"]) point = only(point, {"value", "rgb", "opacity", "name"});
     transfer.points = parse_transfer_function(own.dump(), "transfer_function");

@@ -1,11 +1,30 @@
 // From a DeviceVolume to what a kernel reads.
 #pragma once
 #include <algorithm>
+#include <cmath>
 
 #include "volume/device_volume.h"
+#include "volume/float3.h"
 #include "volume/view.h"
 
 namespace chiaro {
+
+inline kernel::FactorView factor_view(const DeviceVolume::Data& volume) {
+    if (!volume.factor) return {};
+    const ExtinctionFactor& factor = *volume.factor;
+    const double rows = std::abs(volume.scale) * factor.rows_per_unit;
+    // A gradient is a covector: its axes in the world are those of the voxels per mm.
+    const auto row = [&](Vec3 axis) { return float3(rows * volume.geometry.voxel_from_world_vector(axis)); };
+    return {factor.entries.data(),
+            factor.columns,
+            float(factor.index_scale),
+            float(factor.index_offset + 0.5),
+            float(factor.columns - 1),
+            float(factor.rows - 1),
+            row({1, 0, 0}),
+            row({0, 1, 0}),
+            row({0, 0, 1})};
+}
 
 /// `Voxel` is the stored type.
 template <class Voxel>
@@ -21,7 +40,8 @@ kernel::VolumeView<Voxel> view_of(const DeviceVolume::Data& volume) {
             std::max(nx - 2, 0),
             std::max(ny - 2, 0),
             std::max(nz - 2, 0),
-            {coefficients, spline.base, spline.scale, spline.least, {reach[0], reach[1], reach[2]}}};
+            {coefficients, spline.base, spline.scale, spline.least, {reach[0], reach[1], reach[2]}},
+            factor_view(volume)};
 }
 
 /// Calls f with a value of the type that the voxels are stored as.
@@ -43,7 +63,7 @@ namespace chiaro::kernel {
 
 template <class Views, class Voxel>
 void swap_pointers(Views& views, VolumeView<Voxel>& view) {
-    views.to_device_pointers(view.voxels, view.spline.coefficients);
+    views.to_device_pointers(view.voxels, view.spline.coefficients, view.factor.entries);
 }
 
 }  // namespace chiaro::kernel

@@ -22,6 +22,15 @@ struct SplineCoding {
     float base = 0, scale = 1, least = 0;
 };
 
+/// What opacity by gradient leaves of the extinction: [row][column], a row for each magnitude of the gradient in data
+/// units per mm, a column for each stored value (one: for all).
+struct ExtinctionFactor {
+    std::vector<float> entries;
+    int columns = 1, rows = 1;
+    double index_scale = 0, index_offset = 0;  ///< column of a stored value
+    double rows_per_unit = 0;                  ///< row = magnitude * rows_per_unit
+};
+
 /// The splines that were made of a volume (volume/splined.h).
 struct DeviceVolume::Splines {
     std::mutex mutex;
@@ -55,8 +64,12 @@ struct DeviceVolume::Data : std::enable_shared_from_this<Data> {
     std::array<float, 3> normal_reach{0, 0, 0};  ///< of thick slices: kernel::SplineView::reach
     const Data* source = nullptr;  ///< of a spline: the volume whose bricks it borrows, and which outlives it
     mutable Splines splines;
+    DeviceVolume plain;  ///< of a medium's with a factor: what it borrows all from
+    std::shared_ptr<const ExtinctionFactor> factor;
 
     void add_to(HostArrays& arrays) const {
+        if (plain) plain.data().add_to(arrays), arrays.add(factor, factor->entries);
+        if (plain) return;
         const auto keeper = [&](const VoxelBuffer& buffer) {
             return buffer.is_borrowed() && source ? source->weak_from_this() : weak_from_this();
         };

@@ -53,6 +53,17 @@ struct VolumeView<Texel> {
                 F(0.5f) * (beside(at.p, 0, 0, 1) - beside(at.p, 0, 0, -1))};
     }
 
+    /// Opacity by gradient is of voxels (raycast.cpp).
+    static constexpr bool has_factor() { return false; }
+    template <class F>
+    CHIARO_INLINE F factor_at(const TexelLocation<F>&, F) const {
+        return F(1);
+    }
+    template <class F>
+    CHIARO_INLINE F factor_of(F, Vec3<F>) const {
+        return F(1);
+    }
+
 private:
     template <class F>
     CHIARO_INLINE F beside(Vec3<F> p, float x, float y, float z) const {

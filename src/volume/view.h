@@ -3,6 +3,7 @@
 #include "kernel/gather.h"
 #include "kernel/vec.h"
 #include "volume/bricks.h"
+#include "volume/factor_view.h"
 #include "volume/spline.h"
 
 namespace chiaro::kernel {
@@ -34,6 +35,7 @@ struct VolumeView {
     Float3 last;                          ///< n - 1 per axis
     std::int32_t last_x, last_y, last_z;  ///< last interval's voxel, max(n - 2, 0)
     SplineView<Voxel> spline{};
+    FactorView factor{};  ///< of a medium with opacity by gradient
 
     template <class F>
     CHIARO_INLINE Vec3<F> clamp(Vec3<F> p) const {
@@ -107,6 +109,17 @@ struct VolumeView {
         const Four<F> sz = along_x(gather_two(voxels, at.index, {-z, y - z, 2 * z, y + 2 * z}), t.x);
         const F dz = lerp(lerp(s.c - sz.a, s.d - sz.b, t.y), lerp(sz.c - s.a, sz.d - s.b, t.y), t.z);
         return {F(0.5f) * dx, F(0.5f) * dy, F(0.5f) * dz};
+    }
+
+    CHIARO_INLINE bool has_factor() const { return factor.entries != nullptr; }
+    /// What opacity by gradient leaves of the extinction of a value there.
+    template <class F>
+    CHIARO_INLINE F factor_at(const Location<F>& at, F stored) const {
+        return factor_of(stored, gradient(at));
+    }
+    template <class F>
+    CHIARO_INLINE F factor_of(F stored, Vec3<F> gradient) const {
+        return factor.of(stored, gradient);
     }
 
 private:

@@ -41,4 +41,14 @@ struct CellCentres {
     }
 };
 
+/// What opacity by gradient leaves of a cell's extinction, by its middle.
+template <class Voxel>
+CHIARO_INLINE float factor_of_cell(const VolumeView<Voxel>& volume, const CellCentres& cells, std::int32_t x,
+                                   std::int32_t y, std::int32_t z) {
+    if (!volume.has_factor()) return 1;
+    const Vec3<float> p = volume.clamp(cells.of(x, y, z));
+    const Location<float> at = volume.locate(p, volume.voxel(p));
+    return volume.factor_at(at, volume.value(at));
+}
+
 }  // namespace chiaro::kernel

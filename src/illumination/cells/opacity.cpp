@@ -65,6 +65,8 @@ public:
         std::uint16_t* row = out_.data() + out_.grid.index(0, y, z);
         if (!kernel_.entries)
             for (int x = x0; x < x1; ++x) row[x] = kernel_.inside(x, y, z, near_surface);
+        else if (kernel_.cells.are_voxels && kernel_.volume.has_factor())
+            for (int x = x0; x < x1; ++x) row[x] = is_seen(x, y, z) ? kernel_.of_voxel(x, y, z) : 0;
         else if (kernel_.cells.are_voxels)
             copy_row(x0, x1, y, z, row);
         else

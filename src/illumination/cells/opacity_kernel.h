@@ -41,10 +41,12 @@ struct CellOpacityKernel {
     }
     // But for clipping:
     CHIARO_INLINE std::uint16_t of_voxel(std::int32_t x, std::int32_t y, std::int32_t z) const {
+        if (volume.has_factor()) return by_gradient(float(*voxel_address(volume, x, y, z)), x, y, z);
         return of_stored(float(*voxel_address(volume, x, y, z)));
     }
     CHIARO_INLINE std::uint16_t between_voxels(std::int32_t x, std::int32_t y, std::int32_t z) const {
-        return of_stored(volume.value(located(x, y, z)));
+        const float stored = volume.value(located(x, y, z));
+        return volume.has_factor() ? by_gradient(stored, x, y, z) : of_stored(stored);
     }
     /// Nothing is seen inside a surface, but it is matter.
     CHIARO_INLINE std::uint16_t inside(std::int32_t x, std::int32_t y, std::int32_t z, bool near_surface) const {
@@ -57,6 +59,11 @@ struct CellOpacityKernel {
     }
 
 private:
+    CHIARO_INLINE std::uint16_t by_gradient(float stored, std::int32_t x, std::int32_t y, std::int32_t z) const {
+        const std::uint16_t all = of_stored(stored);
+        if (all == 0) return 0;
+        return share_value(opacity_of_share(float(all) / 65535, volume.factor_at(located(x, y, z), stored)));
+    }
     CHIARO_INLINE Location<float> located(std::int32_t x, std::int32_t y, std::int32_t z) const {
         const Vec3<float> p = volume.clamp(cells.of(x, y, z));
         return volume.locate(p, volume.voxel(p));

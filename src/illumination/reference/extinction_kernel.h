@@ -20,7 +20,7 @@ struct CellExtinction {
         if (cells.is_clipped(x, y, z)) return 0;
         const Vec3<float> p = volume.clamp(cells.of(x, y, z));
         const float index = volume.value(volume.locate(p, volume.voxel(p))) * scale + offset + 0.5f;
-        return entries[std::uint32_t(min(max(index, 0.0f), last))];
+        return entries[std::uint32_t(min(max(index, 0.0f), last))] * factor_of_cell(volume, cells, x, y, z);
     }
 };
 

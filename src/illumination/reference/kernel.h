@@ -152,9 +152,11 @@ private:
     template <class F>
     CHIARO_INLINE F extinction_at(Vec3<F> p) const {
         const Vec3<F> clamped = volume.clamp(p);
-        const F value = volume.value(volume.locate(clamped, volume.voxel(clamped)));
+        const auto where = volume.locate(clamped, volume.voxel(clamped));
+        const F value = volume.value(where);
         const F index = min(max(mad(value, F(index_scale), F(index_offset)), F(0)), F(last_index));
-        return gather_float(extinction, truncate(index));
+        const F all = gather_float(extinction, truncate(index));
+        return volume.has_factor() ? all * volume.factor_at(where, value) : all;
     }
 };
 

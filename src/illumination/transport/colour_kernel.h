@@ -8,6 +8,9 @@ struct ScatteringColour {
     float weight = 0;   ///< extinction; of isosurfaces 1
     float colour[3]{};  ///< albedo × weight
 
+    CHIARO_INLINE ScatteringColour times(float share) const {
+        return {weight * share, {colour[0] * share, colour[1] * share, colour[2] * share}};
+    }
     CHIARO_INLINE void add(const ScatteringColour& other) {
         weight += other.weight;
         for (int c = 0; c < 3; ++c) colour[c] += other.colour[c];
@@ -30,6 +33,10 @@ struct StoredValues {
     VolumeView<Voxel> volume;
     CellCentres centres;
 
+    CHIARO_INLINE bool has_factor() const { return volume.has_factor(); }
+    CHIARO_INLINE float factor(std::int32_t x, std::int32_t y, std::int32_t z) const {
+        return factor_of_cell(volume, centres, x, y, z);
+    }
     CHIARO_INLINE float at(std::int32_t x, std::int32_t y, std::int32_t z) const {
         if (centres.are_voxels) return float(*voxel_address(volume, x, y, z));
         const Vec3<float> p = volume.clamp(centres.of(x, y, z));
@@ -37,7 +44,7 @@ struct StoredValues {
     }
 };
 
-/// Sums over nodes of edge³ cells, every `stride`-th per axis. `Values`: at(x, y, z) of a cell.
+/// Sums over nodes of edge³ cells, every `stride`-th per axis. `Values`: at(x, y, z) of a cell, and its factor.
 template <class Values>
 struct NodeColours {
     Values values;
@@ -51,7 +58,8 @@ struct NodeColours {
     CHIARO_INLINE void add_row(std::int32_t x, std::int32_t y, std::int32_t z, ScatteringColour& sum) const {
         for (std::int32_t i = x * edge; i < end(0, x); i += stride) {
             const ScatteringColour& tint = scattering_colours.of(values.at(i, y, z));
-            if (tint.weight != 0 && !centres.is_clipped(i, y, z)) sum.add(tint);
+            if (tint.weight == 0 || centres.is_clipped(i, y, z)) continue;
+            values.has_factor() ? sum.add(tint.times(values.factor(i, y, z))) : sum.add(tint);
         }
     }
 };

@@ -57,6 +57,9 @@ template <class Voxel>
 struct PlacedValues {
     const AxisPlaces<Voxel>& places;
     bool are_voxels;
+    kernel::StoredValues<Voxel> plain;
+    bool has_factor() const { return plain.has_factor(); }
+    float factor(int x, int y, int z) const { return plain.factor(x, y, z); }
     float at(int x, int y, int z) const { return are_voxels ? float(places.voxel(x, y, z)) : places.value(x, y, z); }
 };
 
@@ -108,7 +111,8 @@ private:
         with_stored_voxel(medium_.volume.data(), [&](auto voxel) {
             using Voxel = decltype(voxel);
             const AxisPlaces<Voxel> places(view_of<Voxel>(medium_.volume.data()), centres_of(cells_));
-            const auto of = colours(PlacedValues<Voxel>{places, cells_.is_voxel_grid});
+            const auto of = colours(PlacedValues<Voxel>{
+                places, cells_.is_voxel_grid, {view_of<Voxel>(medium_.volume.data()), cell_centres(medium_, cells_)}});
             const auto add_row = [&](std::int64_t node_row) {
                 const int y = int(node_row % nodes.count[1]), z = int(node_row / nodes.count[1]);
                 const std::size_t row = nodes.index(0, y, z);
@@ -129,7 +133,7 @@ private:
                 colours(Values{view_of<decltype(voxel)>(medium_.volume.data()), cell_centres(medium_, cells_)}), depths,
                 nodes.count[0], nodes.count[1], sums};
             executor.exchange(arrays, add.colours.values.volume.voxels, add.colours.values.volume.spline.coefficients,
-                              add.colours.scattering_colours.entries);
+                              add.colours.values.volume.factor.entries, add.colours.scattering_colours.entries);
             executor.for_each(std::int64_t(nodes.size()), add);
         });
     }

@@ -17,7 +17,8 @@ struct DepthOfVoxels {
 
     CHIARO_INLINE float operator()(std::int32_t x, std::int32_t y, std::int32_t z) const {
         if (cells.is_clipped(x, y, z)) return 0;
-        return depth_among(sub_voxel, voxel_address(volume, x, y, z), brick_row, brick_slice);
+        return depth_among(sub_voxel, voxel_address(volume, x, y, z), brick_row, brick_slice) *
+               factor_of_cell(volume, cells, x, y, z);
     }
 };
 
@@ -35,9 +36,10 @@ struct DepthBetweenVoxels {
     CHIARO_INLINE float operator()(std::int32_t x, std::int32_t y, std::int32_t z) const {
         if (cells.is_clipped(x, y, z)) return 0;
         const auto here = sub_voxel.from(level(x, y, z));
-        return (here.to(level(x - 1, y, z)) + here.to(level(x + 1, y, z))) +
-               (here.to(level(x, y - 1, z)) + here.to(level(x, y + 1, z))) +
-               (here.to(level(x, y, z - 1)) + here.to(level(x, y, z + 1)));
+        return ((here.to(level(x - 1, y, z)) + here.to(level(x + 1, y, z))) +
+                (here.to(level(x, y - 1, z)) + here.to(level(x, y + 1, z))) +
+                (here.to(level(x, y, z - 1)) + here.to(level(x, y, z + 1)))) *
+               factor_of_cell(volume, cells, x, y, z);
     }
 };
 

@@ -61,6 +61,7 @@ public:
         const InTile in{tile, cells};
         for_each_piece(cells, matter_.pieces_of(block), [&](int x, int end, int y, int z) {
             depth_row(sub_voxel, voxel_address(view_, x, y, z), brick_row, brick_slice, end - x, in.at(x, y, z));
+            dim_row(x, end, y, z, in.at(x, y, z));
             clip_row(x, end, y, z, in.at(x, y, z));
         });
     }
@@ -86,6 +87,7 @@ public:
         const InTile in{tile, cells};
         for_each_piece(cells, pieces, [&](int x, int end, int y, int z) {
             depth_row(sub_voxel, level(x, y, z), row, slice, end - x, in.at(x, y, z));
+            dim_row(x, end, y, z, in.at(x, y, z));
             clip_row(x, end, y, z, in.at(x, y, z));
         });
     }
@@ -102,6 +104,10 @@ private:
             return inside ? int(pieces.bits[k / BlockPieces::height][j / BlockPieces::height]) : 0;
         };
         return bits(y, z) | bits(y - 1, z) | bits(y + 1, z) | bits(y, z - 1) | bits(y, z + 1);
+    }
+    void dim_row(int x0, int x1, int y, int z, float* row) const {
+        for (int x = x0; view_.has_factor() && x < x1; ++x)
+            if (row[x - x0] > 0) row[x - x0] *= kernel::factor_of_cell(view_, centres_, x, y, z);
     }
     void clip_row(int x0, int x1, int y, int z, float* row) const {
         for (int x = x0; centres_.plane_count > 0 && x < x1; ++x)

@@ -43,7 +43,8 @@ Density shares_of_surface(const Medium::Data& medium, const Density& density, co
             }
             HostArrays arrays;
             volume.add_to(arrays), arrays.add(table.opacity());
-            executor.exchange(arrays, kernel.volume.voxels, kernel.volume.spline.coefficients, kernel.surface.opacity);
+            executor.exchange(arrays, kernel.volume.voxels, kernel.volume.spline.coefficients,
+                              kernel.volume.factor.entries, kernel.surface.opacity);
             executor.for_each_node(grid.count, kernel, "surfaces");
             executor.synchronize();
         });

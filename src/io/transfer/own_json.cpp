@@ -9,6 +9,8 @@
 namespace chiaro {
 namespace {
 
+constexpr const char* widget_shapes[] = {"rectangle", "ellipse", "triangle"};
+
 ControlPoint read_point(const JsonNode& node) {
     node.require_keys({"value", "rgb", "opacity", "name"});
     ControlPoint point;
@@ -32,8 +34,46 @@ void read_unit(const JsonNode& node, TransferFunction& tf) {
     if (!(tf.opacity_unit > 0)) unit.fail("is " + to_text(tf.opacity_unit) + ": must be greater than 0");
 }
 
+template <class Item, class Read>
+std::vector<Item> read_list(const JsonNode& node, const char* key, const Read& read) {
+    std::vector<Item> items;
+    if (!node.json.contains(key)) return items;
+    const JsonNode list = node.at(key);
+    if (!list.json.is_array()) list.fail_type("an array");
+    if (list.json.size() > max_transfer_points)
+        list.fail("has " + std::to_string(list.json.size()) + " entries: must have at most " +
+                  std::to_string(max_transfer_points));
+    for (std::size_t i = 0; i < list.json.size(); ++i) items.push_back(read(list.at(i)));
+    return items;
+}
+
+GradientPoint read_gradient_point(const JsonNode& node) {
+    node.require_keys({"magnitude", "opacity"});
+    return {node.at("magnitude").number(), node.at("opacity").number()};
+}
+
+GradientWidget read_widget(const JsonNode& node) {
+    node.require_keys({"shape", "value", "magnitude", "opacity"});
+    GradientWidget widget;
+    const std::string shape = node.at("shape").text();
+    const auto known = std::find(std::begin(widget_shapes), std::end(widget_shapes), shape);
+    if (known == std::end(widget_shapes))
+        node.at("shape").fail("is '" + shape + "': must be 'rectangle', 'ellipse' or 'triangle'");
+    widget.shape = WidgetShape(known - std::begin(widget_shapes));
+    const auto range = [&](const char* key, double& low, double& high) {
+        const JsonNode both = node.at(key);
+        if (!both.json.is_array() || both.json.size() != 2) both.fail("must be two numbers, the lower one first");
+        low = both.at(std::size_t(0)).number(), high = both.at(std::size_t(1)).number();
+    };
+    range("value", widget.value_low, widget.value_high);
+    range("magnitude", widget.magnitude_low, widget.magnitude_high);
+    if (node.json.contains("opacity")) widget.opacity = node.at("opacity").number();
+    return widget;
+}
+
 TransferFunction read_function(const JsonNode& node) {
-    node.require_keys({"points", "opacity_unit_distance", "opacity_unit_mm", "rgb_space", "name"});
+    node.require_keys(
+        {"points", "opacity_unit_distance", "opacity_unit_mm", "rgb_space", "name", "gradient_opacity", "widgets"});
     TransferFunction tf;
     const JsonNode points = node.at("points");
     if (!points.json.is_array()) points.fail_type("an array");
@@ -41,6 +81,8 @@ TransferFunction read_function(const JsonNode& node) {
         points.fail("has " + std::to_string(points.json.size()) + " entries: must have 1.." +
                     std::to_string(max_transfer_points));
     for (std::size_t i = 0; i < points.json.size(); ++i) tf.points.push_back(read_point(points.at(i)));
+    tf.gradient = read_list<GradientPoint>(node, "gradient_opacity", read_gradient_point);
+    tf.widgets = read_list<GradientWidget>(node, "widgets", read_widget);
     read_unit(node, tf);
     if (node.json.contains("rgb_space")) {
         const std::string space = node.at("rgb_space").text();
@@ -103,6 +145,13 @@ std::string to_json(const TransferFunction& tf) {
     const auto text_of = [](const nlohmann::ordered_json& part, int indent) {
         return part.dump(indent, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
     };
+    for (const GradientPoint& point : tf.gradient)
+        json["gradient_opacity"].push_back({{"magnitude", point.magnitude}, {"opacity", point.opacity}});
+    for (const GradientWidget& widget : tf.widgets)
+        json["widgets"].push_back({{"shape", widget_shapes[int(widget.shape)]},
+                                   {"value", {widget.value_low, widget.value_high}},
+                                   {"magnitude", {widget.magnitude_low, widget.magnitude_high}},
+                                   {"opacity", widget.opacity}});
     std::string points;  // a line each
     for (const ControlPoint& point : tf.points) {
         nlohmann::ordered_json one{{"value", point.value}, {"rgb", point.rgb}, {"opacity", point.opacity}};

@@ -17,7 +17,7 @@ FoundFunction slicer_function(const ColorCurve& color, const OpacityCurve& opaci
 /// Says what would give the file's shading, which is no part of a transfer function.
 std::string note_on_shading(const SlicerShading& shading);
 
-/// Adds a note unless the gradient opacity is 1 throughout.
-void note_on_gradient_opacity(const OpacityCurve& gradient, FoundFunction& found);
+/// Takes the gradient opacity over, unless it is 1 throughout.
+void take_gradient_opacity(const OpacityCurve& gradient, FoundFunction& found);
 
 }  // namespace chiaro

@@ -87,7 +87,7 @@ void add_notes(const TransferText& text, const JsonNode& component, std::size_t 
     }
     const bool off = component.has("disableGradientOpacity") && component.at("disableGradientOpacity").flag();
     if (component.has("gradientOpacity") && !off)
-        note_on_gradient_opacity(read_curve<1>(text, component.at("gradientOpacity")), found);
+        take_gradient_opacity(read_curve<1>(text, component.at("gradientOpacity")), found);
 }
 
 }  // namespace

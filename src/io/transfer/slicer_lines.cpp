@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "io/transfer/slicer.h"
 
@@ -100,9 +101,17 @@ std::string note_on_shading(const SlicerShading& s) {
         s.ambient, s.diffuse, s.specular, s.power);
 }
 
-void note_on_gradient_opacity(const OpacityCurve& gradient, FoundFunction& found) {
-    if (std::any_of(gradient.begin(), gradient.end(), [](auto& node) { return node.y[0] != 1; }))
-        found.notes.push_back("its opacity by gradient is not kept");
+void take_gradient_opacity(const OpacityCurve& gradient, FoundFunction& found) {
+    if (std::all_of(gradient.begin(), gradient.end(), [](auto& node) { return node.y[0] == 1; })) return;
+    // No gradient is below 0, where curves may begin.
+    for (std::size_t i = 0; i < gradient.size(); ++i) {
+        const CurveNode<1>& node = gradient[i];
+        const bool is_last = i + 1 == gradient.size();
+        if (node.x < 0 && !is_last && gradient[i + 1].x <= 0) continue;
+        const double share = node.x < 0 && !is_last ? -node.x / (gradient[i + 1].x - node.x) : 0;
+        found.function.gradient.push_back(
+            {std::max(node.x, 0.0), is_last ? node.y[0] : std::lerp(node.y[0], gradient[i + 1].y[0], share)});
+    }
 }
 
 FoundFunction read_slicer_lines(const TransferText& text, const Statistics&) {
@@ -114,7 +123,7 @@ FoundFunction read_slicer_lines(const TransferText& text, const Statistics&) {
     FoundFunction found = slicer_function(lines[8].curve<3>(), opacity, 1);
     if (shaded) found.notes.push_back(note_on_shading(shading));
     if (interpolation == 0) found.notes.push_back("its volume without interpolation is shown interpolated");
-    note_on_gradient_opacity(gradient, found);
+    take_gradient_opacity(gradient, found);
     if (text.text.find_last_of(" \t\r\n") != text.text.size() - 1)
         found.notes.push_back("no line end follows its last number: it may be cut, and the file with it");
     return found;

@@ -1,0 +1,236 @@
+// Opacity by gradient, and over value and gradient: closed forms, the same medium for every light, and what is refused.
+#include <chiaro/error.h>
+
+#include <algorithm>
+
+#include "fixtures.h"
+
+using namespace chiaro;
+using namespace chiaro::testing;
+
+namespace {
+
+constexpr int n = 24;
+
+/// Values that rise along x by `slope` a voxel; their gradient is slope / spacing data units per mm.
+template <class T>
+Volume ramp(double slope, Vec3 spacing = {1, 1, 1}) {
+    Volume volume = sampled<T>({n, n, n}, [&](double x, double, double) { return 20 + slope * x; });
+    volume.geometry.spacing_mm = spacing;
+    return volume;
+}
+
+/// One grey of opacity .3 a voxel where the ramp is away from the volume's border, whose differences are halved.
+TransferFunction middle(double slope) {
+    TransferFunction tf;
+    tf.rgb_space = RgbSpace::linear;
+    const auto at = [&](double x) { return 20 + slope * x; };
+    const Rgb grey{0.6, 0.5, 0.4};
+    tf.points = {{at(3.9), grey, 0}, {at(4), grey, 0.3}, {at(19), grey, 0.3}, {at(19.1), grey, 0}};
+    return tf;
+}
+
+double rmse(const Image& a, const Image& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.pixels.size(); ++i) sum += std::pow(double(a.pixels[i]) - b.pixels[i], 2);
+    return std::sqrt(sum / double(a.pixels.size()));
+}
+
+struct Pictured {
+    Volume volume;
+    TransferFunction tf;
+    double opacity_scale = 1;
+    Method method = Method::none;
+    bool skip_empty = true;
+    int paths = 256;
+    std::uint64_t seed = 0;
+
+    Image picture() const {
+        Session session(tested_device());
+        Progress progress;
+        session.show(volume, progress);
+        return session.render(scene(), progress);
+    }
+    Scene scene() const {
+        Scene scene;
+        scene.transfer.points = tf;
+        scene.transfer.opacity_scale = opacity_scale;
+        scene.interpolation = Interpolation::linear;
+        scene.illumination.method = method;
+        scene.illumination.reference.rays = paths;
+        scene.illumination.scattering.seed = seed;
+        scene.lighting.probe.source = method == Method::none || method == Method::spao ? "" : "sky";
+        scene.sampling.skip_empty = skip_empty;
+        scene.camera.fit = Fit::volume;
+        scene.width = 48, scene.height = 40;
+        return scene;
+    }
+};
+
+/// Alpha of the middle pixel of a look along y, at a value where the ramp is in the middle.
+double alpha_along_y(const Volume& volume, const TransferFunction& tf, Interpolation interpolation) {
+    const Medium medium = classify(upload(tested_device(), volume), tf, {.interpolation = interpolation});
+    const Vec3 centre = volume.geometry.world_from_voxel({(n - 1) / 2.0, (n - 1) / 2.0, (n - 1) / 2.0});
+    Camera camera{.eye = centre + Vec3{0, -1000, 0},
+                  .forward = {0, 1, 0},
+                  .right = {1, 0, 0},
+                  .up = {0, 0, 1},
+                  .projection = Projection::orthographic,
+                  .half_height = 0.1};
+    Frame frame(1, 1);
+    Progress progress;
+    raycast(tested_device(), medium, IlluminationField(), {.shading = Shading::none}, camera,
+            {.step_voxels = 0.25, .early_termination = 0}, frame, progress);
+    return frame.rgba[3];
+}
+
+}  // namespace
+
+TEST(GradientOpacity, IsAFactorOfExtinctionInUnitsPerMillimetre) {
+    const auto check = [&](const Volume& volume, double slope, double spacing_x, double spacing_y) {
+        const double magnitude = slope / spacing_x;
+        for (const double share : {0.0, 0.25, 0.5, 1.0}) {
+            TransferFunction tf = middle(slope);
+            tf.opacity_unit = 5, tf.opacity_unit_is_mm = true;
+            // Around the ramp's own magnitude and nowhere else.
+            tf.gradient = {
+                {0.8 * magnitude, 1}, {0.95 * magnitude, share}, {1.05 * magnitude, share}, {1.2 * magnitude, 1}};
+            const double depth = -std::log1p(-0.3) / 5 * share * (n - 1) * spacing_y;
+            // Of splines, too; the medium alone keeps what it needs.
+            for (const Interpolation interpolation : {Interpolation::linear, Interpolation::cubic})
+                EXPECT_NEAR(alpha_along_y(volume, tf, interpolation), -std::expm1(-depth), 2e-3)
+                    << share << " " << slope << " " << int(interpolation);
+        }
+    };
+    check(ramp<std::uint8_t>(8), 8, 1, 1);
+    check(ramp<std::uint16_t>(400, {0.5, 2, 1}), 400, 0.5, 2);
+    check(ramp<float>(0.75, {3, 1.5, 0.5}), 0.75, 3, 1.5);
+    Volume scaled = ramp<std::int16_t>(16);
+    scaled.slope = 0.5, scaled.intercept = 10;  // values 20 + 8 x
+    check(scaled, 8, 1, 1);
+}
+
+TEST(GradientOpacity, EveryLightSeesTheProduct) {
+    // All of what is seen has one gradient, and so what is seen by it is thinner matter.
+    TransferFunction by_gradient = middle(8);
+    by_gradient.gradient = {{4, 1}, {6, 0.25}};
+    TransferFunction by_widget = middle(8);
+    by_widget.widgets = {{WidgetShape::rectangle, 0, 300, 6, 10, 0.25}, {WidgetShape::ellipse, 0, 30, 60, 100, 1}};
+    for (const Method method : {Method::none, Method::spao, Method::visibility, Method::transport, Method::reference}) {
+        const Image thin = Pictured{ramp<std::uint8_t>(8), middle(8), 0.25, method}.picture();
+        const Image whole = Pictured{ramp<std::uint8_t>(8), middle(8), 1, method}.picture();
+        // Of paths other numbers are drawn: by the noise of two pictures.
+        double most = 1;
+        if (method == Method::reference)
+            most = 1.2 * rmse(thin, Pictured{ramp<std::uint8_t>(8), middle(8), 0.25, method, true, 256, 7}.picture());
+        for (const TransferFunction& tf : {by_gradient, by_widget}) {
+            const Image seen = Pictured{ramp<std::uint8_t>(8), tf, 1, method}.picture();
+            EXPECT_LE(rmse(seen, thin), most) << int(method);
+            EXPECT_GT(rmse(seen, whole), 4 * most) << int(method);
+        }
+    }
+}
+
+TEST(GradientOpacity, SkippingChangesNothing) {
+    for (const bool both : {false, true}) {
+        TransferFunction tf = two_materials();
+        tf.gradient = {{6, 0}, {12, 1}};
+        if (both)
+            tf.widgets = {{WidgetShape::triangle, 60, 160, 4, 40, 1}, {WidgetShape::ellipse, 150, 240, 2, 30, 0.5}};
+        const auto volume = [] {
+            return sampled<std::uint8_t>({40, 38, 36},
+                                         [](double x, double y, double z) { return shells(x, y, z, 40); });
+        };
+        Pictured skipping{volume(), tf}, not_skipping{volume(), tf};
+        not_skipping.skip_empty = false;
+        EXPECT_TRUE(skipping.picture().pixels == not_skipping.picture().pixels);
+    }
+    // Within matter that is even nothing rises, and nothing is left.
+    const DeviceVolume ball =
+        upload(tested_device(), sampled<std::uint8_t>({64, 64, 64}, [](double x, double y, double z) {
+                   return 200 / (1 + std::exp(std::hypot(x - 32, y - 32, z - 32) - 26));
+               }));
+    TransferFunction tf = constant(0.2);
+    tf.points.front().value = 50, tf.points.insert(tf.points.begin(), {50, {1, 1, 1}, 0});
+    const double all = classify(ball, tf, Shape()).occupied_fraction();
+    tf.gradient = {{6, 0}, {12, 1}};
+    const double left = classify(ball, tf, Shape()).occupied_fraction();
+    EXPECT_LT(left, 0.95 * all);
+    EXPECT_GT(left, 0.1 * all);
+}
+
+TEST(GradientOpacity, FactorsAreWhatTheFunctionSays) {
+    TransferFunction tf = middle(8);
+    tf.gradient = {{1, 0.5}, {2, 1}, {2, 0}};
+    EXPECT_EQ(extinction_factor(tf, 0, 0), 0.5);
+    EXPECT_EQ(extinction_factor(tf, 0, 1.5), 0.75);
+    EXPECT_EQ(extinction_factor(tf, 0, 3), 0);
+    tf.gradient.clear();
+    tf.widgets = {{WidgetShape::rectangle, 10, 20, 1, 2, 0.7}};
+    EXPECT_EQ(extinction_factor(tf, 15, 1.5), 0.7);
+    EXPECT_EQ(extinction_factor(tf, 15, 2.5), 0);
+    EXPECT_EQ(extinction_factor(tf, 9, 1.5), 0);
+    tf.widgets[0].shape = WidgetShape::ellipse;
+    EXPECT_EQ(extinction_factor(tf, 15, 1.5), 0.7);
+    EXPECT_NEAR(extinction_factor(tf, 17.5, 1.5), 0.7 * 0.75, 1e-12);
+    EXPECT_EQ(extinction_factor(tf, 10, 1.5), 0);
+    tf.widgets[0].shape = WidgetShape::triangle;
+    EXPECT_EQ(extinction_factor(tf, 15, 1), 0.7);
+    EXPECT_NEAR(extinction_factor(tf, 17.5, 2), 0.7 * 0.5, 1e-12);
+    EXPECT_EQ(extinction_factor(tf, 17.5, 1), 0);  // as wide as at half the height
+}
+
+TEST(GradientOpacity, IsKeptAndMovedWithTheWindow) {
+    TransferFunction tf = middle(8);
+    tf.gradient = {{1, 0.5}, {2.5, 1}};
+    tf.widgets = {{WidgetShape::triangle, 60, 160, 0.5, 4, 0.5}};
+    EXPECT_EQ(parse_transfer_function(to_json(tf), "again"), tf);
+    const double width = tf.points.back().value - tf.points.front().value;
+    const TransferFunction wide = with_window(tf, 0, 2 * width);
+    EXPECT_EQ(wide.gradient[1].magnitude, 5);
+    EXPECT_EQ(wide.widgets[0].magnitude_high, 8);
+    EXPECT_NEAR(wide.widgets[0].value_high - wide.widgets[0].value_low, 200, 1e-9);
+    const auto refusal = [](const std::string& more) -> std::string {
+        try {
+            parse_transfer_function(R"({"points": [{"value": 0, "rgb": [0, 0, 0], "opacity": 1}], )" + more + "}",
+                                    "a.json");
+        } catch (const Error& error) {
+            return error.what();
+        }
+        return "";
+    };
+    EXPECT_EQ(refusal(R"("gradient_opacity": [{"magnitude": -1, "opacity": 1}])"),
+              "a.json: transfer function: gradient_opacity[0].magnitude is -1: must be finite and not below 0");
+    EXPECT_EQ(refusal(R"("gradient_opacity": [{"magnitude": 1, "opacity": 2}])"),
+              "a.json: transfer function: gradient_opacity[0].opacity is 2: must be in [0, 1]");
+    EXPECT_NE(refusal(R"("widgets": [{"shape": "star", "value": [0, 1], "magnitude": [0, 1]}])")
+                  .find("must be 'rectangle', 'ellipse' or 'triangle'"),
+              std::string::npos);
+    EXPECT_NE(refusal(R"("widgets": [{"shape": "ellipse", "value": [1, 1], "magnitude": [0, 1]}])").find("must rise"),
+              std::string::npos);
+}
+
+TEST(GradientOpacity, IsRefusedWhereItHasNoMeaning) {
+    TransferFunction tf = middle(8);
+    tf.gradient = {{4, 1}, {6, 0.25}};
+    const auto refusal = [&](const auto& change) -> std::string {
+        Session session(tested_device());
+        Progress progress;
+        session.show(ramp<std::uint8_t>(8), progress);
+        Scene scene = Pictured{{}, tf}.scene();
+        change(scene);
+        try {
+            session.render(scene, progress);
+        } catch (const Error& error) {
+            return error.what();
+        }
+        return "";
+    };
+    for (const Classification c : {Classification::pre, Classification::preintegrated})
+        EXPECT_NE(refusal([&](Scene& scene) { scene.sampling.classification = c; }).find("goes with post"),
+                  std::string::npos);
+    EXPECT_NE(refusal([](Scene& scene) { scene.illumination.method = Method::histogram; }).find("no gradients"),
+              std::string::npos);
+    EXPECT_EQ(refusal([](Scene& scene) { scene.mode = Mode::mip; }), "");
+    EXPECT_EQ(refusal([](Scene& scene) { scene.mode = Mode::additive; }), "");
+}
