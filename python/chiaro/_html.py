@@ -68,7 +68,7 @@ def graph(function: Any, volume: Any, size: tuple[int, int]) -> np.ndarray[Any, 
     values = np.linspace(low, high if high > low else low + 1, width)
     found = function(values)
     row = np.arange(height)[:, None]
-    pixels = np.full((height, width, 3), 255.0)
+    pixels: np.ndarray[Any, Any] = np.full((height, width, 3), 255.0)
     if counts is not None and edges is not None:
         bins = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, len(counts) - 1)
         inside = (values >= edges[0]) & (values <= edges[-1])

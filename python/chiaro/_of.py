@@ -52,7 +52,7 @@ def _of_itk(image: Any, **more: Any) -> Volume:
     package = sys.modules[_module(image)]
     if _module(image) == "SimpleITK":
         array = package.GetArrayViewFromImage(image)
-        direction = np.array(image.GetDirection()).reshape(len(image.GetSpacing()), -1)
+        direction: np.ndarray[Any, Any] = np.array(image.GetDirection()).reshape(len(image.GetSpacing()), -1)
     else:
         array = package.array_view_from_image(image)
         direction = np.asarray(package.array_from_matrix(image.GetDirection()))

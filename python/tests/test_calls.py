@@ -25,6 +25,7 @@ def test_ctrl_c_ends_a_render(python, blob):
     """Its time is measured by the child itself, as processor time, which a busy machine does not change."""
     script = f"""
 import os, signal, threading, time, numpy as np, chiaro
+signal.signal(signal.SIGINT, signal.default_int_handler)  # which a shell has its background do without
 v = chiaro.sample("shells", 48)
 chiaro.render(v, size=(16, 12))
 threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT)).start()

@@ -42,7 +42,7 @@ def test_they_and_what_users_write_pass_strictly(mypy):
 def test_the_package_itself_passes_strictly(mypy, tmp_path):
     check, stub = mypy
     shutil.copytree(STUB.parent, tmp_path / "code" / "chiaro", ignore=shutil.ignore_patterns("_native", "*.so", "__init__.pyi"))
-    done = check("--ignore-missing-imports", *sorted((tmp_path / "code" / "chiaro").glob("*.py")), path=tmp_path / "code")
+    done = check("--ignore-missing-imports", "--allow-untyped-calls", *sorted((tmp_path / "code" / "chiaro").glob("*.py")), path=tmp_path / "code")
     assert done.returncode == 0, done.stdout + done.stderr
 
 

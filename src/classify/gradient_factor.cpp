@@ -43,17 +43,19 @@ std::shared_ptr<const ExtinctionFactor> make_factor(const DeviceVolume::Data& vo
 }
 
 DeviceVolume with_factor(const DeviceVolume& volume, std::shared_ptr<const ExtinctionFactor> factor) {
-    const auto plain = volume.data().plain ? volume.data().plain : volume.data().shared_from_this();
-    if (!factor) return DeviceVolume(plain);
+    // Never by shared_from_this: who has a spline keeps the volume that it is of, too.
+    const DeviceVolume plain = volume.data().plain ? volume.data().plain : volume;
+    if (!factor) return plain;
+    const DeviceVolume::Data& from = plain.data();
     const auto borrow = [&](const VoxelBuffer& buffer) {
         return VoxelBuffer::borrow(buffer.data(), buffer.size(), nullptr);
     };
     auto made = std::make_shared<DeviceVolume::Data>();
-    made->describe_as(*plain);
-    made->cells = plain->cells;
-    made->stored_min = plain->stored_min, made->stored_max = plain->stored_max;
-    made->bricks = borrow(plain->bricks), made->coefficients = borrow(plain->coefficients);
-    made->spline = plain->spline, made->normal_reach = plain->normal_reach;
+    made->describe_as(from);
+    made->cells = from.cells;
+    made->stored_min = from.stored_min, made->stored_max = from.stored_max;
+    made->bricks = borrow(from.bricks), made->coefficients = borrow(from.coefficients);
+    made->spline = from.spline, made->normal_reach = from.normal_reach;
     made->plain = plain;
     made->factor = std::move(factor);
     return DeviceVolume(std::move(made));

@@ -65,12 +65,12 @@ struct DeviceVolume::Data : std::enable_shared_from_this<Data> {
     std::array<float, 3> normal_reach{0, 0, 0};  ///< of thick slices: kernel::SplineView::reach
     const Data* source = nullptr;  ///< of a spline: the volume whose bricks it borrows, and which outlives it
     mutable Splines splines;
-    std::shared_ptr<const Data> plain;  ///< of a medium's with a factor: what it borrows all from
+    DeviceVolume plain;  ///< of a medium's with a factor: what it borrows all from
     std::shared_ptr<const ExtinctionFactor> factor;
     std::shared_ptr<const LevelPages> pages;  ///< of a level by bricks: which of them are there; null: all are
 
     void add_to(HostArrays& arrays) const {
-        if (plain) plain->add_to(arrays), arrays.add(factor, factor->entries);
+        if (plain) plain.data().add_to(arrays), arrays.add(factor, factor->entries);
         if (plain) return;
         const auto keeper = [&](const VoxelBuffer& buffer) {
             return buffer.is_borrowed() && source ? source->weak_from_this() : weak_from_this();

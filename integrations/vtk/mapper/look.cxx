@@ -171,9 +171,6 @@ std::string not_drawn(vtkVolumeMapper& mapper, vtkVolumeProperty& property, vtkI
     if (property.GetTransferFunctionMode() == vtkVolumeProperty::TF_2D)
         return "TF_2D, transfer functions of two values";
     if (property.HasLabelGradientOpacity()) return "transfer functions of labels";
-    if (property.HasGradientOpacity() && !property.GetDisableGradientOpacity() &&
-        !is_constant_one(*property.GetGradientOpacity()))
-        return "gradient opacity";
     if (property.GetInterpolationType() != VTK_LINEAR_INTERPOLATION)
         return "interpolation of nearest voxels; SetInterpolationTypeToLinear()";
     if (property.GetUseClippedVoxelIntensity()) return "UseClippedVoxelIntensity";
@@ -189,6 +186,27 @@ std::string not_drawn(vtkVolumeMapper& mapper, vtkVolumeProperty& property, vtkI
         return "cropping regions that are not one box";
     if (mapper.GetNumberOfClippingPlanes() > max_clip_planes) return "more than six clipping planes";
     return {};
+}
+
+std::vector<GradientPoint> gradient_opacity_of(vtkVolumeProperty& property, double mean_edge_mm) {
+    if (!property.HasGradientOpacity() || property.GetDisableGradientOpacity()) return {};
+    vtkPiecewiseFunction& f = *property.GetGradientOpacity();
+    if (f.GetSize() == 0 || is_constant_one(f)) return {};
+    constexpr int pieces = 16;  // of what midpoint and sharpness bend between two nodes
+    std::vector<GradientPoint> points;
+    const auto add = [&](double magnitude, double opacity) {
+        points.push_back({std::max(magnitude, 0.0) / mean_edge_mm, std::clamp(opacity, 0.0, 1.0)});
+    };
+    for (int i = 0; i < f.GetSize(); ++i) {
+        double node[4], next[4];
+        f.GetNodeValue(i, node);
+        if (i + 1 < f.GetSize()) f.GetNodeValue(i + 1, next);
+        if (node[0] >= 0 || i + 1 == f.GetSize()) add(node[0], node[1]);
+        for (int k = 1; k < pieces && i + 1 < f.GetSize(); ++k)
+            if (const double at = std::lerp(node[0], next[0], k / double(pieces)); at >= 0 && next[0] > node[0])
+                add(at, f.GetValue(at));
+    }
+    return points;
 }
 
 TransferFunction transfer_of(vtkVolumeProperty& property, double scale) {
@@ -251,6 +269,8 @@ TransferFunction transfer_of(vtkVolumeProperty& property, double scale) {
 void set_look(Scene& scene, vtkVolumeMapper& mapper, vtkVolumeProperty& property, vtkImageData& image,
               vtkRenderer& renderer, const Placement& place, std::string& note) {
     scene.transfer.points = transfer_of(property, place.scale);
+    const Vec3& edges = place.geometry.spacing_mm;
+    scene.transfer.points->gradient = gradient_opacity_of(property, (edges.x + edges.y + edges.z) / 3);
     scene.mode = mode_of(mapper.GetBlendMode());
     if (scene.mode == Mode::iso)
         for (int i = 0; i < property.GetIsoSurfaceValues()->GetNumberOfContours(); ++i) {

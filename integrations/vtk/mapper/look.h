@@ -18,6 +18,9 @@ std::string not_drawn(vtkVolumeMapper& mapper, vtkVolumeProperty& property, vtkI
 /// Colour and opacity over values, with the unit distance in the volume's own space: piecewise linear to 1/1000.
 TransferFunction transfer_of(vtkVolumeProperty& property, double scale);
 
+/// Opacity by gradient, per mm: VTK's gradients are of the values over a mean voxel edge. Empty: none.
+std::vector<GradientPoint> gradient_opacity_of(vtkVolumeProperty& property, double mean_edge_mm);
+
 /// Transfer function, blend mode, clips, shade and light. `note`: what of the light is left out.
 void set_look(Scene& scene, vtkVolumeMapper& mapper, vtkVolumeProperty& property, vtkImageData& image,
               vtkRenderer& renderer, const Placement& place, std::string& note);

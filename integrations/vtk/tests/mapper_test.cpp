@@ -77,6 +77,21 @@ TEST(Mapper, DrawsEachBlendModeAsChiaroDoes) {
     c.expect_same("minip", &turned);
 }
 
+// VTK's gradients are of a mean voxel edge, 31/30 mm here.
+TEST(Mapper, TakesOpacityByGradient) {
+    Case c;
+    const Picture without = c.drawn();
+    vtkNew<vtkPiecewiseFunction> opacity;
+    opacity->AddPoint(-5, 0), opacity->AddPoint(4, 0.2), opacity->AddPoint(25, 1);
+    c.actor->GetProperty()->SetGradientOpacity(opacity);
+    const double edge = (1 + 0.9 + 1.2) / 3;
+    c.scene.transfer.points->gradient = {{0, 0.2 * 5 / 9}, {4 / edge, 0.2}, {25 / edge, 1}};
+    c.expect_same("gradient opacity");
+    EXPECT_GT(distance(c.drawn(), without).mean, 0.5);
+    c.actor->GetProperty()->DisableGradientOpacityOn();
+    EXPECT_LE(distance(c.drawn(), without).max, 1);
+}
+
 // The tool itself, by files.
 TEST(Mapper, DrawsWhatTheToolDraws) {
     Case c;

@@ -41,13 +41,6 @@ INSTANTIATE_TEST_SUITE_P(
                 "interpolation of nearest voxels"},
         Refusal{"two_dimensional",
                 [](Case& c) { c.actor->GetProperty()->SetTransferFunctionMode(vtkVolumeProperty::TF_2D); }, "TF_2D"},
-        Refusal{"gradient",
-                [](Case& c) {
-                    vtkNew<vtkPiecewiseFunction> f;
-                    f->AddPoint(0, 0), f->AddPoint(50, 1);
-                    c.actor->GetProperty()->SetGradientOpacity(f);
-                },
-                "gradient opacity"},
         Refusal{"components",
                 [](Case& c) {
                     vtkNew<vtkUnsignedCharArray> rgb;

@@ -119,7 +119,7 @@ private:
             constexpr int n = decltype(points)::n;
             auto hard = hard_points<n>(kernel::ValuesAtPoints<Voxel, n>{view_of<Voxel>(medium_.volume.data()), points});
             executor.exchange(arrays, hard.values.volume.voxels, hard.values.volume.spline.coefficients,
-                              hard.matter.is_hard);
+                              hard.values.volume.factor.entries, hard.matter.is_hard);
             return hard;
         };
         each_cell(
