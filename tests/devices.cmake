@@ -31,7 +31,7 @@ target_link_libraries(chiaro_emulated PRIVATE $<TARGET_PROPERTY:chiaro-cli,LINK_
 # gives the host's bits is what cuda_emulated_test shows, path by path. Tests of the tool, which has another GPU or none, are
 # left out too.
 set(slow Transport.AHalfSpace* Transport.ThickCells* TransportEdit.ATurned* TransportEdit.TheFirst* TransportEdit.Another* TransportEdit.Interrupted*
-         Reference.Interpolated* Reference.MidPlane* Reference.Converges* Spao.AnyNumber* Sweep.OnAnOpaque* LightError.Exposure* Floor.Live* LiveSurfaces.ABall* LiveSurfaces.Highlights* LiveSurfaces.Steps* LiveSurfaces.AHard* HistogramCache.*
+         Reference.Interpolated* Reference.MidPlane* Reference.Converges* Spao.AnyNumber* Sweep.OnAnOpaque* LightError.Exposure* Floor.Live* LiveSurfaces.AB* LiveSurfaces.AC* LiveSurfaces.AF* LiveSurfaces.Highlights* LiveSurfaces.Steps* LiveSurfaces.AHard* HistogramCache.*
          Reference.Centre* Reference.OnAn* Reference.Surfaces* Reference.Threads* ReferenceVisibility.OnAn* ReferenceVisibility.Through* ReferenceVisibility.BandZero*
          ReferenceVisibility.Threads* Transport.AFurnace* Transport.LightThrough* Transport.AnIso* Sweep.ATurned* Visibility.AnOpen* LightError.IsWhat* LightError.Notices* LightError.Refuses*
          PathTracer.Noise* Spao.Filters* Spao.WhereASurface* EveryMode/1.* EveryMode/2.* HistogramLight.IsTheSame* HistogramLight.Effects* HistogramLight.Glows*
