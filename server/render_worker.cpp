@@ -220,6 +220,9 @@ void RenderWorker::preview(const FrameRequest& wanted) {
     draft_ = is_small ? resolution_.size(scene.width, scene.height, callbacks_.link())
                       : DraftSize{scene.width, scene.height,
                                   callbacks_.link().is_slow() ? still_far_quality : still_quality};
+    // What the camera fits is found for the picture, not for a draft of it, whose sides are rounded.
+    if (is_small && scene.camera.fit == Fit::visible && !scene.camera.fit_centre)
+        scene.camera = session_->fit(wanted.scene, *steady_);
     scene.width = draft_.width, scene.height = draft_.height;
     is_whole_ = scene.width == wanted.scene.width && scene.height == wanted.scene.height;
     if (!is_path_traced(scene.illumination) && session_->needs_light(scene) &&

@@ -121,9 +121,12 @@ const Image& Session::preview(const Scene& given, Progress& progress, bool lit) 
 
 CameraSettings Session::fit(const Scene& scene, Progress& progress) {
     State& s = *state_;
+    const std::vector<Stage> shown = s.shown;
     s.begin();
     s.redo_classify(scene, progress);
-    return s.fitted(scene, progress);
+    const CameraSettings camera = s.fitted(scene, progress);
+    s.shown = shown;  // the next picture tells
+    return camera;
 }
 
 CameraSettings Session::fit_all_around(const Scene& scene, Progress& progress) {
