@@ -191,7 +191,7 @@ private:
     /// What lies behind the floor is not met; a way that comes to it first has no length.
     template <class F>
     CHIARO_INLINE void end_at_floor(const Ray<F>& ray, Interval<F>& way) const {
-        const F to_floor = floor.distance(ray.origin, ray.direction);
+        const F to_floor = floor.distance(ray);
         const Mask<F> is_first = to_floor < way.near;
         way.near = select(is_first, F(0), way.near);
         way.far = select(is_first, F(0), min(way.far, to_floor));
@@ -289,7 +289,7 @@ private:
     CHIARO_INLINE Mask<F> fall(Path<F>& path, Mask<F> own) const {
         const Mask<F> falling = own & falls(path.heading);
         if (!any(falling)) return falling;
-        const F t = floor.distance(path.origin, path.direction);
+        const F t = floor.distance(Ray<F>{path.origin, path.direction});
         Mask<F> meets = falling & (t < F(1e30f));
         const Mask<F> seen = meets & (path.scatterings == Int<F>(0));
         if (any(seen)) {

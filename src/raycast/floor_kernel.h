@@ -40,7 +40,7 @@ struct FloorKernel {
 
 private:
     CHIARO_INLINE void add(const Ray<float>& ray, float weight, float (&seen)[4]) const {
-        const float t = floor.distance(ray.origin, ray.direction);
+        const float t = floor.distance(ray);
         if (t > 1e30f) return;
         const Vec3<float> p = mad(t, ray.direction, ray.origin);
         const float u = floor.u(p), v = floor.v(p), share = weight * floor.share(u, v);

@@ -15,7 +15,7 @@ template <>
 inline kernel::VolumeView<kernel::Texel> view_of<kernel::Texel>(const DeviceVolume::Data& volume) {
     kernel::VolumeView<float> grid = view_of<float>(volume);
     grid.voxels = nullptr;
-    return {grid, 0, volume.stored == VoxelType::u8 ? 255.0f : volume.stored == VoxelType::u16 ? 65535.0f : 1.0f};
+    return {{grid}, 0, volume.stored == VoxelType::u8 ? 255.0f : volume.stored == VoxelType::u16 ? 65535.0f : 1.0f};
 }
 
 }  // namespace chiaro

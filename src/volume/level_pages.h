@@ -32,15 +32,15 @@ inline kernel::VolumeView<kernel::Paged> view_of<kernel::Paged>(const DeviceVolu
         return kernel::Float3{float(v[0]), float(v[1]), float(v[2])};
     };
     auto* seen = const_cast<std::uint8_t*>(pages.seen.data());  // all that rays change
-    return {.grid = grid_of(volume),
-            .coarse_grid = grid_of(pages.coarse.data()),
-            .coarse_per_voxel = float3(pages.per_voxel),
-            .coarse_shift = float3(pages.shift),
-            .table = {pages.slots.data(), seen, reinterpret_cast<const std::uint8_t*>(pages.codes.data()),
-                      pages.bricks[0], pages.bricks[1]},
-            .first_coarse = pages.first_coarse,
-            .voxels = volume.bricks.data(),
-            .voxel_bytes = std::int32_t(size_of(volume.stored))};
+    return {{grid_of(volume)},
+            grid_of(pages.coarse.data()),
+            float3(pages.per_voxel),
+            float3(pages.shift),
+            {pages.slots.data(), seen, reinterpret_cast<const std::uint8_t*>(pages.codes.data()), pages.bricks[0],
+             pages.bricks[1]},
+            pages.first_coarse,
+            volume.bricks.data(),
+            std::int32_t(size_of(volume.stored))};
 }
 
 }  // namespace chiaro

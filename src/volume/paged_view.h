@@ -30,12 +30,6 @@ CHIARO_INLINE Int<F> gather_int(const std::int32_t* p, Int<F> index) {
     return found.lanes();
 }
 
-template <class F>
-CHIARO_INLINE Int<F> brick_of(VoxelIndex<F> i, std::int32_t bricks_x, std::int32_t bricks_y) {
-    using I = Int<F>;
-    return ((i.z >> I(brick_bits)) * I(bricks_y) + (i.y >> I(brick_bits))) * I(bricks_x) + (i.x >> I(brick_bits));
-}
-
 /// Which bricks are there, what their cells hold, and which of them rays come through.
 struct BrickTable {
     static constexpr std::int32_t absent = -1;                                ///< below: that is empty
@@ -74,8 +68,7 @@ struct BrickTable {
 
 /// What the slots hold, and behind them the coarse volume's bricks, is one array, of less than 2^32 voxels.
 template <>
-struct VolumeView<Paged> {
-    VolumeView<float> grid;  ///< of the level, without voxels
+struct VolumeView<Paged> : GridOfVolume {
     VolumeView<float> coarse_grid;
     Float3 coarse_per_voxel, coarse_shift;  ///< coarse voxel = voxel of the level × per_voxel + shift
     BrickTable table;
@@ -84,31 +77,19 @@ struct VolumeView<Paged> {
     std::int32_t voxel_bytes;  ///< 1, 2: whole numbers; 4: floats
 
     template <class F>
-    CHIARO_INLINE Vec3<F> clamp(Vec3<F> p) const {
-        return grid.clamp(p);
-    }
-    template <class F>
-    CHIARO_INLINE VoxelIndex<F> voxel(Vec3<F> p) const {
-        return grid.voxel(p);
-    }
-
-    template <class F>
     CHIARO_NOINLINE Location<F> locate(const Vec3<F>& p, const VoxelIndex<F>& i) const {
         using I = Int<F>;
         const I slots = gather_int<F>(table.slots, brick_of<F>(i, table.bricks_x, table.bricks_y));
         const Mask<F> is_absent = slots < I(0);
-        const I inside(brick_edge - 1), before(brick_before);
-        I index = slots * I(brick_voxels) + ((i.z & inside) + before) * I(brick_slice) +
-                  ((i.y & inside) + before) * I(brick_row) + (i.x & inside) + before;
+        I index = slots * I(brick_voxels) + place_in_brick(i);
         Vec3<F> t{p.x - to_float(i.x), p.y - to_float(i.y), p.z - to_float(i.z)};
         if (any(is_absent)) {
             const Vec3<F> s(coarse_per_voxel);
             const Vec3<F> q = coarse_grid.clamp(Vec3<F>(
                 mad(p.x, s.x, F(coarse_shift.x)), mad(p.y, s.y, F(coarse_shift.y)), mad(p.z, s.z, F(coarse_shift.z))));
             const VoxelIndex<F> j = coarse_grid.voxel(q);
-            const I there = brick_of<F>(j, coarse_grid.bricks_x, coarse_grid.bricks_y) * I(brick_voxels) +
-                            ((j.z & inside) + before) * I(brick_slice) + ((j.y & inside) + before) * I(brick_row) +
-                            (j.x & inside) + before;
+            const I there =
+                brick_of<F>(j, coarse_grid.bricks_x, coarse_grid.bricks_y) * I(brick_voxels) + place_in_brick(j);
             index = select(is_absent, there + I(std::int32_t(first_coarse)), index);
             t = {select(is_absent, q.x - to_float(j.x), t.x), select(is_absent, q.y - to_float(j.y), t.y),
                  select(is_absent, q.z - to_float(j.z), t.z)};
@@ -123,16 +104,6 @@ struct VolumeView<Paged> {
     template <class F>
     CHIARO_NOINLINE Four<Two<F>> corners(const Location<F>& at) const {
         return as_stored([&](const auto& stored) CHIARO_INLINE_LAMBDA { return stored.corners(at); });
-    }
-    /// Opacity by gradient is of the whole level (render/refine.cpp).
-    static constexpr bool has_factor() { return false; }
-    template <class F>
-    CHIARO_INLINE F factor_at(const Location<F>&, F) const {
-        return F(1);
-    }
-    template <class F>
-    CHIARO_INLINE F factor_of(F, Vec3<F>) const {
-        return F(1);
     }
     /// Stored units per voxel of the level.
     template <class F>

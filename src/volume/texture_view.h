@@ -18,19 +18,10 @@ struct TexelLocation {
 
 /// A sample is one look-up, a gradient six, all with weights of 8 fractional bits; otherwise as the voxels are.
 template <>
-struct VolumeView<Texel> {
-    VolumeView<float> grid;  ///< without voxels
+struct VolumeView<Texel> : GridOfVolume {
     std::uint64_t texture;
     float scale;  ///< stored units of what a look-up gives
 
-    template <class F>
-    CHIARO_INLINE Vec3<F> clamp(Vec3<F> p) const {
-        return grid.clamp(p);
-    }
-    template <class F>
-    CHIARO_INLINE VoxelIndex<F> voxel(Vec3<F> p) const {
-        return grid.voxel(p);
-    }
     template <class F>
     CHIARO_INLINE TexelLocation<F> locate(Vec3<F> p, VoxelIndex<F> i) const {
         return {p, {p.x - to_float(i.x), p.y - to_float(i.y), p.z - to_float(i.z)}};
@@ -51,17 +42,6 @@ struct VolumeView<Texel> {
         return {F(0.5f) * (beside(at.p, 1, 0, 0) - beside(at.p, -1, 0, 0)),
                 F(0.5f) * (beside(at.p, 0, 1, 0) - beside(at.p, 0, -1, 0)),
                 F(0.5f) * (beside(at.p, 0, 0, 1) - beside(at.p, 0, 0, -1))};
-    }
-
-    /// Opacity by gradient is of voxels (raycast.cpp).
-    static constexpr bool has_factor() { return false; }
-    template <class F>
-    CHIARO_INLINE F factor_at(const TexelLocation<F>&, F) const {
-        return F(1);
-    }
-    template <class F>
-    CHIARO_INLINE F factor_of(F, Vec3<F>) const {
-        return F(1);
     }
 
 private:

@@ -27,6 +27,20 @@ struct VoxelIndex {
     Int<F> x, y, z;
 };
 
+template <class F>
+CHIARO_INLINE Int<F> brick_of(VoxelIndex<F> i, std::int32_t bricks_x, std::int32_t bricks_y) {
+    using I = Int<F>;
+    return ((i.z >> I(brick_bits)) * I(bricks_y) + (i.y >> I(brick_bits))) * I(bricks_x) + (i.x >> I(brick_bits));
+}
+/// Of a voxel in its brick.
+template <class F>
+CHIARO_INLINE Int<F> place_in_brick(VoxelIndex<F> i) {
+    using I = Int<F>;
+    const I inside(brick_edge - 1), before(brick_before);
+    return ((i.z & inside) + before) * I(brick_slice) + ((i.y & inside) + before) * I(brick_row) + (i.x & inside) +
+           before;
+}
+
 /// Voxels in bricks (volume/bricks.h). Points are in voxel coordinates, clamped to the box of the voxel centres.
 template <class Voxel>
 struct VolumeView {
@@ -51,15 +65,10 @@ struct VolumeView {
 
     template <class F>
     CHIARO_INLINE Location<F> locate(Vec3<F> p, VoxelIndex<F> i) const {
-        using I = Int<F>;
-        const I brick =
-            ((i.z >> I(brick_bits)) * I(bricks_y) + (i.y >> I(brick_bits))) * I(bricks_x) + (i.x >> I(brick_bits));
-        const I inside(brick_edge - 1), before(brick_before);
-        const I local = ((i.z & inside) + before) * I(brick_slice) + ((i.y & inside) + before) * I(brick_row) +
-                        (i.x & inside) + before;
-        return {typename GatherIndex<F>::type(brick * I(brick_voxels) + local),
-                {p.x - to_float(i.x), p.y - to_float(i.y), p.z - to_float(i.z)},
-                p};
+        return {
+            typename GatherIndex<F>::type(brick_of(i, bricks_x, bricks_y) * Int<F>(brick_voxels) + place_in_brick(i)),
+            {p.x - to_float(i.x), p.y - to_float(i.y), p.z - to_float(i.z)},
+            p};
     }
 
     /// Trilinear, or of the spline; in stored units.
@@ -131,6 +140,30 @@ private:
     template <class F>
     static CHIARO_INLINE F slope(const Four<F>& row, F t) {
         return lerp(row.c - row.a, row.d - row.b, t);
+    }
+};
+
+/// What views have in common that find values in another way: points as in voxels, no opacity by gradient (that is of
+/// whole volumes, by voxels).
+struct GridOfVolume {
+    VolumeView<float> grid;  ///< without voxels
+
+    template <class F>
+    CHIARO_INLINE Vec3<F> clamp(Vec3<F> p) const {
+        return grid.clamp(p);
+    }
+    template <class F>
+    CHIARO_INLINE VoxelIndex<F> voxel(Vec3<F> p) const {
+        return grid.voxel(p);
+    }
+    static constexpr bool has_factor() { return false; }
+    template <class Place, class F>
+    CHIARO_INLINE F factor_at(const Place&, F) const {
+        return F(1);
+    }
+    template <class F>
+    CHIARO_INLINE F factor_of(F, Vec3<F>) const {
+        return F(1);
     }
 };
 

@@ -132,9 +132,18 @@ double lowest_voxel(const Medium::Data& medium, Vec3 up, const std::vector<Cell>
 
 }  // namespace
 
+Axes Floor::axes(Vec3 up) {
+    const Vec3 u = orbit_direction(0, 0, up);
+    return {u, cross(normalized(up), u), normalized(up)};
+}
+
+Vec3 Floor::point(double u, double v) const {
+    const Axes along = axes(up);
+    return centre + radius_mm * u * along[0] + radius_mm * v * along[1];
+}
+
 std::optional<Floor> find_floor(const Medium::Data& medium, Vec3 up) {
-    const Vec3 aside = orbit_direction(0, 0, up);
-    const Axes axes{aside, cross(normalized(up), aside), normalized(up)};
+    const Axes axes = Floor::axes(up);
     const OccupiedCells cells(medium, axes);
     for (const double least : {visible_opacity, faint_opacity, 1e-6}) {
         const double height = with_stored_voxel(medium.volume.data(), [&](auto voxel) {
@@ -149,7 +158,7 @@ std::optional<Floor> find_floor(const Medium::Data& medium, Vec3 up) {
 }
 
 kernel::FloorView view_of(const Floor& floor, const Geometry& geometry) {
-    const Vec3 u = orbit_direction(0, 0, floor.up), v = cross(floor.up, u);
+    const auto [u, v, up] = Floor::axes(floor.up);
     // Of a linear function of the world, mm: its change per voxel, and its value at voxel (0, 0, 0).
     const auto per_voxel = [&](Vec3 axis, double scale) {
         Vec3 change;

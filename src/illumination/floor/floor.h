@@ -6,6 +6,7 @@
 
 #include "classify/medium.h"
 #include "illumination/floor/floor_view.h"
+#include "illumination/sh/rotation.h"
 
 namespace chiaro {
 
@@ -17,6 +18,11 @@ struct Floor {
     double radius_mm = 1;  ///< of the circle around what is visible, seen from above
 
     bool operator==(const Floor&) const = default;
+
+    /// Along u and v, and up.
+    static Axes axes(Vec3 up);
+    /// The point that lies so many radii along u and v.
+    Vec3 point(double u, double v) const;
 };
 
 /// Under the lowest voxel of opacity >= .1 (of isosurfaces: within one), or of less where there is none; none where

@@ -144,14 +144,12 @@ void shine_on(LitFloor& lit, const Device& device, const Floor& floor, const Den
         for (int c = 0; c < 3; ++c) of[k].light[c] = float(gain * drawn.light[k][c]);
     }
 
-    const Vec3 u = orbit_direction(0, 0, floor.up), v = cross(floor.up, u);
     const std::size_t points = std::size_t(map_edge) * map_edge;
     std::vector<float> places(3 * points);
     for (int j = 0; j < map_edge; ++j)
         for (int i = 0; i < map_edge; ++i) {
             const auto along = [=](int n) { return kernel::FloorView::end * (2.0 * n / (map_edge - 1) - 1); };
-            const Vec3 p = geometry.voxel_from_world(floor.centre + floor.radius_mm * along(i) * u +
-                                                     floor.radius_mm * along(j) * v);
+            const Vec3 p = geometry.voxel_from_world(floor.point(along(i), along(j)));
             for (int a = 0; a < 3; ++a) places[a * points + std::size_t(j) * map_edge + i] = float(p[a]);
         }
     std::vector<float> depth(density.data(), density.data() + density.grid.size());

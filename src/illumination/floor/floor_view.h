@@ -1,7 +1,7 @@
 // The floor as rays meet it: a plane, seen and lit from above, that fades out around the subject.
 #pragma once
 #include "kernel/math.h"
-#include "kernel/vec.h"
+#include "kernel/ray.h"
 
 namespace chiaro::kernel {
 
@@ -25,10 +25,10 @@ struct FloorView {
     CHIARO_INLINE F climb(Vec3<F> direction) const {
         return dot(Vec3<F>(rise), direction);
     }
-    /// How far a ray (voxels, voxels per mm) has to go to it, from above; very far where it never does.
+    /// How far a ray has to go to it, from above; very far where it never does.
     template <class F>
-    CHIARO_INLINE F distance(Vec3<F> origin, Vec3<F> direction) const {
-        const F above = height(origin), rate = climb(direction);
+    CHIARO_INLINE F distance(const Ray<F>& ray) const {
+        const F above = height(ray.origin), rate = climb(ray.direction);
         const Mask<F> meets = (above > F(0)) & (rate < F(-1e-6f));
         return select(meets, above / max(F(0) - rate, F(1e-6f)), F(3e38f));
     }

@@ -2,6 +2,7 @@
 #pragma once
 #include "illumination/cells/place.h"
 #include "kernel/math.h"
+#include "kernel/ray.h"
 #include "kernel/row.h"
 
 namespace chiaro::kernel {
@@ -37,14 +38,11 @@ struct FloorLightKernel {
 private:
     template <class F>
     CHIARO_INLINE F transmittance(Vec3<F> p, Vec3<F> d) const {
-        F near(0), far(3e38f);
-        slab(p.x, d.x, low.x, high.x, near, far);
-        slab(p.y, d.y, low.y, high.y, near, far);
-        slab(p.z, d.z, low.z, high.z, near, far);
+        const Interval<F> way = intersect(Ray<F>{p, d}, low, high);
         F through(0);
-        F t = near + F(0.5f * step_mm);
+        F t = way.near + F(0.5f * step_mm);
         for (;;) {
-            const Mask<F> inside = (t < far) & (through < F(dark));
+            const Mask<F> inside = (t < way.far) & (through < F(dark));
             if (!any(inside)) return exp2(F(-1.442695041f) * through);
             const GridLocation<F> at = grid.locate(mad(t, d, p));
             const auto v = gather_two(depth, typename GatherIndex<F>::type(at.node), grid.rows());
@@ -52,13 +50,6 @@ private:
             through = select(inside, mad(F(per_step), here, through), through);
             t = t + F(step_mm);
         }
-    }
-    template <class F>
-    static CHIARO_INLINE void slab(F origin, F direction, float low, float high, F& near, F& far) {
-        const F away = select(abs(direction) < F(1e-12f), F(1e-12f), direction), inverse = F(1) / away;
-        const F a = (F(low) - origin) * inverse, b = (F(high) - origin) * inverse;
-        near = max(near, min(a, b));
-        far = min(far, max(a, b));
     }
 };
 

@@ -82,7 +82,7 @@ void add_scattered(LitFloor& lit, const TransportNodes& nodes, const Floor& floo
                    double factor, int threads) {
     if (nodes.scattered.empty() || !(factor > 0)) return;
     const ScatteredRadiance radiance(nodes);
-    const Axes world = world_from_probe(0, floor.up), grid = grid_from_world(geometry);
+    const Axes world = Floor::axes(floor.up), grid = grid_from_world(geometry);
     std::array<Vec3, directions> towards = upper_hemisphere(), in_grid;
     std::array<Vec3, directions> per_mm;  // nodes
     for (std::size_t k = 0; k < directions; ++k) {
@@ -94,11 +94,8 @@ void add_scattered(LitFloor& lit, const TransportNodes& nodes, const Floor& floo
     std::vector<double> coarse(3 * points);
     parallel_for(threads, coarse_edge, 1, [&](std::int64_t row, std::int64_t) {
         for (int i = 0; i < coarse_edge; ++i) {
-            const auto along = [&](double n) {
-                return floor.radius_mm * kernel::FloorView::end * (2 * n / (coarse_edge - 1) - 1);
-            };
-            const Vec3 voxel =
-                geometry.voxel_from_world(floor.centre + along(i) * world[0] + along(double(row)) * world[1]);
+            const auto along = [](double n) { return kernel::FloorView::end * (2 * n / (coarse_edge - 1) - 1); };
+            const Vec3 voxel = geometry.voxel_from_world(floor.point(along(i), along(double(row))));
             Vec3 p;
             for (int a = 0; a < 3; ++a) p[a] = (voxel[a] + 0.5) / nodes.grid.voxels_per_cell[a] - 0.5;
             std::array<double, 3> light{};
