@@ -208,7 +208,7 @@ TEST(Reflection, IsReciprocalAndKeepsItsEnergy) {
     for (const auto& [strength, shininess] :
          {std::pair{0.0, 20.0}, {0.3, 20.0}, {1.0, 5.0}, {0.5, 0.0}, {10.0, 200.0}, {10.0, 2.0}}) {
         const ReflectionTable table(strength, shininess);
-        const kernel::ReflectionView view = table.view();
+        const kernel::ReflectionView view = view_of(table);
         for (const double a : {0.15, 0.5, 0.95})
             for (const double b : {0.3, 0.8})
                 for (const double turns : {0.0, 0.2, 0.5}) {

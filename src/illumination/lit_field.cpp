@@ -6,6 +6,7 @@
 #include "classify/clip.h"
 #include "illumination/floor/floor.h"
 #include "illumination/probe/data.h"
+#include "illumination/probe/highlight.h"
 #include "illumination/probe/lambert.h"
 #include "illumination/probe/light.h"
 #include "volume/float3.h"
@@ -48,8 +49,33 @@ kernel::CutLight light_on_cuts(const Lighting& lighting, Vec3 orbit_up, const Me
     return light;
 }
 
+/// Of parallel rays far away.
+Vec3 eye_of(const Camera& camera) {
+    constexpr double far_mm = 1e7;
+    return camera.projection == Projection::perspective ? camera.eye : camera.eye - far_mm * camera.forward;
+}
+
+/// What both keep.
+std::shared_ptr<const void> keep_both(std::shared_ptr<const void> one, std::shared_ptr<const void> other) {
+    return std::make_shared<const std::array<std::shared_ptr<const void>, 2>>(
+        std::array{std::move(one), std::move(other)});
+}
+
+/// Of a lit view of surfaces; its main light shines no more.
+void add_highlight(LitField& lit, const Lighting& lighting, const Camera& camera, const Geometry& geometry) {
+    lit.main->share = 0;
+    const auto highlight = highlight_of(lighting, camera.orbit_up, -camera.forward);
+    if (!highlight) return;
+    std::get<kernel::VisibilityView>(lit.view).highlight =
+        view_of(*highlight, lighting, camera.orbit_up, eye_of(camera), geometry);
+    lit.arrays.add(highlight, highlight->radiance);
+    lit.arrays.add(highlight, highlight->reflection.reflected());
+    lit.keeps = keep_both(lit.keeps, highlight);
+}
+
 LitField lit_by_visibility(const std::shared_ptr<const LitNodes>& nodes, bool surfaces, const Lighting& lighting,
-                           Vec3 orbit_up, const Medium::Data& medium, bool particles = true) {
+                           const Camera& camera, const Medium::Data& medium, bool particles = true) {
+    const Vec3 orbit_up = camera.orbit_up;
     const auto lit = nodes->light({lighting, orbit_up, medium.volume.geometry(), surfaces, particles});
     HostArrays arrays;
     arrays.add(lit, lit->light);
@@ -58,13 +84,9 @@ LitField lit_by_visibility(const std::shared_ptr<const LitNodes>& nodes, bool su
     arrays.add(nodes, nodes->nodes().harmonics);
     kernel::VisibilityView view = lit->view;
     if (surfaces) view.cut_light = light_on_cuts(lighting, orbit_up, medium);
-    return {view, lit->main, lit, {}, surfaces, arrays};
-}
-
-/// Of parallel rays far away.
-Vec3 eye_of(const Camera& camera) {
-    constexpr double far_mm = 1e7;
-    return camera.projection == Projection::perspective ? camera.eye : camera.eye - far_mm * camera.forward;
+    LitField field{view, lit->main, lit, {}, surfaces, arrays};
+    if (surfaces) add_highlight(field, lighting, camera, medium.volume.geometry());
+    return field;
 }
 
 /// Light that matter has scattered, on particles; exposure and strength are factors of it.
@@ -96,7 +118,7 @@ LitField particles_by_transport(const IlluminationField::Data& data, const Light
 LitField surfaces_by_transport(const IlluminationField::Data& data, const Lighting& lighting, const Camera& camera,
                                const Medium::Data& medium) {
     const TransportNodes& nodes = data.transport->nodes();
-    LitField lit = lit_by_visibility(nodes.seen, true, lighting, camera.orbit_up, medium, false);
+    LitField lit = lit_by_visibility(nodes.seen, true, lighting, camera, medium, false);
     const Geometry& geometry = medium.volume.geometry();
     const auto shown = data.transport->shown(Look::surfaces);
     kernel::VisibilityView& view = std::get<kernel::VisibilityView>(lit.view);
@@ -107,8 +129,7 @@ LitField surfaces_by_transport(const IlluminationField::Data& data, const Lighti
         float(std::max(scattered_lift * nodes.grid.edge_mm / geometry.smallest_spacing_mm(), least_lift));
     lit.arrays.add(shown, shown->light);
     lit.arrays.add(shown, shown->around);
-    lit.keeps = std::make_shared<const std::array<std::shared_ptr<const void>, 2>>(
-        std::array{lit.keeps, std::shared_ptr<const void>(shown)});
+    lit.keeps = keep_both(lit.keeps, shown);
     lit.albedo_limit = data.albedo_limit;
     return lit;
 }
@@ -118,9 +139,8 @@ LitField surfaces_by_transport(const IlluminationField::Data& data, const Lighti
 LitField lit_field(const IlluminationField& field, const Lighting& shown, const Camera& camera,
                    const Medium::Data& medium) {
     const Lighting lighting = above_floor(shown);
-    const Vec3 orbit_up = camera.orbit_up;
     const IlluminationField::Data& data = field.data();
-    if (data.visibility) return lit_by_visibility(data.visibility, data.surfaces, lighting, orbit_up, medium);
+    if (data.visibility) return lit_by_visibility(data.visibility, data.surfaces, lighting, camera, medium);
     if (data.transport)
         return data.surfaces ? surfaces_by_transport(data, lighting, camera, medium)
                              : particles_by_transport(data, lighting, camera, medium);
@@ -149,6 +169,11 @@ void read_from(LitField& lit, const LevelPages& pages) {
         move(visibility->light.grid), move(visibility->grid);
         kernel::Float3& edge = visibility->edge_voxels;
         edge = {edge.x / scale.x, edge.y / scale.y, edge.z / scale.z};
+        kernel::HighlightView& highlight = visibility->highlight;
+        const auto to_level = [&](kernel::Float3& row) { row = {row.x * scale.x, row.y * scale.y, row.z * scale.z}; };
+        to_level(highlight.world_x), to_level(highlight.world_y), to_level(highlight.world_z);
+        kernel::Float3& eye = highlight.eye;
+        eye = {(eye.x - shift.x) / scale.x, (eye.y - shift.y) / scale.y, (eye.z - shift.z) / scale.z};
     }
 }
 

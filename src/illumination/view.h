@@ -44,8 +44,9 @@ struct SamplePoint {
 template <class F>
 struct MetSurface {
     F share{0};
-    F step{-1e6f};                ///< where
-    Vec3<F> e{F(0), F(0), F(0)};  ///< the light on it
+    F step{-1e6f};                    ///< where
+    Vec3<F> e{F(0), F(0), F(0)};      ///< the light on it, less what its highlight reflects
+    Vec3<F> shine{F(0), F(0), F(0)};  ///< of its highlight
 };
 
 template <class F>

@@ -1,5 +1,6 @@
 // What a surface reflects: Lambert's law and one highlight (docs/theory/light.md).
 #pragma once
+#include "illumination/probe/reflection_table.h"
 #include "kernel/gather.h"
 #include "pathtrace/directions.h"
 #include "pathtrace/path.h"
@@ -10,7 +11,7 @@ namespace chiaro::kernel {
 /// what the highlight leaves (Kelemen and Szirmay-Kalos 2001). ρ(μ) is what the highlight alone reflects of light from
 /// all around, seen at the cosine μ; ρ̄ = 2 ∫ ρ μ dμ.
 struct ReflectionView {
-    static constexpr std::int32_t steps = 32;
+    static constexpr std::int32_t steps = ReflectionTable::steps;
     float strength, shininess;  ///< k, s; k = 0: matte
     const float* reflected;     ///< ρ at μ = 0, 1/steps ... 1
     float matte;                ///< 1 / (1 - ρ̄)
@@ -61,3 +62,12 @@ private:
 };
 
 }  // namespace chiaro::kernel
+
+namespace chiaro {
+
+/// Valid as long as the table is.
+inline kernel::ReflectionView view_of(const ReflectionTable& table) {
+    return {float(table.strength()), float(table.shininess()), table.reflected().data(), float(table.matte())};
+}
+
+}  // namespace chiaro

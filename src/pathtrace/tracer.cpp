@@ -144,7 +144,7 @@ PathTracer::TraceTile PathTracer::tracer_through(const Camera& camera, const Lig
                                          .last = float(data.table.entries.size() - 1),
                                          .phase = {float(options.anisotropy)}};
         if (!options.surfaces) return tracer_of(cloud, camera, settings, options);
-        return tracer_of(kernel::SurfaceCloud<Voxel>{cloud, surface_table_->view(), reflection_.view()}, camera,
+        return tracer_of(kernel::SurfaceCloud<Voxel>{cloud, surface_table_->view(), view_of(reflection_)}, camera,
                          settings, options);
     }
     const kernel::SurfacesView view = surfaces_view(data, false);
@@ -156,7 +156,7 @@ PathTracer::TraceTile PathTracer::tracer_through(const Camera& camera, const Lig
         .count = view.count,
         .colours = colours,
         .gradients = shading_view(lighting, camera, volume, data.shape.color),
-        .reflection = reflection_.view(),
+        .reflection = view_of(reflection_),
         .step_mm = float(step_mm(settings.step_voxels, volume.geometry, volume.dimensions))};
     surfaces.gradients.specular = {0, 0, 0};
     std::copy_n(view.values, view.count, surfaces.values);
@@ -200,7 +200,7 @@ std::unique_ptr<GpuPaths> PathTracer::gpu_tracer_of(const Kernel& kernel) const 
     light_.add_to(arrays);
     const std::vector<float>* const own[] = {
         &majorants_.cells, &majorants_.runs, &extinction_, &surface_table_->opacity(), &red_, &green_, &blue_,
-        &points_.x,        &points_.y,       &points_.z,   &reflection_.numbers()};
+        &points_.x,        &points_.y,       &points_.z,   &reflection_.reflected()};
     for (const auto* numbers : own) arrays.add(*numbers);
     return std::make_unique<GpuTracer<Kernel>>(device_, kernel, arrays, width_, height_);
 }

@@ -13,7 +13,7 @@
 #include "pathtrace/gpu.h"
 #include "pathtrace/light_table.h"
 #include "pathtrace/majorants.h"
-#include "pathtrace/reflection_table.h"
+#include "pathtrace/reflection.h"
 #include "raycast/render_target.h"
 
 namespace chiaro {

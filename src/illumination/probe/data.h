@@ -11,6 +11,7 @@
 #include "core/lazy.h"
 #include "core/srgb.h"
 #include "illumination/probe/dominant.h"
+#include "illumination/probe/highlight.h"
 #include "illumination/probe/lambert.h"
 #include "illumination/sh/rotation.h"
 
@@ -65,6 +66,9 @@ struct Probe::Data : std::enable_shared_from_this<Data> {
         return pieces_([&] { return pieces_of_probe(*this); });
     }
 
+    /// The last one is kept.
+    std::shared_ptr<const Highlight> highlight(const HighlightKey& key) const;
+
     /// The same light above an open floor of that albedo (illumination/floor); the last one is kept.
     Probe above_floor(double albedo) const;
 
@@ -74,7 +78,12 @@ private:
         std::optional<double> albedo;
         Probe probe;
     };
+    struct LastHighlight {
+        std::mutex mutex;
+        std::shared_ptr<const Highlight> last;
+    };
     mutable LastFloor floor_;
+    mutable LastHighlight highlight_;
     Lazy<LambertTable> lambert_;
     Lazy<ProbePieces> pieces_;
     Lazy<double> suitable_stops_;

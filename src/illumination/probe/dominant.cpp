@@ -9,7 +9,7 @@
 namespace chiaro {
 namespace {
 
-constexpr int cells_x = 128, cells_y = 64;
+constexpr int fine = 128, coarse = 64;  // cells around
 
 /// Mean radiance.
 double luminance_of(const ProbePiece& piece) {
@@ -19,7 +19,8 @@ double luminance_of(const ProbePiece& piece) {
 }
 
 /// Pixels larger than a cell are cut into pieces.
-std::vector<ProbePiece> gather(const ProbeImage& image) {
+std::vector<ProbePiece> gather(const ProbeImage& image, int cells_x) {
+    const int cells_y = cells_x / 2;
     std::vector<ProbePiece> cells(std::size_t(cells_x) * cells_y);
     std::vector<Vec3> moments(cells.size());
     const int cut_x = 1 + (cells_x - 1) / image.width, cut_y = 1 + (cells_y - 1) / image.height;
@@ -102,7 +103,7 @@ Vec3 find_shining(const std::vector<ProbePiece>& pieces) {
 }  // namespace
 
 ProbePieces pieces_of_probe(const Probe::Data& probe) {
-    ProbePieces pieces{gather(probe.image), {}, {}, {}};
+    ProbePieces pieces{gather(probe.image, fine), gather(probe.image, coarse), {}, {}, {}};
     pieces.shining = find_shining(pieces.all);
     pieces.rest = pieces.all;
     pieces.dominant = take_dominant_light(pieces.rest);

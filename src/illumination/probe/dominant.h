@@ -25,6 +25,7 @@ struct DominantLight {
 /// A probe in pieces, in its own frame, as it was loaded. Kept by Probe::Data::pieces.
 struct ProbePieces {
     std::vector<ProbePiece> all;
+    std::vector<ProbePiece> coarse;  ///< some 6° wide
     /// The brightest place where the excess within 8° over what lies around makes up a tenth of all light.
     std::optional<DominantLight> dominant;
     std::vector<ProbePiece> rest;  ///< all without it

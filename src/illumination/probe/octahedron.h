@@ -23,4 +23,19 @@ CHIARO_INLINE OctahedronPlace<F> octahedral(Vec3<F> d) {
     return {mad(select(below, folded_x, x), half, half), mad(select(below, folded_y, y), half, half)};
 }
 
+/// Between four nodes of a table of edge × edge: the first, and the weights of it, of the next along u, along v, both.
+template <class F>
+struct OctahedronCell {
+    Int<F> entry;
+    F weights[4];
+};
+template <class F>
+CHIARO_INLINE OctahedronCell<F> octahedral_cell(Vec3<F> d, std::int32_t edge) {
+    const OctahedronPlace<F> place = octahedral(d);
+    const F u = place.u * F(float(edge - 1)), v = place.v * F(float(edge - 1));
+    const Int<F> i = min(truncate(u), Int<F>(edge - 2)), j = min(truncate(v), Int<F>(edge - 2));
+    const F s = u - to_float(i), t = v - to_float(j);
+    return {j * Int<F>(edge) + i, {(F(1) - s) * (F(1) - t), s * (F(1) - t), (F(1) - s) * t, s * t}};
+}
+
 }  // namespace chiaro::kernel

@@ -1,5 +1,6 @@
 // Natural light as the ray caster reads it: what of a probe's light arrives, per channel.
 #pragma once
+#include "illumination/probe/highlight_view.h"
 #include "illumination/transport/field.h"
 #include "illumination/visibility/stored.h"
 #include "illumination/visibility/sun_light.h"
@@ -26,10 +27,12 @@ struct VisibilityView {
 
     ScatteredLight scattered;
     CutLight cut_light;
+    HighlightView highlight;  ///< of surfaces
 
     CHIARO_INLINE bool asks_surfaces() const { return surface.entries; }
 
-    /// ρ E takes the place of ambient and diffuse light; highlights show it from the light's main direction.
+    /// ρ E takes the place of ambient and diffuse light. Highlights of surfaces show the probe around the mirrored eye;
+    /// where no surfaces are asked for, E from the light's main direction.
     template <class F>
     CHIARO_INLINE Incident<F> incident(const SamplePoint<F>& sample, const ShadingView& shading, F step,
                                        MetSurface<F>& met) const {
@@ -41,15 +44,14 @@ struct VisibilityView {
         if (surface.entries) {
             const F share = sample.surface.share;
             const Mask<F> is_new = share > F(0);
-            if (any(is_new))
-                met = {select(is_new, share, met.share), select(is_new, step, met.step),
-                       select(is_new, on_surface(sample.surface, is_new), met.e)};
+            if (any(is_new)) meet(sample.surface, is_new, step, met);
             e = mad(met.share, met.e - e, e);
         }
         cut_light.shine_on(sample.cut, e);
-        const F highlight = scattered.on && !surface.entries ? F(0) : sample.highlight;
-        return {e, Vec3<F>(highlight * e.x * F(shading.specular.x), highlight * e.y * F(shading.specular.y),
-                           highlight * e.z * F(shading.specular.z))};
+        if (surface.entries) return {e, met.share * met.shine};
+        const F shine = scattered.on ? F(0) : sample.highlight;
+        return {e, Vec3<F>(shine * e.x * F(shading.specular.x), shine * e.y * F(shading.specular.y),
+                           shine * e.z * F(shading.specular.z))};
     }
 
     /// On particles, apart from any ray.
@@ -91,7 +93,8 @@ private:
 
     /// By the surface's own normal, one lane after the other: there are few surfaces along a ray. V is read off it.
     template <class F>
-    CHIARO_NOINLINE Vec3<F> on_surface(const SurfacePoint<F>& at_surface, const Mask<F>& wanted) const {
+    CHIARO_NOINLINE void meet(const SurfacePoint<F>& at_surface, const Mask<F>& wanted, F step,
+                              MetSurface<F>& met) const {
         constexpr int lanes = LaneTraits<F>::count;
         const Vec3<F> normal{dot(Vec3<F>(grid_x), at_surface.normal), dot(Vec3<F>(grid_y), at_surface.normal),
                              dot(Vec3<F>(grid_z), at_surface.normal)};
@@ -108,13 +111,23 @@ private:
         for (int corner = 0; corner < 4; ++corner) store_row(of.entry_weights[corner], of_normal.weights[corner]);
         store_row(of.normal[0], normal.x), store_row(of.normal[1], normal.y), store_row(of.normal[2], normal.z);
         store_row(of.wanted, select(wanted, F(1), F(0)));
-        float e[3][lanes];
-        for (int i = 0; i < lanes; ++i) {
-            float lit[4] = {0, 0, 0, 0};
-            if (of.wanted[i] > 0) shine<F>(of, i, lit);
-            for (int k = 0; k < 3; ++k) e[k][i] = lit[k];
+        store_row(of.reflected, F(0));
+        if (highlight.radiance) {
+            const auto mirrored = highlight.locate(at_surface.p_voxel, at_surface.normal);
+            __builtin_memcpy(of.mirrored, &mirrored.cell.entry, sizeof of.mirrored);
+            for (int corner = 0; corner < 4; ++corner)
+                store_row(of.mirrored_weights[corner], mirrored.cell.weights[corner]);
+            store_row(of.reflected, mirrored.reflected);
         }
-        return {load_row<F>(e[0]), load_row<F>(e[1]), load_row<F>(e[2])};
+        float e[6][lanes];
+        for (int i = 0; i < lanes; ++i) {
+            float lit[4] = {0, 0, 0, 0}, shown[3] = {0, 0, 0};
+            if (of.wanted[i] > 0) shine<F>(of, i, lit, shown);
+            for (int k = 0; k < 3; ++k) e[k][i] = lit[k], e[3 + k][i] = shown[k];
+        }
+        met = {select(wanted, at_surface.share, met.share), select(wanted, step, met.step),
+               select(wanted, {load_row<F>(e[0]), load_row<F>(e[1]), load_row<F>(e[2])}, met.e),
+               select(wanted, {load_row<F>(e[3]), load_row<F>(e[4]), load_row<F>(e[5])}, met.shine)};
     }
 
     template <int lanes>
@@ -122,9 +135,11 @@ private:
         Corners<lanes> seen, around;
         std::int32_t entry[lanes];
         float entry_weights[4][lanes], normal[3][lanes], wanted[lanes];
+        std::int32_t mirrored[lanes];
+        float mirrored_weights[4][lanes], reflected[lanes];
     };
     template <class F, int lanes>
-    CHIARO_INLINE void shine(const OfLanes<lanes>& of, int i, float* lit) const {
+    CHIARO_INLINE void shine(const OfLanes<lanes>& of, int i, float* lit, float* shown) const {
         using Four = typename NumbersOf<F>::Four;
         using Sixteen = typename NumbersOf<F>::Sixteen;
         std::int64_t nodes[8];
@@ -134,11 +149,26 @@ private:
         const float normal[3] = {of.normal[0][i], of.normal[1][i], of.normal[2][i]};
         const Sixteen visibility = harmonics.mix<Sixteen>(nodes, node_weights);
         const float clear = 1 - strength.shown;
-        store(surface.shine<Four>(visibility, of.entry[i], entry_weights, strength.shown, clear), lit);
-        if (sun.nodes) sun.add_to(lit, nodes, node_weights, normal, strength.shown, clear);
-        if (!scattered.around) return;
-        of.around.of(i, light.grid, nodes, node_weights);
-        scattered.add_to<Sixteen>(lit, nodes, node_weights, normal, surface.horizon(visibility));
+        Four whole;
+        float open[4], scatter[4] = {0, 0, 0, 0};
+        store(surface.shine<Four>(visibility, of.entry[i], entry_weights, strength.shown, clear, whole), lit);
+        store(whole, open);
+        if (sun.nodes) sun.add_to(lit, open, nodes, node_weights, normal, strength.shown, clear);
+        if (scattered.around) {
+            of.around.of(i, light.grid, nodes, node_weights);
+            scattered.add_to<Sixteen>(scatter, nodes, node_weights, normal, surface.horizon(visibility));
+        }
+        if (highlight.radiance) {
+            for (int corner = 0; corner < 4; ++corner) entry_weights[corner] = of.mirrored_weights[corner][i];
+            highlight.add_to(shown, of.mirrored[i], entry_weights);
+        }
+        // Of the light around the mirrored eye as much arrives as of all that reaches the surface.
+        const float reflected = of.reflected[i];
+        for (int k = 0; k < 3; ++k) {
+            const float arriving = open[k] > 1e-12f ? min(lit[k] / open[k], 1.0f) : 0.0f;
+            shown[k] = reflected * mad(shown[k], arriving, scatter[k]);
+            lit[k] = (1 - reflected) * (lit[k] + scatter[k]);
+        }
     }
 };
 

@@ -29,19 +29,9 @@ struct SurfaceLight {
     std::int32_t edge;
     float mean;  ///< times the first coefficient of V: its mean
 
-    /// Between four entries.
     template <class F>
-    struct Place {
-        Int<F> entry;
-        F weights[4];
-    };
-    template <class F>
-    CHIARO_INLINE Place<F> locate(Vec3<F> n) const {
-        const OctahedronPlace<F> place = octahedral(n);
-        const F u = place.u * F(float(edge - 1)), v = place.v * F(float(edge - 1));
-        const Int<F> i = min(truncate(u), Int<F>(edge - 2)), j = min(truncate(v), Int<F>(edge - 2));
-        const F s = u - to_float(i), t = v - to_float(j);
-        return {j * Int<F>(edge) + i, {(F(1) - s) * (F(1) - t), s * (F(1) - t), (F(1) - s) * t, s * t}};
+    CHIARO_INLINE OctahedronCell<F> locate(Vec3<F> n) const {
+        return octahedral_cell(n, edge);
     }
 
     /// Cosine of the horizon of a bulge where V is read, as low as the mean of V tells: -1 to 0.
@@ -54,10 +44,10 @@ struct SurfaceLight {
 
     /// E of three channels (and a fourth) by what the harmonics let through, and `clear` of all the light. What four
     /// bands leave out is known where the surface's own horizon alone stops the light: it is added in proportion to the
-    /// share of even light that arrives.
+    /// share of even light that arrives. `open`: E where nothing hides any of the light.
     template <class Four, class Sixteen>
     CHIARO_INLINE Four shine(const Sixteen& visibility, std::int32_t entry, const float (&weights)[4], float shown,
-                             float clear) const {
+                             float clear, Four& open) const {
         const NormalLight* at = entries + entry;
         const NormalLight* around[4] = {at, at + 1, at + edge, at + edge + 1};
         Sixteen products[4], zonal(0.0f);
@@ -80,6 +70,7 @@ struct SurfaceLight {
         store(through + (lit - free), arriving);
         const float even = min(max(arriving[3], 0.0f), 1.0f);
         const Four e = min(max(through + Four(even) * (lit - free), Four(0.0f)), lit);
+        open = lit;
         return Four(shown) * e + Four(clear) * lit;
     }
 };

@@ -1,4 +1,4 @@
-#include "pathtrace/reflection_table.h"
+#include "illumination/probe/reflection_table.h"
 
 #include <algorithm>
 #include <cmath>
@@ -26,7 +26,6 @@ double reflected_of(double shininess, double cosine) {
 }  // namespace
 
 ReflectionTable::ReflectionTable(double strength, double shininess) : shininess_(shininess) {
-    constexpr int steps = kernel::ReflectionView::steps;
     reflected_.assign(steps + 1, 0);
     if (!(strength > 0)) return;
     std::vector<double> of_one;
