@@ -46,28 +46,45 @@ void check_alike(const Channels& channels) {
     }
 }
 
+/// dκ/dv per stored unit, over a 64th of the table on the side where it changes more, so that a table may jump; and a
+/// thousandth of κ.
+std::vector<float> rises_of(const OpticalTable& table) {
+    constexpr std::size_t width = 64;
+    constexpr double even = 1e-3;
+    const auto& entries = table.entries;
+    std::vector<float> rises;
+    for (std::size_t j = 0; j < entries.size(); ++j) {
+        const double here = entries[j].extinction_per_mm;
+        const double above = entries[std::min(j + width, entries.size() - 1)].extinction_per_mm - here,
+                     below = here - entries[j > width ? j - width : 0].extinction_per_mm;
+        const double rise = std::abs(above) < std::abs(below) ? below : above;
+        rises.push_back(float((rise + even * here) / double(width) * table.index_scale));
+    }
+    return rises;
+}
+
 /// What kernels read of channels; it keeps them.
 template <class Voxel>
 struct ViewsOfChannels {
     Channels channels;
     std::vector<std::vector<kernel::Rgba>> matter;
+    std::vector<std::vector<float>> rises;
     std::vector<kernel::ChannelView<Voxel>> views;
 
     explicit ViewsOfChannels(Channels of) : channels(std::move(of)) {
         for (const auto& channel : channels) {
             const OpticalTable& table = channel->table;
+            rises.push_back(rises_of(table));
             auto& entries = matter.emplace_back();
             for (const OpticalTable::Entry& e : table.entries) {
                 const float kappa = e.extinction_per_mm;
                 entries.push_back({kappa * e.r, kappa * e.g, kappa * e.b, kappa});
             }
         }
-        constexpr double least_entries = 16;  // so that entries are no steps of a slope
         for (std::size_t i = 0; i < channels.size(); ++i) {
             const OpticalTable& table = channels[i]->table;
-            views.push_back({view_of<Voxel>(channels[i]->volume.data()), matter[i].data(), float(table.index_scale),
-                             float(table.index_offset + 0.5), float(matter[i].size() - 1),
-                             float(least_entries / table.index_scale)});
+            views.push_back({view_of<Voxel>(channels[i]->volume.data()), matter[i].data(), rises[i].data(),
+                             float(table.index_scale), float(table.index_offset + 0.5), float(matter[i].size() - 1)});
         }
     }
 };

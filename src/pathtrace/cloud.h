@@ -23,8 +23,8 @@ struct ColoursView {
 
 /// What paths collide with in a mixture.
 struct MixtureCollisions {
-    float most_extinction;  ///< per mm
-    float most;             ///< of an albedo's largest channel
+    float max_extinction;  ///< per mm
+    float most;            ///< of an albedo's largest channel
 
     /// The entry of a colour. Rounded up as often as u in [0, 1) says, so that the mean stays.
     template <class F>
@@ -91,7 +91,7 @@ struct Cloud {
         F kappa;
         if (volume.is_mixed()) {
             const RgbaLanes<F> matter = volume.matter_at(where);
-            kappa = min(alpha_of(matter), F(mixed.most_extinction));
+            kappa = min(alpha_of(matter), F(mixed.max_extinction));
             entry = mixed.entry_of<F>(matter, alpha_of(matter), numbers.c);
         } else {
             const F value = volume.value(where);

@@ -91,14 +91,14 @@ double cost(double majorant_per_voxel, int reach) {
 
 }  // namespace
 
-float most_extinction(const DeviceVolume::Data& volume) {
+float max_extinction(const DeviceVolume::Data& volume) {
     double longest_mm = 0;  // no way is longer
     for (int axis = 0; axis < 3; ++axis) longest_mm += volume.dimensions[axis] * volume.geometry.spacing_mm[axis];
     return float((1 << 22) / longest_mm);
 }
 
 std::vector<float> extinctions_of(const Medium::Data& medium) {
-    const float most = most_extinction(medium.volume.data());
+    const float most = max_extinction(medium.volume.data());
     std::vector<float> extinctions;
     for (const auto& entry : medium.table.entries) extinctions.push_back(std::min(entry.extinction_per_mm, most));
     return extinctions;

@@ -153,7 +153,7 @@ PathTracer::TraceTile PathTracer::tracer_through(const Camera& camera, const Lig
                                          .offset = float(data.table.index_offset + 0.5),
                                          .last = float(data.table.entries.size() - 1),
                                          .phase = {float(options.anisotropy)},
-                                         .mixed = {most_extinction(volume), float(limit)}};
+                                         .mixed = {max_extinction(volume), float(limit)}};
         if (!options.surfaces) return tracer_of(cloud, camera, settings, options);
         return tracer_of(kernel::SurfaceCloud<Voxel>{cloud, surface_table_->view(), reflection_.view()}, camera,
                          settings, options);

@@ -29,7 +29,7 @@ struct StepOfMatter {
         const F kappa = alpha_of(matter), depth = F(mm) * kappa;
         // 1 - exp(-x), of small x by its series.
         const F thin = depth * mad(depth, mad(depth, F(1.0f / 6), F(-0.5f)), F(1));
-        const F thick = F(1) - exp2(F(-1.442695041f) * depth);
+        const F thick = F(1) - exp2_below_0(F(-1.442695041f) * depth);
         const F alpha = additive ? depth : select(depth < F(0.03f), thin, thick);
         const F inverse = F(1) / max(kappa, F(1e-30f));
         const RgbaLanes<F> colour = scale(matter, alpha * inverse);

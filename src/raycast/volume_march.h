@@ -34,7 +34,7 @@ struct EndValue {
 template <class F>
 struct Classified {
     RgbaLanes<F> colour;
-    F value{0};  ///< of mixtures none
+    F value;  ///< of mixtures none
 };
 
 /// Step k between its two ends, in whole steps from the entry but for the exit.
@@ -84,7 +84,7 @@ CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& 
     }
     const auto at = matter.volume.locate(p, voxel);
     if (way.mixed) {
-        c.colour = mixed_colour<F>(matter, way, at);
+        c = {mixed_colour<F>(matter, way, at), F(0)};
     } else {
         if (way.classification != Classification::preintegrated) c.value = matter.volume.value(at);
         if (way.classification == Classification::post) c.colour = matter.table.at(c.value);

@@ -17,6 +17,12 @@ void Session::show(const Volume& volume, Progress& progress) {
     state_->show(volume, progress, [&](const Device& device) { return upload(device, volume, progress); });
 }
 
+void Session::show(std::vector<Volume>&& channels, Progress& progress) {
+    if (channels.size() == 1) return show(std::move(channels.front()), progress);
+    state_ = std::make_unique<State>(state_->device);
+    state_->show_channels(std::move(channels), progress);
+}
+
 void Session::show_moment(Volume&& volume, Progress& progress) {
     state_ = state_->for_moment(volume);
     state_->upload_by([&](const Device& device) { return upload(device, std::move(volume), progress); }, progress);
@@ -45,6 +51,7 @@ Session Session::share_volume() const {
     State& s = *other.state_;
     s.subject = state_->subject;
     s.upload.result = state_->upload.result;
+    s.others = state_->others;
     s.upload.inputs = {0};
     s.upload.version = ++s.last_version;
     return other;
@@ -146,7 +153,7 @@ bool Session::needs_light(const Scene& given) const {
     const State& s = *state_;
     const Scene scene = s.as_drawn(given);
     return s.prepare.inputs != std::tuple(s.upload.version, preparation_of(scene.illumination)) ||
-           s.classify.inputs != std::tuple(s.upload.version, scene.transfer, shape_for(scene)) ||
+           s.classify.inputs != std::tuple(s.upload.version, scene.transfer, scene.channels, shape_for(scene)) ||
            s.illuminate.inputs !=
                std::tuple(s.medium_version(scene), s.prepare.version, scene.illumination, s.held(scene));
 }

@@ -12,8 +12,8 @@ template <class Voxel>
 struct ChannelView {
     VolumeView<Voxel> volume;   ///< of its own voxels alone
     const Rgba* matter;         ///< κ per mm, and colour × κ, over its optical table
+    const float* rise;          ///< dκ/dv, with a hair of κ, so that matter that is even has a direction, too
     float scale, offset, last;  ///< entry = stored * scale + offset, rounding included
-    float least_rise;           ///< stored units over which a table's steps do not matter
 
     template <class F>
     CHIARO_INLINE Int<F> entry_of(F stored) const {
@@ -63,24 +63,19 @@ static CHIARO_NOINLINE void mixed_corners(const VolumeView<Voxel>& volume, const
     }
 }
 
-/// The gradient of extinction: Σ dκ/dv ∇v, any scale. A rise of κ is what it changes by within a voxel along the
-/// channel's gradient, on the side where it changes more, so that a table may jump. Where matter is even the channels'
-/// gradients count by their extinction.
+/// The gradient of extinction: Σ dκ/dv ∇v, any scale. Where matter is even the channels' gradients count by their
+/// extinction.
 template <class F, class Voxel>
 static CHIARO_NOINLINE Vec3<F> mixed_gradient(const VolumeView<Voxel>& volume, const Location<F>& at) {
-    constexpr float even = 1e-3f;
     Vec3<F> sum(F(0), F(0), F(0));
     for (std::int32_t i = 0; i < volume.mixture.count; ++i) {
         const ChannelView<Voxel>& channel = volume.mixture.channels[i];
+        const F stored = channel.volume.value(at);
+        F rise = gather_float(channel.rise, channel.entry_of(stored));
+        if (!any((rise < F(0)) | (rise > F(0)))) continue;
         const Vec3<F> gradient = channel.volume.gradient(at);
-        const F stored = channel.volume.value(at), here = channel.extinction_of(stored);
-        const F reach = max(sqrt(dot(gradient, gradient)), F(channel.least_rise));
-        const F above = channel.extinction_of(stored + reach) - here,
-                below = here - channel.extinction_of(stored - reach);
-        F rise = select(abs(above) < abs(below), below, above);
-        rise = mad(F(even), here, rise);
         if (channel.volume.has_factor()) rise = rise * channel.volume.factor_of(stored, gradient);
-        sum = mad(rise / reach, gradient, sum);
+        sum = mad(rise, gradient, sum);
     }
     return sum;
 }
