@@ -170,9 +170,8 @@ struct Volume {
 /// in 1..65535.
 CHIARO_EXPORT Volume make_volume(std::array<int, 3> dimensions, VoxelType type);
 
-/// A volume for each value of a voxel, in order: the volume itself where there is one. Cost: a pass over the voxels;
-/// memory: them once more, until it returns.
-CHIARO_EXPORT std::vector<Volume> components_of(Volume&& volume);
+/// A volume for each value of a voxel, in order. Cost: a pass over the voxels; memory: them once more.
+CHIARO_EXPORT std::vector<Volume> components_of(const Volume& volume);
 /// Whether voxels lie where the other's do, to a hundredth of its smallest edge.
 CHIARO_EXPORT bool has_grid_of(const Volume& volume, const Volume& other);
 /// The scalar volume's values, interpolated linearly at the other's voxels, in its own type; the least of them where it

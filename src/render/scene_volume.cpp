@@ -62,7 +62,11 @@ std::vector<ChannelSettings> channels_of(const Scene& scene, int components) {
 std::vector<Volume> read_channels(const Scene& scene, Progress& progress) {
     Volume first = read_volume(scene, progress);
     channels_of(scene, first.components);  // refuses what is too many before it is taken apart
-    std::vector<Volume> all = components_of(std::move(first));
+    std::vector<Volume> all;
+    if (first.components == 1)
+        all.push_back(std::move(first));
+    else
+        all = components_of(first), first = Volume();
     for (const ChannelSettings& channel : scene.channels) {
         if (channel.file.empty()) continue;
         Volume volume = read_volume(channel.file, ReadOptions(), progress);

@@ -7,12 +7,14 @@ Session::~Session() = default;
 Session::Session(Session&&) noexcept = default;
 
 void Session::show(Volume&& volume, Progress& progress) {
+    if (volume.components > 1) return show(components_of(std::move(volume)), progress);
     // The old volume, and all that was made from it, go before the new one takes its memory.
     state_ = std::make_unique<State>(state_->device);
     state_->show(volume, progress, [&](const Device& device) { return upload(device, std::move(volume), progress); });
 }
 
 void Session::show(const Volume& volume, Progress& progress) {
+    if (volume.components > 1) return show(components_of(volume), progress);
     state_ = std::make_unique<State>(state_->device);
     state_->show(volume, progress, [&](const Device& device) { return upload(device, volume, progress); });
 }

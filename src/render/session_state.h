@@ -134,6 +134,9 @@ struct Session::State {
     }
 
     void show_channels(std::vector<Volume>&& channels, Progress& progress) {
+        if (channels.size() > max_channels)
+            throw Error(ErrorCode::input, fmt::format("{}: at most {} values a voxel can be shown, not {}",
+                                                      channels.front().source, max_channels, channels.size()));
         std::vector<DeviceVolume> volumes(1);
         std::vector<Subject> subjects;
         for (std::size_t i = 1; i < channels.size(); ++i) {

@@ -69,12 +69,8 @@ void fill_from(const Volume& volume, int threads, Volume& out) {
 
 }  // namespace
 
-std::vector<Volume> components_of(Volume&& volume) {
+std::vector<Volume> components_of(const Volume& volume) {
     std::vector<Volume> all;
-    if (volume.components == 1) {
-        all.push_back(std::move(volume));
-        return all;
-    }
     for (int c = 0; c < volume.components; ++c) {
         Volume& one = all.emplace_back(header_of(volume));
         if (c == 0) one.notes = volume.notes;
