@@ -15,6 +15,7 @@ constexpr auto suite_table = std::to_array<Suite>({
     {"memory", "copying and reading: what the machine's memory gives", memory_cases},
     {"sampling", "ray casting without skipping: types, directions, instruction sets", sampling_cases},
     {"skipping", "what empty-space skipping saves", skipping_cases},
+    {"channels", "a frame of several channels", channel_cases},
     {"scenes", "a frame of each scene of bench/scenes", scene_cases},
     {"ways", "the same scenes as isosurfaces and maxima, classified, composited and set up in other ways", way_cases},
     {"pipeline", "upload and classify", pipeline_cases},

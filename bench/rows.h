@@ -50,6 +50,7 @@ struct Suite {
 std::vector<Case> memory_cases(const Setup& setup);
 std::vector<Case> sampling_cases(const Setup& setup);
 std::vector<Case> skipping_cases(const Setup& setup);
+std::vector<Case> channel_cases(const Setup& setup);
 std::vector<Case> scene_cases(const Setup& setup);
 std::vector<Case> way_cases(const Setup& setup);
 std::vector<Case> pipeline_cases(const Setup& setup);

@@ -64,6 +64,7 @@ PagingSettings paging_of(const PagingOptions& o) {
 }
 
 std::shared_ptr<const BrickSource> paged_volume(const Scene& scene, const PagingSettings& paging) {
+    if (!scene.channels.empty()) return nullptr;
     if (scene.stated.spacing_mm || scene.volume == "-" || scene.read.time > 0 || !moment_files(scene.volume).empty() ||
         is_small(scene.volume, paging))
         return {};

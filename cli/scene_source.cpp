@@ -4,6 +4,8 @@
 #include <chiaro/transfer_file.h>
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "paging_options.h"
 
 namespace chiaro::cli {
@@ -23,11 +25,55 @@ void tell_transfer(const Session& session, const Scene& scene) {
         say(fmt::format("{}: {}", transfer.source, note));
 }
 
+/// Lists as many channels as are spoken of: the volume's own, then the files'. The list's place of each is returned.
+std::vector<ChannelSettings*> listed_channels(Scene& scene, std::size_t count, std::string_view flag) {
+    const auto is_own = [](const ChannelSettings& c) { return c.file.empty(); };
+    const auto first_file = std::stable_partition(scene.channels.begin(), scene.channels.end(), is_own);
+    const auto files = std::size_t(scene.channels.end() - first_file);
+    if (count <= files)
+        throw Error(ErrorCode::usage, fmt::format("{}: {} values are too few for the volume and {} other channel{}",
+                                                  flag, count, files, files > 1 ? "s" : ""));
+    if (count > scene.channels.size()) scene.channels.insert(first_file, count - scene.channels.size(), {});
+    std::vector<ChannelSettings*> places;
+    for (ChannelSettings& channel : scene.channels) places.push_back(&channel);
+    return places;
+}
+
+void add_channels(const SceneSource& source, Scene& scene) {
+    for (const std::string& file : source.channels) scene.channels.push_back({.file = file});
+    if (!source.channel_gains.empty()) {
+        const auto places = listed_channels(scene, source.channel_gains.size(), "--channel-gains");
+        for (std::size_t i = 0; i < source.channel_gains.size(); ++i) {
+            const double gain = source.channel_gains[i];
+            if (!(gain >= 0 && gain <= 1e6))
+                throw Error(ErrorCode::usage, fmt::format("--channel-gains {}: must be 0 to 1000000", gain));
+            places[i]->gain = gain;
+        }
+    }
+    if (source.channel_transfers.empty()) return;
+    const auto places = listed_channels(scene, source.channel_transfers.size(), "--channel-transfers");
+    for (std::size_t i = 0; i < source.channel_transfers.size(); ++i)
+        if (source.channel_transfers[i] != "-") places[i]->transfer.source = source.channel_transfers[i];
+}
+
 }  // namespace
 
 void add_scene_source(CLI::App& app, SceneSource& source) {
     app.add_option("VOLUME", source.volume,
                    "file, folder of slices, sample:NAME[:SIZE], or - for NRRD on standard input");
+    app.add_option(
+           "--channel", source.channels,
+           "another volume, shown together with the first: extinctions add (repeatable, up to 7; docs/channels.md)")
+        ->type_name("FILE")
+        ->take_all();
+    app.add_option("--channel-transfers", source.channel_transfers,
+                   "transfer function of each channel, as --transfer; - leaves one its own colour")
+        ->type_name("NAME,NAME,...")
+        ->delimiter(',');
+    app.add_option("--channel-gains", source.channel_gains,
+                   "what each channel's extinction is multiplied by, in maxima its colour; 0 hides it")
+        ->type_name("G,G,...")
+        ->delimiter(',');
     app.add_option("--scene", source.scene, "scene file, instead of a VOLUME; flags beside it win")->type_name("FILE");
     app.add_option("--data", source.data, "folder where volumes of scenes are looked up after the scene's own")
         ->type_name("DIR");
@@ -45,6 +91,7 @@ Scene scene_from(const SceneSource& source, const SettingFlags& flags, const Com
         if (!common.quiet)
             for (const auto& key : unknown) say(fmt::format("{}: unknown key {}", source.scene.string(), key));
     }
+    add_channels(source, scene);
     flags.apply(scene);
     return scene;
 }
@@ -54,15 +101,19 @@ void show(Scene& scene, Session& session, Stats& stats, Job& job, const CommonOp
     Scene first = scene;
     first.read.time = 0;
     const auto source = paging ? paged_volume(scene, *paging) : nullptr;
-    Volume volume;
-    if (!source) volume = stats.stage("read", [&] { return read_volume(first, job.progress); });
-    const Volume& header = source ? source->header() : volume;
+    std::vector<Volume> channels;
+    if (!source) channels = stats.stage("read", [&] { return read_channels(first, job.progress); });
+    const Volume& header = source ? source->header() : channels.front();
     stats.volume = json_of(header);
     std::vector<std::string> notes = header.notes;
+    const std::size_t channel_count = channels.size();
+    for (std::size_t i = 1; i < channels.size(); ++i)
+        for (const std::string& note : channels[i].notes) notes.push_back(channels[i].source + ": " + note);
+    if (channel_count > 1) notes.push_back(fmt::format("{} channels are shown together", channel_count));
     if (source)
         session.show(source, *paging, job.progress);
     else
-        session.show(std::move(volume), job.progress);
+        session.show(std::move(channels), job.progress);
     if (scene.read.time > 0 && !source) {
         scene.camera = all_around ? session.fit_all_around(first, job.progress) : session.fit(first, job.progress);
         show_moment(scene, session, stats, job);
@@ -72,7 +123,7 @@ void show(Scene& scene, Session& session, Stats& stats, Job& job, const CommonOp
     job.bar.clear();
     if (common.quiet) return;
     for (const auto& note : notes) say(fmt::format("{}: {}", scene.volume, note));
-    tell_guess(session, scene);
+    if (channel_count <= 1) tell_guess(session, scene);
     tell_transfer(session, scene);
 }
 

@@ -11,6 +11,8 @@ namespace chiaro::cli {
 struct SceneSource {
     std::string volume;
     std::filesystem::path scene, data;
+    std::vector<std::string> channels{}, channel_transfers{};  ///< files of further ones; functions of all
+    std::vector<double> channel_gains{};                       ///< of all
 };
 
 void add_scene_source(CLI::App& app, SceneSource& source);

@@ -63,6 +63,8 @@ std::string key_of(const Scene& scene, int halvings = 0) {
     Scene only;
     only.volume = scene.volume, only.read = scene.read, only.stated = scene.stated;
     only.read.time = 0;
+    for (const ChannelSettings& channel : scene.channels)
+        if (!channel.file.empty()) only.channels.push_back({.file = channel.file});
     return fmt::format("{} {}", halvings, to_json(only));
 }
 
@@ -81,16 +83,20 @@ std::shared_ptr<const Loaded> read(const Scene& scene, Device device, int halvin
     reading.read.seconds = longest_reading,
     reading.read.max_bytes = std::max<std::uint64_t>(1, std::uint64_t(free_memory()));
     reading.read.spill = user_cache();
-    Volume volume = read_volume(reading, progress);
+    std::vector<Volume> channels = read_channels(reading, progress);
+    Volume& volume = channels.front();
     const bool is_spacing_stated = states_spacing(volume);
     const Fitted fitted = fit(volume, halvings);
+    if (channels.size() > 1 && fitted.is_reduced())
+        throw Error(ErrorCode::output, fmt::format("{}: {} channels of {} voxels do not fit in the memory that is free",
+                                                   scene.volume, channels.size(), fmt::join(fitted.from, " x ")));
     Json json = told(volume);
     json["spacing_stated"] = is_spacing_stated;
     json["reduced"] = nullptr;
     if (fitted.is_reduced()) json["reduced"] = {{"from", fitted.from}, {"to", fitted.to}, {"bytes", fitted.free}};
     auto loaded = std::make_shared<Loaded>(Loaded{scene, Session(device), std::move(json), halvings});
     loaded->source.read.time = 0;
-    loaded->session.show(std::move(volume), progress);
+    loaded->session.show(std::move(channels), progress);
     loaded->told["exact"] = loaded->session.volume().is_exact() && !fitted.is_reduced();
     return loaded;
 }

@@ -178,3 +178,20 @@ TEST(Scene, ChecksWhatItStatesOfTheVolume) {
     scene.stated = {{{8, 8, 9}}, {}, {}};
     EXPECT_THROW(read_volume(scene, progress), Error);
 }
+
+TEST(Scene, ChannelsAreKept) {
+    const Scene scene = parse(R"("channels": [{"name": "a", "gain": 0.5},
+        {"file": "b.nrrd", "show": false, "transfer_function": {"preset": "viridis"}}])");
+    ASSERT_EQ(scene.channels.size(), 2u);
+    EXPECT_EQ(scene.channels[0].gain, 0.5);
+    EXPECT_EQ(scene.channels[1].file, "folder/b.nrrd");
+    EXPECT_EQ(scene.channels[1].transfer.source, "viridis");
+    EXPECT_FALSE(scene.channels[1].show);
+    std::vector<std::string> unknown;
+    EXPECT_EQ(parse_scene(to_json(scene), "", "", unknown).channels, scene.channels);
+    EXPECT_TRUE(unknown.empty());
+    EXPECT_NE(refusal(R"("channels": 3)").find("channels"), std::string::npos);
+    EXPECT_NE(refusal(R"("channels": [{"gain": -1}])").find("gain -1"), std::string::npos);
+    EXPECT_NE(refusal(R"("channels": [{"show": 1}])").find("show 1"), std::string::npos);
+    EXPECT_NE(refusal(R"("channels": [{}, {}, {}, {}, {}, {}, {}, {}, {}])").find("at most 8"), std::string::npos);
+}

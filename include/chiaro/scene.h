@@ -38,12 +38,23 @@ struct ExpectedVolume {
     bool operator==(const ExpectedVolume&) const = default;
 };
 
+/// One of several values of a voxel, and how it looks.
+struct ChannelSettings {
+    std::string file;           ///< as Scene::volume; empty: the next component of the volume itself
+    std::string name;           ///< empty: "channel 1" and so on
+    TransferSettings transfer;  ///< none named: of the first channel the scene's, else a ramp in a colour of its own
+    double gain = 1;            ///< as Channel
+    bool show = true;           ///< false: as gain 0
+    bool operator==(const ChannelSettings&) const = default;
+};
+
 /// The same scene gives the same picture.
 struct Scene {
     std::string volume;  ///< as for read_volume; relative names are resolved by read_scene
     ExpectedVolume stated;
     ReadOptions read;
     TransferSettings transfer;
+    std::vector<ChannelSettings> channels;  ///< what is said of them; components that are not listed are shown, too
     Mode mode = Mode::dvr;
     std::vector<IsoSurface> iso;  ///< for Mode::iso
     Clip clip;
@@ -68,6 +79,13 @@ CHIARO_EXPORT void check(const Scene& scene, ErrorCode code);
 /// Reads the scene's volume. The size and type that the scene states are checked; its spacing replaces the file's (and
 /// a note says so where the two differ). Throws Error{input}, or Error{interrupted} when cancelled.
 CHIARO_EXPORT Volume read_volume(const Scene& scene, Progress& progress);
+
+/// All of the scene's channels on the volume's grid: its components, then the files of `channels`, resampled where
+/// their grid is another (which a note of theirs says). Throws as read_volume, and Error{input} for more than
+/// `max_channels`.
+CHIARO_EXPORT std::vector<Volume> read_channels(const Scene& scene, Progress& progress);
+/// What the scene says of its channels, one for each, where the volume itself has so many components.
+CHIARO_EXPORT std::vector<ChannelSettings> channels_of(const Scene& scene, int components);
 
 /// The scene with its files named as seen from a folder, to be kept in a file there.
 CHIARO_EXPORT Scene seen_from(Scene scene, const std::filesystem::path& folder);

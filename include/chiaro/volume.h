@@ -142,7 +142,7 @@ struct Moments {
 struct Volume {
     std::array<int, 3> dimensions{0, 0, 0};  ///< x, y, z; x is fastest in memory
     VoxelType type = VoxelType::u8;
-    int components = 1;  ///< values per voxel, interleaved; only scalar volumes can be rendered
+    int components = 1;  ///< values per voxel, interleaved; rendered as channels (components_of)
     /// What a stored number means: value = slope * stored + intercept (HU for CT, scl_slope of NIfTI).
     double slope = 1, intercept = 0;
     Geometry geometry;
@@ -169,6 +169,14 @@ struct Volume {
 /// An empty (zero) volume of the given shape with unit geometry. Throws Error{input} unless every dimension is
 /// in 1..65535.
 CHIARO_EXPORT Volume make_volume(std::array<int, 3> dimensions, VoxelType type);
+
+/// A volume for each value of a voxel, in order. Cost: a pass over the voxels; memory: them once more.
+CHIARO_EXPORT std::vector<Volume> components_of(const Volume& volume);
+/// Whether voxels lie where the other's do, to a hundredth of its smallest edge.
+CHIARO_EXPORT bool has_grid_of(const Volume& volume, const Volume& other);
+/// The scalar volume's values, interpolated linearly at the other's voxels, in its own type; the least of them where it
+/// has none. Cost: some 30 ns a voxel and core.
+CHIARO_EXPORT Volume resampled(const Volume& volume, const Volume& onto);
 
 /// What the values of a volume are, after slope and intercept; non-finite voxels are counted and left out.
 struct Statistics {

@@ -19,6 +19,7 @@ bool shows_something(const Medium::Data& medium, const std::array<int, 3>& brick
 
 void discard_unseen(const Medium& medium) {
     const Medium::Data& shown = medium.data();
+    if (is_mixed(shown)) return;
     const RangeTest is_visible = visible_range(shown.table);
     const SplineCoding& spline = shown.volume.data().spline;
     const float zero = spline.least - spline.base * spline.scale;  // as a coefficient

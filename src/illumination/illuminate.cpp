@@ -145,6 +145,10 @@ const std::shared_ptr<const LocalHistograms>& histograms_of(const Prepared& prep
 
 IlluminationField light_of_histograms(const Device& device, const Medium::Data& medium, const Prepared& prepared,
                                       const IlluminationSettings& settings) {
+    if (is_mixed(medium))
+        throw Error(ErrorCode::usage,
+                    "lighting histogram: local histograms are of one channel: several go with spao, visibility, "
+                    "transport and reference");
     if (medium.volume.data().factor)
         throw Error(ErrorCode::usage,
                     "lighting histogram: local histograms know values and no gradients, so opacity by gradient goes "
@@ -206,10 +210,11 @@ std::vector<MethodInfo> list_methods() {
          "Ground truth by path tracing, or by rays from every voxel: slow; the others are measured against it."}};
 }
 
-bool illuminate(const Device& device, const Medium& medium, const Prepared& prepared, const Lighting& lighting,
+bool illuminate(const Device& given, const Medium& medium, const Prepared& prepared, const Lighting& lighting,
                 const IlluminationSettings& settings, const Sink& sink, Progress& progress,
                 const IlluminationField& warm) try {
     progress.check();
+    const Device device = device_for(given, medium.data());
     check_image(settings);
     // Paths find their light themselves.
     if (settings.method == Method::none || !is_lit(medium.data().shape.mode) || is_path_traced(settings))

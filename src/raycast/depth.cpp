@@ -47,7 +47,7 @@ bool find_depth(const Device& device, const Medium& medium, const Camera& camera
         using Voxel = decltype(voxel);
         const kernel::DepthKernel<Voxel> kernel{make_kernel<Voxel>(
             data, tables, kernel::NoneView(), {.shading = Shading::none}, camera, rays, pixels, false)};
-        return cast_depth(device, kernel, arrays, pixels, progress);
+        return cast_depth(device_for(device, data), kernel, arrays, pixels, progress);
     });
     frame.depth_mm.clear();
     if (!complete) return false;

@@ -77,6 +77,24 @@ double opacity_of(const Medium::Data& medium, float stored) {
     return -std::expm1(-double(table.entries[index].extinction_per_mm) * table.unit_mm);
 }
 
+/// Of a mixture: the value of the channel that stops most light there, and the opacity of all.
+void tell_channels(const Medium::Data& medium, const kernel::Vec3<float>& p, Pick& pick) {
+    float most = -1, sum = 0;
+    for (const auto& channel : medium.channels) {
+        const DeviceVolume::Data& volume = channel->volume.data();
+        const float stored = with_stored_voxel(volume, [&](auto voxel) {
+            const auto view = view_of<decltype(voxel)>(volume);
+            return view.value(view.locate(p, view.voxel(p)));
+        });
+        const auto& entries = channel->table.entries;
+        const double index = channel->table.index_of(double(stored)) + 0.5;
+        const float kappa = entries[std::size_t(std::clamp(index, 0.0, double(entries.size() - 1)))].extinction_per_mm;
+        sum += kappa;
+        if (kappa > most) most = kappa, pick.value = volume.scale * double(stored) + volume.offset;
+    }
+    pick.opacity = -std::expm1(-double(sum) * medium.table.unit_mm);
+}
+
 Pick told(const Witness& witness, const Medium::Data& medium, const Camera& camera) {
     const DeviceVolume::Data& volume = medium.volume.data();
     Pick pick;
@@ -87,6 +105,7 @@ Pick told(const Witness& witness, const Medium::Data& medium, const Camera& came
     pick.depth_mm = camera.projection == Projection::orthographic ? dot(from_eye, camera.forward) : length(from_eye);
     const kernel::Rgba& c = witness.colour;
     pick.opacity = medium.shape.mode == Mode::iso ? double(c.a) : opacity_of(medium, witness.value);
+    if (is_mixed(medium)) tell_channels(medium, witness.p, pick);
     const double straight[] = {double(c.r) / c.a, double(c.g) / c.a, double(c.b) / c.a};
     for (std::size_t i = 0; i < 3; ++i) {
         const double channel = std::clamp(straight[i], 0.0, 1.0);

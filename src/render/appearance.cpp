@@ -29,6 +29,22 @@ TransferFunction transfer_function_for(const TransferSettings& settings, const S
     return tf;
 }
 
+TransferFunction transfer_function_of_channel(const ChannelSettings& channel, std::size_t index, std::size_t count,
+                                              const TransferSettings& of_scene, const Subject& subject) {
+    const auto is_named = [](const TransferSettings& t) { return t.points || !t.source.empty(); };
+    if (is_named(channel.transfer)) return transfer_function_for(channel.transfer, subject);
+    if (count == 1 || (index == 0 && is_named(of_scene))) return transfer_function_for(of_scene, subject);
+    constexpr Rgb colours[max_channels]{{1, 0.1, 0.1}, {0.1, 1, 0.1}, {0.15, 0.3, 1}, {1, 1, 1},
+                                        {0.1, 1, 1},   {1, 0.1, 1},   {1, 1, 0.1},    {1, 0.55, 0.1}};
+    // Half of the voxels are taken for background, and a tenth of what rises above them for haze.
+    const Statistics& s = subject.statistics;
+    const double top = s.p999 > s.p50 ? s.p999 : s.max > s.p50 ? s.max : s.p50 + 1;
+    TransferFunction tf;
+    const Rgb& colour = colours[index % max_channels];
+    tf.points = {{s.p50 + 0.1 * (top - s.p50), colour, 0}, {top, colour, 0.3}};
+    return tf;
+}
+
 Shape shape_for(const Scene& scene) {
     Shape shape{.mode = scene.mode, .iso = scene.iso, .clip = scene.clip};
     if (scene.transfer.threshold) {

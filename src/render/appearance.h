@@ -20,6 +20,12 @@ Subject study(const Volume& volume, const Progress& progress);
 /// preset - with their window and opacity unit applied. Throws as load_transfer_function.
 TransferFunction transfer_function_for(const TransferSettings& settings, const Subject& subject);
 
+/// That of a channel, number `index` of `count`: as its settings say, else of one alone the guessed one, of several a
+/// ramp over its values in a colour of its own (ImageJ's order: red, green, blue, white, cyan, magenta, yellow). Throws
+/// as load_transfer_function.
+TransferFunction transfer_function_of_channel(const ChannelSettings& channel, std::size_t index, std::size_t count,
+                                              const TransferSettings& of_scene, const Subject& subject);
+
 /// Linear, as drafts are and what a camera is fitted to, or by texture.
 Shape shape_for(const Scene& scene);
 

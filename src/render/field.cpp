@@ -142,9 +142,10 @@ std::map<std::string, std::string> how_made(const IlluminationSettings& settings
 
 }  // namespace
 
-ComputedField compute_field(const Device& device, const Medium& medium, const Prepared& prepared,
+ComputedField compute_field(const Device& given, const Medium& medium, const Prepared& prepared,
                             const Lighting& lighting, const IlluminationSettings& wanted, Progress& progress) {
     check_computable(medium.data().shape, wanted);
+    const Device device = device_for(given, medium.data());
     IlluminationSettings settings = wanted;
     if (!settings.reference.quantity) settings.reference.quantity = ReferenceQuantity::obscurance;
     const auto start = std::chrono::steady_clock::now();

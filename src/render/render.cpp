@@ -20,6 +20,12 @@ Image render_later_moment(const Device& device, const Scene& scene, Progress& pr
     return session.render(moment, progress);
 }
 
+Image render_channels(const Device& device, const Scene& scene, std::vector<Volume>&& channels, Progress& progress) {
+    Session session(device);
+    session.show(std::move(channels), progress);
+    return session.render(scene, progress);
+}
+
 }  // namespace
 
 Image render_image(const Device& device, const Scene& scene, Progress& progress) {
@@ -27,7 +33,10 @@ Image render_image(const Device& device, const Scene& scene, Progress& progress)
     if (scene.read.time > 0) return render_later_moment(device, scene, progress);
 
     // What is shown, and what its values mean.
-    Volume volume = read_volume(scene, progress);
+    std::vector<Volume> channels = read_channels(scene, progress);
+    if (channels.size() > 1 || !scene.channels.empty())
+        return render_channels(device, scene, std::move(channels), progress);
+    Volume volume = std::move(channels.front());
     const Subject subject = study(volume, progress);
     const Geometry geometry = volume.geometry;
     const auto dimensions = volume.dimensions;

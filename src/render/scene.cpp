@@ -149,6 +149,34 @@ void read_transfer_function(const ReadJson& root, const std::filesystem::path& f
     transfer.opacity_unit.reset(), transfer.opacity_unit_mm.reset();  // these belong to the points, and replace nothing
 }
 
+std::vector<ChannelSettings> read_scene_channels(const ReadJson& root, const std::filesystem::path& folder,
+                                                 const std::filesystem::path& data_folder) {
+    std::vector<ChannelSettings> channels;
+    const ReadJson* list = find(root, "channels");
+    if (!list) return channels;
+    if (!list->is_array() || list->size() > max_channels)
+        refuse(fmt::format("channels: must be a list of at most {}", max_channels));
+    for (const ReadJson& item : *list) {
+        if (!item.is_object()) refuse("channels: each is an object");
+        ChannelSettings channel;
+        if (const std::string file = text_at(item, "file"); !file.empty())
+            channel.file = found_file(file, folder, data_folder);
+        channel.name = text_at(item, "name");
+        read_transfer_function(item, folder, data_folder, channel.transfer);
+        if (const ReadJson* gain = find(item, "gain")) {
+            if (!gain->is_number() || !(gain->get<double>() >= 0) || !std::isfinite(gain->get<double>()))
+                refuse(fmt::format("channels: gain {}: must be 0 or more", gain->dump()));
+            channel.gain = gain->get<double>();
+        }
+        if (const ReadJson* show = find(item, "show")) {
+            if (!show->is_boolean()) refuse(fmt::format("channels: show {}: must be true or false", show->dump()));
+            channel.show = show->get<bool>();
+        }
+        channels.push_back(std::move(channel));
+    }
+    return channels;
+}
+
 void write_transfer_function(const TransferSettings& transfer, Json& root) {
     if (transfer.points) {
         TransferFunction tf = *transfer.points;
@@ -160,6 +188,18 @@ void write_transfer_function(const TransferSettings& transfer, Json& root) {
         const bool named_as_file = transfer.source.find_first_of("/.") != std::string::npos;
         root["transfer_function"]
             [named_as_file || is_file(split_transfer_name(transfer.source).file) ? "file" : "preset"] = transfer.source;
+    }
+}
+
+void write_channels(const std::vector<ChannelSettings>& channels, Json& root) {
+    for (const ChannelSettings& channel : channels) {
+        Json item = Json::object();
+        if (!channel.file.empty()) item["file"] = channel.file;
+        if (!channel.name.empty()) item["name"] = channel.name;
+        write_transfer_function(channel.transfer, item);
+        item["gain"] = json_of_number(channel.gain);
+        item["show"] = channel.show;
+        root["channels"].push_back(std::move(item));
     }
 }
 
@@ -238,6 +278,7 @@ Scene parse_scene(const std::string& json, const std::filesystem::path& folder,
     if (find(root, "camera.fit_scale")) scene.camera.fit = Fit::volume;
     read_settings(root, scene);
     read_transfer_function(root, folder, data_folder, scene.transfer);
+    scene.channels = read_scene_channels(root, folder, data_folder);
     scene.lighting.probe.source = read_probe(root, folder, data_folder);
     if (std::string& emission = scene.illumination.histogram.emission;
         !emission.empty() && emission.find('=') == emission.npos)
@@ -253,6 +294,7 @@ std::string to_json(const Scene& scene) {
     root["chiaro"] = format_version;
     root["volume"]["file"] = scene.volume;
     write_transfer_function(scene.transfer, root);
+    write_channels(scene.channels, root);
     write_probe(scene.lighting.probe.source, root);
     root["camera"]["model"] = "orbit";
     const auto write = [&](const Setting& setting, const auto&... fields) {

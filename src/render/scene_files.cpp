@@ -56,8 +56,15 @@ Scene seen_from(Scene scene, const fs::path& folder) {
         return fs::absolute(name).lexically_normal().lexically_proximate(base).string();
     };
     if (!names_no_file(scene.volume)) scene.volume = see(scene.volume);
-    if (const auto [file, function] = split_transfer_name(scene.transfer.source); is_file(file))
-        scene.transfer.source = see(file) + (function.empty() ? "" : "#" + function);
+    const auto see_function = [&](std::string& source) {
+        if (const auto [file, function] = split_transfer_name(source); is_file(file))
+            source = see(file) + (function.empty() ? "" : "#" + function);
+    };
+    see_function(scene.transfer.source);
+    for (ChannelSettings& channel : scene.channels) {
+        if (!names_no_file(channel.file)) channel.file = see(channel.file);
+        see_function(channel.transfer.source);
+    }
     if (std::string& probe = scene.lighting.probe.source; !is_probe_name(probe)) probe = see(probe);
     HistogramSettings& histogram = scene.illumination.histogram;
     if (is_file(histogram.emission)) histogram.emission = see(histogram.emission);

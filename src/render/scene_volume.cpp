@@ -43,4 +43,45 @@ Volume read_volume(const Scene& scene, Progress& progress) {
     return volume;
 }
 
+std::vector<ChannelSettings> channels_of(const Scene& scene, int components) {
+    std::vector<ChannelSettings> own, files;
+    for (const ChannelSettings& channel : scene.channels) (channel.file.empty() ? own : files).push_back(channel);
+    if (int(own.size()) > components)
+        throw Error(ErrorCode::input, fmt::format("channels: {} are of the volume itself, which has {} value{} a voxel",
+                                                  own.size(), components, components > 1 ? "s" : ""));
+    own.resize(std::size_t(components));
+    own.insert(own.end(), files.begin(), files.end());
+    if (own.size() > max_channels)
+        throw Error(ErrorCode::input,
+                    fmt::format("at most {} channels can be shown, not {}", max_channels, own.size()));
+    for (std::size_t i = 0; i < own.size(); ++i)
+        if (own[i].name.empty()) own[i].name = fmt::format("channel {}", i + 1);
+    return own;
+}
+
+std::vector<Volume> read_channels(const Scene& scene, Progress& progress) {
+    Volume first = read_volume(scene, progress);
+    channels_of(scene, first.components);  // refuses what is too many before it is taken apart
+    std::vector<Volume> all;
+    if (first.components == 1)
+        all.push_back(std::move(first));
+    else
+        all = components_of(first), first = Volume();
+    for (const ChannelSettings& channel : scene.channels) {
+        if (channel.file.empty()) continue;
+        Volume volume = read_volume(channel.file, ReadOptions(), progress);
+        if (volume.components > 1)
+            throw Error(ErrorCode::input, fmt::format("{}: has {} values a voxel, where a channel has one",
+                                                      volume.source, volume.components));
+        if (!has_grid_of(volume, all.front())) {
+            const std::string note = fmt::format("resampled from {} voxels onto the volume's {}",
+                                                 to_text(volume.dimensions), to_text(all.front().dimensions));
+            volume = resampled(volume, all.front());
+            volume.notes.push_back(note);
+        }
+        all.push_back(std::move(volume));
+    }
+    return all;
+}
+
 }  // namespace chiaro

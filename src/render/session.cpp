@@ -7,14 +7,22 @@ Session::~Session() = default;
 Session::Session(Session&&) noexcept = default;
 
 void Session::show(Volume&& volume, Progress& progress) {
+    if (volume.components > 1) return show(components_of(std::move(volume)), progress);
     // The old volume, and all that was made from it, go before the new one takes its memory.
     state_ = std::make_unique<State>(state_->device);
     state_->show(volume, progress, [&](const Device& device) { return upload(device, std::move(volume), progress); });
 }
 
 void Session::show(const Volume& volume, Progress& progress) {
+    if (volume.components > 1) return show(components_of(volume), progress);
     state_ = std::make_unique<State>(state_->device);
     state_->show(volume, progress, [&](const Device& device) { return upload(device, volume, progress); });
+}
+
+void Session::show(std::vector<Volume>&& channels, Progress& progress) {
+    if (channels.size() == 1) return show(std::move(channels.front()), progress);
+    state_ = std::make_unique<State>(state_->device);
+    state_->show_channels(std::move(channels), progress);
 }
 
 void Session::show_moment(Volume&& volume, Progress& progress) {
@@ -45,6 +53,7 @@ Session Session::share_volume() const {
     State& s = *other.state_;
     s.subject = state_->subject;
     s.upload.result = state_->upload.result;
+    s.others = state_->others;
     s.upload.inputs = {0};
     s.upload.version = ++s.last_version;
     return other;
@@ -146,7 +155,7 @@ bool Session::needs_light(const Scene& given) const {
     const State& s = *state_;
     const Scene scene = s.as_drawn(given);
     return s.prepare.inputs != std::tuple(s.upload.version, preparation_of(scene.illumination)) ||
-           s.classify.inputs != std::tuple(s.upload.version, scene.transfer, shape_for(scene)) ||
+           s.classify.inputs != std::tuple(s.upload.version, scene.transfer, scene.channels, shape_for(scene)) ||
            s.illuminate.inputs !=
                std::tuple(s.medium_version(scene), s.prepare.version, scene.illumination, s.held(scene));
 }

@@ -30,10 +30,17 @@ struct Session::State {
     Version last_version = 0;
     bool one_look = false, gave_back = false;  // voxels that the one look cannot show
 
+    /// Of volumes of several channels: all but the first.
+    struct OtherChannel {
+        Subject subject;
+        DeviceVolume volume;
+    };
+    std::vector<OtherChannel> others;
+
     // The table: what each stage makes, and from what.
     Kept<DeviceVolume, Version> upload;
     Kept<Prepared, Version, IlluminationSettings> prepare;
-    Kept<Classified, Version, TransferSettings, Shape> classify;
+    Kept<Classified, Version, TransferSettings, std::vector<ChannelSettings>, Shape> classify;
     Kept<CameraSettings, Version, CameraSettings, RaySettings, std::pair<int, int>> fit;
     Kept<Medium, Version, Interpolation> interpolate;  // of final pictures, where drafts are not as fine
     Kept<Probe, std::string> probe;
@@ -126,8 +133,48 @@ struct Session::State {
         upload_by(upload_to, progress);
     }
 
+    void show_channels(std::vector<Volume>&& channels, Progress& progress) {
+        if (channels.size() > max_channels)
+            throw Error(ErrorCode::input, fmt::format("{}: at most {} values a voxel can be shown, not {}",
+                                                      channels.front().source, max_channels, channels.size()));
+        std::vector<DeviceVolume> volumes(1);
+        std::vector<Subject> subjects;
+        for (std::size_t i = 1; i < channels.size(); ++i) {
+            subjects.push_back(study(channels[i], progress));
+            volumes.push_back(chiaro::upload(device, std::move(channels[i]), progress));
+        }
+        show(channels.front(), progress,
+             [&](const Device& where) { return chiaro::upload(where, std::move(channels.front()), progress); });
+        volumes.front() = upload.result;
+        volumes = alike(volumes);
+        upload.result = volumes.front();
+        for (std::size_t i = 1; i < volumes.size(); ++i)
+            others.push_back({std::move(subjects[i - 1]), std::move(volumes[i])});
+    }
+
+    /// The transfer function of the first, and all of them as one medium.
+    Classified classified_channels(const Scene& scene, const Shape& shape, const Progress& progress) const {
+        std::vector<Channel> channels;
+        const auto is_file = [](const ChannelSettings& c) { return !c.file.empty(); };
+        const auto files = std::count_if(scene.channels.begin(), scene.channels.end(), is_file);
+        const auto components = std::ptrdiff_t(others.size() + 1) - files;
+        if (components < 1)
+            throw Error(ErrorCode::usage, fmt::format("the scene has {} channels of other files, where {} were read",
+                                                      files, others.size()));
+        const std::vector<ChannelSettings> settings = channels_of(scene, int(components));
+        for (std::size_t i = 0; i < settings.size(); ++i) {
+            const Subject& its = i ? others[i - 1].subject : subject;
+            channels.push_back({i ? others[i - 1].volume : upload.result,
+                                transfer_function_of_channel(settings[i], i, settings.size(), scene.transfer, its),
+                                settings[i].show ? settings[i].gain : 0});
+        }
+        const Medium medium = chiaro::classify(device, channels, shape, progress);
+        return {channels.front().transfer, medium};
+    }
+
     /// With what all moments have in common, and nothing else.
     std::unique_ptr<State> for_moment(const Volume& volume) const {
+        if (!others.empty()) throw Error(ErrorCode::usage, "several channels are shown at one moment: the first");
         if (volume.dimensions != upload.result.dimensions())
             throw Error(ErrorCode::input,
                         fmt::format("moment {} has {} voxels, where the first one has {}", volume.moments.shown,
@@ -164,10 +211,14 @@ struct Session::State {
 
     void redo_classify(const Scene& scene, const Progress& progress) {
         const Shape shape = shape_for(scene);
-        const std::tuple inputs(upload.version, scene.transfer, shape);
+        const std::tuple inputs(upload.version, scene.transfer, scene.channels, shape);
         if (gave_back && (classify.inputs != inputs || !looks_at_visible_voxels(scene)))
             throw Error(ErrorCode::internal, "a session of one look was asked for another");
         redo("classify", classify, inputs, [&](Classified& classified) {
+            if (!others.empty() || !scene.channels.empty()) {
+                classified = classified_channels(scene, shape, progress);
+                return;
+            }
             classified.tf = transfer_function_for(scene.transfer, subject);
             if (refiner) classified.tf = of_finest_voxels(classified.tf, refiner->finest());
             classified.medium = chiaro::classify(device, upload.result, classified.tf, shape, progress);

@@ -1,0 +1,249 @@
+// Several channels as one medium: the sum of media of one colour, closed forms of several colours, any order.
+#include <chiaro/error.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "fixtures.h"
+#include "raycast/matter.h"
+
+using namespace chiaro;
+using namespace chiaro::testing;
+
+namespace {
+
+constexpr int n = 28;
+
+/// A ball that fades out, in whole numbers, so that sums of two are exact.
+double ball(double x, double y, double z, double at_x, double at_z) {
+    const double r = std::sqrt(std::pow(x - at_x, 2) + std::pow(y - 13.5, 2) + std::pow(z - at_z, 2)) / 9;
+    return r < 1 ? std::round(100 * std::pow(1 - r * r, 2)) : 0;
+}
+double ball_a(double x, double y, double z) { return ball(x, y, z, 10, 12); }
+double ball_b(double x, double y, double z) { return ball(x, y, z, 17, 16); }
+
+/// Extinction per voxel that is proportional to the value.
+TransferFunction linear(double extinction_of_one, Rgb rgb, double most = 200) {
+    TransferFunction tf;
+    tf.rgb_space = RgbSpace::linear;
+    for (int i = 0; i <= 200; ++i)
+        tf.points.push_back({most * i / 200, rgb, -std::expm1(-extinction_of_one * most * i / 200)});
+    return tf;
+}
+
+struct Look {
+    Method method = Method::none;
+    Shape shape;
+    RaySettings rays;
+    Shading shading = Shading::phong;
+    int paths = 64;
+    double albedo_max = 0.9;
+};
+
+Frame picture(const std::vector<Channel>& channels, const Look& look) {
+    const Device device = tested_device();
+    Progress progress;
+    const Medium medium = classify(device, channels, look.shape, progress);
+    const DeviceVolume& volume = channels.front().volume;
+    const Camera camera = make_camera(CameraSettings(), volume.geometry(), volume.dimensions());
+    Lighting lighting{.shading = look.shading};
+    if (look.method != Method::none && look.method != Method::spao) lighting.loaded_probe = load_probe("sky");
+    lighting.probe_up = camera.orbit_up;
+    IlluminationSettings settings{.method = look.method};
+    settings.reference.rays = look.paths;
+    settings.scattering.albedo_max = look.albedo_max;
+    Frame frame(40, 32);
+    if (look.method == Method::reference) {
+        trace_paths(device, medium, lighting, camera, look.rays, settings, frame, progress);
+        return frame;
+    }
+    // Histograms of one channel are no help.
+    const Prepared prepared = look.method == Method::histogram ? Prepared() : prepare(volume, settings, progress);
+    IlluminationField field;
+    EXPECT_TRUE(illuminate(
+        device, medium, prepared, lighting, settings, [&](IlluminationField f) { field = std::move(f); }, progress));
+    raycast(device, medium, field, lighting, camera, look.rays, frame, progress);
+    return frame;
+}
+
+template <class T, class Function>
+DeviceVolume uploaded(Function&& f) {
+    return upload(tested_device(), sampled<T>({n, n, n}, f));
+}
+
+double largest_difference(const Frame& a, const Frame& b) {
+    double largest = 0;
+    for (std::size_t i = 0; i < a.rgba.size(); ++i)
+        largest = std::max(largest, std::abs(double(a.rgba[i]) - double(b.rgba[i])));
+    return largest;
+}
+
+std::vector<Channel> three_channels() {
+    const auto volumes = alike({uploaded<std::uint8_t>(ball_a), uploaded<std::uint16_t>(ball_b),
+                                uploaded<std::uint8_t>([](double x, double y, double) { return ball_a(x, y, 18); })});
+    return {{volumes[0], linear(0.004, {0.9, 0.2, 0.1})},
+            {volumes[1], linear(0.003, {0.1, 0.8, 0.3})},
+            {volumes[2], linear(0.006, {0.2, 0.3, 1.0})}};
+}
+
+template <class T>
+void expect_the_sum(Method method, Interpolation interpolation = Interpolation::linear) {
+    const TransferFunction tf = linear(0.003, {0.8, 0.7, 0.6});
+    Look look{.method = method};
+    look.shape.interpolation = interpolation;
+    const Frame two = picture({{uploaded<T>(ball_a), tf}, {uploaded<T>(ball_b), tf}}, look);
+    const Frame one = picture(
+        {{uploaded<T>([](double x, double y, double z) { return ball_a(x, y, z) + ball_b(x, y, z); }), tf}}, look);
+    EXPECT_GT(*std::max_element(one.rgba.begin(), one.rgba.end()), 0.2f);
+    EXPECT_LT(largest_difference(one, two), 1.0 / 255) << int(method) << " " << sizeof(T) << " " << int(interpolation);
+}
+
+}  // namespace
+
+TEST(Channels, AreTheSumOfMediaOfOneColour) {
+    for (const Method method : {Method::none, Method::spao, Method::visibility, Method::transport})
+        expect_the_sum<std::uint8_t>(method);
+    expect_the_sum<std::uint16_t>(Method::visibility);
+    expect_the_sum<float>(Method::visibility);
+    expect_the_sum<float>(Method::transport);
+    expect_the_sum<std::uint8_t>(Method::none, Interpolation::cubic);
+}
+
+TEST(Channels, AreTheSumForPathsToo) {
+    const TransferFunction tf = linear(0.003, {0.8, 0.7, 0.6});
+    const Look look{.method = Method::reference, .paths = 256};
+    const Frame two = picture({{uploaded<std::uint8_t>(ball_a), tf}, {uploaded<std::uint8_t>(ball_b), tf}}, look);
+    const Frame one = picture(
+        {{uploaded<std::uint8_t>([](double x, double y, double z) { return ball_a(x, y, z) + ball_b(x, y, z); }), tf}},
+        look);
+    double bias = 0, squares = 0, light = 0;
+    for (std::size_t i = 0; i < one.rgba.size(); ++i) {
+        const double off = double(two.rgba[i]) - double(one.rgba[i]);
+        bias += off, squares += off * off, light += double(one.rgba[i]);
+    }
+    const double count = double(one.rgba.size());
+    EXPECT_GT(light / count, 0.01);
+    // Pixels are independent: three standard errors of the mean of the differences (channels of a pixel are not, so
+    // those count four times).
+    EXPECT_LT(std::abs(bias) / count, 3 * std::sqrt(4 * squares) / count);
+    EXPECT_LT(std::sqrt(squares / count), 0.05);
+}
+
+TEST(Channels, AreTheTestsOwnMarchAlongARay) {
+    // Boxes that overlap, and slopes, along y.
+    const auto box = [](double, double y, double) { return y >= 5 && y <= 15 ? 120.0 : 0.0; };
+    const auto hill = [](double, double y, double) { return std::round(100 * std::exp(-std::pow((y - 16) / 5, 2))); };
+    const Rgb red{0.9, 0.1, 0.2}, blue{0.1, 0.3, 0.8};
+    const double of_box = 0.0009, of_hill = 0.0016;
+    const std::vector<Channel> channels{{uploaded<std::uint8_t>(box), linear(of_box, red)},
+                                        {uploaded<std::uint8_t>(hill), linear(of_hill, blue), 1.5}};
+    Progress progress;
+    const Medium medium = classify(tested_device(), channels, {});
+    Camera camera{.eye = {13.5, -1000, 13.5},
+                  .forward = {0, 1, 0},
+                  .right = {1, 0, 0},
+                  .up = {0, 0, 1},
+                  .projection = Projection::orthographic,
+                  .half_height = 0.1};
+    Frame frame(1, 1);
+    raycast(tested_device(), medium, IlluminationField(), {.shading = Shading::none}, camera,
+            {.step_voxels = 0.1, .early_termination = 0}, frame, progress);
+
+    double clear = 1, rgb[3]{};
+    constexpr int steps = 27 * 2000;
+    for (int i = 0; i < steps; ++i) {
+        const double y = (i + 0.5) * 27.0 / steps, below = std::floor(y), t = y - below;
+        const auto value = [&](const auto& f) { return (1 - t) * f(0, below, 0) + t * f(0, below + 1, 0); };
+        const double a = of_box * value(box), b = 1.5 * of_hill * value(hill), kappa = a + b;
+        const double alpha = -std::expm1(-kappa * 27.0 / steps);
+        for (int c = 0; c < 3 && kappa > 0; ++c)
+            rgb[c] += clear * alpha * (a * red[std::size_t(c)] + b * blue[std::size_t(c)]) / kappa;
+        clear *= 1 - alpha;
+    }
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(frame.rgba[std::size_t(c)], rgb[c], 1e-3);
+    EXPECT_NEAR(frame.rgba[3], 1 - clear, 1e-3);
+    EXPECT_GT(1 - clear, 0.5);
+}
+
+TEST(Channels, InAnyOrderAndWithHiddenOnesAreTheSameBits) {
+    const std::vector<Channel> channels = three_channels();
+    const auto expect_same = [&](const Look& look) {
+        const Frame first = picture(channels, look);
+        std::vector<Channel> turned{channels[2], channels[0], channels[1]};
+        EXPECT_EQ(picture(turned, look).rgba, first.rgba);
+        turned = {channels[1], channels[2], channels[0]};
+        EXPECT_EQ(picture(turned, look).rgba, first.rgba);
+        const Frame two = picture({channels[0], channels[1]}, look);
+        std::vector<Channel> hidden = channels;
+        hidden[2].gain = 0;
+        EXPECT_EQ(picture(hidden, look).rgba, two.rgba);
+        EXPECT_GT(largest_difference(first, two), 0.02);
+        hidden[1].gain = 0;
+        EXPECT_EQ(picture(hidden, look).rgba, picture({channels[0]}, look).rgba);
+    };
+    expect_same({.method = Method::visibility});
+    expect_same({.method = Method::transport});
+    expect_same({.shape = {.mode = Mode::mip}});
+    expect_same({.shape = {.mode = Mode::additive}});
+    expect_same({.rays = {.classification = Classification::pre, .compositing = Compositing::back_to_front}});
+}
+
+TEST(Channels, OneAloneIsTheVolumeItself) {
+    const DeviceVolume volume = uploaded<std::uint8_t>(ball_a);
+    const TransferFunction tf = linear(0.01, {0.9, 0.2, 0.1});
+    Look look{.method = Method::spao};
+    const Frame alone = picture({{volume, tf, 1}, {volume, tf, 0}}, look);
+    EXPECT_EQ(picture({{volume, tf}}, look).rgba, alone.rgba);
+    look.shape.opacity_scale = 0.5;
+    const Frame thinner = picture({{volume, tf}}, look);
+    look.shape.opacity_scale = 1;
+    EXPECT_EQ(picture({{volume, tf, 0.5}}, look).rgba, thinner.rgba);
+}
+
+TEST(Channels, SkipOnlyWhatIsEmptyInAll) {
+    Look look{.method = Method::spao};
+    const Frame skipping = picture(three_channels(), look);
+    look.rays.skip_empty = false;
+    EXPECT_EQ(picture(three_channels(), look).rgba, skipping.rgba);
+}
+
+TEST(Channels, AddUpInMaximaWithTheirGain) {
+    std::vector<Channel> channels = three_channels();
+    const Look look{.shape = {.mode = Mode::mip}};
+    const Frame both = picture({channels[0], channels[1]}, look), a = picture({channels[0]}, look),
+                b = picture({channels[1]}, look);
+    channels[1].gain = 2;
+    const Frame brighter = picture({channels[0], channels[1]}, look);
+    for (std::size_t i = 0; i < both.rgba.size(); ++i) {
+        if (i % 4 == 3) continue;
+        EXPECT_NEAR(both.rgba[i], a.rgba[i] + b.rgba[i], 1e-6);
+        EXPECT_NEAR(brighter.rgba[i], a.rgba[i] + 2 * b.rgba[i], 1e-6);
+    }
+}
+
+TEST(Channels, AlbedosAreLimitedAfterTheMean) {
+    // Half white, half black: .5, which is no more than .6, though white alone is.
+    const kernel::StepOfMatter step{1, 0.6f};
+    const kernel::Rgba mean = step.of<float>(kernel::Rgba{1, 1, 1, 2}, false);
+    EXPECT_NEAR(mean.r / mean.a, 0.5, 1e-6);
+    const kernel::Rgba bright = step.of<float>(kernel::Rgba{2, 1, 0, 2}, false);
+    EXPECT_NEAR(bright.r / bright.a, 0.6, 1e-6);
+    EXPECT_NEAR(bright.g / bright.a, 0.3, 1e-6);
+    EXPECT_NEAR(bright.a, -std::expm1(-2), 1e-6);
+}
+
+TEST(Channels, WhatIsOfOneValueIsRefused) {
+    const auto refused = [&](const Look& look, const std::string& part) {
+        try {
+            picture(three_channels(), look);
+            ADD_FAILURE() << part;
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code(), ErrorCode::usage);
+            EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+        }
+    };
+    refused({.rays = {.classification = Classification::preintegrated}}, "post and pre");
+    refused({.method = Method::histogram}, "several go with");
+    refused({.shape = {.mode = Mode::iso, .iso = {{.value = 50}}}}, "one channel");
+    refused({.shape = {.clip = {.largest = true}}}, "one channel");
+}
