@@ -133,6 +133,25 @@ CHIARO_EXPORT Medium classify(const Device& device, const DeviceVolume& volume, 
 CHIARO_EXPORT Medium classify(const Device& device, const DeviceVolume& volume, const TransferFunction& tf,
                               const Shape& shape, const Progress& progress);
 
+inline constexpr int max_channels = 8;
+/// One of several values of a voxel, and how it looks.
+struct Channel {
+    DeviceVolume volume;
+    TransferFunction transfer;
+    double gain = 1;  ///< >= 0: multiplies its extinction; in maxima, minima and means its colour. 0: hidden
+};
+/// Several channels as one medium: extinctions add, colours are means weighted by extinction (albedos are limited after
+/// that), a ray that looks for one value finds one of each channel, and they add up. The order of channels does not
+/// change a bit; those of gain 0 are as if they were not given, and one alone is as if it were given without channels
+/// and `Shape::opacity_scale` times its gain. A threshold holds for every channel's values. All must be of one grid and
+/// one stored type (`alike`). Cost: `classify` of each.
+/// Throws Error{usage} for more than `max_channels`, and for what is of one value: isosurfaces, `Clip::largest`.
+CHIARO_EXPORT Medium classify(const Device& device, const std::vector<Channel>& channels, const Shape& shape,
+                              const Progress& progress = Progress());
+/// Volumes of one grid as channels: stored in the widest type that one of them is in. Cost: nothing where they are
+/// alike, else a pass over the bricks. Throws Error{input} where their grids differ.
+CHIARO_EXPORT std::vector<DeviceVolume> alike(const std::vector<DeviceVolume>& volumes);
+
 /// The same medium with values found another way. Throws Error{interrupted} when cancelled.
 CHIARO_EXPORT Medium with_interpolation(const Device& device, const Medium& medium, Interpolation interpolation,
                                         const Progress& progress = Progress());

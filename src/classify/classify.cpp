@@ -6,6 +6,7 @@
 #include "classify/gradient_factor.h"
 #include "classify/largest.h"
 #include "classify/medium.h"
+#include "classify/mixture.h"
 #include "volume/splined.h"
 
 namespace chiaro {
@@ -86,9 +87,66 @@ Medium classify(const Device& device, const DeviceVolume& volume, const Transfer
     return Medium(std::move(data));
 }
 
+namespace {
+
+/// Where a value of a whole ray is shown, gain is of its colour.
+Medium classified_channel(const Device& device, const Channel& channel, Shape shape, const Progress& progress) {
+    const bool of_rays = !is_lit(shape.mode) && shape.mode != Mode::additive;
+    if (!of_rays) shape.opacity_scale *= channel.gain;
+    const Medium medium = classify(device, channel.volume, channel.transfer, shape, progress);
+    if (!of_rays || channel.gain == 1) return medium;
+    auto data = std::make_shared<Medium::Data>();
+    const Medium::Data& from = medium.data();
+    data->volume = from.volume, data->table = from.table, data->shape = from.shape;
+    data->cells = from.cells, data->occupied_fraction = from.occupied_fraction;
+    for (OpticalTable::Entry& e : data->table.entries)
+        for (float* c : {&e.r, &e.g, &e.b}) *c *= float(channel.gain);
+    return Medium(std::move(data));
+}
+
+void check_channels(const std::vector<Channel>& channels, const Shape& shape) {
+    const auto refuse = [](const std::string& sentence) { throw Error(ErrorCode::usage, sentence); };
+    if (channels.empty()) refuse("a medium needs at least one channel");
+    std::size_t shown = 0;
+    for (const Channel& channel : channels) {
+        if (!(channel.gain >= 0) || !std::isfinite(channel.gain)) refuse("the gain of a channel must be 0 or more");
+        shown += channel.gain > 0;
+    }
+    if (shown < 2) return;
+    if (shape.mode == Mode::iso) refuse("--mode iso shows the surfaces of one channel: hide the others (gain 0)");
+    if (shape.clip.largest) refuse("--largest finds the pieces of one channel: hide the others (gain 0)");
+}
+
+}  // namespace
+
+Medium classify(const Device& device, const std::vector<Channel>& channels, const Shape& shape,
+                const Progress& progress) {
+    check_channels(channels, shape);
+    std::vector<std::shared_ptr<const Medium::Data>> shown;
+    for (const Channel& channel : channels)
+        if (channel.gain > 0)
+            shown.push_back(classified_channel(device, channel, shape, progress).data().shared_from_this());
+    if (shown.empty()) {
+        Shape nothing = shape;
+        nothing.opacity_scale = 0;
+        return classify(device, channels.front().volume, channels.front().transfer, nothing, progress);
+    }
+    if (shown.size() == 1) return Medium(std::move(shown.front()));
+    return mixed(device, std::move(shown), shape, progress);
+}
+
 Medium with_interpolation(const Device& device, const Medium& medium, Interpolation interpolation,
                           const Progress& progress) {
     const Medium::Data& from = medium.data();
+    if (is_mixed(from)) {
+        std::vector<std::shared_ptr<const Medium::Data>> channels;
+        for (const auto& channel : from.channels)
+            channels.push_back(
+                with_interpolation(device, Medium(channel), interpolation, progress).data().shared_from_this());
+        Shape shape = from.shape;
+        shape.interpolation = interpolation;
+        return mixed(device, std::move(channels), shape, progress);
+    }
     auto data = std::make_shared<Medium::Data>();
     data->volume = with_factor(interpolated(from.volume, interpolation, progress), from.volume.data().factor);
     data->table = from.table;

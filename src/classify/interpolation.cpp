@@ -57,7 +57,7 @@ Covered covered(const DeviceVolume::Data& volume, const Kinds& kinds) {
 }  // namespace
 
 Interpolation interpolation_for(const Medium& medium, double noise, const Progress& progress) {
-    if (noise <= worth_smoothing) return Interpolation::cubic;
+    if (noise <= worth_smoothing || is_mixed(medium.data())) return Interpolation::cubic;
     const DeviceVolume& volume = medium.data().volume;
     const Kinds kinds(medium.data());
     const DeviceVolume smoothed = splined(volume, false, progress);

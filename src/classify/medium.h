@@ -45,7 +45,8 @@ struct Medium::Data : std::enable_shared_from_this<Data> {
     Shape shape;
     std::vector<std::uint8_t> cells;  ///< as volume/occupancy.h reads them
     double occupied_fraction = 0;
-    std::shared_ptr<const Data> lit_as;  ///< of a level by bricks: the medium whose light it is seen in
+    std::vector<std::shared_ptr<const Data>> channels;  ///< of a mixture: each for itself; else empty
+    std::shared_ptr<const Data> lit_as;                 ///< of a level by bricks: the medium whose light it is seen in
     mutable LastSegments last_segments;
     Lazy<std::shared_ptr<const SurfaceTable>> surface_table;  ///< classify/surface_table.h
 
@@ -54,6 +55,23 @@ struct Medium::Data : std::enable_shared_from_this<Data> {
         arrays.add(weak_from_this(), cells);
     }
 };
+
+/// Whether samples are made of several channels, which kernel::VolumeView::matter_at knows; `table` is the first's.
+inline bool is_mixed(const Medium::Data& medium) { return medium.volume.data().mixture != nullptr; }
+
+/// Mixtures are the CPU's.
+inline Device device_for(const Device& device, const Medium::Data& medium) {
+    Device its = device;
+    if (is_mixed(medium)) its.stream = nullptr;
+    return its;
+}
+
+/// Calls use(channel's medium) for each, or once for one without channels.
+template <class Use>
+void for_each_channel(const Medium::Data& medium, const Use& use) {
+    if (medium.channels.empty()) return use(medium);
+    for (const auto& channel : medium.channels) use(*channel);
+}
 
 /// Gives back the memory of the bricks in which the medium shows nothing: of many scans, half. They read as stored 0
 /// from then on, so the volume is good for this medium alone, and for what looks up values where they are occupied or

@@ -40,12 +40,12 @@ struct SurfaceView {
     template <class F, class Voxel>
     CHIARO_INLINE SurfaceAt<F> at(const VolumeView<Voxel>& volume, Vec3<F> p) const {
         const auto where = volume.locate(p, volume.voxel(p));
-        return of(volume, volume.value(where), volume.gradient(where));
+        return of(volume, where, volume.value(where), volume.gradient(where));
     }
 
-    /// Of a value and its gradient, stored units per voxel.
-    template <class F, class Volume>
-    CHIARO_INLINE SurfaceAt<F> of(const Volume& volume, F value, Vec3<F> gradient) const {
+    /// Of a value and its gradient, stored units per voxel; of mixtures the gradient of extinction.
+    template <class F, class Volume, class Place>
+    CHIARO_INLINE SurfaceAt<F> of(const Volume& volume, const Place& where, F value, Vec3<F> gradient) const {
         SurfaceAt<F> s;
         s.value = value;
         s.gradient = gradient;
@@ -53,12 +53,58 @@ struct SurfaceView {
         s.factor = by_gradient ? volume.factor_of(value, gradient) : F(1);
         const Vec3<F> g = to_world(s.gradient);
         const F slope = sqrt(dot(g, g));
+        if (volume.is_mixed()) {
+            FiveExtinctions<F> five;
+            volume.extinction_along(where, (F(1) / max(slope, F(1e-12f))) * from_world(g), five);
+            for (F& kappa : five.at) kappa = opacity_of_edge(kappa);
+            tell(g, slope, five.at, s);
+            return s;
+        }
         const auto opacity_at = [&](float edges) CHIARO_INLINE_LAMBDA {
             const F alpha = opacity_of(mad(F(edges), slope, s.value));
             return by_gradient ? opacity_of_share(alpha, s.factor) : alpha;
         };
-        const F far_below = opacity_at(-1.5f), below = opacity_at(-0.5f), above = opacity_at(0.5f),
-                far_above = opacity_at(1.5f);
+        const F opacities[5]{opacity_at(-1.5f), opacity_at(-0.5f), opacity_at(0), opacity_at(0.5f), opacity_at(1.5f)};
+        tell(g, slope, opacities, s);
+        return s;
+    }
+
+    /// Whether opacity rises along a direction (voxels per mm), so that another surface begins.
+    template <class F, class Volume>
+    CHIARO_INLINE Mask<F> rises(const Volume& volume, const SurfaceAt<F>& s, Vec3<F> p, Vec3<F> direction) const {
+        if (volume.is_mixed())
+            return opacity_at(volume, p, direction, 1) - opacity_at(volume, p, direction, -1) > F(another);
+        const F half = F(0.5f * edge_mm) * dot(s.gradient, direction);
+        const F ahead = opacity_of(s.value + half), behind = opacity_of(s.value - half);
+        if (any(s.factor < F(1)))
+            return opacity_of_share(ahead, s.factor) - opacity_of_share(behind, s.factor) > F(another);
+        return ahead - behind > F(another);
+    }
+
+    /// Of extinction per mm over a voxel's smallest edge.
+    template <class F>
+    CHIARO_INLINE F opacity_of_edge(F kappa) const {
+        return F(1) - exp2(F(-1.442695041f * edge_mm) * kappa);
+    }
+
+private:
+    /// Of a mixture half an edge ahead (1) or behind (-1).
+    template <class F, class Volume>
+    CHIARO_INLINE F opacity_at(const Volume& volume, Vec3<F> p, Vec3<F> direction, float side) const {
+        const Vec3<F> q = volume.clamp(mad(F(0.5f * side * edge_mm), direction, p));
+        return opacity_of_edge(alpha_of(volume.matter_at(volume.locate(q, volume.voxel(q)))));
+    }
+
+    /// A way in the world, of an edge's length, in voxels.
+    template <class F>
+    CHIARO_INLINE Vec3<F> from_world(Vec3<F> way) const {
+        return mad(way.x, Vec3<F>(world_x), mad(way.y, Vec3<F>(world_y), way.z * Vec3<F>(world_z)));
+    }
+
+    /// By the opacities of an edge at -1.5, -.5, 0, .5 and 1.5 edges along the gradient g.
+    template <class F>
+    CHIARO_INLINE void tell(Vec3<F> g, F slope, const F* opacities, SurfaceAt<F>& s) const {
+        const F far_below = opacities[0], below = opacities[1], above = opacities[3], far_above = opacities[4];
         const F sign = select(far_above > far_below, F(-1), F(1));
         s.outward = select(slope > F(1e-12f), sign / max(slope, F(1e-12f)), F(0)) * g;
         const F rise = max(abs(above - below), max(abs(far_above - above), abs(below - far_below)));
@@ -68,19 +114,8 @@ struct SurfaceView {
         const F depth = F(-2 * 0.6931471806f) * log2(max(F(1) - densest, F(1e-6f)));
         const Mask<F> rising = far_above > far_below;  // with the value
         const F outwards = select(rising, below + far_below, above + far_above);
-        s.depth = outwards / max(max(opacity_at(0), F(0.5f) * outwards), F(1e-6f));
+        s.depth = outwards / max(max(opacities[2], F(0.5f) * outwards), F(1e-6f));
         s.share = s.hold * min(max(depth - F(0.5f), F(0)), F(1));
-        return s;
-    }
-
-    /// Whether opacity rises along a direction (voxels per mm), so that another surface begins.
-    template <class F>
-    CHIARO_INLINE Mask<F> rises(const SurfaceAt<F>& s, Vec3<F> direction) const {
-        const F half = F(0.5f * edge_mm) * dot(s.gradient, direction);
-        const F ahead = opacity_of(s.value + half), behind = opacity_of(s.value - half);
-        if (any(s.factor < F(1)))
-            return opacity_of_share(ahead, s.factor) - opacity_of_share(behind, s.factor) > F(another);
-        return ahead - behind > F(another);
     }
 };
 

@@ -145,6 +145,10 @@ const std::shared_ptr<const LocalHistograms>& histograms_of(const Prepared& prep
 
 IlluminationField light_of_histograms(const Device& device, const Medium::Data& medium, const Prepared& prepared,
                                       const IlluminationSettings& settings) {
+    if (is_mixed(medium))
+        throw Error(
+            ErrorCode::usage,
+            "lighting histogram: local histograms are of one channel: --hist-channel picks the one they are of");
     if (medium.volume.data().factor)
         throw Error(ErrorCode::usage,
                     "lighting histogram: local histograms know values and no gradients, so opacity by gradient goes "

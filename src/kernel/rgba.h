@@ -24,6 +24,7 @@ using RgbaLanes = typename RgbaOf<F>::type;
 
 CHIARO_INLINE Rgba load_rgba(const Rgba* table, std::int32_t index) { return table[index]; }
 CHIARO_INLINE float alpha_of(Rgba c) { return c.a; }
+CHIARO_INLINE Vec3<float> colour_of(Rgba c) { return {c.r, c.g, c.b}; }
 /// sum + weight * c
 CHIARO_INLINE Rgba accumulate(Rgba sum, float weight, Rgba c) {
     return {mad(weight, c.r, sum.r), mad(weight, c.g, sum.g), mad(weight, c.b, sum.b), mad(weight, c.a, sum.a)};
@@ -60,9 +61,14 @@ CHIARO_INLINE Lanes spread(Lanes a) {
     return shuffle<i, i, i, i>(a, a);
 }
 
-/// {a[2], b[2], a[3], b[3]} and so on would need two instructions; opacity alone needs three for all sixteen.
-CHIARO_INLINE Lanes alpha_of(const RgbaPack& c) {
-    return shuffle<0, 2, 0, 2>(shuffle<3, 3, 3, 3>(c.q0, c.q1), shuffle<3, 3, 3, 3>(c.q2, c.q3));
+/// One channel of all sixteen. ({a[2], b[2], a[3], b[3]} and so on would need two instructions; this needs three.)
+template <int i>
+CHIARO_INLINE Lanes channel_of(const RgbaPack& c) {
+    return shuffle<0, 2, 0, 2>(shuffle<i, i, i, i>(c.q0, c.q1), shuffle<i, i, i, i>(c.q2, c.q3));
+}
+CHIARO_INLINE Lanes alpha_of(const RgbaPack& c) { return channel_of<3>(c); }
+CHIARO_INLINE Vec3<Lanes> colour_of(const RgbaPack& c) {
+    return {channel_of<0>(c), channel_of<1>(c), channel_of<2>(c)};
 }
 CHIARO_INLINE RgbaPack scale(const RgbaPack& c, Lanes s) {
     return {c.q0 * spread<0>(s), c.q1 * spread<1>(s), c.q2 * spread<2>(s), c.q3 * spread<3>(s)};

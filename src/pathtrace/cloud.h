@@ -6,12 +6,35 @@
 
 namespace chiaro::kernel {
 
-/// The colours of what scatters; entry by entry.
+/// The colours of what scatters; entry by entry, or, of mixtures, in the entry itself: 10 bits each.
 struct ColoursView {
-    const float *red, *green, *blue;
+    const float *red, *green, *blue;  ///< null: of mixtures
     template <class F>
     CHIARO_INLINE Vec3<F> at(Int<F> entry) const {
+        if (!red) {
+            const auto part = [&](int shift) CHIARO_INLINE_LAMBDA {
+                return F(1.0f / 1023) * to_float((entry >> Int<F>(shift)) & Int<F>(1023));
+            };
+            return {part(20), part(10), part(0)};
+        }
         return {gather_float(red, entry), gather_float(green, entry), gather_float(blue, entry)};
+    }
+};
+
+/// What paths collide with in a mixture.
+struct MixtureCollisions {
+    float most_extinction;  ///< per mm
+    float most;             ///< of an albedo's largest channel
+
+    /// The entry of a colour. Rounded up as often as u in [0, 1) says, so that the mean stays.
+    template <class F>
+    CHIARO_INLINE Int<F> entry_of(const RgbaLanes<F>& matter, F kappa, F u) const {
+        Vec3<F> c = (F(1) / max(kappa, F(1e-30f))) * colour_of(matter);
+        c = min(F(most) / max(max(max(c.x, c.y), c.z), F(1e-30f)), F(1)) * c;
+        const auto part = [&](F x, int shift) CHIARO_INLINE_LAMBDA {
+            return truncate(mad(min(max(x, F(0)), F(1)), F(1023), u)) << Int<F>(shift);
+        };
+        return part(c.x, 20) + part(c.y, 10) + part(c.z, 0);
     }
 };
 
@@ -27,6 +50,7 @@ struct Cloud {
     ColoursView colours;
     float scale, offset, last;  ///< entry = stored * scale + offset
     PhaseView phase;
+    MixtureCollisions mixed{};
 
     static constexpr bool has_normals = false, has_cuts = false;
 
@@ -62,11 +86,19 @@ struct Cloud {
         using I = Int<F>;
         const Vec3<F> p = volume.clamp(mad(path.t, path.direction, path.origin));
         const auto where = volume.locate(p, volume.voxel(p));
-        const F value = volume.value(where);
-        const I entry = entry_of(value);
-        F kappa = gather_float(extinction, entry);
-        if (volume.has_factor()) kappa = kappa * volume.factor_at(where, value);
         const Draw<F> numbers = draw_for(lanes, path);
+        I entry;
+        F kappa;
+        if (volume.is_mixed()) {
+            const RgbaLanes<F> matter = volume.matter_at(where);
+            kappa = min(alpha_of(matter), F(mixed.most_extinction));
+            entry = mixed.entry_of<F>(matter, alpha_of(matter), numbers.c);
+        } else {
+            const F value = volume.value(where);
+            entry = entry_of(value);
+            kappa = gather_float(extinction, entry);
+            if (volume.has_factor()) kappa = kappa * volume.factor_at(where, value);
+        }
         path.depth = select(lanes, free_depth(numbers.b), path.depth);
         const Mask<F> shadow = lanes & (path.to_light == I(1));
         const Mask<F> real = lanes & (path.to_light == I(0)) & (numbers.a * path.majorant < kappa);

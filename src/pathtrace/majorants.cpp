@@ -53,6 +53,17 @@ std::vector<float> extinction_of_cells(const Medium::Data& medium, const std::ve
     return majorants;
 }
 
+/// Extinctions add.
+std::vector<float> largest_of_cells(const Medium::Data& medium, const std::vector<float>& runs, int threads) {
+    if (!is_mixed(medium)) return extinction_of_cells(medium, runs, threads);
+    std::vector<float> sums(medium.cells.size() - 1);
+    for_each_channel(medium, [&](const Medium::Data& channel) {
+        const std::vector<float> its = extinction_of_cells(channel, runs_of(channel), threads);
+        for (std::size_t c = 0; c < sums.size(); ++c) sums[c] += its[c] * (1 + 1e-6f);
+    });
+    return sums;
+}
+
 /// Each cell becomes the largest of those `shift` cells away along one axis and itself.
 void widen(std::vector<float>& cells, std::array<int, 3> count, int axis, int shift, int threads) {
     const std::vector<float> from = cells;
@@ -80,11 +91,14 @@ double cost(double majorant_per_voxel, int reach) {
 
 }  // namespace
 
-std::vector<float> extinctions_of(const Medium::Data& medium) {
-    const DeviceVolume::Data& volume = medium.volume.data();
+float most_extinction(const DeviceVolume::Data& volume) {
     double longest_mm = 0;  // no way is longer
     for (int axis = 0; axis < 3; ++axis) longest_mm += volume.dimensions[axis] * volume.geometry.spacing_mm[axis];
-    const float most = float((1 << 22) / longest_mm);
+    return float((1 << 22) / longest_mm);
+}
+
+std::vector<float> extinctions_of(const Medium::Data& medium) {
+    const float most = most_extinction(medium.volume.data());
     std::vector<float> extinctions;
     for (const auto& entry : medium.table.entries) extinctions.push_back(std::min(entry.extinction_per_mm, most));
     return extinctions;
@@ -95,15 +109,15 @@ Majorants make_majorants(const Medium::Data& medium, int threads) {
     const bool surfaces = medium.shape.mode == Mode::iso;
     const auto is_empty = [&](std::size_t c) { return !(medium.cells[c] & 1); };
     Majorants majorants{{}, runs_of(medium)};
-    std::vector<float> largest = surfaces ? std::vector<float>(medium.cells.size() - 1, 1)
-                                          : extinction_of_cells(medium, majorants.runs, threads);
+    std::vector<float> largest =
+        surfaces ? std::vector<float>(medium.cells.size() - 1, 1) : largest_of_cells(medium, majorants.runs, threads);
     const double edge = medium.volume.geometry().smallest_spacing_mm();
     std::vector<float> best(largest.size());
     for (std::size_t c = 0; c < best.size(); ++c) {
         const int reach = is_empty(c) ? medium.cells[c] >> 1 : 0;
         const float majorant = is_empty(c) ? 0 : largest[c];
         best[c] = float(cost(edge * majorant, reach));
-        const bool fine = !surfaces && best[c] > voxel_cost;
+        const bool fine = !surfaces && !is_mixed(medium) && best[c] > voxel_cost;
         if (fine) best[c] = float(voxel_cost);
         majorants.cells.push_back(packed(majorant, fine ? kernel::by_voxel : reach));
     }
@@ -122,7 +136,11 @@ Majorants make_majorants(const Medium::Data& medium, int threads) {
 
 Majorants one_majorant(const Medium::Data& medium) {
     Majorants majorants{{}, runs_of(medium)};
-    const float largest = *std::max_element(majorants.runs.begin(), majorants.runs.end());
+    float largest = 0;
+    for_each_channel(medium, [&](const Medium::Data& channel) {
+        const std::vector<float> its = extinctions_of(channel);
+        largest += *std::max_element(its.begin(), its.end()) * (1 + 1e-6f);
+    });
     majorants.cells.assign(medium.cells.size() - 1, packed(largest, kernel::by_voxel - 1));
     return majorants;
 }

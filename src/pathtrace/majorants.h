@@ -13,6 +13,8 @@ struct Majorants {
     std::vector<float> runs;  ///< the largest extinction of 2^level entries of the optical table, level by level
 };
 
+/// Per mm, in a volume of this size.
+float most_extinction(const DeviceVolume::Data& volume);
 /// Of the optical table's entries, per mm; at most 2^22 over the longest way. Matter as dense as that lets nothing
 /// through in any voxel; in denser matter free ways would be shorter than what floats tell apart, and a path would
 /// never move on.

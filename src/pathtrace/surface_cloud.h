@@ -90,9 +90,10 @@ private:
     template <class F>
     CHIARO_INLINE void leave_skin(Mask<F> leaving, Path<F>& path) const {
         const F step(0.5f * surface.edge_mm);
-        const SurfaceAt<F> s = surface.at(this->volume, this->volume.clamp(mad(path.t, path.direction, path.origin)));
+        const Vec3<F> p = this->volume.clamp(mad(path.t, path.direction, path.origin));
+        const SurfaceAt<F> s = surface.at(this->volume, p);
         const F rate = free_depth(max(s.hold, F(1e-6f)));  // in half a voxel
-        const Mask<F> ends = leaving & ((path.held < rate) | surface.rises(s, path.direction));
+        const Mask<F> ends = leaving & ((path.held < rate) | surface.rises(this->volume, s, p, path.direction));
         const F way = step * select(ends, select(path.held < rate, path.held / max(rate, F(1e-30f)), F(0)), F(1));
         path.t = select(leaving, path.t + way, path.t);
         path.held = select(leaving, select(ends, F(0), max(path.held - rate, F(1e-30f))), path.held);
@@ -104,15 +105,25 @@ private:
     CHIARO_INLINE void enter_cut(Mask<F> lanes, const Cut<F>& cut, Path<F>& path) const {
         const Vec3<F> p = this->volume.clamp(path.origin);
         const auto where = this->volume.locate(p, this->volume.voxel(p));
-        const F value = this->volume.value(where), all = surface.opacity_of(value);
-        const bool by_gradient = this->volume.has_factor();
-        lanes = lanes & ((by_gradient ? opacity_of_share(all, this->volume.factor_at(where, value)) : all) >= F(0.5f));
+        Int<F> entry;
+        F opacity;
+        if (this->volume.is_mixed()) {
+            const RgbaLanes<F> matter = this->volume.matter_at(where);
+            opacity = surface.opacity_of_edge(alpha_of(matter));
+            entry = this->mixed.template entry_of<F>(matter, alpha_of(matter), F(0.5f));
+        } else {
+            const F value = this->volume.value(where);
+            opacity = surface.opacity_of(value);
+            if (this->volume.has_factor()) opacity = opacity_of_share(opacity, this->volume.factor_at(where, value));
+            entry = this->entry_of(value);
+        }
+        lanes = lanes & (opacity >= F(0.5f));
         if (!any(lanes)) return;
         const Vec3<F> g = surface.to_world(cut.normal);
         const Mask<F> shadow = lanes & (path.to_light == Int<F>(1)), real = lanes & !shadow;
         path.transmittance = select(shadow, F(0), path.transmittance);
         path.stage = select(shadow, Int<F>(escaped), select(real, Int<F>(collided), path.stage));
-        path.material = select(real, this->entry_of(value), path.material);
+        path.material = select(real, entry, path.material);
         reflect(real, real, draw_for(real, path).a, F(1) / sqrt(max(dot(g, g), F(1e-24f))) * g, path);
     }
 

@@ -64,6 +64,11 @@ const float* of_points(const std::vector<float>& coordinates) {
     return coordinates.empty() ? nullptr : coordinates.data();
 }
 
+/// As a mixture's colours are.
+int packed_grey(double albedo) {
+    return int(std::lround(std::clamp(albedo, 0.0, 1.0) * 1023)) * ((1 << 20) + (1 << 10) + 1);
+}
+
 Medium checked(const Medium& medium, const RaySettings& settings) {
     if (!is_lit(medium.data().shape.mode))
         throw Error(ErrorCode::usage,
@@ -120,11 +125,15 @@ void PathTracer::make_colours(const PathOptions& options) {
             const float inverse = c.a > 0 ? 1 / c.a : 0;
             add(inverse * c.r, inverse * c.g, inverse * c.b);
         }
+    } else if (is_mixed(data)) {
+        floor_material_ = packed_grey(lighting_.floor.albedo);
+        return;
     } else {
         extinction_ = extinctions_of(data);
         for (const auto& entry : data.table.entries) add(entry.r, entry.g, entry.b);
     }
     for (auto* of_floor : {&red_, &green_, &blue_}) of_floor->push_back(float(lighting_.floor.albedo));  // the last
+    floor_material_ = int(red_.size()) - 1;
 }
 
 template <class Voxel>
@@ -133,7 +142,8 @@ PathTracer::TraceTile PathTracer::tracer_through(const Camera& camera, const Lig
     const Medium::Data& data = medium_.data();
     const DeviceVolume::Data& volume = data.volume.data();
     const kernel::RegionsView regions = regions_view(data, majorants_);
-    const kernel::ColoursView colours{red_.data(), green_.data(), blue_.data()};
+    const kernel::ColoursView colours{is_mixed(data) ? nullptr : red_.data(), green_.data(), blue_.data()};
+    const auto limit = options.bounces == 0 ? std::numeric_limits<double>::infinity() : options.albedo_max;
     if (data.shape.mode != Mode::iso) {
         const kernel::Cloud<Voxel> cloud{.volume = view_of<Voxel>(volume),
                                          .regions = regions,
@@ -142,7 +152,8 @@ PathTracer::TraceTile PathTracer::tracer_through(const Camera& camera, const Lig
                                          .scale = float(data.table.index_scale),
                                          .offset = float(data.table.index_offset + 0.5),
                                          .last = float(data.table.entries.size() - 1),
-                                         .phase = {float(options.anisotropy)}};
+                                         .phase = {float(options.anisotropy)},
+                                         .mixed = {most_extinction(volume), float(limit)}};
         if (!options.surfaces) return tracer_of(cloud, camera, settings, options);
         return tracer_of(kernel::SurfaceCloud<Voxel>{cloud, surface_table_->view(), reflection_.view()}, camera,
                          settings, options);
@@ -180,7 +191,7 @@ PathTracer::TraceTile PathTracer::tracer_of(const Matter& matter, const Camera& 
         .clip_view = clip_view(medium_.data().shape.clip, volume.geometry, volume.dimensions),
         .probe = light_.view(),
         .floor = floor_ ? view_of(*floor_, volume.geometry) : kernel::FloorView(),
-        .floor_material = int(red_.size()) - 1,
+        .floor_material = floor_material_,
         .max_scatterings = options.bounces.value_or(unlimited_bounces) + 1,
         .start_mm = Matter::has_cuts ? 0 : float(0.5 * edge * options.start_half_voxels),
         .normal_offset_mm = float(normal_offset_edges * edge),
@@ -188,7 +199,7 @@ PathTracer::TraceTile PathTracer::tracer_of(const Matter& matter, const Camera& 
         .pixel_key = std::int32_t(words),
         .sample_key = std::int32_t(words >> 32),
         .width = width_};
-    cuda::try_gpu(device_, [&] { gpu_ = gpu_tracer_of(kernel); });
+    if (!is_mixed(medium_.data())) cuda::try_gpu(device_, [&] { gpu_ = gpu_tracer_of(kernel); });
     return [kernel, trace = kernel::trace_tile_for<kernel::PathKernel<Matter>>(device_.isa)](
                const kernel::PathTask& task) { return trace(kernel, task); };
 }

@@ -75,6 +75,7 @@ private:
     const std::shared_ptr<const SurfaceTable> surface_table_;
     const ReflectionTable reflection_;
     const Majorants majorants_;
+    int floor_material_ = 0;
     std::vector<float> extinction_, red_, green_, blue_;
     const int width_, height_;
     const PathPoints points_;

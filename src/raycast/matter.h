@@ -19,12 +19,43 @@ struct SolidView {
     }
 };
 
+/// From extinction per mm to what a step shows of it, of mixtures: opacity, and the colour that is left of albedos.
+struct StepOfMatter {
+    float mm;
+    float most;  ///< of a colour's largest channel
+
+    template <class F>
+    CHIARO_INLINE RgbaLanes<F> of(const RgbaLanes<F>& matter, bool additive) const {
+        const F kappa = alpha_of(matter), depth = F(mm) * kappa;
+        // 1 - exp(-x), of small x by its series.
+        const F thin = depth * mad(depth, mad(depth, F(1.0f / 6), F(-0.5f)), F(1));
+        const F thick = F(1) - exp2(F(-1.442695041f) * depth);
+        const F alpha = additive ? depth : select(depth < F(0.03f), thin, thick);
+        const F inverse = F(1) / max(kappa, F(1e-30f));
+        const RgbaLanes<F> colour = scale(matter, alpha * inverse);
+        if (!(most < 1e30f)) return colour;
+        const Vec3<F> rgb = colour_of(matter);
+        const F largest = max(max(rgb.x, rgb.y), rgb.z) * inverse, left = min(F(most) / max(largest, F(1e-30f)), F(1));
+        return light_up(colour, {left, left, left}, {F(0), F(0), F(0)});
+    }
+    /// Classified first: the colours of the eight voxels, interpolated.
+    template <class F>
+    CHIARO_INLINE RgbaLanes<F> interpolated(const EightMatters<F>& eight, Vec3<F> t) const {
+        const auto along_x = [&](int first) CHIARO_INLINE_LAMBDA {
+            return mix<F>(of<F>(eight.of[first], false), of<F>(eight.of[first + 1], false), t.x);
+        };
+        const RgbaLanes<F> low = mix<F>(along_x(0), along_x(2), t.y), high = mix<F>(along_x(4), along_x(6), t.y);
+        return mix<F>(low, high, t.z);
+    }
+};
+
 template <class Voxel, class Field>
 struct Matter {
     VolumeView<Voxel> volume;
     OccupancyView occupancy;
     StepTableView table;
     SegmentTableView segments;
+    StepOfMatter step;  ///< of mixtures, in the place of the table
     ShadingView shading;
     Field field;
     float cutoff;     ///< a ray ends below this transmittance
@@ -46,6 +77,7 @@ struct Matter {
     template <class F>
     CHIARO_INLINE F alpha_at(Vec3<F> p_clamped) const {
         const auto at = volume.locate(p_clamped, volume.voxel(p_clamped));
+        if (volume.is_mixed()) return alpha_of(step.template of<F>(volume.matter_at(at), false));
         const F value = volume.value(at), alpha = alpha_of(table.at(value));
         return volume.has_factor() ? opacity_of_share(alpha, volume.factor_at(at, value)) : alpha;
     }
@@ -84,7 +116,7 @@ struct Matter {
         if (shading.enabled || asks_surfaces) {
             const Vec3<F> gradient = place.gradient ? *place.gradient : volume.gradient(at);
             shading.reflect(select(cut.open, cut.normal, F(shading.out) * gradient), sample);
-            if (asks_surfaces) find_surface(gradient, visible & !cut.open, place, met, sample);
+            if (asks_surfaces) find_surface(at, gradient, visible & !cut.open, place, met, sample);
         }
         Incident<F> incident;
         if constexpr (Field::by_surface)
@@ -107,9 +139,9 @@ private:
 
     /// A surface that was met reaches two edges far along its ray. Within the first of them light is looked up again
     /// only where there is more of a surface.
-    template <class F>
-    CHIARO_INLINE void find_surface(Vec3<F> gradient, Mask<F> wanted, const Place<F>& place, MetSurface<F>& met,
-                                    SamplePoint<F>& sample) const {
+    template <class At, class F>
+    CHIARO_INLINE void find_surface(const At& at, Vec3<F> gradient, Mask<F> wanted, const Place<F>& place,
+                                    MetSurface<F>& met, SamplePoint<F>& sample) const {
         constexpr float more = 0.05f;
         const F since = place.backwards ? F(2 * met_steps) : place.step - met.step;
         met.share = select(since <= F(met_steps), met.share, F(0));
@@ -119,7 +151,7 @@ private:
         SurfacePoint<F> here{F(1), sample.p_voxel,
                              towards_eye(sample.outward, F(shading.out) * dot(gradient, place.lattice.step))};
         if (surface.opacity) {  // isosurfaces are whole ones
-            const SurfaceAt<F> found = surface.of(volume, sample.value, gradient);
+            const SurfaceAt<F> found = surface.of(volume, at, sample.value, gradient);
             here.share = found.share, here.depth = found.depth;
             if (place.backwards) look_before(wanted, place, here);
         }

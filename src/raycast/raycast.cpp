@@ -41,6 +41,8 @@ struct Caster {
         const DeviceVolume::Data& volume = medium.volume.data();
         RenderStatistics render_statistics;
         if (volume.pages) return cast_by_bricks(view);
+        if (volume.mixture)  // by the CPU alone
+            return with_stored_voxel(volume, [&](auto voxel) { return cast_here(kernel_of(voxel, view)); });
         if (medium.shape.interpolation == Interpolation::texture && !volume.factor &&
             cast_by_texture(view, render_statistics))
             return render_statistics;
@@ -104,10 +106,43 @@ private:
 
 RenderStatistics fill(const Device& device, const Medium& medium, const IlluminationField& field,
                       const Lighting& lighting, const Camera& camera, const RaySettings& settings, RenderTarget& target,
+                      Progress& progress);
+
+/// A ray's value of each channel: their colours add up, and each hides as much of what lies behind.
+RenderStatistics add_channels(const Device& device, const Medium::Data& mixture, const Lighting& lighting,
+                              const Camera& camera, const RaySettings& settings, RenderTarget& target,
+                              Progress& progress) {
+    Lighting plain = lighting;
+    plain.probe.background = false;
+    Frame& sum = target.frame;
+    std::fill(sum.rgba.begin(), sum.rgba.end(), 0.0f);
+    RenderStatistics all;
+    for (const auto& channel : mixture.channels) {
+        Frame one(sum.width, sum.height);
+        RenderTarget its{one};
+        const RenderStatistics found =
+            fill(device, Medium(channel), IlluminationField(), plain, camera, settings, its, progress);
+        its.bring();
+        all.samples += found.samples;
+        if (!(all.complete = found.complete)) return all;
+        for (std::size_t i = 0; i < sum.rgba.size(); i += 4) {
+            for (std::size_t c = 0; c < 3; ++c) sum.rgba[i + c] += one.rgba[i + c];
+            sum.rgba[i + 3] = 1 - (1 - sum.rgba[i + 3]) * (1 - one.rgba[i + 3]);
+        }
+    }
+    if (lighting.probe.background)
+        all.complete = put_probe_behind(device, lighting, camera, mixture.shape.color, target, progress);
+    return all;
+}
+
+RenderStatistics fill(const Device& device, const Medium& medium, const IlluminationField& field,
+                      const Lighting& lighting, const Camera& camera, const RaySettings& settings, RenderTarget& target,
                       Progress& progress) {
     target.frame.depth_mm.clear();  // of an older picture
     const Medium::Data& data = medium.data();
     check_ends(settings, target.frame);
+    if (is_mixed(data) && march_of(data.shape.mode) != kernel::March::volume)
+        return add_channels(device, data, lighting, camera, settings, target, progress);
     const IlluminationField& shown = is_lit(data.shape.mode) ? field : IlluminationField();
     LitField lit = lit_field(shown, lighting, camera, data.lit_as ? *data.lit_as : data);
     if (const auto& pages = data.volume.data().pages) read_from(lit, *pages);

@@ -74,7 +74,7 @@ kernel::ShadingView shading_view(const Lighting& lighting, const Camera& camera,
         .enabled = on,
         .ambient = on ? float(lighting.ambient) : 1.0f,
         .shininess = float(lighting.shininess),
-        .out = volume.scale < 0 ? 1.0f : -1.0f,
+        .out = volume.scale < 0 && !volume.mixture ? 1.0f : -1.0f,  // extinction grows inwards
         .diffuse = times_color(kd),
         .specular = times_color(ks),
         .to_light = float3(to_light),
@@ -174,7 +174,15 @@ kernel::March march_of(Mode mode) {
 kernel::MarchOptions march_options(const RaySettings& settings, const Medium::Data& medium) {
     const Mode mode = medium.shape.mode;
     const bool by_gradient = medium.volume.data().factor != nullptr;
-    if (by_gradient && settings.classification != Classification::post)
+    bool any_by_gradient = false;
+    for_each_channel(medium, [&](const Medium::Data& channel) {
+        any_by_gradient = any_by_gradient || channel.volume.data().factor != nullptr;
+    });
+    if (is_mixed(medium) && settings.classification == Classification::preintegrated)
+        throw Error(ErrorCode::usage,
+                    "--classification preintegrated: a step by the values at its ends is of one channel; several go "
+                    "with post and pre");
+    if (any_by_gradient && settings.classification != Classification::post)
         throw Error(ErrorCode::usage,
                     "--classification: opacity by gradient, and over value and gradient, goes with post: a step by the "
                     "values at its ends, or a voxel alone, has no gradient");
@@ -182,11 +190,13 @@ kernel::MarchOptions march_options(const RaySettings& settings, const Medium::Da
         return {.classification = kernel::Classification::post,
                 .backwards = false,
                 .additive = true,
-                .by_gradient = by_gradient};
+                .by_gradient = by_gradient,
+                .mixed = is_mixed(medium)};
     return {.classification = kernel::Classification(settings.classification),
             .backwards = settings.compositing == Compositing::back_to_front,
             .additive = false,
-            .by_gradient = by_gradient};
+            .by_gradient = by_gradient,
+            .mixed = is_mixed(medium)};
 }
 
 kernel::ExtremeView extreme_view(const DeviceVolume::Data& volume, Mode mode) {
@@ -211,7 +221,7 @@ RayTables make_tables(const Medium::Data& medium, const RaySettings& settings, i
                      {},
                      {}};
     if (by_surface && mode == Mode::dvr) tables.surface = surface_table_of(medium);
-    if (mode == Mode::dvr && settings.classification == Classification::preintegrated)
+    if (mode == Mode::dvr && settings.classification == Classification::preintegrated && !is_mixed(medium))
         tables.segments = segment_table(medium, step_mm, albedo_limit, threads);
     return tables;
 }

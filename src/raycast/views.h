@@ -88,6 +88,8 @@ kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, cons
                    .occupancy = {medium.cells.data(), cell_count(nx), cell_count(ny)},
                    .table = step_table_view(medium.table, tables),
                    .segments = segment_table_view(tables.segments.get()),
+                   .step = {float(step_mm(settings.step_voxels, volume.geometry, volume.dimensions)),
+                            float(albedo_limit.value_or(std::numeric_limits<double>::infinity()))},
                    .shading = shading_view(is_lit(medium.shape.mode) ? lighting : Lighting{.shading = Shading::none},
                                            camera, volume, medium.shape.color),
                    .field = field,

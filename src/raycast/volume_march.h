@@ -10,15 +10,16 @@ enum class Classification : std::int32_t { post, pre, preintegrated };
 /// How a volume is marched through: the usual way, known when compiling, and any other.
 struct CommonMarch {
     static constexpr Classification classification = Classification::post;
-    static constexpr bool backwards = false, additive = false, by_gradient = false;
+    static constexpr bool backwards = false, additive = false, by_gradient = false, mixed = false;
 };
 struct MarchOptions {
     Classification classification;
     bool backwards, additive;
     bool by_gradient;  ///< opacity is, too
+    bool mixed;        ///< of several channels
     CHIARO_INLINE bool operator==(CommonMarch common) const {
         return classification == common.classification && backwards == common.backwards &&
-               additive == common.additive && by_gradient == common.by_gradient;
+               additive == common.additive && by_gradient == common.by_gradient && mixed == common.mixed;
     }
 };
 
@@ -33,7 +34,7 @@ struct EndValue {
 template <class F>
 struct Classified {
     RgbaLanes<F> colour;
-    F value;
+    F value{0};  ///< of mixtures none
 };
 
 /// Step k between its two ends, in whole steps from the entry but for the exit.
@@ -61,6 +62,16 @@ CHIARO_INLINE void take_share(F share, bool additive, Mask<F> lanes, RgbaLanes<F
     alpha = alpha * ratio;
 }
 
+/// A step's, of several channels.
+template <class F, class Matter, class Way, class At>
+CHIARO_INLINE RgbaLanes<F> mixed_colour(const Matter& matter, Way way, const At& at) {
+    if (way.classification != Classification::pre)
+        return matter.step.template of<F>(matter.volume.matter_at(at), way.additive);
+    EightMatters<F> eight;
+    matter.volume.matter_around(at, eight);
+    return matter.step.template interpolated<F>(eight, at.t);
+}
+
 /// Takes sample k, the middle of step k, in voxel coordinates at p.
 template <class F, class Matter, class Way, class Ray>
 CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& lattice, const Cut<F>& cut,
@@ -72,10 +83,14 @@ CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& 
         p = matter.volume.clamp(lattice.position(k)), voxel = matter.volume.voxel(p);
     }
     const auto at = matter.volume.locate(p, voxel);
-    if (way.classification != Classification::preintegrated) c.value = matter.volume.value(at);
-    if (way.classification == Classification::post) c.colour = matter.table.at(c.value);
-    if (way.classification == Classification::pre)
-        c.colour = matter.table.interpolated(matter.volume.corners(at), at.t);
+    if (way.mixed) {
+        c.colour = mixed_colour<F>(matter, way, at);
+    } else {
+        if (way.classification != Classification::preintegrated) c.value = matter.volume.value(at);
+        if (way.classification == Classification::post) c.colour = matter.table.at(c.value);
+        if (way.classification == Classification::pre)
+            c.colour = matter.table.interpolated(matter.volume.corners(at), at.t);
+    }
 
     F alpha = select(sampled, alpha_of(c.colour), F(0));
     Mask<F> visible = alpha > F(0);

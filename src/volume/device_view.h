@@ -26,6 +26,12 @@ inline kernel::FactorView factor_view(const DeviceVolume::Data& volume) {
             row({0, 0, 1})};
 }
 
+template <class Voxel>
+kernel::MixtureView<Voxel> mixture_view(const DeviceVolume::Data& volume) {
+    if (!volume.mixture) return {};
+    return {static_cast<const kernel::ChannelView<Voxel>*>(volume.mixture->channel_views.get()), volume.mixture->count};
+}
+
 /// `Voxel` is the stored type.
 template <class Voxel>
 kernel::VolumeView<Voxel> view_of(const DeviceVolume::Data& volume) {
@@ -41,7 +47,8 @@ kernel::VolumeView<Voxel> view_of(const DeviceVolume::Data& volume) {
             std::max(ny - 2, 0),
             std::max(nz - 2, 0),
             {coefficients, spline.base, spline.scale, spline.least, {reach[0], reach[1], reach[2]}},
-            factor_view(volume)};
+            factor_view(volume),
+            mixture_view<Voxel>(volume)};
 }
 
 /// Calls f with a value of the type that the voxels are stored as.

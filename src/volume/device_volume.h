@@ -30,6 +30,11 @@ struct ExtinctionFactor {
     double index_scale = 0, index_offset = 0;  ///< column of a stored value
     double rows_per_unit = 0;                  ///< row = magnitude * rows_per_unit
 };
+/// Channels on one grid, as kernels read them: `count` kernel::ChannelView of the stored type, with all they point to.
+struct MixtureOfChannels {
+    std::shared_ptr<const void> channel_views;
+    int count = 0;
+};
 struct LevelPages;  // volume/paged_level.h
 
 /// The splines that were made of a volume (volume/splined.h).
@@ -65,12 +70,14 @@ struct DeviceVolume::Data : std::enable_shared_from_this<Data> {
     std::array<float, 3> normal_reach{0, 0, 0};  ///< of thick slices: kernel::SplineView::reach
     const Data* source = nullptr;  ///< of a spline: the volume whose bricks it borrows, and which outlives it
     mutable Splines splines;
-    DeviceVolume plain;  ///< of a medium's with a factor: what it borrows all from
+    DeviceVolume plain;  ///< of a medium's with a factor or a mixture: what it borrows all from
     std::shared_ptr<const ExtinctionFactor> factor;
-    std::shared_ptr<const LevelPages> pages;  ///< of a level by bricks: which of them are there; null: all are
+    std::shared_ptr<const MixtureOfChannels> mixture;  ///< what is seen in the place of the voxels
+    std::shared_ptr<const LevelPages> pages;           ///< of a level by bricks: which of them are there; null: all are
 
     void add_to(HostArrays& arrays) const {
-        if (plain) plain.data().add_to(arrays), arrays.add(factor, factor->entries);
+        if (plain) plain.data().add_to(arrays);
+        if (factor) arrays.add(factor, factor->entries);
         if (plain) return;
         const auto keeper = [&](const VoxelBuffer& buffer) {
             return buffer.is_borrowed() && source ? source->weak_from_this() : weak_from_this();

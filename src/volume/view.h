@@ -1,6 +1,7 @@
 // The volume as a kernel sees it: value and gradient at any point.
 #pragma once
 #include "kernel/gather.h"
+#include "kernel/rgba.h"
 #include "kernel/vec.h"
 #include "volume/bricks.h"
 #include "volume/factor_view.h"
@@ -20,6 +21,31 @@ template <class Voxel>
 struct VolumeView;
 template <class F, class Voxel>
 static CHIARO_NOINLINE Vec3<F> mean_gradient(const VolumeView<Voxel>& volume, const Vec3<F>& p);
+
+template <class Voxel>
+struct ChannelView;
+template <class F>
+struct EightMatters;
+template <class F>
+struct FiveExtinctions;
+// volume/mixture_view.h:
+template <class F, class Voxel>
+static CHIARO_NOINLINE RgbaLanes<F> mixed_matter(const VolumeView<Voxel>& volume, const Location<F>& at);
+template <class F, class Voxel>
+static CHIARO_NOINLINE void mixed_corners(const VolumeView<Voxel>& volume, const Location<F>& at,
+                                          EightMatters<F>& sums);
+template <class F, class Voxel>
+static CHIARO_NOINLINE Vec3<F> mixed_gradient(const VolumeView<Voxel>& volume, const Location<F>& at);
+template <class F, class Voxel>
+static CHIARO_NOINLINE void mixed_along(const VolumeView<Voxel>& volume, const Location<F>& at, const Vec3<F>& way,
+                                        FiveExtinctions<F>& sums);
+
+/// What samples of a mixture are made of; null: of one value, which each consumer looks up in a table of its own.
+template <class Voxel>
+struct MixtureView {
+    const ChannelView<Voxel>* channels;
+    std::int32_t count;
+};
 
 /// The voxel whose interval [i, i + 1] holds a point, per axis.
 template <class F>
@@ -49,7 +75,8 @@ struct VolumeView {
     Float3 last;                          ///< n - 1 per axis
     std::int32_t last_x, last_y, last_z;  ///< last interval's voxel, max(n - 2, 0)
     SplineView<Voxel> spline{};
-    FactorView factor{};  ///< of a medium with opacity by gradient
+    FactorView factor{};           ///< of a medium with opacity by gradient
+    MixtureView<Voxel> mixture{};  ///< of a medium of several channels
 
     template <class F>
     CHIARO_INLINE Vec3<F> clamp(Vec3<F> p) const {
@@ -95,9 +122,11 @@ struct VolumeView {
         return gather_two(voxels, at.index, {0, brick_row, brick_slice, brick_slice + brick_row});
     }
 
-    /// Stored units per voxel; of thick slices the mean over their thickness (SplineView::reach).
+    /// Stored units per voxel; of thick slices the mean over their thickness (SplineView::reach); of mixtures that of
+    /// extinction.
     template <class F>
     CHIARO_INLINE Vec3<F> gradient(const Location<F>& at) const {
+        if (is_mixed()) return mixed_gradient<F>(*this, at);
         return spline.reach.x > 0 ? mean_gradient<F>(*this, at.p) : differences(at);
     }
 
@@ -118,6 +147,23 @@ struct VolumeView {
         const Four<F> sz = along_x(gather_two(voxels, at.index, {-z, y - z, 2 * z, y + 2 * z}), t.x);
         const F dz = lerp(lerp(s.c - sz.a, s.d - sz.b, t.y), lerp(sz.c - s.a, sz.d - s.b, t.y), t.z);
         return {F(0.5f) * dx, F(0.5f) * dy, F(0.5f) * dz};
+    }
+
+    CHIARO_INLINE bool is_mixed() const { return mixture.channels != nullptr; }
+    /// What a sample is made of, of mixtures: extinction per mm and colour times extinction.
+    template <class F>
+    CHIARO_INLINE RgbaLanes<F> matter_at(const Location<F>& at) const {
+        return mixed_matter<F>(*this, at);
+    }
+    /// The same of the eight voxels around a point.
+    template <class F>
+    CHIARO_INLINE void matter_around(const Location<F>& at, EightMatters<F>& eight) const {
+        mixed_corners<F>(*this, at, eight);
+    }
+    /// Extinction per mm before and behind a place.
+    template <class F>
+    CHIARO_INLINE void extinction_along(const Location<F>& at, Vec3<F> way, FiveExtinctions<F>& five) const {
+        mixed_along<F>(*this, at, way, five);
     }
 
     CHIARO_INLINE bool has_factor() const { return factor.entries != nullptr; }
@@ -143,8 +189,8 @@ private:
     }
 };
 
-/// What views have in common that find values in another way: points as in voxels, no opacity by gradient (that is of
-/// whole volumes, by voxels).
+/// What views have in common that find values in another way: points as in voxels, no opacity by gradient and no
+/// channels (those are of whole volumes, by voxels).
 struct GridOfVolume {
     VolumeView<float> grid;  ///< without voxels
 
@@ -156,6 +202,17 @@ struct GridOfVolume {
     CHIARO_INLINE VoxelIndex<F> voxel(Vec3<F> p) const {
         return grid.voxel(p);
     }
+    static constexpr bool is_mixed() { return false; }
+    template <class Place>
+    CHIARO_INLINE auto matter_at(const Place& at) const {
+        RgbaLanes<decltype(at.t.x)> nothing;
+        zero(nothing);
+        return nothing;
+    }
+    template <class Place, class Eight>
+    CHIARO_INLINE void matter_around(const Place&, Eight&) const {}
+    template <class Place, class F, class Five>
+    CHIARO_INLINE void extinction_along(const Place&, Vec3<F>, Five&) const {}
     static constexpr bool has_factor() { return false; }
     template <class Place, class F>
     CHIARO_INLINE F factor_at(const Place&, F) const {
@@ -182,3 +239,5 @@ static CHIARO_NOINLINE Vec3<F> mean_gradient(const VolumeView<Voxel>& volume, co
 }
 
 }  // namespace chiaro::kernel
+
+#include "volume/mixture_view.h"  // whose channels are volumes themselves

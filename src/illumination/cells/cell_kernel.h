@@ -41,6 +41,14 @@ struct CellCentres {
     }
 };
 
+/// Extinction per mm in a cell's middle, and colour times it; of mixtures.
+template <class Voxel>
+CHIARO_INLINE Rgba matter_of_cell(const VolumeView<Voxel>& volume, const CellCentres& cells, std::int32_t x,
+                                  std::int32_t y, std::int32_t z) {
+    const Vec3<float> p = volume.clamp(cells.of(x, y, z));
+    return volume.matter_at(volume.template locate<float>(p, volume.voxel(p)));
+}
+
 /// What opacity by gradient leaves of a cell's extinction, by its middle.
 template <class Voxel>
 CHIARO_INLINE float factor_of_cell(const VolumeView<Voxel>& volume, const CellCentres& cells, std::int32_t x,

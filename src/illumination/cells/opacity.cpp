@@ -43,7 +43,8 @@ kernel::CellOpacityKernel<Voxel> opacity_kernel(const Medium::Data& medium, cons
             .scale = float(medium.table.index_scale),
             .offset = float(medium.table.index_offset + 0.5),
             .last = float(entries.size()) - 1,
-            .surfaces = coverage_view(medium, grid)};
+            .surfaces = coverage_view(medium, grid),
+            .edge_mm = float(grid.edge_mm)};
 }
 
 /// Fills rows of cells from a volume of one stored type.
@@ -65,7 +66,7 @@ public:
         std::uint16_t* row = out_.data() + out_.grid.index(0, y, z);
         if (!kernel_.entries)
             for (int x = x0; x < x1; ++x) row[x] = kernel_.inside(x, y, z, near_surface);
-        else if (kernel_.cells.are_voxels && kernel_.volume.has_factor())
+        else if (kernel_.cells.are_voxels && (kernel_.volume.has_factor() || kernel_.volume.is_mixed()))
             for (int x = x0; x < x1; ++x) row[x] = is_seen(x, y, z) ? kernel_.of_voxel(x, y, z) : 0;
         else if (kernel_.cells.are_voxels)
             copy_row(x0, x1, y, z, row);

@@ -35,16 +35,19 @@ struct CellOpacityKernel {
     const std::uint16_t* entries;  ///< of the optical table; null: isosurfaces
     float scale, offset, last;     ///< index = stored * scale + offset, rounding included
     CoverageView surfaces;
+    float edge_mm;  ///< of a cell
 
     CHIARO_INLINE std::uint16_t of_stored(float stored) const {
         return entries[std::uint32_t(min(max(mad(stored, scale, offset), 0.0f), last))];
     }
     // But for clipping:
     CHIARO_INLINE std::uint16_t of_voxel(std::int32_t x, std::int32_t y, std::int32_t z) const {
+        if (volume.is_mixed()) return of_mixture(x, y, z);
         if (volume.has_factor()) return by_gradient(float(*voxel_address(volume, x, y, z)), x, y, z);
         return of_stored(float(*voxel_address(volume, x, y, z)));
     }
     CHIARO_INLINE std::uint16_t between_voxels(std::int32_t x, std::int32_t y, std::int32_t z) const {
+        if (volume.is_mixed()) return of_mixture(x, y, z);
         const float stored = volume.value(located(x, y, z));
         return volume.has_factor() ? by_gradient(stored, x, y, z) : of_stored(stored);
     }
@@ -59,6 +62,9 @@ struct CellOpacityKernel {
     }
 
 private:
+    CHIARO_INLINE std::uint16_t of_mixture(std::int32_t x, std::int32_t y, std::int32_t z) const {
+        return share_value(1 - exp2(-1.442695041f * edge_mm * matter_of_cell(volume, cells, x, y, z).a));
+    }
     CHIARO_INLINE std::uint16_t by_gradient(float stored, std::int32_t x, std::int32_t y, std::int32_t z) const {
         const std::uint16_t all = of_stored(stored);
         if (all == 0) return 0;

@@ -104,6 +104,8 @@ double lowest_voxel(const Medium::Data& medium, Vec3 up, const std::vector<Cell>
     const auto is_visible = [&](Vec3 p) {
         const kernel::Vec3<float> point = view.clamp(kernel::Vec3<float>{float(p.x), float(p.y), float(p.z)});
         const auto at = view.locate(point, view.voxel(point));
+        if (view.is_mixed())
+            return !is_clipped(p) && -std::expm1(-view.matter_at(at).a * medium.table.unit_mm) >= least_opacity;
         const float value = view.value(at);
         return !is_clipped(p) && opacity(value, view.has_factor() ? view.factor_at(at, value) : 1) >= least_opacity;
     };

@@ -35,7 +35,8 @@ kernel::CellExtinction<Voxel> extinction_in(const Medium::Data& medium, const Ce
             .scale = table.index_scale,
             .offset = table.index_offset,
             .last = float(table.per_edge.size() - 1),
-            .count = {nx, ny, nz}};
+            .count = {nx, ny, nz},
+            .edge_mm = float(opacity.values.grid.edge_mm)};
 }
 
 void swap_pointers(cuda::Views& views, kernel::NodeExtinction& extinction) {

@@ -14,10 +14,12 @@ struct CellExtinction {
     const float* entries;          ///< by opacity, or over the stored values
     float scale, offset, last;     ///< index = stored * scale + offset
     std::int32_t count[3];
+    float edge_mm;
 
     CHIARO_INLINE float operator()(std::int32_t x, std::int32_t y, std::int32_t z) const {
         if (opacity) return entries[opacity[(std::int64_t(z) * count[1] + y) * count[0] + x]];
         if (cells.is_clipped(x, y, z)) return 0;
+        if (volume.is_mixed()) return matter_of_cell(volume, cells, x, y, z).a * edge_mm;
         const Vec3<float> p = volume.clamp(cells.of(x, y, z));
         const float index = volume.value(volume.locate(p, volume.voxel(p))) * scale + offset + 0.5f;
         return entries[std::uint32_t(min(max(index, 0.0f), last))] * factor_of_cell(volume, cells, x, y, z);

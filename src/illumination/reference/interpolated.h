@@ -49,7 +49,8 @@ public:
                 .planes = planes.data(),
                 .plane_count = int(planes.size()),
                 .start = float(0.5 * start_half_voxels / steepest),
-                .step = float(step_)};
+                .step = float(step_),
+                .edge_mm = float(grid_.edge_mm)};
     }
 
     /// What that points into, but for the planes.

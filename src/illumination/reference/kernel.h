@@ -120,6 +120,7 @@ struct InterpolatedRays {
     const HalfSpaceView* planes;
     std::int32_t plane_count;
     float start, step;  ///< edges
+    float edge_mm;
 
     template <class F>
     CHIARO_INLINE F depth(const NodeColumn& nodes, std::int32_t lane, std::int32_t y, std::int32_t z, F depth) const {
@@ -153,6 +154,7 @@ private:
     CHIARO_INLINE F extinction_at(Vec3<F> p) const {
         const Vec3<F> clamped = volume.clamp(p);
         const auto where = volume.locate(clamped, volume.voxel(clamped));
+        if (volume.is_mixed()) return F(edge_mm) * alpha_of(volume.matter_at(where));
         const F value = volume.value(where);
         const F index = min(max(mad(value, F(index_scale), F(index_offset)), F(0)), F(last_index));
         const F all = gather_float(extinction, truncate(index));

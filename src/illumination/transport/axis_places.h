@@ -21,7 +21,10 @@ public:
                 p = view.clamp(p);
                 const auto at = view.locate(p, view.voxel(p));
                 const float t = axis == 0 ? at.t.x : axis == 1 ? at.t.y : at.t.z;
-                places_[axis].push_back({std::uint32_t(at.index) - origin_, t});
+                places_[axis].push_back({std::uint32_t(at.index) - origin_, t,
+                                         axis == 0   ? at.p.x
+                                         : axis == 1 ? at.p.y
+                                                     : at.p.z});
             }
     }
 
@@ -30,6 +33,13 @@ public:
         const Place &i = places_[0][x], &j = places_[1][y], &k = places_[2][z];
         return view_.value(kernel::Location<float>{std::int32_t(origin_ + i.at + j.at + k.at), {i.t, j.t, k.t}});
     }
+    /// Of a mixture.
+    kernel::Rgba matter(std::size_t x, std::size_t y, std::size_t z) const {
+        const Place &i = places_[0][x], &j = places_[1][y], &k = places_[2][z];
+        return view_.matter_at(kernel::Location<float>{
+            std::int32_t(origin_ + i.at + j.at + k.at), {i.t, j.t, k.t}, {i.voxel, j.voxel, k.voxel}});
+    }
+    bool is_mixed() const { return view_.is_mixed(); }
     /// Of whole coordinates. The last voxel of an axis lies behind its last interval, a whole step from its first end.
     Voxel voxel(std::size_t x, std::size_t y, std::size_t z) const {
         const Place &i = places_[0][x], &j = places_[1][y], &k = places_[2][z];
@@ -41,7 +51,7 @@ private:
     using Point = kernel::Vec3<float>;
     struct Place {
         std::uint32_t at;
-        float t;
+        float t, voxel;
     };
     std::uint32_t address(Point p) const { return std::uint32_t(view_.locate(p, view_.voxel(p)).index); }
 

@@ -17,13 +17,16 @@ kernel::PointLattice<n> points_of(const CellGrid& nodes) {
     return {{k.x, k.y, k.z}};
 }
 
-/// As ValuesAtPoints, by places found once for each coordinate.
+/// As ValuesAtPoints, by places found once for each coordinate; of mixtures how many times as dense they are as what is
+/// just hard.
 template <class Voxel, int n>
 class PlacedPoints {
 public:
     PlacedPoints(const DeviceVolume::Data& volume, const CellGrid& nodes)
-        : places_(view_of<Voxel>(volume), coordinates(nodes)) {}
-    float at(int x, int y, int z) const { return places_.value(x, y, z); }
+        : places_(view_of<Voxel>(volume), coordinates(nodes)), edge_mm_(float(volume.geometry.smallest_spacing_mm())) {}
+    float at(int x, int y, int z) const {
+        return places_.is_mixed() ? edge_mm_ * places_.matter(x, y, z).a : places_.value(x, y, z);
+    }
 
 private:
     static std::array<std::vector<double>, 3> coordinates(const CellGrid& nodes) {
@@ -34,6 +37,7 @@ private:
         return all_axes;
     }
     AxisPlaces<Voxel> places_;
+    float edge_mm_;
 };
 
 template <class Points>
@@ -46,6 +50,10 @@ class BoundaryCells {
 public:
     BoundaryCells(const Medium::Data& medium, const Device& device, Progress& progress, Density& extinction)
         : medium_(medium), device_(device), progress_(progress), extinction_(extinction), grid_(extinction.grid) {
+        if (is_mixed(medium)) {
+            is_hard_ = {0, 1};
+            return;
+        }
         const float hard = float(1 / medium.volume.data().geometry.smallest_spacing_mm());
         for (const auto& entry : medium.table.entries) is_hard_.push_back(!(entry.extinction_per_mm < hard));
     }
@@ -66,11 +74,12 @@ private:
     kernel::HardPoints<Values, n> hard_points(const Values& values) const {
         const auto [nx, ny, nz] = medium_.volume.data().dimensions;
         const OpticalTable& table = medium_.table;
+        const bool mixed = is_mixed(medium_);
         return {values,
                 points_of<n>(grid_),
                 {is_hard_.data(),
-                 table.index_scale,
-                 table.index_offset,
+                 mixed ? 1 : table.index_scale,
+                 mixed ? -0.5 : table.index_offset,
                  double(is_hard_.size() - 1),
                  {nx - 0.5, ny - 0.5, nz - 0.5},
                  cell_centres(medium_, grid_)}};

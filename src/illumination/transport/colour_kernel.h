@@ -20,10 +20,17 @@ struct ScatteringColour {
 /// Over the optical table.
 struct ScatteringColourView {
     const ScatteringColour* entries;
-    float scale, offset, last, unused;
+    float scale, offset, last;
+    float most;  ///< of an albedo's largest channel
 
     CHIARO_INLINE const ScatteringColour& of(float stored) const {
         return entries[std::uint32_t(min(max(stored * scale + offset, 0.0f), last))];
+    }
+    /// Of a mixture.
+    CHIARO_INLINE ScatteringColour of(Rgba matter) const {
+        const float largest = max(max(matter.r, matter.g), matter.b), allowed = most * matter.a;
+        const float left = largest > allowed ? allowed / largest : 1;
+        return {matter.a, {left * matter.r, left * matter.g, left * matter.b}};
     }
 };
 
@@ -33,6 +40,10 @@ struct StoredValues {
     VolumeView<Voxel> volume;
     CellCentres centres;
 
+    CHIARO_INLINE bool is_mixed() const { return volume.is_mixed(); }
+    CHIARO_INLINE Rgba matter(std::int32_t x, std::int32_t y, std::int32_t z) const {
+        return matter_of_cell(volume, centres, x, y, z);
+    }
     CHIARO_INLINE bool has_factor() const { return volume.has_factor(); }
     CHIARO_INLINE float factor(std::int32_t x, std::int32_t y, std::int32_t z) const {
         return factor_of_cell(volume, centres, x, y, z);
@@ -44,7 +55,8 @@ struct StoredValues {
     }
 };
 
-/// Sums over nodes of edge³ cells, every `stride`-th per axis. `Values`: at(x, y, z) of a cell, and its factor.
+/// Sums over nodes of edge³ cells, every `stride`-th per axis. `Values`: at(x, y, z) of a cell, and its factor, or its
+/// matter.
 template <class Values>
 struct NodeColours {
     Values values;
@@ -57,6 +69,10 @@ struct NodeColours {
     /// Those of node x in a row of cells.
     CHIARO_INLINE void add_row(std::int32_t x, std::int32_t y, std::int32_t z, ScatteringColour& sum) const {
         for (std::int32_t i = x * edge; i < end(0, x); i += stride) {
+            if (values.is_mixed()) {
+                if (!centres.is_clipped(i, y, z)) sum.add(scattering_colours.of(values.matter(i, y, z)));
+                continue;
+            }
             const ScatteringColour& tint = scattering_colours.of(values.at(i, y, z));
             if (tint.weight == 0 || centres.is_clipped(i, y, z)) continue;
             values.has_factor() ? sum.add(tint.times(values.factor(i, y, z))) : sum.add(tint);

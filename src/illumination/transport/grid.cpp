@@ -58,6 +58,8 @@ struct PlacedValues {
     const AxisPlaces<Voxel>& places;
     bool are_voxels;
     kernel::StoredValues<Voxel> plain;
+    bool is_mixed() const { return plain.is_mixed(); }
+    kernel::Rgba matter(int x, int y, int z) const { return plain.matter(x, y, z); }
     bool has_factor() const { return plain.has_factor(); }
     float factor(int x, int y, int z) const { return plain.factor(x, y, z); }
     float at(int x, int y, int z) const { return are_voxels ? float(places.voxel(x, y, z)) : places.value(x, y, z); }

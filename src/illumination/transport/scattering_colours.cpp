@@ -38,9 +38,13 @@ std::array<float, 3> colour_of(const Medium::Data& medium, const IsoSurface& sur
 ScatteringColours::ScatteringColours(const Medium::Data& medium, double albedo_max)
     : scale_(float(medium.table.index_scale)),
       offset_(float(medium.table.index_offset + 0.5)),
-      last_(float(medium.table.entries.size() - 1)) {
-    for (const OpticalTable::Entry& entry : medium.table.entries)
-        entries_.push_back(capped(entry.extinction_per_mm, colour_of(entry), albedo_max));
+      last_(float(medium.table.entries.size() - 1)),
+      most_(float(albedo_max)) {
+    const auto add_all = [&](const Medium::Data& channel) {
+        for (const OpticalTable::Entry& entry : channel.table.entries)
+            entries_.push_back(capped(entry.extinction_per_mm, colour_of(entry), albedo_max));
+    };
+    for_each_channel(medium, add_all);
     if (medium.shape.mode != Mode::iso) return;
     const DeviceVolume::Data& volume = medium.volume.data();
     for (std::size_t j = 0; j < entries_.size(); ++j) {

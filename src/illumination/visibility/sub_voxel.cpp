@@ -1,5 +1,6 @@
 #include "illumination/visibility/sub_voxel.h"
 
+#include <algorithm>
 #include <memory>
 
 #include "cuda/device_cache.h"
@@ -186,7 +187,24 @@ int levels_per_unit(const DeviceVolume::Data& volume) {
 
 }  // namespace
 
+/// Extinctions add.
+BlockDepths depths_of_channels(const Medium::Data& medium, const CellGrid& grid, const BlockMap& matter) {
+    std::vector<FillBlock> channels;
+    for_each_channel(
+        medium, [&](const Medium::Data& channel) { channels.push_back(block_depths(channel, grid, matter).here); });
+    const auto here = [channels](std::size_t block, float* tile) {
+        std::vector<float> one(tile_size);
+        for (const FillBlock& fill : channels) {
+            std::fill(one.begin(), one.end(), 0.0f);
+            fill(block, one.data());
+            for (std::size_t i = 0; i < one.size(); ++i) tile[i] += one[i];
+        }
+    };
+    return {here, {}};
+}
+
 BlockDepths block_depths(const Medium::Data& medium, const CellGrid& grid, const BlockMap& matter) {
+    if (is_mixed(medium)) return depths_of_channels(medium, grid, matter);
     const DeviceVolume::Data& volume = medium.volume.data();
     const auto integral = std::make_shared<const ExtinctionIntegral>(medium, grid);
     return with_stored_voxel(volume, [&](auto voxel) {

@@ -1,0 +1,123 @@
+#include "classify/mixture.h"
+
+#include <chiaro/error.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "kernel/rgba.h"
+#include "volume/device_view.h"
+
+namespace chiaro {
+namespace {
+
+using Channels = std::vector<std::shared_ptr<const Medium::Data>>;
+
+template <class T>
+int compared(const T* a, std::size_t a_count, const T* b, std::size_t b_count) {
+    if (a_count != b_count) return a_count < b_count ? -1 : 1;
+    return a_count ? std::memcmp(a, b, a_count * sizeof(T)) : 0;
+}
+
+/// An order that does not depend on the one they came in: by look, then by voxels.
+bool comes_before(const std::shared_ptr<const Medium::Data>& a, const std::shared_ptr<const Medium::Data>& b) {
+    const auto &s = a->table.entries, &t = b->table.entries;
+    if (const int looks = compared(s.data(), s.size(), t.data(), t.size())) return looks < 0;
+    const DeviceVolume::Data &v = a->volume.data(), &w = b->volume.data();
+    if (v.scale != w.scale || v.offset != w.offset) return std::pair(v.scale, v.offset) < std::pair(w.scale, w.offset);
+    if (v.factor && w.factor) {
+        const auto &f = v.factor->entries, &g = w.factor->entries;
+        if (const int factors = compared(f.data(), f.size(), g.data(), g.size())) return factors < 0;
+    }
+    return compared(v.bricks.data(), v.bricks.size(), w.bricks.data(), w.bricks.size()) < 0;
+}
+
+void check_alike(const Channels& channels) {
+    if (channels.size() > max_channels)
+        throw Error(ErrorCode::usage,
+                    fmt::format("at most {} channels can be shown at a time, not {}", max_channels, channels.size()));
+    const DeviceVolume::Data& first = channels.front()->volume.data();
+    for (const auto& channel : channels) {
+        const DeviceVolume::Data& volume = channel->volume.data();
+        if (volume.dimensions != first.dimensions || volume.stored != first.stored)
+            throw Error(ErrorCode::internal, "channels of one medium need one grid and one stored type");
+        if (volume.pages) throw Error(ErrorCode::usage, "channels are not read by bricks: raise --memory");
+    }
+}
+
+/// What kernels read of channels; it keeps them.
+template <class Voxel>
+struct ViewsOfChannels {
+    Channels channels;
+    std::vector<std::vector<kernel::Rgba>> matter;
+    std::vector<kernel::ChannelView<Voxel>> views;
+
+    explicit ViewsOfChannels(Channels of) : channels(std::move(of)) {
+        for (const auto& channel : channels) {
+            const OpticalTable& table = channel->table;
+            auto& entries = matter.emplace_back();
+            for (const OpticalTable::Entry& e : table.entries) {
+                const float kappa = e.extinction_per_mm;
+                entries.push_back({kappa * e.r, kappa * e.g, kappa * e.b, kappa});
+            }
+        }
+        constexpr double least_entries = 16;  // so that entries are no steps of a slope
+        for (std::size_t i = 0; i < channels.size(); ++i) {
+            const OpticalTable& table = channels[i]->table;
+            views.push_back({view_of<Voxel>(channels[i]->volume.data()), matter[i].data(), float(table.index_scale),
+                             float(table.index_offset + 0.5), float(matter[i].size() - 1),
+                             float(least_entries / table.index_scale)});
+        }
+    }
+};
+
+std::shared_ptr<const MixtureOfChannels> mixture_of(const Channels& channels) {
+    auto mixture = std::make_shared<MixtureOfChannels>();
+    mixture->count = int(channels.size());
+    with_stored_voxel(channels.front()->volume.data(), [&](auto voxel) {
+        const auto views = std::make_shared<const ViewsOfChannels<decltype(voxel)>>(channels);
+        mixture->channel_views = {views, views->views.data()};
+    });
+    return mixture;
+}
+
+/// The first channel's, looked at as a mixture.
+DeviceVolume volume_of(const Channels& channels) {
+    const DeviceVolume& first = channels.front()->volume;
+    const DeviceVolume::Data& from = first.data();
+    const auto borrow = [](const VoxelBuffer& buffer) {
+        return VoxelBuffer::borrow(buffer.data(), buffer.size(), nullptr);
+    };
+    auto made = std::make_shared<DeviceVolume::Data>();
+    made->describe_as(from);
+    made->cells = from.cells;
+    made->stored_min = from.stored_min, made->stored_max = from.stored_max;
+    made->bricks = borrow(from.bricks), made->coefficients = borrow(from.coefficients);
+    made->spline = from.spline, made->normal_reach = from.normal_reach;
+    made->plain = first;
+    made->mixture = mixture_of(channels);
+    return DeviceVolume(std::move(made));
+}
+
+}  // namespace
+
+Medium mixed(const Device& device, Channels channels, const Shape& shape, const Progress& progress) {
+    check_alike(channels);
+    std::stable_sort(channels.begin(), channels.end(), comes_before);
+    auto data = std::make_shared<Medium::Data>();
+    data->volume = volume_of(channels);
+    data->table = channels.front()->table;
+    data->shape = shape;
+    std::vector<std::uint8_t> occupied(channels.front()->cells.size() - 1);
+    for (const auto& channel : channels)
+        for (std::size_t c = 0; c < occupied.size(); ++c) occupied[c] |= channel->cells[c] & 1;
+    data->occupied_fraction =
+        double(std::count(occupied.begin(), occupied.end(), 1)) / double(std::max<std::size_t>(occupied.size(), 1));
+    const auto any = [](float, float) { return true; };
+    data->cells = make_occupancy(data->volume.data().cells, any, device.threads, progress, occupied);
+    data->channels = std::move(channels);
+    return Medium(std::move(data));
+}
+
+}  // namespace chiaro

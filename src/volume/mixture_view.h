@@ -1,0 +1,108 @@
+// What a sample is made of where that is not one value looked up in one table: several channels, which mix as media do.
+// Extinctions add, colours are means weighted by extinction. This is the one place that knows; consumers ask a volume
+// whether it `is_mixed`, and then for its `matter_at` a place in the stead of a value.
+#pragma once
+#include "kernel/rgba.h"
+#include "volume/view.h"
+
+namespace chiaro::kernel {
+
+/// One of the values of a voxel. All channels of a volume lie alike in memory, so a location serves all of them.
+template <class Voxel>
+struct ChannelView {
+    VolumeView<Voxel> volume;   ///< of its own voxels alone
+    const Rgba* matter;         ///< κ per mm, and colour × κ, over its optical table
+    float scale, offset, last;  ///< entry = stored * scale + offset, rounding included
+    float least_rise;           ///< stored units over which a table's steps do not matter
+
+    template <class F>
+    CHIARO_INLINE Int<F> entry_of(F stored) const {
+        return truncate(min(max(mad(stored, F(scale), F(offset)), F(0)), F(last)));
+    }
+    template <class F>
+    CHIARO_INLINE RgbaLanes<F> matter_of(F stored) const {
+        return load_rgba(matter, entry_of(stored));
+    }
+    /// κ per mm.
+    template <class F>
+    CHIARO_INLINE F extinction_of(F stored) const {
+        return gather_float(&matter->a, entry_of(stored) * Int<F>(4));
+    }
+};
+
+/// Extinction per mm (alpha), and colour × extinction: linear, or display colours as they are; not capped.
+template <class F, class Voxel>
+static CHIARO_NOINLINE RgbaLanes<F> mixed_matter(const VolumeView<Voxel>& volume, const Location<F>& at) {
+    RgbaLanes<F> sum;
+    zero(sum);
+    for (std::int32_t i = 0; i < volume.mixture.count; ++i) {
+        const ChannelView<Voxel>& channel = volume.mixture.channels[i];
+        const F stored = channel.volume.value(at);
+        RgbaLanes<F> matter = channel.matter_of(stored);
+        if (channel.volume.has_factor()) matter = scale(matter, channel.volume.factor_at(at, stored));
+        sum = accumulate(sum, F(1), matter);
+    }
+    return sum;
+}
+
+/// The same of the eight voxels around a point; x, y and z are the number's bits.
+template <class F>
+struct EightMatters {
+    RgbaLanes<F> of[8];
+};
+template <class F, class Voxel>
+static CHIARO_NOINLINE void mixed_corners(const VolumeView<Voxel>& volume, const Location<F>& at,
+                                          EightMatters<F>& sums) {
+    for (auto& sum : sums.of) zero(sum);
+    for (std::int32_t i = 0; i < volume.mixture.count; ++i) {
+        const ChannelView<Voxel>& channel = volume.mixture.channels[i];
+        const Four<Two<F>> v = channel.volume.corners(at);
+        const F stored[8]{v.a.a, v.a.b, v.b.a, v.b.b, v.c.a, v.c.b, v.d.a, v.d.b};
+        for (int corner = 0; corner < 8; ++corner)
+            sums.of[corner] = accumulate(sums.of[corner], F(1), channel.matter_of(stored[corner]));
+    }
+}
+
+/// The gradient of extinction: Σ dκ/dv ∇v, any scale. A rise of κ is what it changes by within a voxel along the
+/// channel's gradient, on the side where it changes more, so that a table may jump. Where matter is even the channels'
+/// gradients count by their extinction.
+template <class F, class Voxel>
+static CHIARO_NOINLINE Vec3<F> mixed_gradient(const VolumeView<Voxel>& volume, const Location<F>& at) {
+    constexpr float even = 1e-3f;
+    Vec3<F> sum(F(0), F(0), F(0));
+    for (std::int32_t i = 0; i < volume.mixture.count; ++i) {
+        const ChannelView<Voxel>& channel = volume.mixture.channels[i];
+        const Vec3<F> gradient = channel.volume.gradient(at);
+        const F stored = channel.volume.value(at), here = channel.extinction_of(stored);
+        const F reach = max(sqrt(dot(gradient, gradient)), F(channel.least_rise));
+        const F above = channel.extinction_of(stored + reach) - here,
+                below = here - channel.extinction_of(stored - reach);
+        F rise = select(abs(above) < abs(below), below, above);
+        rise = mad(F(even), here, rise);
+        if (channel.volume.has_factor()) rise = rise * channel.volume.factor_of(stored, gradient);
+        sum = mad(rise / reach, gradient, sum);
+    }
+    return sum;
+}
+
+/// κ per mm at -1.5, -.5, 0, .5 and 1.5 times a way (voxels), for values that go on as their gradients have them.
+template <class F>
+struct FiveExtinctions {
+    F at[5];
+};
+template <class F, class Voxel>
+static CHIARO_NOINLINE void mixed_along(const VolumeView<Voxel>& volume, const Location<F>& at, const Vec3<F>& way,
+                                        FiveExtinctions<F>& sums) {
+    constexpr float steps[5]{-1.5f, -0.5f, 0, 0.5f, 1.5f};
+    for (F& sum : sums.at) sum = F(0);
+    for (std::int32_t i = 0; i < volume.mixture.count; ++i) {
+        const ChannelView<Voxel>& channel = volume.mixture.channels[i];
+        const Vec3<F> gradient = channel.volume.gradient(at);
+        const F stored = channel.volume.value(at), rate = dot(gradient, way);
+        const F left = channel.volume.has_factor() ? channel.volume.factor_of(stored, gradient) : F(1);
+        for (int step = 0; step < 5; ++step)
+            sums.at[step] = mad(left, channel.extinction_of(mad(F(steps[step]), rate, stored)), sums.at[step]);
+    }
+}
+
+}  // namespace chiaro::kernel
