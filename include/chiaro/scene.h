@@ -5,6 +5,7 @@
 #include <chiaro/export.h>
 #include <chiaro/image.h>
 #include <chiaro/io.h>
+#include <chiaro/labels.h>
 #include <chiaro/lighting.h>
 #include <chiaro/marks.h>
 #include <chiaro/render.h>
@@ -30,6 +31,13 @@ struct TransferSettings {
     bool operator==(const TransferSettings&) const = default;
 };
 
+/// Structures that lie in the volume (docs/labels.md); in a volume that is its own labels nothing else is shown.
+struct LabelSettings {
+    std::string source;  ///< as for read_labels; empty: none
+    std::string table;   ///< as for read_label_table; empty: none
+    bool operator==(const LabelSettings&) const = default;
+};
+
 /// What a scene file expects of its volume. Size and type are checked; the spacing replaces the file's.
 struct ExpectedVolume {
     std::optional<std::array<int, 3>> dimensions;
@@ -43,6 +51,7 @@ struct Scene {
     std::string volume;  ///< as for read_volume; relative names are resolved by read_scene
     ExpectedVolume stated;
     ReadOptions read;
+    LabelSettings labels;
     TransferSettings transfer;
     Mode mode = Mode::dvr;
     std::vector<IsoSurface> iso;  ///< for Mode::iso
@@ -68,6 +77,9 @@ CHIARO_EXPORT void check(const Scene& scene, ErrorCode code);
 /// Reads the scene's volume. The size and type that the scene states are checked; its spacing replaces the file's (and
 /// a note says so where the two differ). Throws Error{input}, or Error{interrupted} when cancelled.
 CHIARO_EXPORT Volume read_volume(const Scene& scene, Progress& progress);
+
+/// Reads the scene's labels. Throws as read_labels of a file.
+CHIARO_EXPORT LabelVolume read_labels(const Scene& scene, Progress& progress);
 
 /// The scene with its files named as seen from a folder, to be kept in a file there.
 CHIARO_EXPORT Scene seen_from(Scene scene, const std::filesystem::path& folder);

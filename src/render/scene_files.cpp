@@ -58,6 +58,8 @@ Scene seen_from(Scene scene, const fs::path& folder) {
     if (!names_no_file(scene.volume)) scene.volume = see(scene.volume);
     if (const auto [file, function] = split_transfer_name(scene.transfer.source); is_file(file))
         scene.transfer.source = see(file) + (function.empty() ? "" : "#" + function);
+    if (!names_no_file(scene.labels.source)) scene.labels.source = see(scene.labels.source);
+    if (is_file(scene.labels.table)) scene.labels.table = see(scene.labels.table);
     if (std::string& probe = scene.lighting.probe.source; !is_probe_name(probe)) probe = see(probe);
     HistogramSettings& histogram = scene.illumination.histogram;
     if (is_file(histogram.emission)) histogram.emission = see(histogram.emission);
