@@ -45,7 +45,6 @@ Volume read_volume(const Scene& scene, Progress& progress) {
     return volume;
 }
 
-
 LabelVolume read_labels(const Scene& scene, Progress& progress) {
     ReadOptions options;
     if (scene.labels.source == scene.volume) options = scene.read;
