@@ -7,7 +7,7 @@
 namespace chiaro {
 namespace {
 
-constexpr float wide_sigma = 2.25f, local_sigma = 0.6f;
+constexpr float widest_sigma = 2.25f, narrower_sigmas[] = {1.2f, 0.6f};
 constexpr float density_at_0 = 0.3989423f;  ///< of the normal distribution
 /// Where the best voxel around one lies so far on their side, voxels, the wide filter has lost what they belong to; and
 /// where one lies so far on the wrong side.
@@ -100,23 +100,36 @@ void BorderTile::find_thin() {
             }
 }
 
-const std::vector<float>& BorderTile::distance(const std::vector<std::uint8_t>& inside) {
-    for (std::size_t i = 0; i < source_.size(); ++i) source_[i] = inside[i] ? 0.5f : -0.5f;
-    smooth(wide_sigma, smooth_);
-    find_thin();
-    if (any_thin_) smooth(local_sigma, local_);
-    for (int z = 0; z < edge; ++z)
-        for (int y = 0; y < edge; ++y)
-            for (int x = 0; x < edge; ++x) {
-                const int i = ((z + margin) * span + y + margin) * span + x + margin;
+/// Where a filter has lost what voxels belong to, and beside them, the narrower one's.
+void BorderTile::take_narrower() {
+    for (int z = 2; z < span - 2; ++z)
+        for (int y = 2; y < span - 2; ++y)
+            for (int x = 2; x < span - 2; ++x) {
+                const int i = (z * span + y) * span + x;
                 float thin = 0;
-                for (int j = 0; any_thin_ && j < 27; ++j)
+                for (int j = 0; j < 27; ++j)
                     thin =
                         std::max(thin, thin_[std::size_t(i + ((j / 9 - 1) * span + j / 3 % 3 - 1) * span + j % 3 - 1)]);
-                float d = smooth_[std::size_t(i)];
+                float& d = smooth_[std::size_t(i)];
                 if (thin > 0) d += thin * (local_[std::size_t(i)] - d);
+            }
+}
+
+const std::vector<float>& BorderTile::distance(const std::vector<std::uint8_t>& inside) {
+    for (std::size_t i = 0; i < source_.size(); ++i) source_[i] = inside[i] ? 0.5f : -0.5f;
+    smooth(widest_sigma, smooth_);
+    for (const float sigma : narrower_sigmas) {
+        find_thin();
+        if (!any_thin_) break;
+        smooth(sigma, local_);
+        take_narrower();
+    }
+    for (int z = 0, to = 0; z < edge; ++z)
+        for (int y = 0; y < edge; ++y)
+            for (int x = 0; x < edge; ++x, ++to) {
+                const int i = ((z + margin) * span + y + margin) * span + x + margin;
                 const float side = own(i) > 0 ? 1.0f : -1.0f;
-                distance_[std::size_t((z * edge + y) * edge + x)] = side * std::clamp(side * d, nearest, reach);
+                distance_[std::size_t(to)] = side * std::clamp(side * smooth_[std::size_t(i)], nearest, reach);
             }
     return distance_;
 }
