@@ -13,7 +13,7 @@ namespace chiaro {
 namespace {
 
 constexpr int edge = BorderTile::edge, halo = BorderTile::halo, row = BorderTile::row;
-constexpr std::size_t most_tints = 16;  ///< that have borders of their own within a tile
+constexpr std::size_t max_tints = 16;  ///< that have borders of their own within a tile
 
 struct Tint {
     std::array<float, 3> root{};  ///< of red, green, blue
@@ -149,7 +149,7 @@ private:
             if (!looks_.shown[n] || (any && n == last)) continue;
             any = true, last = n;
             if (std::find(here.begin(), here.end(), looks_.tint_of[n]) == here.end()) here.push_back(looks_.tint_of[n]);
-            if (here.size() > most_tints) break;
+            if (here.size() > max_tints) break;
         }
         return here;
     }
@@ -157,7 +157,7 @@ private:
     void fill_tint() {
         const std::vector<std::uint16_t> here = tints_here();
         auto* const out = reinterpret_cast<std::uint32_t*>(out_.tint.data());
-        if (here.size() > most_tints) return mean_tints(out);
+        if (here.size() > max_tints) return mean_tints(out);
         if (here.size() < 2) {
             const std::uint32_t all = here.empty() ? 0 : packed(looks_.tints[here[0]]);
             return each([&](std::size_t to, std::size_t, std::size_t) { out[to] = all; });
