@@ -1,11 +1,13 @@
 // chiaro info: what a volume is and what its values mean.
 #include <chiaro/error.h>
+#include <chiaro/labels.h>
 #include <chiaro/text.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include "command.h"
 #include "core/text.h"
@@ -21,6 +23,7 @@ namespace {
 struct InfoOptions {
     std::string volume;
     bool json = false;
+    std::string labels, label_table;
     PagingOptions paging;
     SettingFlags flags;
     CommonOptions common;
@@ -36,10 +39,47 @@ struct Told {
     Statistics statistics = measure(sampled);
     Guess guess = chiaro::guess(sampled, statistics);
     double detached = detached_share(sampled, statistics);
+    std::optional<LabelVolume> labels = {};
 };
+
+double mm3_of_voxel(const Geometry& g) {
+    const auto& [x, y, z] = g.direction;
+    return g.spacing_mm.x * g.spacing_mm.y * g.spacing_mm.z * std::abs(dot(x, cross(y, z)));
+}
+
+OrderedJson json_of(const LabelVolume& labels) {
+    OrderedJson list = OrderedJson::array();
+    for (std::size_t i = 0; i < labels.labels.size(); ++i) {
+        const Label& label = labels.labels[i];
+        list.push_back({{"value", label.value},
+                        {"name", label.name},
+                        {"rgb", label.rgb},
+                        {"tint", label.tint},
+                        {"opacity", label.opacity},
+                        {"show", label.show},
+                        {"voxels", labels.counts[i]},
+                        {"mm3", double(labels.counts[i]) * mm3_of_voxel(labels.geometry)}});
+    }
+    return list;
+}
+
+void print_labels(const LabelVolume& labels) {
+    const double ml = mm3_of_voxel(labels.geometry) / 1000;
+    fmt::print("  labels      {} in {}, {} voxels\n", labels.labels.size() - 1, one_line(labels.source, 4000),
+               to_text(labels.dimensions));
+    for (std::size_t i = 1; i < labels.labels.size(); ++i) {
+        const Label& label = labels.labels[i];
+        const auto part = [&](int c) { return int(std::lround(255 * label.rgb[std::size_t(c)])); };
+        fmt::print("    {:>8}  #{:02x}{:02x}{:02x}  {:>12} voxels  {:>10.4g} ml  {}{}\n", label.value, part(0), part(1),
+                   part(2), labels.counts[i], double(labels.counts[i]) * ml, label.name,
+                   label.show ? "" : " (not shown)");
+    }
+    for (const auto& note : labels.notes) fmt::print("  note        {}\n", one_line(note, 4000));
+}
 
 void print_json(const Told& told) {
     OrderedJson info = info_of(told.volume, told.statistics, told.guess);
+    if (told.labels) info["labels"] = json_of(*told.labels), info["label_notes"] = told.labels->notes;
     info["suggests"] = Json::array();
     if (told.detached >= worth_leaving_out) info["suggests"].push_back("--largest");
     info["statistics"] = told.source ? "sampled" : "exact";
@@ -95,7 +135,7 @@ void print_moments(const Moments& moments) {
 }
 
 void print_text(const Told& told) {
-    const auto& [volume, sampled, source, s, guess, detached] = told;
+    const auto& [volume, sampled, source, s, guess, detached, labels] = told;
     const std::string parts = volume.components > 1 ? fmt::format(", {} components", volume.components) : "";
     fmt::print("{}\n  format      {}\n  voxels      {} {}{}\n", one_line(volume.source, 4000), volume.format,
                to_text(volume.dimensions), chiaro::name_of(volume.type), parts);
@@ -118,6 +158,18 @@ void print_text(const Told& told) {
             "a head rest)\n",
             100 * detached);
     for (const auto& note : volume.notes) fmt::print("  note        {}\n", one_line(note, 4000));
+    if (labels) print_labels(*labels);
+}
+
+/// Of the file that the options name; with a table alone, of the volume itself.
+std::optional<LabelVolume> labels_of(const InfoOptions& o, const Scene& scene, const Volume& header,
+                                     Progress& progress) {
+    if (o.labels.empty() && o.label_table.empty()) return {};
+    ReadOptions options = scene.read;
+    options.time = 0;
+    LabelVolume labels = read_labels(o.labels.empty() ? o.volume : o.labels, o.label_table, options, progress);
+    place_labels(labels, header.dimensions, header.geometry);
+    return labels;
 }
 
 void run(const InfoOptions& o) {
@@ -131,9 +183,8 @@ void run(const InfoOptions& o) {
     const Volume volume = stats.stage("read", [&] {
         return source ? read_level(*source, small_level(*source), job.progress) : read_volume(scene, job.progress);
     });
-    const Told told = stats.stage("measure", [&] {
-        return Told{source ? source->header() : volume, volume, source.get()};
-    });
+    Told told = stats.stage("measure", [&] { return Told{source ? source->header() : volume, volume, source.get()}; });
+    told.labels = labels_of(o, scene, told.volume, job.progress);
     job.progress.check();
     job.bar.clear();
     (o.json ? print_json : print_text)(told);
@@ -149,6 +200,10 @@ Command info_command(CLI::App& tool) {
     app->add_flag("--json", o->json, "as JSON; the columns of `direction` are the index axes in the world");
     app->add_flag("--exact", o->paging.exact,
                   "reads all voxels, where a volume that does not fit is measured on a coarse level");
+    app->add_option("--labels", o->labels, "volume of labels that lie in this one, to be listed")->type_name("VOLUME");
+    app->add_option("--label-table", o->label_table,
+                    "names of labels: a file, or totalsegmentator; without --labels the volume's own values are labels")
+        ->type_name("FILE");
     add_memory_option(*app, o->paging);
     add_common_options(*app, o->common);
     o->flags.add_to(*app, "Volume");

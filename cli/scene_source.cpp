@@ -81,10 +81,15 @@ void add_scene_source(CLI::App& app, SceneSource& source) {
 
 Scene scene_from(const SceneSource& source, const SettingFlags& flags, const CommonOptions& common,
                  std::string_view command) {
-    if (source.volume.empty() == source.scene.empty())
-        throw Error(ErrorCode::usage,
-                    fmt::format("give either a VOLUME or --scene FILE; see chiaro {} --help", command));
     Scene scene = scene_of_volume(source.volume);
+    if (source.volume.empty() && source.scene.empty()) {
+        flags.apply(scene);
+        scene.volume = scene.labels.source;  // labels alone
+    }
+    if (scene.volume.empty() == source.scene.empty())
+        throw Error(
+            ErrorCode::usage,
+            fmt::format("give either a VOLUME or --scene FILE, or --labels alone; see chiaro {} --help", command));
     if (!source.scene.empty()) {
         std::vector<std::string> unknown;
         scene = read_scene(source.scene, source.data, unknown);

@@ -15,6 +15,7 @@ inline chiaro::Scene changed_scene(chiaro::Method method = chiaro::Method::spao)
     s.read.rescale = {2, -1024};
     s.read.time = 7;
     s.stated = {{{7, 8, 9}}, VoxelType::f32, Vec3{0.5, 0.25, 2}};
+    s.labels = {"organs.nrrd", "organs.label"};
     s.transfer.source = "ct-bone";
     s.transfer.window = {40, 400};
     s.transfer.threshold = {-100.5, 1e6};

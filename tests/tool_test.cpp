@@ -201,6 +201,7 @@ TEST_F(Tool, EverySettingHasAFlagThatWorks) {
     scene.camera.view.reset(), scene.camera.matrix.reset();               // excludes the eye
     scene.camera.fit_centre.reset(), scene.camera.fit_radius_mm.reset();  // are found, not given
     scene.slices = {};                                                    // of scene files alone
+    scene.labels = {};                                                    // go with no isosurfaces
     std::string flags;
     const auto add = [&](const Setting& setting, const auto&... fields) {
         const std::string text = value_text(setting, fields...), name(setting.name);

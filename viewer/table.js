@@ -8,7 +8,7 @@ const elsewhere = (place, flags) => Object.fromEntries(flags.split(" ").map((fla
 
 /** @type {Object<string, Entry>} */
 export const table = {
-  ...elsewhere("file", "raw-size raw-type raw-spacing raw-endian raw-offset series rescale time volume.dims volume.type volume.spacing"),
+  ...elsewhere("file", "raw-size raw-type raw-spacing raw-endian raw-offset series rescale time volume.dims volume.type volume.spacing labels label-table"),
   ...elsewhere("graph", "transfer window threshold opacity-scale opacity-unit opacity-unit-mm iso"),
   ...elsewhere("bar", "mode"),
   ...elsewhere("save", "size"),

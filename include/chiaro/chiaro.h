@@ -12,6 +12,7 @@
 #include <chiaro/geometry.h>
 #include <chiaro/image.h>
 #include <chiaro/io.h>
+#include <chiaro/labels.h>
 #include <chiaro/lighting.h>
 #include <chiaro/marks.h>
 #include <chiaro/measuring.h>

@@ -39,6 +39,15 @@ void describe(Visit&& visit, S& s) {
           .within(0, 1e9), s.time);
 }
 
+template <class Visit, SettingsOf<LabelSettings> S>
+void describe(Visit&& visit, S& s) {
+    visit(Setting{"labels", "labels.file", "", "volume of labels (whole numbers) of structures in the volume, which are tinted, thinned or hidden"}
+          .written("VOLUME"), s.source);
+    visit(Setting{"label-table", "labels.table", "",
+                  "how labels are shown: our own table, one of ITK-SNAP, 3D Slicer, FreeSurfer or nnU-Net, or totalsegmentator"}
+          .written("FILE"), s.table);
+}
+
 template <class Visit, SettingsOf<TransferSettings> S>
 void describe(Visit&& visit, S& s) {
     visit(Setting{"transfer", "transfer_function", "",
@@ -323,6 +332,7 @@ template <class Group, SettingsOf<Scene> S>
 void for_each_group(Group&& group, S& scene) {
     group("Volume", scene.read);
     group("Volume as stated", scene.stated);
+    group("Labels", scene.labels);
     group("Transfer function", scene.transfer);
     group("Picture", scene);
     group("Clipping", scene.clip);

@@ -5,6 +5,7 @@
 #include <chiaro/export.h>
 #include <chiaro/image.h>
 #include <chiaro/io.h>
+#include <chiaro/labels.h>
 #include <chiaro/lighting.h>
 #include <chiaro/marks.h>
 #include <chiaro/render.h>
@@ -30,6 +31,13 @@ struct TransferSettings {
     bool operator==(const TransferSettings&) const = default;
 };
 
+/// Structures that lie in the volume (docs/labels.md); in a volume that is its own labels nothing else is shown.
+struct LabelSettings {
+    std::string source;  ///< as for read_labels; empty: none
+    std::string table;   ///< as for read_label_table; empty: none
+    bool operator==(const LabelSettings&) const = default;
+};
+
 /// What a scene file expects of its volume. Size and type are checked; the spacing replaces the file's.
 struct ExpectedVolume {
     std::optional<std::array<int, 3>> dimensions;
@@ -53,6 +61,7 @@ struct Scene {
     std::string volume;  ///< as for read_volume; relative names are resolved by read_scene
     ExpectedVolume stated;
     ReadOptions read;
+    LabelSettings labels;
     TransferSettings transfer;
     std::vector<ChannelSettings> channels;  ///< what is said of them; components that are not listed are shown, too
     Mode mode = Mode::dvr;
@@ -86,6 +95,8 @@ CHIARO_EXPORT Volume read_volume(const Scene& scene, Progress& progress);
 CHIARO_EXPORT std::vector<Volume> read_channels(const Scene& scene, Progress& progress);
 /// What the scene says of its channels, one for each, where the volume itself has so many components.
 CHIARO_EXPORT std::vector<ChannelSettings> channels_of(const Scene& scene, int components);
+/// Reads the scene's labels. Throws as read_labels of a file.
+CHIARO_EXPORT LabelVolume read_labels(const Scene& scene, Progress& progress);
 
 /// The scene with its files named as seen from a folder, to be kept in a file there.
 CHIARO_EXPORT Scene seen_from(Scene scene, const std::filesystem::path& folder);

@@ -145,7 +145,7 @@ Medium with_interpolation(const Device& device, const Medium& medium, Interpolat
                 with_interpolation(device, Medium(channel), interpolation, progress).data().shared_from_this());
         Shape shape = from.shape;
         shape.interpolation = interpolation;
-        return mixed(device, std::move(channels), shape, progress);
+        return mixed(device, std::move(channels), shape, progress, from.volume.data().mixture->labels);
     }
     auto data = std::make_shared<Medium::Data>();
     data->volume = with_factor(interpolated(from.volume, interpolation, progress), from.volume.data().factor);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "classify/labels/labelled.h"
 #include "kernel/rgba.h"
 #include "volume/device_view.h"
 
@@ -89,9 +90,11 @@ struct ViewsOfChannels {
     }
 };
 
-std::shared_ptr<const MixtureOfChannels> mixture_of(const Channels& channels) {
+std::shared_ptr<const MixtureOfChannels> mixture_of(const Channels& channels,
+                                                    std::shared_ptr<const LabelBricks> labels) {
     auto mixture = std::make_shared<MixtureOfChannels>();
     mixture->count = int(channels.size());
+    mixture->labels = std::move(labels);
     with_stored_voxel(channels.front()->volume.data(), [&](auto voxel) {
         const auto views = std::make_shared<const ViewsOfChannels<decltype(voxel)>>(channels);
         mixture->channel_views = {views, views->views.data()};
@@ -100,7 +103,7 @@ std::shared_ptr<const MixtureOfChannels> mixture_of(const Channels& channels) {
 }
 
 /// The first channel's, looked at as a mixture.
-DeviceVolume volume_of(const Channels& channels) {
+DeviceVolume volume_of(const Channels& channels, std::shared_ptr<const LabelBricks> labels) {
     const DeviceVolume& first = channels.front()->volume;
     const DeviceVolume::Data& from = first.data();
     const auto borrow = [](const VoxelBuffer& buffer) {
@@ -113,22 +116,26 @@ DeviceVolume volume_of(const Channels& channels) {
     made->bricks = borrow(from.bricks), made->coefficients = borrow(from.coefficients);
     made->spline = from.spline, made->normal_reach = from.normal_reach;
     made->plain = first;
-    made->mixture = mixture_of(channels);
+    made->mixture = mixture_of(channels, std::move(labels));
     return DeviceVolume(std::move(made));
 }
 
 }  // namespace
 
-Medium mixed(const Device& device, Channels channels, const Shape& shape, const Progress& progress) {
+Medium mixed(const Device& device, Channels channels, const Shape& shape, const Progress& progress,
+             std::shared_ptr<const LabelBricks> labels) {
     check_alike(channels);
     std::stable_sort(channels.begin(), channels.end(), comes_before);
     auto data = std::make_shared<Medium::Data>();
-    data->volume = volume_of(channels);
+    std::vector<std::uint8_t> labelled;
+    if (labels) labelled = cells_with_labels(*labels, channels.front()->volume.data());
+    data->volume = volume_of(channels, std::move(labels));
     data->table = channels.front()->table;
     data->shape = shape;
     std::vector<std::uint8_t> occupied(channels.front()->cells.size() - 1);
     for (const auto& channel : channels)
         for (std::size_t c = 0; c < occupied.size(); ++c) occupied[c] |= channel->cells[c] & 1;
+    for (std::size_t c = 0; c < labelled.size(); ++c) occupied[c] &= labelled[c];
     data->occupied_fraction =
         double(std::count(occupied.begin(), occupied.end(), 1)) / double(std::max<std::size_t>(occupied.size(), 1));
     const auto any = [](float, float) { return true; };

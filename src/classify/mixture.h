@@ -4,8 +4,8 @@
 
 namespace chiaro {
 
-/// Of two or more on one grid, in one stored type; in any order the same bits.
+/// Of one or more on one grid, in one stored type; in any order the same bits. `labels`: that lie in them, or null.
 Medium mixed(const Device& device, std::vector<std::shared_ptr<const Medium::Data>> channels, const Shape& shape,
-             const Progress& progress);
+             const Progress& progress, std::shared_ptr<const LabelBricks> labels = nullptr);
 
 }  // namespace chiaro

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <system_error>
 
@@ -14,7 +15,7 @@ namespace chiaro {
 namespace {
 
 template <class Contents>
-Contents contents_of(const std::filesystem::path& path, std::uintmax_t max_bytes) {
+Contents contents_of(const std::filesystem::path& path, std::uintmax_t max_bytes, bool cut = false) {
     const auto refuse = [&](const std::string& what) {
         throw Error(ErrorCode::input, "cannot read '" + path.string() + "': " + what);
     };
@@ -31,10 +32,10 @@ Contents contents_of(const std::filesystem::path& path, std::uintmax_t max_bytes
     if (opened.file < 0 || fstat(opened.file, &status) != 0) refuse_by(errno);
     if (S_ISDIR(status.st_mode)) refuse_by(EISDIR);
     if (!S_ISREG(status.st_mode)) refuse("it is no regular file");
-    if (std::uintmax_t(status.st_size) > max_bytes)
-        refuse("is larger than " + std::to_string(max_bytes >> 20) + " MiB");
+    const auto size = std::uintmax_t(status.st_size);
+    if (size > max_bytes && !cut) refuse("is larger than " + std::to_string(max_bytes >> 20) + " MiB");
     Contents contents;
-    contents.resize(std::size_t(status.st_size));
+    contents.resize(std::size_t(std::min(size, max_bytes)));
     for (std::size_t done = 0; done < contents.size();) {
         const ssize_t n = read(opened.file, contents.data() + done, contents.size() - done);
         if (n < 0 && errno != EINTR) refuse_by(errno);
@@ -52,6 +53,10 @@ std::vector<std::byte> file_bytes(const std::filesystem::path& path, std::uintma
 
 std::string file_text(const std::filesystem::path& path, std::uintmax_t max_bytes) {
     return contents_of<std::string>(path, max_bytes);
+}
+
+std::string file_beginning(const std::filesystem::path& path, std::uintmax_t bytes) {
+    return contents_of<std::string>(path, bytes, true);
 }
 
 }  // namespace chiaro

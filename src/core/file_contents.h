@@ -15,5 +15,7 @@ inline constexpr std::uintmax_t max_file_bytes = 2048u << 20;
 /// and the reason, with "did you mean" where it is not there.
 std::vector<std::byte> file_bytes(const std::filesystem::path& path, std::uintmax_t max_bytes = max_file_bytes);
 std::string file_text(const std::filesystem::path& path, std::uintmax_t max_bytes);
+/// The first bytes of a file, all of them where it has no more.
+std::string file_beginning(const std::filesystem::path& path, std::uintmax_t bytes);
 
 }  // namespace chiaro

@@ -41,6 +41,14 @@ CHIARO_INLINE Four<Four<float>> gather_four(const V* p, std::int32_t index, Dist
     p += std::uint32_t(index);
     return {load_four(p + at.a), load_four(p + at.b), load_four(p + at.c), load_four(p + at.d)};
 }
+/// The four bytes of a word, the lowest first, at four distances.
+CHIARO_INLINE Four<Four<float>> gather_bytes(const std::uint32_t* p, std::int32_t index, Distances at) {
+    p += std::uint32_t(index);
+    const auto bytes = [](std::uint32_t w) CHIARO_INLINE_LAMBDA {
+        return Four<float>{float(w & 255), float(w >> 8 & 255), float(w >> 16 & 255), float(w >> 24)};
+    };
+    return {bytes(p[at.a]), bytes(p[at.b]), bytes(p[at.c]), bytes(p[at.d])};
+}
 CHIARO_INLINE std::int32_t gather_byte(const std::uint8_t* p, std::int32_t index) { return p[std::uint32_t(index)]; }
 
 CHIARO_INLINE float gather_float(const float* p, std::int32_t index) { return p[std::uint32_t(index)]; }
@@ -189,6 +197,10 @@ CHIARO_INLINE Four<Two<Lanes>> gather_two(const float* p, const Indices& i, Dist
             {float_of(v.d), float_of(w.d)}};
 }
 CHIARO_INLINE Four<Four<Lanes>> gather_four(const std::uint8_t* p, const Indices& i, Distances at) {
+    const Four<IntLanes> w = gather_words(p, i, at);
+    return {split_four(w.a), split_four(w.b), split_four(w.c), split_four(w.d)};
+}
+CHIARO_INLINE Four<Four<Lanes>> gather_bytes(const std::uint32_t* p, const Indices& i, Distances at) {
     const Four<IntLanes> w = gather_words(p, i, at);
     return {split_four(w.a), split_four(w.b), split_four(w.c), split_four(w.d)};
 }

@@ -2,6 +2,8 @@
 
 #include <chiaro/samples.h>
 
+#include <algorithm>
+
 namespace chiaro {
 namespace {
 
@@ -45,6 +47,17 @@ TransferFunction transfer_function_of_channel(const ChannelSettings& channel, st
     return tf;
 }
 
+TransferFunction of_labels_alone(const TransferSettings& settings, const Subject& subject) {
+    TransferSettings white = settings;
+    white.window.reset();
+    if (settings.points || !settings.source.empty()) return transfer_function_for(settings, subject);
+    constexpr Rgb color{0.9, 0.9, 0.9};
+    constexpr double opacity = 0.95;  // of a voxel: light ends within two
+    const double low = subject.statistics.min, high = std::max(subject.statistics.max, low + 1);
+    white.points = TransferFunction{.points = {{low, color, opacity}, {high, color, opacity}}};
+    return transfer_function_for(white, subject);
+}
+
 Shape shape_for(const Scene& scene) {
     Shape shape{.mode = scene.mode, .iso = scene.iso, .clip = scene.clip};
     if (scene.transfer.threshold) {
@@ -62,6 +75,7 @@ bool has_finer_interpolation(const Scene& scene) {
     // Between the numbers of materials nothing is: classified first, they stay as they are.
     if (scene.interpolation == Interpolation::automatic && scene.sampling.classification == Classification::pre)
         return false;
+    if (scene.interpolation == Interpolation::automatic && are_labels_alone(scene)) return false;
     return scene.interpolation != Interpolation::linear && scene.interpolation != Interpolation::texture;
 }
 

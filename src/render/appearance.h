@@ -25,6 +25,10 @@ TransferFunction transfer_function_for(const TransferSettings& settings, const S
 /// as load_transfer_function.
 TransferFunction transfer_function_of_channel(const ChannelSettings& channel, std::size_t index, std::size_t count,
                                               const TransferSettings& of_scene, const Subject& subject);
+/// Whether the volume is its own labels, so that they are solids and nothing else is shown.
+bool are_labels_alone(const Scene& scene);
+/// White all over, of which labels leave their own shapes and colours, unless the settings ask for another.
+TransferFunction of_labels_alone(const TransferSettings& settings, const Subject& subject);
 
 /// Linear, as drafts are and what a camera is fitted to, or by texture.
 Shape shape_for(const Scene& scene);

@@ -257,6 +257,8 @@ void check(const Scene& scene, ErrorCode code) {
         throw Error(code,
                     fmt::format("floor: --floor has no meaning with --mode {}: a value of a whole ray casts no shadow",
                                 to_text(scene.mode)));
+    if (!scene.labels.table.empty() && scene.labels.source.empty())
+        throw Error(code, "labels: a table (--label-table) needs labels that it names (--labels)");
     const Method method = scene.illumination.method;
     const bool has_probe = !scene.lighting.probe.source.empty() || scene.lighting.loaded_probe;
     if (scene.lighting.probe.background && !has_probe && (method == Method::none || method == Method::spao))
@@ -283,6 +285,9 @@ Scene parse_scene(const std::string& json, const std::filesystem::path& folder,
     if (std::string& emission = scene.illumination.histogram.emission;
         !emission.empty() && emission.find('=') == emission.npos)
         emission = found_file(emission, folder, data_folder);
+    if (!scene.labels.source.empty()) scene.labels.source = found_file(scene.labels.source, folder, data_folder);
+    if (std::string& table = scene.labels.table; table.find_first_of("/.") != table.npos)
+        table = found_file(table, folder, data_folder);
     scene.marks = read_marks(root);
     check(scene, ErrorCode::input);
     unknown_keys = unknown_keys_of(root);

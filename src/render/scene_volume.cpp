@@ -4,6 +4,8 @@
 #include <chiaro/text.h>
 #include <fmt/format.h>
 
+#include "render/appearance.h"
+
 namespace chiaro {
 namespace {
 
@@ -82,6 +84,19 @@ std::vector<Volume> read_channels(const Scene& scene, Progress& progress) {
         all.push_back(std::move(volume));
     }
     return all;
+}
+
+LabelVolume read_labels(const Scene& scene, Progress& progress) {
+    ReadOptions options;
+    if (scene.labels.source == scene.volume) options = scene.read;
+    options.time = 0;
+    LabelVolume labels = read_labels(scene.labels.source, scene.labels.table, options, progress);
+    if (are_labels_alone(scene)) labels.labels.front().show = false;
+    return labels;
+}
+
+bool are_labels_alone(const Scene& scene) {
+    return !scene.labels.source.empty() && scene.labels.source == scene.volume;
 }
 
 }  // namespace chiaro

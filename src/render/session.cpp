@@ -155,7 +155,8 @@ bool Session::needs_light(const Scene& given) const {
     const State& s = *state_;
     const Scene scene = s.as_drawn(given);
     return s.prepare.inputs != std::tuple(s.upload.version, preparation_of(scene.illumination)) ||
-           s.classify.inputs != std::tuple(s.upload.version, scene.transfer, scene.channels, shape_for(scene)) ||
+           s.classify.inputs != std::tuple(s.upload.version, scene.transfer, scene.channels, shape_for(scene),
+                                           s.labels_of(scene)) ||
            s.illuminate.inputs !=
                std::tuple(s.medium_version(scene), s.prepare.version, scene.illumination, s.held(scene));
 }
@@ -203,6 +204,8 @@ RenderStatistics Session::render_statistics() const { return state_->raycast.res
 std::size_t Session::light_bytes() const { return state_->prepare.result.bytes() + state_->illuminate.result.bytes(); }
 std::vector<std::string> Session::notes() const {
     std::vector<std::string> notes = state_->prepare.result.notes();
+    if (const auto& labels = state_->labels.result)
+        for (const std::string& note : labels->notes) notes.push_back("labels: " + note);
     if (std::string note = state_->device.note(); !note.empty()) notes.push_back(std::move(note));
     if (const auto& refiner = state_->refiner) {
         const std::vector<std::string> told = notes_of(refiner->report());

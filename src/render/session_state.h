@@ -11,6 +11,7 @@
 #include <optional>
 #include <tuple>
 
+#include "classify/labels/labelled.h"
 #include "classify/medium.h"
 #include "core/threads.h"
 #include "render/appearance.h"
@@ -40,7 +41,9 @@ struct Session::State {
     // The table: what each stage makes, and from what.
     Kept<DeviceVolume, Version> upload;
     Kept<Prepared, Version, IlluminationSettings> prepare;
-    Kept<Classified, Version, TransferSettings, std::vector<ChannelSettings>, Shape> classify;
+    Kept<std::shared_ptr<const LabelVolume>, LabelSettings, bool> labels;  // alone: nothing else is shown
+    Kept<std::shared_ptr<const LabelBricks>, Version, Version, ColorMode> labelled;
+    Kept<Classified, Version, TransferSettings, std::vector<ChannelSettings>, Shape, Version> classify;
     Kept<CameraSettings, Version, CameraSettings, RaySettings, std::pair<int, int>> fit;
     Kept<Medium, Version, Interpolation> interpolate;  // of final pictures, where drafts are not as fine
     Kept<Probe, std::string> probe;
@@ -181,6 +184,7 @@ struct Session::State {
                                     to_text(volume.dimensions), to_text(upload.result.dimensions())));
         auto moment = std::make_unique<State>(device);
         moment->subject = subject, moment->one_look = one_look, moment->probe = probe;
+        moment->labels = labels, moment->last_version = last_version;
         return moment;
     }
 
@@ -209,19 +213,44 @@ struct Session::State {
         redo_classify(scene, progress);
     }
 
-    void redo_classify(const Scene& scene, const Progress& progress) {
+    /// What the scene's labels make of the volume; null: it has none. Names it among the inputs of what follows.
+    std::pair<std::shared_ptr<const LabelBricks>, Version> redo_labels(const Scene& scene, Progress& progress) {
+        if (scene.labels.source.empty()) return {};
+        const bool alone = are_labels_alone(scene);
+        redo("labels", labels, {scene.labels, alone}, [&](std::shared_ptr<const LabelVolume>& read) {
+            read = std::make_shared<const LabelVolume>(read_labels(scene, progress));
+        });
+        redo("borders", labelled, {upload.version, labels.version, scene.output.color},
+             [&](std::shared_ptr<const LabelBricks>& bricks) {
+                 bricks = label_bricks(*labels.result, upload.result, scene.output.color, device.threads, progress);
+             });
+        return {labelled.result, labelled.version};
+    }
+
+    /// Names what redo_labels made for the scene; 0: none, or it would be other ones.
+    Version labels_of(const Scene& scene) const {
+        const bool is_kept = labels.inputs == std::tuple(scene.labels, are_labels_alone(scene)) &&
+                             labelled.inputs == std::tuple(upload.version, labels.version, scene.output.color);
+        return is_kept && !scene.labels.source.empty() ? labelled.version : 0;
+    }
+
+    void redo_classify(const Scene& scene, Progress& progress) {
         const Shape shape = shape_for(scene);
-        const std::tuple inputs(upload.version, scene.transfer, scene.channels, shape);
+        const auto [bricks, labels_version] = redo_labels(scene, progress);
+        const std::tuple inputs(upload.version, scene.transfer, scene.channels, shape, labels_version);
         if (gave_back && (classify.inputs != inputs || !looks_at_visible_voxels(scene)))
             throw Error(ErrorCode::internal, "a session of one look was asked for another");
         redo("classify", classify, inputs, [&](Classified& classified) {
             if (!others.empty() || !scene.channels.empty()) {
                 classified = classified_channels(scene, shape, progress);
+                classified.medium = with_labels(device, classified.medium, bricks, progress);
                 return;
             }
-            classified.tf = transfer_function_for(scene.transfer, subject);
+            classified.tf = are_labels_alone(scene) ? of_labels_alone(scene.transfer, subject)
+                                                    : transfer_function_for(scene.transfer, subject);
             if (refiner) classified.tf = of_finest_voxels(classified.tf, refiner->finest());
-            classified.medium = chiaro::classify(device, upload.result, classified.tf, shape, progress);
+            classified.medium = with_labels(
+                device, chiaro::classify(device, upload.result, classified.tf, shape, progress), bricks, progress);
         });
         medium = classify.result.medium;
     }

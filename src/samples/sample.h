@@ -37,6 +37,7 @@ Sample halfspace_sample();
 Sample tubes_sample();
 Sample menger_sample();
 Sample torso_sample();
+Sample organs_sample();
 
 /// Voxels of type T, voxel (i, j, k) = value_at(i, j, k).
 template <class T, class ValueAt>

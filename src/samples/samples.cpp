@@ -11,8 +11,8 @@ namespace chiaro {
 namespace {
 
 std::vector<Sample> samples() {
-    return {cornell_sample(), marschner_lobb_sample(), shells_sample(), fog_sample(),    slab_sample(),
-            ball_sample(),    halfspace_sample(),      tubes_sample(),  menger_sample(), torso_sample()};
+    return {cornell_sample(),   marschner_lobb_sample(), shells_sample(), fog_sample(),   slab_sample(),  ball_sample(),
+            halfspace_sample(), tubes_sample(),          menger_sample(), torso_sample(), organs_sample()};
 }
 
 }  // namespace

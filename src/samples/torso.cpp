@@ -118,7 +118,37 @@ struct Torso {
         put(cortex, bone), put(marrow, bone - 2.5);
         return value;
     }
+
+    /// The structure that a place belongs to, 0 for none.
+    int label(Vec3 p) const {
+        const double shoulders = 1 - 0.25 * std::pow(std::max(0.0, (p.z - 90) / 90), 2);
+        const double wall =
+            std::min(depth_in_ellipsoid({p.x, p.y, 0}, {}, {152 * shoulders, 100, 1e6}), 165 - std::abs(p.z));
+        if (wall < 0) return 0;
+        int found = 0;
+        const auto put = [&](int number, double depth_mm) {
+            if (depth_mm > 0) found = number;
+        };
+        put(1, std::min(depth_in_ellipsoid(p, {64, 8, 45}, {46, 58, 92}), wall - 30));
+        put(2, std::min(depth_in_ellipsoid(p, {-64, 8, 45}, {46, 58, 92}), wall - 30));
+        const double in_liver = std::min(depth_in_ellipsoid(p, {-48, -6, -108}, {76, 62, 44}), wall - 30);
+        put(3, in_liver), put(4, depth_in_ellipsoid(p, {16, -24, 0}, {46, 40, 46}));
+        if (std::abs(p.z - 45) < 110) put(5, depth_in(arteries, p)), put(6, depth_in(bronchi, p) + 2);
+        if (in_liver > 0) put(7, std::min(depth_in(portal, p), in_liver - 3));
+        put(8, std::max(depth_in_ellipsoid(p, {14, 24, -122}, {26, 24, 34}), depth_in(aorta, p)));
+        const double breastbone =
+            std::min({9 - std::abs(p.x), 4.5 - std::abs(wall - 17), p.y < 0 ? 1e9 : -1e9, p.z + 60});
+        put(9, std::max(ribs(p, wall), breastbone)), put(10, spine(p));
+        return found;
+    }
 };
+
+SampleVoxels make_organs(int size) {
+    const Torso torso;
+    const double voxel_mm = torso_edge_mm / size;
+    const auto at = [=](int i) { return (i + 0.5) * voxel_mm - torso_edge_mm / 2; };
+    return generate<std::uint8_t>([=](int i, int j, int k) { return torso.label({at(i), at(j), at(k)}); });
+}
 
 SampleVoxels make_torso(int size) {
     const Torso torso;
@@ -129,11 +159,14 @@ SampleVoxels make_torso(int size) {
     });
 }
 
-void place_torso(Volume& volume) {
+void place_organs(Volume& volume) {
     const double voxel_mm = torso_edge_mm / volume.dimensions[0], first = 0.5 * voxel_mm - torso_edge_mm / 2;
     volume.geometry.spacing_mm = {voxel_mm, voxel_mm, voxel_mm};
     volume.geometry.origin_mm = {first, first, first};
     volume.geometry.world = World::lps;
+}
+void place_torso(Volume& volume) {
+    place_organs(volume);
     volume.modality = "CT";
 }
 
@@ -147,7 +180,26 @@ TransferFunction torso_transfer_function() {
     return tf;
 }
 
+/// Everything but what no structure has.
+TransferFunction organs_transfer_function() {
+    TransferFunction tf;
+    constexpr Rgb white{0.9, 0.9, 0.9};
+    tf.points = {{0.5, white, 0}, {0.5, white, 0.9}, {10, white, 0.9}};
+    return tf;
+}
+
 }  // namespace
+
+Sample organs_sample() {
+    return {
+        {"organs",
+         "labels of what is in torso: 1 and 2 lungs, 3 liver, 4 heart, 5 arteries, 6 airways, 7 portal vein, 8 aorta, "
+         "9 ribs, 10 spine",
+         128, true},
+        make_organs,
+        organs_transfer_function,
+        place_organs};
+}
 
 Sample torso_sample() {
     return {

@@ -5,6 +5,7 @@
 
 #include "volume/device_volume.h"
 #include "volume/float3.h"
+#include "volume/label_bricks.h"
 #include "volume/view.h"
 
 namespace chiaro {
@@ -26,10 +27,18 @@ inline kernel::FactorView factor_view(const DeviceVolume::Data& volume) {
             row({0, 0, 1})};
 }
 
+inline kernel::LabelView label_view(const LabelBricks* labels) {
+    if (!labels) return {};
+    return {reinterpret_cast<const std::uint8_t*>(labels->distance.data()),
+            reinterpret_cast<const std::uint8_t*>(labels->share.data()),
+            reinterpret_cast<const std::uint32_t*>(labels->tint.data())};
+}
+
 template <class Voxel>
 kernel::MixtureView<Voxel> mixture_view(const DeviceVolume::Data& volume) {
     if (!volume.mixture) return {};
-    return {static_cast<const kernel::ChannelView<Voxel>*>(volume.mixture->channel_views.get()), volume.mixture->count};
+    return {static_cast<const kernel::ChannelView<Voxel>*>(volume.mixture->channel_views.get()), volume.mixture->count,
+            label_view(volume.mixture->labels.get())};
 }
 
 /// `Voxel` is the stored type.

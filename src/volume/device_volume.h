@@ -30,10 +30,12 @@ struct ExtinctionFactor {
     double index_scale = 0, index_offset = 0;  ///< column of a stored value
     double rows_per_unit = 0;                  ///< row = magnitude * rows_per_unit
 };
+struct LabelBricks;  // volume/label_bricks.h
 /// Channels on one grid, as kernels read them: `count` kernel::ChannelView of the stored type, with all they point to.
 struct MixtureOfChannels {
     std::shared_ptr<const void> channel_views;
     int count = 0;
+    std::shared_ptr<const LabelBricks> labels;  ///< that lie in them; null: none
 };
 struct LevelPages;  // volume/paged_level.h
 

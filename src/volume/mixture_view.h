@@ -3,6 +3,7 @@
 // whether it `is_mixed`, and then for its `matter_at` a place in the stead of a value.
 #pragma once
 #include "kernel/rgba.h"
+#include "volume/label_view.h"
 #include "volume/view.h"
 
 namespace chiaro::kernel {
@@ -42,7 +43,7 @@ static CHIARO_NOINLINE RgbaLanes<F> mixed_matter(const VolumeView<Voxel>& volume
         if (channel.volume.has_factor()) matter = scale(matter, channel.volume.factor_at(at, stored));
         sum = accumulate(sum, F(1), matter);
     }
-    return sum;
+    return labelled<F>(volume.mixture.labels, at, sum);
 }
 
 /// The same of the eight voxels around a point; x, y and z are the number's bits.
@@ -61,6 +62,7 @@ static CHIARO_NOINLINE void mixed_corners(const VolumeView<Voxel>& volume, const
         for (int corner = 0; corner < 8; ++corner)
             sums.of[corner] = accumulate(sums.of[corner], F(1), channel.matter_of(stored[corner]));
     }
+    for (auto& sum : sums.of) sum = labelled<F>(volume.mixture.labels, at, sum);
 }
 
 /// The gradient of extinction: Σ dκ/dv ∇v, any scale. Where matter is even the channels' gradients count by their
@@ -68,16 +70,18 @@ static CHIARO_NOINLINE void mixed_corners(const VolumeView<Voxel>& volume, const
 template <class F, class Voxel>
 static CHIARO_NOINLINE Vec3<F> mixed_gradient(const VolumeView<Voxel>& volume, const Location<F>& at) {
     Vec3<F> sum(F(0), F(0), F(0));
+    F kappa(0);
     for (std::int32_t i = 0; i < volume.mixture.count; ++i) {
         const ChannelView<Voxel>& channel = volume.mixture.channels[i];
         const F stored = channel.volume.value(at);
-        F rise = gather_float(channel.rise, channel.entry_of(stored));
-        if (!any((rise < F(0)) | (rise > F(0)))) continue;
+        const F rise = gather_float(channel.rise, channel.entry_of(stored));
+        if (!volume.mixture.labels.distance && !any((rise < F(0)) | (rise > F(0)))) continue;
         const Vec3<F> gradient = channel.volume.gradient(at);
-        if (channel.volume.has_factor()) rise = rise * channel.volume.factor_of(stored, gradient);
-        sum = mad(rise, gradient, sum);
+        const F left = channel.volume.has_factor() ? channel.volume.factor_of(stored, gradient) : F(1);
+        if (volume.mixture.labels.distance) kappa = mad(left, channel.extinction_of(stored), kappa);
+        sum = mad(left * rise, gradient, sum);
     }
-    return sum;
+    return labelled_gradient(volume.mixture.labels, at, kappa, sum);
 }
 
 /// κ per mm at -1.5, -.5, 0, .5 and 1.5 times a way (voxels), for values that go on as their gradients have them.
@@ -98,6 +102,12 @@ static CHIARO_NOINLINE void mixed_along(const VolumeView<Voxel>& volume, const L
         for (int step = 0; step < 5; ++step)
             sums.at[step] = mad(left, channel.extinction_of(mad(F(steps[step]), rate, stored)), sums.at[step]);
     }
+    const LabelView& labels = volume.mixture.labels;
+    if (!labels.distance && !labels.share) return;
+    const F share = share_at(labels, at);
+    const Two<F> border = border_along(labels, at, way);
+    for (int step = 0; step < 5; ++step)
+        sums.at[step] = sums.at[step] * share * left_at(mad(F(steps[step]), border.b, border.a));
 }
 
 }  // namespace chiaro::kernel

@@ -40,11 +40,19 @@ template <class F, class Voxel>
 static CHIARO_NOINLINE void mixed_along(const VolumeView<Voxel>& volume, const Location<F>& at, const Vec3<F>& way,
                                         FiveExtinctions<F>& sums);
 
+/// Labels, in bricks as the volume's voxels, so that a location serves both (volume/label_view.h). Null: nothing is
+/// hidden, thinned, tinted.
+struct LabelView {
+    const std::uint8_t *distance, *share;
+    const std::uint32_t* tint;
+};
+
 /// What samples of a mixture are made of; null: of one value, which each consumer looks up in a table of its own.
 template <class Voxel>
 struct MixtureView {
     const ChannelView<Voxel>* channels;
     std::int32_t count;
+    LabelView labels;
 };
 
 /// The voxel whose interval [i, i + 1] holds a point, per axis.

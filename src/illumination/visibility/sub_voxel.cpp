@@ -8,6 +8,7 @@
 #include "illumination/visibility/launch_gpu.h"
 #include "illumination/visibility/sub_voxel_integral.h"
 #include "volume/device_view.h"
+#include "volume/label_view.h"
 
 namespace chiaro {
 namespace {
@@ -187,18 +188,39 @@ int levels_per_unit(const DeviceVolume::Data& volume) {
 
 }  // namespace
 
+/// What labels leave of the depths of a block's cells, by their middles.
+FillBlock left_by_labels(const Medium::Data& medium, const CellGrid& grid, const BlockMap& matter) {
+    const DeviceVolume::Data& volume = medium.volume.data();
+    const kernel::LabelView labels = label_view(volume.mixture->labels.get());
+    if (!labels.distance && !labels.share) return {};
+    const auto view = view_of<std::uint8_t>(volume);  // of places alone
+    return [=, &grid, &matter, centres = cell_centres(medium, grid)](std::size_t block, float* tile) {
+        const auto [x, y, z] = matter.cells(block, grid.count);
+        for (int k = z.first; k < z.second; ++k)
+            for (int j = y.first; j < y.second; ++j) {
+                float* const row = tile + ((k - z.first) * block_edge + j - y.first) * block_edge;
+                for (int i = x.first; i < x.second; ++i) {
+                    if (!(row[i - x.first] > 0)) continue;
+                    const auto p = view.clamp(centres.of(i, j, k));
+                    row[i - x.first] *= kernel::left_of<float>(labels, view.locate(p, view.voxel(p)));
+                }
+            }
+    };
+}
+
 /// Extinctions add.
 BlockDepths depths_of_channels(const Medium::Data& medium, const CellGrid& grid, const BlockMap& matter) {
     std::vector<FillBlock> channels;
     for_each_channel(
         medium, [&](const Medium::Data& channel) { channels.push_back(block_depths(channel, grid, matter).here); });
-    const auto here = [channels](std::size_t block, float* tile) {
+    const auto here = [channels, left = left_by_labels(medium, grid, matter)](std::size_t block, float* tile) {
         std::vector<float> one(tile_size);
         for (const FillBlock& fill : channels) {
             std::fill(one.begin(), one.end(), 0.0f);
             fill(block, one.data());
             for (std::size_t i = 0; i < one.size(); ++i) tile[i] += one[i];
         }
+        if (left) left(block, tile);
     };
     return {here, {}};
 }

@@ -1,0 +1,137 @@
+#include "classify/labels/border.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace chiaro {
+namespace {
+
+constexpr float widest_sigma = 2.25f, narrower_sigmas[] = {1.2f, 0.6f};
+constexpr float density_at_0 = 0.3989423f;  ///< of the normal distribution
+/// Where the best voxel around one lies so far on their side, voxels, the wide filter has lost what they belong to; and
+/// where one lies so far on the wrong side.
+constexpr float lost_at = 0.4f, kept_at = 0.7f, wrong_from = 0.25f, wrong_at = 0.5f;
+constexpr float nearest = 0.05f;  ///< voxels: of a border to a voxel's centre
+
+/// One half of a Gaussian, the middle first.
+std::vector<float> kernel_of(float sigma) {
+    std::vector<float> kernel(std::size_t(std::lround(2.9 * sigma)) + 1);
+    double sum = 0;
+    for (std::size_t i = 0; i < kernel.size(); ++i) {
+        const double x = double(i) / sigma, g = std::exp(-0.5 * x * x);
+        kernel[i] = float(g), sum += i ? 2 * g : g;
+    }
+    for (float& k : kernel) k = float(k / sum);
+    return kernel;
+}
+
+/// out[i] = Σ_t k[|t|] in[i + t * stride], n of them.
+void convolve(const std::vector<float>& kernel, const float* in, std::ptrdiff_t stride, int n, float* out) {
+    for (int i = 0; i < n; ++i) out[i] = kernel[0] * in[i];
+    for (std::size_t t = 1; t < kernel.size(); ++t) {
+        const float k = kernel[t];
+        const float *before = in - std::ptrdiff_t(t) * stride, *behind = in + std::ptrdiff_t(t) * stride;
+        for (int i = 0; i < n; ++i) out[i] += k * (before[i] + behind[i]);
+    }
+}
+
+float share(float from, float to, float x) { return std::clamp((x - from) / (to - from), 0.0f, 1.0f); }
+
+}  // namespace
+
+BorderTile::BorderTile()
+    : source_(std::size_t(row) * row * row),
+      along_x_(std::size_t(row) * row * span),
+      along_y_(std::size_t(row) * span * span),
+      narrow_(std::size_t(span) * span * span),
+      wide_(narrow_.size()),
+      smooth_(narrow_.size()),
+      local_(narrow_.size()),
+      thin_(narrow_.size()),
+      distance_(std::size_t(edge) * edge * edge) {}
+
+int BorderTile::source_of(int voxel) {
+    const int x = voxel % span, y = voxel / span % span, z = voxel / (span * span);
+    return ((z + halo - margin) * row + y + halo - margin) * row + x + halo - margin;
+}
+
+/// 2 G(σ) - G(2σ) as a distance: a plane's value rises by 1.5 φ(0) / σ a voxel.
+void BorderTile::smooth(float sigma, std::vector<float>& out) {
+    constexpr int first = halo - margin;
+    const auto blur = [&](float s, std::vector<float>& blurred) {
+        const std::vector<float> kernel = kernel_of(s);
+        for (int line = 0; line < row * row; ++line)
+            convolve(kernel, source_.data() + std::ptrdiff_t(line) * row + first, 1, span,
+                     along_x_.data() + std::ptrdiff_t(line) * span);
+        for (int z = 0; z < row; ++z)
+            for (int y = 0; y < span; ++y)
+                convolve(kernel, along_x_.data() + (std::ptrdiff_t(z) * row + y + first) * span, span, span,
+                         along_y_.data() + (std::ptrdiff_t(z) * span + y) * span);
+        for (int z = 0; z < span; ++z)
+            convolve(kernel, along_y_.data() + std::ptrdiff_t(z + first) * span * span, span * span, span * span,
+                     blurred.data() + std::ptrdiff_t(z) * span * span);
+    };
+    blur(sigma, narrow_), blur(2 * sigma, wide_);
+    const float per_voxel = sigma / (1.5f * density_at_0);
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = (2 * narrow_[i] - wide_[i]) * per_voxel;
+}
+
+/// 1 where the wide filter has lost what a voxel belongs to, and beside it.
+void BorderTile::find_thin() {
+    std::fill(thin_.begin(), thin_.end(), 0.0f);
+    any_thin_ = false;
+    for (int z = 1; z < span - 1; ++z)
+        for (int y = 1; y < span - 1; ++y)
+            for (int x = 1; x < span - 1; ++x) {
+                const int i = (z * span + y) * span + x;
+                const float side = own(i) > 0 ? 1.0f : -1.0f, here = side * smooth_[std::size_t(i)];
+                if (here >= kept_at) continue;
+                float best = here;
+                for (int dz = -1; dz <= 1; ++dz)
+                    for (int dy = -1; dy <= 1; ++dy)
+                        for (int dx = -1; dx <= 1; ++dx) {
+                            const int j = i + (dz * span + dy) * span + dx;
+                            if (own(j) * side > 0) best = std::max(best, side * smooth_[std::size_t(j)]);
+                        }
+                const float thin = std::max(1 - share(lost_at, kept_at, best), share(wrong_from, wrong_at, -here));
+                thin_[std::size_t(i)] = thin;
+                any_thin_ = any_thin_ || thin > 0;
+            }
+}
+
+/// Where a filter has lost what voxels belong to, and beside them, the narrower one's.
+void BorderTile::take_narrower() {
+    for (int z = 2; z < span - 2; ++z)
+        for (int y = 2; y < span - 2; ++y)
+            for (int x = 2; x < span - 2; ++x) {
+                const int i = (z * span + y) * span + x;
+                float thin = 0;
+                for (int j = 0; j < 27; ++j)
+                    thin =
+                        std::max(thin, thin_[std::size_t(i + ((j / 9 - 1) * span + j / 3 % 3 - 1) * span + j % 3 - 1)]);
+                float& d = smooth_[std::size_t(i)];
+                if (thin > 0) d += thin * (local_[std::size_t(i)] - d);
+            }
+}
+
+const std::vector<float>& BorderTile::distance(const std::vector<std::uint8_t>& inside) {
+    for (std::size_t i = 0; i < source_.size(); ++i) source_[i] = inside[i] ? 0.5f : -0.5f;
+    smooth(widest_sigma, smooth_);
+    for (const float sigma : narrower_sigmas) {
+        find_thin();
+        if (!any_thin_) break;
+        smooth(sigma, local_);
+        take_narrower();
+    }
+    for (int z = 0, to = 0; z < edge; ++z)
+        for (int y = 0; y < edge; ++y)
+            for (int x = 0; x < edge; ++x, ++to) {
+                const int i = ((z + margin) * span + y + margin) * span + x + margin;
+                const float side = own(i) > 0 ? 1.0f : -1.0f;
+                distance_[std::size_t(to)] = side * std::clamp(side * smooth_[std::size_t(i)], nearest, reach);
+            }
+    return distance_;
+}
+
+}  // namespace chiaro

@@ -1,0 +1,23 @@
+// A medium in which labels lie.
+#pragma once
+#include <chiaro/labels.h>
+
+#include "classify/medium.h"
+#include "volume/label_bricks.h"
+
+namespace chiaro {
+
+/// What labels make of media on a volume's grid. Cost and errors: make_label_fields, place_labels.
+std::shared_ptr<const LabelBricks> label_bricks(const LabelVolume& labels, const DeviceVolume& volume, ColorMode color,
+                                                int threads, const Progress& progress);
+
+/// The medium with labels (in the place of those that it had; null: without). Its extinction is multiplied, its colours
+/// are tinted, and all that looks at it - rays, light, paths - sees the product. Throws Error{usage} for a mode in
+/// which labels have no meaning, and for volumes by bricks.
+Medium with_labels(const Device& device, const Medium& medium, std::shared_ptr<const LabelBricks> labels,
+                   const Progress& progress);
+
+/// For each 4³ cell whether labels show anything in it: 0 or 1; empty: in all.
+std::vector<std::uint8_t> cells_with_labels(const LabelBricks& labels, const DeviceVolume::Data& volume);
+
+}  // namespace chiaro
