@@ -108,6 +108,8 @@ RenderStatistics fill(const Device& device, const Medium& medium, const Illumina
     target.frame.depth_mm.clear();  // of an older picture
     const Medium::Data& data = medium.data();
     check_ends(settings, target.frame);
+    if (data.volume.data().placement && (lighting.floor.show || lighting.probe.background))
+        throw Error(ErrorCode::usage, "a block of a volume is drawn without floor and background");
     const IlluminationField& shown = is_lit(data.shape.mode) ? field : IlluminationField();
     LitField lit = lit_field(shown, lighting, camera, data.lit_as ? *data.lit_as : data);
     if (const auto& pages = data.volume.data().pages) read_from(lit, *pages);
