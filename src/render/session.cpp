@@ -142,6 +142,17 @@ CameraSettings Session::fit_all_around(const Scene& scene, Progress& progress) {
     return camera;
 }
 
+void Session::find_light(const Scene& given, Progress& progress) {
+    const CancelScope scope(progress);
+    State& s = *state_;
+    const Scene scene = s.as_drawn(given);
+    s.redo_up_to_classify(scene, progress);
+    s.redo_interpolate(scene, progress);
+    const Camera camera = s.camera_of(scene.camera);
+    s.redo_illuminate(scene, camera, s.lighting_of(scene, camera), progress, {});
+    s.shown = s.stages;  // the next render tells them
+}
+
 bool Session::needs_light(const Scene& given) const {
     const State& s = *state_;
     const Scene scene = s.as_drawn(given);
