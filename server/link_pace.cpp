@@ -9,7 +9,7 @@ namespace {
 using Seconds = std::chrono::duration<double>;
 
 // Tuned by scripts/far_away: 50 ms and 5 Mbit/s, 150 ms and 2 Mbit/s, each with and without jitter of 20 ms.
-constexpr std::size_t last_bursts = 8, worth_a_sample = 4096;
+constexpr std::size_t last_bursts = 12, worth_a_sample = 4096;
 constexpr double near_round_trip = 0.005;  // seconds: what is nearer is as quick as the page, which may be busy
 constexpr auto remembered = std::chrono::seconds(10);  // of round trips
 constexpr double jitter = 0.03;                  // seconds: what lies further from the shortest round trip is a queue

@@ -125,7 +125,7 @@ void RenderWorker::look_at_link() {
 /// is drawn later the state is newer.
 double RenderWorker::too_early(const FrameRequest& wanted) const {
     if (!wanted.moving || !session_) return 0;
-    return callbacks_.link().free_in - resolution_.expected(double(draft_.width) * draft_.height);
+    return callbacks_.link().free_in - resolution_.expected(draft_);
 }
 
 void RenderWorker::change_volume(std::unique_lock<std::mutex>& lock) {
@@ -213,9 +213,9 @@ bool RenderWorker::comes_to_rest(const FrameRequest& wanted) {
 void RenderWorker::preview(const FrameRequest& wanted) {
     const auto start = Clock::now();
     Scene scene = with_samples(wanted.scene, 1);
-    const double whole = double(scene.width) * scene.height;
+    const double whole = resolution_.expected({scene.width, scene.height, still_quality});
     const bool is_fresh = awaits_light() && !(wanted.moving && light_seconds_ > quick_light);
-    const bool is_slow = resolution_.expected(whole) == 0 || resolution_.expected(whole) > at_once;
+    const bool is_slow = whole == 0 || whole > at_once;
     const bool is_small = wanted.moving || callbacks_.link().is_slow() || (is_slow && !is_fresh);
     draft_ = is_small ? resolution_.size(scene.width, scene.height, callbacks_.link())
                       : DraftSize{scene.width, scene.height,
@@ -224,6 +224,8 @@ void RenderWorker::preview(const FrameRequest& wanted) {
     if (is_small && scene.camera.fit == Fit::visible && !scene.camera.fit_centre)
         scene.camera = session_->fit(wanted.scene, *steady_);
     scene.width = draft_.width, scene.height = draft_.height;
+    if (scene.sampling.classification == Classification::preintegrated) draft_.step_factor = 1;  // a table is of a step
+    scene.sampling.step_voxels *= draft_.step_factor;
     is_whole_ = scene.width == wanted.scene.width && scene.height == wanted.scene.height;
     if (!is_path_traced(scene.illumination) && session_->needs_light(scene) &&
         (is_fresh || light_seconds_ < instant_light))
@@ -239,7 +241,7 @@ void RenderWorker::preview(const FrameRequest& wanted) {
     last_preview_ = start;
     const auto encoding = Clock::now();
     resolution_.learn_bytes(draft_, send(wanted, image, is_whole_ ? "full" : "draft", 1));
-    resolution_.learn(double(scene.width) * scene.height, seconds + seconds_since(encoding));
+    resolution_.learn(draft_, seconds + seconds_since(encoding));
     if (wanted.moving && is_light_due(scene)) preview_with_light(wanted, scene);
 }
 

@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "jpeg.h"
 #include "memory_budget.h"
 #include "view.h"
 
@@ -15,6 +16,7 @@ namespace {
 constexpr int largest_slice = 4096;
 constexpr int max_values = 65536;
 constexpr double farthest_mm = 1e12;
+constexpr double least_slice_side = 0.35;  // of what is asked for, on a slow way
 
 Vec3 vector_in(const Json& request, const char* name) {
     const auto found = request.find(name);
@@ -43,6 +45,16 @@ Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : 
 const std::shared_ptr<const Loaded>& opened(const std::shared_ptr<const Loaded>& loaded) {
     if (!loaded) throw Error(ErrorCode::usage, "no volume is open");
     return loaded;
+}
+
+/// The same place with fewer, larger pixels: `side` times as many along a row and a column.
+SlicePlane with_side(SlicePlane plane, double side) {
+    const int width = std::max(1, int(std::lround(plane.width * side)));
+    const int height = std::max(1, int(std::lround(plane.height * side)));
+    plane.right_mm = double(plane.width) / width * plane.right_mm;
+    plane.down_mm = double(plane.height) / height * plane.down_mm;
+    plane.width = width, plane.height = height;
+    return plane;
 }
 
 Region region_in(const Json& request) {
@@ -92,9 +104,20 @@ Json View::slice(const Json& request, Progress&) {
         tone.colors = loaded->session.resolve(scene.transfer);
         if (scene.transfer.threshold) std::tie(tone.shown_low, tone.shown_high) = *scene.transfer.threshold;
     }
-    const Image image = develop(chiaro::slice(volume, plane, sampling_in(request)), tone);
-    send_frame({{"n", request["id"]}, {"kind", "slice"}, {"stage", "final"}}, image,
-               flag_in(request, "lossless", false));
+    const Json header{{"n", request["id"]}, {"kind", "slice"}, {"stage", "final"}};
+    const auto drawn = [&](const SlicePlane& of) {
+        return develop(chiaro::slice(volume, of, sampling_in(request)), tone);
+    };
+    if (flag_in(request, "lossless", false)) {
+        send_frame(header, drawn(plane), true);
+        return Json::object();
+    }
+    // One that would be under way for too long, noise most of all, is drawn again with fewer pixels.
+    const LinkState link = frames_.link();
+    Image image = drawn(plane);
+    const double fits = link.is_slow() ? link.draft_bytes() / double(encode_jpeg(image, far_quality).size()) : 1;
+    if (fits < 1) image = drawn(with_side(plane, std::max(least_slice_side, std::sqrt(fits))));
+    send_frame(header, image);
     return Json::object();
 }
 

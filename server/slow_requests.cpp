@@ -136,7 +136,7 @@ void View::send_frame(const Json& header, const Image& image, bool lossless) {
     Json whole = header;
     whole["type"] = lossless ? "png" : "jpeg";
     whole["size"] = {image.width, image.height}, whole["canvas"] = whole["size"];
-    const int quality = frames_.link().is_slow() ? 70 : 88;
+    const int quality = frames_.link().is_slow() ? far_quality : near_quality;
     frames_.post(frame_message(whole, lossless ? as_text(encode_png(image)) : encode_jpeg(image, quality)));
 }
 
