@@ -7,6 +7,7 @@
 #include <chiaro/describe.h>
 #include <chiaro/device.h>
 #include <chiaro/error.h>
+#include <chiaro/exchange.h>
 #include <chiaro/export.h>
 #include <chiaro/film.h>
 #include <chiaro/geometry.h>

@@ -1,5 +1,6 @@
 // Where the work is done.
 #pragma once
+#include <chiaro/exchange.h>
 #include <chiaro/export.h>
 
 #include <cstddef>
@@ -33,6 +34,11 @@ struct Device {
     int threads = 1;
     Isa isa = Isa::scalar;
     std::shared_ptr<cuda::Stream> stream;  ///< of a GPU; none: the CPU does everything
+    /// The processes that share what is uploaded; none: this one has all. Then `upload` and `illuminate` are
+    /// collective, and work on CPUs only.
+    std::shared_ptr<Exchange> ranks = {};
+
+    bool is_shared() const { return ranks && ranks->size() > 1; }
 
     bool has_gpu() const { return stream != nullptr; }
     CHIARO_EXPORT std::string name() const;  ///< "cpu" or "cuda:0"

@@ -48,7 +48,8 @@ public:
     CHIARO_EXPORT ~Session();
     CHIARO_EXPORT Session(Session&&) noexcept;
 
-    /// Takes the volume that later scenes show (read_volume or make_sample gave it).
+    /// Takes the volume that later scenes show (read_volume or make_sample gave it). Of a block of a volume
+    /// (Volume::placement) nothing is measured: scenes give a transfer function and an interpolation.
     CHIARO_EXPORT void show(Volume&& volume, Progress& progress);
     /// The same of a volume that stays as it is, as one must whose voxels are borrowed and wanted later.
     CHIARO_EXPORT void show(const Volume& volume, Progress& progress);
@@ -79,6 +80,9 @@ public:
     /// none at first; or `lit` by its own. Of the reference's radiance one path a pixel. Where the scene's
     /// interpolation is automatic it is linear here. What render keeps stays kept.
     CHIARO_EXPORT const Image& preview(const Scene& scene, Progress& progress, bool lit = false);
+    /// Finds all that a render of the scene starts from, its light included, and draws nothing. Where ranks share the
+    /// volume (Device::ranks) this is collective, as show() is; a render afterwards is not.
+    CHIARO_EXPORT void find_light(const Scene& scene, Progress& progress);
     /// Whether a render would have to find light first.
     CHIARO_EXPORT bool needs_light(const Scene& scene) const;
     /// What the scene's lighting method computes for the shown volume. Throws as chiaro::compute_field.

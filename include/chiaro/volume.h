@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -139,6 +140,18 @@ struct Moments {
     bool operator==(const Moments&) const = default;
 };
 
+/// Where a block of voxels lies in a volume that several processes share (Exchange): blocks' own voxels make up the
+/// whole, each once. What a block holds beside its own are ghosts: its neighbours' voxels.
+struct Placement {
+    std::array<int, 3> whole{0, 0, 0};                        ///< dimensions of the whole
+    std::array<int, 3> first{0, 0, 0};                        ///< of the whole's voxels, the block's first
+    std::array<int, 3> own_first{0, 0, 0}, own_end{0, 0, 0};  ///< the block's own, half-open
+    bool owns_any() const {
+        return own_first[0] < own_end[0] && own_first[1] < own_end[1] && own_first[2] < own_end[2];
+    }
+    bool operator==(const Placement&) const = default;
+};
+
 struct Volume {
     std::array<int, 3> dimensions{0, 0, 0};  ///< x, y, z; x is fastest in memory
     VoxelType type = VoxelType::u8;
@@ -147,6 +160,9 @@ struct Volume {
     double slope = 1, intercept = 0;
     Geometry geometry;
     VoxelBuffer voxels;  ///< native byte order, (z, y, x, component)
+    /// Of a block of a larger volume, whose geometry is then the whole's; its dimensions may be 0 on a rank without
+    /// voxels. None: the volume is whole.
+    std::optional<Placement> placement = {};
 
     std::string source;              ///< file, folder or "sample:NAME"
     std::string format;              ///< "NRRD", "NIfTI", "DICOM", "sample", ...

@@ -7,6 +7,7 @@
 #include "classify/largest.h"
 #include "classify/medium.h"
 #include "classify/mixture.h"
+#include "volume/placed.h"
 #include "volume/splined.h"
 
 namespace chiaro {
@@ -27,6 +28,27 @@ void validate(const Shape& shape) {
 
 namespace {
 
+/// Those that are there, and that opacity by gradient leaves something of; empty: all.
+std::vector<std::uint8_t> cells_left(const DeviceVolume::Data& volume) {
+    std::vector<std::uint8_t> left = cells_held(volume);
+    if (!volume.factor) return left;
+    const std::vector<std::uint8_t> steep = cells_with_factor(volume);
+    if (left.empty()) return steep;
+    for (std::size_t cell = 0; cell < left.size(); ++cell) left[cell] &= steep[cell];
+    return left;
+}
+
+/// What needs voxels that other ranks hold.
+void check_shared(const Shape& shape) {
+    const auto refuse = [](const char* what) {
+        throw Error(ErrorCode::usage, std::string("a volume that several ranks share has no ") + what);
+    };
+    if (shape.clip.largest) refuse("largest piece: pieces go on beyond a rank's block");
+    if (shape.interpolation == Interpolation::cubic || shape.interpolation == Interpolation::smooth)
+        refuse("splines: those of whole rows of voxels; choose linear interpolation");
+    if (shape.mode != Mode::dvr) refuse("isosurfaces and no modes but dvr yet: choose mode dvr");
+}
+
 /// On the GPU, which then holds it, or here.
 void find_occupancy(const Device& device, Medium::Data& data, const Progress& progress) {
     progress.check();
@@ -39,9 +61,8 @@ void find_occupancy(const Device& device, Medium::Data& data, const Progress& pr
         data.cells = std::move(made.codes);
         stream.device_cache()->keep(HostArray::of(data.weak_from_this(), data.cells), made.on_gpu.data(), stream);
     };
-    if (volume.factor)
-        data.cells =
-            make_occupancy(volume.cells, std::cref(is_visible), device.threads, progress, cells_with_factor(volume));
+    if (volume.factor || volume.placement)
+        data.cells = make_occupancy(volume.cells, std::cref(is_visible), device.threads, progress, cells_left(volume));
     else if (!cuda::try_gpu(device, on_gpu))
         data.cells = make_occupancy(volume.cells, std::cref(is_visible), device.threads, progress);
     std::size_t occupied = 0;
@@ -72,6 +93,7 @@ Medium classify(const Device& device, const DeviceVolume& volume, const Transfer
                 const Progress& progress) {
     validate(tf);
     validate(shape);
+    if (volume.data().placement) check_shared(shape);
     auto data = std::make_shared<Medium::Data>();
     data->volume = volume;
     data->shape = shape;

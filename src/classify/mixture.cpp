@@ -125,6 +125,8 @@ DeviceVolume volume_of(const Channels& channels, std::shared_ptr<const LabelBric
 Medium mixed(const Device& device, Channels channels, const Shape& shape, const Progress& progress,
              std::shared_ptr<const LabelBricks> labels) {
     check_alike(channels);
+    if (channels.front()->volume.data().placement)
+        throw Error(ErrorCode::usage, "a volume that several ranks share has one channel, and no labels");
     std::stable_sort(channels.begin(), channels.end(), comes_before);
     auto data = std::make_shared<Medium::Data>();
     std::vector<std::uint8_t> labelled;

@@ -1,12 +1,14 @@
 // Numbers and names in messages.
 #pragma once
+#include <chiaro/export.h>
+
 #include <string>
 #include <string_view>
 
 namespace chiaro {
 
 /// The shortest decimal that reads back as the same number: "0.1", "-1024", "nan".
-std::string to_text(double number);
+CHIARO_EXPORT std::string to_text(double number);
 
 /// What a file or its name may smuggle into a message, made harmless: control characters become blanks, what else a
 /// terminal obeys or shows the other way round (C1, direction marks, separators of lines) and bytes that are no UTF-8

@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "classify/medium.h"
+#include "core/ranks.h"
 #include "core/threads.h"
 #include "illumination/access.h"
 #include "illumination/cells/normal_offset.h"
@@ -48,6 +49,20 @@ void check_image(const IlluminationSettings& settings) {
             fmt::format("the reference's quantity {} is a field, no picture: write it with chiaro illuminate, or "
                         "choose radiance, obscurance, ao or ao-cosine",
                         quantity == ReferenceQuantity::mean_radiance ? "mean-radiance" : "visibility"));
+}
+
+/// What ranks cannot find together.
+void check_shared(const IlluminationSettings& settings) {
+    if (settings.method == Method::histogram || settings.method == Method::reference)
+        throw Error(
+            ErrorCode::usage,
+            fmt::format("lighting {} needs all voxels: of a volume that several ranks share light is found by spao, "
+                        "visibility and transport",
+                        settings.method == Method::histogram ? "histogram" : "reference"));
+    if (settings.method == Method::spao && (!is_fused(settings.spao) || !shows_surfaces(settings)))
+        throw Error(
+            ErrorCode::usage,
+            "lighting spao over several ranks is found with the filter automatic, the model corrected and surfaces");
 }
 
 IlluminationField light_of(const Device& device, const Medium::Data& medium, const IlluminationSettings& settings,
@@ -216,15 +231,16 @@ bool illuminate(const Device& given, const Medium& medium, const Prepared& prepa
     progress.check();
     const Device device = device_for(given, medium.data());
     check_image(settings);
+    if (device.is_shared()) check_shared(settings);
     // Paths find their light themselves.
     if (settings.method == Method::none || !is_lit(medium.data().shape.mode) || is_path_traced(settings))
         sink(IlluminationField());
     else if (settings.method == Method::transport)
-        scatter(device, medium.data(), lighting, settings, sink, progress, warm);
+        collectively(device, [&] { scatter(device, medium.data(), lighting, settings, sink, progress, warm); });
     else if (settings.method == Method::histogram)
         sink(light_of_histograms(device, medium.data(), prepared, settings));
     else
-        light(device, medium.data(), settings, sink, progress);
+        collectively(device, [&] { light(device, medium.data(), settings, sink, progress); });
     return true;
 } catch (const Error& error) {
     if (error.code() == ErrorCode::interrupted) return false;

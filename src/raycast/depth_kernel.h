@@ -46,7 +46,8 @@ struct DepthKernel : RaycastKernel<Voxel, NoneView> {
         const auto ray = this->camera.ray(to_float(block.column), to_float(block.row));
         Interval<F> hit = this->hit(block, ray);
         const Cut<F> cut = clip(this->clip_view, ray, hit);
-        const Lattice<F> lattice = make_lattice(ray, hit, this->step_mm);
+        Lattice<F> lattice = make_lattice(ray, hit, this->step_mm);
+        if (this->own.on) lattice = this->of_own_block(ray, hit.near, lattice);
         HalfOpacity<F> half;
         const Int<F> samples = this->march(lattice, cut, block.inside & (lattice.end > F(0)), half);
         F depth = dot(half.reached - ray.origin, ray.direction) / dot(ray.direction, ray.direction);

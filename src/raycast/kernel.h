@@ -30,6 +30,7 @@ struct RaycastKernel {
     float step_mm;
     std::int32_t rays_per_pixel;
     BoundsView bounds;  ///< of the tile
+    OwnBox own;
 
     /// Renders the block's pixels; returns the number of samples taken per lane.
     template <class F>
@@ -63,6 +64,15 @@ struct RaycastKernel {
         return i;
     }
 
+    /// Of the rank's own block, and a few steps before it. Apart and by value: whole volumes keep their registers.
+    template <class F>
+    CHIARO_NOINLINE Lattice<F> of_own_block(Ray<F> ray, F near_mm, Lattice<F> lattice) const {
+        lattice.own = own_steps(own, ray, near_mm, step_mm, lattice);
+        lattice.first = max(lattice.first, lattice.own.near - F(float(own.before)));
+        lattice.end = min(lattice.end, lattice.own.far);
+        return lattice;
+    }
+
 private:
     /// Over the lens rays lie on a sunflower's spiral, turned from pixel to pixel by interleaved gradient noise
     /// (Jimenez 2014): blur has a fine grain in the place of ghosts.
@@ -91,6 +101,7 @@ private:
         Lattice<F> lattice = make_lattice(ray, hit, step_mm);
         const Mask<F> alive = block.inside & (lattice.end > F(0));
         if (bounds.near_mm) bounds.narrow(block.column, block.row, i, hit.near, step_mm, lattice);
+        if (own.on) lattice = of_own_block(ray, hit.near, lattice);
         Composite<F> composite;
         const Int<F> samples = march(lattice, cut, alive, composite);
         if (way.additive) composite.sum = limit_alpha<F>(composite.sum);

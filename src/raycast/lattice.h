@@ -63,6 +63,13 @@ CHIARO_INLINE void enter_by_border(const Ray<F>& ray, Float3 low, Float3 high, F
     cut.open = cut.open | enters;
 }
 
+/// The part of a volume that a rank owns, in voxels: [low, high) along each axis; what reaches its border goes on.
+struct OwnBox {
+    Float3 low, high;
+    std::int32_t before;  ///< steps that are taken before the first, for what they tell it
+    std::int32_t on;      ///< 0: all is
+};
+
 /// The samples of a ray: midpoints of steps from the entry on, the last one shortened to the exit.
 template <class F>
 struct Lattice {
@@ -71,6 +78,7 @@ struct Lattice {
     Vec3<F> ahead;            ///< a cell's edge where the ray climbs, else 0
     F full, rest;             ///< whole steps, the share of the last one
     F first, end;             ///< steps that are marched, [first, end)
+    Interval<F> own;          ///< of these, steps that count, where a volume is shown block by block
 
     /// Voxel coordinates of sample k.
     CHIARO_INLINE Vec3<F> position(F k) const { return at(min(k + F(0.5f), full + F(0.5f) * rest)); }
@@ -93,6 +101,7 @@ CHIARO_INLINE Lattice<F> make_lattice(const Ray<F>& ray, Interval<F> hit, float 
     l.full = floor(span + F(negligible));
     l.rest = max(span - l.full, F(0));
     l.first = F(0);
+    l.own = {F(0), F(3e38f)};
     l.end = l.full + select(l.rest > F(negligible), F(1), F(0));
     l.entry = mad(hit.near, ray.direction, ray.origin);
     l.step = F(step_mm) * ray.direction;
@@ -102,6 +111,29 @@ CHIARO_INLINE Lattice<F> make_lattice(const Ray<F>& ray, Interval<F> hit, float 
     l.steps_per_voxel = {abs(per_voxel.x), abs(per_voxel.y), abs(per_voxel.z)};
     l.ahead = {edge_if_climbing(per_voxel.x), edge_if_climbing(per_voxel.y), edge_if_climbing(per_voxel.z)};
     return l;
+}
+
+/// Steps [first, end) of those whose samples lie in the box: each step of a ray belongs to one of the boxes that a
+/// volume is cut into, for where a plane parts two boxes both find the same step.
+template <class F>
+CHIARO_INLINE Interval<F> own_steps(const OwnBox& box, const Ray<F>& ray, F near_mm, float step_mm,
+                                    const Lattice<F>& lattice) {
+    Interval<F> steps{F(0), lattice.end};
+    const auto cut = [&](F origin, F direction, float low, float high) CHIARO_INLINE_LAMBDA {
+        const F inverse = F(1) / away_from_zero(direction);
+        const auto step_behind = [&](float plane) CHIARO_INLINE_LAMBDA {
+            const F at = ((F(plane) - origin) * inverse - near_mm) * F(1 / step_mm) + F(0.5f);
+            return floor(min(max(at, F(0)), F(1e7f)));
+        };
+        const F a = step_behind(low), b = step_behind(high);
+        const Mask<F> climbs = away_from_zero(direction) > F(0);
+        steps.near = max(steps.near, select(climbs, a, b));
+        steps.far = min(steps.far, select(climbs, b, a));
+    };
+    cut(ray.origin.x, ray.direction.x, box.low.x, box.high.x);
+    cut(ray.origin.y, ray.direction.y, box.low.y, box.high.y);
+    cut(ray.origin.z, ray.direction.z, box.low.z, box.high.z);
+    return steps;
 }
 
 }  // namespace chiaro::kernel

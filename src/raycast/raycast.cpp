@@ -141,6 +141,8 @@ RenderStatistics fill(const Device& device, const Medium& medium, const Illumina
     target.frame.depth_mm.clear();  // of an older picture
     const Medium::Data& data = medium.data();
     check_ends(settings, target.frame);
+    if (data.volume.data().placement && (lighting.floor.show || lighting.probe.background))
+        throw Error(ErrorCode::usage, "a block of a volume is drawn without floor and background");
     if (is_mixed(data) && march_of(data.shape.mode) != kernel::March::volume)
         return add_channels(device, data, lighting, camera, settings, target, progress);
     const IlluminationField& shown = is_lit(data.shape.mode) ? field : IlluminationField();

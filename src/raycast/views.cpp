@@ -182,6 +182,7 @@ kernel::MarchOptions march_options(const RaySettings& settings, const Medium::Da
         throw Error(ErrorCode::usage,
                     "--classification preintegrated: a step by the values at its ends is of one channel; several go "
                     "with post and pre");
+    const bool by_block = medium.volume.data().placement.has_value();
     if (any_by_gradient && settings.classification != Classification::post)
         throw Error(ErrorCode::usage,
                     "--classification: opacity by gradient, and over value and gradient, goes with post: a step by the "
@@ -191,12 +192,30 @@ kernel::MarchOptions march_options(const RaySettings& settings, const Medium::Da
                 .backwards = false,
                 .additive = true,
                 .by_gradient = by_gradient,
-                .mixed = is_mixed(medium)};
+                .mixed = is_mixed(medium),
+                .by_block = by_block};
     return {.classification = kernel::Classification(settings.classification),
             .backwards = settings.compositing == Compositing::back_to_front,
             .additive = false,
             .by_gradient = by_gradient,
-            .mixed = is_mixed(medium)};
+            .mixed = is_mixed(medium),
+            .by_block = by_block};
+}
+
+kernel::OwnBox own_box(const DeviceVolume::Data& volume, double step_voxels) {
+    if (!volume.placement) return {};
+    constexpr float beyond = 1e6f;
+    constexpr double run_in =
+        3 * surface_reach;  // met surfaces follow upon each other: with 1 × tubes are .8 of 255 off
+    const Placement& place = *volume.placement;
+    kernel::OwnBox box{.low = {}, .high = {}, .before = int(std::ceil(run_in / step_voxels)), .on = 1};
+    const auto low = [&](std::size_t a) { return place.own_first[a] > 0 ? float(place.own_first[a]) : -beyond; };
+    const auto high = [&](std::size_t a) {
+        return place.own_end[a] < place.whole[a] ? float(place.own_end[a]) : beyond;
+    };
+    if (!place.owns_any()) return {.low = {0, 0, 0}, .high = {0, 0, 0}, .before = 0, .on = 1};
+    box.low = {low(0), low(1), low(2)}, box.high = {high(0), high(1), high(2)};
+    return box;
 }
 
 kernel::ExtremeView extreme_view(const DeviceVolume::Data& volume, Mode mode) {

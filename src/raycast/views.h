@@ -63,6 +63,10 @@ void check_ends(const RaySettings& settings, const Frame& frame);
 kernel::March march_of(Mode mode);
 /// Throws Error{usage} where opacity by gradient goes with another classification than post.
 kernel::MarchOptions march_options(const RaySettings& settings, const Medium::Data& medium);
+/// Smallest voxel edges behind it that a surface counts where a ray has met it.
+inline constexpr double surface_reach = 2;
+/// What of the volume is this rank's to show.
+kernel::OwnBox own_box(const DeviceVolume::Data& volume, double step_voxels);
 kernel::ExtremeView extreme_view(const DeviceVolume::Data& volume, Mode mode);
 
 /// Through each pixel, at least, where a lens blurs what is not in focus.
@@ -97,7 +101,7 @@ kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, cons
                    .cut_alpha = float(1 - std::exp2(-settings.step_voxels)),  // ½ over one voxel
                    .solid = solid_view(settings.step_voxels),
                    .surface = tables.surface ? tables.surface->view() : kernel::SurfaceView{},
-                   .met_steps = float(2 / settings.step_voxels),
+                   .met_steps = float(surface_reach / settings.step_voxels),
                    .skip_empty = settings.skip_empty,
                    .shows_cuts = shows_cuts},
         .camera = camera_view(camera, volume.geometry, frame.width, frame.height),
@@ -113,6 +117,7 @@ kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, cons
         .step_mm = float(step_mm(settings.step_voxels, volume.geometry, volume.dimensions)),
         .rays_per_pixel = rays_per_pixel(camera, settings),
         .bounds = {},
+        .own = own_box(volume, settings.step_voxels),
     };
 }
 

@@ -10,16 +10,18 @@ enum class Classification : std::int32_t { post, pre, preintegrated };
 /// How a volume is marched through: the usual way, known when compiling, and any other.
 struct CommonMarch {
     static constexpr Classification classification = Classification::post;
-    static constexpr bool backwards = false, additive = false, by_gradient = false, mixed = false;
+    static constexpr bool backwards = false, additive = false, by_gradient = false, mixed = false, by_block = false;
 };
 struct MarchOptions {
     Classification classification;
     bool backwards, additive;
     bool by_gradient;  ///< opacity is, too
     bool mixed;        ///< of several channels
+    bool by_block;     ///< of the lattice's steps only `Lattice::own` count
     CHIARO_INLINE bool operator==(CommonMarch common) const {
         return classification == common.classification && backwards == common.backwards &&
-               additive == common.additive && by_gradient == common.by_gradient && mixed == common.mixed;
+               additive == common.additive && by_gradient == common.by_gradient && mixed == common.mixed &&
+               by_block == common.by_block;
     }
 };
 
@@ -120,6 +122,7 @@ CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& 
         c.colour = accumulate(c.colour, F(1), emission);
         alpha = alpha + alpha_of(emission);
     }
+    if (way.by_block) visible = visible & (k >= lattice.own.near) & (k < lattice.own.far);
     ray.reach(visible, p);
     if (way.additive)
         ray.add_emission(visible, c.colour);

@@ -151,12 +151,23 @@ CameraSettings Session::fit_all_around(const Scene& scene, Progress& progress) {
     return camera;
 }
 
+void Session::find_light(const Scene& given, Progress& progress) {
+    const CancelScope scope(progress);
+    State& s = *state_;
+    const Scene scene = s.as_drawn(given);
+    s.redo_up_to_classify(scene, progress);
+    s.redo_interpolate(scene, progress);
+    const Camera camera = s.camera_of(scene.camera);
+    s.redo_illuminate(scene, camera, s.lighting_of(scene, camera), progress, {});
+    s.shown = s.stages;  // the next render tells them
+}
+
 bool Session::needs_light(const Scene& given) const {
     const State& s = *state_;
     const Scene scene = s.as_drawn(given);
     return s.prepare.inputs != std::tuple(s.upload.version, preparation_of(scene.illumination)) ||
-           s.classify.inputs != std::tuple(s.upload.version, scene.transfer, scene.channels, shape_for(scene),
-                                           s.labels_of(scene)) ||
+           s.classify.inputs !=
+               std::tuple(s.upload.version, scene.transfer, scene.channels, shape_for(scene), s.labels_of(scene)) ||
            s.illuminate.inputs !=
                std::tuple(s.medium_version(scene), s.prepare.version, scene.illumination, s.held(scene));
 }

@@ -131,7 +131,9 @@ struct Session::State {
         const CancelScope scope(progress);
         progress.report("measure", 0);
         Kept<Subject, Version> measured;
-        redo("measure", measured, {0}, [&](Subject& studied) { studied = study(volume, progress); });
+        redo("measure", measured, {0}, [&](Subject& studied) {
+            studied = volume.placement ? Subject{volume.source, {}, {}} : study(volume, progress);
+        });
         subject = std::move(measured.result);
         upload_by(upload_to, progress);
     }

@@ -8,9 +8,11 @@
 #include <cmath>
 #include <mutex>
 
+#include "core/ranks.h"
 #include "core/threads.h"
 #include "volume/cell_ranges.h"
 #include "volume/fill_brick.h"
+#include "volume/placed.h"
 #include "volume/validate.h"
 
 namespace chiaro {
@@ -62,16 +64,50 @@ Conversion<Source> stored_range(const Volume& volume, int threads, const Progres
 struct Source {
     const Volume& volume;
     VoxelBuffer* discard;  ///< the volume's own, where its pages may be given back
-    int threads;
+    const Device& device;
     Progress& progress;
 };
+
+/// Of all ranks' voxels.
+template <class Source>
+Conversion<Source> joined(const Device& device, Conversion<Source> mine) {
+    for (const Conversion<Source>& other : gather_values(device, mine)) {
+        mine.low = std::min(mine.low, other.low), mine.high = std::max(mine.high, other.high);
+        mine.all_finite = mine.all_finite && other.all_finite;
+    }
+    return mine;
+}
+
+/// Of all ranks, by the cells of the bricks that are there.
+void find_range(const Device& device, const BrickRange& bricks, DeviceVolume::Data& data) {
+    struct Range {
+        float low = std::numeric_limits<float>::max(), high = std::numeric_limits<float>::lowest();
+    } range;
+    constexpr int per_brick = brick_edge / cell_edge;
+    const auto& count = data.cells.count;
+    const auto end = [&](std::size_t axis) { return std::min(bricks.end[axis] * per_brick, count[axis]); };
+    for (int z = bricks.first[2] * per_brick; z < end(2); ++z)
+        for (int y = bricks.first[1] * per_brick; y < end(1); ++y) {
+            const std::size_t row = (std::size_t(z) * count[1] + y) * count[0];
+            for (int x = bricks.first[0] * per_brick; x < end(0); ++x) {
+                range.low = std::min(range.low, data.cells.low[row + x]);
+                range.high = std::max(range.high, data.cells.high[row + x]);
+            }
+        }
+    data.stored_min = range.low, data.stored_max = range.high;
+    for (const Range& other : gather_values(device, range)) {
+        data.stored_min = std::min(data.stored_min, other.low);
+        data.stored_max = std::max(data.stored_max, other.high);
+    }
+}
 
 /// Layer by layer, so that the source's pages can be given back behind the work.
 template <class Stored, class Device>
 void fill_bricks(const Source& source, const Conversion<Stored>& conversion, DeviceVolume::Data& data) {
-    const auto& [volume, discard, threads, progress] = source;
-    const auto [nx, ny, nz] = volume.dimensions;
+    const auto& [volume, discard, device, progress] = source;
+    const auto [nx, ny, nz] = data.dimensions;
     const std::array<int, 3> bricks{brick_count(nx), brick_count(ny), brick_count(nz)};
+    const BrickRange there = bricks_of(data.held, data.dimensions);
     data.cells.count = {cell_count(nx), cell_count(ny), cell_count(nz)};
     data.cells.low.resize(std::size_t(data.cells.count[0]) * data.cells.count[1] * data.cells.count[2]);
     data.cells.high.resize(data.cells.low.size());
@@ -79,27 +115,30 @@ void fill_bricks(const Source& source, const Conversion<Stored>& conversion, Dev
     // Gathers read up to three voxels behind the last one they need.
     data.bricks = VoxelBuffer((layer_bricks * bricks[2] * brick_voxels + 4) * sizeof(Device));
     Device* out = reinterpret_cast<Device*>(data.bricks.data());
-    const BoxedVoxels<Stored> voxels{volume.as<Stored>().data(), {{0, 0, 0}, volume.dimensions}, volume.dimensions};
-    // The last layer's other slices are never written, and with small pages take no memory.
-    if (const std::size_t last = (bricks[2] - 1) * layer_bricks * brick_voxels;
-        slices_read(nz, bricks[2] - 1) < brick_row)
+    const BoxedVoxels<Stored> voxels{volume.as<Stored>().data(), data.held};
+    // The last layer's other slices are never written, and with small pages take no memory; nor do bricks of others.
+    if (data.placement)
+        data.bricks.use_small_pages();
+    else if (const std::size_t last = (bricks[2] - 1) * layer_bricks * brick_voxels;
+             slices_read(nz, bricks[2] - 1) < brick_row)
         data.bricks.use_small_pages(last * sizeof(Device));
-    for (int bz = 0; bz < bricks[2]; ++bz) {
-        parallel_for(threads, std::int64_t(layer_bricks), 1,
-                     [&, &volume = volume, &progress = progress](std::int64_t b, std::int64_t) {
-                         if (progress.cancelled()) return;
-                         const std::array<int, 3> at{int(b % bricks[0]), int(b / bricks[0]), bz};
-                         Device* brick = out + (bz * layer_bricks + std::size_t(b)) * brick_voxels;
-                         fill_brick(voxels, conversion, at, slices_read(volume.dimensions[2], bz), brick);
-                         fill_cells(brick, at, brick_row, data.cells);
-                     });
+    const int wide = there.end[0] - there.first[0], high = there.end[1] - there.first[1];
+    for (int bz = there.first[2]; bz < there.end[2]; ++bz) {
+        parallel_for(
+            device.threads, std::int64_t(wide) * high, 1,
+            [&, nz = nz, &progress = progress](std::int64_t b, std::int64_t) {
+                if (progress.cancelled()) return;
+                const std::array<int, 3> at{there.first[0] + int(b % wide), there.first[1] + int(b / wide), bz};
+                Device* brick = out + ((std::size_t(bz) * bricks[1] + at[1]) * bricks[0] + at[0]) * brick_voxels;
+                fill_brick(voxels, conversion, at, slices_read(nz, bz), brick);
+                fill_cells(brick, at, brick_row, data.cells);
+            });
         progress.check();
         progress.report("upload", double(bz + 1) / bricks[2]);
         const int done_slices = (bz + 1) * brick_edge - brick_before;
         if (discard) discard->discard_before(std::size_t(std::min(done_slices, nz)) * ny * nx * sizeof(Stored));
     }
-    data.stored_min = *std::min_element(data.cells.low.begin(), data.cells.low.end());
-    data.stored_max = *std::max_element(data.cells.high.begin(), data.cells.high.end());
+    find_range(device, there, data);
 }
 
 /// Chooses the device type and fills it.
@@ -107,25 +146,23 @@ template <class Stored>
 void store(const Source& source, DeviceVolume::Data& data) {
     const Volume& volume = source.volume;
     Conversion<Stored> c;
-    data.scale = volume.slope;
-    data.offset = data.intercept = volume.intercept;
     data.whole_numbers = std::is_integral_v<Stored>;
     if constexpr (std::is_integral_v<Stored> && sizeof(Stored) <= 2) {
         using Device = std::make_unsigned_t<Stored>;
         data.stored = voxel_type_of<Device>();
         c.shift = std::numeric_limits<Stored>::min();
         data.shift = double(c.shift);
-        data.offset += volume.slope * data.shift;
+        data.offset += data.scale * data.shift;
         return fill_bricks<Stored, Device>(source, c, data);
     } else {
-        c = stored_range<Stored>(volume, source.threads, source.progress);
+        c = joined(source.device, stored_range<Stored>(volume, source.device.threads, source.progress));
         if (c.low > c.high) throw Error(ErrorCode::input, "no voxel of " + volume.source + " is a finite number");
         if constexpr (std::is_integral_v<Stored>)
             if (std::make_unsigned_t<Stored>(c.high) - std::make_unsigned_t<Stored>(c.low) <= 65535u) {
                 data.stored = VoxelType::u16;
                 c.shift = c.low;
                 data.shift = double(c.low);
-                data.offset += volume.slope * data.shift;
+                data.offset += data.scale * data.shift;
                 return fill_bricks<Stored, std::uint16_t>(source, c, data);
             }
         data.stored = VoxelType::f32;
@@ -133,7 +170,7 @@ void store(const Source& source, DeviceVolume::Data& data) {
             std::is_same_v<Stored, float> ? c.all_finite : largest_of(c) <= 0x1p24 && std::is_integral_v<Stored>;
         if constexpr (std::is_floating_point_v<Stored>) {
             c.exponent = exponent_for(c);
-            data.scale = std::ldexp(volume.slope, -c.exponent);
+            data.scale = std::ldexp(data.scale, -c.exponent);
             data.exact = data.exact && c.exponent == 0;
         }
         fill_bricks<Stored, float>(source, c, data);
@@ -143,6 +180,7 @@ void store(const Source& source, DeviceVolume::Data& data) {
 /// Volumes may come from a program that made them, not from a file that was checked.
 void check_header_of(const Volume& volume) {
     try {
+        if (volume.placement && volume.voxel_count() == 0) return;
         if (check_header(volume) > volume.voxels.size())
             throw Error(ErrorCode::input, "has fewer voxels than it states");
     } catch (const Error& error) {
@@ -151,23 +189,89 @@ void check_header_of(const Volume& volume) {
     }
 }
 
-DeviceVolume upload_bricks(const Device& device, const Volume& volume, VoxelBuffer* discard, Progress& progress) {
+/// What all ranks' blocks have in common; who has no voxels learns it.
+struct Common {
+    bool known = false;
+    std::array<int, 3> whole{0, 0, 0};
+    VoxelType type = VoxelType::u8;
+    double slope = 1, intercept = 0;
+    Geometry geometry;
+
+    explicit Common(const Volume& volume)
+        : known(volume.voxel_count() > 0),
+          whole(volume.placement ? volume.placement->whole : volume.dimensions),
+          type(volume.type),
+          slope(volume.slope),
+          intercept(volume.intercept),
+          geometry(volume.geometry) {}
+    Common() = default;
+    bool operator==(const Common&) const = default;
+};
+
+Common agreed(const Device& device, const Volume& volume) {
+    Common common;
+    for (const Common& other : gather_values(device, Common(volume))) {
+        if (!other.known) continue;
+        if (common.known && !(common == other))
+            throw Error(ErrorCode::input,
+                        "the ranks' blocks are not of one volume: their dimensions of the whole, type, "
+                        "geometry, slope or intercept differ");
+        common = other;
+    }
+    if (!common.known) throw Error(ErrorCode::input, "no rank has voxels");
+    return common;
+}
+
+VoxelBox checked_box(const Device& device, const Volume& volume) {
+    if (!volume.placement) {
+        if (device.is_shared())
+            throw Error(ErrorCode::usage, "each of several ranks shows a block of a volume: it needs a placement");
+        return {{0, 0, 0}, volume.dimensions};
+    }
+    const Placement& place = *volume.placement;
+    for (std::size_t a = 0; a < 3 && volume.voxel_count() > 0; ++a) {
+        const int end = place.first[a] + volume.dimensions[a];
+        if (place.first[a] < 0 || end > place.whole[a] || place.own_first[a] < place.first[a] || place.own_end[a] > end)
+            throw Error(
+                ErrorCode::usage,
+                fmt::format("along axis {} a block of the voxels {} to {}, which owns {} to {}, "
+                            "does not lie in a whole of {}",
+                            a, place.first[a], end - 1, place.own_first[a], place.own_end[a] - 1, place.whole[a]));
+    }
+    return {place.first, volume.dimensions};
+}
+
+void upload_block(const Source& source, DeviceVolume::Data& data) {
+    const auto& [volume, discard, device, progress] = source;
     if (volume.components != 1)
         throw Error(ErrorCode::input, volume.source + " has " + std::to_string(volume.components) +
                                           " values a voxel: only volumes of one value a voxel can be rendered");
+    if (device.is_shared() && device.has_gpu())
+        throw Error(ErrorCode::usage, "several ranks find light on CPUs: no GPU can be used");
     check_header_of(volume);
-    const auto [nx, ny, nz] = volume.dimensions;
+    data.held = checked_box(device, volume);
+    data.placement = volume.placement;
+    const Common common = agreed(device, volume);
+    data.device = device;
+    data.dimensions = common.whole;
+    if (data.placement) data.placement->whole = common.whole;
+    data.geometry = common.geometry;
+    data.scale = common.slope;
+    data.offset = data.intercept = common.intercept;
+    const auto [nx, ny, nz] = data.dimensions;
     const double stored = double(brick_count(nx)) * brick_count(ny) * brick_count(nz) * brick_voxels;
     if (stored > double(UINT32_MAX) - 8)
-        throw Error(ErrorCode::input, volume.source + " has " + std::to_string(volume.voxel_count()) +
-                                          " voxels: at most about 3.2e9 (1480 cubed) can be rendered");
+        throw Error(ErrorCode::input,
+                    fmt::format("{} has {:.0f} voxels: at most about 3.2e9 (1480 cubed) can be rendered", volume.source,
+                                double(nx) * ny * nz));
+    with_voxel_type(common.type, [&](auto voxel) { store<decltype(voxel)>(source, data); });
+    check_values(volume, data.scale * data.stored_min + data.offset, data.scale * data.stored_max + data.offset);
+}
+
+DeviceVolume upload_bricks(const Device& device, const Volume& volume, VoxelBuffer* discard, Progress& progress) {
     auto data = std::make_shared<DeviceVolume::Data>();
-    data->device = device;
-    data->dimensions = volume.dimensions;
-    data->geometry = volume.geometry;
-    const Source source{volume, discard, device.threads, progress};
-    with_voxel_type(volume.type, [&](auto voxel) { store<decltype(voxel)>(source, *data); });
-    check_values(volume, data->scale * data->stored_min + data->offset, data->scale * data->stored_max + data->offset);
+    const Source source{volume, volume.placement ? nullptr : discard, device, progress};
+    collectively(device, [&] { upload_block(source, *data); });
     return DeviceVolume(std::move(data));
 }
 

@@ -1,5 +1,6 @@
 // What stands behind a DeviceVolume.
 #pragma once
+#include <chiaro/brick_source.h>
 #include <chiaro/medium.h>
 
 #include <memory>
@@ -63,6 +64,7 @@ struct DeviceVolume::Data : std::enable_shared_from_this<Data> {
         device = other.device, dimensions = other.dimensions, geometry = other.geometry, stored = other.stored;
         scale = other.scale, offset = other.offset, shift = other.shift, intercept = other.intercept;
         exact = other.exact, whole_numbers = other.whole_numbers;
+        placement = other.placement, held = other.held;
     }
     /// The file's own value of a stored number.
     double value_of(double number) const { return scale * (number + shift) + intercept; }
@@ -75,6 +77,8 @@ struct DeviceVolume::Data : std::enable_shared_from_this<Data> {
     DeviceVolume plain;  ///< of a medium's with a factor or a mixture: what it borrows all from
     std::shared_ptr<const ExtinctionFactor> factor;
     std::shared_ptr<const MixtureOfChannels> mixture;  ///< what is seen in the place of the voxels
+    std::optional<Placement> placement;                ///< of a block: the bricks and cells beyond it were never filled
+    VoxelBox held;                                     ///< what the block holds, ghosts included
     std::shared_ptr<const LevelPages> pages;           ///< of a level by bricks: which of them are there; null: all are
 
     void add_to(HostArrays& arrays) const {

@@ -37,12 +37,11 @@ Device convert(Source v, const Conversion<Source>& c) {
     }
 }
 
-/// What of a volume of these dimensions lies in memory.
+/// What of a volume lies in memory.
 template <class Source>
 struct BoxedVoxels {
     const Source* voxels;  ///< of the box, x fastest
     VoxelBox box;
-    std::array<int, 3> dimensions;
 };
 
 /// Of the volume, what a brick and its border hold.
@@ -56,24 +55,23 @@ inline VoxelBox box_of_brick(std::array<int, 3> brick, const std::array<int, 3>&
     return box;
 }
 
-/// Fills one brick, border included, or as many of its slices; outside the volume, the nearest voxel stands.
+/// Fills one brick, border included, or as many of its slices; outside the box, the nearest voxel stands.
 template <class Source, class Device>
 void fill_brick(const BoxedVoxels<Source>& from, const Conversion<Source>& conversion, std::array<int, 3> brick,
                 int slices, Device* out) {
-    const auto [nx, ny, nz] = from.dimensions;
     const auto [first_x, first_y, first_z] = from.box.first;
     const auto [size_x, size_y, size_z] = from.box.size;
-    const int x0 = brick[0] * brick_edge - brick_before;
+    const int x0 = brick[0] * brick_edge - brick_before - first_x;
     for (int z = 0; z < slices; ++z)
         for (int y = 0; y < brick_row; ++y) {
-            const int sz = std::clamp(brick[2] * brick_edge - brick_before + z, 0, nz - 1) - first_z;
-            const int sy = std::clamp(brick[1] * brick_edge - brick_before + y, 0, ny - 1) - first_y;
+            const int sz = std::clamp(brick[2] * brick_edge - brick_before + z - first_z, 0, size_z - 1);
+            const int sy = std::clamp(brick[1] * brick_edge - brick_before + y - first_y, 0, size_y - 1);
             const Source* row = from.voxels + (std::size_t(sz) * size_y + sy) * size_x;
             Device* to = out + z * brick_slice + y * brick_row;
-            const int begin = std::clamp(-x0, 0, brick_row), end = std::clamp(nx - x0, begin, brick_row);
+            const int begin = std::clamp(-x0, 0, brick_row), end = std::clamp(size_x - x0, begin, brick_row);
             for (int x = 0; x < begin; ++x) to[x] = convert<Device>(row[0], conversion);
-            for (int x = begin; x < end; ++x) to[x] = convert<Device>(row[x0 + x - first_x], conversion);
-            for (int x = end; x < brick_row; ++x) to[x] = convert<Device>(row[nx - 1 - first_x], conversion);
+            for (int x = begin; x < end; ++x) to[x] = convert<Device>(row[x0 + x], conversion);
+            for (int x = end; x < brick_row; ++x) to[x] = convert<Device>(row[size_x - 1], conversion);
         }
 }
 

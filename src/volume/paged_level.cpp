@@ -114,7 +114,7 @@ void PagedLevel::fill(std::int64_t brick, std::int32_t slot) {
         std::vector<Source> voxels(std::size_t(box.size[0]) * box.size[1] * box.size[2]);
         source_->read(level_, box, reinterpret_cast<std::byte*>(voxels.data()));
         auto* out = reinterpret_cast<Stored*>(data_->bricks.data()) + std::size_t(slot) * brick_voxels;
-        const BoxedVoxels<Source> from{voxels.data(), box, data_->dimensions};
+        const BoxedVoxels<Source> from{voxels.data(), box};
         fill_brick(from, conversion_of<Source>(pages_->coarse.data()), at, brick_row, out);
         CellRanges ranges = ranges_of(slot);
         fill_cells(out, {0, 0, 0}, brick_row, ranges);

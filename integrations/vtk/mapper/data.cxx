@@ -85,4 +85,17 @@ Volume volume_of(vtkImageData& image, vtkDataArray& scalars, bool at_cells, cons
     return volume;
 }
 
+void place(Volume& voxels, vtkImageData& grid, vtkImageData* image, bool at_cells, const std::array<int, 6>& own) {
+    chiaro::Placement block;
+    int whole[6], extent[6]{};
+    grid.GetExtent(whole);
+    if (image) image->GetExtent(extent);
+    for (std::size_t a = 0; a < 3; ++a) {
+        block.whole[a] = std::max(whole[2 * a + 1] - whole[2 * a] + (at_cells ? 0 : 1), 1);
+        block.first[a] = image ? extent[2 * a] - whole[2 * a] : 0;
+        block.own_first[a] = own[2 * a] - whole[2 * a], block.own_end[a] = own[2 * a + 1] - whole[2 * a];
+    }
+    voxels.placement = block;
+}
+
 }  // namespace chiaro::from_vtk

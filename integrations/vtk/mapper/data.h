@@ -27,4 +27,8 @@ std::optional<VoxelType> type_of(vtkDataArray& scalars);
 /// The voxels are VTK's own, which it keeps.
 Volume volume_of(vtkImageData& image, vtkDataArray& scalars, bool at_cells, const Geometry& geometry);
 
+/// As a block of the grid of the whole; `image`: null where there are no voxels. `own`: of the grid's points or cells,
+/// half-open.
+void place(Volume& voxels, vtkImageData& grid, vtkImageData* image, bool at_cells, const std::array<int, 6>& own);
+
 }  // namespace chiaro::from_vtk

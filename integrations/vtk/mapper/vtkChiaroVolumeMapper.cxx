@@ -2,6 +2,7 @@
 
 #include <chiaro/describe.h>
 #include <chiaro/error.h>
+#include <chiaro/exchange.h>
 #include <chiaro/session.h>
 
 #include <algorithm>
@@ -18,6 +19,7 @@
 #include "vtkObjectFactory.h"
 #include "vtkRenderWindow.h"
 #include "vtkRenderer.h"
+#include "vtkSmartPointer.h"
 #include "vtkVolume.h"
 #include "vtkVolumeProperty.h"
 
@@ -78,6 +80,15 @@ std::vector<float> shown_rows(const Frame& frame, const Image& image, const Tone
 
 }  // namespace
 
+/// What is shown, and where it stands.
+struct chiaro::from_vtk::Subject {
+    vtkImageData* image = nullptr;  ///< null: this process has no voxels
+    vtkDataArray* scalars = nullptr;
+    int at_cells = 0;
+    vtkImageData* grid = nullptr;  ///< of the whole
+    from_vtk::Placement place{};
+};
+
 struct vtkChiaroVolumeMapper::Internals {
     GivenSettings given;
     Shown shown;
@@ -86,6 +97,12 @@ struct vtkChiaroVolumeMapper::Internals {
     std::set<std::string> warned;
     from_vtk::Picture picture;
     double seconds_a_pixel = 0;
+    std::shared_ptr<Exchange> ranks;     ///< that hold blocks of the volume; null: it is whole
+    vtkSmartPointer<vtkImageData> grid;  ///< of the whole then
+    std::array<int, 6> own{};
+
+    /// Whether all ranks say so.
+    bool agree(bool yes) { return ranks ? ranks->agree(yes) : yes; }
 
     /// The last ones where they are the same: rays need not be cast again.
     void keep(std::shared_ptr<const RayEnds> newest) {
@@ -141,60 +158,140 @@ void vtkChiaroVolumeMapper::Render(vtkRenderer* renderer, vtkVolume* volume) {
     this->TimeToDraw = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-void vtkChiaroVolumeMapper::Draw(vtkRenderer* renderer, vtkVolume* volume) {
-    vtkImageData* image = vtkImageData::SafeDownCast(this->GetInput());
-    if (!image) return this->WarnOnce("not drawn: rectilinear grids");
-    int at_cells = 0;
-    vtkDataArray* scalars = vtkAbstractMapper::GetScalars(image, this->ScalarMode, this->ArrayAccessMode, this->ArrayId,
-                                                          this->ArrayName, at_cells);
-    if (!scalars) return this->WarnOnce("not drawn: an image without scalars");
-    vtkVolumeProperty* property = volume->GetProperty();
-    if (const std::string what = from_vtk::not_drawn(*this, *property, *image, *scalars); !what.empty())
-        return this->WarnOnce("not drawn: " + what);
-
+void vtkChiaroVolumeMapper::SetBlock(std::shared_ptr<Exchange> ranks, vtkImageData* whole, const int own[6]) {
     Internals& self = *this->Self;
-    const from_vtk::Placement place = from_vtk::placement_of(*image, at_cells, *volume->GetMatrix());
-    const Shown shown{scalars, std::max(image->GetMTime(), scalars->GetMTime()), at_cells != 0, place.geometry,
-                      this->NumberOfThreads};
-    chiaro::Progress progress;
-    if (!self.session || shown != self.shown) {
-        self.session = std::make_unique<Session>(choose_device(Device::cpu(this->NumberOfThreads)).device);
-        self.shown = {};  // an exception leaves nothing that could serve
-        const Volume voxels = from_vtk::volume_of(*image, *scalars, at_cells, place.geometry);
-        self.session->show(voxels, progress);
-        self.shown = shown;
-    }
+    std::array<int, 6> given{};
+    if (ranks) std::copy_n(own, 6, given.begin());
+    const auto same = [&] {
+        if (!self.grid || !ranks) return self.grid == nullptr && !ranks;
+        return std::equal(whole->GetExtent(), whole->GetExtent() + 6, self.grid->GetExtent());
+    };
+    if (self.ranks != ranks || self.own != given || !same()) self.session.reset();
+    self.ranks = std::move(ranks), self.own = given, self.grid = self.ranks ? whole : nullptr;
+}
 
+bool vtkChiaroVolumeMapper::FindLight(vtkRenderer* renderer, vtkVolume* volume) {
+    Internals& self = *this->Self;
+    from_vtk::Subject subject;
     Scene scene;
+    std::string wrong;
+    try {
+        wrong = this->Find(subject, volume);
+        if (wrong.empty() && !this->Look(scene, subject, renderer, volume)) wrong = "a cropping box that keeps nothing";
+    } catch (const std::exception& error) {
+        wrong = error.what();
+    }
+    if (!wrong.empty()) this->WarnOnce("not drawn: " + wrong);
+    if (!self.agree(wrong.empty())) {
+        if (wrong.empty()) this->WarnOnce("not drawn: another process cannot");
+        self.session.reset();
+        return false;
+    }
+    try {
+        chiaro::Progress progress;
+        this->Show(subject);
+        self.session->find_light(scene, progress);
+        return true;
+    } catch (const std::exception& error) {  // on all
+        vtkErrorMacro(<< error.what());
+        self.session.reset();
+        return false;
+    }
+}
+
+/// What cannot be drawn; empty: all can.
+std::string vtkChiaroVolumeMapper::Find(from_vtk::Subject& subject, vtkVolume* volume) {
+    Internals& self = *this->Self;
+    vtkImageData* image = vtkImageData::SafeDownCast(this->GetInput());
+    if (!image && !self.ranks) return "rectilinear grids";
+    if (image)
+        subject.scalars = vtkAbstractMapper::GetScalars(image, this->ScalarMode, this->ArrayAccessMode, this->ArrayId,
+                                                        this->ArrayName, subject.at_cells);
+    if (subject.scalars && subject.scalars->GetNumberOfTuples() > 0) subject.image = image;
+    if (!subject.image && !self.ranks) return "an image without scalars";
+    if (self.ranks && this->Cropping) return "cropping regions over several processes";
+    if (subject.image)
+        if (std::string what = from_vtk::not_drawn(*this, *volume->GetProperty(), *image, *subject.scalars);
+            !what.empty())
+            return what;
+    subject.grid = self.ranks ? self.grid.Get() : image;
+    subject.place = from_vtk::placement_of(*subject.grid, subject.at_cells, *volume->GetMatrix());
+    return {};
+}
+
+/// Hands the session its voxels, where they are others than before; collective. False where they are the same.
+bool vtkChiaroVolumeMapper::Show(const from_vtk::Subject& subject) {
+    Internals& self = *this->Self;
+    const vtkMTimeType time =
+        subject.image ? std::max(subject.image->GetMTime(), subject.scalars->GetMTime()) : vtkMTimeType(0);
+    const Shown shown{subject.scalars, time, subject.at_cells != 0, subject.place.geometry, this->NumberOfThreads};
+    if (self.agree(self.session && shown == self.shown)) return false;
+    const Device host = Device::cpu(this->NumberOfThreads);
+    Device device = self.ranks ? host : choose_device(host).device;
+    device.ranks = self.ranks;
+    self.session = std::make_unique<Session>(device);
+    self.shown = {};  // an exception leaves nothing that could serve
+    Volume voxels;
+    if (subject.image)
+        voxels = from_vtk::volume_of(*subject.image, *subject.scalars, subject.at_cells, subject.place.geometry);
+    if (self.ranks) from_vtk::place(voxels, *subject.grid, subject.image, subject.at_cells, self.own);
+    chiaro::Progress progress;
+    self.session->show(voxels, progress);
+    self.shown = shown;
+    return true;
+}
+
+/// False where nothing of it is kept.
+bool vtkChiaroVolumeMapper::Look(Scene& scene, const from_vtk::Subject& subject, vtkRenderer* renderer,
+                                 vtkVolume* volume) {
     std::string note;
-    const bool encodes_itself = renderer->GetRenderWindow()->GetUseSRGBColorSpace();
-    scene.output.color = encodes_itself ? ColorMode::linear : ColorMode::display;
+    scene.output.color = renderer->GetRenderWindow()->GetUseSRGBColorSpace() ? ColorMode::linear : ColorMode::display;
     scene.output.transparent = true;
-    from_vtk::set_look(scene, *this, *property, *image, *renderer, place, note);
+    from_vtk::set_look(scene, *this, *volume->GetProperty(), *subject.grid, *renderer, subject.place, note);
     if (!note.empty()) this->WarnOnce(note);
     if (scene.clip.box)
         for (std::size_t a = 0; a < 3; ++a)
-            if (!((*scene.clip.box)[2 * a] < (*scene.clip.box)[2 * a + 1])) return;  // nothing is kept
+            if (!((*scene.clip.box)[2 * a] < (*scene.clip.box)[2 * a + 1])) return false;
+    const from_vtk::Placement& place = subject.place;
     scene.sampling.step_voxels =
         this->SampleDistance > 0 ? this->SampleDistance / (place.scale * place.geometry.smallest_spacing_mm()) : 0.5;
-    set_by_name(scene, self.given, written);
+    set_by_name(scene, this->Self->given, written);
+    if (this->Self->ranks && scene.interpolation == Interpolation::automatic)
+        scene.interpolation = Interpolation::linear;
+    scene.camera.matrix = from_vtk::matrix_of(*renderer, place);
+    return true;
+}
+
+void vtkChiaroVolumeMapper::Draw(vtkRenderer* renderer, vtkVolume* volume) {
+    Internals& self = *this->Self;
+    from_vtk::Subject subject;
+    if (const std::string what = this->Find(subject, volume); !what.empty())
+        return this->WarnOnce("not drawn: " + what);
+    if (self.ranks && !self.session) return;  // FindLight told why
+    if (!self.ranks) this->Show(subject);
+    Scene scene;
+    if (!this->Look(scene, subject, renderer, volume)) return;
 
     const from_vtk::Viewport view = from_vtk::viewport_of(*renderer);
     if (view.width < 1 || view.height < 1) return;
     double apart = this->ImageSampleDistance;
-    if (const double allowed = volume->GetAllocatedRenderTime(); this->AutoAdjustSampleDistances && allowed > 0)
+    const bool adjusts = this->AutoAdjustSampleDistances && !self.ranks;  // each rank would choose a size of its own
+    if (const double allowed = volume->GetAllocatedRenderTime(); adjusts && allowed > 0)
         apart = std::clamp(std::sqrt(self.seconds_a_pixel * view.width * view.height / allowed), apart, 10.0);
     scene.width = std::max(int(view.width / apart), 1), scene.height = std::max(int(view.height / apart), 1);
-    scene.camera.matrix = from_vtk::matrix_of(*renderer, place);
     self.keep(this->IntermixIntersectingGeometry
                   ? from_vtk::ends_of(*renderer, view, *scene.camera.matrix, scene.width, scene.height)
                   : nullptr);
     scene.sampling.ends = self.ends;
 
+    chiaro::Progress progress;
+    if (self.ranks && self.session->needs_light(scene))
+        return this->WarnOnce("not drawn: light that was not found yet");
     const Image& picture = self.session->render(scene, progress);
     for (const Stage& stage : self.session->stages())
         if (stage.name == "raycast" && stage.seconds > 0)
             self.seconds_a_pixel = stage.seconds / (double(scene.width) * scene.height);
+    const bool encodes_itself = renderer->GetRenderWindow()->GetUseSRGBColorSpace();
     const bool as_it_is =
         scene.output.tone == Tone::none && (scene.output.color == ColorMode::linear) == encodes_itself;
     if (!self.picture.draw(*renderer, scene.width, scene.height,

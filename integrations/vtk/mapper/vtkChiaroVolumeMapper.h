@@ -23,6 +23,18 @@
 #include "vtkVolumeMapper.h"
 
 #include <memory>  // for std::unique_ptr
+#include <string>  // for std::string
+
+#ifndef __VTK_WRAP__
+namespace chiaro {
+class Exchange;
+struct Scene;
+namespace from_vtk {
+struct Subject;
+}
+}  // namespace chiaro
+#endif
+class vtkImageData;
 
 class VTKCHIARO_EXPORT vtkChiaroVolumeMapper : public vtkVolumeMapper {
 public:
@@ -88,6 +100,20 @@ public:
     vtkGetMacro(NumberOfThreads, int);
     ///@}
 
+#ifndef __VTK_WRAP__
+    /**
+     * For volumes that several processes hold a block of each: the processes; the grid of the whole, without values;
+     * and which points (or cells, of values of cells) of it this process' input owns: first and end along each axis,
+     * half-open. The input may hold others too, which light is found from. Null: the input is whole.
+     */
+    void SetBlock(std::shared_ptr<chiaro::Exchange> ranks, vtkImageData* whole, const int own[6]);
+    /**
+     * Collective: what Render needs of other processes, which it never asks. False where nothing can be drawn, on any
+     * of them.
+     */
+    bool FindLight(vtkRenderer* renderer, vtkVolume* volume);
+#endif
+
     /**
      * WARNING: INTERNAL METHOD - NOT INTENDED FOR GENERAL USE
      */
@@ -102,7 +128,12 @@ private:
     vtkChiaroVolumeMapper(const vtkChiaroVolumeMapper&) = delete;
     void operator=(const vtkChiaroVolumeMapper&) = delete;
 
+#ifndef __VTK_WRAP__
     void Draw(vtkRenderer* renderer, vtkVolume* volume);
+    std::string Find(chiaro::from_vtk::Subject& subject, vtkVolume* volume);
+    bool Show(const chiaro::from_vtk::Subject& subject);
+    bool Look(chiaro::Scene& scene, const chiaro::from_vtk::Subject& subject, vtkRenderer* renderer, vtkVolume* volume);
+#endif
     void WarnOnce(const std::string& what);
 
     double SampleDistance = 0;

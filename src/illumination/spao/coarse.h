@@ -51,6 +51,9 @@ public:
     void free_cells() { opacity_ = VoxelBuffer(); }
     void free_corners() { hold(0, 0); }
     void use_small_pages() { opacity_.use_small_pages(); }
+    /// To be written.
+    std::uint16_t* cells() { return as_shorts(opacity_); }
+    std::uint16_t* corner_weights() { return as_shorts(weight_); }
     /// What is not read any more.
     void discard_cells_before(int slice);
     void discard_corners_before(int slice);

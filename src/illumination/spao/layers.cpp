@@ -2,6 +2,7 @@
 
 #include "classify/medium.h"
 #include "illumination/cells/normal_offset.h"
+#include "illumination/cells/rank_nodes.h"
 #include "illumination/spao/coarse.h"
 #include "illumination/spao/fused.h"
 
@@ -18,6 +19,7 @@ public:
     LayeredLight(const Device& device, const Medium::Data& medium, const SpaoSettings& settings, double normal_factor,
                  StageTimer& timer, Progress& progress)
         : device_(device),
+          volume_(medium.volume.data()),
           settings_(settings),
           run_(kernel::spao_functions_for(device.isa)),
           steps_(timer),
@@ -34,6 +36,7 @@ public:
         // Surfaces' opacities take longer to find than to keep.
         keeps_opacity_ = together_ >= layers_ || medium.shape.mode == Mode::iso;
         is_sparse_ = double(asked_.held().size()) < crowded * double(asked_.holds.size());
+        check_ghosts(volume_, grid());
         for (CellValues* values : {&opacity_.values, &access_, &displaced_}) fit_pages(*values);
     }
 
@@ -94,6 +97,7 @@ private:
             progress_.report("opacity", double(end) / layers_);
             progress_.check();
         }
+        share_coarse();
         if (!keeps_opacity_) {
             opacity_.values = CellValues(grid());
             fit_pages(opacity_.values);
@@ -112,6 +116,15 @@ private:
             if (coarse_.size() > std::size_t(g)) coarse_.pop_back();
         }
         if (grids > 1) coarse_[1].free_cells();
+    }
+
+    /// Of several ranks: wider shells know all of the volume.
+    void share_coarse() {
+        gather_nodes(device_, volume_, coarser(grid(), 2), coarse_[0].cells());
+        if (coarse_.size() == 1 || octants_of(settings_.model) == 1) return;
+        CellGrid corners = coarser(grid(), 4);
+        corners.count = coarse_[1].corners();
+        gather_nodes(device_, volume_, corners, coarse_[1].corner_weights());
     }
 
     /// Cells of the first coarse grid and weights of the second, from layers of opacities that then may go.
@@ -208,6 +221,7 @@ private:
     }
 
     const Device& device_;
+    const DeviceVolume::Data& volume_;
     const SpaoSettings& settings_;
     const kernel::SpaoFunctions run_;
     StageTimer& steps_;

@@ -2,6 +2,7 @@
 
 #include "classify/medium.h"
 #include "cuda/executor.h"
+#include "illumination/cells/rank_nodes.h"
 #include "illumination/transport/axis_places.h"
 #include "illumination/transport/boundary_kernel.h"
 #include "illumination/transport/opaque.h"
@@ -99,6 +100,7 @@ private:
         each_cell(executor, seen, kernel::MarkOpaque{depth, opaque_from, opaque.data()});
         with_stored_voxel(medium_.volume.data(),
                           [&](auto voxel) { find_fill<decltype(voxel)>(executor, seen, fills.data()); });
+        gather_nodes(device_, medium_.volume.data(), grid_, fills.data());
         each_cell(executor, seen, kernel::FindThin{thin.data()});
         each_cell(executor, seen, kernel::OpenBoundary{depth, made.data(), is_open.data()});
         executor.fetch(open_, is_open);

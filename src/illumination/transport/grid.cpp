@@ -4,6 +4,7 @@
 
 #include "classify/medium.h"
 #include "cuda/executor.h"
+#include "illumination/cells/rank_nodes.h"
 #include "illumination/transport/axis_places.h"
 #include "illumination/transport/boundary_cells.h"
 #include "illumination/transport/colour_kernel.h"
@@ -91,6 +92,7 @@ public:
             auto sums = executor.template array<ScatteringColour>(nodes.size());
             const float* depths = executor.values(std::as_const(grid).extinction);
             add_colours(executor, nodes, depths, sums.data());
+            gather_nodes(device_, medium_.volume.data(), nodes, sums.data());
             const auto made = executor.template output<float>(grid.albedo.buffer);
             kernel::AlbedoKernel albedos{
                 depths, sums.data(), nodes.count[0], nodes.count[1], nodes.count[2], scattering_colours_.mean(), {}};
@@ -115,15 +117,18 @@ private:
             const AxisPlaces<Voxel> places(view_of<Voxel>(medium_.volume.data()), centres_of(cells_));
             const auto of = colours(PlacedValues<Voxel>{
                 places, cells_.is_voxel_grid, {view_of<Voxel>(medium_.volume.data()), cell_centres(medium_, cells_)}});
+            const NodeRange own = own_nodes(medium_.volume.data(), nodes);
+            if (own.is_empty()) return;
+            const int high = own.end[1] - own.first[1];
             const auto add_row = [&](std::int64_t node_row) {
-                const int y = int(node_row % nodes.count[1]), z = int(node_row / nodes.count[1]);
+                const int y = own.first[1] + int(node_row % high), z = own.first[2] + int(node_row / high);
                 const std::size_t row = nodes.index(0, y, z);
                 for (int k = z * edge_; k < of.end(2, z); k += of.stride)
                     for (int j = y * edge_; j < of.end(1, y); j += of.stride)
-                        for (int x = 0; x < nodes.count[0]; ++x)
+                        for (int x = own.first[0]; x < own.end[0]; ++x)
                             if (depths[row + x] > 0) of.add_row(x, j, k, sums[row + x]);
             };
-            executor.for_each(std::int64_t(nodes.count[1]) * nodes.count[2], add_row, "albedo", 8);
+            executor.for_each(std::int64_t(high) * (own.end[2] - own.first[2]), add_row, "albedo", 8);
         });
     }
     void add_colours(GpuExecutor& executor, const CellGrid& nodes, const float* depths, ScatteringColour* sums) const {
@@ -168,7 +173,9 @@ std::vector<std::array<float, 3>> colours_at(const GridColour& colour, const std
 LightGrid light_grid(const Medium::Data& medium, int cells, double albedo_max, const Device& device, Progress& progress,
                      SurfaceModel surfaces) {
     const DeviceVolume::Data& volume = medium.volume.data();
-    const Blocks blocks = blocks_for(make_cell_grid(volume.dimensions, volume.geometry), cells);
+    const CellGrid fine = make_cell_grid(volume.dimensions, volume.geometry);
+    const Blocks blocks = blocks_for(fine, cells);
+    check_ghosts(volume, coarser(fine, blocks.edge()));
     std::shared_ptr<const Density> finer;
     if (blocks.halvings > 0)
         finer = std::make_shared<const Density>(

@@ -2,6 +2,7 @@
 
 #include "classify/medium.h"
 #include "core/threads.h"
+#include "illumination/cells/rank_nodes.h"
 #include "illumination/visibility/gpu.h"
 #include "illumination/visibility/launch_density.h"
 #include "illumination/visibility/sub_voxel.h"
@@ -69,12 +70,18 @@ Density halved(const Density& finer, const Device& device, Progress& progress) {
 }
 
 Density density_for(const Medium::Data& medium, int subsample, const Device& device, Progress& progress) {
-    if (medium.shape.mode == Mode::iso)
-        return density_of(cell_opacity(device, medium, progress), subsample, device, progress);
     const DeviceVolume::Data& volume = medium.volume.data();
-    const CellGrid grid = make_cell_grid(volume.dimensions, volume.geometry);
-    const BlockMap matter = visible_blocks(medium, grid, 1);
-    return assemble(grid, matter, log2_of(subsample), block_depths(medium, grid, matter), device, progress);
+    const CellGrid cells = make_cell_grid(volume.dimensions, volume.geometry);
+    check_ghosts(volume, coarser(cells, subsample));
+    const auto own = [&] {
+        if (medium.shape.mode == Mode::iso)
+            return density_of(cell_opacity(device, medium, progress), subsample, device, progress);
+        const BlockMap matter = visible_blocks(medium, cells, 1);
+        return assemble(cells, matter, log2_of(subsample), block_depths(medium, cells, matter), device, progress);
+    };
+    Density density = own();
+    gather_nodes(device, volume, density.grid, density.numbers());
+    return density;
 }
 
 Density density_of(const CellOpacity& opacity, int subsample, const Device& device, Progress& progress) {

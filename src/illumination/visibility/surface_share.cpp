@@ -5,6 +5,7 @@
 
 #include "classify/surface_table.h"
 #include "cuda/executor.h"
+#include "illumination/cells/rank_nodes.h"
 #include "illumination/visibility/surface_share_kernel.h"
 #include "volume/device_view.h"
 
@@ -50,6 +51,7 @@ Density shares_of_surface(const Medium::Data& medium, const Density& density, co
         });
         made.keep();
     });
+    gather_nodes(device, volume, grid, shares.numbers());
     return shares;
 }
 

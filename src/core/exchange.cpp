@@ -1,0 +1,7 @@
+#include <chiaro/exchange.h>
+
+namespace chiaro {
+
+Exchange::~Exchange() = default;
+
+}  // namespace chiaro
