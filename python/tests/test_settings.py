@@ -19,7 +19,7 @@ OTHER = {
     "clip_box": (0, 1, 0, 0.5, 0, 1), "clip_plane": [(0, 0, 1, 10)], "azimuth": 10, "elevation": -5, "roll": 3, "zoom": 2, "fov": 40,
     "up": (0, 1, 0), "projection": "orthographic", "view": "left", "eye": (1, 2, 3), "target": (4, 5, 6), "light": "10,20,red",
     "probe": "sky", "hist_effects": "ao", "glow": "1:2=3", "cache": "none", "sh_sampling": "jittered:4", "bounces": 3,
-    "reference_quantity": "ao", "probe_exposure": 1.5,
+    "reference_quantity": "ao", "probe_exposure": 1.5, "labels": "sample:organs", "label_table": "totalsegmentator",
 }
 
 
@@ -45,6 +45,8 @@ def test_every_setting_can_be_given_read_and_kept(name):
         given = {"eye": OTHER["eye"], "target": OTHER["target"]}
     if name == "iso":
         given["mode"] = "iso"
+    if name == "label_table":
+        given["labels"] = OTHER["labels"]
     if name == "probe_background":
         given["probe"] = "sky"
     scene = chiaro.Scene("sample:ball", **given)

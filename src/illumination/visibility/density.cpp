@@ -80,7 +80,7 @@ Density density_for(const Medium::Data& medium, int subsample, const Device& dev
         return assemble(cells, matter, log2_of(subsample), block_depths(medium, cells, matter), device, progress);
     };
     Density density = own();
-    gather_nodes(device, volume, density.grid, density.numbers());
+    if (device.is_shared()) gather_nodes(device, volume, density.grid, density.numbers());
     return density;
 }
 

@@ -51,7 +51,7 @@ Density shares_of_surface(const Medium::Data& medium, const Density& density, co
         });
         made.keep();
     });
-    gather_nodes(device, volume, grid, shares.numbers());
+    if (device.is_shared()) gather_nodes(device, volume, grid, shares.numbers());
     return shares;
 }
 
