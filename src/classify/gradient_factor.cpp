@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "volume/borrowed.h"
+
 namespace chiaro {
 namespace {
 
@@ -46,17 +48,7 @@ DeviceVolume with_factor(const DeviceVolume& volume, std::shared_ptr<const Extin
     // Never by shared_from_this: who has a spline keeps the volume that it is of, too.
     const DeviceVolume plain = volume.data().plain ? volume.data().plain : volume;
     if (!factor) return plain;
-    const DeviceVolume::Data& from = plain.data();
-    const auto borrow = [&](const VoxelBuffer& buffer) {
-        return VoxelBuffer::borrow(buffer.data(), buffer.size(), nullptr);
-    };
-    auto made = std::make_shared<DeviceVolume::Data>();
-    made->describe_as(from);
-    made->cells = from.cells;
-    made->stored_min = from.stored_min, made->stored_max = from.stored_max;
-    made->bricks = borrow(from.bricks), made->coefficients = borrow(from.coefficients);
-    made->spline = from.spline, made->normal_reach = from.normal_reach;
-    made->plain = plain;
+    auto made = borrowed(plain);
     made->factor = std::move(factor);
     return DeviceVolume(std::move(made));
 }

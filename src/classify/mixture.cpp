@@ -8,6 +8,7 @@
 
 #include "classify/labels/labelled.h"
 #include "kernel/rgba.h"
+#include "volume/borrowed.h"
 #include "volume/device_view.h"
 
 namespace chiaro {
@@ -104,18 +105,7 @@ std::shared_ptr<const MixtureOfChannels> mixture_of(const Channels& channels,
 
 /// The first channel's, looked at as a mixture.
 DeviceVolume volume_of(const Channels& channels, std::shared_ptr<const LabelBricks> labels) {
-    const DeviceVolume& first = channels.front()->volume;
-    const DeviceVolume::Data& from = first.data();
-    const auto borrow = [](const VoxelBuffer& buffer) {
-        return VoxelBuffer::borrow(buffer.data(), buffer.size(), nullptr);
-    };
-    auto made = std::make_shared<DeviceVolume::Data>();
-    made->describe_as(from);
-    made->cells = from.cells;
-    made->stored_min = from.stored_min, made->stored_max = from.stored_max;
-    made->bricks = borrow(from.bricks), made->coefficients = borrow(from.coefficients);
-    made->spline = from.spline, made->normal_reach = from.normal_reach;
-    made->plain = first;
+    auto made = borrowed(channels.front()->volume);
     made->mixture = mixture_of(channels, std::move(labels));
     return DeviceVolume(std::move(made));
 }
