@@ -132,12 +132,12 @@ TEST(Mutants, TimeIsFound) {
 
 TEST(Mutants, MemoryIsFoundHereAndInADecoder) {
     const auto takes_much = [](const std::string&) {
-        const std::vector<char> much(100 << 20, 'm');
+        const std::vector<char> much(200 << 20, 'm');
         return slices(int(much[5000] - 'm') + 3);
     };
     const auto starts_what_takes_much = [](const std::string&) {
         // The shell's variable holds what the pipe brings.
-        EXPECT_EQ(std::system("x=$(head -c 100000000 /dev/zero | tr '\\0' x); test ${#x} -eq 100000000"), 0);
+        EXPECT_EQ(std::system("x=$(head -c 200000000 /dev/zero | tr '\\0' x); test ${#x} -eq 200000000"), 0);
         return slices(3);
     };
     EXPECT_EQ(finding_with(cut_in_link(), takes_much), Finding::memory);

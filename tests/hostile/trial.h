@@ -19,10 +19,15 @@ struct Outcome {
     std::uint64_t peak_bytes = 0;  ///< of memory: the process or a decoder, whichever had more
 };
 
-/// What a file may cost.
+/// What a file may cost. The address sanitizer's own memory is as large as a program's.
+#ifdef __SANITIZE_ADDRESS__
+inline constexpr std::uint64_t bytes_of_any_file = 128 << 20;
+#else
+inline constexpr std::uint64_t bytes_of_any_file = 64 << 20;
+#endif
 struct Limits {
     double cpu_seconds = 5;
-    std::uint64_t bytes_per_byte = 50, bytes = 64 << 20;
+    std::uint64_t bytes_per_byte = 50, bytes = bytes_of_any_file;
     unsigned patience_seconds = 240;  ///< wall time after which a process hangs
 };
 
