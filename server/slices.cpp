@@ -115,9 +115,12 @@ Json View::slice(const Json& request, Progress&) {
     // One that would be under way for too long, noise most of all, is drawn again with fewer pixels.
     const LinkState link = frames_.link();
     Image image = drawn(plane);
-    const double fits = link.is_slow() ? link.draft_bytes() / double(encode_jpeg(image, far_quality).size()) : 1;
-    if (fits < 1) image = drawn(with_side(plane, std::max(least_slice_side, std::sqrt(fits))));
-    send_frame(header, image);
+    std::string encoded = encode_jpeg(image, jpeg_quality());
+    if (const double fits = link.draft_bytes() / double(encoded.size()); link.is_slow() && fits < 1) {
+        image = drawn(with_side(plane, std::max(least_slice_side, std::sqrt(fits))));
+        encoded = encode_jpeg(image, jpeg_quality());
+    }
+    send_encoded(header, image, "jpeg", encoded);
     return Json::object();
 }
 

@@ -132,12 +132,17 @@ Json View::save(const Json& request, Progress& progress) {
     return {{"url", url}, {"name", name}, {"bytes", bytes}};
 }
 
+int View::jpeg_quality() const { return frames_.link().is_slow() ? far_quality : near_quality; }
+
+void View::send_encoded(Json header, const Image& image, const char* type, const std::string& encoded) {
+    header["type"] = type;
+    header["size"] = {image.width, image.height}, header["canvas"] = header["size"];
+    frames_.post(frame_message(header, encoded));
+}
+
 void View::send_frame(const Json& header, const Image& image, bool lossless) {
-    Json whole = header;
-    whole["type"] = lossless ? "png" : "jpeg";
-    whole["size"] = {image.width, image.height}, whole["canvas"] = whole["size"];
-    const int quality = frames_.link().is_slow() ? far_quality : near_quality;
-    frames_.post(frame_message(whole, lossless ? as_text(encode_png(image)) : encode_jpeg(image, quality)));
+    if (lossless) return send_encoded(header, image, "png", as_text(encode_png(image)));
+    send_encoded(header, image, "jpeg", encode_jpeg(image, jpeg_quality()));
 }
 
 /// A look on trial, by the ray caster alone.

@@ -116,6 +116,9 @@ private:
     void tell(const Json& message) const;
     void tell(int connection, const Json& message) const;
     void send_frame(const Json& header, const Image& image, bool lossless = false);
+    /// Of a picture that is encoded: "png" or "jpeg".
+    void send_encoded(Json header, const Image& image, const char* type, const std::string& encoded);
+    int jpeg_quality() const;
     Progress::Report report_for(const Json& id) const;
     void cancel_all();
 

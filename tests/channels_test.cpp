@@ -247,3 +247,23 @@ TEST(Channels, WhatIsOfOneValueIsRefused) {
     refused({.shape = {.mode = Mode::iso, .iso = {{.value = 50}}}}, "one channel");
     refused({.shape = {.clip = {.largest = true}}}, "one channel");
 }
+
+// The same voxels at the same place of a body, told in LPS and in RAS.
+TEST(Channels, FramesOfOneBodyAreBroughtTogether) {
+    Volume lps = make_volume({4, 3, 2}, VoxelType::u8);
+    lps.geometry.world = World::lps, lps.geometry.origin_mm = {5, 7, 11};
+    const auto voxels = lps.as<std::uint8_t>();
+    for (std::size_t i = 0; i < voxels.size(); ++i) voxels[i] = std::uint8_t(i);
+    Volume ras = make_volume(lps.dimensions, VoxelType::u8);
+    ras.geometry = lps.geometry.in_frame(World::ras);
+    EXPECT_EQ(ras.geometry.origin_mm, (Vec3{-5, -7, 11}));
+    EXPECT_TRUE(has_grid_of(ras, lps));
+    ras.geometry.world = World::lps;
+    EXPECT_FALSE(has_grid_of(ras, lps));
+    ras.geometry.world = World::ras;
+    std::copy(voxels.begin(), voxels.end(), ras.as<std::uint8_t>().begin());
+    const Volume onto = resampled(ras, lps);
+    EXPECT_EQ(onto.geometry, lps.geometry);
+    const auto found = onto.as<std::uint8_t>();
+    EXPECT_TRUE(std::equal(voxels.begin(), voxels.end(), found.begin()));
+}

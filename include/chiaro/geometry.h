@@ -39,6 +39,9 @@ struct Geometry {
     /// Inverses; the direction may be oblique but not singular (checked when a volume is read).
     CHIARO_EXPORT Vec3 voxel_from_world_vector(Vec3 v_mm) const;
     Vec3 voxel_from_world(Vec3 p_mm) const { return voxel_from_world_vector(p_mm - origin_mm); }
+    /// The same grid as another frame has it: LPS and RAS point the other way along x and y. An unknown one changes
+    /// nothing.
+    CHIARO_EXPORT Geometry in_frame(World other) const;
     double smallest_spacing_mm() const { return std::fmin(spacing_mm.x, std::fmin(spacing_mm.y, spacing_mm.z)); }
     bool operator==(const Geometry&) const = default;
 };

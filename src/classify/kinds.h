@@ -23,10 +23,7 @@ struct Kinds {
         if (is_iso()) lowest = std::min_element(medium.shape.iso.begin(), medium.shape.iso.end(), lower)->value;
     }
     bool is_iso() const { return medium.shape.mode == Mode::iso; }
-    std::size_t entry(float stored) const {
-        const double last = double(of_entry.size()) - 1;
-        return std::size_t(std::clamp(medium.table.index_of(stored) + 0.5, 0.0, last));
-    }
+    std::size_t entry(float stored) const { return medium.table.nearest(stored); }
     std::uint8_t of(float stored) const {
         if (!is_iso()) return of_entry[entry(stored)];
         const DeviceVolume::Data& volume = medium.volume.data();

@@ -2,6 +2,7 @@
 #pragma once
 #include <chiaro/medium.h>
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -25,6 +26,10 @@ struct OpticalTable {
     double unit_mm = 1;  ///< the length that the transfer function's opacities belong to
 
     double index_of(double stored) const { return stored * index_scale + index_offset; }
+    std::size_t nearest(double stored) const {
+        return std::size_t(std::clamp(index_of(stored) + 0.5, 0.0, double(entries.size()) - 1));
+    }
+    const Entry& at(double stored) const { return entries[nearest(stored)]; }
 };
 
 struct SegmentTable;

@@ -85,8 +85,10 @@ struct ViewsOfChannels {
         }
         for (std::size_t i = 0; i < channels.size(); ++i) {
             const OpticalTable& table = channels[i]->table;
-            views.push_back({view_of<Voxel>(channels[i]->volume.data()), matter[i].data(), rises[i].data(),
-                             float(table.index_scale), float(table.index_offset + 0.5), float(matter[i].size() - 1)});
+            views.push_back({view_of<Voxel>(channels[i]->volume.data()),
+                             {matter[i].data(), float(table.index_scale), float(table.index_offset + 0.5),
+                              float(matter[i].size() - 1)},
+                             rises[i].data()});
         }
     }
 };

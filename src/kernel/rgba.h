@@ -146,4 +146,20 @@ CHIARO_INLINE RgbaLanes<F> mix(const RgbaLanes<F>& a, const RgbaLanes<F>& b, F t
     return accumulate(scale(a, F(1) - t), t, b);
 }
 
+/// Colours over stored values.
+struct RgbaTable {
+    const Rgba* entries;
+    float scale, offset;  ///< index = stored * scale + offset, rounding included
+    float last;
+
+    template <class F>
+    CHIARO_INLINE Int<F> index(F stored) const {
+        return truncate(min(max(mad(stored, F(scale), F(offset)), F(0)), F(last)));
+    }
+    template <class F>
+    CHIARO_INLINE RgbaLanes<F> at(F stored) const {
+        return load_rgba(entries, index(stored));
+    }
+};
+
 }  // namespace chiaro::kernel

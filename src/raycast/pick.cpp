@@ -72,9 +72,7 @@ Witness cast(const Kernel& kernel, float column, float row) {
 
 double opacity_of(const Medium::Data& medium, float stored) {
     const OpticalTable& table = medium.table;
-    const double last = double(table.entries.size()) - 1;
-    const auto index = std::size_t(std::clamp(table.index_of(stored) + 0.5, 0.0, last));
-    return -std::expm1(-double(table.entries[index].extinction_per_mm) * table.unit_mm);
+    return -std::expm1(-double(table.at(stored).extinction_per_mm) * table.unit_mm);
 }
 
 /// Of a mixture: the value of the channel that stops most light there, and the opacity of all.
@@ -86,9 +84,7 @@ void tell_channels(const Medium::Data& medium, const kernel::Vec3<float>& p, Pic
             const auto view = view_of<decltype(voxel)>(volume);
             return view.value(view.locate(p, view.voxel(p)));
         });
-        const auto& entries = channel->table.entries;
-        const double index = channel->table.index_of(double(stored)) + 0.5;
-        const float kappa = entries[std::size_t(std::clamp(index, 0.0, double(entries.size() - 1)))].extinction_per_mm;
+        const float kappa = channel->table.at(double(stored)).extinction_per_mm;
         sum += kappa;
         if (kappa > most) most = kappa, pick.value = volume.scale * double(stored) + volume.offset;
     }

@@ -5,21 +5,7 @@
 namespace chiaro::kernel {
 
 /// Associated colours, corrected to the opacity of one step, over the stored values.
-struct StepTableView {
-    const Rgba* entries;
-    float scale, offset;  ///< index = stored * scale + offset, rounding included
-    float last;
-
-    template <class F>
-    CHIARO_INLINE Int<F> index(F stored) const {
-        return truncate(min(max(mad(stored, F(scale), F(offset)), F(0)), F(last)));
-    }
-
-    template <class F>
-    CHIARO_INLINE RgbaLanes<F> at(F stored) const {
-        return load_rgba(entries, index(stored));
-    }
-
+struct StepTableView : RgbaTable {
     /// Classified first: the colours of the eight voxels, interpolated.
     template <class F>
     CHIARO_INLINE RgbaLanes<F> interpolated(const Four<Two<F>>& voxels, Vec3<F> t) const {

@@ -112,9 +112,7 @@ kernel::SurfacesView surfaces_view(const Medium::Data& medium, bool backwards, s
     kernel::SurfacesView view{};
     view.backwards = backwards;
     for (const IsoSurface& s : surfaces) {
-        const double last = double(medium.table.entries.size()) - 1;
-        const auto& entry =
-            medium.table.entries[std::size_t(std::clamp(medium.table.index_of(stored(s)) + 0.5, 0.0, last))];
+        const OpticalTable::Entry& entry = medium.table.at(stored(s));
         std::array<float, 3> rgb{entry.r, entry.g, entry.b};
         if (s.color)
             for (int c = 0; c < 3; ++c)
@@ -246,8 +244,8 @@ RayTables make_tables(const Medium::Data& medium, const RaySettings& settings, i
 }
 
 kernel::StepTableView step_table_view(const OpticalTable& table, const RayTables& tables) {
-    return {tables.steps.data(), float(table.index_scale), float(table.index_offset + 0.5),
-            float(tables.steps.size() - 1)};
+    return {{tables.steps.data(), float(table.index_scale), float(table.index_offset + 0.5),
+             float(tables.steps.size() - 1)}};
 }
 
 kernel::SegmentTableView segment_table_view(const SegmentTable* table) {

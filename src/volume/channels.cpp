@@ -57,11 +57,12 @@ void fill_from(const Volume& volume, int threads, Volume& out) {
         if (v < least) least = v;  // not for NaN
     const Interpolated<T> values{volume, double(least)};
     const auto [nx, ny, nz] = out.dimensions;
+    const Geometry own = volume.geometry.in_frame(out.geometry.world);
     parallel_for(threads, std::int64_t(ny) * nz, 16, [&, nx = nx, ny = ny](std::int64_t first, std::int64_t end) {
         for (auto row = first; row < end; ++row)
             for (int x = 0; x < nx; ++x) {
                 const Vec3 world = out.geometry.world_from_voxel({double(x), double(row % ny), double(row / ny)});
-                const double value = values.at(volume.geometry.voxel_from_world(world));
+                const double value = values.at(own.voxel_from_world(world));
                 out.as<T>()[std::size_t(row) * nx + x] = T(std::is_integral_v<T> ? std::nearbyint(value) : value);
             }
     });
@@ -87,12 +88,13 @@ std::vector<Volume> components_of(const Volume& volume) {
 
 bool has_grid_of(const Volume& volume, const Volume& other) {
     if (volume.dimensions != other.dimensions) return false;
+    const Geometry own = volume.geometry.in_frame(other.geometry.world);
     const Vec3 last{double(other.dimensions[0] - 1), double(other.dimensions[1] - 1), double(other.dimensions[2] - 1)};
     const double near_mm = 0.01 * other.geometry.smallest_spacing_mm();
     for (int corner = 0; corner < 8; ++corner) {
         Vec3 p;
         for (int a = 0; a < 3; ++a) p[a] = corner >> a & 1 ? last[a] : 0;
-        if (length(volume.geometry.world_from_voxel(p) - other.geometry.world_from_voxel(p)) > near_mm) return false;
+        if (length(own.world_from_voxel(p) - other.geometry.world_from_voxel(p)) > near_mm) return false;
     }
     return true;
 }

@@ -13,6 +13,16 @@ Vec3 Geometry::voxel_from_world_vector(Vec3 v) const {
             dot(v, cross(a, b)) / det / spacing_mm.z};
 }
 
+Geometry Geometry::in_frame(World other) const {
+    Geometry told = *this;
+    if (other == world || other == World::unknown || world == World::unknown) return told;
+    const auto turn = [](Vec3 v) { return Vec3{-v.x, -v.y, v.z}; };
+    told.origin_mm = turn(origin_mm);
+    for (Vec3& axis : told.direction) axis = turn(axis);
+    told.world = other;
+    return told;
+}
+
 Vec3 orbit_direction(double azimuth, double elevation, Vec3 up) {
     const Vec3 u = normalized(up);
     const auto is_axis = [](double c) { return std::abs(std::abs(c) - 1) < 1e-12; };

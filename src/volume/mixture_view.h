@@ -11,23 +11,14 @@ namespace chiaro::kernel {
 /// One of the values of a voxel. All channels of a volume lie alike in memory, so a location serves all of them.
 template <class Voxel>
 struct ChannelView {
-    VolumeView<Voxel> volume;   ///< of its own voxels alone
-    const Rgba* matter;         ///< κ per mm, and colour × κ, over its optical table
-    const float* rise;          ///< dκ/dv, with a hair of κ, so that matter that is even has a direction, too
-    float scale, offset, last;  ///< entry = stored * scale + offset, rounding included
+    VolumeView<Voxel> volume;  ///< of its own voxels alone
+    RgbaTable matter;          ///< κ per mm, and colour × κ, over its stored values
+    const float* rise;         ///< dκ/dv, with a hair of κ, so that matter that is even has a direction, too
 
-    template <class F>
-    CHIARO_INLINE Int<F> entry_of(F stored) const {
-        return truncate(min(max(mad(stored, F(scale), F(offset)), F(0)), F(last)));
-    }
-    template <class F>
-    CHIARO_INLINE RgbaLanes<F> matter_of(F stored) const {
-        return load_rgba(matter, entry_of(stored));
-    }
     /// κ per mm.
     template <class F>
     CHIARO_INLINE F extinction_of(F stored) const {
-        return gather_float(&matter->a, entry_of(stored) * Int<F>(4));
+        return gather_float(&matter.entries->a, matter.index(stored) * Int<F>(4));
     }
 };
 
@@ -39,7 +30,7 @@ static CHIARO_NOINLINE RgbaLanes<F> mixed_matter(const VolumeView<Voxel>& volume
     for (std::int32_t i = 0; i < volume.mixture.count; ++i) {
         const ChannelView<Voxel>& channel = volume.mixture.channels[i];
         const F stored = channel.volume.value(at);
-        RgbaLanes<F> matter = channel.matter_of(stored);
+        RgbaLanes<F> matter = channel.matter.at(stored);
         if (channel.volume.has_factor()) matter = scale(matter, channel.volume.factor_at(at, stored));
         sum = accumulate(sum, F(1), matter);
     }
@@ -60,7 +51,7 @@ static CHIARO_NOINLINE void mixed_corners(const VolumeView<Voxel>& volume, const
         const Four<Two<F>> v = channel.volume.corners(at);
         const F stored[8]{v.a.a, v.a.b, v.b.a, v.b.b, v.c.a, v.c.b, v.d.a, v.d.b};
         for (int corner = 0; corner < 8; ++corner)
-            sums.of[corner] = accumulate(sums.of[corner], F(1), channel.matter_of(stored[corner]));
+            sums.of[corner] = accumulate(sums.of[corner], F(1), channel.matter.at(stored[corner]));
     }
     for (auto& sum : sums.of) sum = labelled<F>(volume.mixture.labels, at, sum);
 }
@@ -74,7 +65,7 @@ static CHIARO_NOINLINE Vec3<F> mixed_gradient(const VolumeView<Voxel>& volume, c
     for (std::int32_t i = 0; i < volume.mixture.count; ++i) {
         const ChannelView<Voxel>& channel = volume.mixture.channels[i];
         const F stored = channel.volume.value(at);
-        const F rise = gather_float(channel.rise, channel.entry_of(stored));
+        const F rise = gather_float(channel.rise, channel.matter.index(stored));
         if (!volume.mixture.labels.distance && !any((rise < F(0)) | (rise > F(0)))) continue;
         const Vec3<F> gradient = channel.volume.gradient(at);
         const F left = channel.volume.has_factor() ? channel.volume.factor_of(stored, gradient) : F(1);

@@ -29,9 +29,7 @@ public:
     /// `factor`: of the extinction.
     double operator()(float stored, float factor) const {
         if (iso_) return (upwards_ ? stored >= *iso_ : stored <= *iso_) ? 1 : 0;
-        const double last = double(table_.entries.size()) - 1;
-        const auto entry = std::size_t(std::clamp(table_.index_of(stored) + 0.5, 0.0, last));
-        return -std::expm1(-double(table_.entries[entry].extinction_per_mm) * double(factor) * table_.unit_mm);
+        return -std::expm1(-double(table_.at(stored).extinction_per_mm) * double(factor) * table_.unit_mm);
     }
 
 private:

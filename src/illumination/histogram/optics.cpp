@@ -10,11 +10,6 @@
 namespace chiaro {
 namespace {
 
-const OpticalTable::Entry& entry_at(const OpticalTable& table, double stored) {
-    const double last = double(table.entries.size()) - 1;
-    return table.entries[std::size_t(std::clamp(table.index_of(stored) + 0.5, 0.0, last))];
-}
-
 /// The material behind isosurfaces, at one value.
 void add_material(const Medium::Data& medium, double value, const OpticalTable::Entry& entry, BinOptics& optics) {
     double clear = 1;
@@ -59,7 +54,7 @@ BinOptics optics_of_bins(const Medium::Data& medium, const LocalHistograms& h, c
     const auto emissive = emission.empty() ? EmissionMapping() : EmissionMapping(emission);
     for (int j = 0; j < h.binning.count; ++j) {
         const double stored = h.binning.stored_of(j), value = volume.scale * stored + volume.offset;
-        const OpticalTable::Entry& entry = entry_at(medium.table, stored);
+        const OpticalTable::Entry& entry = medium.table.at(stored);
         if (medium.shape.mode == Mode::iso) {
             add_material(medium, value, entry, optics);
         } else {

@@ -9,7 +9,7 @@
 namespace chiaro {
 namespace {
 
-constexpr int fine = 128, coarse = 64;  // cells around
+constexpr int cells_x = 128, cells_y = 64;
 
 /// Mean radiance.
 double luminance_of(const ProbePiece& piece) {
@@ -18,31 +18,51 @@ double luminance_of(const ProbePiece& piece) {
     return piece.share > 0 ? sum / piece.share : 0;
 }
 
+/// What pixels of one cell add up to; the moment is of directions by luminance.
+struct ProbeCell {
+    ProbePiece sum;
+    Vec3 moment;
+};
+
 /// Pixels larger than a cell are cut into pieces.
-std::vector<ProbePiece> gather(const ProbeImage& image, int cells_x) {
-    const int cells_y = cells_x / 2;
-    std::vector<ProbePiece> cells(std::size_t(cells_x) * cells_y);
-    std::vector<Vec3> moments(cells.size());
+std::vector<ProbeCell> gather(const ProbeImage& image) {
+    std::vector<ProbeCell> cells(std::size_t(cells_x) * cells_y);
     const int cut_x = 1 + (cells_x - 1) / image.width, cut_y = 1 + (cells_y - 1) / image.height;
     const int fine_x = cut_x * image.width, fine_y = cut_y * image.height;
     for (int y = 0; y < fine_y; ++y) {
         const double top = image.polar_angle(double(y) / cut_y), bottom = image.polar_angle(double(y + 1) / cut_y);
         const double share = (std::cos(top) - std::cos(bottom)) / (2.0 * fine_x), middle = (top + bottom) / 2;
         const double z = std::cos(middle), r = std::sin(middle);
-        ProbePiece* row = cells.data() + std::size_t(y) * cells_y / fine_y * cells_x;
+        ProbeCell* row = cells.data() + std::size_t(y) * cells_y / fine_y * cells_x;
         for (int x = 0; x < fine_x; ++x) {
             const float* pixel = image.rgb.data() + 3 * (std::size_t(y / cut_y) * image.width + x / cut_x);
-            ProbePiece& cell = row[std::int64_t(x) * cells_x / fine_x];
+            auto& [sum, moment] = row[std::int64_t(x) * cells_x / fine_x];
             const double phi = image.azimuth((x + 0.5) / cut_x);
-            Vec3& moment = moments[std::size_t(&cell - cells.data())];
             moment = moment + (share * (1e-6 + luminance(pixel))) * Vec3{r * std::cos(phi), r * std::sin(phi), z};
-            for (int c = 0; c < 3; ++c) cell.light[c] += share * pixel[c];
-            cell.share += share;
+            for (int c = 0; c < 3; ++c) sum.light[c] += share * pixel[c];
+            sum.share += share;
         }
     }
-    for (std::size_t i = 0; i < cells.size(); ++i) cells[i].direction = normalized(moments[i]);
-    std::erase_if(cells, [](const ProbePiece& cell) { return cell.share == 0; });
     return cells;
+}
+
+/// Two by two.
+std::vector<ProbeCell> halved(const std::vector<ProbeCell>& cells) {
+    std::vector<ProbeCell> half(cells.size() / 4);
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        auto& [sum, moment] = half[i / cells_x / 2 * (cells_x / 2) + i % cells_x / 2];
+        moment = moment + cells[i].moment;
+        for (int c = 0; c < 3; ++c) sum.light[c] += cells[i].sum.light[c];
+        sum.share += cells[i].sum.share;
+    }
+    return half;
+}
+
+std::vector<ProbePiece> pieces_of(const std::vector<ProbeCell>& cells) {
+    std::vector<ProbePiece> pieces;
+    for (const auto& [sum, moment] : cells)
+        if (sum.share != 0) pieces.push_back({normalized(moment), sum.light, sum.share});
+    return pieces;
 }
 
 std::optional<DominantLight> take_dominant_light(std::vector<ProbePiece>& cells) {
@@ -103,7 +123,8 @@ Vec3 find_shining(const std::vector<ProbePiece>& pieces) {
 }  // namespace
 
 ProbePieces pieces_of_probe(const Probe::Data& probe) {
-    ProbePieces pieces{gather(probe.image, fine), gather(probe.image, coarse), {}, {}, {}};
+    const std::vector<ProbeCell> cells = gather(probe.image);
+    ProbePieces pieces{pieces_of(cells), pieces_of(halved(cells)), {}, {}, {}};
     pieces.shining = find_shining(pieces.all);
     pieces.rest = pieces.all;
     pieces.dominant = take_dominant_light(pieces.rest);

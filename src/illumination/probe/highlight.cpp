@@ -31,12 +31,10 @@ void set_cosines(const std::array<Nodes, 3>& normals, Vec3 direction, Nodes& cos
 
 /// Normals that mirror the eye to the nodes of an unfolded octahedron.
 std::array<Nodes, 3> mirroring_normals(int edge, Vec3 to_eye) {
-    LambertTable directions;
-    directions.edge = edge;
     const std::size_t count = std::size_t(edge) * std::size_t(edge);
     std::array<Nodes, 3> normals{Nodes(count), Nodes(count), Nodes(count)};
     for (std::size_t i = 0; i < count; ++i) {
-        const Vec3 sum = directions.normal(int(i) % edge, int(i) / edge) + to_eye;
+        const Vec3 sum = octahedron_node(int(i) % edge, int(i) / edge, edge) + to_eye;
         const double scale = 1 / std::max(length(sum), 1e-6);  // behind the surface: no light counts
         for (int axis = 0; axis < 3; ++axis) normals[std::size_t(axis)][i] = float(scale * sum[axis]);
     }

@@ -65,7 +65,7 @@ LambertTable tabulated(const AtNormal& at_normal) {
 
 }  // namespace
 
-Vec3 LambertTable::normal(int i, int j) const {
+Vec3 octahedron_node(int i, int j, int edge) {
     double x = 2.0 * i / (edge - 1) - 1, y = 2.0 * j / (edge - 1) - 1;
     const double z = 1 - std::abs(x) - std::abs(y);
     if (z < 0) {
@@ -101,14 +101,13 @@ double suitable_stops_of_probe(const Probe::Data& probe) {
     // The mean over all normals is the mean radiance; the largest is looked for some 6 degrees apart, where a cosine is
     // within .2 %.
     constexpr int normals = 33;
-    const LambertTable places{normals, {}};
     double mean = 0, largest = 0;
     for (std::size_t c = 0; c < 3; ++c) mean += luminance_weights[c] * probe.sh[c][0] / std::sqrt(4 * std::numbers::pi);
     const std::vector<Cell> cells = cells_of(probe);
     const double y_00 = 1 / std::sqrt(4 * std::numbers::pi);
     for (int j = 0; j < normals; ++j)
         for (int i = 0; i < normals; ++i) {
-            const Vec3 n = places.normal(i, j);
+            const Vec3 n = octahedron_node(i, j, normals);
             double irradiance = 0;
             for (const Cell& cell : cells) {
                 const double cosine = n.x * cell.direction[0] + n.y * cell.direction[1] + n.z * cell.direction[2];

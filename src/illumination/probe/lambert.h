@@ -7,6 +7,9 @@
 
 namespace chiaro {
 
+/// Direction of node (i, j) of an unfolded octahedron of edge × edge nodes, unit: the inverse of octahedral().
+Vec3 octahedron_node(int i, int j, int edge);
+
 /// The bracket for normals n over an unfolded octahedron (octahedron.h): node (i, j) is the normal at u = i / (edge -
 /// 1), v = j / (edge - 1); between them bilinear.
 struct LambertTable {
@@ -15,8 +18,7 @@ struct LambertTable {
     int edge = 0;                ///< nodes a side
     std::vector<Entry> entries;  ///< u fastest
 
-    /// Of node (i, j), unit: the inverse of octahedral().
-    Vec3 normal(int i, int j) const;
+    Vec3 normal(int i, int j) const { return octahedron_node(i, j, edge); }
     /// The look-up that a ray caster does, for one normal of any length.
     Entry at(Vec3 normal) const;
 };

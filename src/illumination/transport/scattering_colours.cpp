@@ -20,11 +20,7 @@ ScatteringColour capped(float weight, std::array<float, 3> colour, double albedo
 std::array<float, 3> colour_of(const OpticalTable::Entry& entry) { return {entry.r, entry.g, entry.b}; }
 
 std::array<float, 3> colour_of(const Medium::Data& medium, const IsoSurface& surface, double stored) {
-    if (!surface.color) {
-        const auto& entries = medium.table.entries;
-        const double index = medium.table.index_of(stored) + 0.5;
-        return colour_of(entries[std::size_t(std::clamp(index, 0.0, double(entries.size() - 1)))]);
-    }
+    if (!surface.color) return colour_of(medium.table.at(stored));
     std::array<float, 3> colour;
     for (int c = 0; c < 3; ++c) {
         const double picked = (*surface.color)[c];

@@ -16,11 +16,6 @@ Vec3 unit(int axis) {
     return v;
 }
 
-/// LPS and RAS point the other way along two axes.
-Vec3 between_frames(World from, World to, Vec3 v) {
-    return from == to || from == World::unknown || to == World::unknown ? v : Vec3{-v.x, -v.y, v.z};
-}
-
 bool meets(const LabelPlacement& p, const std::array<int, 3>& volume, const std::array<int, 3>& labels) {
     for (int axis = 0; axis < 3; ++axis) {
         double low = p.offset[axis], high = low;
@@ -43,7 +38,7 @@ bool is_identity(const LabelPlacement& p) {
 }  // namespace
 
 LabelPlacement place_labels(const LabelVolume& labels, const std::array<int, 3>& dimensions, const Geometry& geometry) {
-    const Geometry& own = labels.geometry;
+    const Geometry own = labels.geometry.in_frame(geometry.world);
     LabelPlacement placed{{}, {unit(0), unit(1), unit(2)}, true};
     const auto refuse = [&](const std::string& what) {
         throw Error(ErrorCode::input, one_line(labels.source) + ": " + what);
@@ -56,9 +51,7 @@ LabelPlacement place_labels(const LabelVolume& labels, const std::array<int, 3>&
                         own.world == World::unknown ? "no known frame" : "a known frame",
                         own.world == World::unknown ? "a known one" : "none"));
     }
-    const auto voxel = [&](Vec3 p) {
-        return own.voxel_from_world(between_frames(geometry.world, own.world, geometry.world_from_voxel(p)));
-    };
+    const auto voxel = [&](Vec3 p) { return own.voxel_from_world(geometry.world_from_voxel(p)); };
     placed.offset = voxel({});
     for (int a = 0; a < 3; ++a) placed.axes[std::size_t(a)] = voxel(unit(a)) - placed.offset;
     placed.is_same_grid = labels.dimensions == dimensions && is_identity(placed);
