@@ -41,14 +41,14 @@ std::string stem_of(const std::string& volume) {
 
 Json View::folder(const Json& request, Progress&) { return context_.folders.list(text_in(request, "path", "")); }
 
-/// Reads the scene's volume and shows it.
-Json View::show(const Scene& scene, Progress& progress, int halvings) {
+/// Reads the scene's volume and shows it: anew, or with the state that the view has already, kept or put.
+Json View::show(const Scene& scene, Progress& progress, int halvings, bool goes_on) {
     const auto loaded = context_.volumes.load(scene, progress, halvings);
     Json reply{{"volume", loaded->told}, {"scene", scene_json(scene, loaded->session)}};
     {
         const std::lock_guard lock(mutex_);
         shown_ = loaded;
-        state_ = nullptr, undo_ = nullptr;
+        if (!goes_on) state_ = nullptr, undo_ = nullptr;
     }
     render_worker_.show(loaded);
     return reply;
@@ -75,11 +75,14 @@ Json View::open(const Json& request, Progress& progress) {
 }
 
 Json View::open_initial(const Json&, Progress& progress) {
-    Json reply = show(*context_.initial, progress);
-    const auto loaded = shown();
-    const std::lock_guard lock(mutex_);
-    if (given_) reply["scene"] = scene_json(*given_, loaded->session);
+    Json reply = show(*context_.initial, progress, 0, true);
     reply["type"] = "opened";
+    std::unique_lock lock(mutex_);
+    const Json state = state_, undo = undo_;
+    lock.unlock();
+    if (state.is_null()) return reply;
+    reply["scene"] = scene_json(scene_of(state), shown()->session);
+    reply["undo"] = undo;
     return reply;
 }
 

@@ -95,7 +95,6 @@ void View::put(const Scene& scene) {
     {
         const std::lock_guard lock(mutex_);
         state_ = json;
-        given_ = scene;
     }
     tell({{"type", "put"}, {"scene", json}});
 }

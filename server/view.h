@@ -101,7 +101,7 @@ private:
     Json region(const Json& request, Progress& progress);
     Json export_film(const Json& request, Progress& progress);
 
-    Json show(const Scene& scene, Progress& progress, int halvings = 0);
+    Json show(const Scene& scene, Progress& progress, int halvings = 0, bool goes_on = false);
     Json take_file(const std::string& name, const std::string& bytes);
     Json file_as_scene(const std::string& text, const std::string& name);
     Json file_as_transfer(const std::filesystem::path& file);
@@ -133,7 +133,6 @@ private:
     Json state_;                    ///< the scene of the last state that was no preview
     Json undo_;                     ///< the page's steps
     std::optional<KeptView> kept_;  ///< of a server before this one, until its volume is open
-    std::optional<Scene> given_;    ///< was put, maybe before its volume was read
     std::map<std::string, std::shared_ptr<Progress>> running_;
 
     bool shown_before_ = false;    ///< a page was greeted; the hearing queue's own

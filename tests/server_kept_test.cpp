@@ -18,7 +18,7 @@ struct Folder {
         path = mkdtemp(name.data());
     }
     ~Folder() { fs::remove_all(path); }
-    fs::path views() const { return path / "views"; }
+    fs::path views() const { return path / "chiaro/views"; }
     fs::path path;
 };
 
@@ -87,4 +87,25 @@ TEST(ServerKept, WhereNothingIsKeptNothingIsWritten) {
     none.note(view("view-one", "scan.nrrd", 1));
     EXPECT_FALSE(none.find("view-one"));
     EXPECT_TRUE(none.volumes().empty());
+}
+
+/// A page that is there before the volume is read gets its state with the volume, as one that comes later does.
+TEST(ServerKept, IsShownAgainHoweverLongTheVolumeIsRead) {
+    const Folder cache;
+    setenv("XDG_CACHE_HOME", cache.path.c_str(), 1);
+    {
+        const Json scene{{"volume", {{"file", "sample:shells:256"}}}, {"mode", "mip"}};
+        KeptViews(cache.views()).note({"view-one", "sample:shells:256", scene, {{"undo", {{"design", {1, 2}}}}}, 0});
+        const Server server("sample:shells:256", true);
+        for (int time = 0; time < 2; ++time) {
+            Page page = server.page("view-one", time ? "&take=1" : "");
+            const auto told = page.find(
+                [](const Message& m) { return !m.is_frame && m.json.contains("scene") && !m.json["scene"].is_null(); });
+            ASSERT_TRUE(told);
+            EXPECT_EQ(told->json["type"], time ? "hello" : "opened") << "the first is there before the volume";
+            EXPECT_EQ(told->json["scene"]["mode"], "mip") << told->json;
+            EXPECT_EQ(told->json["undo"]["undo"]["design"].size(), 2u);
+        }
+    }
+    unsetenv("XDG_CACHE_HOME");
 }

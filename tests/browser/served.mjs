@@ -19,9 +19,15 @@ const there = (() => {
 })();
 export const skip = there ? false : "no chiaro view";
 
+/** What a test that failed left running: the file of tests would wait for it for ever. */
+const running = new Set();
+after(() => running.forEach((child) => child.kill("SIGKILL")));
+
 /** Starts the program in a folder and answers its address and how to end it. */
 export async function serve(folder, volume = "sample:cornell:48", port = 0, more = []) {
   const child = spawn(chiaro, ["view", ...(volume ? [volume] : []), "--port", String(port), "--no-open", "--quiet", ...more], { cwd: folder, env: { ...process.env, CHIARO_VIEW_TOKEN: token, XDG_CACHE_HOME: folder } });
+  running.add(child);
+  child.once("exit", () => running.delete(child));
   const url = await new Promise((done, fail) => {
     child.stdout.once("data", (text) => done(String(text).split("\n")[0]));
     child.once("exit", (code) => fail(new Error(`chiaro view ended with ${code}`)));
