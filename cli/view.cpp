@@ -44,6 +44,9 @@ void open_browser(std::string url) {
     posix_spawn_file_actions_destroy(&actions);
 }
 
+/// Whether a table or function is a file's, not one that the program knows by a word.
+bool is_file_name(const std::string& name) { return name.find_first_of("/.") != std::string::npos; }
+
 /// The folders that the viewer is started with: where one is, and where volume, scene and data are.
 std::vector<std::filesystem::path> folders_of(const ViewOptions& o, const std::optional<Scene>& scene) {
     namespace fs = std::filesystem;
@@ -52,8 +55,15 @@ std::vector<std::filesystem::path> folders_of(const ViewOptions& o, const std::o
         std::error_code ignored;
         folders.push_back(fs::is_directory(file, ignored) ? file : fs::absolute(file).parent_path());
     };
-    if (scene && !scene->volume.starts_with("sample:") && scene->volume != "-")
-        add(split_volume_name(scene->volume).first);
+    const auto add_volume = [&](const std::string& name) {
+        if (!name.empty() && !name.starts_with("sample:") && name != "-") add(split_volume_name(name).first);
+    };
+    if (scene) {
+        add_volume(scene->volume);
+        add_volume(scene->labels.source);
+        if (is_file_name(scene->labels.table)) add(scene->labels.table);
+        for (const ChannelSettings& channel : scene->channels) add_volume(channel.file);
+    }
     if (!o.source.scene.empty()) add(o.source.scene);
     if (!o.source.data.empty()) add(o.source.data);
     return folders;
@@ -62,8 +72,17 @@ std::vector<std::filesystem::path> folders_of(const ViewOptions& o, const std::o
 /// Names that hold wherever a page's scene stands.
 Scene with_whole_names(Scene scene) {
     const auto whole = [](std::string& name) { name = std::filesystem::absolute(name).lexically_normal().string(); };
-    if (!scene.volume.starts_with("sample:") && scene.volume != "-") whole(scene.volume);
-    if (scene.transfer.source.find_first_of("/.") != std::string::npos) whole(scene.transfer.source);
+    const auto whole_volume = [&](std::string& name) {
+        if (!name.empty() && !name.starts_with("sample:") && name != "-") whole(name);
+    };
+    const auto whole_file = [&](std::string& name) {
+        if (is_file_name(name)) whole(name);
+    };
+    whole_volume(scene.volume);
+    whole_volume(scene.labels.source);
+    whole_file(scene.labels.table);
+    whole_file(scene.transfer.source);
+    for (ChannelSettings& channel : scene.channels) whole_volume(channel.file), whole_file(channel.transfer.source);
     if (!is_probe_name(scene.lighting.probe.source)) whole(scene.lighting.probe.source);
     return scene;
 }

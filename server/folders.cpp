@@ -82,8 +82,17 @@ void Folders::confine(Scene& scene) const {
     const auto confined = [&](std::string& file) { file = allowed(file).string(); };
     // A name without '/' and '.' is a preset's or a probe's, as load_probe and load_transfer_function have it; a file
     // of such a name in the program's own folder is not meant.
-    std::string& transfer = scene.transfer.source;
-    if (transfer.find_first_of("/.") != transfer.npos) confined(transfer);
+    const auto confined_name = [&](std::string& name) {
+        if (name.find_first_of("/.") != name.npos) confined(name);
+    };
+    confined_name(scene.transfer.source);
+    confined_name(scene.labels.table);
+    std::string& labels = scene.labels.source;  // a volume that is its own labels is told by its name
+    if (!labels.empty() && labels != scene.volume) labels = allowed_volume(labels);
+    for (ChannelSettings& channel : scene.channels) {
+        if (!channel.file.empty()) channel.file = allowed_volume(channel.file);
+        confined_name(channel.transfer.source);
+    }
     if (!is_probe_name(scene.lighting.probe.source) && !scene.lighting.probe.source.empty())
         confined(scene.lighting.probe.source);
     HistogramSettings& histogram = scene.illumination.histogram;

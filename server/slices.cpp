@@ -8,6 +8,7 @@
 
 #include "jpeg.h"
 #include "memory_budget.h"
+#include "slice_look.h"
 #include "view.h"
 
 namespace chiaro::server {
@@ -38,6 +39,12 @@ SliceSampling sampling_in(const Json& request) {
     SliceSampling sampling = SliceSampling::linear;
     if (const std::string name = text_in(request, "sampling", ""); !name.empty()) from_text(name, sampling);
     return sampling;
+}
+
+/// The channel whose values are meant; the first where nothing is said.
+DeviceVolume channel_in(const Json& request, const Session& session) {
+    const std::vector<DeviceVolume> all = session.volumes();
+    return all[request.contains("channel") ? std::size_t(whole_in(request, "channel", 0, int(all.size()) - 1)) : 0];
 }
 
 Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(); }
@@ -78,12 +85,20 @@ double voxels_in(const Region& region, const DeviceVolume& volume) {
 
 }  // namespace
 
+/// The request's part of a scene.
+Scene View::slice_scene(const Json& request) const {
+    Json own = Json::object();
+    for (const char* key : {"transfer_function", "threshold", "channels", "labels"})
+        if (request.contains(key) && !request[key].is_null()) own[key] = request[key];
+    return scene_of(own);
+}
+
 /// A picture of a plane, as a frame; or its values, as numbers.
-Json View::slice(const Json& request, Progress&) {
+Json View::slice(const Json& request, Progress& progress) {
     const auto loaded = opened(shown());
     const SlicePlane plane = plane_in(request);
     const Session session = render_worker_.share_shown(*loaded);
-    const DeviceVolume& volume = session.volume();
+    const DeviceVolume volume = channel_in(request, session);
     if (flag_in(request, "values", false)) {
         if (plane.width * plane.height > max_values)
             throw Error(ErrorCode::usage, fmt::format("size: at most {} values at a time", max_values));
@@ -92,22 +107,9 @@ Json View::slice(const Json& request, Progress&) {
             values.push_back(number_or_null(value));
         return {{"values", std::move(values)}};
     }
-    const Json& window = request.contains("window") ? request["window"] : Json();
-    if (!window.is_array() || window.size() != 2 || !window[0].is_number() || !window[1].is_number())
-        throw Error(ErrorCode::usage, "window: must be [centre, width]");
-    const double centre = window[0].get<double>(), width = window[1].get<double>();
-    SliceTone tone{centre - width / 2, centre + width / 2, {}};
-    if (request.contains("transfer_function") && request["transfer_function"].is_object()) {
-        Json own{{"transfer_function", request["transfer_function"]}};
-        if (request.contains("threshold")) own["threshold"] = request["threshold"];
-        const Scene scene = scene_of(own);
-        tone.colors = loaded->session.resolve(scene.transfer);
-        if (scene.transfer.threshold) std::tie(tone.shown_low, tone.shown_high) = *scene.transfer.threshold;
-    }
+    const SliceLook look = slice_look(request, slice_scene(request), session, progress);
     const Json header{{"n", request["id"]}, {"kind", "slice"}, {"stage", "final"}};
-    const auto drawn = [&](const SlicePlane& of) {
-        return develop(chiaro::slice(volume, of, sampling_in(request)), tone);
-    };
+    const auto drawn = [&](const SlicePlane& of) { return look.drawn(volume, of, sampling_in(request)); };
     if (flag_in(request, "lossless", false)) {
         send_frame(header, drawn(plane), true);
         return Json::object();
@@ -124,13 +126,45 @@ Json View::slice(const Json& request, Progress&) {
     return Json::object();
 }
 
+/// What is in a segmentation: all that its table says, and what the scene changes of it.
+Json View::labels(const Json& request, Progress& progress) {
+    const auto loaded = opened(shown());
+    const Scene scene = slice_scene(request);
+    const auto labels = render_worker_.share_shown(*loaded).labels(scene, progress);
+    if (!labels) throw Error(ErrorCode::usage, "labels: the scene has none");
+    Json list = Json::array();
+    for (std::size_t i = 0; i < labels->labels.size(); ++i) {
+        const Label& label = labels->labels[i];
+        list.push_back({{"value", label.value},
+                        {"name", label.name},
+                        {"rgb", label.rgb},
+                        {"tint", label.tint},
+                        {"opacity", label.opacity},
+                        {"show", label.show},
+                        {"voxels", labels->counts[i]}});
+    }
+    return {{"labels", std::move(list)}, {"notes", labels->notes}};
+}
+
+/// Which label a place has.
+Json View::label(const Json& request, Progress& progress) {
+    const auto loaded = opened(shown());
+    const Session session = render_worker_.share_shown(*loaded);
+    const auto labels = session.labels(slice_scene(request), progress);
+    if (!labels) throw Error(ErrorCode::usage, "labels: the scene has none");
+    SlicePlane place{vector_in(request, "at")};
+    place.width = place.height = 1;
+    const Label& found = labels->labels[chiaro::slice(*labels, session.volume(), place).front()];
+    return {{"value", found.value}, {"name", found.name}};
+}
+
 /// The place on the nearest half-value surface.
 Json View::snap(const Json& request, Progress&) {
     const auto loaded = opened(shown());
     const Vec3 at = vector_in(request, "at");
     std::optional<Vec3> normal;
     if (request.contains("normal") && !request["normal"].is_null()) normal = vector_in(request, "normal");
-    const auto on = snap_to_surface(render_worker_.share_shown(*loaded).volume(), at,
+    const auto on = snap_to_surface(channel_in(request, render_worker_.share_shown(*loaded)), at,
                                     number_in(request, "reach_mm", 0, farthest_mm), normal);
     if (!on) return {{"hit", false}};
     return {{"hit", true}, {"at", json_of(*on)}};
@@ -139,8 +173,7 @@ Json View::snap(const Json& request, Progress&) {
 /// The values of a ball or box.
 Json View::region(const Json& request, Progress& progress) {
     const auto loaded = opened(shown());
-    const Session session = render_worker_.share_shown(*loaded);
-    const DeviceVolume& volume = session.volume();
+    const DeviceVolume volume = channel_in(request, render_worker_.share_shown(*loaded));
     const Region region = region_in(request);
     check_memory(24 * voxels_in(region, volume));
     const RegionValues told = chiaro::measure(volume, region, progress);

@@ -224,6 +224,8 @@ void View::dispatch(const Json& request) {
         {"measure", {&View::comparing_, &View::measure}},
         {"probe", {&View::side_queue_, &View::probe}},
         {"slice", {&View::slicing_, &View::slice}},
+        {"labels", {&View::side_queue_, &View::labels}},
+        {"label", {&View::slicing_, &View::label}},
         {"snap", {&View::slicing_, &View::snap}},
         {"region", {&View::side_queue_, &View::region}},
         {"export_film", {&View::filming_, &View::export_film}}};

@@ -97,6 +97,8 @@ private:
     Json probe(const Json& request, Progress& progress);
     Json measure(const Json& request, Progress& progress);
     Json slice(const Json& request, Progress& progress);
+    Json labels(const Json& request, Progress& progress);
+    Json label(const Json& request, Progress& progress);
     Json snap(const Json& request, Progress& progress);
     Json region(const Json& request, Progress& progress);
     Json export_film(const Json& request, Progress& progress);
@@ -112,6 +114,7 @@ private:
     std::string film_text(const Film& film) const;
     void render_film(const Film& film, const std::filesystem::path& folder, Progress& progress);
     bool is_connected(int connection) const;
+    Scene slice_scene(const Json& request) const;
     Scene scene_of(const Json& json, std::vector<std::string>* unknown = nullptr) const;
     void tell(const Json& message) const;
     void tell(int connection, const Json& message) const;

@@ -53,6 +53,18 @@ Json told(const Volume& volume) {
     return json;
 }
 
+/// What is to be known of each channel's values.
+Json told_channels(const std::vector<Volume>& channels) {
+    Json list = Json::array();
+    for (const Volume& channel : channels) {
+        const Json all = told(channel);
+        Json one;
+        for (const char* key : {"range", "percentiles", "histogram512", "type", "unit"}) one[key] = all[key];
+        list.push_back(std::move(one));
+    }
+    return list;
+}
+
 /// What files say nothing of is taken as 1; coordinates of a body are in millimetres.
 bool states_spacing(const Volume& volume) {
     return volume.geometry.world != World::unknown || !(volume.geometry.spacing_mm == Vec3{1, 1, 1});
@@ -91,6 +103,7 @@ std::shared_ptr<const Loaded> read(const Scene& scene, Device device, int halvin
         throw Error(ErrorCode::output, fmt::format("{}: {} channels of {} voxels do not fit in the memory that is free",
                                                    scene.volume, channels.size(), fmt::join(fitted.from, " x ")));
     Json json = told(volume);
+    if (channels.size() > 1) json["channels"] = told_channels(channels);
     json["spacing_stated"] = is_spacing_stated;
     json["reduced"] = nullptr;
     if (fitted.is_reduced()) json["reduced"] = {{"from", fitted.from}, {"to", fitted.to}, {"bytes", fitted.free}};
@@ -164,6 +177,17 @@ Json scene_json(const Scene& scene, const Session& session) {
     complete.transfer.points = session.resolve(scene.transfer);
     complete.transfer.source.clear();
     complete.transfer.opacity_unit.reset(), complete.transfer.opacity_unit_mm.reset();
+    const std::vector<Channel> channels = session.channels(scene);
+    if (channels.size() > 1) {
+        const auto is_file = [](const ChannelSettings& c) { return !c.file.empty(); };
+        const auto files = std::count_if(scene.channels.begin(), scene.channels.end(), is_file);
+        complete.channels = channels_of(scene, int(channels.size() - std::size_t(files)));
+        for (std::size_t i = 0; i < channels.size(); ++i) {
+            complete.channels[i].transfer = {};
+            complete.channels[i].transfer.points = channels[i].transfer;
+        }
+        complete.transfer.points = channels.front().transfer;
+    }
     return Json::parse(to_json(complete));
 }
 

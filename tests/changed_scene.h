@@ -15,7 +15,7 @@ inline chiaro::Scene changed_scene(chiaro::Method method = chiaro::Method::spao)
     s.read.rescale = {2, -1024};
     s.read.time = 7;
     s.stated = {{{7, 8, 9}}, VoxelType::f32, Vec3{0.5, 0.25, 2}};
-    s.labels = {"organs.nrrd", "organs.label"};
+    s.labels = {"organs.nrrd", "organs.label", {{.show = false}, {7, Rgb{1, 0.5, 0}, 0.5, 0.25, true}}};
     s.transfer.source = "ct-bone";
     s.transfer.window = {40, 400};
     s.transfer.threshold = {-100.5, 1e6};
@@ -65,8 +65,8 @@ inline chiaro::Scene changed_scene(chiaro::Method method = chiaro::Method::spao)
     s.sampling = {1, Classification::preintegrated, Compositing::back_to_front, 4, RaySetup::raster, 0, false};
     s.interpolation = Interpolation::texture;
     s.output = {{0.1, 0.2, 0.3}, false, ColorMode::display, Tone::aces, -1.5};
-    s.slices = {SliceLayout::linked,    Vec3{1, 2, 3},         Vec3{4, 5, 6},           2.5,  std::pair{40.0, 400.0},
-                SliceSampling::nearest, SliceColors::transfer, SliceSide::neurological, false};
+    s.slices = {SliceLayout::linked,    Vec3{1, 2, 3},         Vec3{4, 5, 6},           2.5,   std::pair{40.0, 400.0},
+                SliceSampling::nearest, SliceColors::transfer, SliceSide::neurological, false, 0.7};
     s.width = 64, s.height = 48;
     return s;
 }

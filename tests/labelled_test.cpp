@@ -39,8 +39,9 @@ struct Labelled {
         Progress progress;
         const Device device = tested_device();
         const DeviceVolume uploaded = upload(device, volume);
+        const LabelVolume labels = labels_of(numbers, table);
         return with_labels(device, classify(uploaded, tf, shape),
-                           label_bricks(labels_of(numbers, table), uploaded, shape.color, 2, progress), progress);
+                           label_bricks(labels, labels.labels, uploaded, shape.color, 2, progress), progress);
     }
     Frame picture(const Camera& camera, const Lighting& lighting, const RaySettings& rays, int size) const {
         Frame frame(size, size);
@@ -169,8 +170,8 @@ TEST(Labelled, AllThreadsMakeTheSame) {
         table.push_back({.value = v, .rgb = {v / 8.0, 1 - v / 8.0, 0.5}, .opacity = v % 2 ? 1 : 0.25, .show = v != 3});
     const LabelVolume labels = labels_of(numbers, table);
     Progress progress;
-    const LabelFields one = make_label_fields(labels, ColorMode::linear, 1, progress),
-                      four = make_label_fields(labels, ColorMode::linear, 4, progress);
+    const LabelFields one = make_label_fields(labels, labels.labels, ColorMode::linear, 1, progress),
+                      four = make_label_fields(labels, labels.labels, ColorMode::linear, 4, progress);
     for (const auto field : {&LabelFields::distance, &LabelFields::share, &LabelFields::tint}) {
         ASSERT_GT((one.*field).size(), 0);
         EXPECT_EQ(std::memcmp((one.*field).data(), (four.*field).data(), (one.*field).size()), 0);

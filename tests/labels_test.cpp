@@ -263,3 +263,32 @@ TEST_F(ToolTest, InfoListsLabels) {
     EXPECT_EQ(none.code, 3);
     EXPECT_NE(none.err.find("which is no label"), std::string::npos) << none.err;
 }
+
+TEST(Labels, ChangesAreMadeOneAfterTheOther) {
+    const std::vector<Label> labels{{.value = 0, .tint = 0}, {.value = 3}, {.value = 9}};
+    const auto changed = with_changes(labels, {{.show = false}, {.value = 9, .tint = 0.5, .show = true}, {.value = 4}});
+    EXPECT_EQ(changed[0], labels[0]) << "0 is no structure: it is named where it is meant";
+    EXPECT_FALSE(changed[1].show);
+    EXPECT_EQ(changed[2], (Label{.value = 9, .tint = 0.5}));
+    EXPECT_FALSE(with_changes(labels, {{.value = 0, .show = false}})[0].show);
+}
+
+TEST(Labels, ChangesOfASceneAreRefusedInASentence) {
+    const auto told = [](const std::string& changes) {
+        std::vector<std::string> unknown;
+        const std::string labels = R"("labels": {"file": "sample:organs", "changes": )" + changes + "}}";
+        return refusal([&] { parse_scene(R"({"volume": {"file": "sample:torso"}, )" + labels, {}, {}, unknown); });
+    };
+    EXPECT_EQ(told("{}"), "labels.changes: must be a list of at most 65535");
+    EXPECT_EQ(told("[{}, 3]"), "labels.changes[1]: must be an object");
+    EXPECT_EQ(told(R"([{"value": -1}])"), "labels.changes[0]: value: must be a whole number from 0 to 4294967295");
+    EXPECT_EQ(told(R"([{"tint": 1.5}])"), "labels.changes[0]: tint: must be from 0 to 1");
+    EXPECT_EQ(told(R"([{"rgb": [1, 2]}])"), "labels.changes[0]: rgb: must be three numbers");
+    EXPECT_EQ(told(R"([{"show": 1}])"), "labels.changes[0]: show: must be true or false");
+    std::vector<std::string> unknown;
+    EXPECT_EQ(refusal([&] {
+                  parse_scene(R"({"volume": {"file": "sample:torso"}, "labels": {"changes": [{"value": 1}]}})", {}, {},
+                              unknown);
+              }),
+              "labels.changes: there are no labels that could be changed (labels.file)");
+}

@@ -129,3 +129,50 @@ TEST(ServerSlices, WhatIsKeptIsRestoredAndMarksToo) {
     EXPECT_EQ(hello->json["volume"]["sections"].size(), 3u);
     EXPECT_EQ(hello->json["volume"]["exact"], true);
 }
+
+TEST(ServerSlices, LabelsAreListedFoundAndLaidOver) {
+    const Server server("sample:torso:32");
+    Json scene;
+    Page page = server.ready(scene);
+    const Json labels{{"file", "sample:organs:32"}};
+    const Json told = page.ask({{"type", "labels"}, {"labels", labels}});
+    ASSERT_EQ(told["type"], "answer") << told;
+    Progress progress;
+    const LabelVolume organs = read_labels("sample:organs:32", "", {}, progress);
+    ASSERT_EQ(told["labels"].size(), organs.labels.size());
+    for (std::size_t i = 0; i < organs.labels.size(); ++i) {
+        EXPECT_EQ(told["labels"][i]["name"], organs.labels[i].name);
+        EXPECT_EQ(told["labels"][i]["voxels"], organs.counts[i]);
+    }
+    const Volume torso = make_sample("torso", 32);
+    const auto numbers = organs.numbers();
+    for (const int i : {0, 5000, 16000, 17000, 20000}) {
+        const Vec3 at = torso.geometry.world_from_voxel({double(i % 32), double(i / 32 % 32), double(i / 1024)});
+        const Json found = page.ask({{"type", "label"}, {"at", {at.x, at.y, at.z}}, {"labels", labels}});
+        EXPECT_EQ(found["value"], organs.labels[numbers[std::size_t(i)]].value) << found;
+    }
+    int id = 900;
+    const auto sent = [&](const Json& more) {
+        const Vec3 middle = torso.geometry.world_from_voxel({15.5, 15.5, 16});
+        const double step = torso.geometry.spacing_mm.x;
+        Json request{{"type", "slice"}, {"id", ++id}, {"lossless", true}, {"size", {32, 32}}, {"window", {0, 400}}};
+        request["plane"] = {
+            {"centre", {middle.x, middle.y, middle.z}}, {"right", {step, 0, 0}}, {"down", {0, step, 0}}};
+        request.update(more);
+        page.send(request);
+        const auto frame = page.find([](const Message& m) { return m.is_frame && m.json["kind"] == "slice"; });
+        return frame ? frame->image : std::string();
+    };
+    const std::string plain = sent(Json::object());
+    ASSERT_FALSE(plain.empty());
+    EXPECT_NE(sent({{"labels", labels}, {"label_opacity", 0.5}}), plain);
+    Json hidden = labels;
+    hidden["changes"] = {{{"show", false}}};
+    EXPECT_EQ(sent({{"labels", hidden}, {"label_opacity", 0.5}}), plain);
+    EXPECT_EQ(page.ask({{"type", "labels"}})["sentence"], "labels: the scene has none");
+    const Json outside = page.ask({{"type", "labels"}, {"labels", {{"file", "/etc/hostname"}}}});
+    EXPECT_EQ(outside["sentence"], "/etc/hostname: lies outside the folders that the viewer was started with");
+    const Json table =
+        page.ask({{"type", "labels"}, {"labels", {{"file", "sample:organs"}, {"table", "/etc/passwd"}}}});
+    EXPECT_EQ(table["sentence"], "/etc/passwd: lies outside the folders that the viewer was started with");
+}

@@ -185,3 +185,52 @@ TEST(Slice, SectionsFollowTheBodyInAll48Orders) {
     EXPECT_EQ(unknown[0].name, "z");
     EXPECT_EQ(unknown[2].axis, 0);
 }
+
+/// Labels twice as fine as the volume, in an oblique frame: the number of the voxel that is nearest, 0 beyond.
+TEST(Slice, LabelsAreThoseOfTheNearestVoxelWhateverTheirGrid) {
+    Volume v = noise<std::uint8_t>({12, 10, 9});
+    v.geometry.world = World::lps;
+    Volume fine = make_volume({24, 20, 18}, VoxelType::u8);
+    for (std::size_t i = 0; i < fine.as<std::uint8_t>().size(); ++i)
+        fine.as<std::uint8_t>()[i] = std::uint8_t(i * 7 % 11);
+    fine.geometry = v.geometry;
+    fine.geometry.spacing_mm = 0.5 * v.geometry.spacing_mm;
+    fine.geometry.origin_mm = v.geometry.world_from_voxel({-0.25, -0.25, -0.25});
+    Progress progress;
+    const LabelVolume labels = make_labels(fine, nullptr, progress);
+    const SlicePlane plane = across(v, 2, 4);
+    const Vec3 quarter = v.geometry.world_from_voxel_vector({0, 0, 0.25});  // to the middle of a fine voxel
+    const SlicePlane half{plane.centre_mm + quarter, 0.5 * plane.right_mm, 0.5 * plane.down_mm, 30, 24};
+    const auto numbers = slice(labels, upload(Device::cpu(2), v), half);
+    const auto inside = [](int i, int n) { return i >= 0 && i < n; };
+    for (int row = 0; row < 24; ++row)
+        for (int column = 0; column < 30; ++column) {
+            const int x = column - 3, y = row - 2;  // of the fine grid: the picture is three and two voxels wider
+            const std::uint16_t expected =
+                inside(x, 24) && inside(y, 20)
+                    ? labels.numbers()[(std::size_t(9) * 20 + std::size_t(y)) * 24 + std::size_t(x)]
+                    : std::uint16_t(0);
+            ASSERT_EQ(numbers[std::size_t(row) * 30 + std::size_t(column)], expected) << column << " " << row;
+        }
+}
+
+TEST(Slice, LabelsLieOverThePictureAndTheirBordersHideIt) {
+    Image image{3, 1, false, std::vector<std::uint8_t>(9, 100)};
+    const std::vector<Label> looks{
+        {.value = 0, .tint = 0}, {.value = 5, .rgb = {1, 0, 0}}, {.value = 6, .show = false}};
+    lay_over(image, {1, 1, 1}, looks, 0.5);
+    EXPECT_EQ(image.pixels[0], 178);  // 100 + .5 (255 - 100)
+    EXPECT_EQ(image.pixels[1], 50);
+    Image border{3, 1, false, std::vector<std::uint8_t>(9, 100)};
+    lay_over(border, {0, 1, 2}, looks, 0.5);
+    EXPECT_EQ(border.pixels, (std::vector<std::uint8_t>{100, 100, 100, 255, 0, 0, 100, 100, 100}));
+    EXPECT_THROW(lay_over(border, {0, 1}, looks, 0.5), Error);
+}
+
+TEST(Slice, ChannelsAddUpInTheirColours) {
+    const Slice one{3, 1, {0, 50, 100}}, two{3, 1, {20, 20, std::nan("")}};
+    const Image image = develop({{one, 0, 100, {1, 0, 0}}, {two, 0, 40, {1, 0, 1}}});
+    EXPECT_EQ(image.pixels, (std::vector<std::uint8_t>{128, 0, 128, 255, 0, 128, 255, 0, 0}));
+    EXPECT_THROW(develop(std::vector<SliceChannel>{}), Error);
+    EXPECT_THROW(develop({{one, 5, 5, {1, 0, 0}}}), Error);
+}

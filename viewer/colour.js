@@ -87,7 +87,7 @@ export function makeColour(app) {
   const density = sliderRow(app, { label: words.density, tip: "Multiplies the extinction. --opacity-scale", low: 0.1, high: 10, step: 0.01, log: true, least: 0, most: 1e6, start: 1, origin: 1, unit: "×", value: () => tf().scale, change: (scale) => set(`${words.density}…`, () => ({ scale })) });
   density.querySelector("input").dataset.at = "density";
   // The slider spans the file's range; the window itself may reach past it.
-  const window_ = el("div");
+  const window_ = el("div.own-window");
   const surface = el("div");
   const section = el("section.section.open.s-colour", {}, el("div.head", {}, el("h2", {}, words.colour), el("div.tools-right", {}, log, shape, larger, more)), graph.root, chips, three, density, window_, surface);
   let windowRow = null, surfaceRows = [];

@@ -213,11 +213,12 @@ export function makeGestures(app, stage) {
   stage.append(tools, seen);
   app.clicked = async (x, y) => {
     const measures = ui.tool === "measure" && app.marks;
-    if (!measures && !app.embed && (!app.slices || app.slices.layout() === "volume")) return;
+    if (!measures && !app.embed && !app.labels && (!app.slices || app.slices.layout() === "volume")) return;
     const found = await pick(x, y).catch(() => null);
     if (measures) return app.marks.clicked(x, y, found?.hit ? found : null);
     if (!found?.hit) return;
     app.embed?.picked(found);
+    app.labels?.clicked(found.world_mm);
     app.slices?.moveTo(found.world_mm);
   };
   return { choose, fly, fit, zoom };

@@ -105,7 +105,7 @@ app.dock = () => {
   const to = dock.hidden ? dock : app.colour.section;
   dock.hidden = !dock.hidden;
   document.body.classList.toggle("docked", !dock.hidden);
-  to === dock ? dock.append(app.graph.root) : app.colour.section.insertBefore(app.graph.root, app.colour.section.children[1]);
+  to === dock ? dock.append(app.graph.root) : app.colour.section.insertBefore(app.graph.root, app.colour.section.querySelector(".chips"));
   app.resized();
 };
 app.togglePanel = () => ((panel.hidden = !panel.hidden), app.resized());
@@ -125,6 +125,9 @@ function open(volume, scene, restored) {
   app.light.open();
   app.cross.open();
   sections.append(...folded().map((part) => part));
+  app.channels ? app.channels.open() : volume.channels && needChannels();
+  app.labels?.open();
+  if (app.labels) app.colour.section.after(app.labels.root);
   app.film?.open();
   app.moments ? app.moments.open() : volume.moments && needMoments();
   if (app.marks) sections.prepend(app.marks.rows), app.marks.open();
@@ -165,6 +168,21 @@ async function needMarks() {
   if (app.volume) sections.prepend(app.marks.rows);
   store.redraw();
 }
+/** And channels, and labels. */
+let channelsAsked = null, labelsAsked = null, slicesAsked = null, marksAsked = null;
+const needChannels = () => (channelsAsked ??= import("./channels.js").then(({ makeChannels }) => makeChannels(app)).then((channels) => {
+  app.channels = channels;
+  app.colour.section.querySelector(".head").after(channels.root);
+  channels.open();
+  store.redraw();
+}));
+const needLabels = async () => {
+  const { makeLabels } = await import("./labels.js");
+  app.labels = await makeLabels(app);
+  if (app.volume) app.colour.section.after(app.labels.root);
+  store.redraw();
+  return app.labels;
+};
 /** And moments. */
 const needMoments = async () => (app.moments = await import("./moments.js").then(({ makeMoments }) => makeMoments(app, stage)));
 /** And the strip of keyframes. */
@@ -184,9 +202,9 @@ app.addKey = async () => {
   if (film.root.hidden) film.toggle(true);
   film.add();
 };
-let slicesAsked = null, marksAsked = null;
 function layOut(state) {
   if (app.volume && (app.ui.tool === "measure" || state.marks?.length)) marksAsked ??= needMarks();
+  if (app.volume && read(state, "labels.file")) labelsAsked ??= needLabels();
   const layout = (app.volume && read(state, "slices.layout")) || "volume";
   if (layout !== "volume") slicesAsked ??= needSlices();
   area.dataset.layout = app.slices?.layout() ?? "volume";
@@ -263,6 +281,7 @@ app.open = async (what, called = what.volume ?? what.scene) => {
   }
 };
 app.openEntry = (entry) => (entry.kind === "transfer" ? link.ask("resolve", { transfer_function: { file: entry.path } }).then((a) => app.setTransfer(a.transfer_function, words.importTf), app.fault) : app.open(entry.kind === "scene" ? { scene: entry.path } : { volume: entry.path }));
+app.chooseLabels = async () => (await (labelsAsked ??= needLabels())).chooseFile();
 app.take = async (given) => {
   if (app.volume && /\.json$/i.test(given.name) && (await needFilmOf(given))) return;
   const found = await link.upload(given).catch(app.fault);

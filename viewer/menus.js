@@ -62,10 +62,10 @@ export function makeMenus(app) {
   };
   const link = async () => app.copy(await (await import("./share.js")).linkOf(app.scene()), words.link.copied);
   const more = (anchor) => menu(anchor, [
-    [words.menu.open, app.states.choose, "Ctrl O"], [words.menu.send, app.states.sendFile], [words.menu.sendFolder, app.states.sendFolder],
+    [words.menu.open, () => app.states.choose(), "Ctrl O"], [words.menu.send, app.states.sendFile], [words.menu.sendFolder, app.states.sendFolder],
     // What a narrow bar has no room for.
     ...(app.volume && !app.bar.compare.offsetParent ? [...Object.entries(words.modes).map(([name, [label]]) => [label, () => app.mode(name)]), [words.redo, () => app.store.step("redo")], [words.compare, app.compare.start]] : []),
-    ...(app.volume ? [[words.menu.film, app.toggleFilm], [words.tools.measure, () => app.gestures.choose("measure"), "M"], [words.menu.saveScene, saveScene, "Ctrl Shift S"], [words.menu.loadScene, () => chooseFile(".json,.png,.exr", app.take)], [words.menu.loadTf, () => chooseFile("", app.take)], [words.menu.command, command], [words.link.copy, link]] : []),
+    ...(app.volume ? [[words.menu.film, app.toggleFilm], [words.tools.measure, () => app.gestures.choose("measure"), "M"], [words.menu.saveScene, saveScene, "Ctrl Shift S"], [words.menu.loadScene, () => chooseFile(".json,.png,.exr", app.take)], [words.menu.loadTf, () => chooseFile("", app.take)], [words.menu.labels, app.chooseLabels], [words.menu.command, command], [words.link.copy, link]] : []),
     ...themes.map(([key, name]) => [`${words.menu.theme}: ${name}`, () => app.theme.set(key), app.theme.now === key ? "✓" : ""]),
     [words.menu.shortcuts, () => shortcuts(anchor), "?"], ...(app.volume ? [[words.menu.about, () => about(anchor), "I"]] : [])]);
   return { popover, menu, close, about, shortcuts, more, saveScene, command, get open() { return open !== null; } };

@@ -20,6 +20,15 @@ export const markWords = {
   count: "Voxels", mean: "Mean", deviation: "Standard deviation", range: "Range", median: "Median", quartiles: "Quartiles", tails: "5 % and 95 %", volume: "Volume of the voxels", exactVolume: "Exact volume", radius: "Radius", histogram: "Histogram of the values", profileOf: (low, high) => `Values along the line, ${low} to ${high}`,
 };
 
+export const channelWords = {
+  title: "Channels", channel: (n) => `Channel ${n}`, gain: "Gain", solo: "One channel alone", shown: "Channel shown", show: "Show", hide: "Hide", eyeTip: "Shown or not. With Alt: this one alone, and all again.", editTip: "Colour and opacity below are of this channel.", windowTip: "Moves and stretches the channel's points.",
+};
+export const labelWords = {
+  title: "Labels", search: "Find a label", showAll: "Show all", hideAll: "Hide all", onlyFound: "Only these", reset: "As in the table", solo: "One label alone", shown: "Label shown", show: "Show", hide: "Hide", eyeTip: "Shown or not. With Alt: this one alone, and all again.",
+  tint: "Tint", tintTip: "How much of the volume's colour the label's replaces.", opacityTip: "Multiplies the opacity of the label's voxels.", others: (n) => `${n} more: type a part of the name.`, none: "No label of this name.",
+  overSlices: "Labels", overSlicesTip: "Opacity of labels over the slices.",
+};
+
 export const momentWords = {
   title: "Moment", play: "Play the moments", pause: "Pause", of: (i, n) => `${i + 1} of ${n}`, went: "Another moment",
 };

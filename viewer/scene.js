@@ -89,6 +89,9 @@ export function joined(tf) {
   return all;
 }
 
+/** The channels of a volume of several values, each with its function; the one that is edited has the state's. */
+export const channelsOf = ({ channels, channel, tf }) => channels?.map((own, i) => (i === channel ? { ...own, tf } : own));
+
 export const transferOf = (tf) => ({ ...tf.rest, [tf.unit.key]: tf.unit.value, ...(tf.scale !== 1 ? { opacity_scale: tf.scale } : {}), points: joined(tf) });
 
 const nested = (scene, key, value) => {
@@ -100,7 +103,9 @@ const nested = (scene, key, value) => {
 
 /** The scene of a state, complete for the server and for a file. */
 export function sceneOf(state, toCamera = (camera) => camera) {
-  const scene = { chiaro: 1, ...structuredClone(state.rest), transfer_function: transferOf(state.tf) };
+  const channels = channelsOf(state), first = channels ? { ...channels[0].tf, scale: state.tf.scale } : state.tf; // one density for all
+  const scene = { chiaro: 1, ...structuredClone(state.rest), transfer_function: transferOf(first) };
+  if (channels) scene.channels = channels.map(({ tf, ...own }) => ({ ...own, transfer_function: transferOf({ ...tf, scale: 1 }) }));
   const now = method(state);
   scene.lighting = { method: now };
   for (const [key, value] of Object.entries({ ...state.values, ...toCamera(state.camera) })) {
@@ -115,7 +120,7 @@ export function sceneOf(state, toCamera = (camera) => camera) {
 
 /** The state of a scene; `old` gives what other methods were set to. */
 export function stateOf(scene, old, fromCamera = (camera) => camera) {
-  const { chiaro, transfer_function, threshold, iso, marks, camera = {}, ...others } = structuredClone(scene);
+  const { chiaro, transfer_function, threshold, iso, marks, channels, camera = {}, ...others } = structuredClone(scene);
   const now = others.lighting?.method ?? "none";
   const values = {}, rest = {};
   for (const [key, value] of Object.entries(old?.values ?? {})) if (key.includes(":") && !key.startsWith(now + ":")) values[key] = value;
@@ -136,9 +141,10 @@ export function stateOf(scene, old, fromCamera = (camera) => camera) {
   const looked = Object.fromEntries(Object.entries(values).filter(([key]) => placeOf(key) === "camera"));
   for (const key in looked) delete values[key];
   const placed = Object.fromEntries(Object.entries(camera).filter(([, v]) => v !== null).map(([key, value]) => [`camera.${key}`, value]));
-  return { values, camera: { ...fromCamera(placed), ...looked }, tf: split(transfer_function), threshold: threshold ?? null, iso: iso ?? [], marks: marks ?? [], rest };
+  const of = channels?.length > 1 && channels.every((own) => own.transfer_function?.points) ? { channel: 0, channels: channels.map(({ transfer_function: own, ...more }) => ({ ...more, tf: split(own) })) } : { channel: 0, channels: old?.channels };
+  return { values, ...of, camera: { ...fromCamera(placed), ...looked }, tf: split(transfer_function), threshold: threshold ?? null, iso: iso ?? [], marks: marks ?? [], rest };
 }
 
 const others = (values) => JSON.stringify(Object.entries(values).filter(([key]) => !key.startsWith("slices.")).sort());
 /** Whether two states make the same picture of the volume: slices and marks are not part of it. */
-export const samePicture = (a, b) => ["tf", "threshold", "iso", "rest"].every((key) => a[key] === b[key]) && others(a.values) === others(b.values) && others(a.camera) === others(b.camera);
+export const samePicture = (a, b) => ["tf", "channels", "threshold", "iso", "rest"].every((key) => a[key] === b[key]) && others(a.values) === others(b.values) && others(a.camera) === others(b.camera);

@@ -3,7 +3,7 @@ import { barOf, frame, write } from "./captions.js";
 import { add } from "./camera.js";
 import { clamp, download, el, icon, short, svg } from "./dom.js";
 import { newestOnly } from "./link.js";
-import { read, transferOf } from "./scene.js";
+import { read, sceneOf, transferOf } from "./scene.js";
 import { letterOf, pixelToWorld, voxelOf, worldToPixel } from "./slice-geometry.js";
 import { sliceWords } from "./part-texts.js";
 
@@ -46,7 +46,9 @@ export function makePane(app, slices, i) {
   function request(ratio = devicePixelRatio) {
     const v = view(), size = [v.w, v.h].map((n) => clamp(Math.round(n * ratio), 1, 4096)), [low, high] = slices.window();
     const colours = slices.get("colors") === "transfer" ? { transfer_function: transferOf(store.state.tf), ...(store.state.threshold ? { threshold: store.state.threshold } : {}) } : {};
-    return { plane: { centre: v.middle, right: v.section.right.map((c) => (c * v.s) / ratio), down: v.section.down.map((c) => (c * v.s) / ratio) }, size, sampling: slices.get("sampling"), window: [(low + high) / 2, high - low], ...colours };
+    const several = app.volume.channels && store.state.channels ? { channels: sceneOf(store.state).channels } : {};
+    const labels = read(store.state, "labels.file") ? { labels: sceneOf(store.state).labels, label_opacity: slices.get("labels") } : {};
+    return { plane: { centre: v.middle, right: v.section.right.map((c) => (c * v.s) / ratio), down: v.section.down.map((c) => (c * v.s) / ratio) }, size, sampling: slices.get("sampling"), window: [(low + high) / 2, high - low], ...colours, ...several, ...labels };
   }
 
   function show() {
@@ -107,10 +109,10 @@ export function makePane(app, slices, i) {
 
   // What is under the pointer: the file's own number, where it is in the world and in voxels.
   const look = newestOnly(app.link, async (point) => {
-    const { values } = await app.link.ask("slice", { plane: { centre: point, right: [1, 0, 0], down: [0, 1, 0] }, size: [1, 1], sampling: "nearest", values: true });
+    const { values } = await app.link.ask("slice", { plane: { centre: point, right: [1, 0, 0], down: [0, 1, 0] }, size: [1, 1], sampling: "nearest", values: true, ...(store.state.channel ? { channel: store.state.channel } : {}) }), label = await app.labels?.at(point);
     if (said.hidden) return;
     const voxel = voxelOf(app.volume, point).map((c) => Math.round(c)), mm = point.map((c) => c.toFixed(1).replace("-", "−")).join(", ");
-    said.replaceChildren(el("b", {}, values[0] === null ? w.outside : app.exactly(values[0])), el("span", {}, `${mm} ${app.unitOfLength()}${app.volume.world === "unknown" ? "" : ` ${app.volume.world}`}`), ...(values[0] === null ? [] : [el("span", {}, w.voxel(voxel))]));
+    said.replaceChildren(el("b", {}, values[0] === null ? w.outside : app.exactly(values[0])), el("span", {}, `${mm} ${app.unitOfLength()}${app.volume.world === "unknown" ? "" : ` ${app.volume.world}`}`), ...(values[0] === null ? [] : [el("span", {}, w.voxel(voxel))]), ...(label ? [el("span", {}, label.name)] : []));
   });
   const tell = (event) => ((said.hidden = false), look(pixelToWorld(view(), ...local(event))));
 

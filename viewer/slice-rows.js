@@ -1,9 +1,10 @@
 // The panel's section of the slices: layout, place by numbers, window, and how they look.
 import { el, short } from "./dom.js";
 import { choiceRow, numberField, sliderRow } from "./rows.js";
+import { read } from "./scene.js";
 import { fold } from "./sections.js";
 import { within } from "./slice-geometry.js";
-import { sliceWords } from "./part-texts.js";
+import { labelWords, sliceWords } from "./part-texts.js";
 import { words } from "./texts.js";
 
 const w = sliceWords;
@@ -33,6 +34,9 @@ export function makeSliceRows(app, slices) {
     const rows = [layout, place(), window_,
       choice("colors", w.colours, [["grey", w.grey], ["transfer", w.transfer]], w.coloursTip), choice("sampling", w.sampling, [["linear", w.linear], ["nearest", w.nearest]], w.samplingTip),
       ...(framed ? [choice("side", w.side, Object.entries(w.sides).map(([side, [name, where]]) => [side, `${name}: ${where}`]), w.sideTip)] : []), choice("outlines", w.outlines, [[true, words.choices.on], [false, words.choices.off]], w.outlinesTip)];
+    const labels = sliderRow(app, { label: labelWords.overSlices, tip: `${labelWords.overSlicesTip} slices.labels of a scene`, low: 0, high: 1, step: 0.01, value: () => slices.get("labels") ?? 0.4, change: (v) => slices.put(`${labelWords.overSlices}…`, "labels", v) }), show = labels.show;
+    labels.show = () => ((labels.hidden = !read(app.store.state, "labels.file")), show());
+    rows.push(labels);
     const saves = el("div.buttons", { role: "group", "aria-label": w.save }, el("span.label", {}, w.save), ...[0, 1, 2, 3].map((i) => el("button", { onclick: () => slices.figure(i) }, slices.nameOf(i))));
     saves.show = () => [...saves.querySelectorAll("button")].forEach((button, i) => (button.hidden = !slices.isShown(i)));
     rows.push(saves);

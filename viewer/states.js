@@ -28,7 +28,7 @@ export function makeStates(app, stage) {
     stage.classList.add("empty");
     const sample = el("button.plain", { onclick: () => app.menu(sample, app.hello.samples.map((s) => [s.name, () => app.open({ volume: `sample:${s.name}` }), s.sentence])) }, w.sample);
     const known = recent.list();
-    show(mark(), el("h1", {}, w.open), el("p", {}, w.formats), el("div.pair", {}, el("button.primary", { onclick: () => sendFile() }, w.send), el("button.plain", { onclick: () => sendFolder() }, w.sendFolder), el("button.plain", { onclick: choose }, w.choose), sample),
+    show(mark(), el("h1", {}, w.open), el("p", {}, w.formats), el("div.pair", {}, el("button.primary", { onclick: () => sendFile() }, w.send), el("button.plain", { onclick: () => sendFolder() }, w.sendFolder), el("button.plain", { onclick: () => choose() }, w.choose), sample),
       el("small", {}, w.dropHere),
       ...(known.length ? [el("h2", {}, w.recent), el("div.recent", {}, ...known.map((one) => el("button", { title: one.file, onclick: () => app.open({ volume: one.file }) }, el("img", { src: one.picture, alt: "" }), el("span", {}, one.name))))] : []));
   }
@@ -44,7 +44,7 @@ export function makeStates(app, stage) {
   }
   /** An error of a file: the library's sentence. A volume already open stays open. */
   function failed(sentence, heading = w.unreadable) {
-    show(el("h1", {}, heading), el("p", { role: "alert" }, sentence), el("div.pair", {}, el("button.plain", { onclick: choose }, w.another), el("button", { onclick: () => app.copy(sentence) }, w.copyMessage), app.volume ? el("button", { onclick: clear }, w.back) : null));
+    show(el("h1", {}, heading), el("p", { role: "alert" }, sentence), el("div.pair", {}, el("button.plain", { onclick: () => choose() }, w.another), el("button", { onclick: () => app.copy(sentence) }, w.copyMessage), app.volume ? el("button", { onclick: clear }, w.back) : null));
   }
 
   /** One at a time, 40 high, over the picture's top. */
@@ -61,15 +61,15 @@ export function makeStates(app, stage) {
   const sendFile = () => el("input", { type: "file", multiple: true, onchange: (e) => e.target.files.length && app.sendVolume(chosen(e.target.files)) }).click();
   const sendFolder = () => el("input", { type: "file", webkitdirectory: true, onchange: (e) => e.target.files.length && app.sendVolume(chosen(e.target.files)) }).click();
   const chosen = (files) => [...files].map((file) => ({ file, name: file.webkitRelativePath || file.name }));
-  /** The folders of the computer that runs Chiaro. */
-  async function choose() {
+  /** The folders of the computer that runs Chiaro; `take` gets the file that is chosen. */
+  async function choose(take = app.openEntry) {
     const list = el("div.list"), head = el("h2", {}, w.open), box = el("dialog", { "aria-label": w.open }, head, list, el("div.buttons", {}, el("button", { onclick: () => box.close() }, w.cancel)));
     const go = async (path) => {
       const answer = await app.link.ask("folder", { path }).catch(app.fault);
       if (!answer) return;
       head.textContent = answer.path || w.open;
       const up = answer.path ? [el("button.item", { onclick: () => go(answer.parent ?? "") }, "…")] : [];
-      list.replaceChildren(...up, ...answer.entries.map((e) => el("button.item", { onclick: () => (e.kind === "folder" ? go(e.path) : (box.close(), app.openEntry(e))) }, e.name + (e.kind === "folder" ? " ›" : ""), el("span", {}, e.kind === "folder" ? "" : e.bytes ? bytes(e.bytes) : ""))));
+      list.replaceChildren(...up, ...answer.entries.map((e) => el("button.item", { onclick: () => (e.kind === "folder" ? go(e.path) : (box.close(), take(e))) }, e.name + (e.kind === "folder" ? " ›" : ""), el("span", {}, e.kind === "folder" ? "" : e.bytes ? bytes(e.bytes) : ""))));
       list.querySelector("button")?.focus();
     };
     box.className = "popover";

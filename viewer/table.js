@@ -15,7 +15,7 @@ export const table = {
   ...elsewhere("light", "lighting probe hist-effects glow"),
   ...elsewhere("cut", "clip-box clip-plane largest"),
   ...elsewhere("picture", "eye target view"),
-  ...elsewhere("slices", "layout at centre zoom window sampling colors side outlines".replace(/\w+/g, "slices.$&")),
+  ...elsewhere("slices", "layout at centre zoom window sampling colors side outlines labels".replace(/\w+/g, "slices.$&")),
   // Light: first the ones one reaches for.
   "probe-rotation": { place: "light", label: "Turn", low: 0, high: 360, step: 1, unit: "°" },
   "probe-exposure": { place: "light", label: "Exposure", low: -8, high: 8, step: 0.1, unit: "EV" },

@@ -65,7 +65,7 @@ export const words = {
     notMeasured: "not measured", fromReference: (share) => `${share} from reference`, stages: "Stages", leaves: "Leaves out", lower: "Nearer with", frames: "Frames a second", device: "Device", left: "about" },
   saving: { title: "Save image", kind: "Format", size: "Size", seen: "As seen", twice: "Twice", uhd: "3840 × 2160", own: "Own size", width: "Width", height: "Height",
     background: "Background", transparent: "Transparent", scale: "Scale bar", legend: "Colour legend", keep: "Keep the settings inside the picture", go: "Save", cancel: "Cancel", done: "Saved", takes: (s) => `Takes about ${s}.` },
-  menu: { open: "Open on the server", film: "Film", send: "Open a file of this computer", sendFolder: "Open a folder of this computer", saveScene: "Save scene", loadScene: "Load scene or picture", loadTf: "Load transfer function", command: "Copy the command line", theme: "Theme",
+  menu: { open: "Open on the server", film: "Film", send: "Open a file of this computer", sendFolder: "Open a folder of this computer", saveScene: "Save scene", loadScene: "Load scene or picture", loadTf: "Load transfer function", labels: "Labels on the server", command: "Copy the command line", theme: "Theme",
     dark: "Dark", lightTheme: "Light", system: "As system", shortcuts: "Shortcuts", about: "About this volume", keys: "Single-key shortcuts" },
   about: { title: "About this volume", dimensions: "Dimensions", spacing: "Spacing", unitless: "unit not stated", range: "Range", percentiles: "Percentiles 1, 50, 99, 99.9",
     frame: "Frame", unknown: "unknown", guess: "Seems to be", type: "Stored as", nonfinite: "Not finite", notes: "Notes", copy: "Copy as JSON", use: "Use", notForDiagnosis: "Not for diagnosis." },

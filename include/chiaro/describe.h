@@ -325,6 +325,7 @@ void describe(Visit&& visit, S& s) {
     visit(Setting{"", "slices.colors", "", "slices in grey, or with the transfer function's colours over it"}, s.colors);
     visit(Setting{"", "slices.side", "", "where slices show the patient's left: at the right, or at the left"}, s.side);
     visit(Setting{"", "slices.outlines", "", "shows in the volume where the slices lie"}, s.outlines);
+    visit(Setting{"", "slices.labels", "", "opacity of labels over slices"}.within(0, 1), s.labels);
 }
 
 /// Calls group(title, settings) for each struct of settings in a scene, in the order of --help.

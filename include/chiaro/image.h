@@ -101,6 +101,21 @@ struct SliceTone {
 /// Error{usage} for a window without width, and as `validate`.
 CHIARO_EXPORT Image develop(const Slice& slice, const SliceTone& tone);
 
+/// One of several channels in a slice.
+struct SliceChannel {
+    Slice slice;
+    double low = 0, high = 255;  ///< black, and the channel's full colour, in data units
+    Rgb color{1, 1, 1};          ///< sRGB
+};
+/// 8 bit: Σ color (value - low) / (high - low), each share limited to [0, 1] before and the sum after, as fluorescence
+/// is shown. Outside of the volume black. Throws Error{usage} for a window without width or slices of several sizes.
+CHIARO_EXPORT Image develop(const std::vector<SliceChannel>& channels);
+/// Lays the colours of labels over a slice's picture: each pixel's by `opacity` times its label's tint, and on the
+/// borders between labels, one pixel wide, by the tint alone. Labels that are not shown leave the picture as it is.
+/// `numbers` are those of slice(labels), `looks` the labels in their order. Throws Error{usage} for sizes that differ.
+CHIARO_EXPORT void lay_over(Image& image, const std::vector<std::uint16_t>& numbers, const std::vector<Label>& looks,
+                            double opacity);
+
 /// The frame with its light multiplied by the exposure: what an .exr holds. Neither tone curve nor background. With
 /// `progress`, Error{interrupted} when cancelled.
 CHIARO_EXPORT Frame expose(const Frame& frame, const ToneMap& tone, const Progress* progress = nullptr);

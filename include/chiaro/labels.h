@@ -5,6 +5,7 @@
 #include <chiaro/transfer_function.h>
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,17 @@ struct Label {
     bool show = true;    ///< what is not shown casts no shadow either
     bool operator==(const Label&) const = default;
 };
+
+/// What is said of one label's look, or of all but 0; what is empty stays as it is.
+struct LabelChange {
+    std::optional<std::uint32_t> value;  ///< none: every label but 0
+    std::optional<Rgb> rgb;
+    std::optional<double> tint, opacity;
+    std::optional<bool> show;
+    bool operator==(const LabelChange&) const = default;
+};
+/// Labels, by value, with changes, one after the other. Values that no label has are passed over.
+CHIARO_EXPORT std::vector<Label> with_changes(std::vector<Label> labels, const std::vector<LabelChange>& changes);
 
 /// Names and colours of labels, as a file has them.
 struct LabelTable {

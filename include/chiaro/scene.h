@@ -33,8 +33,9 @@ struct TransferSettings {
 
 /// Structures that lie in the volume (docs/labels.md); in a volume that is its own labels nothing else is shown.
 struct LabelSettings {
-    std::string source;  ///< as for read_labels; empty: none
-    std::string table;   ///< as for read_label_table; empty: none
+    std::string source;                ///< as for read_labels; empty: none
+    std::string table;                 ///< as for read_label_table; empty: none
+    std::vector<LabelChange> changes;  ///< of what the table says; at most `max_labels`
     bool operator==(const LabelSettings&) const = default;
 };
 
@@ -95,7 +96,7 @@ CHIARO_EXPORT Volume read_volume(const Scene& scene, Progress& progress);
 CHIARO_EXPORT std::vector<Volume> read_channels(const Scene& scene, Progress& progress);
 /// What the scene says of its channels, one for each, where the volume itself has so many components.
 CHIARO_EXPORT std::vector<ChannelSettings> channels_of(const Scene& scene, int components);
-/// Reads the scene's labels. Throws as read_labels of a file.
+/// Reads the scene's labels, without its changes. Throws as read_labels of a file.
 CHIARO_EXPORT LabelVolume read_labels(const Scene& scene, Progress& progress);
 
 /// The scene with its files named as seen from a folder, to be kept in a file there.

@@ -3,6 +3,7 @@
 #include <chiaro/brick_source.h>
 #include <chiaro/device.h>
 #include <chiaro/export.h>
+#include <chiaro/medium.h>
 #include <chiaro/scene.h>
 
 #include <functional>
@@ -106,9 +107,10 @@ public:
     /// Of the last render or field, in order; a stage whose kept result served took 0. What a stage consists of follows
     /// it.
     CHIARO_EXPORT const std::vector<Stage>& stages() const;
-    CHIARO_EXPORT const DeviceVolume& volume() const;      ///< shown
-    CHIARO_EXPORT const Medium& medium() const;            ///< of the last render or preview
-    CHIARO_EXPORT const IlluminationField& light() const;  ///< of the last render
+    CHIARO_EXPORT const DeviceVolume& volume() const;         ///< shown; of several channels the first
+    CHIARO_EXPORT std::vector<DeviceVolume> volumes() const;  ///< of all its channels
+    CHIARO_EXPORT const Medium& medium() const;               ///< of the last render or preview
+    CHIARO_EXPORT const IlluminationField& light() const;     ///< of the last render
     /// What a user should know: of what was prepared, of the device.
     CHIARO_EXPORT std::vector<std::string> notes() const;
     /// Of the last render of a volume that is read by bricks; none: it is there as a whole.
@@ -116,6 +118,12 @@ public:
     CHIARO_EXPORT RenderStatistics render_statistics() const;  ///< of the last render; its paths, as frame()
     CHIARO_EXPORT std::size_t light_bytes() const;  ///< held: what the last render's lighting prepared, and its light
     CHIARO_EXPORT const Statistics& statistics() const;  ///< of the shown volume
+    /// What the scene shows of the volume's channels; of a volume of one value that one. Throws Error{usage} where the
+    /// scene has others than were read.
+    CHIARO_EXPORT std::vector<Channel> channels(const Scene& scene) const;
+    /// The scene's labels with the looks of their table, read where they were not yet, once for all sessions that share
+    /// the volume; null: it has none. May be called while this one renders. Throws as read_labels.
+    CHIARO_EXPORT std::shared_ptr<const LabelVolume> labels(const Scene& scene, Progress& progress) const;
     /// What the settings ask for, of the shown volume. Throws as load_transfer_function.
     CHIARO_EXPORT TransferFunction resolve(const TransferSettings& settings) const;
     /// The one the last render used, window and unit applied.

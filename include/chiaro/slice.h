@@ -1,9 +1,11 @@
 // Plane sections of a volume: its values at the pixels of a picture that lies in the world.
 #pragma once
 #include <chiaro/export.h>
+#include <chiaro/labels.h>
 #include <chiaro/medium.h>
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
@@ -37,6 +39,11 @@ struct Slice {
 /// more than 2^26, or numbers that are not finite.
 CHIARO_EXPORT Slice slice(const DeviceVolume& volume, const SlicePlane& plane, SliceSampling sampling);
 
+/// The numbers of labels (LabelVolume::numbers) at the pixels' centres: those of the nearest voxels; 0 outside. The
+/// labels lie in the volume as place_labels has it, and as it throws. Cost: as above.
+CHIARO_EXPORT std::vector<std::uint16_t> slice(const LabelVolume& labels, const DeviceVolume& volume,
+                                               const SlicePlane& plane);
+
 // What a viewer shows of slices, as a scene keeps it; pictures of the volume are made without.
 enum class SliceLayout { volume, linked, axial, coronal, sagittal, oblique };
 enum class SliceColors { grey, transfer };
@@ -52,6 +59,7 @@ struct SliceSettings {
     SliceColors colors = SliceColors::grey;
     SliceSide side = SliceSide::radiological;
     bool outlines = true;  ///< where the slices lie is drawn in the volume
+    double labels = 0.4;   ///< opacity of labels over slices; their borders are not see-through
     bool operator==(const SliceSettings&) const = default;
 };
 

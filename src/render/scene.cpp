@@ -9,6 +9,7 @@
 #include "core/text.h"
 #include "render/scene_files.h"
 #include "render/scene_keys.h"
+#include "render/scene_labels.h"
 #include "render/scene_marks.h"
 
 namespace chiaro {
@@ -259,6 +260,8 @@ void check(const Scene& scene, ErrorCode code) {
                                 to_text(scene.mode)));
     if (!scene.labels.table.empty() && scene.labels.source.empty())
         throw Error(code, "labels: a table (--label-table) needs labels that it names (--labels)");
+    if (!scene.labels.changes.empty() && scene.labels.source.empty())
+        throw Error(code, "labels.changes: there are no labels that could be changed (labels.file)");
     const Method method = scene.illumination.method;
     const bool has_probe = !scene.lighting.probe.source.empty() || scene.lighting.loaded_probe;
     if (scene.lighting.probe.background && !has_probe && (method == Method::none || method == Method::spao))
@@ -288,6 +291,7 @@ Scene parse_scene(const std::string& json, const std::filesystem::path& folder,
     if (!scene.labels.source.empty()) scene.labels.source = found_file(scene.labels.source, folder, data_folder);
     if (std::string& table = scene.labels.table; table.find_first_of("/.") != table.npos)
         table = found_file(table, folder, data_folder);
+    scene.labels.changes = read_label_changes(root);
     scene.marks = read_marks(root);
     check(scene, ErrorCode::input);
     unknown_keys = unknown_keys_of(root);
@@ -311,6 +315,7 @@ std::string to_json(const Scene& scene) {
     };
     for_each_setting(write, scene);
     if (scene.slices == SliceSettings()) root.erase("slices");
+    write_label_changes(scene.labels.changes, root);
     write_marks(scene.marks, root);
     if (scene.read.time == 0) root["volume"].erase("time");
     if (scene.read.raw == RawLayout()) root["volume"].erase("raw_endian"), root["volume"].erase("raw_offset");

@@ -54,6 +54,7 @@ Session Session::share_volume() const {
     s.subject = state_->subject;
     s.upload.result = state_->upload.result;
     s.others = state_->others;
+    s.shared_labels = state_->shared_labels;
     s.upload.inputs = {0};
     s.upload.version = ++s.last_version;
     return other;
@@ -188,6 +189,11 @@ ComputedField Session::compute_field(const Scene& scene, Progress& progress) {
 }
 
 const DeviceVolume& Session::volume() const { return state_->upload.result; }
+std::vector<DeviceVolume> Session::volumes() const {
+    std::vector<DeviceVolume> all{volume()};
+    for (const auto& other : state_->others) all.push_back(other.volume);
+    return all;
+}
 double Session::probe_exposure() const { return state_->probe_exposure; }
 const CameraSettings& Session::camera() const { return state_->camera; }
 const Medium& Session::medium() const { return state_->medium; }
@@ -223,6 +229,10 @@ std::vector<std::string> Session::notes() const {
         notes.insert(notes.end(), told.begin(), told.end());
     }
     return notes;
+}
+std::vector<Channel> Session::channels(const Scene& scene) const { return state_->channels(scene); }
+std::shared_ptr<const LabelVolume> Session::labels(const Scene& scene, Progress& progress) const {
+    return state_->shared_labels->find(scene, progress);
 }
 const Statistics& Session::statistics() const { return state_->subject.statistics; }
 TransferFunction Session::resolve(const TransferSettings& settings) const {

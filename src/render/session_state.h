@@ -17,6 +17,7 @@
 #include "render/appearance.h"
 #include "render/kept.h"
 #include "render/refine.h"
+#include "render/shared_labels.h"
 
 namespace chiaro {
 
@@ -37,12 +38,13 @@ struct Session::State {
         DeviceVolume volume;
     };
     std::vector<OtherChannel> others;
+    std::shared_ptr<SharedLabels> shared_labels = std::make_shared<SharedLabels>();
 
     // The table: what each stage makes, and from what.
     Kept<DeviceVolume, Version> upload;
     Kept<Prepared, Version, IlluminationSettings> prepare;
-    Kept<std::shared_ptr<const LabelVolume>, LabelSettings, bool> labels;  // alone: nothing else is shown
-    Kept<std::shared_ptr<const LabelBricks>, Version, Version, ColorMode> labelled;
+    Kept<std::shared_ptr<const LabelVolume>, std::string, std::string, bool> labels;  // alone: nothing else is shown
+    Kept<std::shared_ptr<const LabelBricks>, Version, Version, std::vector<LabelChange>, ColorMode> labelled;
     Kept<Classified, Version, TransferSettings, std::vector<ChannelSettings>, Shape, Version> classify;
     Kept<CameraSettings, Version, CameraSettings, RaySettings, std::pair<int, int>> fit;
     Kept<Medium, Version, Interpolation> interpolate;  // of final pictures, where drafts are not as fine
@@ -157,9 +159,8 @@ struct Session::State {
             others.push_back({std::move(subjects[i - 1]), std::move(volumes[i])});
     }
 
-    /// The transfer function of the first, and all of them as one medium.
-    Classified classified_channels(const Scene& scene, const Shape& shape, const Progress& progress) const {
-        std::vector<Channel> channels;
+    std::vector<Channel> channels(const Scene& scene) const {
+        std::vector<Channel> all;
         const auto is_file = [](const ChannelSettings& c) { return !c.file.empty(); };
         const auto files = std::count_if(scene.channels.begin(), scene.channels.end(), is_file);
         const auto components = std::ptrdiff_t(others.size() + 1) - files;
@@ -169,12 +170,11 @@ struct Session::State {
         const std::vector<ChannelSettings> settings = channels_of(scene, int(components));
         for (std::size_t i = 0; i < settings.size(); ++i) {
             const Subject& its = i ? others[i - 1].subject : subject;
-            channels.push_back({i ? others[i - 1].volume : upload.result,
-                                transfer_function_of_channel(settings[i], i, settings.size(), scene.transfer, its),
-                                settings[i].show ? settings[i].gain : 0});
+            all.push_back({i ? others[i - 1].volume : upload.result,
+                           transfer_function_of_channel(settings[i], i, settings.size(), scene.transfer, its),
+                           settings[i].show ? settings[i].gain : 0});
         }
-        const Medium medium = chiaro::classify(device, channels, shape, progress);
-        return {channels.front().transfer, medium};
+        return all;
     }
 
     /// With what all moments have in common, and nothing else.
@@ -186,7 +186,7 @@ struct Session::State {
                                     to_text(volume.dimensions), to_text(upload.result.dimensions())));
         auto moment = std::make_unique<State>(device);
         moment->subject = subject, moment->one_look = one_look, moment->probe = probe;
-        moment->labels = labels, moment->last_version = last_version;
+        moment->labels = labels, moment->shared_labels = shared_labels, moment->last_version = last_version;
         return moment;
     }
 
@@ -215,24 +215,29 @@ struct Session::State {
         redo_classify(scene, progress);
     }
 
+    static std::tuple<std::string, std::string, bool> read_from(const Scene& scene) {
+        return {scene.labels.source, scene.labels.table, are_labels_alone(scene)};
+    }
+
     /// What the scene's labels make of the volume; null: it has none. Names it among the inputs of what follows.
     std::pair<std::shared_ptr<const LabelBricks>, Version> redo_labels(const Scene& scene, Progress& progress) {
         if (scene.labels.source.empty()) return {};
-        const bool alone = are_labels_alone(scene);
-        redo("labels", labels, {scene.labels, alone}, [&](std::shared_ptr<const LabelVolume>& read) {
-            read = std::make_shared<const LabelVolume>(read_labels(scene, progress));
-        });
-        redo("borders", labelled, {upload.version, labels.version, scene.output.color},
+        redo("labels", labels, read_from(scene),
+             [&](std::shared_ptr<const LabelVolume>& read) { read = shared_labels->find(scene, progress); });
+        redo("borders", labelled, {upload.version, labels.version, scene.labels.changes, scene.output.color},
              [&](std::shared_ptr<const LabelBricks>& bricks) {
-                 bricks = label_bricks(*labels.result, upload.result, scene.output.color, device.threads, progress);
+                 const LabelVolume& read = *labels.result;
+                 bricks = label_bricks(read, with_changes(read.labels, scene.labels.changes), upload.result,
+                                       scene.output.color, device.threads, progress);
              });
         return {labelled.result, labelled.version};
     }
 
     /// Names what redo_labels made for the scene; 0: none, or it would be other ones.
     Version labels_of(const Scene& scene) const {
-        const bool is_kept = labels.inputs == std::tuple(scene.labels, are_labels_alone(scene)) &&
-                             labelled.inputs == std::tuple(upload.version, labels.version, scene.output.color);
+        const bool is_kept =
+            labels.inputs == read_from(scene) &&
+            labelled.inputs == std::tuple(upload.version, labels.version, scene.labels.changes, scene.output.color);
         return is_kept && !scene.labels.source.empty() ? labelled.version : 0;
     }
 
@@ -244,8 +249,10 @@ struct Session::State {
             throw Error(ErrorCode::internal, "a session of one look was asked for another");
         redo("classify", classify, inputs, [&](Classified& classified) {
             if (!others.empty() || !scene.channels.empty()) {
-                classified = classified_channels(scene, shape, progress);
-                classified.medium = with_labels(device, classified.medium, bricks, progress);
+                const std::vector<Channel> mixed = channels(scene);
+                classified.tf = mixed.front().transfer;
+                classified.medium =
+                    with_labels(device, chiaro::classify(device, mixed, shape, progress), bricks, progress);
                 return;
             }
             classified.tf = are_labels_alone(scene) ? of_labels_alone(scene.transfer, subject)

@@ -48,4 +48,28 @@ Slice slice(const DeviceVolume& volume, const SlicePlane& plane, SliceSampling s
     return slice;
 }
 
+std::vector<std::uint16_t> slice(const LabelVolume& labels, const DeviceVolume& volume, const SlicePlane& plane) {
+    check(plane);
+    const DeviceVolume::Data& data = volume.data();
+    const LabelPlacement placed = place_labels(labels, data.dimensions, data.geometry);
+    const auto in_labels = [&](Vec3 p) { return p.x * placed.axes[0] + p.y * placed.axes[1] + p.z * placed.axes[2]; };
+    const Vec3 right = in_labels(data.geometry.voxel_from_world_vector(plane.right_mm));
+    const auto numbers = labels.numbers();
+    const auto [nx, ny, nz] = labels.dimensions;
+    std::vector<std::uint16_t> out(std::size_t(plane.width) * plane.height);
+    parallel_for(data.device.threads, plane.height, 8, [&](std::int64_t begin, std::int64_t end) {
+        for (auto row = begin; row < end; ++row) {
+            const Vec3 first = placed.offset + in_labels(data.geometry.voxel_from_world(plane.at(0, double(row))));
+            for (int column = 0; column < plane.width; ++column) {
+                const Vec3 p = first + double(column) * right;
+                const double x = std::floor(p.x + 0.5), y = std::floor(p.y + 0.5), z = std::floor(p.z + 0.5);
+                if (x < 0 || x >= nx || y < 0 || y >= ny || z < 0 || z >= nz) continue;
+                out[std::size_t(row) * plane.width + column] =
+                    numbers[(std::size_t(z) * std::size_t(ny) + std::size_t(y)) * std::size_t(nx) + std::size_t(x)];
+            }
+        }
+    });
+    return out;
+}
+
 }  // namespace chiaro

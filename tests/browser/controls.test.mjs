@@ -53,6 +53,13 @@ const controls = {
   "play": ["play shows what is between", "play shows what is between", button, "(nothing is changed)", "(nothing is changed)", "*Play* plays"],
   "turntable": ["a turntable in one click", button, "with fingers: the strip stands over", "two keys make a film", "keys are dragged and removed", "*Turntable* sets four keys"],
   "write a film": ["a turntable in one click", button, button, "two keys make a film", "(nothing is changed)", "in the background, with progress"],
+  "channels shown": ["channels: a row each", "channels: a row each", "channels: legible in both themes, and with fingers", "channels: a reload, and a scene", "channels: a row each", "the eye shows or hides it"],
+  "channels' colour, gain, window": ["channels: colour, gain by number", "channels: colour, gain by number", "channels: legible in both themes, and with fingers", "channels: a reload, and a scene", "channels: the graph is of the edited one", "its colour, its name, its gain, its window"],
+  "labels shown": ["labels: one alone by Alt and click", "labels: one alone by Alt and click", "labels: legible in both themes, and with fingers", "labels: colour, tint and opacity", "labels: listed with their share", "*As in the table* takes every change back"],
+  "labels found": ["labels: found by a part of the name", "labels: found by a part of the name", button, "(a search is no edit)", "(a search is no edit)", "*Find a label* takes"],
+  "labels' colour, tint, opacity": ["labels: colour, tint and opacity", "labels: colour, tint and opacity", button, "labels: colour, tint and opacity", "labels: listed with their share", "*Tint* and *Opacity* below are its own"],
+  "labels in the picture and slices": ["labels: a click in the picture chooses", "(the list chooses by keys)", button, "labels: colour, tint and opacity", same, "In slices labels lie over the grey"],
+  "labels opened": ["labels: opened from the server", "labels: opened from the server", button, "labels: opened from the server", "labels: opened from the server", "*Labels on the server* under"],
   "go on where it was": ["a page that was closed by mistake", button, button, "killed with -9 in the middle of an edit", "killed with -9 in the middle of an edit", "killed in the middle of an edit"],
 };
 

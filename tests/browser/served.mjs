@@ -40,7 +40,7 @@ export const options = { viewport: { width: 900, height: 560 }, colorScheme: "da
 
 /** A browser and a folder for a file of tests: visit(act, {url, allowed faults, options of the page}). */
 export function servedVisits(volume) {
-  const folder = mkdtempSync(join(tmpdir(), "chiaro-view-")), all = { folder, server: null, browser: null, visit };
+  const folder = mkdtempSync(join(tmpdir(), "chiaro-test-")), all = { folder, server: null, browser: null, visit };
   before(async () => {
     if (skip) return;
     all.browser = await launch();

@@ -222,8 +222,9 @@ private:
 
 }  // namespace
 
-LabelFields make_label_fields(const LabelVolume& labels, ColorMode color, int threads, const Progress& progress) {
-    const Looks looks(labels.labels, color);
+LabelFields make_label_fields(const LabelVolume& labels, const std::vector<Label>& of_labels, ColorMode color,
+                              int threads, const Progress& progress) {
+    const Looks looks(of_labels, color);
     LabelFields made;
     made.dimensions = labels.dimensions;
     const std::size_t voxels = labels.numbers().size();

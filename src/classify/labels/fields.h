@@ -20,7 +20,9 @@ struct LabelFields {
 /// what is hidden takes its neighbours', so that what is cut free has its own colour. Where more than 16 tints meet
 /// within some voxels, tints are means over 3³ voxels. The same for any number of threads. Cost: 1 core-ms for every
 /// 32³ voxels near a border and each look there. Throws Error{interrupted} when cancelled.
-LabelFields make_label_fields(const LabelVolume& labels, ColorMode color, int threads, const Progress& progress);
+/// `looks` are the labels' in their order.
+LabelFields make_label_fields(const LabelVolume& labels, const std::vector<Label>& looks, ColorMode color, int threads,
+                              const Progress& progress);
 
 /// In bricks of a volume of these dimensions. Beyond the labels' grid nothing is labelled.
 LabelBricks in_bricks(const LabelFields& fields, const LabelPlacement& placement, const std::array<int, 3>& dimensions,

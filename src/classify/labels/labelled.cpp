@@ -8,11 +8,12 @@
 
 namespace chiaro {
 
-std::shared_ptr<const LabelBricks> label_bricks(const LabelVolume& labels, const DeviceVolume& volume, ColorMode color,
-                                                int threads, const Progress& progress) {
+std::shared_ptr<const LabelBricks> label_bricks(const LabelVolume& labels, const std::vector<Label>& looks,
+                                                const DeviceVolume& volume, ColorMode color, int threads,
+                                                const Progress& progress) {
     const DeviceVolume::Data& data = volume.data();
     const LabelPlacement placed = place_labels(labels, data.dimensions, data.geometry);
-    const LabelFields fields = make_label_fields(labels, color, threads, progress);
+    const LabelFields fields = make_label_fields(labels, looks, color, threads, progress);
     return std::make_shared<const LabelBricks>(in_bricks(fields, placed, data.dimensions, threads, progress));
 }
 

@@ -7,9 +7,10 @@
 
 namespace chiaro {
 
-/// What labels make of media on a volume's grid. Cost and errors: make_label_fields, place_labels.
-std::shared_ptr<const LabelBricks> label_bricks(const LabelVolume& labels, const DeviceVolume& volume, ColorMode color,
-                                                int threads, const Progress& progress);
+/// What labels of these looks make of media on a volume's grid. Cost and errors: make_label_fields, place_labels.
+std::shared_ptr<const LabelBricks> label_bricks(const LabelVolume& labels, const std::vector<Label>& looks,
+                                                const DeviceVolume& volume, ColorMode color, int threads,
+                                                const Progress& progress);
 
 /// The medium with labels (in the place of those that it had; null: without). Its extinction is multiplied, its colours
 /// are tinted, and all that looks at it - rays, light, paths - sees the product. Throws Error{usage} for a mode in

@@ -79,6 +79,25 @@ Rgb label_color(std::uint32_t value) {
     return rgb;
 }
 
+std::vector<Label> with_changes(std::vector<Label> labels, const std::vector<LabelChange>& changes) {
+    const auto change = [](Label& label, const LabelChange& to) {
+        label.rgb = to.rgb.value_or(label.rgb), label.tint = to.tint.value_or(label.tint);
+        label.opacity = to.opacity.value_or(label.opacity), label.show = to.show.value_or(label.show);
+    };
+    for (const LabelChange& to : changes) {
+        if (!to.value) {
+            for (Label& label : labels)
+                if (label.value != 0) change(label, to);
+            continue;
+        }
+        const auto found =
+            std::lower_bound(labels.begin(), labels.end(), *to.value,
+                             [](const Label& label, std::uint32_t value) { return label.value < value; });
+        if (found != labels.end() && found->value == *to.value) change(*found, to);
+    }
+    return labels;
+}
+
 std::vector<FormatInfo> list_label_formats() {
     return {{"Chiaro", ".json", "ours: value, name, rgb, tint, opacity, show"},
             {"class list", ".json", "names and values, as of nnU-Net"},
