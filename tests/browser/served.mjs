@@ -32,7 +32,7 @@ export async function serve(folder, volume = "sample:cornell:48", port = 0, more
     child.stdout.once("data", (text) => done(String(text).split("\n")[0]));
     child.once("exit", (code) => fail(new Error(`chiaro view ended with ${code}`)));
   });
-  const end = (signal = "SIGKILL") => new Promise((done) => (child.once("exit", done), child.kill(signal)));
+  const end = (signal = "SIGKILL") => new Promise((done) => (running.has(child) ? (child.once("exit", done), child.kill(signal)) : done()));
   return { url, port: Number(new URL(url).port), end };
 }
 
