@@ -4,6 +4,7 @@
 #include <chiaro/text.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "jpeg.h"
@@ -14,7 +15,7 @@ namespace chiaro::server {
 namespace {
 
 constexpr int largest_slice = 4096;
-constexpr int max_values = 65536;
+constexpr int max_values = 65536, max_panes = 16;
 constexpr double farthest_mm = 1e12;
 constexpr double least_slice_side = 0.35;  // of what is asked for, on a slow way
 
@@ -108,8 +109,10 @@ Json View::slice(const Json& request, Progress&) {
     const auto drawn = [&](const SlicePlane& of) {
         return develop(chiaro::slice(volume, of, sampling_in(request)), tone);
     };
-    if (flag_in(request, "lossless", false)) {
-        send_frame(header, drawn(plane), true);
+    PictureKind kind{{}, {}, !flag_in(request, "lossless", false)};
+    if (request.contains("pane")) kind.pane = whole_in(request, "pane", 0, max_panes - 1);
+    if (!kind.is_draft) {
+        send_frame(header, drawn(plane), true, kind);
         return Json::object();
     }
     // One that would be under way for too long, noise most of all, is drawn again with fewer pixels.
@@ -120,7 +123,7 @@ Json View::slice(const Json& request, Progress&) {
         image = drawn(with_side(plane, std::max(least_slice_side, std::sqrt(fits))));
         encoded = encode_jpeg(image, jpeg_quality());
     }
-    send_encoded(header, image, "jpeg", encoded);
+    send_encoded(header, image, "jpeg", encoded, kind);
     return Json::object();
 }
 

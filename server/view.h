@@ -115,9 +115,9 @@ private:
     Scene scene_of(const Json& json, std::vector<std::string>* unknown = nullptr) const;
     void tell(const Json& message) const;
     void tell(int connection, const Json& message) const;
-    void send_frame(const Json& header, const Image& image, bool lossless = false);
+    void send_frame(const Json& header, const Image& image, bool lossless = false, PictureKind kind = {});
     /// Of a picture that is encoded: "png" or "jpeg".
-    void send_encoded(Json header, const Image& image, const char* type, const std::string& encoded);
+    void send_encoded(Json header, const Image& image, const char* type, const std::string& encoded, PictureKind kind);
     int jpeg_quality() const;
     Progress::Report report_for(const Json& id) const;
     void cancel_all();

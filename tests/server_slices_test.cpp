@@ -128,4 +128,5 @@ TEST(ServerSlices, WhatIsKeptIsRestoredAndMarksToo) {
     EXPECT_EQ(hello->json["scene"]["marks"], scene["marks"]);
     EXPECT_EQ(hello->json["volume"]["sections"].size(), 3u);
     EXPECT_EQ(hello->json["volume"]["exact"], true);
+    refused(wanted({{"pane", 16}}), "pane");
 }
