@@ -234,6 +234,7 @@ void View::dispatch(const Json& request) {
         {"slice", {&View::slicing_, &View::slice}},
         {"snap", {&View::slicing_, &View::snap}},
         {"region", {&View::side_queue_, &View::region}},
+        {"gradients", {&View::side_queue_, &View::gradients}},
         {"export_film", {&View::filming_, &View::export_film}}};
     const std::string type = text_in(request, "type");
     id_of(request);

@@ -39,6 +39,13 @@ struct ServerContext {
     std::function<void(const Scene&)> changed;  ///< hears of each state of a page
 };
 
+/// How values and gradients of a volume come together.
+struct GradientsTold {
+    std::weak_ptr<const Loaded> of;
+    Json answer;
+    Image counts;
+};
+
 class View : public Listener {
 public:
     View(ServerContext& context, std::string id);
@@ -99,6 +106,7 @@ private:
     Json slice(const Json& request, Progress& progress);
     Json snap(const Json& request, Progress& progress);
     Json region(const Json& request, Progress& progress);
+    Json gradients(const Json& request, Progress& progress);
     Json export_film(const Json& request, Progress& progress);
 
     Json show(const Scene& scene, Progress& progress, int halvings = 0);
@@ -141,6 +149,7 @@ private:
     std::optional<Session> side_;  ///< of looks; the side queue's own
     std::shared_ptr<const Loaded> side_shown_;
     int side_moment_ = 0;
+    GradientsTold gradients_;  ///< the side queue's own
     mutable FrameSender frames_;
     RenderWorker render_worker_;
     SerialQueue opening_, side_queue_, saving_, comparing_, slicing_, filming_;
