@@ -1,9 +1,10 @@
-// Slices, places on surfaces and values of regions: the library's answers, in messages.
+// Slices, places on surfaces, values of regions and gradients: the library's answers, in messages.
 #include <chiaro/measuring.h>
 #include <chiaro/slice.h>
 #include <chiaro/text.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "jpeg.h"
@@ -15,9 +16,10 @@ namespace chiaro::server {
 namespace {
 
 constexpr int largest_slice = 4096;
-constexpr int max_values = 65536;
+constexpr int max_values = 65536, max_panes = 16;
 constexpr double farthest_mm = 1e12;
 constexpr double least_slice_side = 0.35;  // of what is asked for, on a slow way
+constexpr int gradient_columns = 256, gradient_rows = 128;
 
 Vec3 vector_in(const Json& request, const char* name) {
     const auto found = request.find(name);
@@ -83,6 +85,20 @@ double voxels_in(const Region& region, const DeviceVolume& volume) {
     return std::min(count, (std::abs(sides.x) + 1) * (std::abs(sides.y) + 1) * (std::abs(sides.z) + 1));
 }
 
+/// A pixel for each bin, the steepest gradients on top; 255 is the largest count, 0 none, between them by logarithm.
+Image picture_of(const GradientHistogram& histogram) {
+    const std::uint64_t most = *std::max_element(histogram.counts.begin(), histogram.counts.end());
+    Image image{histogram.columns, histogram.rows, false, {}};
+    image.pixels.resize(3 * histogram.counts.size());
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
+            const auto count = histogram.counts[std::size_t(histogram.rows - 1 - y) * histogram.columns + x];
+            const double shade = 255 * std::log1p(double(count)) / std::log1p(double(most));
+            std::fill_n(&image.pixels[3 * (std::size_t(y) * image.width + x)], 3, std::uint8_t(std::lround(shade)));
+        }
+    return image;
+}
+
 }  // namespace
 
 /// The request's part of a scene.
@@ -110,8 +126,10 @@ Json View::slice(const Json& request, Progress& progress) {
     const SliceLook look = slice_look(request, slice_scene(request), session, progress);
     const Json header{{"n", request["id"]}, {"kind", "slice"}, {"stage", "final"}};
     const auto drawn = [&](const SlicePlane& of) { return look.drawn(volume, of, sampling_in(request)); };
-    if (flag_in(request, "lossless", false)) {
-        send_frame(header, drawn(plane), true);
+    PictureKind kind{{}, {}, !flag_in(request, "lossless", false)};
+    if (request.contains("pane")) kind.pane = whole_in(request, "pane", 0, max_panes - 1);
+    if (!kind.is_draft) {
+        send_frame(header, drawn(plane), true, kind);
         return Json::object();
     }
     // One that would be under way for too long, noise most of all, is drawn again with fewer pixels.
@@ -122,7 +140,7 @@ Json View::slice(const Json& request, Progress& progress) {
         image = drawn(with_side(plane, std::max(least_slice_side, std::sqrt(fits))));
         encoded = encode_jpeg(image, jpeg_quality());
     }
-    send_encoded(header, image, "jpeg", encoded);
+    send_encoded(header, image, "jpeg", encoded, kind);
     return Json::object();
 }
 
@@ -189,6 +207,20 @@ Json View::region(const Json& request, Progress& progress) {
             {"histogram", told.histogram},
             {"volume_mm3", told.volume_mm3},
             {"exact_mm3", told.exact_mm3}};
+}
+
+/// How often values and gradients come together: found once for a volume, of its first moment as all that is told of
+/// its values.
+Json View::gradients(const Json& request, Progress& progress) {
+    const auto loaded = opened(shown());
+    if (gradients_.of.lock() != loaded) {
+        const GradientHistogram told =
+            gradient_histogram(loaded->session.volume(), gradient_columns, gradient_rows, progress);
+        gradients_ = {
+            loaded, {{"values", {told.value_low, told.value_high}}, {"steepest", told.steepest}}, picture_of(told)};
+    }
+    send_frame({{"n", request["id"]}, {"kind", "gradients"}, {"stage", "final"}}, gradients_.counts, true);
+    return gradients_.answer;
 }
 
 }  // namespace chiaro::server

@@ -137,15 +137,17 @@ Json View::save(const Json& request, Progress& progress) {
 
 int View::jpeg_quality() const { return frames_.link().is_slow() ? far_quality : near_quality; }
 
-void View::send_encoded(Json header, const Image& image, const char* type, const std::string& encoded) {
+void View::send_encoded(Json header, const Image& image, const char* type, const std::string& encoded,
+                        PictureKind kind) {
+    kind.request = header["n"].get<std::int64_t>();
     header["type"] = type;
     header["size"] = {image.width, image.height}, header["canvas"] = header["size"];
-    frames_.post(frame_message(header, encoded));
+    frames_.post(frame_message(header, encoded), kind);
 }
 
-void View::send_frame(const Json& header, const Image& image, bool lossless) {
-    if (lossless) return send_encoded(header, image, "png", as_text(encode_png(image)));
-    send_encoded(header, image, "jpeg", encode_jpeg(image, jpeg_quality()));
+void View::send_frame(const Json& header, const Image& image, bool lossless, PictureKind kind) {
+    if (lossless) return send_encoded(header, image, "png", as_text(encode_png(image)), kind);
+    send_encoded(header, image, "jpeg", encode_jpeg(image, jpeg_quality()), kind);
 }
 
 /// A look on trial, by the ray caster alone.

@@ -18,6 +18,13 @@ Json id_of(const Json& request) {
     return *found;
 }
 
+/// The one that a message answers.
+std::optional<std::int64_t> request_of(const Json& message) {
+    const auto found = message.find("re");
+    if (found == message.end() || !found->is_number_integer()) return {};
+    return found->get<std::int64_t>();
+}
+
 }  // namespace
 
 View::View(ServerContext& context, std::string id)
@@ -228,6 +235,7 @@ void View::dispatch(const Json& request) {
         {"label", {&View::slicing_, &View::label}},
         {"snap", {&View::slicing_, &View::snap}},
         {"region", {&View::side_queue_, &View::region}},
+        {"gradients", {&View::side_queue_, &View::gradients}},
         {"export_film", {&View::filming_, &View::export_film}}};
     const std::string type = text_in(request, "type");
     id_of(request);
@@ -360,12 +368,12 @@ Scene View::scene_of(const Json& json, std::vector<std::string>* unknown) const 
 
 void View::tell(const Json& message) const {
     const std::lock_guard lock(mutex_);
-    frames_.tell(text_of(message));
+    frames_.tell(text_of(message), request_of(message));
 }
 
 void View::tell(int connection, const Json& message) const {
     const std::lock_guard lock(mutex_);
-    if (connection == connection_) frames_.tell(text_of(message));
+    if (connection == connection_) frames_.tell(text_of(message), request_of(message));
 }
 
 /// At most ten times a second.

@@ -39,6 +39,13 @@ struct ServerContext {
     std::function<void(const Scene&)> changed;  ///< hears of each state of a page
 };
 
+/// How values and gradients of a volume come together.
+struct GradientsTold {
+    std::weak_ptr<const Loaded> of;
+    Json answer;
+    Image counts;
+};
+
 class View : public Listener {
 public:
     View(ServerContext& context, std::string id);
@@ -101,6 +108,7 @@ private:
     Json label(const Json& request, Progress& progress);
     Json snap(const Json& request, Progress& progress);
     Json region(const Json& request, Progress& progress);
+    Json gradients(const Json& request, Progress& progress);
     Json export_film(const Json& request, Progress& progress);
 
     Json show(const Scene& scene, Progress& progress, int halvings = 0, bool goes_on = false);
@@ -118,9 +126,9 @@ private:
     Scene scene_of(const Json& json, std::vector<std::string>* unknown = nullptr) const;
     void tell(const Json& message) const;
     void tell(int connection, const Json& message) const;
-    void send_frame(const Json& header, const Image& image, bool lossless = false);
+    void send_frame(const Json& header, const Image& image, bool lossless = false, PictureKind kind = {});
     /// Of a picture that is encoded: "png" or "jpeg".
-    void send_encoded(Json header, const Image& image, const char* type, const std::string& encoded);
+    void send_encoded(Json header, const Image& image, const char* type, const std::string& encoded, PictureKind kind);
     int jpeg_quality() const;
     Progress::Report report_for(const Json& id) const;
     void cancel_all();
@@ -143,6 +151,7 @@ private:
     std::optional<Session> side_;  ///< of looks; the side queue's own
     std::shared_ptr<const Loaded> side_shown_;
     int side_moment_ = 0;
+    GradientsTold gradients_;  ///< the side queue's own
     mutable FrameSender frames_;
     RenderWorker render_worker_;
     SerialQueue opening_, side_queue_, saving_, comparing_, slicing_, filming_;

@@ -189,40 +189,97 @@ std::uint32_t number(const std::string& message, std::size_t at) {
 
 }  // namespace
 
-TEST(FrameSender, PartsComeInOrderAndANewerPictureEndsAnOlder) {
-    const auto socket = std::make_shared<Kept>();
-    FrameSender sender([] {});
-    sender.attach(socket, true);
-    sender.post_newest(std::string(1 << 20, 'a'));
-    const auto bytes = [&] {
+namespace {
+
+/// A sender to a page that says what it got only when told to.
+struct Page {
+    std::shared_ptr<Kept> socket = std::make_shared<Kept>();
+    FrameSender sender{[] {}};
+
+    Page() { sender.attach(socket, true); }
+    std::uint64_t bytes() const {
         std::uint64_t sum = 0;
         for (const std::string& message : socket->said)
             if (message.starts_with("CHFP")) sum += message.size();
         return sum;
-    };
-    const std::size_t before = socket->said.size();
-    EXPECT_LT(bytes(), 100'000u) << "no more than there is room for";
-    // What was asked for goes before the rest of it, and what is said about it after that.
-    sender.post(std::string(100, 'b'));
-    sender.tell("answer");
-    EXPECT_EQ(socket->said.size(), before);
-    sender.post_newest(std::string(100'000, 'c'));
-    for (std::size_t i = 0; i < 100; ++i) sender.got(bytes());
-    std::string seen, whole[2];
-    for (const std::string& message : socket->said) {
-        if (message == "answer") {
-            seen += '!';
-            continue;
-        }
-        ASSERT_EQ(message.substr(0, 4), "CHFP");
-        if (number(message, 8) == 0) continue;  // a mark
-        std::string& lane = whole[number(message, 4)];
-        if (number(message, 12) == 0) lane.clear();
-        ASSERT_EQ(number(message, 12), lane.size());
-        lane += message.substr(16);
-        if (seen.empty() || seen.back() != message[16]) seen += message[16];
     }
-    EXPECT_EQ(seen, "ab!c");
-    EXPECT_TRUE(whole[0] == std::string(100'000, 'c'));
-    EXPECT_TRUE(whole[1] == std::string(100, 'b'));
+    void take_all() {
+        for (std::size_t i = 0; i < 200; ++i) sender.got(bytes());
+    }
+    /// What came, in its order: what is said, and of each picture, once it is whole, its first letter.
+    std::string whole() const {
+        std::string seen, lanes[3];
+        for (const std::string& message : socket->said) {
+            if (!message.starts_with("CHFP")) {
+                seen += message;
+                continue;
+            }
+            if (number(message, 8) == 0) continue;  // a mark
+            std::string& lane = lanes[number(message, 4)];
+            if (number(message, 12) == 0) lane.clear();
+            EXPECT_EQ(number(message, 12), lane.size()) << "in their order, none left out";
+            lane += message.substr(16);
+            if (lane.size() == number(message, 8)) seen += lane[0];
+        }
+        return seen;
+    }
+};
+
+PictureKind draft(std::int64_t request, int pane) { return {request, pane, true}; }
+PictureKind lossless(std::int64_t request, int pane) { return {request, pane, false}; }
+
+}  // namespace
+
+TEST(FrameSender, PartsComeInOrderAndANewerPictureEndsAnOlder) {
+    Page page;
+    page.sender.post_newest(std::string(1 << 20, 'a'));
+    const std::size_t before = page.socket->said.size();
+    EXPECT_LT(page.bytes(), 100'000u) << "no more than there is room for";
+    // What was asked for goes before the rest of it, and what is said about it after that.
+    page.sender.post(std::string(100, 'b'), {7, {}, false});
+    page.sender.tell("!", 7);
+    EXPECT_EQ(page.socket->said.size(), before);
+    page.sender.tell("?", 8);
+    EXPECT_EQ(page.socket->said.back(), "?") << "what is said of something else need not wait";
+    page.sender.post_newest(std::string(100'000, 'c'));
+    page.take_all();
+    EXPECT_EQ(page.whole(), "?b!c");
+}
+
+TEST(FrameSender, ADraftOvertakesLosslessPicturesThatAreHalfSent) {
+    Page page;
+    // Three panes at rest, then a step in the second.
+    for (int pane = 0; pane < 3; ++pane) {
+        page.sender.post(std::string(200'000, char('A' + pane)), lossless(pane, pane));
+        page.sender.tell(std::string(1, char('0' + pane)), pane);
+    }
+    ASSERT_EQ(page.whole(), "") << "the first is half sent";
+    page.sender.post(std::string(20'000, 'd'), draft(3, 1));
+    page.sender.tell("3", 3);
+    page.take_all();
+    // The second's lossless one is over, and its request answered; the others go on where they were.
+    EXPECT_EQ(page.whole(), "1d3A0C2");
+}
+
+TEST(FrameSender, ALosslessPictureThatIsHalfSentEndsWhereItsPaneMovedOn) {
+    Page page;
+    page.sender.post(std::string(200'000, 'A'), lossless(0, 0));
+    page.sender.tell("0", 0);
+    page.sender.post(std::string(300'000, 'B'), lossless(1, 0));
+    page.sender.tell("1", 1);
+    page.sender.post(std::string(300'000, 'C'), {2, {}, false});
+    page.take_all();
+    EXPECT_EQ(page.whole(), "0B1C");
+}
+
+TEST(FrameSender, DraftsThatComeFasterThanTheWayIsAreStillShown) {
+    Page page;
+    for (int i = 0; i < 26; ++i) {
+        page.sender.post(std::string(40'000, char('a' + i)), draft(i, 0));
+        page.sender.tell(".", i);
+    }
+    page.sender.post(std::string(100'000, '#'), lossless(99, 0));
+    page.take_all();
+    // One that is begun is not given up; those that wait are, and answered; the lossless one waits for the last.
+    EXPECT_EQ(page.whole(), "a." + std::string(23, '.') + "b.z.#");
 }

@@ -1,4 +1,4 @@
-// Regions against brute force and closed forms; places on surfaces of known size.
+// Regions and gradients against brute force and closed forms; places on surfaces of known size.
 #include <chiaro/chiaro.h>
 #include <gtest/gtest.h>
 
@@ -204,4 +204,110 @@ TEST(Measuring, MarksAndSlicesOfASceneComeBack) {
                         {}, unknown),
             Error)
             << wrong;
+}
+
+namespace {
+
+/// Of every voxel its value and the magnitude of its gradient, in double precision.
+template <class T>
+std::vector<std::pair<double, double>> values_and_magnitudes(const Volume& v) {
+    const auto [nx, ny, nz] = v.dimensions;
+    const auto at = [&](int i, int j, int k) {
+        const auto index = [](int c, int n) { return std::size_t(std::clamp(c, 0, n - 1)); };
+        return v.slope *
+                   double(v.as<T>()[(index(k, nz) * std::size_t(ny) + index(j, ny)) * std::size_t(nx) + index(i, nx)]) +
+               v.intercept;
+    };
+    std::vector<std::pair<double, double>> found;
+    for (int k = 0; k < nz; ++k)
+        for (int j = 0; j < ny; ++j)
+            for (int i = 0; i < nx; ++i) {
+                const Vec3 g{at(i + 1, j, k) - at(i - 1, j, k), at(i, j + 1, k) - at(i, j - 1, k),
+                             at(i, j, k + 1) - at(i, j, k - 1)};
+                Vec3 world;
+                for (int axis = 0; axis < 3; ++axis) {
+                    Vec3 along;
+                    along[axis] = 1;
+                    world[axis] = 0.5 * dot(v.geometry.voxel_from_world_vector(along), g);
+                }
+                found.emplace_back(at(i, j, k), length(world));
+            }
+    return found;
+}
+
+/// The same counts, but for voxels that rounding to float may have taken over the border of a row.
+template <class T>
+void expect_counts(const Volume& v, int columns, int rows) {
+    Progress progress;
+    const GradientHistogram told = gradient_histogram(upload(Device::cpu(2), v), columns, rows, progress);
+    const auto all = values_and_magnitudes<T>(v);
+    const auto [least, most] = std::minmax_element(all.begin(), all.end());
+    EXPECT_NEAR(told.value_low, least->first, 1e-9 * std::abs(least->first));
+    EXPECT_NEAR(told.value_high, most->first, 1e-9 * std::abs(most->first));
+    double steepest = 0;
+    for (const auto& [value, magnitude] : all) steepest = std::max(steepest, magnitude);
+    EXPECT_NEAR(told.steepest, steepest, 1e-5 * steepest);
+    ASSERT_EQ(told.rows, rows);
+    std::vector<std::uint64_t> expected(std::size_t(told.columns) * std::size_t(rows));
+    for (const auto& [value, magnitude] : all) {
+        const auto bin = [](double share, int bins) {
+            return std::size_t(std::min(int(share * bins + 1e-9), bins - 1));
+        };
+        ++expected[bin(std::sqrt(magnitude / steepest), rows) * std::size_t(told.columns) +
+                   bin((value - told.value_low) / (told.value_high - told.value_low), told.columns)];
+    }
+    std::uint64_t moved = 0, sum = 0;
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+        moved += told.counts[i] > expected[i] ? told.counts[i] - expected[i] : 0;
+        sum += told.counts[i];
+    }
+    EXPECT_EQ(sum, v.voxel_count());
+    EXPECT_LE(moved, v.voxel_count() / 1000);
+}
+
+}  // namespace
+
+TEST(GradientHistogram, CountsEveryVoxelAsBruteForceDoes) {
+    expect_counts<std::int16_t>(noise(), 256, 128);
+    Volume falling = noise();
+    falling.slope = -0.37;
+    expect_counts<std::int16_t>(falling, 100, 1);
+    for (const std::array<int, 3> n : {std::array{1, 1, 1}, {2, 1, 33}, {34, 35, 3}, {64, 33, 66}}) {
+        Volume v = make_volume(n, VoxelType::f32);
+        v.geometry = oblique();
+        std::mt19937 random(5);
+        for (float& voxel : v.as<float>()) voxel = std::uniform_real_distribution<float>(-3, 9)(random);
+        if (v.voxel_count() > 1) expect_counts<float>(v, 64, 200);
+    }
+}
+
+TEST(GradientHistogram, AnEvenRampLiesInOneRowAndWholeNumbersHaveAColumnEach) {
+    Volume v = make_volume({40, 8, 9}, VoxelType::u8);
+    v.geometry.spacing_mm = {0.5, 1, 2};
+    for (std::size_t i = 0; i < v.voxel_count(); ++i) v.as<std::uint8_t>()[i] = std::uint8_t(10 + i % 40);
+    Progress progress;
+    const GradientHistogram told = gradient_histogram(upload(Device::cpu(1), v), 256, 10, progress);
+    EXPECT_EQ(told.columns, 40);
+    EXPECT_EQ(told.value_low, 10);
+    EXPECT_EQ(told.value_high, 49);
+    EXPECT_DOUBLE_EQ(told.steepest, 2);  // one in .5 mm
+    for (int column = 0; column < 40; ++column) {
+        // At the two ends half of it: a row that begins at .98 and holds 1.
+        const int row = column == 0 || column == 39 ? 7 : 9;
+        EXPECT_EQ(told.counts[std::size_t(row * 40 + column)], 72u) << column;
+    }
+    EXPECT_DOUBLE_EQ(told.magnitude_of(7), 0.98);
+}
+
+TEST(GradientHistogram, NothingToTellApartAndTooManyBins) {
+    const DeviceVolume one = upload(Device::cpu(1), make_volume({5, 4, 3}, VoxelType::u16));
+    Progress progress;
+    const GradientHistogram even = gradient_histogram(one, 8, 4, progress);
+    EXPECT_EQ(even.columns, 1);
+    EXPECT_EQ(even.steepest, 0);
+    EXPECT_EQ(even.counts[0], 60u);
+    EXPECT_THROW(gradient_histogram(one, 0, 4, progress), Error);
+    EXPECT_THROW(gradient_histogram(one, 8, 1025, progress), Error);
+    progress.cancel();
+    EXPECT_THROW(gradient_histogram(one, 8, 4, progress), Error);
 }

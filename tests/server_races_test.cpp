@@ -155,7 +155,7 @@ public:
 private:
     mutable std::mutex mutex_;
     std::uint64_t total_ = 0;
-    std::string pictures_[2];
+    std::string pictures_[3];
 };
 
 }  // namespace
@@ -168,13 +168,16 @@ TEST(ServerRaces, PicturesArePostedWhileAPageTellsWhatItGot) {
         sender.attach(socket, true);
         const std::string last(100'000, 'z'), asked(50'000, 'y');
         std::atomic<bool> done{false};
-        const auto is_whole = [&] { return socket->picture(0) == last && socket->picture(1) == asked; };
+        const auto is_whole = [&] {
+            return socket->picture(0) == last && socket->picture(1) == asked && socket->picture(2) == asked;
+        };
         {
             const std::jthread page([&] {
                 while (!done || !is_whole()) sender.got(socket->total()), std::this_thread::yield();
             });
             const std::jthread other([&] {
-                for (int i = 0; i < 20; ++i) sender.post(asked), sender.tell("answer"), (void)sender.link();
+                for (int i = 0; i < 20; ++i)
+                    sender.post(asked, {i, i % 3, i % 2 == 0}), sender.tell("answer", i), (void)sender.link();
             });
             Chance chance(rounds.seed());
             for (int i = 0; i < 20; ++i) {

@@ -81,6 +81,36 @@ TEST(ServerSlices, RegionsAndPlacesOnSurfaces) {
     EXPECT_EQ(page.ask({{"type", "snap"}, {"at", centre}, {"reach_mm", 3}})["hit"], false);
 }
 
+TEST(ServerSlices, GradientsAreTheLibrarysCountsByLogarithm) {
+    const Server server;
+    Json scene;
+    Page page = server.ready(scene);
+    Progress progress;
+    const GradientHistogram expected =
+        gradient_histogram(upload(Device::cpu(1), make_sample("ball", 32)), 256, 128, progress);
+    const std::uint64_t most = *std::max_element(expected.counts.begin(), expected.counts.end());
+    for (const int id : {31, 32}) {  // the second time it is kept
+        page.send({{"type", "gradients"}, {"id", id}});
+        const auto frame = page.find([](const Message& m) { return m.is_frame && m.json["kind"] == "gradients"; });
+        ASSERT_TRUE(frame);
+        EXPECT_EQ(frame->json["n"], id);
+        write_file(server.folder / "gradients.png", frame->image);
+        const Image image = read_png(server.folder / "gradients.png");
+        ASSERT_EQ(image.width, expected.columns);
+        ASSERT_EQ(image.height, 128);
+        for (std::size_t i = 0; i < expected.counts.size(); ++i) {
+            const std::size_t row = 127 - i / std::size_t(image.width), column = i % std::size_t(image.width);
+            ASSERT_NEAR(image.pixels[3 * (row * std::size_t(image.width) + column)],
+                        255 * std::log1p(double(expected.counts[i])) / std::log1p(double(most)), 0.5001);
+        }
+        const auto told = page.find([&](const Message& m) { return !m.is_frame && m.json["re"] == id; });
+        ASSERT_TRUE(told);
+        EXPECT_EQ(told->json["values"], Json({expected.value_low, expected.value_high}));
+        EXPECT_EQ(told->json["steepest"], expected.steepest);
+    }
+    EXPECT_EQ(page.ask({{"type", "gradients"}})["type"], "answer");
+}
+
 TEST(ServerSlices, WhatIsBeyondBoundsIsRefusedInASentence) {
     const Server server;
     Json scene;
@@ -98,6 +128,7 @@ TEST(ServerSlices, WhatIsBeyondBoundsIsRefusedInASentence) {
     refused(wanted({{"window", {1, 0}}}), "window");
     refused(wanted({{"window", "wide"}}), "window");
     refused(wanted({{"sampling", "cubic"}}), "linear");
+    refused(wanted({{"pane", 16}}), "pane");
     refused(wanted({{"transfer_function", {{"points", {{{"value", 1}}}}}}}), "");
     refused({{"type", "region"}, {"shape", "cone"}}, "shape");
     refused({{"type", "region"}, {"shape", "ball"}, {"centre", {0, 0, 0}}, {"radius", -1}}, "radius");

@@ -2,7 +2,7 @@
 import { chooseFile, clamp, download, el, fromHex, hex, icon, short } from "./dom.js";
 import { histogramOf } from "./graph.js";
 import { makeGraph } from "./graph-input.js";
-import { highlighted, moved, spanOf, stretched, withShape } from "./peaks.js";
+import { highlighted, moved, restBy, spanOf, stretched, withShape } from "./peaks.js";
 import { colourRow, numberField, sliderRow } from "./rows.js";
 import { at, read, split, transferOf } from "./scene.js";
 import { words } from "./texts.js";
@@ -14,7 +14,11 @@ export function makeColour(app) {
   const button = (name, tip, act) => el("button.tool", { title: tip, "aria-label": tip, onclick: act }, typeof name === "string" && name in words.iconNames ? icon(name) : name);
   const log = el("button.tool.log", { title: words.logTip, onclick: () => ((axis.log = !axis.log), store.redraw()) }, words.log);
   const shape = button("shape", words.shape, () => app.menu(shape, Object.entries(words.shapes).map(([kind, name]) => [name, () => addShape(kind)])));
+  /** Functions of value and gradient come when they are first used. */
+  let asked = null;
+  const gradients = () => (asked ??= import("./gradients.js").then(({ makeGradients }) => makeGradients(app, section)));
   const more = button("more", words.graphMenu, () => app.menu(more, [
+    [words.gradients, () => gradients().then((part) => part.toggle())],
     [words.reverse, () => reverse()], [words.linearAxis, () => ((axis.linear = !axis.linear), store.redraw())],
     tf().unit.key === "opacity_unit_mm" ? [words.unitVoxels, () => set(words.unitVoxels, () => ({ unit: { key: "opacity_unit_distance", value: 1 } }))] : [words.unitMm, () => set(words.unitMm, () => ({ unit: { key: "opacity_unit_mm", value: 1 } }))],
     tf().rest.rgb_space === "linear" ? [words.asPicked, () => set(words.asPicked, ({ rest: { rgb_space, ...rest } }) => ({ rest }))] : [words.asLight, () => set(words.asLight, ({ rest }) => ({ rest: { ...rest, rgb_space: "linear" } }))],
@@ -28,9 +32,9 @@ export function makeColour(app) {
     const [lo, hi] = spanOf(tf());
     graph.setPoints(words.shapes[kind], withShape(tf().points, kind, place(), (hi - lo) / 10));
   }
-  const reverse = () => set(words.reverse, ({ points, stops }) => {
+  const reverse = () => set(words.reverse, ({ points, stops, rest }) => {
     const [lo, hi] = spanOf(tf()), turn = (list) => list.map((p) => ({ ...p, value: lo + hi - p.value })).reverse();
-    return { points: turn(points), stops: turn(stops) };
+    return { points: turn(points), stops: turn(stops), rest: restBy(rest, (v) => lo + hi - v) };
   });
 
   // Chips: what people call a material.
@@ -108,7 +112,8 @@ export function makeColour(app) {
     surface.replaceChildren(...surfaceRows);
   }
   store.watch((state) => {
-    if (!app.volume ) return;
+    if (!app.volume) return;
+    if (tf().rest.widgets || tf().rest.gradient_opacity) gradients();
     log.style.color = axis.log ? "var(--accent)" : "";
     log.setAttribute("aria-pressed", String(axis.log));
     const peaks = graph.peaks(), key = JSON.stringify(peaks);

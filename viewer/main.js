@@ -1,7 +1,6 @@
 // The page put together: one store, one link, one module a part.
 import { boxOf, fromScene, toScene, viewOf } from "./camera.js";
 import { makeColour } from "./colour.js";
-import { makeCompare } from "./compare.js";
 import { makeCross } from "./orientation.js";
 import { el, fromHex, icon, percent, short } from "./dom.js";
 import { makeFrame } from "./frame.js";
@@ -60,7 +59,8 @@ stage.append(app.frame.canvas, app.frame.pill, app.frame.said);
 app.gestures = makeGestures(app, stage);
 app.cross = makeCross(app, stage);
 app.cutting = makePlanes(app, stage);
-app.compare = makeCompare(app, stage);
+let comparing = null;
+app.compare = { on: false, stop: () => {}, start: () => (comparing ??= import("./compare.js").then(({ makeCompare }) => (app.compare = makeCompare(app, stage)).start())) };
 
 // The bar.
 const tool = (name, label, act, text) => el(`button.tool${text ? ".wide" : ""}`, { title: label, "aria-label": label, onclick: act }, icon(name), text ? el("span", {}, text) : null);

@@ -38,3 +38,12 @@ export const filmWords = {
   hint: "Change the picture and add another key: the film goes from one to the next. Turntable sets four, once around.",
   needsTwo: "A film needs two keys: add one, change the picture, add another.", tooMany: "The film has more keys than can be sent at once; save its keyframes and use chiaro render --film.",
 };
+
+export const gradientWords = {
+  title: words.gradients, shapes: { rectangle: "Rectangle", ellipse: "Ellipse", triangle: "Triangle" }, curve: "Curve", shape: "Shape", add: (name) => `Add: ${name}`, added: (name) => `New ${name.toLowerCase()}`, changed: (name) => name, removed: (name) => `Remove: ${name}`,
+  tips: { rectangle: "Shows what has these values and gradients.", ellipse: "Most in its middle, nothing at its border.", triangle: "An edge between two kinds of matter: most in its middle, wider where it is steeper.", curve: "Opacity over the gradient alone." },
+  hint: "Drag a box over what is to be seen: flat matter lies below, edges are arches above it.", volumeOnly: "It is seen in Volume alone.", counting: "Counting", close: "Close", open: "Show", value: words.value, gradient: "Gradient", opacity: words.opacity, remove: words.remove,
+  numbered: (name, n) => `${name} ${n}`, shapeText: (values, gradients, opacity) => `values ${values}, gradients ${gradients}, opacity ${opacity}`, pointText: (opacity, gradient) => `opacity ${opacity} at ${gradient}`,
+  sides: { value: ["from value", "to value"], magnitude: ["from gradient", "to gradient"] }, sideOf: (name, side) => `${name}, ${side}`, point: "Point of the opacity by gradient", per: (unit, length) => (unit ? `${unit}/${length}` : `per ${length}`), voxel: "voxel",
+  says: (shapes, curve) => [shapes ? `${shapes} ${shapes === 1 ? "shape" : "shapes"}` : "", curve ? "a curve" : ""].filter(Boolean).join(", "),
+};

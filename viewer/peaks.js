@@ -63,7 +63,14 @@ export function withShape(points, kind, centre, width, opacity = 0.5) {
 export function stretched(tf, [lo, hi]) {
   const [a, b] = spanOf(tf), to = (v) => (b > a ? lo + ((v - a) / (b - a)) * (hi - lo) : lo);
   const move = (list) => list.map((p) => ({ ...p, value: to(p.value) }));
-  return { ...tf, points: move(tf.points), stops: move(tf.stops) };
+  return { ...tf, points: move(tf.points), stops: move(tf.stops), rest: b > a ? restBy(tf.rest, to) : tf.rest };
+}
+
+/** What goes by the gradient, where values become others: those that are stretched rise as much more steeply. */
+export function restBy(rest, to) {
+  const steeper = Math.abs(to(1) - to(0));
+  return { ...rest, ...(rest.widgets ? { widgets: rest.widgets.map((w) => ({ ...w, value: w.value.map(to).sort((p, q) => p - q), magnitude: w.magnitude.map((m) => m * steeper) })) } : {}),
+    ...(rest.gradient_opacity ? { gradient_opacity: rest.gradient_opacity.map((p) => ({ ...p, magnitude: p.magnitude * steeper })) } : {}) };
 }
 
 export const spanOf = (tf) => {

@@ -32,7 +32,7 @@ export function makePane(app, slices, i) {
   const fetch = newestOnly(app.link, async (request) => {
     const order = ++last;
     let frame;
-    await app.link.ask("slice", request, (_, data) => data && (frame = data));
+    await app.link.ask("slice", { ...request, pane: i }, (_, data) => data && (frame = data));
     const bitmap = frame && (await createImageBitmap(frame, { colorSpaceConversion: "none" }));
     if (!bitmap || order < drawn) return;
     drawn = order;

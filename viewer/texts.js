@@ -20,7 +20,7 @@ export const words = {
   resetLook: "Reset the look", saveLook: "Save as", lookName: "Name of this look",
   log: "log", logTip: "Counts on a logarithmic scale", shape: "Add a shape", editor: "Larger editor", graphMenu: "More for colour and opacity",
   shapes: { ramp: "Ramp", step: "Step", box: "Box", peak: "Peak", bell: "Bell" },
-  reverse: "Reverse", linearAxis: "Linear opacity axis", importTf: "Import a transfer function", exportTf: "Export", copyTf: "Copy as text",
+  reverse: "Reverse", linearAxis: "Linear opacity axis", importTf: "Import a transfer function", exportTf: "Export", copyTf: "Copy as text", gradients: "Value and gradient",
   unitVoxels: "Opacity per voxel", unitMm: "Opacity per millimetre", asPicked: "Colours mixed as picked", asLight: "Colours mixed as light",
   range: (lo, hi) => `${short(lo, 3)} to ${short(hi, 3)}`,
   overMm: (opacity) => `${opacity} over 1 mm`, value: "Value", opacity: "Opacity", colourField: "Colour", mixed: "mixed", density: "Density", window: "Window", to: "to",

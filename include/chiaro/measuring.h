@@ -1,4 +1,4 @@
-// Numbers from a volume: values of a region, and places on its surfaces.
+// Numbers from a volume: values of a region, places on its surfaces, and how often values and gradients come together.
 #pragma once
 #include <chiaro/export.h>
 #include <chiaro/medium.h>
@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <optional>
 #include <variant>
+#include <vector>
 
 namespace chiaro {
 
@@ -43,5 +44,25 @@ CHIARO_EXPORT RegionValues measure(const DeviceVolume& volume, const Region& reg
 /// some microseconds a voxel within reach, of which at most 24 an axis are looked at.
 CHIARO_EXPORT std::optional<Vec3> snap_to_surface(const DeviceVolume& volume, Vec3 p_mm, double reach_mm,
                                                   std::optional<Vec3> normal = std::nullopt);
+
+/// How many voxels have a value and, there, a gradient of a magnitude: what transfer functions of both are drawn over.
+struct GradientHistogram {
+    int columns = 0, rows = 0;
+    double value_low = 0, value_high = 0;  ///< data units: columns are equal bins over [low, high]
+    double steepest = 0;                   ///< the largest magnitude that occurs, data units per mm
+    std::vector<std::uint64_t> counts;     ///< [row][column]; every voxel is in one of them
+
+    /// The least magnitude of a row: rows are equal bins of the square root of the magnitude, so that weak edges are
+    /// told apart beside strong ones; steepest × (row / rows)².
+    double magnitude_of(double row) const { return steepest * (row / rows) * (row / rows); }
+};
+inline constexpr int max_histogram_bins = 1024;
+
+/// Of all voxels of a whole volume, whose gradients are the central differences that shade (at the border the missing
+/// neighbour is the border voxel itself), in millimetres. `columns` and `rows` in 1 to `max_histogram_bins`; whole
+/// numbers in a range smaller than `columns` have a column each. Throws Error{usage} for other numbers of bins,
+/// Error{interrupted} when cancelled. Cost: two passes, together some 6 core-ns a voxel.
+CHIARO_EXPORT GradientHistogram gradient_histogram(const DeviceVolume& volume, int columns, int rows,
+                                                   Progress& progress);
 
 }  // namespace chiaro

@@ -7,11 +7,14 @@ import { test } from "node:test";
 const cross = "one crosshair: a click in a slice", drags = "right drag, shift drag and Ctrl with the wheel", fingers = "with fingers: a tap places the crosshair", rows = "the section of the slices: place by number", back = "slices come back with a scene and after a reload";
 const two = "with fingers: two taps measure", byKeys = "by keys alone: kinds by arrows", dragged = "a point is dragged, in a slice and on the volume", keptMarks = "marks are kept in the scene, in undo and over a reload", regions = "a ball and a box hold the voxels", taps = "with fingers: two taps";
 const opening = "(opening is no edit)", button = "every button, field and slider of every part", byHand = "the volume by keys and by fingers", scenes = "save, load, save", steps = "a dragged point moves in the next frame", same = "(nothing is changed)", told = "within a page of an origin", far = "(chosen by the server)";
+const byMouse = "by mouse: a shape is drawn", shapeKeys = "by keys: shapes are added", shapeTouch = "with fingers: a shape is drawn", bends = "the curve over the gradient: points are added", keptShapes = "shapes and curve come with a scene";
 const controls = {
   //                   mouse, keyboard, touch, scene file, undo, docs
   "turn, move and zoom": ["right drag: window; wheel: zoom", byHand, byHand, "the page's camera is the scene's", "right drag: window; wheel: zoom", "turns; middle button or Shift: moves"],
   "window of the volume": ["right drag: window; wheel: zoom", "every control is reached by Tab", button, scenes, "right drag: window; wheel: zoom", "window: right widens, up raises"],
   "points and colours": [steps, "every control is reached by Tab", "a finger that rests reads the value", scenes, steps, "Click for a new point"],
+  "shapes over value and gradient": [byMouse, shapeKeys, shapeTouch, keptShapes, byMouse, "Drag a box over what is to be seen"],
+  "curve over the gradient": [bends, bends, shapeTouch, keptShapes, bends, "opacity over the gradient alone"],
   "adjust on the picture": ["Adjust picks the value", "a tool's key switches to it", "a finger that rests reads the value", scenes, "Adjust picks the value", "takes the value that is seen"],
   "looks": ["a threshold of shutters, a shape, a look", "every control is reached by Tab", button, scenes, "a walk: start empty", "in the list of looks"],
   "names of peaks": ["a peak is named by a double click", "a peak is named by a double click", button, "a peak is named by a double click", "a peak is named by a double click", "names it"],

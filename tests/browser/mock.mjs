@@ -4,7 +4,7 @@ import { createServer } from "node:http";
 import { readFileSync } from "node:fs";
 import { dirname, extname, join } from "node:path";
 import { fileURLToPath } from "node:url";
-import { ballOf, functionAt, picture, png, sky, valueAt } from "./mock_picture.mjs";
+import { arches, ballOf, functionAt, picture, png, sky, valueAt } from "./mock_picture.mjs";
 import { accept } from "./mock_socket.mjs";
 
 const root = join(dirname(fileURLToPath(import.meta.url)), "../..");
@@ -143,6 +143,7 @@ export class Mock {
         if (message.values) return answer({ values: Array(message.size[0] * message.size[1]).fill(42) });
         frame({ n: message.id, kind: "slice", type: "png", size: message.size }, png(1, 1, Buffer.from([90, 90, 90, 255])));
         return setTimeout(() => answer({}), 5);
+      case "gradients": frame({ n: message.id, kind: "gradients", type: "png", size: [64, 32] }, arches()); return setTimeout(() => answer({ values: volume.range, steepest: 40 }), 5);
       case "snap": return answer({ hit: false });
       case "region": return answer({ count: 8, mean: 42, deviation: 2, min: 40, max: 45, percentiles: { 1: 40, 5: 40, 25: 41, 50: 42, 75: 43, 95: 44, 99: 45 }, histogram: Array(64).fill(1), volume_mm3: 8, exact_mm3: 7.5 });
       case "probe": frame({ n: message.id, kind: "probe", type: "png", size: [128, 64] }, sky(message.probe.preset ?? "own")); return setTimeout(() => answer({}), 5);

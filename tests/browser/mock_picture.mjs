@@ -56,3 +56,14 @@ export function sky(name, width = 128, height = 64) {
     rgba[4 * (y * width + x) + c] = name === "white" ? 255 : hue[c] * (y < height / 2 ? 0.5 + 0.5 * Math.exp(-(((x - 40) / 14) ** 2)) : 0.18);
   return png(width, height, rgba);
 }
+
+/** Counts over value and gradient as a picture of 64 × 32: even matter at three values, and the arches of edges between them. */
+export function arches() {
+  const rgba = Buffer.alloc(64 * 32 * 4, 255);
+  for (let y = 0; y < 32; ++y) for (let x = 0; x < 64; ++x) {
+    const value = (255 * x) / 63, steep = 40 * ((31 - y) / 31) ** 2, arch = (a, b) => Math.max(0, 1 - Math.abs(steep - 40 * Math.max(0, 1 - ((2 * value - a - b) / (b - a)) ** 2)) / 4);
+    const flat = Math.max(...[10, 100, 220].map((at) => Math.exp(-(((value - at) / 12) ** 2)) * Math.exp(-steep / 2)));
+    rgba.fill(Math.round(255 * Math.max(flat, 0.6 * arch(10, 100), 0.5 * arch(100, 220))), 4 * (64 * y + x), 4 * (64 * y + x) + 3);
+  }
+  return png(64, 32, rgba);
+}

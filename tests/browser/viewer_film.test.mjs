@@ -207,7 +207,7 @@ test("writing goes on after a reload and after kill -9 where it was", { skip }, 
     const files = untar(readFileSync(await (await download).path()));
     assert.deepEqual(files.map(([name]) => name), Array.from({ length: 201 }, (_, i) => `frame-${String(i).padStart(5, "0")}.png`));
     assert.ok(files[0][1].equals(bytes), "the first frame is the one made first");
-    assert.deepEqual(frames(), []);
+    await eventually(() => frames().length === 0, "what was written is gone with the download");
     assert.equal(await page.evaluate(() => sessionStorage.getItem("film")), null);
     // Given up, it leaves nothing.
     await page.click("#film button:has-text('Save the film')");

@@ -23,7 +23,7 @@ const written = (page) => eventually(async () => {
     const { scene, undo } = JSON.parse(readFileSync(file, "utf8"));
     return (scene.transfer_function.opacity_scale ?? 1) === scale && undo?.undo?.design?.length === n && undo.undo.camera.length === turns;
   });
-}, "the state is on disk", 3000);
+}, "the state is on disk", 30000);
 const lost = { allowed: /WebSocket|ERR_CONNECTION|failed/ };
 
 test("killed with -9 in the middle of an edit and started again: page, reload and steps go on where they were", { skip }, async () => {

@@ -1,5 +1,6 @@
 // What a test does on the viewer's page.
 import assert from "node:assert/strict";
+import { drawn } from "./page.mjs";
 
 /** Waits until the picture is final and answers the page's newest state. */
 export const final = (page, timeout = 30000) =>
@@ -13,7 +14,7 @@ export async function settled(page, act, timeout = 30000) {
   const before = await page.evaluate(() => chiaro.link.n);
   await act();
   await page.waitForFunction((n) => chiaro.link.n > n, before, { timeout: 5000, polling: 20 });
-  await page.waitForTimeout(60);
+  await drawn(page); // what follows by itself is sent in the next frame
   await final(page, timeout);
 }
 
