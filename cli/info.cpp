@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -29,6 +30,30 @@ struct InfoOptions {
     CommonOptions common;
 };
 
+/// One of several values of a voxel.
+struct ChannelRange {
+    ComponentInfo info;
+    double min = 0, max = 0;  ///< infinite where no voxel has a value
+};
+
+std::vector<ChannelRange> ranges_of_channels(const Volume& volume) {
+    if (volume.components < 2) return {};
+    std::vector<ChannelRange> ranges;
+    const auto count = std::size_t(volume.components);
+    for (std::size_t c = 0; c < count; ++c) {
+        constexpr double none = std::numeric_limits<double>::infinity();
+        ChannelRange& range = ranges.emplace_back(ChannelRange{{}, none, -none});
+        if (!volume.component_infos.empty()) range.info = volume.component_infos[c];
+        with_voxel_type(volume.type, [&](auto voxel) {
+            const auto values = volume.as<decltype(voxel)>();
+            for (std::size_t i = c; i < values.size(); i += count)
+                if (const double v = volume.slope * double(values[i]) + volume.intercept; std::isfinite(v))
+                    range.min = std::min(range.min, v), range.max = std::max(range.max, v);
+        });
+    }
+    return ranges;
+}
+
 constexpr double worth_leaving_out = 0.005;  // of the dense matter: more than specks
 
 /// What is told of a volume: by all of its voxels, or by those of a coarse level.
@@ -39,6 +64,7 @@ struct Told {
     Statistics statistics = measure(sampled);
     Guess guess = chiaro::guess(sampled, statistics);
     double detached = detached_share(sampled, statistics);
+    std::vector<ChannelRange> channels = ranges_of_channels(sampled);
     std::optional<LabelVolume> labels = {};
 };
 
@@ -77,8 +103,25 @@ void print_labels(const LabelVolume& labels) {
     for (const auto& note : labels.notes) fmt::print("  note        {}\n", one_line(note, 4000));
 }
 
+void print_channels(const Told& told) {
+    fmt::print("  channels    {}{}\n", told.channels.size(),
+               told.volume.has_own_colors ? ", shown in their own colours (--channels-as)" : "");
+    for (std::size_t c = 0; c < told.channels.size(); ++c) {
+        const auto& [info, min, max] = told.channels[c];
+        const auto part = [&](std::size_t i) { return int(std::lround(255 * (*info.rgb)[i])); };
+        const std::string color =
+            info.rgb ? fmt::format("  #{:02x}{:02x}{:02x}", part(0), part(1), part(2)) : std::string();
+        fmt::print("    {}: {:.6g} to {:.6g}{}  {}\n", c + 1, min, max, color, one_line(info.name, 200));
+    }
+}
+
 void print_json(const Told& told) {
     OrderedJson info = info_of(told.volume, told.statistics, told.guess);
+    for (const auto& [channel, min, max] : told.channels) {
+        OrderedJson one{{"name", channel.name}, {"range", {min, max}}};
+        if (channel.rgb) one["rgb"] = *channel.rgb;
+        info["channels"].push_back(std::move(one));
+    }
     if (told.labels) info["labels"] = json_of(*told.labels), info["label_notes"] = told.labels->notes;
     info["suggests"] = Json::array();
     if (told.detached >= worth_leaving_out) info["suggests"].push_back("--largest");
@@ -135,7 +178,7 @@ void print_moments(const Moments& moments) {
 }
 
 void print_text(const Told& told) {
-    const auto& [volume, sampled, source, s, guess, detached, labels] = told;
+    const auto& [volume, sampled, source, s, guess, detached, channels, labels] = told;
     const std::string parts = volume.components > 1 ? fmt::format(", {} components", volume.components) : "";
     fmt::print("{}\n  format      {}\n  voxels      {} {}{}\n", one_line(volume.source, 4000), volume.format,
                to_text(volume.dimensions), chiaro::name_of(volume.type), parts);
@@ -144,6 +187,7 @@ void print_text(const Told& told) {
     if (source)
         fmt::print("  levels      {}, halved to {}; what follows is of {} voxels of them (--exact: of all)\n",
                    source->levels().size(), to_text(source->levels().back().dimensions), to_text(sampled.dimensions));
+    if (!channels.empty()) print_channels(told);
     fmt::print("  values      {:.6g} to {:.6g}\n", s.min, s.max);
     fmt::print("  percentiles 1 %: {:.6g}, 50 %: {:.6g}, 99 %: {:.6g}, 99.9 %: {:.6g}\n", s.p1, s.p50, s.p99, s.p999);
     fmt::print("  noise       {:.2g} % of the range from 1 to 99.9 %{}\n", 100 * s.noise,

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "core/text.h"
 #include "paging_options.h"
 
 namespace chiaro::cli {
@@ -23,6 +24,17 @@ void tell_transfer(const Session& session, const Scene& scene) {
     if (transfer.points || transfer.source.empty()) return;
     for (const auto& note : read_transfer_file(transfer.source, session.statistics()).notes)
         say(fmt::format("{}: {}", transfer.source, note));
+}
+
+/// ": DAPI, GFP", where the file tells them.
+std::string told_names(const std::vector<Volume>& channels) {
+    std::string names;
+    for (std::size_t i = 0; i < channels.size(); ++i) {
+        const auto& infos = channels[i].component_infos;
+        if (infos.size() != 1 || infos[0].name.empty()) continue;
+        names += fmt::format("{} {} is {}", names.empty() ? ":" : ",", i + 1, one_line(infos[0].name, 100));
+    }
+    return names;
 }
 
 /// Lists as many channels as are spoken of: the volume's own, then the files'. The list's place of each is returned.
@@ -114,7 +126,8 @@ void show(Scene& scene, Session& session, Stats& stats, Job& job, const CommonOp
     const std::size_t channel_count = channels.size();
     for (std::size_t i = 1; i < channels.size(); ++i)
         for (const std::string& note : channels[i].notes) notes.push_back(channels[i].source + ": " + note);
-    if (channel_count > 1) notes.push_back(fmt::format("{} channels are shown together", channel_count));
+    if (channel_count > 1 && !channels.front().has_own_colors)
+        notes.push_back(fmt::format("{} channels are shown together{}", channel_count, told_names(channels)));
     if (source)
         session.show(source, *paging, job.progress);
     else

@@ -103,7 +103,7 @@ std::shared_ptr<const Loaded> read(const Scene& scene, Device device, int halvin
         throw Error(ErrorCode::output, fmt::format("{}: {} channels of {} voxels do not fit in the memory that is free",
                                                    scene.volume, channels.size(), fmt::join(fitted.from, " x ")));
     Json json = told(volume);
-    if (channels.size() > 1) json["channels"] = told_channels(channels);
+    if (channels.size() > 1 && !volume.has_own_colors) json["channels"] = told_channels(channels);
     json["spacing_stated"] = is_spacing_stated;
     json["reduced"] = nullptr;
     if (fitted.is_reduced()) json["reduced"] = {{"from", fitted.from}, {"to", fitted.to}, {"bytes", fitted.free}};

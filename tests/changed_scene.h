@@ -14,6 +14,7 @@ inline chiaro::Scene changed_scene(chiaro::Method method = chiaro::Method::spao)
     s.read.series = "1.10";
     s.read.rescale = {2, -1024};
     s.read.time = 7;
+    s.read.components_as = ComponentsAs::channels;
     s.stated = {{{7, 8, 9}}, VoxelType::f32, Vec3{0.5, 0.25, 2}};
     s.labels = {"organs.nrrd", "organs.label", {{.show = false}, {7, Rgb{1, 0.5, 0}, 0.5, 0.25, true}}};
     s.transfer.source = "ct-bone";
@@ -58,7 +59,8 @@ inline chiaro::Scene changed_scene(chiaro::Method method = chiaro::Method::spao)
          {true, false, true, true},
          -0.5,
          "40:80=3",
-         "none"},
+         "none",
+         2},
         {48, 12, 100, 0.01},
         {64, ReferenceQuantity::ao, ReferenceMedium::trilinear, 0, 2, 30, 0.125},
         {{3}, 0.75, 12}};

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "fixtures.h"
 #include "raycast/matter.h"
@@ -38,13 +39,12 @@ struct Look {
     Shading shading = Shading::phong;
     int paths = 64;
     double albedo_max = 0.9;
+    int counted = 0;  ///< of histograms
 };
 
-Frame picture(const std::vector<Channel>& channels, const Look& look) {
+Frame picture(const Medium& medium, const DeviceVolume& volume, const Look& look) {
     const Device device = tested_device();
     Progress progress;
-    const Medium medium = classify(device, channels, look.shape, progress);
-    const DeviceVolume& volume = channels.front().volume;
     const Camera camera = make_camera(CameraSettings(), volume.geometry(), volume.dimensions());
     Lighting lighting{.shading = look.shading};
     if (look.method != Method::none && look.method != Method::spao) lighting.loaded_probe = load_probe("sky");
@@ -57,13 +57,17 @@ Frame picture(const std::vector<Channel>& channels, const Look& look) {
         trace_paths(device, medium, lighting, camera, look.rays, settings, frame, progress);
         return frame;
     }
-    // Histograms of one channel are no help.
-    const Prepared prepared = look.method == Method::histogram ? Prepared() : prepare(volume, settings, progress);
+    settings.histogram.channel = look.counted, settings.histogram.cache = "none", settings.histogram.clusters = 64;
+    const Prepared prepared = prepare(volume, settings, progress);
     IlluminationField field;
     EXPECT_TRUE(illuminate(
         device, medium, prepared, lighting, settings, [&](IlluminationField f) { field = std::move(f); }, progress));
     raycast(device, medium, field, lighting, camera, look.rays, frame, progress);
     return frame;
+}
+
+Frame picture(const std::vector<Channel>& channels, const Look& look) {
+    return picture(classify(tested_device(), channels, look.shape), channels.front().volume, look);
 }
 
 template <class T, class Function>
@@ -84,6 +88,26 @@ std::vector<Channel> three_channels() {
     return {{volumes[0], linear(0.004, {0.9, 0.2, 0.1})},
             {volumes[1], linear(0.003, {0.1, 0.8, 0.3})},
             {volumes[2], linear(0.006, {0.2, 0.3, 1.0})}};
+}
+
+/// Three values a voxel as colours, opacity linear in luminance.
+OwnColors in_colors(const std::array<std::function<double(double, double, double)>, 3>& rgb, double extinction_of_one) {
+    Volume volume = make_volume({n, n, n}, VoxelType::u8);
+    volume.components = 3, volume.has_own_colors = true;
+    volume.voxels = VoxelBuffer(3 * volume.voxel_count());
+    for (std::size_t i = 0; i < volume.voxel_count(); ++i)
+        for (std::size_t c = 0; c < 3; ++c)
+            volume.as<std::uint8_t>()[3 * i + c] = std::uint8_t(rgb[c](i % n, i / n % n, i / n / n));
+    std::vector<DeviceVolume> on_device;
+    for (Volume& one : components_of(volume)) on_device.push_back(upload(tested_device(), std::move(one)));
+    return {.opacity = on_device[0],
+            .transfer = linear(extinction_of_one, {1, 0, 1}, 255),
+            .rgb = {on_device[1], on_device[2], on_device[3]}};
+}
+
+double linear_of(double byte) {
+    const double c = byte / 255;
+    return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
 }
 
 template <class T>
@@ -232,6 +256,113 @@ TEST(Channels, AlbedosAreLimitedAfterTheMean) {
     EXPECT_NEAR(bright.a, -std::expm1(-2), 1e-6);
 }
 
+TEST(OwnColors, AreTheTestsOwnMarchAlongARay) {
+    const auto red = [](double, double y, double) { return std::round(40 + 7 * y); };
+    const auto green = [](double, double y, double) { return y >= 5 && y <= 15 ? 200.0 : 30.0; };
+    const auto blue = [](double, double y, double) { return std::round(220 * std::exp(-std::pow((y - 16) / 5, 2))); };
+    const double of_one = 0.0012;
+    Progress progress;
+    const Medium medium = classify(tested_device(), in_colors({red, green, blue}, of_one), {});
+    Camera camera{.eye = {13.5, -1000, 13.5},
+                  .forward = {0, 1, 0},
+                  .right = {1, 0, 0},
+                  .up = {0, 0, 1},
+                  .projection = Projection::orthographic,
+                  .half_height = 0.1};
+    Frame frame(1, 1);
+    raycast(tested_device(), medium, IlluminationField(), {.shading = Shading::none}, camera,
+            {.step_voxels = 0.1, .early_termination = 0}, frame, progress);
+
+    double clear = 1, rgb[3]{};
+    constexpr int steps = 27 * 2000;
+    for (int i = 0; i < steps; ++i) {
+        const double y = (i + 0.5) * 27.0 / steps, below = std::floor(y), t = y - below;
+        const auto value = [&](const auto& f) { return (1 - t) * f(below) + t * f(below + 1); };
+        const auto luminance = [&](double v) {
+            return std::round(0.2126 * red(0, v, 0) + 0.7152 * green(0, v, 0) + 0.0722 * blue(0, v, 0));
+        };
+        const double alpha = -std::expm1(-of_one * value(luminance) * 27.0 / steps);
+        rgb[0] += clear * alpha * linear_of(value([&](double v) { return red(0, v, 0); }));
+        rgb[1] += clear * alpha * linear_of(value([&](double v) { return green(0, v, 0); }));
+        rgb[2] += clear * alpha * linear_of(value([&](double v) { return blue(0, v, 0); }));
+        clear *= 1 - alpha;
+    }
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(frame.rgba[std::size_t(c)], rgb[c], 1.0 / 255) << c;
+    EXPECT_NEAR(frame.rgba[3], 1 - clear, 1.0 / 255);
+    EXPECT_GT(1 - clear, 0.5);
+}
+
+// Greys are the volume of their value in grey, for every light.
+TEST(OwnColors, GreysAreGrey) {
+    const auto grey = [](double x, double y, double z) { return 2 * ball_a(x, y, z); };
+    const OwnColors own = in_colors({grey, grey, grey}, 0.004);
+    TransferFunction tf = linear(0.004, {}, 255);
+    tf.rgb_space = RgbSpace::srgb;
+    for (ControlPoint& point : tf.points) point.rgb.fill(point.value / 255);
+    const auto expect_same = [&](const Look& look, double most) {
+        const Frame colors = picture(classify(tested_device(), own, look.shape), own.opacity, look);
+        const Frame scalar = picture(classify(tested_device(), own.opacity, tf, look.shape), own.opacity, look);
+        EXPECT_GT(*std::max_element(scalar.rgba.begin(), scalar.rgba.end()), 0.1f);
+        EXPECT_LT(largest_difference(colors, scalar), most) << int(look.method) << " " << int(look.shape.mode);
+    };
+    for (const Method method : {Method::none, Method::spao, Method::visibility, Method::transport, Method::histogram})
+        expect_same({.method = method}, method == Method::histogram ? 6.0 / 255 : 1.0 / 255);
+    expect_same({.shape = {.mode = Mode::additive}}, 1.0 / 255);
+    expect_same({.rays = {.classification = Classification::pre}}, 1.0 / 255);
+    expect_same({.method = Method::reference, .paths = 256}, 0.1);
+}
+
+TEST(OwnColors, OfWholeRaysAreEachTheirOwn) {
+    const OwnColors own =
+        in_colors({ball_a, ball_b, [](double x, double y, double z) { return 2 * ball_b(x, y, z); }}, 0.01);
+    const Frame frame =
+        picture(classify(tested_device(), own, {.mode = Mode::mip}), own.opacity, {.shape = {.mode = Mode::mip}});
+    float most[3]{};
+    for (std::size_t i = 0; i < frame.rgba.size(); ++i)
+        if (i % 4 < 3) most[i % 4] = std::max(most[i % 4], frame.rgba[i]);
+    EXPECT_NEAR(most[0], linear_of(100), 0.01);
+    EXPECT_NEAR(most[1], linear_of(100), 0.01);
+    EXPECT_NEAR(most[2], linear_of(196), 0.02);
+}
+
+TEST(OwnColors, WhatOpacityIsBy) {
+    Volume volume = make_volume({2, 1, 1}, VoxelType::u8);
+    volume.components = 4, volume.has_own_colors = true;
+    volume.voxels = VoxelBuffer(8);
+    const auto set = [&](std::array<int, 8> v) {
+        return std::copy(v.begin(), v.end(), volume.as<std::uint8_t>().begin()), components_of(volume);
+    };
+    auto parts = set({255, 0, 0, 10, 7, 7, 7, 200});
+    ASSERT_EQ(parts.size(), 4u);
+    EXPECT_EQ(parts[0].component_infos[0].name, "alpha");
+    EXPECT_EQ(parts[0].as<std::uint8_t>()[1], 200);
+    EXPECT_EQ(parts[1].as<std::uint8_t>()[0], 255);
+    parts = set({255, 0, 0, 255, 7, 7, 7, 255});  // says nothing
+    EXPECT_EQ(parts[0].component_infos[0].name, "luminance");
+    EXPECT_EQ(parts[0].as<std::uint8_t>()[0], 54);
+    volume.components = 2;
+    EXPECT_THROW(components_of(volume), Error);
+}
+
+TEST(OwnColors, WhatIsOfOneValueIsRefused) {
+    const OwnColors own = in_colors({ball_a, ball_b, ball_a}, 0.01);
+    EXPECT_THROW(classify(tested_device(), own, {.mode = Mode::iso, .iso = {{.value = 50}}}), Error);
+    EXPECT_THROW(classify(tested_device(), own, {.clip = {.largest = true}}), Error);
+}
+
+// Light by the channel that is counted: of two of which one is empty, that of the other alone.
+TEST(Channels, AreLitByTheHistogramsOfOne) {
+    const DeviceVolume volume = uploaded<std::uint8_t>(ball_a),
+                       empty = uploaded<std::uint8_t>([](double, double, double) { return 0.0; });
+    const TransferFunction tf = linear(0.01, {0.9, 0.6, 0.3});
+    const Look look{.method = Method::histogram, .counted = 1};
+    const Frame one = picture({{volume, tf}}, look), two = picture({{volume, tf}, {empty, tf}}, look);
+    EXPECT_GT(*std::max_element(one.rgba.begin(), one.rgba.end()), 0.2f);
+    EXPECT_LT(largest_difference(one, two), 6.0 / 255);
+    // Of an empty one all is open.
+    EXPECT_GT(largest_difference(two, picture({{empty, tf}, {volume, tf}}, look)), 0.02);
+}
+
 TEST(Channels, WhatIsOfOneValueIsRefused) {
     const auto refused = [&](const Look& look, const std::string& part) {
         try {
@@ -243,7 +374,7 @@ TEST(Channels, WhatIsOfOneValueIsRefused) {
         }
     };
     refused({.rays = {.classification = Classification::preintegrated}}, "post and pre");
-    refused({.method = Method::histogram}, "several go with");
+    refused({.method = Method::histogram}, "--hist-channel");
     refused({.shape = {.mode = Mode::iso, .iso = {{.value = 50}}}}, "one channel");
     refused({.shape = {.clip = {.largest = true}}}, "one channel");
 }

@@ -78,8 +78,29 @@ TEST(Hdf5Volume, AxesOfOneElementAreDropped) {
     EXPECT_EQ(read(name + ":/picture").dimensions, (std::array{4, 6, 1}));
     Hdf5(name).dataset("one", {1, 3, 8}, values);
     EXPECT_EQ(read(name).dimensions, (std::array{8, 3, 1}));
-    Hdf5(name).dataset("many", {2, 2, 3, 2}, values);
-    expect_refused(name + ":/many", "2 x 2 x 3 x 2");
+    Hdf5(name).dataset("many", {2, 1, 2, 3, 2, 1, 1, 2}, ramp<std::uint8_t>(48));
+    expect_refused(name + ":/many", "2 x 1 x 2 x 3 x 2 x 1 x 1 x 2");
+}
+
+TEST(Hdf5Volume, AnAxisBeforeOrBehindThoseInSpaceIsThatOfChannels) {
+    const Folder folder;
+    const std::string name = (folder / "a.h5").string();
+    const auto values = ramp<std::uint16_t>(9 * 10 * 11 * 3);
+    Hdf5(name).dataset("last", {1, 9, 10, 11, 3}, values).dataset("first", {3, 1, 9, 10, 11}, values);
+    const auto last = read(name + ":/last"), first = read(name + ":/first");
+    for (const Volume* volume : {&last, &first}) {
+        EXPECT_EQ(volume->dimensions, (std::array{11, 10, 9}));
+        ASSERT_EQ(volume->components, 3);
+        EXPECT_FALSE(volume->has_own_colors);
+    }
+    EXPECT_TRUE(has_note(last, "its last axis, of 3, is taken for channels"));
+    EXPECT_EQ(voxels_of<std::uint16_t>(last), values);
+    for (std::size_t i = 0; i < values.size(); ++i)
+        ASSERT_EQ(first.as<std::uint16_t>()[3 * (i % 990) + i / 990], values[i]);
+    Hdf5(name).dataset("rgb", {9, 10, 11, 3}, ramp<std::uint8_t>(9 * 10 * 11 * 3));
+    EXPECT_TRUE(read(name).has_own_colors);
+    Hdf5(name).dataset("nine", {9, 10, 11, 9}, ramp<std::uint8_t>(9 * 10 * 11 * 9));
+    expect_refused(name + ":/nine", "at most eight channels");
 }
 
 TEST(Hdf5Volume, SpacingFromAttributes) {

@@ -162,6 +162,76 @@ TEST(Labelled, HidesThinsAndTintsExactlyTwoVoxelsFromBorders) {
     EXPECT_NEAR(matter_at(medium, {35.5, 9, 9}).g, 0.5, 0.05);
 }
 
+namespace {
+
+/// Mean visibility on either side of a dense slab and of a thin one.
+void expect_light_to_see(const Medium& medium) {
+    Progress progress;
+    for (const Method method : {Method::spao, Method::visibility, Method::transport}) {
+        IlluminationSettings settings{.method = method};
+        Lighting lighting;
+        lighting.loaded_probe = load_probe("sky");
+        const ComputedField field = compute_field(tested_device(), medium, Prepared(), lighting, settings, progress);
+        const auto values = field.volume.as<float>();
+        const auto mean = [&](int from, int to) {
+            const auto [nx, ny, nz] = field.volume.dimensions;
+            const int components = field.volume.components;
+            double sum = 0;
+            int count = 0;
+            for (int x = from * nx / 48; x < to * nx / 48; ++x, ++count)
+                sum += std::abs(double(values[std::size_t(((nz / 2 * ny + ny / 2) * nx + x) * components)]));
+            return sum / std::max(count, 1);
+        };
+        EXPECT_LT(mean(14, 22), 0.8 * mean(26, 34)) << int(method);
+    }
+}
+
+}  // namespace
+
+TEST(Labelled, ATransferFunctionOfALabelsOwnHoldsWithinIt) {
+    const auto own = [](double opacity, Rgb rgb) {
+        TransferFunction tf;
+        tf.rgb_space = RgbSpace::linear;
+        tf.points = {{0, rgb, opacity}, {255, rgb, opacity}};
+        return std::optional(tf);
+    };
+    Labelled slabs({48, 20, 20}, [](double x, double, double) { return x < 12   ? 1
+                                                                       : x < 24 ? 2
+                                                                       : x < 36 ? 3
+                                                                                : 0; },
+                   {nothing(true),
+                    {.value = 1, .show = false},
+                    {.value = 2, .tint = 0, .transfer = own(0.8, {0.2, 0.4, 0.6})},
+                    {.value = 3, .tint = 0, .opacity = 0.5, .transfer = own(0.1, {1, 0, 0})}});
+    const Medium medium = slabs.medium();
+    const auto kappa = [](double opacity) { return -std::log1p(-opacity); };
+    for (double x = 0; x <= 47; x += 0.25) {
+        if (std::abs(x - 11.5) < 2 || std::abs(x - 23.5) < 2 || std::abs(x - 35.5) < 2) continue;
+        const kernel::Rgba m = matter_at(medium, {x, 7.3, 10.4});
+        const double wanted = x < 12 ? 0 : x < 24 ? kappa(0.8) : x < 36 ? 0.5 * kappa(0.1) : kappa(0.5);
+        EXPECT_NEAR(m.a, wanted, 0.004 * kappa(0.8)) << x;
+        if (x > 13) EXPECT_NEAR(m.r, x < 24 ? 0.2 : 1, 0.005) << x;
+        if (x > 13) EXPECT_NEAR(m.g, x < 24 ? 0.4 : x < 36 ? 0 : 1, 0.005) << x;
+    }
+    // What is cut free is by its own function up to its border, where half of it is left; what is hidden counts as half
+    // as opaque, as the thinnest label is.
+    EXPECT_NEAR(matter_at(medium, {11.5, 9, 9}).a, 0.5 * 0.75 * kappa(0.8), 0.03 * kappa(0.8));
+    EXPECT_NEAR(matter_at(medium, {11.5, 9, 9}).r, 0.2, 0.01);
+    const auto camera = make_camera({}, slabs.volume.geometry, slabs.volume.dimensions);
+    const Frame skipped = slabs.picture(camera, {}, {.skip_empty = true}, 40),
+                all = slabs.picture(camera, {}, {.skip_empty = false}, 40);
+    EXPECT_EQ(skipped.rgba, all.rgba);
+    expect_light_to_see(medium);
+
+    std::vector<Label> many{nothing(true)};
+    for (std::uint32_t v = 1; v < 9; ++v) many.push_back({.value = v, .transfer = own(v / 10.0, red)});
+    slabs.table = many;
+    slabs.numbers = sampled<std::uint8_t>({48, 20, 20}, [](double x, double, double) { return int(x) % 9; });
+    EXPECT_THROW(slabs.medium(), Error);
+    slabs.table.back().transfer = slabs.table[1].transfer;  // as another's
+    EXPECT_NO_THROW(slabs.medium());
+}
+
 TEST(Labelled, AllThreadsMakeTheSame) {
     const Volume numbers =
         sampled<std::uint8_t>({70, 65, 40}, [](double x, double y, double z) { return int(shells(x, y, z, 70)) / 40; });

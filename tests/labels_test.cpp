@@ -52,6 +52,16 @@ TEST(LabelTables, OursHasAllThatIsShown) {
     EXPECT_EQ(table.labels[1].name, "left");
     EXPECT_EQ(table.labels[1].tint, 1);
     EXPECT_EQ(table.labels[2], (Label{7, "right", {0, 0.5, 1}, 0.25, 0.5, false}));
+    const Label own = parse_label_table(
+                          R"({"labels": [{"value": 1, "transfer_function": {"points": [
+                              {"value": 0, "rgb": [1, 0, 0], "opacity": 0}, {"value": 9, "rgb": [1, 0, 0], "opacity": 1}]}}]})",
+                          "own.json")
+                          .labels[0];
+    ASSERT_TRUE(own.transfer);
+    EXPECT_EQ(own.transfer->points[1].value, 9);
+    EXPECT_EQ(own.tint, 0);  // its colours are the function's
+    EXPECT_NE(refused(R"({"labels": [{"value": 1, "transfer_function": {"points": []}}]})", "a.json").find("labels[0]"),
+              std::string::npos);
 }
 
 TEST(LabelTables, OursIsRefusedInASentence) {

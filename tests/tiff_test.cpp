@@ -27,6 +27,7 @@ struct Storage {
     bool tiled = false, planes = false;
     int samples = 1, predictor = 1;
     const char* mode = "w";  ///< w8: BigTIFF; wb: big endian
+    int alpha = 0;           ///< what the last sample is, as EXTRASAMPLES has it
 };
 
 constexpr int width = 40, height = 33;
@@ -51,6 +52,8 @@ void write_pages(const std::string& name, const Storage& storage, int pages) {
                                                  : SAMPLEFORMAT_UINT);
         TIFFSetField(file, TIFFTAG_PHOTOMETRIC, storage.samples > 2 ? PHOTOMETRIC_RGB : PHOTOMETRIC_MINISBLACK);
         TIFFSetField(file, TIFFTAG_PLANARCONFIG, storage.planes ? PLANARCONFIG_SEPARATE : PLANARCONFIG_CONTIG);
+        const std::uint16_t extra[] = {std::uint16_t(storage.alpha)};
+        if (storage.alpha) TIFFSetField(file, TIFFTAG_EXTRASAMPLES, 1, extra);
         TIFFSetField(file, TIFFTAG_COMPRESSION, storage.compression);
         if (storage.predictor > 1) TIFFSetField(file, TIFFTAG_PREDICTOR, storage.predictor);
         const int chunk_width = storage.tiled ? 16 : width, chunk_height = storage.tiled ? 32 : 8;
@@ -132,26 +135,36 @@ TEST(Tiff, EveryCompressionOfLibtiff) {
         EXPECT_NEAR(jpeg.as<std::uint8_t>()[i], value_at<std::uint8_t>(int(i) % width, int(i) / width, 0, 0), 12);
 }
 
-TEST(Tiff, ColoursBecomeLuminanceAndAreTold) {
+TEST(Tiff, ColoursAndOtherValuesOfAPixel) {
     const Folder folder;
     const std::string name = (folder / "a.tif").string();
+    const auto expect_values = [&](const Volume& volume, int values) {
+        ASSERT_EQ(volume.components, values);
+        const auto found = volume.as<std::uint8_t>();
+        for (const auto& [x, y, z] : {std::array{5, 0, 0}, {7, 3, 1}})
+            for (int s = 0; s < values; ++s)
+                EXPECT_EQ(found[std::size_t(((z * height + y) * width + x) * values + s)],
+                          value_at<std::uint8_t>(x, y, z, s));
+    };
     for (const bool planes : {false, true})
         for (const bool tiled : {false, true})
-            for (const int samples : {3, 4}) {
+            for (const int samples : {2, 3, 4}) {
                 write_pages<std::uint8_t>(name, {.tiled = tiled, .planes = planes, .samples = samples}, 2);
                 const auto volume = read(name);
-                EXPECT_EQ(volume.components, 1);
-                EXPECT_TRUE(has_note(volume, "luminance"));
+                expect_values(volume, std::min(samples, 3));  // nothing says that the fourth is alpha
+                EXPECT_EQ(volume.has_own_colors, samples > 2);
+                EXPECT_EQ(has_note(volume, "in its own colours, its opacity by luminance"), samples > 2);
                 EXPECT_EQ(has_note(volume, "4 values a pixel"), samples == 4);
-                // R + 7 * 0.7152 + 14 * 0.0722 = R + 6.0172
-                EXPECT_EQ(volume.as<std::uint8_t>()[5], 5 + 6);
-                EXPECT_EQ(volume.as<std::uint8_t>()[width * height + width], 53 + 6);
             }
+    for (const int kind : {1, 2}) {  // alpha that is multiplied in, and that is not
+        write_pages<std::uint8_t>(name, {.samples = 4, .alpha = kind}, 2);
+        expect_values(read(name), 4);
+        write_pages<std::uint8_t>(name, {.samples = 2, .alpha = kind}, 2);
+        expect_values(read(name), 1);
+    }
     const auto white = read(folder.write("w.tif", tiff_file({{.photometric = 0}})));
     EXPECT_EQ(white.as<std::uint16_t>()[3], 65535 - 3);
     EXPECT_TRUE(has_note(white, "turned around"));
-    write_pages<std::uint16_t>(name, {.samples = 2}, 1);
-    EXPECT_EQ(read(name).as<std::uint16_t>()[2], 2);
 }
 
 TEST(Tiff, FoldersFollowTheNaturalOrderOfNames) {
@@ -210,7 +223,7 @@ TEST(Tiff, SpacingIsWhatIsStated) {
     EXPECT_TRUE(has_note(read(folder.write("a.tif", tiff_file({TiffImage{}}))), "size of a pixel is not stated"));
 }
 
-TEST(Tiff, HyperstacksGiveTheirFirstChannelAndTime) {
+TEST(Tiff, HyperstacksGiveTheirChannelsAtTheirFirstTime) {
     const Folder folder;
     const auto pages = [&](const std::string& description) {
         std::vector<TiffImage> all;
@@ -222,18 +235,27 @@ TEST(Tiff, HyperstacksGiveTheirFirstChannelAndTime) {
     const auto firsts = [](const Volume& volume) {
         std::vector<int> values;
         for (int z = 0; z < volume.dimensions[2]; ++z)
-            values.push_back(volume.as<std::uint16_t>()[std::size_t(z) * 12]);
+            for (int c = 0; c < volume.components; ++c)
+                values.push_back(volume.as<std::uint16_t>()[std::size_t(z * 12 * volume.components + c)]);
         return values;
     };
     auto volume = read(folder.write(
         "a.tif", tiff_file(pages("ImageJ=1.53t\nimages=12\nchannels=2\nslices=3\nframes=2\nhyperstack=true\n"))));
-    EXPECT_EQ(firsts(volume), (std::vector{0, 2, 4}));
-    EXPECT_TRUE(has_note(volume, "2 channels"));
+    EXPECT_EQ(volume.components, 2);
+    EXPECT_EQ(firsts(volume), (std::vector{0, 1, 2, 3, 4, 5}));
+    EXPECT_TRUE(volume.component_infos.empty());
     EXPECT_TRUE(has_note(volume, "2 moments in time"));
     volume = read(folder.write(
-        "a.tif", tiff_file(pages(
-                     R"(<OME><Image><Pixels DimensionOrder="XYTCZ" SizeZ="3" SizeC="2" SizeT="2"/></Image></OME>)"))));
-    EXPECT_EQ(firsts(volume), (std::vector{0, 4, 8}));
+        "a.tif",
+        tiff_file(pages(
+            R"(<OME><Image><Pixels DimensionOrder="XYTCZ" SizeZ="3" SizeC="2" SizeT="2">)"
+            R"(<Channel Name="DAPI" Color="65535"/><Channel Name="GFP" Color="-16711681"/></Pixels></Image></OME>)"))));
+    EXPECT_EQ(firsts(volume), (std::vector{0, 2, 4, 6, 8, 10}));
+    using Color = std::array<double, 3>;
+    EXPECT_EQ(volume.component_infos, (std::vector<ComponentInfo>{{"DAPI", Color{0, 0, 1}}, {"GFP", Color{1, 0, 1}}}));
+    volume = read(folder.write("a.tif", tiff_file(pages("ImageJ=1.53t\nimages=12\nchannels=12\n"))));
+    EXPECT_EQ(firsts(volume), (std::vector{0, 1, 2, 3, 4, 5, 6, 7}));
+    EXPECT_TRUE(has_note(volume, "holds 12 channels; the first 8 are taken"));
     volume = read(folder.write("a.tif", tiff_file(pages("ImageJ=1.53t\nimages=7\nslices=7\n"))));
     EXPECT_EQ(volume.dimensions[2], 12);
     EXPECT_TRUE(has_note(volume, "states 7 images, but there are 12 pages"));
@@ -250,7 +272,49 @@ TEST(Tiff, LargeStacksOfImageJHaveOneDirectory) {
         const std::string file = tiff_file({first}, big_endian, all.substr(24));
         EXPECT_EQ(voxels_of<std::uint16_t>(read(folder.write("a.tif", file))), values);
         EXPECT_NE(refusal(folder.write("a.tif", file.substr(0, file.size() - 1))).find("truncated"), std::string::npos);
+        first.description = "ImageJ=1.53t\nimages=3\nchannels=3\n";
+        const Volume volume = read(folder.write("c.tif", tiff_file({first}, big_endian, all.substr(24))));
+        ASSERT_EQ(volume.components, 3);
+        for (std::size_t i = 0; i < 36; ++i) EXPECT_EQ(volume.as<std::uint16_t>()[3 * (i % 12) + i / 12], values[i]);
     }
+}
+
+// The look-up tables of a composite, as ImageJ writes them behind its description: tags 50838 and 50839.
+TEST(Tiff, ImageJsColorsAreThoseOfItsTables) {
+    const Folder folder;
+    const auto number = [](std::uint32_t n) { return bytes_of(n, true); };
+    std::string red(768, '\0'), cyan(768, '\0');
+    red[255] = char(255), cyan[511] = char(255), cyan[767] = char(255);
+    const std::string header = "IJIJ" + std::string("info") + number(1) + "luts" + number(2);
+    const auto colors_of = [&](std::vector<std::uint32_t> counts, std::string metadata, std::uint16_t type) {
+        const std::string name = (folder / "a.tif").string();
+        static const TIFFFieldInfo tags[] = {
+            {50838, -1, -1, TIFF_LONG, FIELD_CUSTOM, 1, 1, const_cast<char*>("IJMetadataByteCounts")},
+            {50839, -1, -1, TIFF_BYTE, FIELD_CUSTOM, 1, 1, const_cast<char*>("IJMetadata")}};
+        TIFF* file = TIFFOpen(name.c_str(), "wb");
+        TIFFMergeFieldInfo(file, tags, 2);
+        for (int page = 0; page < 2; ++page) {
+            TIFFSetField(file, TIFFTAG_IMAGEWIDTH, 2);
+            TIFFSetField(file, TIFFTAG_IMAGELENGTH, 1);
+            TIFFSetField(file, TIFFTAG_BITSPERSAMPLE, 8);
+            TIFFSetField(file, TIFFTAG_SAMPLESPERPIXEL, 1);
+            TIFFSetField(file, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+            TIFFSetField(file, TIFFTAG_IMAGEDESCRIPTION, "ImageJ=1.53t\nimages=2\nchannels=2\n");
+            if (page == 0 && type == TIFF_LONG) TIFFSetField(file, 50838, std::uint32_t(counts.size()), counts.data());
+            if (page == 0) TIFFSetField(file, 50839, std::uint32_t(metadata.size()), metadata.data());
+            TIFFWriteEncodedStrip(file, 0, const_cast<char*>("ab"), 2);
+            TIFFWriteDirectory(file);
+        }
+        TIFFClose(file);
+        return read(name).component_infos;
+    };
+    using Color = std::array<double, 3>;
+    const std::vector<std::uint32_t> counts{20, 4, 768, 768};
+    EXPECT_EQ(colors_of(counts, header + "note" + red + cyan, TIFF_LONG),
+              (std::vector<ComponentInfo>{{"", Color{1, 0, 0}}, {"", Color{0, 1, 1}}}));
+    EXPECT_TRUE(colors_of(counts, header + "note" + red + cyan, 0).empty());  // no counts
+    EXPECT_TRUE(colors_of({20, 4, 4000000000u, 768}, header + "note" + red, TIFF_LONG).empty());
+    EXPECT_TRUE(colors_of({9999999}, header, TIFF_LONG).empty());
 }
 
 TEST(Tiff, RefusesWhatItCannotShow) {

@@ -8,11 +8,11 @@ const elsewhere = (place, flags) => Object.fromEntries(flags.split(" ").map((fla
 
 /** @type {Object<string, Entry>} */
 export const table = {
-  ...elsewhere("file", "raw-size raw-type raw-spacing raw-endian raw-offset series rescale time volume.dims volume.type volume.spacing labels label-table"),
+  ...elsewhere("file", "raw-size raw-type raw-spacing raw-endian raw-offset series rescale time channels-as volume.dims volume.type volume.spacing labels label-table"),
   ...elsewhere("graph", "transfer window threshold opacity-scale opacity-unit opacity-unit-mm iso"),
   ...elsewhere("bar", "mode"),
   ...elsewhere("save", "size"),
-  ...elsewhere("light", "lighting probe hist-effects glow"),
+  ...elsewhere("light", "lighting probe hist-effects hist-channel glow"),
   ...elsewhere("cut", "clip-box clip-plane largest"),
   ...elsewhere("picture", "eye target view"),
   ...elsewhere("slices", "layout at centre zoom window sampling colors side outlines labels".replace(/\w+/g, "slices.$&")),

@@ -37,6 +37,9 @@ void describe(Visit&& visit, S& s) {
     visit(Setting{"time", "volume.time", "",
                   "which moment of a volume that changes with time, from 0; its range and camera are the first one's"}
           .within(0, 1e9), s.time);
+    visit(Setting{"channels-as", "volume.channels_as", "",
+                  "three or four values a voxel: shown in their own colours, or as channels (as the file says)"},
+          s.components_as);
 }
 
 template <class Visit, SettingsOf<LabelSettings> S>
@@ -258,6 +261,8 @@ void describe(Visit&& visit, S& s) {
           .written("FILE|LO:HI=STRENGTH").of("histogram"), s.emission);
     visit(Setting{"cache", "lighting.cache", "", "folder where prepared volumes are kept (the user's cache), or none"}
           .written("DIR|none").of("histogram"), s.cache);
+    visit(Setting{"hist-channel", "lighting.channel", "", "of several channels the one whose values are counted, from 1; 0: local histograms are of one alone"}
+          .within(0, 8).of("histogram"), s.channel);
 }
 
 template <class Visit, SettingsOf<TransportSettings> S>

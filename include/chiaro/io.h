@@ -24,15 +24,20 @@ struct RawLayout {
     bool operator==(const RawLayout&) const = default;
 };
 
+/// What three or four values of a voxel are: what the file says - where it says nothing, of 8 bits, colours -, colours
+/// whatever it says, or channels.
+enum class ComponentsAs { automatic, rgb, channels };
+
 struct ReadOptions {
     RawLayout raw;
     /// Of a DICOM folder: its UID, or its number in the order of size (1 = largest); empty: the largest.
     std::string series;
     std::optional<std::pair<double, double>> rescale;  ///< slope and intercept where a file lacks them
     int time = 0;                                      ///< which of several moments, from 0
-    double seconds = 120;                              ///< wall time allowed to decode
-    double stall_seconds = 15;                         ///< allowed without any progress
-    std::uint64_t max_bytes = 0;                       ///< largest decoded volume; 0: what the machine's memory allows
+    ComponentsAs components_as = ComponentsAs::automatic;
+    double seconds = 120;         ///< wall time allowed to decode
+    double stall_seconds = 15;    ///< allowed without any progress
+    std::uint64_t max_bytes = 0;  ///< largest decoded volume; 0: what the machine's memory allows
     /// A larger one is mapped from a nameless file in this folder; empty: it is refused.
     std::filesystem::path spill{};
 };

@@ -19,8 +19,11 @@ struct Label {
     double tint = 1;     ///< [0, 1]: how much of the transfer function's colour this one replaces
     double opacity = 1;  ///< [0, 1], multiplies the extinction
     bool show = true;    ///< what is not shown casts no shadow either
+    std::optional<TransferFunction> transfer{};  ///< in the place of the volume's; at most `max_label_transfers` differ
     bool operator==(const Label&) const = default;
 };
+
+inline constexpr std::size_t max_label_transfers = 7;
 
 /// What is said of one label's look, or of all but 0; what is empty stays as it is.
 struct LabelChange {

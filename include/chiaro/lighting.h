@@ -145,6 +145,7 @@ struct HistogramSettings {
     double anisotropy = 0;  ///< g of Henyey and Greenstein, > 0: forward
     std::string emission;   ///< "LO:HI=STRENGTH" in data units, or a file of lines "VALUE STRENGTH"
     std::string cache;      ///< folder of prepared volumes; "": the user's own; "none"
+    int channel = 0;        ///< of several channels: whose values are counted, from 1; 0: refused
     bool operator==(const HistogramSettings&) const = default;
 };
 

@@ -148,6 +148,18 @@ struct Channel {
 /// Throws Error{usage} for more than `max_channels`, and for what is of one value: isosurfaces, `Clip::largest`.
 CHIARO_EXPORT Medium classify(const Device& device, const std::vector<Channel>& channels, const Shape& shape,
                               const Progress& progress = Progress());
+/// A volume in its own colours: extinction by one value and a transfer function, whose colours are not looked at, and
+/// colours as red, green and blue have them, which are sRGB from 0 to `white`. All on one grid, in one stored type.
+struct OwnColors {
+    DeviceVolume opacity;
+    TransferFunction transfer;
+    std::array<DeviceVolume, 3> rgb;
+    double white = 255;  ///< data units
+};
+/// Of whole rays (maxima, minima, means) that of red, of green and of blue, added up. Cost: `classify` of each.
+/// Throws Error{usage} for isosurfaces and `Clip::largest`.
+CHIARO_EXPORT Medium classify(const Device& device, const OwnColors& own, const Shape& shape,
+                              const Progress& progress = Progress());
 /// Volumes of one grid as channels: stored in the widest type that one of them is in. Cost: nothing where they are
 /// alike, else a pass over the bricks. Throws Error{input} where their grids differ.
 CHIARO_EXPORT std::vector<DeviceVolume> alike(const std::vector<DeviceVolume>& volumes);

@@ -13,6 +13,7 @@
 #include <chiaro/transfer_function.h>
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,6 +37,10 @@ struct LabelSettings {
     std::string source;                ///< as for read_labels; empty: none
     std::string table;                 ///< as for read_label_table; empty: none
     std::vector<LabelChange> changes;  ///< of what the table says; at most `max_labels`
+    /// In the place of source and table labels that are in memory (make_labels), which scene files do not hold. Where
+    /// `source` is the volume's name, too, the volume is its own labels.
+    std::shared_ptr<const LabelVolume> loaded{};
+    bool any() const { return loaded || !source.empty(); }
     bool operator==(const LabelSettings&) const = default;
 };
 

@@ -152,10 +152,21 @@ struct Placement {
     bool operator==(const Placement&) const = default;
 };
 
+/// What a file says of one of the values of a voxel.
+struct ComponentInfo {
+    std::string name;                          ///< "DAPI"; empty: it says none
+    std::optional<std::array<double, 3>> rgb;  ///< sRGB, [0, 1]: the colour that it is shown in
+    bool operator==(const ComponentInfo&) const = default;
+};
+
 struct Volume {
     std::array<int, 3> dimensions{0, 0, 0};  ///< x, y, z; x is fastest in memory
     VoxelType type = VoxelType::u8;
     int components = 1;  ///< values per voxel, interleaved; rendered as channels (components_of)
+    /// The values are red, green, blue and, of four, alpha: sRGB, alpha not multiplied in. Rendered as they are
+    /// (components_of).
+    bool has_own_colors = false;
+    std::vector<ComponentInfo> component_infos = {};  ///< of each, or none
     /// What a stored number means: value = slope * stored + intercept (HU for CT, scl_slope of NIfTI).
     double slope = 1, intercept = 0;
     Geometry geometry;
@@ -186,7 +197,11 @@ struct Volume {
 /// in 1..65535.
 CHIARO_EXPORT Volume make_volume(std::array<int, 3> dimensions, VoxelType type);
 
-/// A volume for each value of a voxel, in order. Cost: a pass over the voxels; memory: them once more.
+/// A volume for each value of a voxel, in order. Of one that has its own colours first what its opacity is found by -
+/// alpha, or, where there is none or it is the same everywhere, luminance .2126 R + .7152 G + .0722 B of the stored
+/// values - then red, green and blue: each says that it belongs to such a volume, and the first is named "alpha" or
+/// "luminance". Cost: a pass over the voxels for each; memory: them once more, or 4 / 3. Throws Error{input} for
+/// colours of other than three or four values.
 CHIARO_EXPORT std::vector<Volume> components_of(const Volume& volume);
 /// Whether voxels lie where the other's do, to a hundredth of its smallest edge.
 CHIARO_EXPORT bool has_grid_of(const Volume& volume, const Volume& other);

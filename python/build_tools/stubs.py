@@ -26,6 +26,10 @@ def type_of(row: dict[str, Any]) -> str:
         base = "str | os.PathLike[str] | TransferFunction | Iterable[Any] | Callable[..., Any]"
     elif row["name"] == "probe":
         base = "str | os.PathLike[str] | Probe | NDArray[Any]"
+    elif row["name"] == "labels":
+        base = "str | os.PathLike[str] | Volume | NDArray[Any]"
+    elif row["name"] == "label_table":
+        base = "str | os.PathLike[str] | Mapping[Any, Any] | Sequence[Mapping[str, Any]]"
     elif kind == "switch":
         base = "bool"
     elif row["choices"] and kind == "integer":
@@ -64,6 +68,7 @@ def value_type(row: dict[str, Any]) -> str:
 def write(package: str) -> None:
     rows = _extension(package).settings()
     given = [f"{row['name']}: {type_of(row)} = ..." for row in rows]
+    given.append("channels: Sequence[Any] | None = ...")
     groups: dict[str, list[Any]] = {}
     for row in rows:
         groups.setdefault(row["group"].lower().replace(" ", "_"), []).append(row)

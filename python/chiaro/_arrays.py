@@ -27,9 +27,11 @@ def _refuse_type(dtype: np.dtype[Any]) -> None:
         raise TypeError(f"an array of {name}: must be bool, float16 or one of {', '.join(STORED)}")
 
 
-def _refuse_shape(shape: tuple[int, ...]) -> None:
-    if len(shape) != 3:
-        hint = "; give one moment or channel of it, as in array[0]" if len(shape) == 4 else ""
+def _refuse_shape(shape: tuple[int, ...], channels: bool) -> None:
+    if channels and len(shape) != 4:
+        raise ValueError(f"an array of shape {shape}: with channels it has four axes, c, z, y, x (of colours also z, y, x, c)")
+    if not channels and len(shape) != 3:
+        hint = "; give one moment of it, as in array[0], or channels=True" if len(shape) == 4 else ""
         raise ValueError(f"an array of shape {shape}: a volume has three axes, z, y, x{hint}")
     if 0 in shape:
         raise ValueError(f"an array of shape {shape}: it has no voxels")
@@ -66,7 +68,7 @@ def _in_memory(source: Any) -> np.ndarray[Any, Any]:
     return np.asarray(source)
 
 
-def stored(source: Any) -> tuple[np.ndarray[Any, Any], list[str]]:
+def stored(source: Any, channels: bool = False) -> tuple[np.ndarray[Any, Any], list[str]]:
     """The array as it will be shown, the same memory where that can be, and what was done to it, a sentence each.
 
     The result is in C order, or the transpose of such an array.
@@ -77,7 +79,7 @@ def stored(source: Any) -> tuple[np.ndarray[Any, Any], list[str]]:
     if isinstance(array, np.ma.MaskedArray):
         raise TypeError("a masked array: fill it first, as in array.filled(0)")
     _refuse_type(array.dtype)
-    _refuse_shape(array.shape)
+    _refuse_shape(array.shape, channels)
     notes = []
     if array.dtype.name in _CONVERTED:
         to = _CONVERTED[array.dtype.name]

@@ -40,7 +40,12 @@ def meant(name: str, known: Iterable[str]) -> str:
     return f"; did you mean '{near[0]}'?" if near else ""
 
 
+#: settings of a scene that are lists, which no flag takes
+LISTS = ("channels",)
+
+
 def refuse_unknown(call: str, names: Iterable[str], more: Iterable[str] = ()) -> None:
+    more = (*LISTS, *more)
     for name in names:
         if name not in table() and name not in more:
             raise TypeError(f"{call}() got an unknown setting '{name}'{meant(name, [*table(), *more])}")

@@ -5,7 +5,9 @@ from __future__ import annotations
 import os
 from typing import Any
 
-from . import _chiaro, _settings
+import numpy as np
+
+from . import _channels, _chiaro, _progress, _settings
 from .probe import Probe
 from .transfer import TransferFunction
 from .volume import Volume
@@ -16,7 +18,9 @@ class Scene:
 
     ``volume`` is a Volume, or the name of a file or sample as for ``read``. ``settings`` are the tool's flags with ``_``
     for ``-``; each can be read back as an attribute, or by group (``scene.camera.azimuth``). ``transfer`` also takes a
-    TransferFunction or whatever that takes, ``probe`` a Probe or an array. Wrong names and types raise TypeError, wrong
+    TransferFunction or whatever that takes, ``probe`` a Probe or an array, ``labels`` an array or Volume, ``label_table`` a
+    dict or list (docs/python.md); ``channels`` is a list with the gain, or a dict of name, gain, show and transfer, of each of
+    several channels. Wrong names and types raise TypeError, wrong
     values UsageError (a ValueError).
     """
 
@@ -33,6 +37,8 @@ class Scene:
         else:
             held = Volume.of(volume)
             name = held.name
+        if held is not None and held._channels and any(row.keys() - {"name", "color"} for row in held._channels):
+            settings = {"channels": held._channels, **settings}
         changed = Scene._of(_chiaro.Scene(name), held)._changed(settings)
         object.__setattr__(self, "_native", changed._native)
         object.__setattr__(self, "_volume", held)
@@ -47,6 +53,9 @@ class Scene:
     def _changed(self, settings: dict[str, Any]) -> "Scene":
         plain = dict(settings)
         native = self._native
+        if "channels" in plain:
+            native = native.with_channels(_channels.settings_of(_channels.rows_of(plain.pop("channels") or []), self._volume))
+        native = self._labelled(native, plain)
         function = probe = None
         if "transfer" in plain and not isinstance(plain["transfer"], (str, os.PathLike, type(None))):
             function = TransferFunction.of(plain.pop("transfer"), self._volume)
@@ -65,6 +74,28 @@ class Scene:
         if probe is not None:
             native = native.with_probe(probe._native)
         return Scene._of(native.with_settings(_settings.texts(plain)), self._volume)
+
+    def _labelled(self, native: Any, plain: dict[str, Any]) -> Any:
+        """With labels or tables that are in memory, which are taken out of the settings."""
+        labels, table = plain.get("labels"), plain.get("label_table")
+        is_name = isinstance(labels, (str, os.PathLike))
+        if labels is None or (is_name and isinstance(table, (str, os.PathLike, type(None)))):
+            if table is not None and not isinstance(table, (str, os.PathLike)):
+                raise TypeError("label_table: a dict or list goes with labels=, which it is the table of")
+            return native.without_labels() if "labels" in plain and native.has_own_labels else native
+        del plain["labels"]
+        plain.pop("label_table", None)
+        held = self._volume
+        if isinstance(labels, np.ndarray) and held is not None and labels.shape == held.shape[:3]:
+            volume = Volume(labels, held.spacing, held.origin, held.direction, held.frame, "labels")
+        else:
+            volume = Volume.of(labels)
+        alone = held is not None and labels is held
+        is_text = table is not None and not isinstance(table, (str, os.PathLike))
+        text = _channels.table_text(table) if is_text else os.fspath(table or "")
+        name = native.volume if alone else f"labels: {volume.name}"
+        with _progress.reporting(None) as report:
+            return native.with_labels(volume._native, name, text, is_text, report)
 
     def with_(self, **settings: Any) -> "Scene":
         """The scene with other settings (None takes an optional one back), or of another ``volume``."""
@@ -134,7 +165,7 @@ class Scene:
         return [*super().__dir__(), *_settings.table(), *_settings.grouped()]
 
     def __reduce__(self) -> Any:
-        if self._volume is not None:
+        if self._volume is not None or self._native.has_own_labels:
             raise TypeError("a scene of an array cannot be pickled: keep its to_json() and the array")
         return Scene.from_json, (self.to_json(),)
 

@@ -8,7 +8,7 @@ from typing import Any, Callable, Iterator, Sequence
 
 import numpy as np
 
-from . import _arrays, _chiaro, _progress
+from . import _arrays, _channels, _chiaro, _progress
 
 log = logging.getLogger("chiaro")
 
@@ -43,6 +43,10 @@ class Volume:
         in the place of spacing, origin, direction and frame: 4 × 4, from (x, y, z) index to RAS mm, as nibabel has it.
     ``name``
         what messages and scene files call it.
+    ``channels``
+        of an array (c, z, y, x) with up to eight values a voxel, shown together as one medium: True, or for each channel its
+        name, its gain, or a dict of name, color (a CSS name or three numbers), gain, show and transfer. 'rgb': three or four
+        values, (c, z, y, x) or (z, y, x, c), are the voxels' own colours and alpha. The array is copied.
     ``time``
         which moment of an array of several, from 0. Its pictures have the range, the look and the camera of moment 0.
 
@@ -61,8 +65,13 @@ class Volume:
         *,
         affine: Any = None,
         time: int | None = None,
+        channels: Any = None,
     ) -> None:
         self._first: Callable[[], Volume] | None = None
+        self._channels: list[dict[str, Any]] = []
+        if channels is not None:
+            self._take(*self._of_channels(array, channels, time, str(name)), spacing, origin, direction, frame, affine)
+            return
         moments = 1 if time is None else _moments_in(array, time)
         if time:
             self._first = lambda: Volume(array, spacing, origin, direction, frame, name, affine=affine, time=0)
@@ -71,7 +80,31 @@ class Volume:
         base = held.T if self._transposed else held
         dimensions = tuple(int(n) for n in base.shape[::-1])
         native = _chiaro.borrow(base, held.dtype.name, dimensions, 1).told(str(name), "array", "", 1.0, 0.0)
-        native = native.at_moment(time or 0, moments)
+        self._take(native.at_moment(time or 0, moments), notes, spacing, origin, direction, frame, affine)
+
+    def _of_channels(self, array: Any, channels: Any, time: int | None, name: str) -> tuple[Any, list[str]]:
+        if time is not None:
+            raise ValueError(f"time={time}: several channels are shown at one moment; give an array of that one")
+        held, notes = _arrays.stored(array, channels=True)
+        own = isinstance(channels, str)
+        if own and channels != "rgb":
+            raise ValueError(f"channels={channels!r}: must be True, 'rgb' or a list")
+        last = own and held.shape[3] in (3, 4)
+        count = held.shape[3 if last else 0]
+        if own and count not in (3, 4):
+            raise ValueError(f"an array of shape {held.shape}: colours are three or four values, (c, z, y, x) or (z, y, x, c)")
+        if count > _channels.MOST:
+            raise ValueError(f"an array of shape {held.shape}: at most {_channels.MOST} channels can be shown")
+        if not own and channels is not True:
+            self._channels = _channels.rows_of(channels, count)
+        self._transposed = False
+        base = np.ascontiguousarray(held if last else np.moveaxis(held, 0, -1))
+        dimensions = tuple(int(n) for n in base.shape[2::-1])
+        native = _chiaro.borrow(base, held.dtype.name, dimensions, count).told(name, "array", "", 1.0, 0.0)
+        infos = [(str(row.get("name", "")), _channels.color_text(row.get("color"))) for row in self._channels]
+        return native.with_channels(own, infos), notes
+
+    def _take(self, native: Any, notes: list[str], spacing: Any, origin: Any, direction: Any, frame: str | None, affine: Any) -> None:
         if affine is not None:
             place = _place_of_affine(affine)
         else:
@@ -103,6 +136,7 @@ class Volume:
         self._native = native
         self._transposed = False
         self._first = None
+        self._channels = []
         self._notes = list(native.notes)
         self._version = 0
         self._statistics = None
@@ -123,7 +157,7 @@ class Volume:
         """The stored numbers, (z, y, x), the same memory, not to be written through this view."""
         view = np.asarray(self._native)
         view.flags.writeable = False
-        return view.T if self._transposed else view
+        return view.T if self._transposed else view  # of channels (z, y, x, c)
 
     def to_numpy(self) -> np.ndarray[Any, Any]:
         """A copy of the values, after slope and intercept (HU for CT); float32 where those are not 1 and 0."""
@@ -207,6 +241,17 @@ class Volume:
     def moments(self) -> dict[str, Any]:
         """Of what changes with time: count, shown (which of them this is, from 0), times and their unit."""
         return dict(self._native.moments)
+
+    @property
+    def channels(self) -> list[dict[str, Any]]:
+        """Name and color (sRGB, or None) of each of several values a voxel."""
+        told = list(self._native.channels) or [("", None)] * int(self._native.components)
+        return [{"name": name, "color": color} for name, color in told] if len(told) > 1 else []
+
+    @property
+    def has_own_colors(self) -> bool:
+        """Whether the values of a voxel are its colour."""
+        return bool(self._native.has_own_colors)
 
     @property
     def notes(self) -> list[str]:

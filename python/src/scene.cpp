@@ -153,6 +153,31 @@ std::pair<Scene, std::vector<std::string>> read(const std::string& file, const s
     return {std::move(scene), std::move(unknown)};
 }
 
+/// Name, gain, whether it is shown, and a transfer function or None, of each channel in turn.
+using ChannelRow = std::tuple<std::string, double, bool, std::optional<TransferFunction>, std::string>;
+
+Scene with_channels(Scene scene, const std::vector<ChannelRow>& rows) {
+    scene.channels.clear();
+    for (const auto& [name, gain, show, transfer, source] : rows) {
+        ChannelSettings& channel = scene.channels.emplace_back(ChannelSettings{.name = name});
+        channel.gain = gain, channel.show = show;
+        channel.transfer.points = transfer, channel.transfer.source = source;
+    }
+    return scene;
+}
+
+/// Labels that are in memory; `table`: a file's name, or the text of one where `is_text`.
+Scene with_labels(Scene scene, const VolumeHandle& labels, const std::string& name, const std::string& table,
+                  bool is_text, py::object report) {
+    scene.labels.loaded = result_of({report}, [&](Progress& progress, News&) {
+        std::optional<LabelTable> names;
+        if (!table.empty()) names = is_text ? parse_label_table(table, "label_table") : read_label_table(table);
+        return std::make_shared<const LabelVolume>(make_labels(*labels.volume, names ? &*names : nullptr, progress));
+    });
+    scene.labels.source = name, scene.labels.table.clear();
+    return scene;
+}
+
 }  // namespace
 
 py::object value_of(const Scene& scene, const std::string& name) {
@@ -184,6 +209,13 @@ void add_scene(py::module_& module) {
                  scene.lighting.loaded_probe = probe;
                  return scene;
              })
+        .def("with_channels", with_channels)
+        .def("with_labels", with_labels)
+        .def("without_labels",
+             [](Scene scene) {
+                 scene.labels = {};
+                 return scene;
+             })
         .def("with_volume",
              [](Scene scene, const std::string& volume) {
                  scene.volume = volume;
@@ -201,6 +233,7 @@ void add_scene(py::module_& module) {
              })
         .def_readonly("volume", &Scene::volume)
         .def_property_readonly("points", [](const Scene& scene) { return scene.transfer.points; })
+        .def_property_readonly("has_own_labels", [](const Scene& scene) { return bool(scene.labels.loaded); })
         .def_property_readonly("has_own_probe", [](const Scene& scene) { return bool(scene.lighting.loaded_probe); });
     module.def("settings", settings);
     module.def("parse_scene", parse);

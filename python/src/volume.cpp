@@ -33,6 +33,7 @@ std::shared_ptr<Volume> with_same_voxels(const VolumeHandle& handle) {
     const Volume& v = *handle.volume;
     auto copy = std::make_shared<Volume>();
     copy->dimensions = v.dimensions, copy->type = v.type, copy->components = v.components;
+    copy->has_own_colors = v.has_own_colors, copy->component_infos = v.component_infos;
     copy->slope = v.slope, copy->intercept = v.intercept, copy->geometry = v.geometry;
     copy->source = v.source, copy->format = v.format, copy->modality = v.modality;
     copy->moments = v.moments;
@@ -63,6 +64,26 @@ VolumeHandle at_moment(const VolumeHandle& handle, int shown, int count) {
     auto volume = with_same_voxels(handle);
     volume->moments.shown = shown, volume->moments.count = count;
     return {volume};
+}
+
+/// Channels with a name and a colour ("" for none) each, or in colours of their own.
+VolumeHandle with_channels(const VolumeHandle& handle, bool own_colors,
+                           const std::vector<std::pair<std::string, std::string>>& infos) {
+    auto volume = with_same_voxels(handle);
+    volume->has_own_colors = own_colors;
+    volume->component_infos.clear();
+    for (const auto& [name, color] : infos) {
+        ComponentInfo& info = volume->component_infos.emplace_back(ComponentInfo{name, {}});
+        if (!color.empty()) from_text(color, info.rgb.emplace());
+    }
+    return {volume};
+}
+
+py::list channels_of(const VolumeHandle& handle) {
+    py::list all;
+    for (const auto& [name, rgb] : handle.volume->component_infos)
+        all.append(py::make_tuple(name, rgb ? py::object(py::tuple(py::cast(*rgb))) : py::none()));
+    return all;
 }
 
 std::string_view format_of(VoxelType type) {
@@ -127,6 +148,9 @@ void add_volume(py::module_& module) {
         .def("placed", placed)
         .def("told", told)
         .def("at_moment", at_moment)
+        .def("with_channels", with_channels)
+        .def_property_readonly("channels", channels_of)
+        .def_property_readonly("has_own_colors", [](const Handle& h) { return h.volume->has_own_colors; })
         .def("statistics", statistics_of)
         .def_property_readonly("dimensions",
                                [](const Handle& h) {

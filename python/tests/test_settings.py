@@ -14,7 +14,7 @@ TABLE = _settings.table()
 # A value other than the default for every setting, as one would write it in Python.
 OTHER = {
     "raw_size": (4, 5, 6), "raw_type": "int16", "raw_spacing": (1, 2, 3), "raw_endian": "big", "raw_offset": 12, "series": "2",
-    "rescale": (2, -1000), "time": 3, "transfer": "gray", "window": (40, 400), "threshold": (10, 20), "opacity_scale": 0.5, "opacity_unit": 2,
+    "rescale": (2, -1000), "time": 3, "channels_as": "rgb", "transfer": "gray", "window": (40, 400), "threshold": (10, 20), "opacity_scale": 0.5, "opacity_unit": 2,
     "opacity_unit_mm": 2, "camera_matrix": (0.5, 0, 0, 1, 0, 0.25, 0, 2.5, 0, 0, -0.125, 0, 0, 0, 0, 1), "size": (320, 200), "mode": "mip", "iso": [100, (120, "red")], "background": "white",
     "clip_box": (0, 1, 0, 0.5, 0, 1), "clip_plane": [(0, 0, 1, 10)], "azimuth": 10, "elevation": -5, "roll": 3, "zoom": 2, "fov": 40,
     "up": (0, 1, 0), "projection": "orthographic", "view": "left", "eye": (1, 2, 3), "target": (4, 5, 6), "light": "10,20,red",

@@ -106,7 +106,7 @@ def test_what_cannot_be_borrowed_is_copied_and_said(make, note, blob):
         (lambda a: a.astype(object), TypeError, "an array of Python objects: convert it first, as in array.astype('float32')"),
         (lambda a: np.zeros(a.shape, [("hu", "i2"), ("label", "u1")]), TypeError, "an array with fields ('hu', 'label'): pick one, as in array['hu']"),
         (lambda a: a[0], ValueError, "an array of shape (24, 28): a volume has three axes, z, y, x"),
-        (lambda a: a[None], ValueError, "an array of shape (1, 20, 24, 28): a volume has three axes, z, y, x; give one moment or channel of it, as in array[0]"),
+        (lambda a: a[None], ValueError, "an array of shape (1, 20, 24, 28): a volume has three axes, z, y, x; give one moment of it, as in array[0], or channels=True"),
         (lambda a: a[:0], ValueError, "an array of shape (0, 24, 28): it has no voxels"),
         (lambda a: np.ma.masked_less(a, 9), TypeError, "a masked array: fill it first, as in array.filled(0)"),
         (lambda a: a.astype("U4"), TypeError, None),

@@ -1,5 +1,6 @@
 #include <chiaro/error.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "classify/gpu.h"
@@ -111,9 +112,18 @@ Medium classify(const Device& device, const DeviceVolume& volume, const Transfer
 
 namespace {
 
+bool shows_values_of_rays(const Shape& shape) { return !is_lit(shape.mode) && shape.mode != Mode::additive; }
+
+/// Throws Error{usage} for what is found of one value.
+void check_one_value(const Shape& shape, const std::string& refusal) {
+    const auto refuse = [&](const char* what) { throw Error(ErrorCode::usage, what + (" " + refusal)); };
+    if (shape.mode == Mode::iso) refuse("--mode iso");
+    if (shape.clip.largest) refuse("--largest");
+}
+
 /// Where a value of a whole ray is shown, gain is of its colour.
 Medium classified_channel(const Device& device, const Channel& channel, Shape shape, const Progress& progress) {
-    const bool of_rays = !is_lit(shape.mode) && shape.mode != Mode::additive;
+    const bool of_rays = shows_values_of_rays(shape);
     if (!of_rays) shape.opacity_scale *= channel.gain;
     const Medium medium = classify(device, channel.volume, channel.transfer, shape, progress);
     if (!of_rays || channel.gain == 1) return medium;
@@ -134,9 +144,7 @@ void check_channels(const std::vector<Channel>& channels, const Shape& shape) {
         if (!(channel.gain >= 0) || !std::isfinite(channel.gain)) refuse("the gain of a channel must be 0 or more");
         shown += channel.gain > 0;
     }
-    if (shown < 2) return;
-    if (shape.mode == Mode::iso) refuse("--mode iso shows the surfaces of one channel: hide the others (gain 0)");
-    if (shape.clip.largest) refuse("--largest finds the pieces of one channel: hide the others (gain 0)");
+    if (shown > 1) check_one_value(shape, "is of one channel: hide the others (gain 0)");
 }
 
 }  // namespace
@@ -154,26 +162,53 @@ Medium classify(const Device& device, const std::vector<Channel>& channels, cons
         return classify(device, channels.front().volume, channels.front().transfer, nothing, progress);
     }
     if (shown.size() == 1) return Medium(std::move(shown.front()));
-    return mixed(device, std::move(shown), shape, progress);
+    return mixed(device, {std::move(shown), nullptr}, shape, progress);
+}
+
+Medium classify(const Device& device, const OwnColors& own, const Shape& shape, const Progress& progress) {
+    check_one_value(shape, "is of values: a volume is shown in its own colours, and --channels-as channels has values");
+    const bool of_rays = shows_values_of_rays(shape);
+    MixtureParts parts{{}, nullptr, !of_rays};
+    const auto add = [&](const DeviceVolume& volume, const TransferFunction& tf) {
+        parts.channels.push_back(classify(device, volume, tf, shape, progress).data().shared_from_this());
+    };
+    // Its colours are what is taken where there is matter that nothing was looked up of: luminance, about.
+    TransferFunction opacity = own.transfer;
+    opacity.rgb_space = RgbSpace::srgb;
+    for (ControlPoint& point : opacity.points) point.rgb.fill(std::clamp(point.value / own.white, 0.0, 1.0));
+    if (!of_rays) add(own.opacity, opacity);
+    for (std::size_t c = 0; c < 3; ++c) {
+        Rgb most{};
+        most[c] = 1;
+        TransferFunction tf{.points = {{0, {}, 0}, {own.white, most, 0}}};
+        // Of whole rays colours add up where there are any.
+        if (of_rays) {
+            Rgb least{};
+            least[c] = 1.0 / 255;
+            tf.points = {{0, {}, 0}, {own.white / 255, least, 1}, {own.white, most, 1}};
+        }
+        add(own.rgb[c], tf);
+    }
+    return mixed(device, std::move(parts), shape, progress);
 }
 
 Medium with_interpolation(const Device& device, const Medium& medium, Interpolation interpolation,
                           const Progress& progress) {
     const Medium::Data& from = medium.data();
     if (is_mixed(from)) {
-        std::vector<std::shared_ptr<const Medium::Data>> channels;
-        for (const auto& channel : from.channels)
-            channels.push_back(
-                with_interpolation(device, Medium(channel), interpolation, progress).data().shared_from_this());
+        MixtureParts parts = parts_of(from);
+        for (auto& channel : parts.channels)
+            channel = with_interpolation(device, Medium(channel), interpolation, progress).data().shared_from_this();
         Shape shape = from.shape;
         shape.interpolation = interpolation;
-        return mixed(device, std::move(channels), shape, progress, from.volume.data().mixture->labels);
+        return mixed(device, std::move(parts), shape, progress);
     }
     auto data = std::make_shared<Medium::Data>();
     data->volume = with_factor(interpolated(from.volume, interpolation, progress), from.volume.data().factor);
     data->table = from.table;
     data->shape = from.shape;
     data->shape.interpolation = interpolation;
+    data->share = from.share;
     find_occupancy(device, *data, progress);
     return Medium(std::move(data));
 }

@@ -51,6 +51,7 @@ struct Medium::Data : std::enable_shared_from_this<Data> {
     std::vector<std::uint8_t> cells;  ///< as volume/occupancy.h reads them
     double occupied_fraction = 0;
     std::vector<std::shared_ptr<const Data>> channels;  ///< of a mixture: each for itself; else empty
+    std::shared_ptr<const VoxelBuffer> share;           ///< of a channel that is of some labels alone; null: everywhere
     std::shared_ptr<const Data> lit_as;                 ///< of a level by bricks: the medium whose light it is seen in
     mutable LastSegments last_segments;
     Lazy<std::shared_ptr<const SurfaceTable>> surface_table;  ///< classify/surface_table.h

@@ -65,6 +65,10 @@ std::vector<float> rises_of(const OpticalTable& table) {
     return rises;
 }
 
+const std::uint8_t* share_of(const VoxelBuffer* share) {
+    return share ? reinterpret_cast<const std::uint8_t*>(share->data()) : nullptr;
+}
+
 /// What kernels read of channels; it keeps them.
 template <class Voxel>
 struct ViewsOfChannels {
@@ -73,14 +77,16 @@ struct ViewsOfChannels {
     std::vector<std::vector<float>> rises;
     std::vector<kernel::ChannelView<Voxel>> views;
 
-    explicit ViewsOfChannels(Channels of) : channels(std::move(of)) {
+    explicit ViewsOfChannels(const MixtureParts& of) : channels(of.channels) {
         for (const auto& channel : channels) {
+            const bool is_color = of.own_colors && channel != channels.front();
             const OpticalTable& table = channel->table;
-            rises.push_back(rises_of(table));
+            rises.push_back(is_color ? std::vector<float>(table.entries.size()) : rises_of(table));
             auto& entries = matter.emplace_back();
             for (const OpticalTable::Entry& e : table.entries) {
-                const float kappa = e.extinction_per_mm;
-                entries.push_back({kappa * e.r, kappa * e.g, kappa * e.b, kappa});
+                const float kappa = is_color ? 0 : e.extinction_per_mm;
+                const float weight = is_color ? 1 : of.own_colors ? 0 : kappa;
+                entries.push_back({weight * e.r, weight * e.g, weight * e.b, kappa});
             }
         }
         for (std::size_t i = 0; i < channels.size(); ++i) {
@@ -88,42 +94,56 @@ struct ViewsOfChannels {
             views.push_back({view_of<Voxel>(channels[i]->volume.data()),
                              {matter[i].data(), float(table.index_scale), float(table.index_offset + 0.5),
                               float(matter[i].size() - 1)},
-                             rises[i].data()});
+                             rises[i].data(),
+                             share_of(channels[i]->share.get())});
         }
     }
 };
 
-std::shared_ptr<const MixtureOfChannels> mixture_of(const Channels& channels,
-                                                    std::shared_ptr<const LabelBricks> labels) {
+std::shared_ptr<const MixtureOfChannels> mixture_of(const MixtureParts& parts) {
     auto mixture = std::make_shared<MixtureOfChannels>();
-    mixture->count = int(channels.size());
-    mixture->labels = std::move(labels);
-    with_stored_voxel(channels.front()->volume.data(), [&](auto voxel) {
-        const auto views = std::make_shared<const ViewsOfChannels<decltype(voxel)>>(channels);
+    mixture->count = int(parts.channels.size());
+    mixture->labels = parts.labels, mixture->own_colors = parts.own_colors;
+    with_stored_voxel(parts.channels.front()->volume.data(), [&](auto voxel) {
+        const auto views = std::make_shared<const ViewsOfChannels<decltype(voxel)>>(parts);
         mixture->channel_views = {views, views->views.data()};
     });
     return mixture;
 }
 
 /// The first channel's, looked at as a mixture.
-DeviceVolume volume_of(const Channels& channels, std::shared_ptr<const LabelBricks> labels) {
-    auto made = borrowed(channels.front()->volume);
-    made->mixture = mixture_of(channels, std::move(labels));
+DeviceVolume volume_of(const MixtureParts& parts) {
+    auto made = borrowed(parts.channels.front()->volume);
+    made->mixture = mixture_of(parts);
     return DeviceVolume(std::move(made));
 }
 
 }  // namespace
 
-Medium mixed(const Device& device, Channels channels, const Shape& shape, const Progress& progress,
-             std::shared_ptr<const LabelBricks> labels) {
+std::shared_ptr<const Medium::Data> with_share(const Medium::Data& medium, std::shared_ptr<const VoxelBuffer> share) {
+    auto data = std::make_shared<Medium::Data>();
+    data->volume = medium.volume, data->table = medium.table, data->shape = medium.shape;
+    data->cells = medium.cells, data->occupied_fraction = medium.occupied_fraction;
+    data->share = std::move(share);
+    return data;
+}
+
+MixtureParts parts_of(const Medium::Data& medium) {
+    if (!is_mixed(medium)) return {{medium.shared_from_this()}, nullptr};
+    const MixtureOfChannels& mixture = *medium.volume.data().mixture;
+    return {medium.channels, mixture.labels, mixture.own_colors};
+}
+
+Medium mixed(const Device& device, MixtureParts parts, const Shape& shape, const Progress& progress) {
+    Channels& channels = parts.channels;
     check_alike(channels);
     if (channels.front()->volume.data().placement)
         throw Error(ErrorCode::usage, "a volume that several ranks share has one channel, and no labels");
-    std::stable_sort(channels.begin(), channels.end(), comes_before);
+    if (!parts.own_colors) std::stable_sort(channels.begin(), channels.end(), comes_before);
     auto data = std::make_shared<Medium::Data>();
     std::vector<std::uint8_t> labelled;
-    if (labels) labelled = cells_with_labels(*labels, channels.front()->volume.data());
-    data->volume = volume_of(channels, std::move(labels));
+    if (parts.labels) labelled = cells_with_labels(*parts.labels, channels.front()->volume.data());
+    data->volume = volume_of(parts);
     data->table = channels.front()->table;
     data->shape = shape;
     std::vector<std::uint8_t> occupied(channels.front()->cells.size() - 1);

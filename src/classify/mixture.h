@@ -1,11 +1,20 @@
-// Several channels as one medium: extinctions add, colours are means weighted by extinction.
+// What samples of a medium are made of where that is more than one value: channels, labels, colours of their own.
 #pragma once
 #include "classify/medium.h"
 
 namespace chiaro {
 
-/// Of one or more on one grid, in one stored type; in any order the same bits. `labels`: that lie in them, or null.
-Medium mixed(const Device& device, std::vector<std::shared_ptr<const Medium::Data>> channels, const Shape& shape,
-             const Progress& progress, std::shared_ptr<const LabelBricks> labels = nullptr);
+/// One or more channels on one grid, in one stored type; in any order the same bits.
+struct MixtureParts {
+    std::vector<std::shared_ptr<const Medium::Data>> channels;
+    std::shared_ptr<const LabelBricks> labels;  ///< that lie in them, or null
+    bool own_colors = false;                    ///< the first has extinction, red, green and blue follow
+};
+
+/// The same where a share of it is: bytes in bricks, as labels lie.
+std::shared_ptr<const Medium::Data> with_share(const Medium::Data& medium, std::shared_ptr<const VoxelBuffer> share);
+Medium mixed(const Device& device, MixtureParts parts, const Shape& shape, const Progress& progress);
+/// What a mixture was made of; of another medium that itself.
+MixtureParts parts_of(const Medium::Data& medium);
 
 }  // namespace chiaro

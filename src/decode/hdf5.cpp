@@ -24,8 +24,10 @@ using Path = std::filesystem::path;
 /// A dataset that can be a volume.
 struct Shape {
     VoxelType type = VoxelType::u8;
-    std::vector<hsize_t> sizes;     ///< of all axes, slowest first
-    std::vector<std::size_t> axes;  ///< those that are kept: up to three, without others of one element
+    std::vector<hsize_t> sizes;           ///< of all axes, slowest first
+    std::vector<std::size_t> axes;        ///< those in space: up to three, without others of one element
+    std::optional<std::size_t> channels;  ///< the axis of channels: before those in space, or behind them
+    bool is_interleaved() const { return channels && *channels > axes.back(); }
 };
 
 std::optional<VoxelType> type_of(hid_t dataset) {
@@ -86,8 +88,11 @@ std::vector<hsize_t> sizes_of(hid_t dataset) {
     return sizes;
 }
 
-/// Drops axes of one element, the slowest first, until three are left.
-std::vector<std::size_t> kept_axes(const std::vector<hsize_t>& sizes) {
+/// Drops axes of one element, the slowest first, until three are left. Of four the first, or else the last is that of
+/// channels, where it has at most eight.
+Shape with_axes(Shape shape) {
+    constexpr hsize_t max_channels_of_axis = 8;
+    const std::vector<hsize_t>& sizes = shape.sizes;
     std::size_t surplus = sizes.size() > 3 ? sizes.size() - 3 : 0;
     std::vector<std::size_t> axes;
     for (std::size_t i = 0; i < sizes.size(); ++i) {
@@ -96,7 +101,12 @@ std::vector<std::size_t> kept_axes(const std::vector<hsize_t>& sizes) {
         else
             axes.push_back(i);
     }
-    return axes;
+    if (axes.size() == 4 && sizes[axes.front()] <= max_channels_of_axis)
+        shape.channels = axes.front(), axes.erase(axes.begin());
+    else if (axes.size() == 4 && sizes[axes.back()] <= max_channels_of_axis)
+        shape.channels = axes.back(), axes.pop_back();
+    shape.axes = std::move(axes);
+    return shape;
 }
 
 std::string text_of(const std::vector<hsize_t>& sizes) { return fmt::format("{}", fmt::join(sizes, " x ")); }
@@ -104,11 +114,10 @@ std::string text_of(const std::vector<hsize_t>& sizes) { return fmt::format("{}"
 Shape shape_of(hid_t dataset, const std::string& path) {
     const auto type = type_of(dataset);
     if (!type) refuse(fmt::format("has in '{}' values that are no numbers of 8 to 64 bits", path));
-    Shape shape{*type, sizes_of(dataset), {}};
-    shape.axes = kept_axes(shape.sizes);
+    const Shape shape = with_axes({*type, sizes_of(dataset), {}, {}});
     if (shape.axes.size() < 2 || shape.axes.size() > 3)
-        refuse(fmt::format("has in '{}' an array of {} elements; volumes have three axes", path,
-                           shape.sizes.empty() ? "no" : text_of(shape.sizes)));
+        refuse(fmt::format("has in '{}' an array of {} elements; volumes have three axes, and at most eight channels",
+                           path, shape.sizes.empty() ? "no" : text_of(shape.sizes)));
     return shape;
 }
 
@@ -120,7 +129,7 @@ std::string only_volume(hid_t file) {
         const Hdf5Id dataset(H5Oopen(file, path.c_str(), H5P_DEFAULT), H5Oclose);
         const Hdf5Id made(dataset.is_valid() ? H5Dget_create_plist(dataset) : -1, H5Pclose);
         if (!made.is_valid() || H5Pget_layout(made) == H5D_VIRTUAL) continue;  // whose size may lie in other files
-        if (type_of(dataset) && kept_axes(sizes_of(dataset)).size() == 3) volumes.push_back(path);
+        if (type_of(dataset) && with_axes({{}, sizes_of(dataset), {}, {}}).axes.size() == 3) volumes.push_back(path);
     }
     if (volumes.size() == 1) return volumes[0];
     const auto& named = volumes.empty() ? all : volumes;
@@ -290,22 +299,38 @@ void fill_few(hid_t dataset, const Shape& shape, const Places& places, Volume& v
     }
 }
 
-void fill(hid_t dataset, const Shape& shape, Volume& volume, Output& output) {
+/// Slabs of the whole array, or of one of the channels before it, which then go between the others.
+void fill(hid_t dataset, const Shape& shape, std::optional<hsize_t> channel, Volume& volume, Output& output) {
     const Hdf5Id space(H5Dget_space(dataset), H5Sclose);
     const std::size_t axis = shape.axes.size() == 3 ? shape.axes[0] : 0;
     const hsize_t size = shape.sizes[axis], slab = slab_of(dataset, shape);
-    const std::size_t slice_bytes = volume.voxels.size() / size;
+    const std::size_t slice_bytes = volume.voxels.size() / size, value = size_of(volume.type);
+    std::vector<std::byte> plane(channel ? slice_bytes / std::size_t(volume.components) * slab : 0);
     for (hsize_t first = 0; first < size; first += slab) {
         std::vector<hsize_t> start(shape.sizes.size(), 0), count = shape.sizes;
         start[axis] = first;
         count[axis] = std::min(slab, size - first);
+        if (channel) start[*shape.channels] = *channel, count[*shape.channels] = 1;
         const Hdf5Id memory(H5Screate_simple(int(count.size()), count.data(), nullptr), H5Sclose);
+        std::byte* const to = volume.voxels.data() + first * slice_bytes;
         if (H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) < 0 ||
-            H5Dread(dataset, memory_type(volume.type), memory, space, H5P_DEFAULT,
-                    volume.voxels.data() + first * slice_bytes) < 0)
+            H5Dread(dataset, memory_type(volume.type), memory, space, H5P_DEFAULT, channel ? plane.data() : to) < 0)
             refuse("holds values that are damaged or missing");
-        output.progress(double(first) / double(size));
+        const std::size_t values = channel ? count[axis] * slice_bytes / std::size_t(volume.components) / value : 0;
+        for (std::size_t i = 0; i < values; ++i)
+            std::copy_n(plane.data() + i * value, value,
+                        to + (i * std::size_t(volume.components) + std::size_t(*channel)) * value);
+        const double done = double(channel.value_or(0)) + double(first) / double(size);
+        output.progress(channel ? done / volume.components : done);
     }
+}
+
+void set_channels(const Shape& shape, Volume& volume) {
+    if (!shape.channels) return;
+    volume.components = int(shape.sizes[*shape.channels]);
+    volume.has_own_colors = shape.is_interleaved() && are_colors_untold(volume);
+    volume.notes.push_back(fmt::format("its {} axis, of {}, is taken for channels",
+                                       shape.is_interleaved() ? "last" : "first", volume.components));
 }
 
 }  // namespace
@@ -324,16 +349,19 @@ Volume read_hdf5(const Path& path, const std::string& part, Output& output) {
         const hsize_t size = shape.sizes[shape.axes[shape.axes.size() - 1 - i]];
         n[i] = std::int64_t(std::min<hsize_t>(size, std::uint64_t(1) << 62));
     }
-    const auto bytes = checked_bytes(n, 1, volume.type);
+    set_channels(shape, volume);
+    const auto bytes = checked_bytes(n, volume.components, volume.type);
     volume.dimensions = {int(n[0]), int(n[1]), int(n[2])};
     if (shape.axes.size() == 2) volume.notes.push_back("a picture of two dimensions, taken as one slice");
     set_spacing(dataset, shape, volume);
     const auto few = check_stored(dataset, regular_file_size(path), bytes, shape, volume, output);
     output.allocate(volume);
-    if (few)
+    const bool are_planes = shape.channels && !shape.is_interleaved() && volume.components > 1;
+    if (few && !are_planes)
         fill_few(dataset, shape, *few, volume);
     else
-        fill(dataset, shape, volume, output);
+        for (hsize_t c = 0; c < hsize_t(are_planes ? volume.components : 1); ++c)
+            fill(dataset, shape, are_planes ? std::optional(c) : std::nullopt, volume, output);
     return volume;
 }
 

@@ -75,6 +75,7 @@ std::uint64_t set_shape(const Fields& fields, Volume& volume) {
     checked_bytes(n, components, volume.type);
     volume.dimensions = {int(n[0]), int(n[1]), int(n[2])};
     volume.components = int(components);
+    volume.has_own_colors = are_colors_untold(volume);
     if (dimension == 2) volume.notes.push_back("a picture of two dimensions, taken as one slice");
     const std::int64_t volumes = dimension == 4 ? sizes[3] : 1;
     if (volumes < 1) refuse(fmt::format("states {} volumes", volumes));

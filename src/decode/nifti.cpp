@@ -78,6 +78,7 @@ std::uint64_t set_shape(const NiftiHeader& header, Volume& volume) {
     const Datatype datatype = datatype_of(header.datatype);
     volume.type = datatype.type;
     volume.components = datatype.components;
+    volume.has_own_colors = datatype.components > 1;
     if (const int bits = int(size_of(volume.type)) * volume.components * 8; header.bitpix != bits)
         refuse(fmt::format("states {} bits a voxel, but its datatype {} has {}", header.bitpix, header.datatype, bits));
     checked_bytes(n, volume.components, volume.type);

@@ -90,6 +90,7 @@ struct Axes {
     std::vector<std::int64_t> sizes;
     std::vector<std::size_t> space;   ///< two (one slice) or three
     bool has_list = false;            ///< values of a voxel come first
+    std::string kind_of_list;         ///< "rgb-color", "vector"; empty: not told
     std::optional<std::size_t> time;  ///< the one that moments follow each other along
     std::uint64_t volumes = 1;        ///< along all axes but those
 
@@ -125,6 +126,8 @@ void tell_axes_apart(const NrrdHeader& header, Axes& axes) {
     const auto kinds = words(lower(value_or(header.fields, "kinds")));
     const auto vectors = vectors_from(value_or(header.fields, "space directions"), "space directions");
     axes.has_list = has_list_first(header, kinds, dimension);
+    if (axes.has_list && kinds.size() == dimension && kinds[0] != "???" && kinds[0] != "none")
+        axes.kind_of_list = kinds[0];
     std::optional<std::size_t> behind;
     for (std::size_t i = axes.has_list ? 1 : 0; i < dimension; ++i) {
         const bool is_time = kinds.size() == dimension && kinds[i] == "time";
@@ -164,6 +167,9 @@ void set_shape(const Axes& axes, Volume& volume) {
     checked_bytes(n, components, volume.type);
     volume.dimensions = {int(n[0]), int(n[1]), int(n[2])};
     volume.components = int(components);
+    const bool can_be_colors = components == 3 || components == 4;
+    const std::string& kind = axes.kind_of_list;
+    volume.has_own_colors = can_be_colors && (kind.ends_with("-color") || (kind.empty() && are_colors_untold(volume)));
     if (axes.space.size() == 2) volume.notes.push_back("a picture of two dimensions, taken as one slice");
 }
 

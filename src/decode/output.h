@@ -50,6 +50,11 @@ private:
     std::chrono::steady_clock::time_point last_report_{};
 };
 
+/// Whether values of a voxel of which nothing is said are colours: three or four bytes.
+inline bool are_colors_untold(const Volume& volume) {
+    return volume.type == VoxelType::u8 && (volume.components == 3 || volume.components == 4);
+}
+
 /// Moments that are `step` apart, where that is a step; and not of so many that they would fill a page.
 void set_even_times(Moments& moments, double first, double step, const std::string& unit);
 

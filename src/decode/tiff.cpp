@@ -172,16 +172,13 @@ void note_guessed_sizes(const std::vector<Slice>& slices, Volume& volume) {
 }
 
 void note_colors(const TiffPage& page, Volume& volume) {
-    if (page.color == TiffColor::rgb)
-        volume.notes.push_back(
-            "colour pictures, shown by their luminance: 0.2126 R + 0.7152 G + 0.0722 B of the stored values");
     if (page.color == TiffColor::palette)
         volume.notes.push_back("pictures with a palette; the indices into it are the values");
     if (page.color == TiffColor::grey_from_white)
         volume.notes.push_back("values that grow from white to black; integers without sign were turned around");
-    if (page.samples > (page.color == TiffColor::rgb ? 3 : 1))
-        volume.notes.push_back(
-            fmt::format("{} values a pixel, of which those beyond the colour are left out", page.samples));
+    if (page.samples > page.values)
+        volume.notes.push_back(fmt::format("{} values a pixel, of which the first {} taken", page.samples,
+                                           page.values > 1 ? fmt::format("{} are", page.values) : "is"));
 }
 
 /// Large stacks of ImageJ have one directory, and all slices behind each other from its first strip on.
@@ -195,7 +192,9 @@ std::optional<Run> run_of(const Slice& first, const TiffLayout& layout, std::siz
     const TiffFile file = open_tiff(first.path);
     std::uint16_t compression = COMPRESSION_NONE;
     TIFFGetFieldDefaulted(file.get(), TIFFTAG_COMPRESSION, &compression);
-    if (compression != COMPRESSION_NONE || TIFFIsTiled(file.get()) || first.page.color != TiffColor::grey) return {};
+    if (compression != COMPRESSION_NONE || TIFFIsTiled(file.get()) || first.page.color != TiffColor::grey ||
+        first.page.samples > 1)
+        return {};
     const std::uint64_t offset = TIFFGetStrileOffset(file.get(), 0), size = regular_file_size(first.path);
     std::uint64_t needed = 0;
     if (__builtin_mul_overflow(first.page.bytes(), std::uint64_t(images), &needed)) refuse("states too many images");
@@ -203,46 +202,99 @@ std::optional<Run> run_of(const Slice& first, const TiffLayout& layout, std::siz
     return Run{offset, TIFFIsBigEndian(file.get()) != 0};
 }
 
-/// Chooses the slices of the first channel at the wanted time. Returns their indices among the pages.
-std::vector<std::size_t> choose_pages(const TiffLayout& layout, std::size_t pages, bool is_run, const Output& output,
-                                      Volume& volume) {
+/// Channels that lie in pages of their own, at the wanted time.
+struct ChosenPages {
+    std::vector<std::size_t> pages;  ///< indices, of each slice those of all channels
+    int channels = 1;
+};
+
+ChosenPages choose_pages(const TiffLayout& layout, const TiffPage& page, std::size_t pages, bool is_run,
+                         const Output& output, Volume& volume) {
+    constexpr int max_values = 8;  // that can be shown
     const auto images = std::size_t(layout.channels * layout.slices * layout.times);
-    std::vector<std::size_t> chosen;
+    ChosenPages chosen;
     if (layout.stated && (is_run || images == pages)) {
         const auto first = std::int64_t(output.choose_moment(std::uint64_t(layout.times), volume)) * layout.time_step;
         set_even_times(volume.moments, 0, layout.seconds, "s");
-        for (std::int64_t z = 0; z < layout.slices; ++z) chosen.push_back(std::size_t(first + z * layout.slice_step));
-        if (layout.channels > 1)
-            volume.notes.push_back(fmt::format("holds {} channels; the first is taken", layout.channels));
+        const auto channels = std::min<std::int64_t>(layout.channels, std::max(max_values / page.values, 1));
+        for (std::int64_t z = 0; z < layout.slices; ++z)
+            for (std::int64_t c = 0; c < channels; ++c)
+                chosen.pages.push_back(std::size_t(first + z * layout.slice_step + c * layout.channel_step));
+        if (channels < layout.channels)
+            volume.notes.push_back(fmt::format("holds {} channels; the first {} are taken", layout.channels, channels));
+        chosen.channels = int(channels);
         return chosen;
     }
     if (layout.stated && images != pages)
         volume.notes.push_back(fmt::format(
             "its description states {} images, but there are {} pages, all taken as slices", images, pages));
-    for (std::size_t i = 0; i < pages; ++i) chosen.push_back(i);
+    for (std::size_t i = 0; i < pages; ++i) chosen.pages.push_back(i);
     return chosen;
 }
 
-void fill(const std::vector<Slice>& slices, const std::vector<std::size_t>& chosen, const std::optional<Run>& run,
-          Volume& volume, Output& output) {
+/// The values of a tag that libtiff does not know, where they are of this type.
+template <class T>
+std::span<const T> private_tag(TIFF* file, std::uint32_t name, TIFFDataType type) {
+    const TIFFField* const field = TIFFFindField(file, name, TIFF_ANY);
+    std::uint32_t count = 0;
+    const T* values = nullptr;
+    if (!field || TIFFFieldDataType(field) != type || TIFFFieldReadCount(field) != TIFF_VARIABLE2 ||
+        !TIFFGetField(file, name, &count, &values) || !values)
+        return {};
+    return {values, count};
+}
+
+std::vector<ComponentInfo> colors_in_tags(const Path& path, std::uint64_t directory) {
+    const TiffFile file = open_tiff(path);
+    if (!TIFFSetSubDirectory(file.get(), directory)) return {};
+    const auto counts = private_tag<std::uint32_t>(file.get(), 50838, TIFF_LONG);
+    const auto bytes = private_tag<char>(file.get(), 50839, TIFF_BYTE);
+    return imagej_colors(std::vector(counts.begin(), counts.end()), std::string(bytes.begin(), bytes.end()));
+}
+
+/// Names and colours of the channels; ImageJ's colours lie in tags of its own.
+void set_infos(const Slice& first, const TiffLayout& layout, Volume& volume) {
+    std::vector<ComponentInfo> infos = layout.channel_infos;
+    if (first.page.description.starts_with("ImageJ=")) infos = colors_in_tags(first.path, first.directory);
+    if (infos.empty() || volume.has_own_colors) return;
+    infos.resize(std::size_t(volume.components));
+    volume.component_infos = std::move(infos);
+}
+
+/// One value of each pixel, between those of other channels.
+void fill_from_run(const Run& run, const Slice& first, std::size_t page, int channel, std::span<std::byte> to,
+                   Volume& volume, Output& output) {
+    const std::size_t size = first.page.bytes(), value = size_of(volume.type), count = size / value;
+    std::vector<std::byte> plane(size);
+    fill_from_bytes(*open_plain(first.path, run.offset + page * size), run.big_endian, volume.type, plane, output);
+    for (std::size_t i = 0; i < count; ++i)
+        std::copy_n(plane.data() + i * value, value,
+                    to.data() + (i * std::size_t(volume.components) + std::size_t(channel)) * value);
+}
+
+void fill(const std::vector<Slice>& slices, const ChosenPages& chosen, const std::optional<Run>& run, Volume& volume,
+          Output& output) {
     TiffFile file;
     const Path* opened = nullptr;
-    const std::size_t size = slices[0].page.bytes();
-    for (std::size_t z = 0; z < chosen.size(); ++z) {
+    const std::size_t size = slices[0].page.bytes() * std::size_t(volume.components);
+    for (std::size_t i = 0; i < chosen.pages.size(); ++i) {
+        const std::size_t z = i / std::size_t(chosen.channels), page = chosen.pages[i];
+        const int channel = int(i % std::size_t(chosen.channels));
         const std::span<std::byte> to(volume.voxels.data() + z * size, size);
-        output.progress(0.2 + 0.8 * double(z) / double(chosen.size()));
+        output.progress(0.2 + 0.8 * double(i) / double(chosen.pages.size()));
         if (run) {
-            fill_from_bytes(*open_plain(slices[0].path, run->offset + chosen[z] * size), run->big_endian, volume.type,
-                            to, output);
+            fill_from_run(*run, slices[0], page, channel, to, volume, output);
             continue;
         }
-        const Slice& slice = slices[chosen[z]];
+        const Slice& slice = slices[page];
         output.at(slice.path.filename().string());
         if (!opened || *opened != slice.path) file = open_tiff(slice.path);
         opened = &slice.path;
         try {
             if (!TIFFSetSubDirectory(file.get(), slice.directory)) refuse("has a page that cannot be found again");
-            read_page(file.get(), scan_page(file.get(), regular_file_size(slice.path)), to);
+            const TiffPage found = scan_page(file.get(), regular_file_size(slice.path));
+            if (!found.same_kind(slice.page)) refuse("has a page that changed while it was read");
+            read_page(file.get(), found, to, channel * found.values, volume.components);
         } catch (const Error& error) {
             refuse(fmt::format("'{}' {}", slice.path.filename().string(), error.what()));
         }
@@ -258,12 +310,17 @@ Volume read_tiff(const Path& path, const std::string&, Output& output) {
     keep_one_kind(slices, volume);
     const TiffPage& page = slices[0].page;
     const bool is_stack = slices.front().path != slices.back().path;
-    const TiffLayout layout = is_stack ? TiffLayout{} : layout_from(page.description, std::int64_t(slices.size()));
+    const TiffLayout layout =
+        is_stack ? TiffLayout{} : layout_from(page.description, std::int64_t(slices.size()), page.samples);
     const auto run = run_of(slices[0], layout, slices.size());
-    const auto chosen = choose_pages(layout, slices.size(), run.has_value(), output, volume);
+    const auto chosen = choose_pages(layout, page, slices.size(), run.has_value(), output, volume);
+    const auto depth = std::int64_t(chosen.pages.size()) / chosen.channels;
     volume.type = page.type;
-    checked_bytes({page.columns, page.rows, std::int64_t(chosen.size())}, 1, volume.type);
-    volume.dimensions = {page.columns, page.rows, int(chosen.size())};
+    volume.components = page.values * chosen.channels;
+    volume.has_own_colors = page.color == TiffColor::rgb && chosen.channels == 1;
+    checked_bytes({page.columns, page.rows, depth}, volume.components, volume.type);
+    volume.dimensions = {page.columns, page.rows, int(depth)};
+    set_infos(slices[0], layout, volume);
     volume.slope = layout.slope;
     volume.intercept = layout.intercept;
     set_spacing(page, layout, volume);

@@ -80,14 +80,32 @@ double seconds_of(const pugi::xml_node& pixels) {
     return step > 0 && std::isfinite(step) ? step * seconds : 0;
 }
 
+/// Names, and colours that are told: a signed 32-bit number of red, green, blue and alpha, of which white is the
+/// default.
+std::vector<ComponentInfo> channels_of(const pugi::xml_node& pixels) {
+    std::vector<ComponentInfo> infos;
+    for (const auto& channel : pixels.children("Channel")) {
+        if (infos.size() == 64) break;
+        ComponentInfo& info = infos.emplace_back(ComponentInfo{channel.attribute("Name").as_string(), {}});
+        if (const auto stated = channel.attribute("Color")) {
+            const auto color = std::uint32_t(stated.as_int(-1));
+            const auto part = [&](int shift) { return (color >> shift & 255) / 255.0; };
+            info.rgb = {part(24), part(16), part(8)};
+        }
+    }
+    return infos;
+}
+
 /// https://docs.openmicroscopy.org/ome-model/: Pixels with SizeZ, SizeC, SizeT, and the order of the pages.
-TiffLayout from_ome(const std::string& text) {
+TiffLayout from_ome(const std::string& text, int samples) {
     pugi::xml_document document;
     if (!document.load_buffer(text.data(), text.size(), pugi::parse_escapes)) return {};
     const auto pixels = document.child("OME").child("Image").child("Pixels");
     if (!pixels) return {};
     const auto size = [&](const char* name) { return count(pixels.attribute(name).as_string("1"), name); };
     TiffLayout layout{.stated = true, .channels = size("SizeC"), .slices = size("SizeZ"), .times = size("SizeT")};
+    if (samples > 1 && layout.channels % samples == 0) layout.channels /= samples;
+    layout.channel_infos = channels_of(pixels);
     std::int64_t step = 1;
     for (const char axis : std::string(pixels.attribute("DimensionOrder").as_string("XYZCT"))) {
         if (axis == 'Z') layout.slice_step = step, step *= layout.slices;
@@ -103,10 +121,34 @@ TiffLayout from_ome(const std::string& text) {
 
 }  // namespace
 
-TiffLayout layout_from(const std::string& description, std::int64_t pages) {
+TiffLayout layout_from(const std::string& description, std::int64_t pages, int samples) {
     if (description.starts_with("ImageJ=")) return from_imagej(description, pages);
-    if (description.find("<OME") != std::string::npos) return from_ome(description);
+    if (description.find("<OME") != std::string::npos) return from_ome(description, samples);
     return {};
+}
+
+std::vector<ComponentInfo> imagej_colors(const std::vector<std::uint32_t>& counts, const std::string& metadata) {
+    constexpr std::size_t table_bytes = 3 * 256;
+    if (counts.empty() || counts[0] < 12 || counts[0] > metadata.size()) return {};
+    const bool little = metadata.starts_with("JIJI");
+    if (!little && !metadata.starts_with("IJIJ")) return {};
+    const auto number_at = [&](std::size_t at) {
+        std::uint32_t number = 0;
+        for (std::size_t i = 0; i < 4; ++i)
+            number |= std::uint32_t(std::uint8_t(metadata[at + (little ? i : 3 - i)])) << (8 * i);
+        return number;
+    };
+    constexpr std::uint32_t tables = 0x6c757473;  // "luts"
+    std::vector<ComponentInfo> infos;
+    std::size_t at = counts[0], item = 1;
+    for (std::size_t kind = 4; kind + 8 <= counts[0]; kind += 8)
+        for (std::uint32_t i = 0; i < number_at(kind + 4) && item < counts.size(); at += counts[item++], ++i) {
+            if (counts[item] > metadata.size() - std::min(at, metadata.size())) return infos;
+            if (number_at(kind) != tables || counts[item] != table_bytes) continue;
+            const auto last = [&](std::size_t color) { return std::uint8_t(metadata[at + 256 * color + 255]) / 255.0; };
+            infos.push_back({"", std::array{last(0), last(1), last(2)}});
+        }
+    return infos;
 }
 
 }  // namespace chiaro::decode

@@ -1,10 +1,11 @@
 // What the description of a TIFF file says beyond its pages: ImageJ's lines, or OME's XML.
 #pragma once
-#include <chiaro/geometry.h>
+#include <chiaro/volume.h>
 
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace chiaro::decode {
 
@@ -17,10 +18,15 @@ struct TiffLayout {
     double seconds = 0;             ///< between moments; 0: not told
     std::optional<double> unit_mm;  ///< ImageJ: of the resolution tags and of z_spacing
     std::optional<double> x_spacing_mm, y_spacing_mm, z_spacing_mm;
-    double slope = 1, intercept = 0;  ///< of a linear calibration
+    double slope = 1, intercept = 0;           ///< of a linear calibration
+    std::vector<ComponentInfo> channel_infos;  ///< as many as are told of
 };
 
-/// Nothing stated for any other text. Throws Error{input} for numbers that make no sense.
-TiffLayout layout_from(const std::string& description, std::int64_t pages);
+/// Nothing stated for any other text. `samples`: of a pixel, which OME counts among the channels. Throws Error{input}
+/// for numbers that make no sense.
+TiffLayout layout_from(const std::string& description, std::int64_t pages, int samples);
+/// Colours of channels as ImageJ keeps them, in the metadata (tag 50839) that `counts` (tag 50838) divides: the last
+/// entry of each look-up table. Empty for anything else.
+std::vector<ComponentInfo> imagej_colors(const std::vector<std::uint32_t>& counts, const std::string& metadata);
 
 }  // namespace chiaro::decode

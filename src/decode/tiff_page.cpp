@@ -107,7 +107,7 @@ void check_capacity(TIFF* file, const TiffPage& page, std::uint64_t file_size) {
             refuse(fmt::format("is truncated: its data reach to byte {} of {}", at + bytes, file_size));
         stored += bytes;
     }
-    const std::uint64_t needed = page.bytes() * (page.color == TiffColor::rgb ? 3 : 1);
+    const std::uint64_t needed = page.bytes() * std::uint64_t(page.samples);
     const auto most = std::min(stored, file_size) * largest_ratio(file);
     if (needed > most)
         refuse(fmt::format("states {} bytes of pixels, but can hold at most {}: truncated, or a wrong header", needed,
@@ -187,22 +187,27 @@ private:
     std::vector<std::byte> bytes_, packed_;
 };
 
-/// ITU-R BT.709's weights, on the values as they are stored; grey stays exactly what it is.
 template <class T>
-T luminance(const T* rgb) {
-    const double y = 0.2126 * double(rgb[0]) + 0.7152 * double(rgb[1]) + 0.0722 * double(rgb[2]);
-    if constexpr (std::is_floating_point_v<T>)
-        return T(y);
-    else
-        return rgb[0] == rgb[1] && rgb[1] == rgb[2] ? rgb[0] : T(std::llround(y));
+T value_of(T stored, TiffColor color) {
+    if constexpr (std::is_unsigned_v<T>)
+        if (color == TiffColor::grey_from_white) return T(std::numeric_limits<T>::max() - stored);
+    return stored;
 }
 
-template <class T>
-T grey_of(const T* pixel, TiffColor color) {
-    if (color == TiffColor::rgb) return luminance(pixel);
-    if constexpr (std::is_unsigned_v<T>)
-        if (color == TiffColor::grey_from_white) return T(std::numeric_limits<T>::max() - *pixel);
-    return *pixel;
+/// Red, green, blue and their alpha; of grey all but those that say how opaque a pixel is; of a palette the index.
+int kept_values(TIFF* file, const TiffPage& page) {
+    const int own = page.color == TiffColor::rgb ? 3 : 1;
+    std::uint16_t count = 0, *kinds = nullptr;
+    if (!TIFFGetField(file, TIFFTAG_EXTRASAMPLES, &count, &kinds)) count = 0;
+    const auto is_alpha = [&](int i) {
+        return i < count && (kinds[i] == EXTRASAMPLE_ASSOCALPHA || kinds[i] == EXTRASAMPLE_UNASSALPHA);
+    };
+    if (page.color == TiffColor::palette) return 1;
+    if (page.color == TiffColor::rgb) return page.samples > 3 && is_alpha(0) ? 4 : 3;
+    int values = own;
+    constexpr int max_shown = 8;
+    while (values < std::min(page.samples, max_shown) && !is_alpha(values - own)) ++values;
+    return values;
 }
 
 }  // namespace
@@ -239,6 +244,7 @@ TiffPage scan_page(TIFF* file, std::uint64_t file_size) {
     page.type = tiff_type(tag<std::uint16_t>(file, TIFFTAG_BITSPERSAMPLE, 1),
                           tag<std::uint16_t>(file, TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_UINT));
     page.color = color_from(file, page.samples);
+    page.values = kept_values(file, page);
     if (char* text = nullptr; TIFFGetField(file, TIFFTAG_IMAGEDESCRIPTION, &text) && text) page.description = text;
     take_resolution(file, page);
     if (!TIFFIsCODECConfigured(tag<std::uint16_t>(file, TIFFTAG_COMPRESSION, COMPRESSION_NONE)))
@@ -248,14 +254,15 @@ TiffPage scan_page(TIFF* file, std::uint64_t file_size) {
     return page;
 }
 
-void read_page(TIFF* file, const TiffPage& page, std::span<std::byte> to) {
+void read_page(TIFF* file, const TiffPage& page, std::span<std::byte> to, int first, int stride) {
     const Pixels pixels(file, page);
     with_voxel_type(page.type, [&](auto zero) {
         using T = decltype(zero);
         const auto* from = reinterpret_cast<const T*>(pixels.data());
-        auto* values = reinterpret_cast<T*>(to.data());
-        for (std::size_t i = 0; i < to.size() / sizeof(T); ++i)
-            values[i] = grey_of(from + i * std::size_t(page.samples), page.color);
+        auto* pixel = reinterpret_cast<T*>(to.data()) + first;
+        const std::size_t count = page.bytes() / sizeof(T);
+        for (std::size_t i = 0; i < count; ++i, from += page.samples, pixel += stride)
+            for (int v = 0; v < page.values; ++v) pixel[v] = value_of(from[v], page.color);
     });
 }
 

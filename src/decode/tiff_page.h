@@ -1,4 +1,4 @@
-// One page of a TIFF file: what it is, and its grey values.
+// One page of a TIFF file: what it is, and its values.
 #pragma once
 #include <chiaro/volume.h>
 #include <tiffio.h>
@@ -28,15 +28,18 @@ struct TiffPage {
     int columns = 0, rows = 0;
     VoxelType type = VoxelType::u8;
     TiffColor color = TiffColor::grey;
-    int samples = 1;                            ///< stored for each pixel, alpha included
+    int samples = 1;  ///< stored for each pixel
+    int values = 1;   ///< kept of them: the first, red, green and blue with their alpha, or all
     double x_resolution = 0, y_resolution = 0;  ///< pixels in a unit; 0: not stated
     double unit_mm = 0;                         ///< 0: not stated
     bool are_sizes_guessed = false;             ///< of its strips, which are stated wrong or not at all
     std::string description;
 
+    /// Of one value a pixel.
     std::size_t bytes() const { return std::size_t(columns) * std::size_t(rows) * size_of(type); }
     bool same_kind(const TiffPage& other) const {
-        return columns == other.columns && rows == other.rows && type == other.type && color == other.color;
+        return columns == other.columns && rows == other.rows && type == other.type && color == other.color &&
+               values == other.values;
     }
 };
 
@@ -44,8 +47,8 @@ struct TiffPage {
 /// colours other than grey, palette and RGB; and where the file is too short for its strips or tiles.
 TiffPage scan_page(TIFF* file, std::uint64_t file_size);
 
-/// Decodes the current page into `page.bytes()` bytes: colours as luminance, values that grow from white turned around.
-/// Throws Error{input} for damaged or missing data.
-void read_page(TIFF* file, const TiffPage& page, std::span<std::byte> to);
+/// Decodes the current page: the values of a pixel go to the places from `first` on of the `stride` that a pixel of
+/// `to` has. Values that grow from white are turned around. Throws Error{input} for damaged or missing data.
+void read_page(TIFF* file, const TiffPage& page, std::span<std::byte> to, int first, int stride);
 
 }  // namespace chiaro::decode

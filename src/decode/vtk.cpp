@@ -191,6 +191,7 @@ private:
         } else if (word == "color_scalars") {
             array.components = count_from(line, 2, 65535);
             array.type = header.binary ? VoxelType::u8 : VoxelType::f32;
+            array.are_colors = true;
         } else if (word == "vectors" || word == "normals" || word == "tensors") {
             array.type = vtk_type(line[2]);
             array.components = word == "tensors" ? 9 : 3;

@@ -38,6 +38,8 @@ std::uint64_t set_shape(const VtkArray& array, const std::array<std::int64_t, 3>
     const auto bytes = checked_bytes(n, array.components, array.type);
     volume.dimensions = {int(n[0]), int(n[1]), int(n[2])};
     volume.components = int(array.components);
+    const bool can_be_colors = array.components == 3 || array.components == 4;
+    volume.has_own_colors = can_be_colors && (array.are_colors || are_colors_untold(volume));
     return bytes;
 }
 

@@ -14,6 +14,7 @@ struct VtkArray {
     bool active = false;    ///< named as the scalars to show
     VoxelType type = VoxelType::u8;
     std::int64_t components = 1;
+    bool are_colors = false;  ///< as the file says
 };
 
 /// The index of the array to read: the active scalars of the points, else the first of the points, else the same of

@@ -158,12 +158,32 @@ const std::shared_ptr<const LocalHistograms>& histograms_of(const Prepared& prep
     return prepared.data().histograms;
 }
 
-IlluminationField light_of_histograms(const Device& device, const Medium::Data& medium, const Prepared& prepared,
+/// The medium whose values were counted: of several channels the one that is asked for, of own colours their opacity's.
+const Medium::Data& counted_medium(const Medium::Data& mixture, const Prepared& prepared,
+                                   const HistogramSettings& settings) {
+    const auto refuse = [](const char* sentence) {
+        throw Error(ErrorCode::usage, std::string("lighting histogram: ") + sentence);
+    };
+    if (!is_mixed(mixture)) return mixture;
+    const MixtureOfChannels& parts = *mixture.volume.data().mixture;
+    if (parts.labels)
+        refuse("local histograms know no labels, which go with spao, visibility, transport and reference");
+    if (settings.effects.emission && !settings.emission.empty())
+        refuse("--glow is of a volume of one channel, and not of one in its own colours");
+    if (parts.own_colors) return *mixture.channels.front();
+    if (settings.channel == 0)
+        refuse(
+            "local histograms are of one channel: --hist-channel N chooses one; several go with spao, visibility, "
+            "transport and reference");
+    for (const auto& channel : mixture.channels)
+        if (prepared && is_look_at(channel->volume.data(), prepared.data().volume.data())) return *channel;
+    refuse("the channel that --hist-channel chooses is not shown");
+    return mixture;
+}
+
+IlluminationField light_of_histograms(const Device& device, const Medium::Data& shown, const Prepared& prepared,
                                       const IlluminationSettings& settings) {
-    if (is_mixed(medium))
-        throw Error(ErrorCode::usage,
-                    "lighting histogram: local histograms are of one channel: several go with spao, visibility, "
-                    "transport and reference");
+    const Medium::Data& medium = counted_medium(shown, prepared, settings.histogram);
     if (medium.volume.data().factor)
         throw Error(ErrorCode::usage,
                     "lighting histogram: local histograms know values and no gradients, so opacity by gradient goes "
@@ -177,7 +197,7 @@ IlluminationField light_of_histograms(const Device& device, const Medium::Data& 
     }
     auto data = std::make_shared<IlluminationField::Data>();
     data->histogram = timer("histogram table", [&] {
-        return make_histogram_light(device, medium, histograms_of(prepared), settings.histogram);
+        return make_histogram_light(device, medium, histograms_of(prepared), settings.histogram, is_mixed(shown));
     });
     data->view = data->histogram->view;
     data->stages = timer.take();
@@ -190,7 +210,8 @@ Volume field_of_voxels(const Device& device, const Medium::Data& medium, const P
                        const IlluminationSettings& settings, StageTimer& timer, Progress& progress) {
     if (settings.method == Method::histogram)
         return timer("voxels", [&] {
-            return histogram_field(device, medium, *histograms_of(prepared), settings.histogram, progress);
+            return histogram_field(device, counted_medium(medium, prepared, settings.histogram),
+                                   *histograms_of(prepared), settings.histogram, progress);
         });
     return accessibility_of_voxels(device, medium, settings, timer, progress);
 }

@@ -23,7 +23,7 @@ IlluminationSettings preparation_of(const IlluminationSettings& settings) {
     HistogramSettings& to = only.histogram;
     to.radius = from.radius, to.clusters = from.clusters, to.packed_bins = from.packed_bins;
     to.packing = from.packing, to.metric = from.metric, to.path = from.path, to.subsample = from.subsample;
-    to.cache = from.cache;
+    to.cache = from.cache, to.channel = from.channel;
     return only;
 }
 
@@ -35,6 +35,7 @@ Prepared prepare(const Device& device, const DeviceVolume& volume, const Illumin
                  Progress& progress) {
     if (settings.method != Method::histogram) return {};
     auto data = std::make_shared<Prepared::Data>();
+    data->volume = volume;
     StageTimer timer;
     data->histograms = prepare_histograms(device, volume, settings.histogram, timer, data->notes, progress);
     data->stages = timer.take();

@@ -7,6 +7,7 @@
 namespace chiaro {
 
 struct Prepared::Data {
+    DeviceVolume volume;  ///< whose voxels were counted
     std::shared_ptr<const LocalHistograms> histograms;
     std::vector<Stage> stages;
     std::vector<std::string> notes;

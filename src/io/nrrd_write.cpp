@@ -80,7 +80,8 @@ std::string header_of(const Volume& volume, VoxelType type, NrrdEncoding encodin
                                                             : name_of(type),
                                    list ? 4 : 3);
     text += fmt::format("sizes: {}{} {} {}\n", list ? fmt::format("{} ", volume.components) : "", n[0], n[1], n[2]);
-    text += fmt::format("kinds: {}\n", list ? "list space space space" : "space space space");
+    const char* kind = !volume.has_own_colors ? "list " : volume.components == 3 ? "RGB-color " : "RGBA-color ";
+    text += fmt::format("kinds: {}space space space\n", list ? kind : "");
     text += geometry_fields(volume);
     text += fmt::format("endian: little\nencoding: {}\n", encoding == NrrdEncoding::gzip ? "gzip" : "raw");
     for (const auto& [key, value] : volume.key_values) text += escaped(key, true) + ":=" + escaped(value, false) + "\n";

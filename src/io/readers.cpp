@@ -222,6 +222,23 @@ void tell_moments(const ReadOptions& options, Volume& volume) {
                         count, count - 1));
 }
 
+/// Unless the options say it, colours are what a file says are some, and three or four bytes of which none says what
+/// they are.
+void tell_colors(const ReadOptions& options, Volume& volume) {
+    const bool can_be = volume.components == 3 || volume.components == 4;
+    if (options.components_as == ComponentsAs::rgb && !can_be)
+        throw Error(ErrorCode::input,
+                    fmt::format("cannot read '{}' in its own colours: it has {} value{} a voxel, not "
+                                "three or four (--channels-as channels)",
+                                one_line(volume.source), volume.components, volume.components > 1 ? "s" : ""));
+    if (options.components_as == ComponentsAs::rgb) volume.has_own_colors = true;
+    if (options.components_as == ComponentsAs::channels) volume.has_own_colors = false;
+    if (volume.has_own_colors)
+        volume.notes.push_back(fmt::format(
+            "is shown in its own colours, its opacity by {} (--channels-as channels shows its values as channels)",
+            volume.components == 4 ? "alpha" : "luminance"));
+}
+
 }  // namespace
 
 Volume read_volume(const std::string& name, const ReadOptions& options, Progress& progress) {
@@ -252,6 +269,7 @@ Volume read_volume(const std::string& name, const ReadOptions& options, Progress
     if (options.rescale && volume.slope == 1 && volume.intercept == 0)
         std::tie(volume.slope, volume.intercept) = *options.rescale;
     tell_moments(options, volume);
+    tell_colors(options, volume);
     if (const auto n = count_nonfinite(volume); n > 0)
         volume.notes.push_back(fmt::format("{} voxels are not finite", n));
     progress.report("read", 1);

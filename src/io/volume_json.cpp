@@ -24,6 +24,7 @@ OrderedJson json_of(const Volume& volume) {
     json["dimensions"] = volume.dimensions;
     json["type"] = name_of(volume.type);
     json["components"] = volume.components;
+    if (volume.components > 2) json["own_colors"] = volume.has_own_colors;
     json["spacing_mm"] = json_of(g.spacing_mm);
     json["origin_mm"] = json_of(g.origin_mm);
     json["direction"] = json_of(g.direction);

@@ -1,5 +1,6 @@
 #include "io/wire.h"
 
+#include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -11,6 +12,26 @@ using nlohmann::json;
 
 json to_json(const Vec3& v) { return {v.x, v.y, v.z}; }
 Vec3 vec3_from(const json& j) { return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()}; }
+
+json to_json(const std::vector<ComponentInfo>& infos) {
+    json list = json::array();
+    for (const auto& [name, rgb] : infos) list.push_back({{"name", name}, {"rgb", rgb ? json(*rgb) : json()}});
+    return list;
+}
+
+std::vector<ComponentInfo> infos_from(const json& list, std::size_t components) {
+    if (!list.empty() && list.size() != components) throw std::out_of_range("component_infos");
+    std::vector<ComponentInfo> infos;
+    for (const json& one : list) {
+        ComponentInfo& info = infos.emplace_back(ComponentInfo{one.at("name").get<std::string>(), {}});
+        if (const json& rgb = one.at("rgb"); !rgb.is_null()) {
+            info.rgb = rgb.get<std::array<double, 3>>();
+            for (double c : *info.rgb)
+                if (!(c >= 0 && c <= 1)) throw std::out_of_range("rgb");
+        }
+    }
+    return infos;
+}
 
 /// get<int> takes any number, and has no answer to one that is none of int's.
 int int_from(const json& j) {
@@ -46,6 +67,8 @@ json header_to_json(const Volume& volume) {
     return {{"dimensions", volume.dimensions},
             {"type", int(volume.type)},
             {"components", volume.components},
+            {"has_own_colors", volume.has_own_colors},
+            {"component_infos", to_json(volume.component_infos)},
             {"slope", volume.slope},
             {"intercept", volume.intercept},
             {"spacing_mm", to_json(geometry.spacing_mm)},
@@ -68,6 +91,8 @@ Volume header_from_json(const json& j) {
     for (std::size_t axis = 0; axis < 3; ++axis) volume.dimensions[axis] = int_from(j.at("dimensions").at(axis));
     volume.type = enum_from(j.at("type"), VoxelType::f64);
     volume.components = int_from(j.at("components"));
+    volume.has_own_colors = j.at("has_own_colors").get<bool>() && (volume.components == 3 || volume.components == 4);
+    volume.component_infos = infos_from(j.at("component_infos"), std::size_t(std::max(volume.components, 0)));
     volume.slope = j.at("slope").get<double>();
     volume.intercept = j.at("intercept").get<double>();
     volume.geometry.spacing_mm = vec3_from(j.at("spacing_mm"));

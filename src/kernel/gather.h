@@ -50,6 +50,9 @@ CHIARO_INLINE Four<Four<float>> gather_bytes(const std::uint32_t* p, std::int32_
     return {bytes(p[at.a]), bytes(p[at.b]), bytes(p[at.c]), bytes(p[at.d])};
 }
 CHIARO_INLINE std::int32_t gather_byte(const std::uint8_t* p, std::int32_t index) { return p[std::uint32_t(index)]; }
+CHIARO_INLINE std::int32_t gather_word(const std::uint32_t* p, std::int32_t index) {
+    return std::int32_t(p[std::uint32_t(index)]);
+}
 
 CHIARO_INLINE float gather_float(const float* p, std::int32_t index) { return p[std::uint32_t(index)]; }
 
@@ -213,8 +216,10 @@ CHIARO_INLINE Four<Four<Lanes>> gather_four(const V* p, const Indices& i, Distan
             {v.d.a, v.d.b, w.d.a, w.d.b}};
 }
 
-CHIARO_INLINE IntLanes gather_byte(const std::uint8_t* p, IntLanes index) {
-    const Indices i(index);
+CHIARO_INLINE IntLanes gather_word(const std::uint32_t* p, const Indices& i) {
+    return gather_words(p, i, {0, 0, 0, 0}).a;
+}
+CHIARO_INLINE IntLanes gather_byte(const std::uint8_t* p, const Indices& i) {
     const auto bytes4 = [&](int lane) CHIARO_INLINE_LAMBDA {
         __m128i v = _mm_cvtsi32_si128(p[i.at[lane]]);
         v = _mm_insert_epi8(v, p[i.at[lane + 1]], 4);
@@ -223,6 +228,8 @@ CHIARO_INLINE IntLanes gather_byte(const std::uint8_t* p, IntLanes index) {
     };
     return join_words(bytes4(0), bytes4(4), bytes4(8), bytes4(12));
 }
+
+CHIARO_INLINE IntLanes gather_byte(const std::uint8_t* p, IntLanes index) { return gather_byte(p, Indices(index)); }
 
 CHIARO_INLINE Lanes gather_float(const float* p, IntLanes index) {
     return float_of(gather_words(p, Indices(index), {0, 0, 0, 0}).a);

@@ -3,6 +3,7 @@
 #include <chiaro/samples.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace chiaro {
 namespace {
@@ -20,7 +21,9 @@ TransferFunction chosen(const TransferSettings& settings, const Subject& subject
 
 Subject study(const Volume& volume, const Progress& progress) {
     const Statistics statistics = measure(volume, progress);
-    return {volume.source, statistics, guess(volume, statistics)};
+    const bool is_told = volume.component_infos.size() == 1;
+    return {volume.source, statistics, guess(volume, statistics),
+            is_told ? volume.component_infos.front() : ComponentInfo()};
 }
 
 TransferFunction transfer_function_for(const TransferSettings& settings, const Subject& subject) {
@@ -31,9 +34,12 @@ TransferFunction transfer_function_for(const TransferSettings& settings, const S
     return tf;
 }
 
+namespace {
+bool is_named(const TransferSettings& settings) { return settings.points || !settings.source.empty(); }
+}  // namespace
+
 TransferFunction transfer_function_of_channel(const ChannelSettings& channel, std::size_t index, std::size_t count,
                                               const TransferSettings& of_scene, const Subject& subject) {
-    const auto is_named = [](const TransferSettings& t) { return t.points || !t.source.empty(); };
     if (is_named(channel.transfer)) return transfer_function_for(channel.transfer, subject);
     if (count == 1 || (index == 0 && is_named(of_scene))) return transfer_function_for(of_scene, subject);
     constexpr Rgb colours[max_channels]{{1, 0.1, 0.1}, {0.1, 1, 0.1}, {0.15, 0.3, 1}, {1, 1, 1},
@@ -42,15 +48,31 @@ TransferFunction transfer_function_of_channel(const ChannelSettings& channel, st
     const Statistics& s = subject.statistics;
     const double top = s.p999 > s.p50 ? s.p999 : s.max > s.p50 ? s.max : s.p50 + 1;
     TransferFunction tf;
-    const Rgb& colour = colours[index % max_channels];
+    const Rgb colour = subject.component.rgb.value_or(colours[index % max_channels]);
     tf.points = {{s.p50 + 0.1 * (top - s.p50), colour, 0}, {top, colour, 0.3}};
     return tf;
+}
+
+TransferFunction of_luminance(const TransferSettings& settings, const Subject& subject) {
+    return transfer_function_of_channel({}, 0, 4, settings, subject);
+}
+
+TransferFunction of_alpha(const TransferSettings& settings, const Subject& subject) {
+    if (is_named(settings)) return transfer_function_for(settings, subject);
+    constexpr Rgb grey{0.7, 0.7, 0.7};
+    constexpr double most = 0.95;  // of a voxel, as of labels alone
+    return {.points = {{0, grey, 0}, {white_of(subject.statistics.max), grey, most}}};
+}
+
+double white_of(double most) {
+    if (most <= 1) return 1;
+    return std::max(255.0, std::exp2(std::ceil(std::log2(most + 1))) - 1);
 }
 
 TransferFunction of_labels_alone(const TransferSettings& settings, const Subject& subject) {
     TransferSettings white = settings;
     white.window.reset();
-    if (settings.points || !settings.source.empty()) return transfer_function_for(settings, subject);
+    if (is_named(settings)) return transfer_function_for(settings, subject);
     constexpr Rgb color{0.9, 0.9, 0.9};
     constexpr double opacity = 0.95;  // of a voxel: light ends within two
     const double low = subject.statistics.min, high = std::max(subject.statistics.max, low + 1);

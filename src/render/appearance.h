@@ -11,6 +11,7 @@ struct Subject {
     std::string source;  ///< as in Volume
     Statistics statistics;
     Guess guess;
+    ComponentInfo component = {};  ///< of a volume of one value
 };
 
 /// Throws Error{interrupted} when cancelled.
@@ -21,10 +22,16 @@ Subject study(const Volume& volume, const Progress& progress);
 TransferFunction transfer_function_for(const TransferSettings& settings, const Subject& subject);
 
 /// That of a channel, number `index` of `count`: as its settings say, else of one alone the guessed one, of several a
-/// ramp over its values in a colour of its own (ImageJ's order: red, green, blue, white, cyan, magenta, yellow). Throws
-/// as load_transfer_function.
+/// ramp over its values in the file's colour, or one of its own (ImageJ's order: red, green, blue, white, cyan,
+/// magenta, yellow). Throws as load_transfer_function.
 TransferFunction transfer_function_of_channel(const ChannelSettings& channel, std::size_t index, std::size_t count,
                                               const TransferSettings& of_scene, const Subject& subject);
+/// What the opacity of a volume in its own colours is by: a ramp over luminance as of a channel, alpha as it is, or
+/// what the settings ask for. Throw as load_transfer_function.
+TransferFunction of_luminance(const TransferSettings& settings, const Subject& subject);
+TransferFunction of_alpha(const TransferSettings& settings, const Subject& subject);
+/// The value of white of colours up to `most`: 1, or the least 2^k - 1 from 255 on.
+double white_of(double most);
 /// Whether the volume is its own labels, so that they are solids and nothing else is shown.
 bool are_labels_alone(const Scene& scene);
 /// White all over, of which labels leave their own shapes and colours, unless the settings ask for another.

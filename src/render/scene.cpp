@@ -258,9 +258,9 @@ void check(const Scene& scene, ErrorCode code) {
         throw Error(code,
                     fmt::format("floor: --floor has no meaning with --mode {}: a value of a whole ray casts no shadow",
                                 to_text(scene.mode)));
-    if (!scene.labels.table.empty() && scene.labels.source.empty())
+    if (!scene.labels.table.empty() && !scene.labels.any())
         throw Error(code, "labels: a table (--label-table) needs labels that it names (--labels)");
-    if (!scene.labels.changes.empty() && scene.labels.source.empty())
+    if (!scene.labels.changes.empty() && !scene.labels.any())
         throw Error(code, "labels.changes: there are no labels that could be changed (labels.file)");
     const Method method = scene.illumination.method;
     const bool has_probe = !scene.lighting.probe.source.empty() || scene.lighting.loaded_probe;
@@ -316,8 +316,10 @@ std::string to_json(const Scene& scene) {
     for_each_setting(write, scene);
     if (scene.slices == SliceSettings()) root.erase("slices");
     write_label_changes(scene.labels.changes, root);
+    if (scene.labels.loaded) root.erase("labels");
     write_marks(scene.marks, root);
     if (scene.read.time == 0) root["volume"].erase("time");
+    if (scene.read.components_as == ComponentsAs::automatic) root["volume"].erase("channels_as");
     if (scene.read.raw == RawLayout()) root["volume"].erase("raw_endian"), root["volume"].erase("raw_offset");
     return root.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -65,7 +65,7 @@ Scene seen_from(Scene scene, const fs::path& folder) {
         if (!names_no_file(channel.file)) channel.file = see(channel.file);
         see_function(channel.transfer.source);
     }
-    if (!names_no_file(scene.labels.source)) scene.labels.source = see(scene.labels.source);
+    if (!scene.labels.loaded && !names_no_file(scene.labels.source)) scene.labels.source = see(scene.labels.source);
     if (is_file(scene.labels.table)) scene.labels.table = see(scene.labels.table);
     if (std::string& probe = scene.lighting.probe.source; !is_probe_name(probe)) probe = see(probe);
     HistogramSettings& histogram = scene.illumination.histogram;

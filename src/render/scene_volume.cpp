@@ -64,6 +64,11 @@ std::vector<ChannelSettings> channels_of(const Scene& scene, int components) {
 std::vector<Volume> read_channels(const Scene& scene, Progress& progress) {
     Volume first = read_volume(scene, progress);
     channels_of(scene, first.components);  // refuses what is too many before it is taken apart
+    if (first.has_own_colors && !scene.channels.empty())
+        throw Error(ErrorCode::usage,
+                    fmt::format("{}: in its own colours a volume has no channels beside it, and none to set: "
+                                "--channels-as channels shows its values as such",
+                                first.source));
     std::vector<Volume> all;
     if (first.components == 1)
         all.push_back(std::move(first));
@@ -90,7 +95,15 @@ LabelVolume read_labels(const Scene& scene, Progress& progress) {
     ReadOptions options;
     if (scene.labels.source == scene.volume) options = scene.read;
     options.time = 0;
-    LabelVolume labels = read_labels(scene.labels.source, scene.labels.table, options, progress);
+    LabelVolume labels;
+    if (const auto& loaded = scene.labels.loaded) {
+        labels.dimensions = loaded->dimensions, labels.geometry = loaded->geometry;
+        labels.labels = loaded->labels, labels.counts = loaded->counts;
+        labels.source = loaded->source, labels.notes = loaded->notes;
+        labels.voxels = VoxelBuffer::borrow(loaded->voxels.data(), loaded->voxels.size(), loaded);
+    } else {
+        labels = read_labels(scene.labels.source, scene.labels.table, options, progress);
+    }
     if (are_labels_alone(scene)) labels.labels.front().show = false;
     return labels;
 }

@@ -27,11 +27,12 @@ void Session::show(std::vector<Volume>&& channels, Progress& progress) {
 
 void Session::show_moment(Volume&& volume, Progress& progress) {
     state_ = state_->for_moment(volume);
-    state_->upload_by([&](const Device& device) { return upload(device, std::move(volume), progress); }, progress);
+    state_->show_moment(std::move(volume), progress);
 }
 
 void Session::show_moment(const Volume& volume, Progress& progress) {
     state_ = state_->for_moment(volume);
+    if (volume.components > 1) return state_->show_moment(volume, progress);
     state_->upload_by([&](const Device& device) { return upload(device, volume, progress); }, progress);
 }
 
@@ -53,7 +54,7 @@ Session Session::share_volume() const {
     State& s = *other.state_;
     s.subject = state_->subject;
     s.upload.result = state_->upload.result;
-    s.others = state_->others;
+    s.others = state_->others, s.own_color = state_->own_color;
     s.shared_labels = state_->shared_labels;
     s.upload.inputs = {0};
     s.upload.version = ++s.last_version;

@@ -38,12 +38,13 @@ struct Session::State {
         DeviceVolume volume;
     };
     std::vector<OtherChannel> others;
+    enum class OwnColor { none, by_luminance, by_alpha } own_color = OwnColor::none;  // others are red, green, blue
     std::shared_ptr<SharedLabels> shared_labels = std::make_shared<SharedLabels>();
 
     // The table: what each stage makes, and from what.
     Kept<DeviceVolume, Version> upload;
     Kept<Prepared, Version, IlluminationSettings> prepare;
-    Kept<std::shared_ptr<const LabelVolume>, std::string, std::string, bool> labels;  // alone: nothing else is shown
+    Kept<std::shared_ptr<const LabelVolume>, SharedLabels::Key> labels;
     Kept<std::shared_ptr<const LabelBricks>, Version, Version, std::vector<LabelChange>, ColorMode> labelled;
     Kept<Classified, Version, TransferSettings, std::vector<ChannelSettings>, Shape, Version> classify;
     Kept<CameraSettings, Version, CameraSettings, RaySettings, std::pair<int, int>> fit;
@@ -144,22 +145,73 @@ struct Session::State {
         if (channels.size() > max_channels)
             throw Error(ErrorCode::input, fmt::format("{}: at most {} values a voxel can be shown, not {}",
                                                       channels.front().source, max_channels, channels.size()));
-        std::vector<DeviceVolume> volumes(1);
-        std::vector<Subject> subjects;
-        for (std::size_t i = 1; i < channels.size(); ++i) {
-            subjects.push_back(study(channels[i], progress));
-            volumes.push_back(chiaro::upload(device, std::move(channels[i]), progress));
-        }
-        show(channels.front(), progress,
+        const Volume& first = channels.front();
+        if (first.has_own_colors && channels.size() == 4)
+            own_color = first.component_infos.front().name == "alpha" ? OwnColor::by_alpha : OwnColor::by_luminance;
+        for (std::size_t i = 1; i < channels.size(); ++i) others.push_back({study(channels[i], progress), {}});
+        upload_others(channels, progress);
+        show(first, progress,
              [&](const Device& where) { return chiaro::upload(where, std::move(channels.front()), progress); });
-        volumes.front() = upload.result;
-        volumes = alike(volumes);
-        upload.result = volumes.front();
-        for (std::size_t i = 1; i < volumes.size(); ++i)
-            others.push_back({std::move(subjects[i - 1]), std::move(volumes[i])});
+        make_alike();
+        // What writers put where nothing is known - all white - tells no channel from another.
+        const auto has_first_color = [&](const OtherChannel& other) {
+            return other.subject.component.rgb == subject.component.rgb;
+        };
+        if (!std::all_of(others.begin(), others.end(), has_first_color)) return;
+        subject.component.rgb.reset();
+        for (OtherChannel& other : others) other.subject.component.rgb.reset();
     }
 
+    /// Of the moment that for_moment made this for.
+    void show_moment(Volume&& volume, Progress& progress) {
+        if (others.empty())
+            return upload_by([&](const Device& where) { return chiaro::upload(where, std::move(volume), progress); },
+                             progress);
+        show_moment(volume, progress);
+    }
+    void show_moment(const Volume& volume, Progress& progress) {
+        std::vector<Volume> channels = components_of(volume);
+        upload_others(channels, progress);
+        upload_by([&](const Device& where) { return chiaro::upload(where, std::move(channels.front()), progress); },
+                  progress);
+        make_alike();
+    }
+
+    void upload_others(std::vector<Volume>& channels, Progress& progress) {
+        for (std::size_t i = 1; i < channels.size(); ++i)
+            others[i - 1].volume = chiaro::upload(device, std::move(channels[i]), progress);
+    }
+
+    void make_alike() {
+        std::vector<DeviceVolume> volumes{upload.result};
+        for (const OtherChannel& other : others) volumes.push_back(other.volume);
+        volumes = alike(volumes);
+        upload.result = volumes.front();
+        for (std::size_t i = 1; i < volumes.size(); ++i) others[i - 1].volume = std::move(volumes[i]);
+    }
+
+    TransferFunction transfer_of_opacity(const Scene& scene) const {
+        return own_color == OwnColor::by_alpha ? of_alpha(scene.transfer, subject)
+                                               : of_luminance(scene.transfer, subject);
+    }
+
+    Classified in_own_colors(const Scene& scene, const Shape& shape, const Progress& progress) const {
+        if (!scene.channels.empty())
+            throw Error(ErrorCode::usage,
+                        "a volume in its own colours has no channels to set: --channels-as channels shows its values "
+                        "as such");
+        OwnColors own{.opacity = upload.result,
+                      .transfer = transfer_of_opacity(scene),
+                      .rgb = {others[0].volume, others[1].volume, others[2].volume}};
+        double most = 0;
+        for (const OtherChannel& color : others) most = std::max(most, color.subject.statistics.max);
+        own.white = white_of(most);
+        return {own.transfer, chiaro::classify(device, own, shape, progress)};
+    }
+
+    /// What the scene shows of the channels; of a volume in its own colours what its opacity is found from.
     std::vector<Channel> channels(const Scene& scene) const {
+        if (own_color != OwnColor::none) return {{upload.result, transfer_of_opacity(scene), 1}};
         std::vector<Channel> all;
         const auto is_file = [](const ChannelSettings& c) { return !c.file.empty(); };
         const auto files = std::count_if(scene.channels.begin(), scene.channels.end(), is_file);
@@ -177,15 +229,25 @@ struct Session::State {
         return all;
     }
 
+    /// The transfer function of the first, and all of them as one medium.
+    Classified classified_channels(const Scene& scene, const Shape& shape, const Progress& progress) const {
+        const std::vector<Channel> mixed = channels(scene);
+        return {mixed.front().transfer, chiaro::classify(device, mixed, shape, progress)};
+    }
+
     /// With what all moments have in common, and nothing else.
     std::unique_ptr<State> for_moment(const Volume& volume) const {
-        if (!others.empty()) throw Error(ErrorCode::usage, "several channels are shown at one moment: the first");
+        const std::size_t values = volume.has_own_colors ? 4 : std::size_t(volume.components);
+        if (values != others.size() + 1)
+            throw Error(ErrorCode::usage, "channels of several files are shown at one moment: the first");
         if (volume.dimensions != upload.result.dimensions())
             throw Error(ErrorCode::input,
                         fmt::format("moment {} has {} voxels, where the first one has {}", volume.moments.shown,
                                     to_text(volume.dimensions), to_text(upload.result.dimensions())));
         auto moment = std::make_unique<State>(device);
         moment->subject = subject, moment->one_look = one_look, moment->probe = probe;
+        moment->own_color = own_color;
+        for (const OtherChannel& other : others) moment->others.push_back({other.subject, {}});
         moment->labels = labels, moment->shared_labels = shared_labels, moment->last_version = last_version;
         return moment;
     }
@@ -204,10 +266,20 @@ struct Session::State {
         for (Stage& stage : shown) stage.seconds = 0;
     }
 
+    /// Whose values local histograms count.
+    const DeviceVolume& counted_volume(const IlluminationSettings& settings) const {
+        const int channel = settings.method == Method::histogram ? settings.histogram.channel : 0;
+        if (channel > int(others.size()) + 1 || (channel > 1 && own_color != OwnColor::none))
+            throw Error(ErrorCode::usage, fmt::format("--hist-channel {}: the volume has {} channel{}", channel,
+                                                      own_color != OwnColor::none ? 1 : others.size() + 1,
+                                                      others.empty() || own_color != OwnColor::none ? "" : "s"));
+        return channel > 1 ? others[std::size_t(channel) - 2].volume : upload.result;
+    }
+
     /// The stages that pictures and fields have in common.
     void redo_up_to_classify(const Scene& scene, Progress& progress) {
         begin();
-        const DeviceVolume& voxels = upload.result;
+        const DeviceVolume& voxels = counted_volume(scene.illumination);
         redo("prepare", prepare, {upload.version, preparation_of(scene.illumination)},
              [&](Prepared& prepared) { prepared = chiaro::prepare(device, voxels, scene.illumination, progress); });
         tell_steps(prepare.result.stages());
@@ -215,14 +287,10 @@ struct Session::State {
         redo_classify(scene, progress);
     }
 
-    static std::tuple<std::string, std::string, bool> read_from(const Scene& scene) {
-        return {scene.labels.source, scene.labels.table, are_labels_alone(scene)};
-    }
-
     /// What the scene's labels make of the volume; null: it has none. Names it among the inputs of what follows.
     std::pair<std::shared_ptr<const LabelBricks>, Version> redo_labels(const Scene& scene, Progress& progress) {
-        if (scene.labels.source.empty()) return {};
-        redo("labels", labels, read_from(scene),
+        if (!scene.labels.any()) return {};
+        redo("labels", labels, {SharedLabels::key_of(scene)},
              [&](std::shared_ptr<const LabelVolume>& read) { read = shared_labels->find(scene, progress); });
         redo("borders", labelled, {upload.version, labels.version, scene.labels.changes, scene.output.color},
              [&](std::shared_ptr<const LabelBricks>& bricks) {
@@ -236,9 +304,9 @@ struct Session::State {
     /// Names what redo_labels made for the scene; 0: none, or it would be other ones.
     Version labels_of(const Scene& scene) const {
         const bool is_kept =
-            labels.inputs == read_from(scene) &&
+            labels.inputs == std::tuple(SharedLabels::key_of(scene)) &&
             labelled.inputs == std::tuple(upload.version, labels.version, scene.labels.changes, scene.output.color);
-        return is_kept && !scene.labels.source.empty() ? labelled.version : 0;
+        return is_kept && scene.labels.any() ? labelled.version : 0;
     }
 
     void redo_classify(const Scene& scene, Progress& progress) {
@@ -249,10 +317,9 @@ struct Session::State {
             throw Error(ErrorCode::internal, "a session of one look was asked for another");
         redo("classify", classify, inputs, [&](Classified& classified) {
             if (!others.empty() || !scene.channels.empty()) {
-                const std::vector<Channel> mixed = channels(scene);
-                classified.tf = mixed.front().transfer;
-                classified.medium =
-                    with_labels(device, chiaro::classify(device, mixed, shape, progress), bricks, progress);
+                classified = own_color == OwnColor::none ? classified_channels(scene, shape, progress)
+                                                         : in_own_colors(scene, shape, progress);
+                classified.medium = with_labels(device, classified.medium, bricks, progress);
                 return;
             }
             classified.tf = are_labels_alone(scene) ? of_labels_alone(scene.transfer, subject)

@@ -16,9 +16,10 @@ class SharedLabels {
 public:
     /// The scene's, without its changes; null: it has none. Throws as read_labels.
     std::shared_ptr<const LabelVolume> find(const Scene& scene, Progress& progress) {
-        if (scene.labels.source.empty()) return nullptr;
+        if (!scene.labels.any()) return nullptr;
+        Key key = key_of(scene);
+        if (scene.labels.loaded && !std::get<bool>(key)) return scene.labels.loaded;
         const std::lock_guard lock(mutex_);
-        Key key(scene.labels.source, scene.labels.table, are_labels_alone(scene));
         if (!labels_ || key != key_) {
             labels_.reset();
             labels_ = std::make_shared<const LabelVolume>(read_labels(scene, progress));
@@ -27,8 +28,13 @@ public:
         return labels_;
     }
 
+    /// What they are made from.
+    using Key = std::tuple<std::string, std::string, std::shared_ptr<const LabelVolume>, bool>;
+    static Key key_of(const Scene& scene) {
+        return {scene.labels.source, scene.labels.table, scene.labels.loaded, are_labels_alone(scene)};
+    }
+
 private:
-    using Key = std::tuple<std::string, std::string, bool>;
     std::mutex mutex_;
     Key key_;
     std::shared_ptr<const LabelVolume> labels_;

@@ -1,4 +1,5 @@
 // Volumes of several values a voxel, taken apart, and volumes brought onto another's grid.
+#include <chiaro/error.h>
 #include <chiaro/volume.h>
 
 #include <algorithm>
@@ -15,7 +16,37 @@ Volume header_of(const Volume& volume) {
     one.slope = volume.slope, one.intercept = volume.intercept, one.geometry = volume.geometry;
     one.source = volume.source, one.format = volume.format, one.modality = volume.modality;
     one.moments = volume.moments, one.key_values = volume.key_values;
+    one.has_own_colors = volume.has_own_colors;
     return one;
+}
+
+/// Out of each voxel's values, of type T, one.
+template <class T, class Value>
+void fill_by(const Volume& volume, Value&& value, Volume& one) {
+    const T* from = volume.as<T>().data();
+    for (T& to : one.as<T>()) to = value(from), from += volume.components;
+}
+
+/// ITU-R BT.709's weights; grey stays exactly what it is.
+template <class T>
+T luminance(const T* rgb) {
+    if (rgb[0] == rgb[1] && rgb[1] == rgb[2]) return rgb[0];
+    const double y = 0.2126 * double(rgb[0]) + 0.7152 * double(rgb[1]) + 0.0722 * double(rgb[2]);
+    return T(std::is_integral_v<T> ? std::nearbyint(y) : y);
+}
+
+/// Alpha, or luminance where there is none that says anything.
+template <class T>
+void fill_opacity(const Volume& volume, Volume& opacity) {
+    const auto all = volume.as<T>();
+    bool varies = false;
+    if (volume.components == 4)
+        for (std::size_t i = 3; i < all.size() && !varies; i += 4) varies = all[i] != all[3];
+    opacity.component_infos = {{varies ? "alpha" : "luminance", {}}};
+    if (volume.components == 4 && !varies)
+        opacity.notes.push_back("its alpha is the same everywhere: opacity is found by luminance");
+    fill_by<T>(
+        volume, [varies](const T* v) { return varies ? v[3] : luminance(v); }, opacity);
 }
 
 /// The values of a volume between its voxels, in index space; outside it the least.
@@ -71,18 +102,22 @@ void fill_from(const Volume& volume, int threads, Volume& out) {
 }  // namespace
 
 std::vector<Volume> components_of(const Volume& volume) {
+    const bool colors = volume.has_own_colors;
+    if (colors && volume.components != 3 && volume.components != 4)
+        throw Error(ErrorCode::input, volume.source + " has " + std::to_string(volume.components) +
+                                          " values a voxel, where colours are three or four");
     std::vector<Volume> all;
-    for (int c = 0; c < volume.components; ++c) {
-        Volume& one = all.emplace_back(header_of(volume));
-        if (c == 0) one.notes = volume.notes;
-        with_voxel_type(volume.type, [&](auto voxel) {
-            using T = decltype(voxel);
-            const auto from = volume.as<T>();
-            const auto to = one.as<T>();
-            for (std::size_t i = 0; i < to.size(); ++i)
-                to[i] = from[i * std::size_t(volume.components) + std::size_t(c)];
-        });
-    }
+    with_voxel_type(volume.type, [&](auto voxel) {
+        using T = decltype(voxel);
+        if (colors) fill_opacity<T>(volume, all.emplace_back(header_of(volume)));
+        for (int c = 0; c < (colors ? 3 : volume.components); ++c) {
+            Volume& one = all.emplace_back(header_of(volume));
+            if (!volume.component_infos.empty()) one.component_infos = {volume.component_infos[std::size_t(c)]};
+            fill_by<T>(
+                volume, [c](const T* values) { return values[c]; }, one);
+        }
+    });
+    all.front().notes.insert(all.front().notes.begin(), volume.notes.begin(), volume.notes.end());
     return all;
 }
 
@@ -103,7 +138,7 @@ Volume resampled(const Volume& volume, const Volume& onto) {
     Volume out = header_of(volume);
     out.dimensions = onto.dimensions, out.geometry = onto.geometry;
     out.voxels = VoxelBuffer(out.voxel_count() * size_of(out.type));
-    out.notes = volume.notes;
+    out.notes = volume.notes, out.component_infos = volume.component_infos;
     with_voxel_type(volume.type, [&](auto voxel) {
         fill_from<decltype(voxel)>(volume, int(std::max(1u, std::thread::hardware_concurrency())), out);
     });

@@ -38,7 +38,7 @@ template <class Voxel>
 kernel::MixtureView<Voxel> mixture_view(const DeviceVolume::Data& volume) {
     if (!volume.mixture) return {};
     return {static_cast<const kernel::ChannelView<Voxel>*>(volume.mixture->channel_views.get()), volume.mixture->count,
-            label_view(volume.mixture->labels.get())};
+            label_view(volume.mixture->labels.get()), volume.mixture->own_colors};
 }
 
 /// `Voxel` is the stored type.

@@ -37,6 +37,7 @@ struct MixtureOfChannels {
     std::shared_ptr<const void> channel_views;
     int count = 0;
     std::shared_ptr<const LabelBricks> labels;  ///< that lie in them; null: none
+    bool own_colors = false;                    ///< the first channel has extinction, the others say its colour
 };
 struct LevelPages;  // volume/paged_level.h
 
@@ -94,6 +95,13 @@ struct DeviceVolume::Data : std::enable_shared_from_this<Data> {
         arrays.add(weak_from_this(), cells.high);
     }
 };
+
+/// Whether a volume is another one, or the same voxels looked at in another way.
+inline bool is_look_at(const DeviceVolume::Data& volume, const DeviceVolume::Data& voxels) {
+    if (&volume == &voxels) return true;
+    if (volume.plain) return is_look_at(volume.plain.data(), voxels);
+    return volume.source && is_look_at(*volume.source, voxels);
+}
 
 /// Slices of a layer of bricks that are read: behind the volume, what the ranges of its last cells touch.
 inline int slices_read(int slices, int layer) {

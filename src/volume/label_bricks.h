@@ -1,15 +1,25 @@
 // What labels make of a medium, in bricks as the volume's voxels lie (volume/bricks.h).
 #pragma once
-#include <chiaro/volume.h>
+#include <chiaro/transfer_function.h>
+
+#include <optional>
+#include <vector>
 
 #include "volume/label_coding.h"
 
 namespace chiaro {
 
+/// Where matter is by one transfer function, of several that labels have.
+struct TransferShare {
+    std::optional<TransferFunction> transfer;  ///< none: the volume's
+    VoxelBuffer share;                         ///< uint8, of 255
+};
+
 struct LabelBricks {
-    VoxelBuffer distance;  ///< uint8, of the border of what is shown; empty: all is
-    VoxelBuffer share;     ///< uint8, of 255: opacity; empty: 1
-    VoxelBuffer tint;      ///< uint8 red, green, blue, strength, of 255; colours as square roots; empty: none
+    VoxelBuffer distance;                  ///< uint8, of the border of what is shown; empty: all is
+    VoxelBuffer share;                     ///< uint8, of 255: opacity; empty: 1
+    VoxelBuffer tint;                      ///< uint32, as TintCoding has it; empty: none
+    std::vector<TransferShare> transfers;  ///< whose shares add up to 255; empty: all is by the volume's
 };
 
 }  // namespace chiaro

@@ -25,13 +25,24 @@ CHIARO_INLINE F left_at(F distance) {
     return min(max(distance + F(0.5f), F(0)), F(1));
 }
 template <class F>
+CHIARO_INLINE F share_of(const std::uint8_t* share, const Location<F>& at) {
+    return F(1.0f / 255) * byte_at(share, at);
+}
+template <class F>
 CHIARO_INLINE F share_at(const LabelView& labels, const Location<F>& at) {
-    return labels.share ? F(1.0f / 255) * byte_at(labels.share, at) : F(1);
+    return labels.share ? share_of(labels.share, at) : F(1);
+}
+/// Per voxel.
+template <class F>
+CHIARO_INLINE Vec3<F> share_gradient(const std::uint8_t* share, const Location<F>& at) {
+    VolumeView<std::uint8_t> volume{};
+    volume.voxels = share;
+    return F(1.0f / 255) * volume.differences(at);
 }
 
-/// Of extinction and colour × extinction.
+/// Square roots of red, green and blue, and the strength.
 template <class F>
-CHIARO_INLINE RgbaLanes<F> tinted(const LabelView& labels, const Location<F>& at, const RgbaLanes<F>& matter) {
+CHIARO_INLINE Four<F> tint_between(const LabelView& labels, const Location<F>& at) {
     constexpr Distances beside{0, brick_row, brick_slice, brick_slice + brick_row};
     const Four<Four<F>> a = gather_bytes(labels.tint, at.index, beside),
                         b = gather_bytes(labels.tint + 1, at.index, beside);
@@ -40,16 +51,37 @@ CHIARO_INLINE RgbaLanes<F> tinted(const LabelView& labels, const Location<F>& at
                 far = lerp(lerp(a.c.*channel, b.c.*channel, at.t.x), lerp(a.d.*channel, b.d.*channel, at.t.x), at.t.y);
         return F(1.0f / 255) * lerp(near, far, at.t.z);
     };
-    const F r = between(&Four<F>::a), g = between(&Four<F>::b), b2 = between(&Four<F>::c), s = between(&Four<F>::d);
-    const F rest = F(1) - s;
-    return light_up(matter, Vec3<F>{rest, rest, rest}, Vec3<F>{s * r * r, s * g * g, s * b2 * b2});
+    // The strength's lowest bit tells of several tints: it is up to 1/255 too much here.
+    return {between(&Four<F>::a), between(&Four<F>::b), between(&Four<F>::c), between(&Four<F>::d)};
+}
+
+/// Of extinction and colour × extinction. Nearly everywhere the eight voxels around have one tint.
+template <class F>
+CHIARO_INLINE RgbaLanes<F> tinted(const LabelView& labels, const Location<F>& at, const RgbaLanes<F>& matter) {
+    using I = Int<F>;
+    const I word = gather_word(labels.tint, at.index);
+    const auto root = [&](int shift)
+                          CHIARO_INLINE_LAMBDA { return F(1.0f / 255) * to_float((word >> I(shift)) & I(255)); };
+    constexpr int most = TintCoding::strength_bits;
+    Four<F> tint{root(0), root(8), root(16),
+                 F(1.0f / most) * to_float((word >> I(TintCoding::strength_shift)) & I(most))};
+    const Mask<F> several = (word & I(TintCoding::several)) != I(0);
+    if (any(several)) {
+        const Four<F> between = tint_between(labels, at);
+        tint = {select(several, between.a, tint.a), select(several, between.b, tint.b),
+                select(several, between.c, tint.c), select(several, between.d, tint.d)};
+    }
+    const F s = tint.d, rest = F(1) - s;
+    return light_up(matter, Vec3<F>{rest, rest, rest},
+                    Vec3<F>{s * tint.a * tint.a, s * tint.b * tint.b, s * tint.c * tint.c});
 }
 
 /// What labels leave of extinction.
 template <class F>
 CHIARO_INLINE F left_of(const LabelView& labels, const Location<F>& at) {
     const F share = share_at(labels, at);
-    return labels.distance ? share * left_at(distance_at(labels, at)) : share;
+    if (!labels.distance || !any(gather_byte(labels.distance, at.index) != Int<F>(LabelCoding::deep))) return share;
+    return share * left_at(distance_at(labels, at));
 }
 
 /// What labels make of a sample.
@@ -73,10 +105,11 @@ CHIARO_INLINE Two<F> border_along(const LabelView& labels, const Location<F>& at
 template <class F>
 CHIARO_INLINE Vec3<F> labelled_gradient(const LabelView& labels, const Location<F>& at, F kappa, Vec3<F> gradient) {
     if (!labels.distance) return gradient;
-    VolumeView<std::uint8_t> border{};
-    border.voxels = labels.distance;
     const F distance = distance_at(labels, at);
     const F near = max(F(1) - F(1.0f / LabelCoding::reach) * abs(distance), F(0));
+    if (!any(near > F(0))) return left_at(distance) * gradient;
+    VolumeView<std::uint8_t> border{};
+    border.voxels = labels.distance;
     return left_at(distance) * gradient + (kappa * near * F(1 / LabelCoding::per_voxel)) * border.differences(at);
 }
 

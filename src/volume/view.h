@@ -53,6 +53,7 @@ struct MixtureView {
     const ChannelView<Voxel>* channels;
     std::int32_t count;
     LabelView labels;
+    bool own_colors;  ///< channels without extinction say what colour the matter of the others has
 };
 
 /// The voxel whose interval [i, i + 1] holds a point, per axis.
@@ -84,7 +85,7 @@ struct VolumeView {
     std::int32_t last_x, last_y, last_z;  ///< last interval's voxel, max(n - 2, 0)
     SplineView<Voxel> spline{};
     FactorView factor{};           ///< of a medium with opacity by gradient
-    MixtureView<Voxel> mixture{};  ///< of a medium of several channels
+    MixtureView<Voxel> mixture{};  ///< of a medium of several channels, of labels, or in its own colours
 
     template <class F>
     CHIARO_INLINE Vec3<F> clamp(Vec3<F> p) const {

@@ -1,5 +1,7 @@
 #include "classify/labels/fields.h"
 
+#include <chiaro/error.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -28,6 +30,8 @@ struct Looks {
     std::vector<std::uint16_t> tint_of;  ///< of each number
     std::vector<float> opacities;        ///< of what is shown, rising
     std::vector<Tint> tints;
+    std::vector<std::optional<TransferFunction>> transfers{std::nullopt};
+    std::vector<std::uint16_t> transfer_of;  ///< of each number
     bool hides = false, dims = false, paints = false;
 
     Looks(const std::vector<Label>& labels, ColorMode color) {
@@ -40,6 +44,7 @@ struct Looks {
                     float(std::sqrt(color == ColorMode::linear ? linear_from_srgb(label.rgb[c]) : label.rgb[c]));
             shown.push_back(is_shown), opacity.push_back(float(label.opacity));
             tint_of.push_back(known.try_emplace(tint, std::uint16_t(known.size())).first->second);
+            transfer_of.push_back(number_of(is_shown ? label.transfer : std::nullopt));
             hides = hides || !is_shown, paints = paints || tint.strength > 0;
             if (is_shown) opacities.push_back(float(label.opacity));
         }
@@ -48,6 +53,18 @@ struct Looks {
         std::sort(opacities.begin(), opacities.end());
         opacities.erase(std::unique(opacities.begin(), opacities.end()), opacities.end());
         dims = !opacities.empty() && opacities.front() < 1;
+    }
+    bool has_transfers() const { return transfers.size() > 1; }
+
+private:
+    std::uint16_t number_of(const std::optional<TransferFunction>& transfer) {
+        const auto known = std::find(transfers.begin(), transfers.end(), transfer);
+        if (known != transfers.end()) return std::uint16_t(known - transfers.begin());
+        if (transfers.size() > max_label_transfers)
+            throw Error(ErrorCode::input, "labels: at most " + std::to_string(max_label_transfers) +
+                                              " transfer functions of their own can be shown");
+        transfers.push_back(transfer);
+        return std::uint16_t(transfers.size() - 1);
     }
 };
 
@@ -70,6 +87,7 @@ public:
         if (looks_.hides) fill_distance();
         if (looks_.dims) fill_share();
         if (looks_.paints) fill_tint();
+        if (looks_.has_transfers()) fill_transfers();
     }
 
 private:
@@ -140,34 +158,58 @@ private:
         each([&](std::size_t to, std::size_t, std::size_t i) { out[to] = byte(sum[i]); });
     }
 
-    /// Of what is shown within the tile.
-    std::vector<std::uint16_t> tints_here() {
+    /// Classes of what is shown within the tile; a few of too many.
+    std::vector<std::uint16_t> classes_here(const std::vector<std::uint16_t>& class_of) const {
         std::vector<std::uint16_t> here;
         std::uint16_t last = 0;
         bool any = false;
         for (const std::uint16_t n : numbers_) {
             if (!looks_.shown[n] || (any && n == last)) continue;
             any = true, last = n;
-            if (std::find(here.begin(), here.end(), looks_.tint_of[n]) == here.end()) here.push_back(looks_.tint_of[n]);
+            if (std::find(here.begin(), here.end(), class_of[n]) == here.end()) here.push_back(class_of[n]);
             if (here.size() > max_tints) break;
         }
         return here;
     }
 
+    std::vector<std::vector<float>> distances_of(const std::vector<std::uint16_t>& here,
+                                                 const std::vector<std::uint16_t>& class_of) {
+        std::vector<std::vector<float>> distances;
+        for (const std::uint16_t one : here) {
+            bool all = false;
+            distances.push_back(
+                *border_of([&](std::uint16_t n) { return looks_.shown[n] && class_of[n] == one; }, all));
+        }
+        return distances;
+    }
+
+    /// What is hidden is by its neighbours' function, as by their tints.
+    void fill_transfers() {
+        const std::vector<std::uint16_t> here = classes_here(looks_.transfer_of);
+        const auto out = [&](std::uint16_t one) {
+            return reinterpret_cast<std::uint8_t*>(out_.transfers[one].share.data());
+        };
+        const std::uint16_t alone = here.empty() ? 0 : here.front();
+        if (here.size() < 2) return each([&](std::size_t to, std::size_t, std::size_t) { out(alone)[to] = 255; });
+        const std::vector<std::vector<float>> distances = distances_of(here, looks_.transfer_of);
+        each([&](std::size_t to, std::size_t, std::size_t i) {
+            float nearest = -1e9f, sum = 0;
+            for (const auto& distance : distances) nearest = std::max(nearest, distance[i]);
+            for (const auto& distance : distances) sum += std::max(1 - (nearest - distance[i]), 0.0f);
+            for (std::size_t k = 0; k < here.size(); ++k)
+                out(here[k])[to] = byte(std::max(1 - (nearest - distances[k][i]), 0.0f) / sum);
+        });
+    }
+
     void fill_tint() {
-        const std::vector<std::uint16_t> here = tints_here();
+        const std::vector<std::uint16_t> here = classes_here(looks_.tint_of);
         auto* const out = reinterpret_cast<std::uint32_t*>(out_.tint.data());
         if (here.size() > max_tints) return mean_tints(out);
         if (here.size() < 2) {
             const std::uint32_t all = here.empty() ? 0 : packed(looks_.tints[here[0]]);
             return each([&](std::size_t to, std::size_t, std::size_t) { out[to] = all; });
         }
-        std::vector<std::vector<float>> distances;
-        for (const std::uint16_t tint : here) {
-            bool all = false;
-            distances.push_back(
-                *border_of([&](std::uint16_t n) { return looks_.shown[n] && looks_.tint_of[n] == tint; }, all));
-        }
+        const std::vector<std::vector<float>> distances = distances_of(here, looks_.tint_of);
         each([&](std::size_t to, std::size_t, std::size_t i) { out[to] = mixed(here, distances, i); });
     }
 
@@ -234,7 +276,9 @@ LabelFields make_label_fields(const LabelVolume& labels, const std::vector<Label
     if (!looks.shown[0]) made.distance_beyond = LabelCoding::hidden;
     if (looks.dims) made.share_beyond = byte(looks.shown[0] ? looks.opacity[0] : looks.opacities.front());
     if (looks.shown[0]) made.tint_beyond = packed(looks.tints[looks.tint_of[0]]);
-    if (!looks.hides && !looks.dims && !looks.paints) return made;
+    if (looks.has_transfers())
+        for (const auto& transfer : looks.transfers) made.transfers.push_back({transfer, VoxelBuffer(voxels)});
+    if (!looks.hides && !looks.dims && !looks.paints && !looks.has_transfers()) return made;
     std::array<std::int64_t, 3> tiles;
     for (std::size_t a = 0; a < 3; ++a) tiles[a] = (labels.dimensions[a] + edge - 1) / edge;
     constexpr int grain = 8;  // a thread's tile takes 5 MB, made anew for each piece

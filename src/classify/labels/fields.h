@@ -13,14 +13,15 @@ struct LabelFields {
     VoxelBuffer distance, share, tint;
     std::uint8_t distance_beyond = LabelCoding::shown, share_beyond = 255;
     std::uint32_t tint_beyond = 0;
+    std::vector<TransferShare> transfers;  ///< beyond the labels all is by the volume's
 };
 
 /// Borders are those of sets of labels that look alike (classify/labels/border.h): of all that are shown, of those at
-/// least as opaque as each other, and of each tint. A border between two tints is half a voxel wide on either side;
-/// what is hidden takes its neighbours', so that what is cut free has its own colour. Where more than 16 tints meet
-/// within some voxels, tints are means over 3³ voxels. The same for any number of threads. Cost: 1 core-ms for every
-/// 32³ voxels near a border and each look there. Throws Error{interrupted} when cancelled.
-/// `looks` are the labels' in their order.
+/// least as opaque as each other, of each tint and of each transfer function. A border between two tints, or functions,
+/// is half a voxel wide on either side; what is hidden takes its neighbours', so that what is cut free has its own
+/// colour. Where more than 16 tints meet within some voxels, tints are means over 3³ voxels. The same for any number of
+/// threads. Cost: 1 core-ms for every 32³ voxels near a border and each look there. Throws Error{interrupted} when
+/// cancelled. `looks` are the labels' in their order.
 LabelFields make_label_fields(const LabelVolume& labels, const std::vector<Label>& looks, ColorMode color, int threads,
                               const Progress& progress);
 

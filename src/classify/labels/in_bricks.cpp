@@ -56,6 +56,10 @@ public:
     std::uint8_t share(const Place& place) const {
         return place.beyond ? fields_.share_beyond : std::uint8_t(mean(place, fields_.share, 1, 0) + 0.5f);
     }
+    std::uint8_t share_by(std::size_t transfer, const Place& place) const {
+        if (place.beyond) return transfer == 0 ? 255 : 0;
+        return std::uint8_t(mean(place, fields_.transfers[transfer].share, 1, 0) + 0.5f);
+    }
     std::uint32_t tint(const Place& place) const {
         if (place.beyond) return fields_.tint_beyond;
         std::uint32_t packed = 0;
@@ -76,6 +80,42 @@ private:
     float scale_;
 };
 
+/// Calls f(voxel, whether `holds` of it and of the seven others of the cell that begins with it) for a brick's voxels.
+template <class Holds, class Function>
+void each_cell(const Holds& holds, const Function& f) {
+    constexpr int row = brick_row, last = brick_row - 1;
+    for (int z = 0; z < row; ++z)
+        for (int y = 0; y < row; ++y)
+            for (int x = 0; x < row; ++x) {
+                const std::size_t at = std::size_t((z * row + y) * row + x);
+                bool all = z < last && y < last && x < last;
+                for (int corner = 0; corner < 8 && all; ++corner)
+                    all = holds(at, at + std::size_t(((corner >> 2) * row + (corner >> 1 & 1)) * row + (corner & 1)));
+                f(at, all);
+            }
+}
+
+/// Marks what lies deep in what is shown.
+void mark_deep(std::uint8_t* distance) {
+    constexpr int whole = LabelCoding::middle + int(LabelCoding::per_voxel / 2 + 1);
+    each_cell(
+        [&](std::size_t from, std::size_t to) { return distance[from] >= LabelCoding::shown && distance[to] >= whole; },
+        [&](std::size_t at, bool all) {
+            if (all) distance[at] = LabelCoding::deep;
+        });
+}
+
+/// From a strength of 255 to the words that kernels read.
+void code_tints(std::uint32_t* tint) {
+    constexpr std::uint32_t color = TintCoding::several - 1, most = TintCoding::strength_bits;
+    for (int i = 0; i < brick_voxels; ++i)
+        tint[i] = (tint[i] & color) | (((tint[i] >> 24) * most + 127) / 255) << TintCoding::strength_shift;
+    const auto are_alike = [&](std::size_t from, std::size_t to) {
+        return ((tint[from] ^ tint[to]) & ~TintCoding::several) == 0;
+    };
+    each_cell(are_alike, [&](std::size_t at, bool all) { tint[at] |= all ? 0 : TintCoding::several; });
+}
+
 }  // namespace
 
 LabelBricks in_bricks(const LabelFields& fields, const LabelPlacement& placement, const std::array<int, 3>& dimensions,
@@ -87,6 +127,7 @@ LabelBricks in_bricks(const LabelFields& fields, const LabelPlacement& placement
     if (fields.distance.size()) made.distance = VoxelBuffer(voxels);
     if (fields.share.size()) made.share = VoxelBuffer(voxels);
     if (fields.tint.size()) made.tint = VoxelBuffer(4 * voxels);
+    for (const TransferShare& one : fields.transfers) made.transfers.push_back({one.transfer, VoxelBuffer(voxels)});
     auto* const distance = reinterpret_cast<std::uint8_t*>(made.distance.data());
     auto* const share = reinterpret_cast<std::uint8_t*>(made.share.data());
     auto* const tint = reinterpret_cast<std::uint32_t*>(made.tint.data());
@@ -105,7 +146,11 @@ LabelBricks in_bricks(const LabelFields& fields, const LabelPlacement& placement
                     if (distance) distance[to] = sampler.distance(at);
                     if (share) share[to] = sampler.share(at);
                     if (tint) tint[to] = sampler.tint(at);
+                    for (std::size_t i = 0; i < made.transfers.size(); ++i)
+                        made.transfers[i].share.data()[to] = std::byte(sampler.share_by(i, at));
                 }
+        if (distance) mark_deep(distance + std::size_t(b) * brick_voxels);
+        if (tint) code_tints(tint + std::size_t(b) * brick_voxels);
     });
     progress.check();
     return made;

@@ -17,6 +17,28 @@ std::shared_ptr<const LabelBricks> label_bricks(const LabelVolume& labels, const
     return std::make_shared<const LabelBricks>(in_bricks(fields, placed, data.dimensions, threads, progress));
 }
 
+namespace {
+
+/// The medium once for each transfer function, where it holds.
+std::vector<std::shared_ptr<const Medium::Data>> by_transfer(const Device& device, const Medium::Data& data,
+                                                             const std::shared_ptr<const LabelBricks>& labels,
+                                                             const Progress& progress) {
+    if (is_mixed(data))
+        throw Error(ErrorCode::usage,
+                    "labels: a transfer function of a label's own goes with a volume of one value a voxel");
+    Shape shape = data.shape;
+    shape.clip.largest = false;  // which is all that is left of the volume
+    std::vector<std::shared_ptr<const Medium::Data>> channels;
+    for (const TransferShare& one : labels->transfers) {
+        const Medium its = one.transfer ? classify(device, data.volume, *one.transfer, shape, progress)
+                                        : Medium(data.shared_from_this());
+        channels.push_back(with_share(its.data(), {labels, &one.share}));
+    }
+    return channels;
+}
+
+}  // namespace
+
 Medium with_labels(const Device& device, const Medium& medium, std::shared_ptr<const LabelBricks> labels,
                    const Progress& progress) {
     const Medium::Data& data = medium.data();
@@ -27,9 +49,10 @@ Medium with_labels(const Device& device, const Medium& medium, std::shared_ptr<c
                     "found without them");
     if (data.volume.data().pages)
         throw Error(ErrorCode::usage, "labels: a volume that is read by bricks has none: raise --memory");
-    auto channels = data.channels;
-    if (channels.empty()) channels.push_back(data.shared_from_this());
-    return mixed(device, std::move(channels), data.shape, progress, std::move(labels));
+    MixtureParts parts = parts_of(data);
+    if (!labels->transfers.empty()) parts.channels = by_transfer(device, data, labels, progress);
+    parts.labels = std::move(labels);
+    return mixed(device, std::move(parts), data.shape, progress);
 }
 
 std::vector<std::uint8_t> cells_with_labels(const LabelBricks& labels, const DeviceVolume::Data& volume) {

@@ -21,6 +21,19 @@ std::vector<float> outward_sides(const Medium::Data& medium, double edge_mm) {
     return sides;
 }
 
+/// Without values: the side that most of the rises and falls of extinction have, and the mean colour.
+void forget_values(const Medium::Data& medium, HistogramLight& light) {
+    double side = 0, weights = 1e-12, r = 0, g = 0, b = 0;
+    for (float its : light.side) side += double(its);
+    for (const auto& e : medium.table.entries) {
+        const double kappa = double(e.extinction_per_mm);
+        weights += kappa, r += kappa * double(e.r), g += kappa * double(e.g), b += kappa * double(e.b);
+    }
+    std::fill(light.side.begin(), light.side.end(), side > 0 ? 1.0f : -1.0f);
+    const kernel::Rgba mean{float(r / weights), float(g / weights), float(b / weights), 1};
+    std::fill(light.albedo.begin(), light.albedo.end(), mean);
+}
+
 /// Node i lies at cell i × subsample.
 kernel::GridView view_of_nodes(const LocalHistograms& h) {
     CellGrid nodes = h.grid;
@@ -54,7 +67,7 @@ kernel::Rgba codeword_light(const std::array<float, 4>& sums, const LocalHistogr
 
 std::shared_ptr<const HistogramLight> make_histogram_light(const Device& device, const Medium::Data& medium,
                                                            std::shared_ptr<const LocalHistograms> histograms,
-                                                           const HistogramSettings& settings) {
+                                                           const HistogramSettings& settings, bool in_mixture) {
     auto light = std::make_shared<HistogramLight>();
     const LocalHistograms& h = *histograms;
     const auto& effects = settings.effects;
@@ -64,6 +77,7 @@ std::shared_ptr<const HistogramLight> make_histogram_light(const Device& device,
         light->codewords.push_back(codeword_light(sums, h, settings.model));
     light->side = outward_sides(medium, h.grid.edge_mm);
     for (const auto& entry : medium.table.entries) light->albedo.push_back({entry.r, entry.g, entry.b, 1});
+    if (in_mixture) forget_values(medium, *light);
     light->view = view_over(h, is_paper ? h.identifiers.data() : h.displaced.address(), medium);
     kernel::HistogramView& view = light->view;
     view.codewords = light->codewords.data(), view.side = light->side.data(), view.albedo = light->albedo.data();

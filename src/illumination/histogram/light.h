@@ -32,10 +32,11 @@ struct HistogramLight {
     }
 };
 
-/// Cost: one pass over the words, some milliseconds for 2048 of 4096 bins.
+/// Cost: one pass over the words, some milliseconds for 2048 of 4096 bins. `in_mixture`: it lights several channels, of
+/// whose samples no value is known.
 std::shared_ptr<const HistogramLight> make_histogram_light(const Device& device, const Medium::Data& medium,
                                                            std::shared_ptr<const LocalHistograms> histograms,
-                                                           const HistogramSettings& settings);
+                                                           const HistogramSettings& settings, bool in_mixture = false);
 
 /// v of every node as light on particles, which face nowhere: the mean of both halves, at no normal offset.
 struct ParticleLight {

@@ -189,9 +189,9 @@ int levels_per_unit(const DeviceVolume::Data& volume) {
 }  // namespace
 
 /// What labels leave of the depths of a block's cells, by their middles.
-FillBlock left_by_labels(const Medium::Data& medium, const CellGrid& grid, const BlockMap& matter) {
+FillBlock left_by_labels(const kernel::LabelView& labels, const Medium::Data& medium, const CellGrid& grid,
+                         const BlockMap& matter) {
     const DeviceVolume::Data& volume = medium.volume.data();
-    const kernel::LabelView labels = label_view(volume.mixture->labels.get());
     if (!labels.distance && !labels.share) return {};
     const auto view = view_of<std::uint8_t>(volume);  // of places alone
     return [=, &grid, &matter, centres = cell_centres(medium, grid)](std::size_t block, float* tile) {
@@ -211,9 +211,18 @@ FillBlock left_by_labels(const Medium::Data& medium, const CellGrid& grid, const
 /// Extinctions add.
 BlockDepths depths_of_channels(const Medium::Data& medium, const CellGrid& grid, const BlockMap& matter) {
     std::vector<FillBlock> channels;
-    for_each_channel(
-        medium, [&](const Medium::Data& channel) { channels.push_back(block_depths(channel, grid, matter).here); });
-    const auto here = [channels, left = left_by_labels(medium, grid, matter)](std::size_t block, float* tile) {
+    for_each_channel(medium, [&](const Medium::Data& channel) {
+        channels.push_back(block_depths(channel, grid, matter).here);
+        if (!channel.share) return;
+        const auto* share = reinterpret_cast<const std::uint8_t*>(channel.share->data());
+        const auto left = left_by_labels({nullptr, share, nullptr}, medium, grid, matter);
+        channels.back() = [whole = channels.back(), left](std::size_t block, float* tile) {
+            whole(block, tile);
+            left(block, tile);
+        };
+    });
+    const kernel::LabelView labels = label_view(medium.volume.data().mixture->labels.get());
+    const auto here = [channels, left = left_by_labels(labels, medium, grid, matter)](std::size_t block, float* tile) {
         std::vector<float> one(tile_size);
         for (const FillBlock& fill : channels) {
             std::fill(one.begin(), one.end(), 0.0f);

@@ -22,12 +22,17 @@ double share_of(const JsonNode& node) {
 }
 
 Label own_label(const JsonNode& node) {
-    node.require_keys({"value", "name", "rgb", "tint", "opacity", "show"});
+    node.require_keys({"value", "name", "rgb", "tint", "opacity", "show", "transfer_function"});
     Label label{.value = value_of(node.at("value"))};
     if (node.has("name")) label.name = node.at("name").text();
     if (node.has("tint")) label.tint = share_of(node.at("tint"));
     if (node.has("opacity")) label.opacity = share_of(node.at("opacity"));
     if (node.has("show")) label.show = node.at("show").flag();
+    if (node.has("transfer_function")) {
+        const JsonNode tf = node.at("transfer_function");
+        label.transfer = parse_transfer_function(tf.json.dump(), tf.origin + ": " + tf.path);
+        if (!node.has("tint")) label.tint = 0;  // its colours are the function's
+    }
     if (!node.has("rgb")) {
         label.rgb = label_color(label.value);
         if (label.value == 0 && !node.has("tint")) label.tint = 0;
