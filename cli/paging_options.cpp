@@ -65,7 +65,7 @@ PagingSettings paging_of(const PagingOptions& o) {
 
 std::shared_ptr<const BrickSource> paged_volume(const Scene& scene, const PagingSettings& paging) {
     if (!scene.channels.empty()) return nullptr;
-    if (scene.stated.spacing_mm || scene.volume == "-" || scene.read.time > 0 || !moment_files(scene.volume).empty() ||
+    if (scene.stated.spacing_mm || scene.volume == "-" || !moment_files(scene.volume).empty() ||
         is_small(scene.volume, paging))
         return {};
     auto source = open_brick_source(scene.volume, scene.read);
@@ -73,8 +73,8 @@ std::shared_ptr<const BrickSource> paged_volume(const Scene& scene, const Paging
         if (paging.finest_level > 0)
             throw Error(
                 ErrorCode::usage,
-                fmt::format("--level {}: {} is read as a whole; samples are not, nor raw, NRRD, MetaImage, NIfTI "
-                            "and VTK files whose voxels are not compressed",
+                fmt::format("--level {}: {} is read as a whole; samples are not, nor OME-Zarr, HDF5, and raw, NRRD, "
+                            "MetaImage, NIfTI and VTK files whose voxels are not compressed",
                             paging.finest_level, scene.volume));
         return {};
     }

@@ -46,6 +46,9 @@ public:
     /// The voxels of a box within a level, of the header's type, x fastest. Throws Error{input} where they cannot be
     /// had.
     virtual void read(int level, const VoxelBox& box, std::byte* to) const = 0;
+    /// What of a level is read at the least cost: boxes of this size, side by side from voxel (0, 0, 0) on. Slices,
+    /// where a source knows no better.
+    CHIARO_EXPORT virtual std::array<int, 3> piece(int level) const;
 
 protected:
     CHIARO_EXPORT BrickSource(Volume header, std::vector<SourceLevel> levels);

@@ -229,5 +229,6 @@ Volume read_dicom(const Path& path, const std::string& wanted, Output& output) {
 }
 
 Reader find_reader(std::string_view format) { return format == "dicom" ? read_dicom : nullptr; }
+ChunkedOpener find_chunked_opener(std::string_view) { return nullptr; }
 
 }  // namespace chiaro::decode

@@ -12,4 +12,6 @@ Reader find_reader(std::string_view format) {
     return nullptr;
 }
 
+ChunkedOpener find_chunked_opener(std::string_view) { return nullptr; }
+
 }  // namespace chiaro::decode

@@ -1,9 +1,6 @@
-// HDF5: libhdf5 reads the values; which dataset, and what its axes are, is decided here.
-//
-// The last axis is x, as everywhere where volumes are kept in HDF5. Spacing comes from the attribute `element_size_um`
-// (ilastik, Fiji; micrometres) or `spacing` (millimetres), both in the order of the dataset's axes.
+// HDF5: libhdf5 reads the values; whether they can be trusted is decided here.
 #include "decode/byte_source.h"
-#include "decode/hdf5_file.h"
+#include "decode/hdf5_dataset.h"
 #include "decode/payload.h"
 #include "decode/readers.h"
 #include "volume/validate.h"
@@ -11,164 +8,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <optional>
 #include <set>
 
 namespace chiaro::decode {
 namespace {
-
-using Path = std::filesystem::path;
-
-/// A dataset that can be a volume.
-struct Shape {
-    VoxelType type = VoxelType::u8;
-    std::vector<hsize_t> sizes;           ///< of all axes, slowest first
-    std::vector<std::size_t> axes;        ///< those in space: up to three, without others of one element
-    std::optional<std::size_t> channels;  ///< the axis of channels: before those in space, or behind them
-    bool is_interleaved() const { return channels && *channels > axes.back(); }
-};
-
-std::optional<VoxelType> type_of(hid_t dataset) {
-    const Hdf5Id type(H5Dget_type(dataset), H5Tclose);
-    const std::size_t size = H5Tget_size(type);
-    const auto kind = H5Tget_class(type);
-    if (kind == H5T_FLOAT && (size == 2 || size == 4)) return VoxelType::f32;
-    if (kind == H5T_FLOAT && size == 8) return VoxelType::f64;
-    if (kind != H5T_INTEGER && kind != H5T_ENUM) return {};  // enumerations: truth values as Python writes them
-    const Hdf5Id base(kind == H5T_ENUM ? H5Tget_super(type) : H5Tcopy(type), H5Tclose);
-    const bool is_signed = H5Tget_sign(base) != H5T_SGN_NONE;
-    switch (size) {
-        case 1:
-            return is_signed ? VoxelType::i8 : VoxelType::u8;
-        case 2:
-            return is_signed ? VoxelType::i16 : VoxelType::u16;
-        case 4:
-            return is_signed ? VoxelType::i32 : VoxelType::u32;
-        case 8:
-            return is_signed ? VoxelType::i64 : VoxelType::u64;
-        default:
-            return {};
-    }
-}
-
-hid_t memory_type(VoxelType type) {
-    switch (type) {
-        case VoxelType::u8:
-            return H5T_NATIVE_UINT8;
-        case VoxelType::i8:
-            return H5T_NATIVE_INT8;
-        case VoxelType::u16:
-            return H5T_NATIVE_UINT16;
-        case VoxelType::i16:
-            return H5T_NATIVE_INT16;
-        case VoxelType::u32:
-            return H5T_NATIVE_UINT32;
-        case VoxelType::i32:
-            return H5T_NATIVE_INT32;
-        case VoxelType::u64:
-            return H5T_NATIVE_UINT64;
-        case VoxelType::i64:
-            return H5T_NATIVE_INT64;
-        case VoxelType::f32:
-            return H5T_NATIVE_FLOAT;
-        default:
-            return H5T_NATIVE_DOUBLE;
-    }
-}
-
-/// Sizes of the axes; empty for what has none.
-std::vector<hsize_t> sizes_of(hid_t dataset) {
-    const Hdf5Id space(H5Dget_space(dataset), H5Sclose);
-    const int rank = H5Sget_simple_extent_ndims(space);
-    if (rank <= 0 || rank > 32) return {};
-    std::vector<hsize_t> sizes(std::size_t(rank), 0);
-    H5Sget_simple_extent_dims(space, sizes.data(), nullptr);
-    return sizes;
-}
-
-/// Drops axes of one element, the slowest first, until three are left. Of four the first, or else the last is that of
-/// channels, where it has at most eight.
-Shape with_axes(Shape shape) {
-    constexpr hsize_t max_channels_of_axis = 8;
-    const std::vector<hsize_t>& sizes = shape.sizes;
-    std::size_t surplus = sizes.size() > 3 ? sizes.size() - 3 : 0;
-    std::vector<std::size_t> axes;
-    for (std::size_t i = 0; i < sizes.size(); ++i) {
-        if (sizes[i] == 1 && surplus > 0)
-            --surplus;
-        else
-            axes.push_back(i);
-    }
-    if (axes.size() == 4 && sizes[axes.front()] <= max_channels_of_axis)
-        shape.channels = axes.front(), axes.erase(axes.begin());
-    else if (axes.size() == 4 && sizes[axes.back()] <= max_channels_of_axis)
-        shape.channels = axes.back(), axes.pop_back();
-    shape.axes = std::move(axes);
-    return shape;
-}
-
-std::string text_of(const std::vector<hsize_t>& sizes) { return fmt::format("{}", fmt::join(sizes, " x ")); }
-
-Shape shape_of(hid_t dataset, const std::string& path) {
-    const auto type = type_of(dataset);
-    if (!type) refuse(fmt::format("has in '{}' values that are no numbers of 8 to 64 bits", path));
-    const Shape shape = with_axes({*type, sizes_of(dataset), {}, {}});
-    if (shape.axes.size() < 2 || shape.axes.size() > 3)
-        refuse(fmt::format("has in '{}' an array of {} elements; volumes have three axes, and at most eight channels",
-                           path, shape.sizes.empty() ? "no" : text_of(shape.sizes)));
-    return shape;
-}
-
-/// The only dataset with three axes, where none is named.
-std::string only_volume(hid_t file) {
-    std::vector<std::string> volumes;
-    const auto all = datasets_in(file);
-    for (const auto& path : all) {
-        const Hdf5Id dataset(H5Oopen(file, path.c_str(), H5P_DEFAULT), H5Oclose);
-        const Hdf5Id made(dataset.is_valid() ? H5Dget_create_plist(dataset) : -1, H5Pclose);
-        if (!made.is_valid() || H5Pget_layout(made) == H5D_VIRTUAL) continue;  // whose size may lie in other files
-        if (type_of(dataset) && with_axes({{}, sizes_of(dataset), {}, {}}).axes.size() == 3) volumes.push_back(path);
-    }
-    if (volumes.size() == 1) return volumes[0];
-    const auto& named = volumes.empty() ? all : volumes;
-    if (named.empty()) refuse("holds no dataset");
-    const std::size_t shown = std::min<std::size_t>(named.size(), 8);
-    refuse(fmt::format("holds {} datasets{}; name one as FILE:/PATH: {}{}", named.size(),
-                       volumes.empty() ? ", none with three axes" : " that can be volumes",
-                       fmt::join(named.begin(), named.begin() + std::ptrdiff_t(shown), ", "),
-                       shown < named.size() ? ", ..." : ""));
-}
-
-/// Numbers of an attribute; empty where there is none.
-std::vector<double> attribute(hid_t dataset, const char* name) {
-    if (H5Aexists(dataset, name) <= 0) return {};
-    const Hdf5Id stored(H5Aopen(dataset, name, H5P_DEFAULT), H5Aclose);
-    const Hdf5Id type(H5Aget_type(stored), H5Tclose), space(H5Aget_space(stored), H5Sclose);
-    const auto kind = H5Tget_class(type);
-    const auto count = H5Sget_simple_extent_npoints(space);
-    if ((kind != H5T_FLOAT && kind != H5T_INTEGER) || count < 1 || count > 32) return {};
-    std::vector<double> values(std::size_t(count), 0);
-    if (H5Aread(stored, H5T_NATIVE_DOUBLE, values.data()) < 0) return {};
-    return values;
-}
-
-void set_spacing(hid_t dataset, const Shape& shape, Volume& volume) {
-    const auto take = [&](const char* name, double mm) {
-        const auto stated = attribute(dataset, name);
-        if (stated.empty()) return false;
-        const bool for_all = stated.size() == shape.sizes.size();
-        if (!for_all && stated.size() < shape.axes.size()) return false;
-        for (std::size_t i = 0; i < shape.axes.size(); ++i) {  // i = 0 is the slowest kept axis
-            const std::size_t at = for_all ? shape.axes[i] : stated.size() - shape.axes.size() + i;
-            volume.geometry.spacing_mm[int(shape.axes.size() - 1 - i)] = mm * stated[at];
-        }
-        return true;
-    };
-    if (!take("element_size_um", 1e-3) && !take("spacing", 1))
-        volume.notes.push_back("states neither element_size_um nor spacing; 1 mm is taken");
-}
 
 /// Which of the filters makes the checksums of chunks; 32: none does.
 unsigned checksum_filter(hid_t made) {
@@ -190,7 +35,7 @@ void check_checksum(hid_t dataset, const std::vector<hsize_t>& at, hsize_t bytes
 }
 
 /// Elements of a chunk along each axis.
-std::vector<hsize_t> chunk_of(hid_t made, const Shape& shape) {
+std::vector<hsize_t> chunk_of(hid_t made, const Hdf5Shape& shape) {
     std::vector<hsize_t> chunk(shape.sizes.size(), 1);
     if (H5Pget_layout(made) == H5D_CHUNKED) H5Pget_chunk(made, int(chunk.size()), chunk.data());
     return chunk;
@@ -215,7 +60,7 @@ bool check_chunk(hid_t dataset, const std::vector<hsize_t>& at, std::uint64_t fi
 using Places = std::set<std::vector<hsize_t>>;
 
 /// The places of chunks by the index, but for those outside of the array.
-Places places_in_index(hid_t dataset, hid_t space, hsize_t stored, const Shape& shape) {
+Places places_in_index(hid_t dataset, hid_t space, hsize_t stored, const Hdf5Shape& shape) {
     Places places;
     std::vector<hsize_t> at(shape.sizes.size());
     for (hsize_t i = 0; i < stored; ++i) {
@@ -230,7 +75,7 @@ Places places_in_index(hid_t dataset, hid_t space, hsize_t stored, const Shape& 
 /// meant for another one: a bit flipped in the index, which has no checksum of its own, makes voxels vanish. Asked are
 /// all places; where only a few chunks are stored those that the index has, for to find one of them takes a walk
 /// through the index. Returns those places.
-std::optional<Places> check_chunks(hid_t dataset, hid_t made, std::uint64_t file_size, const Shape& shape,
+std::optional<Places> check_chunks(hid_t dataset, hid_t made, std::uint64_t file_size, const Hdf5Shape& shape,
                                    Volume& volume, Output& output) {
     constexpr hsize_t few = 1024;
     const unsigned filter = checksum_filter(made);
@@ -261,7 +106,7 @@ std::optional<Places> check_chunks(hid_t dataset, hid_t made, std::uint64_t file
 }
 
 /// Returns the places of chunks where few are stored: elsewhere is the fill value.
-std::optional<Places> check_stored(hid_t dataset, std::uint64_t file_size, std::uint64_t bytes, const Shape& shape,
+std::optional<Places> check_stored(hid_t dataset, std::uint64_t file_size, std::uint64_t bytes, const Hdf5Shape& shape,
                                    Volume& volume, Output& output) {
     const Hdf5Id made(H5Dget_create_plist(dataset), H5Pclose), type(H5Dget_type(dataset), H5Tclose);
     const std::uint64_t stored = H5Dget_storage_size(dataset);
@@ -272,16 +117,16 @@ std::optional<Places> check_stored(hid_t dataset, std::uint64_t file_size, std::
 }
 
 /// Elements along the slowest kept axis that lie in the same chunks.
-hsize_t slab_of(hid_t dataset, const Shape& shape) {
+hsize_t slab_of(hid_t dataset, const Hdf5Shape& shape) {
     const Hdf5Id made(H5Dget_create_plist(dataset), H5Pclose);
     const std::size_t axis = shape.axes.size() == 3 ? shape.axes[0] : 0;
     return std::clamp<hsize_t>(chunk_of(made, shape)[axis], 1, shape.sizes[axis]);
 }
 
 /// libhdf5 would go through all chunks, stored or not.
-void fill_few(hid_t dataset, const Shape& shape, const Places& places, Volume& volume) {
+void fill_few(hid_t dataset, const Hdf5Shape& shape, const Places& places, Volume& volume) {
     const Hdf5Id made(H5Dget_create_plist(dataset), H5Pclose), space(H5Dget_space(dataset), H5Sclose);
-    const hid_t type = memory_type(volume.type);
+    const hid_t type = hdf5_memory_type(volume.type);
     const std::size_t size = size_of(volume.type);
     std::vector<std::byte> value(size);
     if (H5Pget_fill_value(made, type, value.data()) < 0) refuse("has a fill value that is damaged");
@@ -300,7 +145,7 @@ void fill_few(hid_t dataset, const Shape& shape, const Places& places, Volume& v
 }
 
 /// Slabs of the whole array, or of one of the channels before it, which then go between the others.
-void fill(hid_t dataset, const Shape& shape, std::optional<hsize_t> channel, Volume& volume, Output& output) {
+void fill(hid_t dataset, const Hdf5Shape& shape, std::optional<hsize_t> channel, Volume& volume, Output& output) {
     const Hdf5Id space(H5Dget_space(dataset), H5Sclose);
     const std::size_t axis = shape.axes.size() == 3 ? shape.axes[0] : 0;
     const hsize_t size = shape.sizes[axis], slab = slab_of(dataset, shape);
@@ -314,7 +159,7 @@ void fill(hid_t dataset, const Shape& shape, std::optional<hsize_t> channel, Vol
         const Hdf5Id memory(H5Screate_simple(int(count.size()), count.data(), nullptr), H5Sclose);
         std::byte* const to = volume.voxels.data() + first * slice_bytes;
         if (H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) < 0 ||
-            H5Dread(dataset, memory_type(volume.type), memory, space, H5P_DEFAULT, channel ? plane.data() : to) < 0)
+            H5Dread(dataset, hdf5_memory_type(volume.type), memory, space, H5P_DEFAULT, channel ? plane.data() : to) < 0)
             refuse("holds values that are damaged or missing");
         const std::size_t values = channel ? count[axis] * slice_bytes / std::size_t(volume.components) / value : 0;
         for (std::size_t i = 0; i < values; ++i)
@@ -325,46 +170,78 @@ void fill(hid_t dataset, const Shape& shape, std::optional<hsize_t> channel, Vol
     }
 }
 
-void set_channels(const Shape& shape, Volume& volume) {
-    if (!shape.channels) return;
-    volume.components = int(shape.sizes[*shape.channels]);
-    volume.has_own_colors = shape.is_interleaved() && are_colors_untold(volume);
-    volume.notes.push_back(fmt::format("its {} axis, of {}, is taken for channels",
-                                       shape.is_interleaved() ? "last" : "first", volume.components));
+/// A dataset by its chunks, or where it has none by boxes.
+class Hdf5Chunks final : public ChunkedFile {
+public:
+    Hdf5Chunks(Hdf5Volume volume, std::uint64_t file_size, Output& output)
+        : file_(std::move(volume.file)), dataset_(std::move(volume.dataset)), shape_(std::move(volume.shape)) {
+        header_ = std::move(volume.header);
+        if (header_.components > 1) header_.notes.push_back("by bricks the first channel is shown");
+        header_.components = 1, header_.has_own_colors = false;
+        check_stored(dataset_, file_size, check_header(header_), shape_, header_, output);
+        const Hdf5Id made(H5Dget_create_plist(dataset_), H5Pclose);
+        ChunkedLevel level{header_.dimensions, {64, 64, 64}, header_.geometry};
+        std::uint64_t bytes = size_of(header_.type);
+        if (H5Pget_layout(made) == H5D_CHUNKED) {
+            const std::vector<hsize_t> chunk = chunk_of(made, shape_);
+            for (const hsize_t edge : chunk) bytes *= std::min<hsize_t>(edge, largest_chunk_bytes + 1);
+            if (bytes > largest_chunk_bytes)
+                refuse(fmt::format("has chunks of more than {} MiB", largest_chunk_bytes >> 20));
+            level.chunk = {1, 1, 1};
+            for (std::size_t i = 0; i < shape_.axes.size(); ++i)
+                level.chunk[i] = int(chunk[shape_.axes[shape_.axes.size() - 1 - i]]);
+        }
+        levels_ = {level};
+    }
+
+    bool read(int, const std::array<int, 3>& chunk, int, std::span<std::byte> to) override {
+        const ChunkedLevel& level = levels_[0];
+        const std::size_t rank = shape_.sizes.size();
+        constexpr std::size_t most = 32;  // axes, of any dataset
+        std::array<hsize_t, most> corner{}, start{}, count{}, pitch{};
+        count.fill(1), pitch.fill(1);
+        for (std::size_t i = 0; i < shape_.axes.size(); ++i) {
+            const std::size_t axis = shape_.axes[shape_.axes.size() - 1 - i];
+            pitch[axis] = hsize_t(level.chunk[i]);
+            start[axis] = hsize_t(chunk[i]) * pitch[axis];
+            count[axis] = std::min(pitch[axis], shape_.sizes[axis] - start[axis]);
+        }
+        const Hdf5Id space(H5Dget_space(dataset_), H5Sclose),
+            memory(H5Screate_simple(int(rank), pitch.data(), nullptr), H5Sclose);
+        if (H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) < 0 ||
+            H5Sselect_hyperslab(memory, H5S_SELECT_SET, corner.data(), nullptr, count.data(), nullptr) < 0 ||
+            H5Dread(dataset_, hdf5_memory_type(header_.type), memory, space, H5P_DEFAULT, to.data()) < 0)
+            refuse("holds values that are damaged or missing");
+        return true;
+    }
+
+private:
+    Hdf5Id file_, dataset_;
+    Hdf5Shape shape_;
+};
+
+std::unique_ptr<ChunkedFile> open_chunks(const std::filesystem::path& path, const std::string& part, Output& output) {
+    return std::make_unique<Hdf5Chunks>(open_hdf5_volume(path, part), regular_file_size(path), output);
 }
 
 }  // namespace
 
-Volume read_hdf5(const Path& path, const std::string& part, Output& output) {
-    const Hdf5Id file = open_hdf5(path);
-    const std::string name = part.empty() ? only_volume(file) : part;
-    const Hdf5Id dataset = open_dataset(file, name);
-    const Shape shape = shape_of(dataset, name);
-    Volume volume;
-    volume.format = "HDF5";
-    volume.type = shape.type;
-    volume.key_values["dataset"] = name;
-    std::array<std::int64_t, 3> n{1, 1, 1};
-    for (std::size_t i = 0; i < shape.axes.size(); ++i) {
-        const hsize_t size = shape.sizes[shape.axes[shape.axes.size() - 1 - i]];
-        n[i] = std::int64_t(std::min<hsize_t>(size, std::uint64_t(1) << 62));
-    }
-    set_channels(shape, volume);
-    const auto bytes = checked_bytes(n, volume.components, volume.type);
-    volume.dimensions = {int(n[0]), int(n[1]), int(n[2])};
-    if (shape.axes.size() == 2) volume.notes.push_back("a picture of two dimensions, taken as one slice");
-    set_spacing(dataset, shape, volume);
-    const auto few = check_stored(dataset, regular_file_size(path), bytes, shape, volume, output);
+Volume read_hdf5(const std::filesystem::path& path, const std::string& part, Output& output) {
+    Hdf5Volume opened = open_hdf5_volume(path, part);
+    Volume& volume = opened.header;
+    const auto few =
+        check_stored(opened.dataset, regular_file_size(path), check_header(volume), opened.shape, volume, output);
     output.allocate(volume);
-    const bool are_planes = shape.channels && !shape.is_interleaved() && volume.components > 1;
+    const bool are_planes = opened.shape.channels && !opened.shape.is_interleaved() && volume.components > 1;
     if (few && !are_planes)
-        fill_few(dataset, shape, *few, volume);
+        fill_few(opened.dataset, opened.shape, *few, volume);
     else
         for (hsize_t c = 0; c < hsize_t(are_planes ? volume.components : 1); ++c)
-            fill(dataset, shape, are_planes ? std::optional(c) : std::nullopt, volume, output);
-    return volume;
+            fill(opened.dataset, opened.shape, are_planes ? std::optional(c) : std::nullopt, volume, output);
+    return std::move(volume);
 }
 
 Reader find_reader(std::string_view format) { return format == "hdf5" ? read_hdf5 : nullptr; }
+ChunkedOpener find_chunked_opener(std::string_view format) { return format == "hdf5" ? open_chunks : nullptr; }
 
 }  // namespace chiaro::decode

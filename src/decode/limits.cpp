@@ -49,6 +49,15 @@ void limit_own_memory([[maybe_unused]] std::uint64_t bytes) {
 #endif
 }
 
+void limit_cpu_from_now(unsigned seconds) {
+    rlimit limits{};
+    rusage used{};
+    if (getrlimit(RLIMIT_CPU, &limits) != 0 || getrusage(RUSAGE_SELF, &used) != 0) return;
+    limits.rlim_cur =
+        std::min<rlim_t>(limits.rlim_max, rlim_t(used.ru_utime.tv_sec + used.ru_stime.tv_sec) + 1 + seconds);
+    setrlimit(RLIMIT_CPU, &limits);
+}
+
 void limit_this_process(const Limits& limits) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
@@ -58,7 +67,10 @@ void limit_this_process(const Limits& limits) {
     constexpr std::uint64_t working_memory = std::uint64_t(1) << 30;
     limit(RLIMIT_AS, limits.max_bytes + working_memory);
 #endif
-    limit(RLIMIT_CPU, limits.cpu_seconds);
+    if (limits.is_by_request)
+        limit_cpu_from_now(limits.cpu_seconds);
+    else
+        limit(RLIMIT_CPU, limits.cpu_seconds);
     limit(RLIMIT_FSIZE, limits.max_bytes);  // the memory file, which alone can be written to
     limit(RLIMIT_NOFILE, 64);
     limit(RLIMIT_CORE, 0);

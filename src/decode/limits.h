@@ -7,6 +7,7 @@ namespace chiaro::decode {
 struct Limits {
     std::uint64_t max_bytes = 0;  ///< of voxels; working memory comes on top
     unsigned cpu_seconds = 0;
+    bool is_by_request = false;  ///< of processor time: limit_cpu_from_now may grant more
 };
 
 /// From now on the process may have so many more bytes of memory of its own than it has: what a library allocates
@@ -18,5 +19,8 @@ void limit_own_memory(std::uint64_t bytes);
 /// ties the helper's life to its parent's. Whatever the kernel lacks is left out: the parent checks the results all the
 /// same.
 void limit_this_process(const Limits& limits);
+
+/// From now on the process may use so many more seconds of processor time.
+void limit_cpu_from_now(unsigned seconds);
 
 }  // namespace chiaro::decode

@@ -1,8 +1,9 @@
 // chiaro-decode: decodes one volume in a process of its own, so that a damaged or hostile file harms nothing else.
 //
-//   chiaro-decode FORMAT PATH PART MAX_BYTES CPU_SECONDS MOMENT
+//   chiaro-decode FORMAT PATH PART MAX_BYTES CPU_SECONDS MOMENT [serve]
 //
-// With 0 for MAX_BYTES it tells where the voxels lie, of those that lie in one file as they are.
+// With 0 for MAX_BYTES it tells where the voxels lie, of those that lie in one file as they are. With `serve` it
+// decodes chunks, one for each line of its standard input, each within CPU_SECONDS.
 //
 // Started by the library (io/helper.cpp), which hands over a memory file for the voxels and a pipe for messages
 // (io/wire.h). Formats that need a library have a program each, chiaro-decode-dicom and so on, which this one becomes:
@@ -28,7 +29,7 @@ using namespace chiaro;
 
 /// Goes on as the program for one format, with the same arguments and open files. Returns only where there is none.
 void become_program_for(const std::string& format, char** argv) {
-    for (const char* known : {"dicom", "tiff", "hdf5"})
+    for (const char* known : {"dicom", "tiff", "hdf5", "zarr"})
         if (format == known) {
             const auto self = std::filesystem::read_symlink("/proc/self/exe");
             execv((self.string() + "-" + format).c_str(), argv);
@@ -45,7 +46,9 @@ std::uintmax_t size_of(const char* path) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc != 7 || fcntl(wire::voxels_descriptor, F_GETFD) < 0 || fcntl(wire::messages_descriptor, F_GETFD) < 0) {
+    const bool serves = argc == 8 && std::string(argv[7]) == "serve";
+    if ((argc != 7 && !serves) || fcntl(wire::voxels_descriptor, F_GETFD) < 0 ||
+        fcntl(wire::messages_descriptor, F_GETFD) < 0) {
         std::fputs("chiaro-decode is started by chiaro; it does nothing on its own\n", stderr);
         return 2;
     }
@@ -53,10 +56,17 @@ int main(int argc, char** argv) {
     const decode::Reader reader = decode::find_reader(format);
     if (!reader) become_program_for(format, argv);
     const std::uint64_t max_bytes = std::strtoull(argv[4], nullptr, 10);
-    decode::limit_this_process({max_bytes, unsigned(std::strtoul(argv[5], nullptr, 10))});
+    const auto cpu_seconds = unsigned(std::strtoul(argv[5], nullptr, 10));
+    decode::limit_this_process({max_bytes, cpu_seconds, serves});
     decode::Output output(max_bytes, int(std::strtol(argv[6], nullptr, 10)));
     try {
         if (!reader) decode::refuse("the program chiaro-decode-" + format + " is missing beside chiaro-decode");
+        if (serves) {
+            const decode::ChunkedOpener open = decode::find_chunked_opener(format);
+            if (!open) decode::refuse(decode::not_in_chunks);
+            decode::serve(*open(argv[2], argv[3], output), cpu_seconds, output);
+            return 0;
+        }
         const std::uintmax_t size = size_of(argv[2]);
         Volume volume = reader(argv[2], argv[3], output);
         if (volume.moments.count == 1) output.choose_moment(1, volume);

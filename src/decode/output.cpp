@@ -75,6 +75,12 @@ void Output::succeed(const Volume& volume) {
     send(message);
 }
 
+void Output::succeed(const Volume& header, const std::vector<ChunkedLevel>& levels) {
+    send({{"volume", wire::header_to_json(header)}, {"levels", wire::to_json(levels)}});
+}
+
+void Output::chunk(bool was_written) { send({{"chunk", was_written}}); }
+
 void Output::fail(const std::string& sentence, bool is_too_large) {
     send({{"error", sentence}, {"too_large", is_too_large}});
 }

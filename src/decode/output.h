@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "io/wire.h"
 
@@ -21,6 +22,7 @@ struct TooLarge : Error {
 };
 
 inline constexpr const char* not_in_place = "its voxels do not lie in one file as they are";
+inline constexpr const char* not_in_chunks = "its voxels are not kept in chunks";
 
 class Output {
 public:
@@ -41,6 +43,9 @@ public:
     /// Says which of many files is being worked on, so that a crash can be pinned on it.
     void at(const std::string& file);
     void succeed(const Volume& volume);
+    /// What is served by chunks; then that a chunk lies in the memory file.
+    void succeed(const Volume& header, const std::vector<ChunkedLevel>& levels);
+    void chunk(bool was_written);
     void fail(const std::string& sentence, bool is_too_large = false);
 
 private:

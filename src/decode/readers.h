@@ -2,9 +2,11 @@
 // memory file, keeps the stored type and the file's own world frame, and throws Error{input} for everything wrong with
 // the file.
 #pragma once
+#include "decode/chunked.h"
 #include "decode/output.h"
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -16,6 +18,12 @@ using Reader = Volume (*)(const std::filesystem::path& path, const std::string& 
 /// The reader of a format, or nullptr. Each program has one definition: formats.cpp for what our own code reads, and
 /// one beside the reader for formats that need a library.
 Reader find_reader(std::string_view format);
+
+/// Opens what is kept in chunks.
+using ChunkedOpener = std::unique_ptr<ChunkedFile> (*)(const std::filesystem::path& path, const std::string& part,
+                                                       Output& output);
+/// Of a format, or nullptr; each program has one definition of this, too.
+ChunkedOpener find_chunked_opener(std::string_view format);
 
 /// NRRD, attached or detached; raw, gzip, ascii.
 Volume read_nrrd(const std::filesystem::path& path, const std::string& part, Output& output);
@@ -33,5 +41,8 @@ Volume read_dicom(const std::filesystem::path& path, const std::string& part, Ou
 Volume read_tiff(const std::filesystem::path& path, const std::string& part, Output& output);
 /// A dataset of an HDF5 file (`part`: its path, or empty for the only one that can be a volume).
 Volume read_hdf5(const std::filesystem::path& path, const std::string& part, Output& output);
+/// OME-Zarr of versions 0.4 and 0.5, or one Zarr array, in a folder (`part`: the path of an image or an array in it,
+/// and a channel behind '@'; empty: what the folder is).
+Volume read_zarr(const std::filesystem::path& path, const std::string& part, Output& output);
 
 }  // namespace chiaro::decode

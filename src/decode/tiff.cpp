@@ -332,5 +332,6 @@ Volume read_tiff(const Path& path, const std::string&, Output& output) {
 }
 
 Reader find_reader(std::string_view format) { return format == "tiff" ? read_tiff : nullptr; }
+ChunkedOpener find_chunked_opener(std::string_view) { return nullptr; }
 
 }  // namespace chiaro::decode

@@ -9,28 +9,10 @@
 #include "core/text.h"
 #include "core/truncated_file.h"
 #include "io/helper_process.h"
+#include "io/lattice.h"
 
 namespace chiaro {
 namespace {
-
-/// Which voxels of the file a level has: first + i * stride, per axis.
-struct Lattice {
-    std::array<int, 3> first{0, 0, 0}, stride{1, 1, 1};
-};
-
-/// Numbers of up to 16 bits and floats are kept, all others become floats.
-VoxelType kept_type(VoxelType type) { return size_of(type) <= 2 ? type : VoxelType::f32; }
-
-/// Every second voxel of each axis whose voxels are not twice as wide as others already: so they become cubes.
-Lattice halved(const Lattice& finer, const Geometry& geometry) {
-    Lattice lattice = finer;
-    for (int axis = 0; axis < 3; ++axis) {
-        if (geometry.spacing_mm[axis] >= 2 * geometry.smallest_spacing_mm()) continue;
-        lattice.stride[std::size_t(axis)] *= 2;
-        lattice.first[std::size_t(axis)] = lattice.stride[std::size_t(axis)] / 2;
-    }
-    return lattice;
-}
 
 class FileSource final : public BrickSource {
 public:
@@ -102,29 +84,12 @@ std::shared_ptr<const BrickSource> open_file_source(const Volume& header, const 
     Descriptor file(open(voxels.path.c_str(), O_RDONLY | O_CLOEXEC));
     if (file.number() < 0)
         throw Error(ErrorCode::input, "cannot read '" + one_line(voxels.path.string()) + "': it cannot be opened");
-    std::vector<SourceLevel> levels{{header.dimensions, header.geometry}};
-    std::vector<Lattice> lattices(1);
-    while (*std::max_element(levels.back().dimensions.begin(), levels.back().dimensions.end()) >=
-           2 * least_level_edge) {
-        const Lattice lattice = halved(lattices.back(), levels.back().geometry);
-        SourceLevel level;
-        Vec3 first, stride;
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const int n = header.dimensions[axis], at = lattice.first[axis], by = lattice.stride[axis];
-            level.dimensions[axis] = at < n ? (n - 1 - at) / by + 1 : 0;
-            first[int(axis)] = at, stride[int(axis)] = by;
-        }
-        if (std::count(level.dimensions.begin(), level.dimensions.end(), 0)) break;
-        level.geometry = every(header.geometry, stride, first);
+    std::vector<SourceLevel> levels;
+    std::vector<Lattice> lattices;
+    for (const auto& [level, lattice] : thinned({header.dimensions, header.geometry}))
         levels.push_back(level), lattices.push_back(lattice);
-    }
-    Volume kept;
-    kept.dimensions = header.dimensions, kept.geometry = header.geometry, kept.type = kept_type(header.type);
-    kept.slope = header.slope, kept.intercept = header.intercept;
-    kept.source = header.source, kept.format = header.format, kept.modality = header.modality;
-    kept.notes = header.notes, kept.key_values = header.key_values;
-    return std::make_shared<FileSource>(std::move(kept), std::move(levels), std::move(lattices), header.type, voxels,
-                                        std::move(file));
+    return std::make_shared<FileSource>(kept_header(header), std::move(levels), std::move(lattices), header.type,
+                                        voxels, std::move(file));
 }
 
 }  // namespace chiaro

@@ -27,12 +27,12 @@ struct TooLarge : Error {
     using Error::Error;
 };
 
-std::string sentence_about(const DecodeRequest& request, const std::string& sentence) {
-    return "cannot read '" + one_line(request.name) + "': " + one_line(sentence);
-}
-
 [[noreturn]] void refuse(const DecodeRequest& request, const std::string& sentence) {
     throw Error(ErrorCode::input, sentence_about(request, sentence));
+}
+
+[[noreturn]] void lose(const DecodeRequest& request, const std::string& sentence) {
+    throw HelperLost(ErrorCode::input, sentence_about(request, sentence));
 }
 
 std::string text_of_end(int signal, const std::string& at) {
@@ -45,7 +45,7 @@ std::string text_of_end(int signal, const std::string& at) {
     return "the decoder ended without an answer";
 }
 
-/// Reads messages until the one with the volume's header arrives.
+/// Reads messages until one arrives that is an answer.
 class Conversation {
 public:
     Conversation(const DecodeRequest& request, const ReadOptions& options, Progress& progress)
@@ -62,24 +62,24 @@ public:
             if (event == HelperProcess::Event::ended) {
                 const int signal = helper.ending_signal();
                 progress_.check();  // what interrupted us may have ended the helper too
-                refuse(request_, text_of_end(signal, at_));
+                lose(request_, text_of_end(signal, at_));
             }
             if (event == HelperProcess::Event::line) {
                 last_sign = Clock::now();
                 if (auto answer = take(line); !answer.is_null()) return answer;
             }
             if (seconds_since(start) > options_.seconds)
-                refuse(request_, fmt::format("decoding it took more than {} seconds", options_.seconds));
+                lose(request_, fmt::format("decoding it took more than {} seconds", options_.seconds));
             if (seconds_since(last_sign) > options_.stall_seconds)
-                refuse(request_,
-                       fmt::format("decoding it came to a halt for more than {} seconds", options_.stall_seconds));
+                lose(request_,
+                     fmt::format("decoding it came to a halt for more than {} seconds", options_.stall_seconds));
         }
     }
 
 private:
     nlohmann::json take(const std::string& line) {
         const auto message = nlohmann::json::parse(line, nullptr, false);
-        if (!message.is_object()) refuse(request_, "the decoder answered with garbage");
+        if (!message.is_object()) lose(request_, "the decoder answered with garbage");
         if (const auto error = message.find("error"); error != message.end() && error->is_string()) {
             if (message.value("too_large", false))
                 throw TooLarge(ErrorCode::input, sentence_about(request_, error->get<std::string>()));
@@ -88,7 +88,7 @@ private:
         if (const auto fraction = message.find("progress"); fraction != message.end() && fraction->is_number())
             progress_.report("read", std::clamp(fraction->get<double>(), 0.0, 1.0));
         if (const auto at = message.find("at"); at != message.end() && at->is_string()) at_ = at->get<std::string>();
-        return message.contains("volume") ? message : nlohmann::json();
+        return message.contains("volume") || message.contains("chunk") ? message : nlohmann::json();
     }
 
     const DecodeRequest& request_;
@@ -127,15 +127,9 @@ Volume checked_volume(const nlohmann::json& header, const Place& place) {
 
 /// What the helper answers. It is gone then, so that nobody else writes into the voxels any more.
 nlohmann::json ask(const Place& place, const DecodeRequest& request, const ReadOptions& options, Progress& progress) {
-    const auto cpu_seconds = std::uint64_t(std::clamp(options.seconds, 1.0, 1e6)) + 1;
-    const std::vector<std::string> arguments{request.format,
-                                             request.path,
-                                             request.part,
-                                             std::to_string(place.max_bytes),
-                                             std::to_string(cpu_seconds),
-                                             std::to_string(options.time)};
-    HelperProcess helper(find_helper(), arguments, request.standard_input, place.file.number());
-    return Conversation(request, options, progress).answer_of(helper);
+    HelperProcess helper(find_helper(), helper_arguments(request, options, place.max_bytes), request.standard_input,
+                         place.file.number());
+    return next_answer(helper, request, options, progress);
 }
 
 Volume decode_into(const Place& place, const DecodeRequest& request, const ReadOptions& options, Progress& progress) {
@@ -156,6 +150,26 @@ void check_folder(const std::filesystem::path& named, const std::filesystem::pat
 }
 
 }  // namespace
+
+std::string sentence_about(const DecodeRequest& request, const std::string& sentence) {
+    return "cannot read '" + one_line(request.name) + "': " + one_line(sentence);
+}
+
+nlohmann::json next_answer(HelperProcess& helper, const DecodeRequest& request, const ReadOptions& options,
+                           Progress& progress) {
+    return Conversation(request, options, progress).answer_of(helper);
+}
+
+std::vector<std::string> helper_arguments(const DecodeRequest& request, const ReadOptions& options,
+                                          std::uint64_t max_bytes) {
+    const auto cpu_seconds = std::uint64_t(std::clamp(options.seconds, 1.0, 1e6)) + 1;
+    return {request.format,
+            request.path,
+            request.part,
+            std::to_string(max_bytes),
+            std::to_string(cpu_seconds),
+            std::to_string(options.time)};
+}
 
 std::pair<Volume, VoxelsInFile> locate_isolated(const DecodeRequest& request, const ReadOptions& options,
                                                 Progress& progress) {

@@ -2,6 +2,7 @@
 #include "core/did_you_mean.h"
 #include "core/text.h"
 #include "core/threads.h"
+#include "io/chunk_source.h"
 #include "io/file_source.h"
 #include "io/helper.h"
 #include "io/moment_files.h"
@@ -27,13 +28,27 @@ namespace chiaro {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+/// By what each version puts into the folder of an array or a group.
+bool is_zarr_folder(const std::string& folder) {
+    std::error_code error;
+    return std::ranges::any_of(std::array{"zarr.json", ".zarray", ".zgroup", ".zattrs"},
+                               [&](const char* name) { return fs::is_regular_file(fs::path(folder) / name, error); });
+}
+
+}  // namespace
+
 std::pair<std::string, std::string> split_volume_name(const std::string& name) {
     std::error_code error;
-    const auto colon = name.rfind(":/");
-    const auto first = name.find(":/");
-    if (first == std::string::npos || fs::exists(name, error)) return {name, ""};
-    for (const auto at : {first, colon})
-        if (fs::is_regular_file(name.substr(0, at), error)) return {name.substr(0, at), name.substr(at + 1)};
+    if (fs::exists(name, error)) return {name, ""};
+    for (const std::string mark : {":/", "#"})
+        for (const auto at : {name.find(mark), name.rfind(mark)}) {
+            if (at == std::string::npos) continue;
+            const std::string file = name.substr(0, at), part = name.substr(at + 1);
+            if (fs::is_regular_file(file, error) || is_zarr_folder(file))
+                return {file, part.starts_with('/') ? part : "/" + part};
+        }
     return {name, ""};
 }
 
@@ -141,6 +156,11 @@ std::vector<Reader> readers() {
         {{"standard input", "-", "NRRD with its data inside"},
          [](auto& c) { return c.name == "-"; },
          read_standard_input},
+        {{"OME-Zarr", "folder",
+          "versions 0.4 and 0.5, or one Zarr array; store.zarr#path for another image, store.zarr#path@n for a "
+          "channel"},
+         [](auto& c) { return c.is_folder && is_zarr_folder(c.name); },
+         decoded_as("zarr")},
         {{"TIFF", "folder, .tif .tiff", "slices in the order of their names, or one file of several pages"},
          [](auto& c) {
              return (c.is_folder && is_tiff_folder(c.name)) || c.ends_with({".tif", ".tiff"}) ||
@@ -177,7 +197,8 @@ std::vector<Reader> readers() {
         {{"VTK", ".vtk", "legacy structured points: ascii, binary"},
          [](auto& c) { return c.ends_with({".vtk"}) || c.has_at(0, "# vtk DataFile"); },
          decoded_as("vtk")},
-        {{"HDF5", ".h5 .hdf5 .hdf", "file.h5:/path/to/dataset; without a path the only dataset of three dimensions"},
+        {{"HDF5", ".h5 .hdf5 .hdf",
+          "file.h5:/path/to/dataset or file.h5#path; without a path the only dataset of three dimensions"},
          [](auto& c) {
              return c.ends_with({".h5", ".hdf5", ".hdf"}) || c.has_at(0, "\x89HDF\r\n\x1a\n");
          },
@@ -262,8 +283,9 @@ Volume read_volume(const std::string& name, const ReadOptions& options, Progress
         for (const auto& format : list_formats()) known += (known.empty() ? "" : ", ") + format.name;
         throw Error(ErrorCode::input, "cannot read '" + one_line(name) + "': it is none of " + known);
     }
-    if (!candidate.part.empty() && reader->info.name != "HDF5")
-        throw Error(ErrorCode::input, "cannot read '" + name + "': only HDF5 files hold datasets with a path");
+    if (!candidate.part.empty() && reader->info.name != "HDF5" && reader->info.name != "OME-Zarr")
+        throw Error(ErrorCode::input,
+                    "cannot read '" + name + "': only HDF5 files and Zarr stores hold datasets with a path");
     Volume volume = reader->read(candidate, options, progress);
     volume.source = name;
     if (options.rescale && volume.slope == 1 && volume.intercept == 0)
@@ -277,32 +299,39 @@ Volume read_volume(const std::string& name, const ReadOptions& options, Progress
 }
 
 std::shared_ptr<const BrickSource> open_brick_source(const std::string& name, const ReadOptions& options) {
-    if (is_sample_name(name)) {
+    if (is_sample_name(name) && options.time == 0) {
         const auto [sample, size] = split_sample_name(name);
         return open_sample(sample, size);
     }
     const auto all = readers();
     const Candidate candidate = examine(name, options);
     const Reader* reader = find_reader(all, candidate);
-    const auto open_at = [&](Volume header, const VoxelsInFile& place) {
+    const auto finish = [&](Volume& header) {
         header.source = name;
         if (options.rescale && header.slope == 1 && header.intercept == 0)
             std::tie(header.slope, header.intercept) = *options.rescale;
-        return open_file_source(header, place);
     };
-    if (reader && reader->info.name == "raw") {
+    if (reader && reader->info.name == "raw" && options.time == 0) {
         RawFile raw = examine_raw(candidate.name, options);
-        return open_at(std::move(raw.volume), {candidate.name, raw.layout.offset, raw.layout.big_endian});
+        finish(raw.volume);
+        return open_file_source(raw.volume, {candidate.name, raw.layout.offset, raw.layout.big_endian});
     }
-    constexpr std::pair<std::string_view, const char*> in_place[] = {
-        {"NRRD", "nrrd"}, {"MetaImage", "meta"}, {"NIfTI", "nifti"}, {"VTK", "vtk"}};
-    const auto format = std::find_if(std::begin(in_place), std::end(in_place),
-                                     [&](const auto& row) { return reader && reader->info.name == row.first; });
-    if (format == std::end(in_place)) return {};
+    struct Way {
+        std::string_view name;
+        const char* format;
+        bool is_chunked;  ///< decoded chunk by chunk; else the voxels lie as they are
+    };
+    constexpr Way ways[] = {{"NRRD", "nrrd", false}, {"MetaImage", "meta", false}, {"NIfTI", "nifti", false},
+                            {"VTK", "vtk", false},   {"HDF5", "hdf5", true},       {"OME-Zarr", "zarr", true}};
+    const auto way = std::ranges::find_if(ways, [&](const Way& w) { return reader && reader->info.name == w.name; });
+    if (way == std::end(ways) || (options.time > 0 && !way->is_chunked)) return {};
+    const DecodeRequest request{way->format, candidate.name, candidate.name, candidate.part};
     try {
+        if (way->is_chunked) return open_chunk_source(request, options, finish);
         Progress progress;
-        auto [header, place] = locate_isolated({format->second, candidate.name, candidate.name, ""}, options, progress);
-        return open_at(std::move(header), place);
+        auto [header, place] = locate_isolated(request, options, progress);
+        finish(header);
+        return open_file_source(header, place);
     } catch (const Error& error) {
         if (error.code() != ErrorCode::input) throw;
         return {};  // read_volume says why, or reads it

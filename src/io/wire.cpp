@@ -48,6 +48,25 @@ Enum enum_from(const json& j, Enum last) {
     return Enum(value);
 }
 
+std::array<int, 3> ints_from(const json& j) { return {int_from(j.at(0)), int_from(j.at(1)), int_from(j.at(2))}; }
+
+void add_geometry(json& to, const Geometry& geometry) {
+    const auto& direction = geometry.direction;
+    to["spacing_mm"] = to_json(geometry.spacing_mm);
+    to["origin_mm"] = to_json(geometry.origin_mm);
+    to["direction"] = {to_json(direction[0]), to_json(direction[1]), to_json(direction[2])};
+    to["world"] = int(geometry.world);
+}
+
+Geometry geometry_from(const json& j) {
+    Geometry geometry;
+    geometry.spacing_mm = vec3_from(j.at("spacing_mm"));
+    geometry.origin_mm = vec3_from(j.at("origin_mm"));
+    for (int axis = 0; axis < 3; ++axis) geometry.direction[axis] = vec3_from(j.at("direction").at(axis));
+    geometry.world = enum_from(j.at("world"), World::ras);
+    return geometry;
+}
+
 Moments moments_from(const json& j) {
     Moments moments{.count = int_from(j.at("count")),
                     .shown = int_from(j.at("shown")),
@@ -62,43 +81,34 @@ Moments moments_from(const json& j) {
 }  // namespace
 
 json header_to_json(const Volume& volume) {
-    const Geometry& geometry = volume.geometry;
-    const auto& direction = geometry.direction;
-    return {{"dimensions", volume.dimensions},
-            {"type", int(volume.type)},
-            {"components", volume.components},
-            {"has_own_colors", volume.has_own_colors},
-            {"component_infos", to_json(volume.component_infos)},
-            {"slope", volume.slope},
-            {"intercept", volume.intercept},
-            {"spacing_mm", to_json(geometry.spacing_mm)},
-            {"origin_mm", to_json(geometry.origin_mm)},
-            {"direction", {to_json(direction[0]), to_json(direction[1]), to_json(direction[2])}},
-            {"world", int(geometry.world)},
-            {"moments",
-             {{"count", volume.moments.count},
-              {"shown", volume.moments.shown},
-              {"times", volume.moments.times},
-              {"unit", volume.moments.unit}}},
-            {"format", volume.format},
-            {"modality", volume.modality},
-            {"notes", volume.notes},
-            {"key_values", volume.key_values}};
+    json header{{"dimensions", volume.dimensions},
+                {"type", int(volume.type)},
+                {"components", volume.components},
+                {"slope", volume.slope},
+                {"intercept", volume.intercept},
+                {"moments",
+                 {{"count", volume.moments.count},
+                  {"shown", volume.moments.shown},
+                  {"times", volume.moments.times},
+                  {"unit", volume.moments.unit}}},
+                {"format", volume.format},
+                {"modality", volume.modality},
+                {"notes", volume.notes},
+                {"key_values", volume.key_values}};
+    add_geometry(header, volume.geometry);
+    return header;
 }
 
 Volume header_from_json(const json& j) {
     Volume volume;
-    for (std::size_t axis = 0; axis < 3; ++axis) volume.dimensions[axis] = int_from(j.at("dimensions").at(axis));
+    volume.dimensions = ints_from(j.at("dimensions"));
     volume.type = enum_from(j.at("type"), VoxelType::f64);
     volume.components = int_from(j.at("components"));
     volume.has_own_colors = j.at("has_own_colors").get<bool>() && (volume.components == 3 || volume.components == 4);
     volume.component_infos = infos_from(j.at("component_infos"), std::size_t(std::max(volume.components, 0)));
     volume.slope = j.at("slope").get<double>();
     volume.intercept = j.at("intercept").get<double>();
-    volume.geometry.spacing_mm = vec3_from(j.at("spacing_mm"));
-    volume.geometry.origin_mm = vec3_from(j.at("origin_mm"));
-    for (int axis = 0; axis < 3; ++axis) volume.geometry.direction[axis] = vec3_from(j.at("direction").at(axis));
-    volume.geometry.world = enum_from(j.at("world"), World::ras);
+    volume.geometry = geometry_from(j);
     volume.moments = moments_from(j.at("moments"));
     volume.format = j.at("format").get<std::string>();
     volume.modality = j.at("modality").get<std::string>();
@@ -114,6 +124,23 @@ nlohmann::json to_json(const VoxelsInFile& place) {
 VoxelsInFile place_from_json(const nlohmann::json& json) {
     return {json.at("path").get<std::string>(), json.at("offset").get<std::uint64_t>(),
             json.at("big_endian").get<bool>()};
+}
+
+nlohmann::json to_json(const std::vector<ChunkedLevel>& levels) {
+    json list = json::array();
+    for (const ChunkedLevel& level : levels) {
+        json one{{"dimensions", level.dimensions}, {"chunk", level.chunk}};
+        add_geometry(one, level.geometry);
+        list.push_back(std::move(one));
+    }
+    return list;
+}
+
+std::vector<ChunkedLevel> levels_from_json(const nlohmann::json& json) {
+    std::vector<ChunkedLevel> levels;
+    for (const auto& j : json)
+        levels.push_back({ints_from(j.at("dimensions")), ints_from(j.at("chunk")), geometry_from(j)});
+    return levels;
 }
 
 }  // namespace chiaro::wire

@@ -4,6 +4,8 @@
 //   {"error": "sentence"}   or, with "too_large": true where the voxels exceed what is permitted,
 //   {"volume": {...}}       at the end; the voxels lie in the memory file then, or, where their place was asked for,
 //                           as "place": {"path", "offset", "big_endian"} says
+// A program that serves chunks sends {"volume": {...}, "levels": [...]} first, and then, for each line "LEVEL X Y Z" of
+// its standard input, {"chunk": whether it was ever written} once the memory file holds it, or an error.
 #pragma once
 #include <chiaro/volume.h>
 
@@ -19,6 +21,22 @@ struct VoxelsInFile {
     bool big_endian = false;
 };
 
+/// One resolution of what is kept in chunks: boxes of voxels, each of which is decoded as a whole.
+struct ChunkedLevel {
+    std::array<int, 3> dimensions{0, 0, 0}, chunk{1, 1, 1};  ///< x, y, z; chunks reach beyond the far border
+    Geometry geometry;
+
+    std::uint64_t chunk_voxels() const { return std::uint64_t(chunk[0]) * std::uint64_t(chunk[1]) * chunk[2]; }
+    std::array<int, 3> chunks() const {
+        std::array<int, 3> count{};
+        for (std::size_t axis = 0; axis < 3; ++axis) count[axis] = (dimensions[axis] - 1) / chunk[axis] + 1;
+        return count;
+    }
+};
+
+/// Bytes of the largest chunk that is decoded.
+inline constexpr std::uint64_t largest_chunk_bytes = std::uint64_t(1) << 30;
+
 }  // namespace chiaro
 
 namespace chiaro::wire {
@@ -29,9 +47,11 @@ constexpr int voxels_descriptor = 3, messages_descriptor = 4;
 /// Everything of a volume but its voxels.
 nlohmann::json header_to_json(const Volume& volume);
 nlohmann::json to_json(const VoxelsInFile& place);
+nlohmann::json to_json(const std::vector<ChunkedLevel>& levels);
 
 /// The reverse. Throws std::exception for anything that is not such a header; says nothing about its sense.
 Volume header_from_json(const nlohmann::json& json);
 VoxelsInFile place_from_json(const nlohmann::json& json);
+std::vector<ChunkedLevel> levels_from_json(const nlohmann::json& json);
 
 }  // namespace chiaro::wire

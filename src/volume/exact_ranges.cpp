@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <tuple>
 
 #include "core/threads.h"
+#include "volume/brick_curve.h"
 #include "volume/fill_brick.h"
 
 namespace chiaro {
@@ -43,8 +45,15 @@ BrickRanges exact_ranges(const BrickSource& source, const DeviceVolume::Data& li
     const std::array<int, 3> bricks{brick_count(n[0]), brick_count(n[1]), brick_count(n[2])};
     const std::int64_t count = std::int64_t(bricks[0]) * bricks[1] * bricks[2];
     BrickRanges ranges{.low = std::vector<float>(std::size_t(count)), .high = std::vector<float>(std::size_t(count))};
-    parallel_for(like.device.threads, count, 1, "ranges", progress, [&](std::int64_t b, std::int64_t) {
-        const std::array<int, 3> at{int(b % bricks[0]), int(b / bricks[0] % bricks[1]), int(b / bricks[0] / bricks[1])};
+    const auto place_of = [&](std::int64_t b) {
+        return std::array{int(b % bricks[0]), int(b / bricks[0] % bricks[1]), int(b / bricks[0] / bricks[1])};
+    };
+    std::vector<std::int64_t> order(std::size_t(count), 0);
+    std::iota(order.begin(), order.end(), 0);
+    std::ranges::sort(order, {}, [&](std::int64_t b) { return place_on_curve(place_of(b)); });
+    parallel_for(like.device.threads, count, 1, "ranges", progress, [&](std::int64_t i, std::int64_t) {
+        const std::int64_t b = order[std::size_t(i)];
+        const std::array<int, 3> at = place_of(b);
         const VoxelBox box = box_of_brick(at, n);
         with_voxel_type(source.header().type, [&](auto zero) {
             using Source = decltype(zero);

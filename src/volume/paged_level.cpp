@@ -7,6 +7,7 @@
 #include <mutex>
 
 #include "core/threads.h"
+#include "volume/brick_curve.h"
 #include "volume/cell_ranges.h"
 #include "volume/device_view.h"
 #include "volume/fill_brick.h"
@@ -141,6 +142,7 @@ std::vector<std::int64_t> PagedLevel::missing() const {
     std::vector<std::int64_t> bricks;
     for (std::size_t b = 0; b < pages_->slots.size(); ++b)
         if (pages_->seen[b] && pages_->slots[b] == absent && !is_lost_[b]) bricks.push_back(std::int64_t(b));
+    std::ranges::sort(bricks, {}, [this](std::int64_t brick) { return place_on_curve(place_of(brick)); });
     return bricks;
 }
 

@@ -7,6 +7,7 @@
 #include "tiff_files.h"
 #include "volume_files.h"
 #include "vtk_files.h"
+#include "zarr_files.h"
 
 #include <chiaro/chiaro.h>
 
@@ -165,6 +166,23 @@ void add_hdf5(std::vector<Seed>& all) {
         all.push_back({.name = name, .bytes = content_of(folder / name)});
 }
 
+/// An array's folder: each of its files is damaged while the others are whole.
+void add_zarr(std::vector<Seed>& all) {
+    ZarrLayout layout{.shape = {1, 2, 3, 4}, .chunk = {1, 2, 3, 3}, .codec = "zlib"};
+    const auto add = [&](const auto& files) {
+        for (const auto& [name, bytes] : files) {
+            Seed seed{.name = name, .bytes = bytes, .opened = ".", .is_text = name.ends_with("json") || name[0] == '.'};
+            for (const auto& other : files)
+                if (other.first != name) seed.beside.push_back(other);
+            all.push_back(seed);
+        }
+    };
+    add(zarr_files(layout, ramp<std::uint16_t>(24)));
+    layout = {.shape = {2, 3, 4}, .chunk = {2, 3, 3}, .version = 3, .codec = "gzip", .has_checksum = true};
+    layout.shard = {2, 3, 6};
+    add(zarr_files(layout, ramp<float>(24)));
+}
+
 void add_raw(std::vector<Seed>& all) {
     all.push_back({.name = "voxels_4x3x2_uint8.raw", .bytes = std::string(24, 'v')});
     for (const std::string name : {"head_4x3x2_uint8.raw", "a.b-2x3x2_uint16.raw", "CT_2x1x3_float_v2.raw"})
@@ -321,6 +339,7 @@ std::vector<Seed> made() {
                                                                                 {"vtk", add_vtk},
                                                                                 {"tiff", add_tiff},
                                                                                 {"hdf5", add_hdf5},
+                                                                                {"zarr", add_zarr},
                                                                                 {"raw", add_raw},
                                                                                 {"probe", add_probes},
                                                                                 {"scene", add_scenes},

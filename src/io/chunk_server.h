@@ -1,0 +1,52 @@
+// Programs that decode a file's chunks, as many at a time as there are threads.
+#pragma once
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <span>
+
+#include "io/helper.h"
+
+namespace chiaro {
+
+class ChunkServer {
+public:
+    /// Starts the first program. Throws as decode_isolated, for what is not kept in chunks, too.
+    ChunkServer(DecodeRequest request, ReadOptions options);
+    ChunkServer(const ChunkServer&) = delete;
+    ChunkServer& operator=(const ChunkServer&) = delete;
+    ~ChunkServer();
+
+    const Volume& header() const { return header_; }  ///< of level 0, of the file's own type
+    const std::vector<ChunkedLevel>& levels() const { return levels_; }
+
+    /// Calls `use` with the chunk's voxels, x fastest, of the header's type. May be called from several threads at a
+    /// time; each waits for a program that has nothing else to do. Throws Error{input} where the chunk cannot be
+    /// decoded. A program that crashed or hung is started again for whoever asks next, `max_restarts` times in all.
+    void decode(int level, const std::array<int, 3>& chunk, const std::function<void(std::span<const std::byte>)>& use);
+    static constexpr int max_restarts = 4;
+
+private:
+    class Helper;
+    class Starter;
+    std::unique_ptr<Helper> started();
+    std::unique_ptr<Helper> take_free();
+    void give_back(std::unique_ptr<Helper> helper);
+    void count_loss(const char* sentence);
+
+    DecodeRequest request_;
+    ReadOptions options_;
+    std::unique_ptr<Starter> starter_;
+    std::unique_ptr<nlohmann::json> answer_;  ///< the first program's, which each later one must give
+    Volume header_;
+    std::vector<ChunkedLevel> levels_;
+    std::size_t window_bytes_ = 0;
+    std::mutex mutex_;
+    std::condition_variable one_is_free_;
+    std::vector<std::unique_ptr<Helper>> free_;  ///< null: not started
+    int losses_ = 0;
+    std::string last_loss_;
+};
+
+}  // namespace chiaro
