@@ -4,6 +4,7 @@
 // (ilastik, Fiji; micrometres) or `spacing` (millimetres), both in the order of the dataset's axes.
 #include "decode/byte_source.h"
 #include "decode/hdf5_file.h"
+#include "decode/hdf5_vtk.h"
 #include "decode/payload.h"
 #include "decode/readers.h"
 #include "volume/validate.h"
@@ -312,10 +313,11 @@ void fill(hid_t dataset, const Shape& shape, Volume& volume, Output& output) {
 
 Volume read_hdf5(const Path& path, const std::string& part, Output& output) {
     const Hdf5Id file = open_hdf5(path);
-    const std::string name = part.empty() ? only_volume(file) : part;
+    Volume volume;
+    const std::optional<VtkHdfImage> image = part.empty() ? vtkhdf_image(file, volume) : std::nullopt;
+    const std::string name = image ? image->dataset : part.empty() ? only_volume(file) : part;
     const Hdf5Id dataset = open_dataset(file, name);
     const Shape shape = shape_of(dataset, name);
-    Volume volume;
     volume.format = "HDF5";
     volume.type = shape.type;
     volume.key_values["dataset"] = name;
@@ -327,7 +329,10 @@ Volume read_hdf5(const Path& path, const std::string& part, Output& output) {
     const auto bytes = checked_bytes(n, 1, volume.type);
     volume.dimensions = {int(n[0]), int(n[1]), int(n[2])};
     if (shape.axes.size() == 2) volume.notes.push_back("a picture of two dimensions, taken as one slice");
-    set_spacing(dataset, shape, volume);
+    if (image && n != image->values)
+        refuse(fmt::format("has in '{}' {} values, where its WholeExtent has {} x {} x {}", name, text_of(shape.sizes),
+                           image->values[2], image->values[1], image->values[0]));
+    if (!image) set_spacing(dataset, shape, volume);
     const auto few = check_stored(dataset, regular_file_size(path), bytes, shape, volume, output);
     output.allocate(volume);
     if (few)
