@@ -23,6 +23,7 @@ Render(view)
 print("first: came through")
 # Fewer ghosts than the light needs; then enough of them, and it draws.
 Hide(spoilt, view)
+UpdatePipeline(proxy=source)
 display = Show(source, view)
 display.SetRepresentationType("Chiaro")
 display.ChiaroLighting = "visibility"
