@@ -187,3 +187,63 @@ TEST(Hdf5Volume, RefusesWhatLiesOrLacks) {
     Hdf5(name).dataset<std::uint8_t>("d", {2, 3, 4}, {}, H5P_DEFAULT, text);
     expect_refused(name + ":/d", "no numbers");
 }
+
+namespace {
+
+/// An attribute of an object: numbers, or a text.
+void state(hid_t object, const char* name, const std::vector<double>& numbers) {
+    const hsize_t size = numbers.size();
+    const hid_t space = H5Screate_simple(1, &size, nullptr);
+    const hid_t id = H5Acreate2(object, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT);
+    H5Awrite(id, H5T_NATIVE_DOUBLE, numbers.data());
+}
+void state(hid_t object, const char* name, const std::string& text) {
+    const hid_t type = H5Tcopy(H5T_C_S1);
+    H5Tset_size(type, text.size());
+    const hid_t id = H5Acreate2(object, name, type, H5Screate(H5S_SCALAR), H5P_DEFAULT, H5P_DEFAULT);
+    H5Awrite(id, type, text.data());
+}
+
+/// VTK's image data of 4 x 3 x 2 points with an array at its points, one at its cells, and an older one.
+struct VtkHdf {
+    std::string type = "ImageData", scalars = "density";
+    std::vector<double> extent{2, 5, 0, 2, 0, 1};
+    std::string write(const Folder& folder) const {
+        Hdf5 file(folder / "a.vtkhdf");
+        file.dataset<float>("VTKHDF/PointData/age", {2, 3, 4}, ramp<float>(24, 100));
+        file.dataset<std::int16_t>("VTKHDF/PointData/density", {2, 3, 4}, ramp<std::int16_t>(24));
+        file.dataset<float>("VTKHDF/CellData/heat", {1, 2, 3}, ramp<float>(6));
+        const hid_t group = H5Oopen(file.file(), "/VTKHDF", H5P_DEFAULT);
+        state(group, "Type", type);
+        state(group, "WholeExtent", extent);
+        state(group, "Origin", std::vector<double>{1, 2, 3});
+        state(group, "Spacing", std::vector<double>{0.5, 2, 3});
+        state(group, "Direction", std::vector<double>{0, 1, 0, -1, 0, 0, 0, 0, 1});
+        if (!scalars.empty()) state(H5Oopen(file.file(), "/VTKHDF/PointData", H5P_DEFAULT), "Scalars", scalars);
+        return file.path();
+    }
+};
+
+}  // namespace
+
+TEST(VtkHdf, IsImageDataWithItsPlace) {
+    const Folder folder;
+    const Volume volume = read(VtkHdf{}.write(folder));
+    EXPECT_EQ(volume.dimensions, (std::array{4, 3, 2}));
+    EXPECT_EQ(voxels_of<std::int16_t>(volume), ramp<std::int16_t>(24));
+    expect_near(volume.geometry.spacing_mm, {0.5, 2, 3});
+    expect_near(volume.geometry.direction[0], {0, -1, 0});
+    expect_near(volume.geometry.origin_mm, {1, 1, 3});  // the extent begins at 2
+    ASSERT_FALSE(volume.notes.empty());
+    EXPECT_NE(volume.notes[0].find("'age', 'heat' (cells)"), std::string::npos) << volume.notes[0];
+    EXPECT_EQ(voxels_of<float>(read(VtkHdf{.scalars = ""}.write(folder))), ramp<float>(24, 100));
+    EXPECT_EQ(voxels_of<float>(read(VtkHdf{}.write(folder) + ":/VTKHDF/CellData/heat")), ramp<float>(6));
+}
+
+TEST(VtkHdf, RefusesWhatLies) {
+    const Folder folder;
+    expect_refused(VtkHdf{.type = "UnstructuredGrid"}.write(folder), "'UnstructuredGrid', not ImageData");
+    expect_refused(VtkHdf{.extent = {0, 9, 0, 2, 0, 1}}.write(folder), "where its WholeExtent has 2 x 3 x 10");
+    expect_refused(VtkHdf{.extent = {0, 3, 0, 2}}.write(folder), "WholeExtent is not 6 numbers");
+    expect_refused(VtkHdf{.extent = {0, -3, 0, 2, 0, 1}}.write(folder), "makes no sense");
+}

@@ -101,20 +101,6 @@ inline std::vector<OwnVoxels> cut_up(const std::array<int, 3>& whole, const std:
     }
     return blocks;
 }
-/// Numbers of the blocks from the front to the back, seen from a point among the voxels.
-inline std::vector<int> front_to_back(const std::vector<Cut>& cuts, const std::array<double, 3>& eye_voxel) {
-    // Backwards through the cuts: the two sides of the last plane are parted last.
-    std::vector<std::vector<int>> order(cuts.size() + 1);
-    for (std::size_t i = 0; i < order.size(); ++i) order[i] = {int(i)};
-    for (std::size_t c = cuts.size(); c-- > 0;) {
-        std::vector<int>&before = order[std::size_t(cuts[c].block)], &behind = order[c + 1];
-        if (eye_voxel[std::size_t(cuts[c].axis)] >= cuts[c].at) std::swap(before, behind);
-        before.insert(before.end(), behind.begin(), behind.end());
-        behind.clear();
-    }
-    return order[0];
-}
-
 /// The block of a volume that owns these voxels, with so many ghosts on each side.
 inline Volume block_of(const Volume& whole, const OwnVoxels& own, int ghosts) {
     Placement place{whole.dimensions, {}, own.first, own.end};

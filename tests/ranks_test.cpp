@@ -127,6 +127,24 @@ IlluminationSettings by(Method method) {
 }
 constexpr int ghosts = 8;
 
+/// Over the pixels that are covered, of 255.
+void check_same(const Frame& together, const Frame& one) {
+    double most = 0, sum = 0;
+    std::size_t covered = 0;
+    for (std::size_t i = 0; i < together.rgba.size(); ++i) {
+        if (one.rgba[i / 4 * 4 + 3] == 0) {
+            ASSERT_EQ(together.rgba[i], 0);
+            continue;
+        }
+        const double off = 255 * std::abs(double(together.rgba[i]) - one.rgba[i]);
+        most = std::max(most, off), sum += off, ++covered;
+    }
+    ASSERT_GT(covered, 10000u);
+    if (std::getenv("CHIARO_SHOW")) std::printf("max %.4f mean %.5f of 255\n", most, sum / double(covered));
+    EXPECT_LE(most, 0.5);
+    EXPECT_LE(sum / double(covered), 0.02);
+}
+
 void check(Method method, bool thick, const Partition& partition) {
     SCOPED_TRACE(std::string(to_text(method)) + (thick ? ", thick slices, " : ", ") + partition.name);
     const Volume whole = subject(thick);
@@ -146,19 +164,9 @@ void check(Method method, bool thick, const Partition& partition) {
         }
         frames[r] = part.frame;
     });
-    const Vec3 eye = whole.geometry.voxel_from_world(camera.eye);
-    const Frame together = blended(frames, front_to_back(partition.cuts, {eye.x, eye.y, eye.z}));
-    double most = 0, sum = 0;
-    std::size_t covered = 0;
-    for (std::size_t i = 0; i < together.rgba.size(); ++i) {
-        if (one.frame.rgba[i / 4 * 4 + 3] == 0) continue;
-        const double off = 255 * std::abs(double(together.rgba[i]) - one.frame.rgba[i]);
-        most = std::max(most, off), sum += off, ++covered;
-    }
-    ASSERT_GT(covered, 10000u);
-    if (std::getenv("CHIARO_SHOW")) std::printf("max %.4f mean %.5f of 255\n", most, sum / double(covered));
-    EXPECT_LE(most, 0.5);
-    EXPECT_LE(sum / double(covered), 0.02);
+    std::vector<Placement> places;
+    for (const OwnVoxels& own : blocks) places.push_back({whole.dimensions, {}, own.first, own.end});
+    check_same(blended(frames, front_to_back(places, whole.geometry, camera)), one.frame);
 }
 
 TEST(Ranks, FindOneLightBySpao) {
@@ -173,6 +181,88 @@ TEST(Ranks, FindOneLightByTransport) {
 TEST(Ranks, FindOneLightWhereCellsAreNoVoxels) {
     for (const Method method : {Method::spao, Method::visibility, Method::transport})
         check(method, true, partitions.back());
+}
+
+/// No ray meets a block after one that it comes to later.
+void check_order(const std::vector<int>& order, const std::vector<Placement>& places, Vec3 eye) {
+    ASSERT_EQ(order.size(), places.size());
+    for (std::size_t i = 0; i < order.size(); ++i)
+        for (std::size_t j = i + 1; j < order.size(); ++j) {
+            const Placement &before = places[std::size_t(order[i])], &behind = places[std::size_t(order[j])];
+            bool may_hide = true;  // what lies behind may hide what lies before
+            for (std::size_t a = 0; a < 3; ++a) {
+                if (behind.own_end[a] <= before.own_first[a]) may_hide = may_hide && eye[int(a)] < behind.own_end[a];
+                if (before.own_end[a] <= behind.own_first[a]) may_hide = may_hide && eye[int(a)] > behind.own_first[a];
+            }
+            EXPECT_FALSE(may_hide) << order[j] << " before " << order[i];
+        }
+}
+
+// Largest, smallest and mean values and sums along whole rays are joined by the ranks; every one of them has the
+// picture.
+TEST(Ranks, JoinValuesOfWholeRays) {
+    const Volume whole = subject(false);
+    const Camera camera = eye_of(whole);
+    const auto cast = [&](const Device& device, const Volume& volume, Mode mode, RaySettings rays, Progress& progress) {
+        Frame frame(160, 120);
+        rays.early_termination = 0;
+        const Medium medium = classify(upload(device, volume), look(), {.mode = mode});
+        const RenderStatistics told = raycast(device, medium, {}, {}, camera, rays, frame, progress);
+        return std::pair(frame, told.complete);
+    };
+    for (const Mode mode : {Mode::mip, Mode::minip, Mode::mean, Mode::additive})
+        for (const Partition& partition : partitions) {
+            SCOPED_TRACE(std::string(to_text(mode)) + ", " + partition.name);
+            Progress progress;
+            const Frame one = cast(Device::cpu(1), whole, mode, {}, progress).first;
+            const std::vector<OwnVoxels> blocks = cut_up(whole.dimensions, partition.cuts);
+            on_ranks(int(blocks.size()), [&](std::shared_ptr<ThreadExchange> ranks) {
+                Device device = Device::cpu(1);
+                device.ranks = ranks;
+                Progress mine;
+                check_same(cast(device, block_of(whole, blocks[std::size_t(ranks->rank())], 2), mode, {}, mine).first,
+                           one);
+            });
+        }
+    on_ranks(2, [&](std::shared_ptr<ThreadExchange> ranks) {
+        Device device = Device::cpu(1);
+        device.ranks = ranks;
+        const Volume half = block_of(whole, cut_up(whole.dimensions, {{0, 2, 33}})[std::size_t(ranks->rank())], 2);
+        Progress progress;
+        EXPECT_THROW(cast(device, half, Mode::mip, {.samples_per_pixel = 4}, progress), Error);
+    });
+}
+
+// Frames are blended in the order of the cuts, seen from anywhere, along parallel rays too.
+TEST(Ranks, AreOrderedFromFrontToBack) {
+    const Volume whole = subject(true);
+    for (const Partition& partition : partitions) {
+        std::vector<Placement> places;
+        for (const OwnVoxels& own : cut_up(whole.dimensions, partition.cuts))
+            places.push_back({whole.dimensions, {}, own.first, own.end});
+        for (const double azimuth : {10.0, 100.0, 190.0, 280.0})
+            for (const double zoom : {0.5, 1.0, 8.0}) {  // from among the blocks, too
+                CameraSettings settings;
+                settings.azimuth_deg = azimuth, settings.elevation_deg = azimuth / 4 - 30, settings.zoom = zoom;
+                const Camera camera = make_camera(settings, whole.geometry, whole.dimensions);
+                const Vec3 eye = whole.geometry.voxel_from_world(camera.eye);
+                check_order(front_to_back(places, whole.geometry, camera), places, eye);
+                Camera parallel = camera;
+                parallel.projection = Projection::orthographic;
+                const Vec3 ahead = whole.geometry.voxel_from_world_vector(camera.forward);
+                check_order(front_to_back(places, whole.geometry, parallel), places, eye - 1e9 * ahead);
+            }
+    }
+    // Each of these four lies half before the next one, round in a circle; and one that owns nothing.
+    const std::array<int, 3> n{3, 3, 1};
+    const std::vector<Placement> circle{{n, {}, {0, 0, 0}, {2, 1, 1}},
+                                        {n, {}, {2, 0, 0}, {3, 2, 1}},
+                                        {n, {}, {1, 2, 0}, {3, 3, 1}},
+                                        {n, {}, {0, 1, 0}, {1, 3, 1}},
+                                        {n, {}, {0, 0, 0}, {0, 0, 0}}};
+    const Camera camera = eye_of(whole);
+    EXPECT_THROW(front_to_back(circle, whole.geometry, camera), Error);
+    EXPECT_EQ(front_to_back(std::span(circle).last(1), whole.geometry, camera), std::vector<int>{0});
 }
 
 /// Work of two ranks that show halves of a volume, or what `block` makes of them.
@@ -241,7 +331,7 @@ TEST(Ranks, RefuseWhatNeedsAllVoxels) {
     is_told({.method = Method::spao, .spao = {.filter = SpaoFilter::exact}}, {}, "automatic");
     is_told(by(Method::none), {.clip = {.largest = true}}, "largest piece");
     is_told(by(Method::none), {.interpolation = Interpolation::cubic}, "splines");
-    is_told(by(Method::none), {.mode = Mode::mip}, "mode");
+    is_told(by(Method::none), {.mode = Mode::iso, .iso = {{.value = 100}}}, "isosurfaces");
     for (const std::string& error : errors_of([&](int) { return subject(false); }, by(Method::none)))
         EXPECT_NE(error.find("needs a placement"), std::string::npos) << error;
 }

@@ -73,6 +73,8 @@ struct RenderStatistics {
 /// CS 247): of the value at its middle, or pre-integrated between those at its ends (Engel et al. 2001) from a table
 /// made for each call. The picture does not depend on the number of threads, nor (up to rounding) on the order. Fills
 /// `frame`, whose size is the picture's; where `lighting.probe.background` says so, with the probe behind the volume.
+/// Of a block (Volume::placement) the frame is the block's part of the picture, for front_to_back; but in Mode::mip,
+/// minip, mean and additive, where the call is collective, the whole picture on every rank.
 /// Cost: proportional to the samples in occupied cells; pre-integrated 4 to 20 core-ms for the table.
 CHIARO_EXPORT RenderStatistics raycast(const Device& device, const Medium& medium, const IlluminationField& field,
                                        const Lighting& lighting, const Camera& camera, const RaySettings& settings,
@@ -82,6 +84,11 @@ CHIARO_EXPORT RenderStatistics raycast(const Device& device, const Medium& mediu
 CHIARO_EXPORT RenderStatistics raycast(const Device& device, const Medium& medium, const IlluminationField& field,
                                        const Lighting& lighting, const Camera& camera, const RaySettings& settings,
                                        DeviceFrame& frame, Progress& progress);
+
+/// Numbers of the blocks of one volume in the order in which a camera's rays meet them, to blend their frames by; those
+/// that own nothing come last. Throws Error{usage} for blocks that no plane parts. Cost: n log² n of n blocks.
+CHIARO_EXPORT std::vector<int> front_to_back(std::span<const Placement> blocks, const Geometry& whole,
+                                             const Camera& camera);
 
 /// Fills `frame.depth_mm`: in mm, how far it is from the eye (orthographic: from the plane through it) along the ray
 /// through each pixel's centre to where the opacity of what lies before reaches ½, within a step as for constant

@@ -134,6 +134,20 @@ int main() {
     panel_visibility="advanced"><IntRangeDomain name="range" min="0" max="64"/>
 <Documentation>Layers of cells of its neighbours that each of several processes keeps, which light is found from.</Documentation>
 </IntVectorProperty>
+<IntVectorProperty name="ChiaroValueOfRays" label="Value of rays" command="SetValueOfRays" number_of_elements="1" default_values="0">
+<EnumerationDomain name="enum"><Entry value="0" text="None"/><Entry value="1" text="Maximum"/><Entry value="2" text="Minimum"/>
+<Entry value="3" text="Average"/><Entry value="4" text="Additive"/></EnumerationDomain>
+<Documentation>One value of each ray, or a sum along it, is shown in the place of the blend mode.</Documentation>
+</IntVectorProperty>
+<StringVectorProperty name="ChiaroScene" label="Scene file" command="SetScene" number_of_elements="1" default_values=""
+    panel_visibility="advanced">
+<Documentation>A scene of chiaro render, by a file of the server: it takes the place of colours, camera and all settings.</Documentation>
+</StringVectorProperty>
+<IntVectorProperty name="ChiaroExactCompositing" label="Exact compositing" command="SetExactCompositing" number_of_elements="1"
+    default_values="0"><BooleanDomain name="bool"/>
+<Documentation>Of several processes: their pictures are blended as floats rather than in the 8 bits of a window. Not beside other geometry.
+</Documentation>
+</IntVectorProperty>
 </RepresentationProxy>
 <Extension name="UniformGridRepresentation">
 <RepresentationType subproxy="ChiaroRepresentation" text="Chiaro"/>
@@ -142,7 +156,10 @@ int main() {
 <ShareProperties subproxy="VolumeRepresentation"><Exception name="Input"/><Exception name="Visibility"/></ShareProperties>
 <ExposedProperties>
 <PropertyGroup label="Chiaro">
-%s<Property name="ChiaroGhostLevels"/>
+%s<Property name="ChiaroValueOfRays"/>
+<Property name="ChiaroExactCompositing"/>
+<Property name="ChiaroScene"/>
+<Property name="ChiaroGhostLevels"/>
 <Hints><PropertyWidgetDecorator type="GenericDecorator" mode="visibility" property="Representation" value="Chiaro"/></Hints>
 </PropertyGroup>
 </ExposedProperties>

@@ -47,7 +47,7 @@ void check_shared(const Shape& shape) {
     if (shape.clip.largest) refuse("largest piece: pieces go on beyond a rank's block");
     if (shape.interpolation == Interpolation::cubic || shape.interpolation == Interpolation::smooth)
         refuse("splines: those of whole rows of voxels; choose linear interpolation");
-    if (shape.mode != Mode::dvr) refuse("isosurfaces and no modes but dvr yet: choose mode dvr");
+    if (shape.mode == Mode::iso) refuse("isosurfaces yet: choose another mode");
 }
 
 /// On the GPU, which then holds it, or here.

@@ -1,5 +1,6 @@
 #include "decode/hdf5_dataset.h"
 
+#include "decode/hdf5_vtk.h"
 #include "volume/validate.h"
 
 #include <fmt/format.h>
@@ -162,10 +163,11 @@ hid_t hdf5_memory_type(VoxelType type) {
 
 Hdf5Volume open_hdf5_volume(const std::filesystem::path& path, const std::string& part) {
     Hdf5Id file = open_hdf5(path);
-    const std::string name = part.empty() ? only_volume(file) : part;
+    Volume volume;
+    const std::optional<VtkHdfImage> image = part.empty() ? vtkhdf_image(file, volume) : std::nullopt;
+    const std::string name = image ? image->dataset : part.empty() ? only_volume(file) : part;
     Hdf5Id dataset = open_dataset(file, name);
     const Hdf5Shape shape = shape_of(dataset, name);
-    Volume volume;
     volume.format = "HDF5";
     volume.type = shape.type;
     volume.key_values["dataset"] = name;
@@ -178,7 +180,10 @@ Hdf5Volume open_hdf5_volume(const std::filesystem::path& path, const std::string
     checked_bytes(n, volume.components, volume.type);
     volume.dimensions = {int(n[0]), int(n[1]), int(n[2])};
     if (shape.axes.size() == 2) volume.notes.push_back("a picture of two dimensions, taken as one slice");
-    set_spacing(dataset, shape, volume);
+    if (image && n != image->values)
+        refuse(fmt::format("has in '{}' {} values, where its WholeExtent has {} x {} x {}", name, text_of(shape.sizes),
+                           image->values[2], image->values[1], image->values[0]));
+    if (!image) set_spacing(dataset, shape, volume);
     return {std::move(file), std::move(dataset), shape, std::move(volume)};
 }
 

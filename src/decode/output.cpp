@@ -53,6 +53,10 @@ void Output::allocate(Volume& volume) {
         throw TooLarge(ErrorCode::input,
                        fmt::format("its {} x {} x {} voxels take {} MiB, but at most {} MiB may be used", n[0], n[1],
                                    n[2], bytes >> 20, max_bytes_ >> 20));
+    if (is_aside_) {
+        volume.voxels = VoxelBuffer(bytes);
+        return;
+    }
     if (ftruncate(wire::voxels_descriptor, off_t(bytes)) != 0)
         refuse(fmt::format("no room for {} MiB of voxels", bytes >> 20));
     void* mapping = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, wire::voxels_descriptor, 0);
@@ -62,7 +66,7 @@ void Output::allocate(Volume& volume) {
 
 void Output::progress(double fraction) {
     const auto now = std::chrono::steady_clock::now();
-    if (now - last_report_ < std::chrono::milliseconds(50)) return;
+    if (is_aside_ || now - last_report_ < std::chrono::milliseconds(50)) return;
     last_report_ = now;
     send({{"progress", fraction}});
 }

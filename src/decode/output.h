@@ -33,6 +33,13 @@ public:
     /// Throws Error{input} where there is none of that number.
     std::uint64_t choose_moment(std::uint64_t count, Volume& volume) const;
 
+    /// For a file whose voxels become a part of others': in this program's own memory, and nothing is told.
+    Output aside() const {
+        Output other(max_bytes_);
+        other.is_aside_ = true;
+        return other;
+    }
+
     bool asks_for_place() const { return max_bytes_ == 0; }
     /// Told with the header, in the place of voxels.
     void lie_at(VoxelsInFile place) { place_ = std::move(place); }
@@ -51,6 +58,7 @@ public:
 private:
     std::uint64_t max_bytes_;
     int moment_;
+    bool is_aside_ = false;
     std::optional<VoxelsInFile> place_;
     std::chrono::steady_clock::time_point last_report_{};
 };

@@ -3,6 +3,7 @@
 #include "decode/readers.h"
 #include "decode/text.h"
 #include "decode/vti_data.h"
+#include "decode/vti_pieces.h"
 #include "decode/vtk_arrays.h"
 #include "io/xml_attributes.h"
 #include "volume/validate.h"
@@ -93,11 +94,9 @@ VtiCoding coding_of(const pugi::xml_node& file) {
 
 /// Points along each axis; sets the geometry. Positions are origin + direction (spacing * index), with the indices of
 /// the extent, which need not begin at 0. Nothing is said about anatomy.
-std::array<std::int64_t, 3> set_geometry(const pugi::xml_node& image, const pugi::xml_node& piece, Volume& volume) {
-    const auto extent = integers(attribute(image, "WholeExtent", ""), "WholeExtent"),
-               part = integers(attribute(piece, "Extent", attribute(image, "WholeExtent", "")), "Extent");
+std::array<std::int64_t, 3> set_geometry(const pugi::xml_node& image, Volume& volume) {
+    const auto extent = integers(attribute(image, "WholeExtent", ""), "WholeExtent");
     if (extent.size() != 6) refuse(fmt::format("its WholeExtent has {} numbers, not 6", extent.size()));
-    if (part != extent) refuse("has a piece that is not its whole extent");
     const auto origin = numbers(attribute(image, "Origin", "0 0 0"), "Origin"),
                spacing = numbers(attribute(image, "Spacing", "1 1 1"), "Spacing"),
                direction = numbers(attribute(image, "Direction", "1 0 0 0 1 0 0 0 1"), "Direction");
@@ -174,9 +173,29 @@ void fill(const pugi::xml_node& node, const VtiText& text, const Path& path, con
     fill_from_bytes(*source, coding.big_endian, volume.type, voxels(), output);
 }
 
-}  // namespace
+/// What a file may be where another one names it.
+enum class Level { image, pieces, collection };
 
-Volume read_vti(const Path& path, const std::string&, Output& output) {
+Volume read_image(const Path& path, const VtiText& text, const pugi::xml_node& file, Output& output) {
+    const auto image = file.child("ImageData"), piece = image.child("Piece");
+    if (!piece) refuse("has no piece of image data");
+    if (piece.next_sibling("Piece")) refuse("has its image in several pieces; one is read");
+    Volume volume;
+    volume.format = "VTK";
+    const auto points = set_geometry(image, volume);
+    const std::string whole = attribute(image, "WholeExtent", "");
+    if (integers(attribute(piece, "Extent", whole), "Extent") != integers(whole, "WholeExtent"))
+        refuse("has a piece that is not its whole extent");
+    const auto nodes = arrays_of(piece);
+    std::vector<VtkArray> arrays;
+    for (const auto& [array, node] : nodes) arrays.push_back(array);
+    const std::size_t chosen = choose_array(arrays, volume);
+    const auto bytes = set_shape(arrays[chosen], points, volume);
+    fill(nodes[chosen].second, text, path, coding_of(file), bytes, volume, output);
+    return volume;
+}
+
+Volume read_xml(const Path& path, Level level, Output& output) {
     VtiText text = read_text(path);
     pugi::xml_document document;
     const auto parsed = document.load_buffer_inplace(
@@ -186,21 +205,27 @@ Volume read_vti(const Path& path, const std::string&, Output& output) {
     if (const auto twice = attribute_stated_twice(document); !twice.empty())
         refuse("its XML states " + twice + " twice");
     const auto file = document.child("VTKFile");
-    if (const std::string type = attribute(file, "type", ""); type != "ImageData")
-        refuse("holds VTK data of type '" + type + "', not ImageData");
-    const auto image = file.child("ImageData"), piece = image.child("Piece");
-    if (!piece) refuse("has no piece of image data");
-    if (piece.next_sibling("Piece")) refuse("has its image in several pieces; one is read");
-    Volume volume;
-    volume.format = "VTK";
-    const auto points = set_geometry(image, piece, volume);
-    const auto nodes = arrays_of(piece);
-    std::vector<VtkArray> arrays;
-    for (const auto& [array, node] : nodes) arrays.push_back(array);
-    const std::size_t chosen = choose_array(arrays, volume);
-    const auto bytes = set_shape(arrays[chosen], points, volume);
-    fill(nodes[chosen].second, text, path, coding_of(file), bytes, volume, output);
-    return volume;
+    const std::string type = attribute(file, "type", "");
+    if (type == "ImageData") return read_image(path, text, file, output);
+    const auto named_as = [](Level most) {
+        return [most](const Path& named, Output& to) { return read_xml(named, most, to); };
+    };
+    if (type == "PImageData" && level >= Level::pieces) {
+        const auto image = file.child("PImageData");
+        Volume whole;
+        whole.format = "VTK";
+        const auto points = set_geometry(image, whole);
+        return read_pieces(path, image, points, std::move(whole), output, named_as(Level::image));
+    }
+    if (type == "Collection" && level == Level::collection)
+        return read_collection(path, file.child("Collection"), output, named_as(Level::pieces));
+    refuse("holds VTK data of type '" + type + "', not ImageData");
+}
+
+}  // namespace
+
+Volume read_vti(const Path& path, const std::string&, Output& output) {
+    return read_xml(path, Level::collection, output);
 }
 
 }  // namespace chiaro::decode

@@ -189,18 +189,20 @@ std::vector<Reader> readers() {
                     c.has_at(344, "ni1") || c.has_at(4, "n+2");
          },
          decoded_as("nifti")},
-        {{"VTK XML", ".vti", "image data: ascii, base64 or appended; zlib, LZ4, LZMA"},
+        {{"VTK XML", ".vti .pvti .pvd", "image data, in pieces, moments: ascii, base64 or appended; zlib, LZ4, LZMA"},
          [](auto& c) {
-             return c.ends_with({".vti"}) || (c.has_at(0, "<") && c.beginning.find("<VTKFile") != std::string::npos);
+             return c.ends_with({".vti", ".pvti", ".pvd"}) ||
+                    (c.has_at(0, "<") && c.beginning.find("<VTKFile") != std::string::npos);
          },
          decoded_as("vti")},
         {{"VTK", ".vtk", "legacy structured points: ascii, binary"},
          [](auto& c) { return c.ends_with({".vtk"}) || c.has_at(0, "# vtk DataFile"); },
          decoded_as("vtk")},
-        {{"HDF5", ".h5 .hdf5 .hdf",
-          "file.h5:/path/to/dataset or file.h5#path; without a path the only dataset of three dimensions"},
+        {{"HDF5", ".h5 .hdf5 .hdf .vtkhdf",
+          "file.h5:/path/to/dataset or file.h5#path; without a path VTK's image data, or the only dataset of three "
+          "dimensions"},
          [](auto& c) {
-             return c.ends_with({".h5", ".hdf5", ".hdf"}) || c.has_at(0, "\x89HDF\r\n\x1a\n");
+             return c.ends_with({".h5", ".hdf5", ".hdf", ".vtkhdf"}) || c.has_at(0, "\x89HDF\r\n\x1a\n");
          },
          decoded_as("hdf5")},
     };

@@ -3,11 +3,13 @@
 
 #include <optional>
 
+#include "core/ranks.h"
 #include "illumination/lit_field.h"
 #include "raycast/background.h"
 #include "raycast/cast.h"
 #include "raycast/floor.h"
 #include "raycast/gpu.h"
+#include "raycast/shared_values.h"
 #include "raycast/texture.h"
 #include "raycast/views.h"
 #include "volume/level_pages.h"
@@ -135,6 +137,25 @@ RenderStatistics add_channels(const Device& device, const Medium::Data& mixture,
     return all;
 }
 
+/// Collective: what each rank finds in its own block, made one picture, which all have.
+RenderStatistics cast_together(const Device& device, const Caster& caster, const LitField& lit) {
+    RenderStatistics mine;
+    collectively(device, [&] {
+        if (rays_per_pixel(caster.camera, caster.settings) > 1)
+            throw Error(
+                ErrorCode::usage,
+                "a value of a whole ray that several ranks find is that of one ray a pixel: --samples-per-pixel "
+                "1, without a lens");
+        const bool adds = caster.medium.shape.mode == Mode::additive;
+        mine = adds ? std::visit(caster, lit.view)
+                    : cast_values(device, caster.medium, caster.tables, caster.camera, caster.settings,
+                                  caster.target.frame, caster.progress);
+        for (const int complete : gather_values(device, int(mine.complete))) mine.complete = mine.complete && complete;
+        if (mine.complete) join_values(device, caster.medium, caster.tables, caster.target.frame);
+    });
+    return mine;
+}
+
 RenderStatistics fill(const Device& device, const Medium& medium, const IlluminationField& field,
                       const Lighting& lighting, const Camera& camera, const RaySettings& settings, RenderTarget& target,
                       Progress& progress) {
@@ -154,7 +175,8 @@ RenderStatistics fill(const Device& device, const Medium& medium, const Illumina
     tables.add_to(arrays);
     if (settings.ends) arrays.add(settings.ends, settings.ends->mm);
     const Caster cast{device, data, lit, lighting, camera, settings, tables, arrays, target, progress};
-    RenderStatistics render_statistics = std::visit(cast, lit.view);
+    RenderStatistics render_statistics =
+        shares_values(data) ? cast_together(device, cast, lit) : std::visit(cast, lit.view);
     if (lighting.floor.show && is_lit(data.shape.mode) && render_statistics.complete)
         render_statistics.complete =
             put_floor_behind(device, data, field, lighting, camera, rays_per_pixel(camera, settings), target, progress);

@@ -200,13 +200,15 @@ kernel::MarchOptions march_options(const RaySettings& settings, const Medium::Da
             .by_block = by_block};
 }
 
-kernel::OwnBox own_box(const DeviceVolume::Data& volume, double step_voxels) {
+kernel::OwnBox own_box(const Medium::Data& medium, double step_voxels) {
+    const DeviceVolume::Data& volume = medium.volume.data();
     if (!volume.placement) return {};
     constexpr float beyond = 1e6f;
     constexpr double run_in =
         3 * surface_reach;  // met surfaces follow upon each other: with 1 × tubes are .8 of 255 off
     const Placement& place = *volume.placement;
-    kernel::OwnBox box{.low = {}, .high = {}, .before = int(std::ceil(run_in / step_voxels)), .on = 1};
+    const int before = is_lit(medium.shape.mode) ? int(std::ceil(run_in / step_voxels)) : 0;
+    kernel::OwnBox box{.low = {}, .high = {}, .before = before, .on = 1};
     const auto low = [&](std::size_t a) { return place.own_first[a] > 0 ? float(place.own_first[a]) : -beyond; };
     const auto high = [&](std::size_t a) {
         return place.own_end[a] < place.whole[a] ? float(place.own_end[a]) : beyond;

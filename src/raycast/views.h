@@ -66,7 +66,7 @@ kernel::MarchOptions march_options(const RaySettings& settings, const Medium::Da
 /// Smallest voxel edges behind it that a surface counts where a ray has met it.
 inline constexpr double surface_reach = 2;
 /// What of the volume is this rank's to show.
-kernel::OwnBox own_box(const DeviceVolume::Data& volume, double step_voxels);
+kernel::OwnBox own_box(const Medium::Data& medium, double step_voxels);
 kernel::ExtremeView extreme_view(const DeviceVolume::Data& volume, Mode mode);
 
 /// Through each pixel, at least, where a lens blurs what is not in focus.
@@ -117,7 +117,7 @@ kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, cons
         .step_mm = float(step_mm(settings.step_voxels, volume.geometry, volume.dimensions)),
         .rays_per_pixel = rays_per_pixel(camera, settings),
         .bounds = {},
-        .own = own_box(volume, settings.step_voxels),
+        .own = own_box(medium, settings.step_voxels),
     };
 }
 

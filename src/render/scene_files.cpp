@@ -75,6 +75,8 @@ Scene seen_from(Scene scene, const fs::path& folder) {
 }
 
 Scene read_scene(const fs::path& file, const fs::path& data_folder, std::vector<std::string>& unknown_keys) {
+    if (std::vector<std::string> notes; file.extension() == ".pvsm")
+        return read_paraview_state(file, data_folder, notes);
     const std::string text = text_of(file);
     try {
         return parse_scene(text, file.parent_path(), data_folder, unknown_keys);

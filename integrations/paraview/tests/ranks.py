@@ -1,48 +1,72 @@
-"""One picture, by any number of processes: mpirun -np N pvbatch ranks.py PLUGIN FILE.vti METHOD PICTURE.png. Then zoomed until a block
-is off the screen, edited, hidden and shown: none of it may wait for ever."""
+"""Pictures by any number of processes, mpirun -np N pvbatch ranks.py PLUGIN FOLDER: folder/NAME-N.png of each method, composited by
+ParaView and exactly, and of the modes of one value a ray. Then what must not wait for ever: a block off the screen, edits, hidden and
+shown, two views, moments. Prints "came through"."""
 import sys
 
-from paraview.simple import *  # noqa: F403
+sys.path.insert(0, sys.argv[0].rsplit("/", 1)[0])
+from look import *  # noqa: F403
+from paraview.modules.vtkRemotingCore import vtkProcessModule  # noqa: E402
 
-plugin, file, method, picture = sys.argv[1:5]
+plugin, folder = sys.argv[1:3]
+ranks = vtkProcessModule.GetProcessModule().GetNumberOfLocalPartitions()
 LoadPlugin(plugin, remote=False, ns=globals())
-source = OpenDataFile(file)
-UpdatePipeline(proxy=source)
-values = source.PointData.GetArray(0)
-low, high = values.GetRange()
+source = OpenDataFile([f"{folder}/balls{t}.vti" for t in range(3)])
+view, display, opacity, at = open_view(source)
 
 
-def at(share):
-    return low + share * (high - low)
+def keep(name):
+    shot(view, f"{folder}/{name}-{ranks}.png")
 
 
-view = CreateRenderView(ViewSize=[480, 360])
-view.UseColorPaletteForBackground = 0
-view.Background = [0.2, 0.22, 0.25]
-view.OrientationAxesVisibility = 0
-display = Show(source, view)
-ColorBy(display, ("POINTS", values.Name))
-GetColorTransferFunction(values.Name).RGBPoints = [at(0), 0.2, 0.3, 0.7, at(0.5), 0.9, 0.8, 0.6, at(1), 0.8, 0.2, 0.1]
-opacity = GetOpacityTransferFunction(values.Name)
+for method in ("spao", "visibility", "transport"):
+    display.ChiaroLighting = method
+    for exact in (0, 1):
+        display.ChiaroExactCompositing = exact
+        keep(("exact-" if exact else "") + method)
+    display.ChiaroExactCompositing = 0
+for mode, name in (("Maximum", "mip"), ("Minimum", "minip"), ("Average", "mean"), ("Additive", "additive")):
+    display.ChiaroValueOfRays = mode
+    keep(name)
+display.ChiaroValueOfRays = "None"
+
+# All blocks but one off the screen, composited either way; edits there.
+display.ChiaroLighting = "visibility"
+for exact in (0, 1):
+    display.ChiaroExactCompositing = exact
+    look_from(view, (20, 30, 60), aside=(0, 0, 60))
+    Render(view)
+    opacity.Points = [at(0), 0, 0.5, 0, at(0.5), 0, 0.5, 0, at(0.7), 0.5 - 0.1 * exact, 0.5, 0, at(1), 0.9, 0.5, 0]
+    Render(view)
+    Hide(source, view)
+    Render(view)
+    Show(source, view)
+    look_from(view, (13, 17, 9), aside=(25, 20, 25))
+    keep(f"near{exact}")
+look_from(view, (130, 170, 90))
+
+# The next moments, and back: nothing stale.
+display.ChiaroExactCompositing = 1
 opacity.Points = [at(0), 0, 0.5, 0, at(0.35), 0, 0.5, 0, at(0.6), 0.5, 0.5, 0, at(1), 0.9, 0.5, 0]
-display.SetRepresentationType("Chiaro")
-ResetCamera(view)
-middle = list(view.CameraFocalPoint)
-view.CameraPosition = [c + d for c, d in zip(middle, (130, 170, 90))]
-view.CameraViewUp = [0, 0, 1]
-display.ChiaroLighting = method
-display.ChiaroTransportError = "0.05"
-display.ChiaroInterpolation = "linear"
-display.ChiaroEarlyTermination = 0
-SaveScreenshot(picture, view, ImageResolution=[480, 360])
+scene = GetAnimationScene()
+scene.UpdateAnimationUsingDataTimeSteps()
+for t in (0, 1, 2, 1):
+    scene.AnimationTime = scene.TimeKeeper.TimestepValues[t]
+    keep(f"moment{t}")
 
-view.CameraFocalPoint = [c + d for c, d in zip(middle, (0, 0, 60))]
-view.CameraPosition = [c + d for c, d in zip(middle, (20, 30, 60))]
+# Two views of one source, each with its own look. (What the first shows from then on ParaView smooths.)
+other, second, _, _ = open_view(source, (320, 240))
+second.ChiaroLighting = "spao"
+second.ChiaroExactCompositing = 1
+look_from(other, (-150, 60, 40))
+shot(other, f"{folder}/other-{ranks}.png")
+scene.AnimationTime = scene.TimeKeeper.TimestepValues[2]
 Render(view)
-opacity.Points = [at(0), 0, 0.5, 0, at(0.5), 0, 0.5, 0, at(0.7), 0.5, 0.5, 0, at(1), 0.9, 0.5, 0]
-Render(view)
-Hide(source, view)
-Render(view)
-Show(source, view)
-Render(view)
+Render(other)
+Hide(source, other)
+Render(other)
+
+# Other geometry beside it: exact compositing steps back, a mode of one value a ray is not drawn.
+ball = Sphere(Center=[40, 33, 30], Radius=30)
+Show(ball, view)
+keep("beside")
 print("came through")

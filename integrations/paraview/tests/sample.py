@@ -1,4 +1,4 @@
-"""Writes a volume to look at: sample.py FILE.vti. Three balls and ripples, 81 x 66 x 72 floats."""
+"""Writes a volume to look at: sample.py FILE.vti [MOMENT]. Three balls and ripples, 81 x 66 x 72 floats; they move with time."""
 import sys
 
 from vtkmodules.vtkCommonDataModel import vtkImageData
@@ -7,7 +7,8 @@ from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
 from math import sin, sqrt
 
 nx, ny, nz = 81, 66, 72
-balls = ((40, 33, 30, 20), (25, 25, 52, 10), (58, 44, 48, 12))
+t = int(sys.argv[2]) if len(sys.argv) > 2 else 0
+balls = ((40 + 4 * t, 33, 30, 20), (25, 25, 52 - 6 * t, 10), (58, 44, 48, 12))
 image = vtkImageData()
 image.SetDimensions(nx, ny, nz)
 values = vtkFloatArray()

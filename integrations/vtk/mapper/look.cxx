@@ -1,5 +1,7 @@
 #include "look.h"
 
+#include <chiaro/error.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -283,6 +285,13 @@ void set_look(Scene& scene, vtkVolumeMapper& mapper, vtkVolumeProperty& property
     lighting.ambient = property.GetAmbient(), lighting.diffuse = property.GetDiffuse();
     lighting.specular = property.GetSpecular(), lighting.shininess = property.GetSpecularPower();
     set_light(lighting, renderer, place, note);
+}
+
+void suit_blocks(Scene& scene) {
+    if (!scene.transfer.points)
+        throw Error(ErrorCode::usage, "a scene that several processes draw must state its transfer function's points");
+    if (scene.interpolation == Interpolation::automatic) scene.interpolation = Interpolation::linear;
+    if (!scene.camera.fit_centre) scene.camera.fit = Fit::volume;
 }
 
 }  // namespace chiaro::from_vtk

@@ -25,4 +25,9 @@ std::vector<GradientPoint> gradient_opacity_of(vtkVolumeProperty& property, doub
 void set_look(Scene& scene, vtkVolumeMapper& mapper, vtkVolumeProperty& property, vtkImageData& image,
               vtkRenderer& renderer, const Placement& place, std::string& note);
 
+/// Of a scene from a file what blocks of a volume cannot find: values between voxels, and the ball that a camera fits,
+/// are those of `linear` and `--fit volume` where it leaves them open. Throws Error{usage} without the points of a
+/// transfer function.
+void suit_blocks(Scene& scene);
+
 }  // namespace chiaro::from_vtk

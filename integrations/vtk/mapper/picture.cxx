@@ -1,10 +1,13 @@
 #include "picture.h"
 
+#include <algorithm>
+
 #include "vtkNew.h"
 #include "vtkOpenGLQuadHelper.h"
 #include "vtkOpenGLRenderWindow.h"
 #include "vtkOpenGLShaderCache.h"
 #include "vtkOpenGLState.h"
+#include "vtkRenderWindow.h"
 #include "vtkRenderer.h"
 #include "vtkShaderProgram.h"
 #include "vtkTextureObject.h"
@@ -60,6 +63,29 @@ bool Picture::draw(vtkRenderer& renderer, int width, int height, const std::vect
     quad_->Render();
     texture.Deactivate();
     return true;
+}
+
+std::vector<float> shown_rows(const Frame& frame, const Image& developed, const ToneMap& tone, vtkRenderer& renderer) {
+    const bool encodes_itself = renderer.GetRenderWindow()->GetUseSRGBColorSpace();
+    const bool as_it_is =
+        tone.transparent && tone.tone == Tone::none && (tone.color == ColorMode::linear) == encodes_itself;
+    std::vector<float> rows(std::size_t(4) * frame.width * frame.height);
+    const std::size_t channels = developed.pixels.size() / (rows.size() / 4);  // 3: opaque
+    const auto put = [&](const auto* from, float* to) {
+        to[3] = channels == 4 ? from[3] / 255.0f : 1;
+        for (std::size_t c = 0; c < 3; ++c) to[c] = from[c] / 255.0f * to[3];
+    };
+    const Frame exposed = as_it_is ? expose(frame, tone) : Frame();
+    for (int y = 0; y < frame.height; ++y)
+        for (int x = 0; x < frame.width; ++x) {
+            const std::size_t pixel = std::size_t(frame.height - 1 - y) * frame.width + x;
+            float* to = &rows[4 * (std::size_t(y) * frame.width + x)];
+            if (as_it_is)
+                std::copy_n(&exposed.rgba[4 * pixel], 4, to);
+            else
+                put(&developed.pixels[channels * pixel], to);
+        }
+    return rows;
 }
 
 void Picture::release(vtkWindow* window) {

@@ -1,5 +1,7 @@
 // Draws a picture over what a renderer has drawn so far.
 #pragma once
+#include <chiaro/image.h>
+
 #include <memory>
 #include <vector>
 
@@ -23,5 +25,9 @@ private:
     std::unique_ptr<Texture> texture_;
     std::unique_ptr<vtkOpenGLQuadHelper> quad_;
 };
+
+/// Rows from the bottom, as the renderer's window shows them: of a frame with its exposure, or of the developed
+/// picture, where it was bent or encoded.
+std::vector<float> shown_rows(const Frame& frame, const Image& developed, const ToneMap& tone, vtkRenderer& renderer);
 
 }  // namespace chiaro::from_vtk

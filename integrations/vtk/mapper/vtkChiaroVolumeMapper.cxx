@@ -1,17 +1,12 @@
 #include "vtkChiaroVolumeMapper.h"
 
-#include <chiaro/describe.h>
 #include <chiaro/error.h>
-#include <chiaro/exchange.h>
-#include <chiaro/session.h>
 
 #include <algorithm>
 #include <chrono>
-#include <set>
 
-#include "data.h"
+#include "internals.h"
 #include "look.h"
-#include "picture.h"
 #include "view.h"
 #include "vtkDataArray.h"
 #include "vtkImageData.h"
@@ -19,7 +14,6 @@
 #include "vtkObjectFactory.h"
 #include "vtkRenderWindow.h"
 #include "vtkRenderer.h"
-#include "vtkSmartPointer.h"
 #include "vtkVolume.h"
 #include "vtkVolumeProperty.h"
 
@@ -28,20 +22,6 @@ vtkStandardNewMacro(vtkChiaroVolumeMapper);
 using namespace chiaro;
 
 namespace {
-
-/// What a shown volume was made from.
-struct Shown {
-    vtkDataArray* scalars = nullptr;
-    vtkMTimeType time = 0;  ///< of the image and its scalars
-    bool at_cells = false;
-    Geometry geometry;
-    int threads = 0;
-    bool operator==(const Shown&) const = default;
-};
-
-std::string written(std::string_view name, std::string_view value) {
-    return std::string(name) + " " + std::string(value);
-}
 
 /// Throws Error{usage} for a name that is no setting of a look.
 void check_name(std::string_view name) {
@@ -60,57 +40,7 @@ void check_name(std::string_view name) {
         throw Error(ErrorCode::usage, std::string(name) + ": no setting has this name; chiaro render --help tells all");
 }
 
-/// Rows from the bottom, as a window shows them: of the frame with its exposure, or of a picture that was bent or
-/// encoded.
-std::vector<float> shown_rows(const Frame& frame, const Image& image, const ToneMap& tone, bool as_it_is) {
-    std::vector<float> rows(std::size_t(4) * frame.width * frame.height);
-    const Frame exposed = as_it_is ? expose(frame, tone) : Frame();
-    for (int y = 0; y < frame.height; ++y)
-        for (int x = 0; x < frame.width; ++x) {
-            const std::size_t from = 4 * (std::size_t(frame.height - 1 - y) * frame.width + x);
-            float* to = &rows[4 * (std::size_t(y) * frame.width + x)];
-            if (as_it_is)
-                std::copy_n(&exposed.rgba[from], 4, to);
-            else
-                for (std::size_t c = 0; c < 4; ++c)
-                    to[c] = image.pixels[from + c] / 255.0f * (c < 3 ? image.pixels[from + 3] / 255.0f : 1);
-        }
-    return rows;
-}
-
 }  // namespace
-
-/// What is shown, and where it stands.
-struct chiaro::from_vtk::Subject {
-    vtkImageData* image = nullptr;  ///< null: this process has no voxels
-    vtkDataArray* scalars = nullptr;
-    int at_cells = 0;
-    vtkImageData* grid = nullptr;  ///< of the whole
-    from_vtk::Placement place{};
-};
-
-struct vtkChiaroVolumeMapper::Internals {
-    GivenSettings given;
-    Shown shown;
-    std::unique_ptr<Session> session;
-    std::shared_ptr<const RayEnds> ends;
-    std::set<std::string> warned;
-    from_vtk::Picture picture;
-    double seconds_a_pixel = 0;
-    std::shared_ptr<Exchange> ranks;     ///< that hold blocks of the volume; null: it is whole
-    vtkSmartPointer<vtkImageData> grid;  ///< of the whole then
-    std::array<int, 6> own{};
-
-    /// Whether all ranks say so.
-    bool agree(bool yes) { return ranks ? ranks->agree(yes) : yes; }
-
-    /// The last ones where they are the same: rays need not be cast again.
-    void keep(std::shared_ptr<const RayEnds> newest) {
-        if (newest && ends && newest->width == ends->width && newest->height == ends->height && newest->mm == ends->mm)
-            return;
-        ends = std::move(newest);
-    }
-};
 
 vtkChiaroVolumeMapper::vtkChiaroVolumeMapper() : Self(std::make_unique<Internals>()) {}
 vtkChiaroVolumeMapper::~vtkChiaroVolumeMapper() = default;
@@ -125,9 +55,24 @@ bool vtkChiaroVolumeMapper::SetSetting(const char* name, const char* value) {
         else
             given[key] = text;
         Scene scene;
-        if (!text.empty()) set_by_name(scene, {{key, text}}, written);
+        if (!text.empty()) set_by_name(scene, {{key, text}}, from_vtk::written);
         if (given != this->Self->given) this->Modified();
         this->Self->given = std::move(given);
+        return true;
+    } catch (const Error& error) {
+        vtkErrorMacro(<< error.what());
+        return false;
+    }
+}
+
+bool vtkChiaroVolumeMapper::SetScene(const char* file) {
+    try {
+        std::optional<Scene> scene;
+        std::vector<std::string> unknown;
+        if (file && *file) scene = read_scene(file, {}, unknown);
+        for (const std::string& key : unknown) this->WarnOnce("scene: unknown key " + key);
+        this->Self->scene = std::move(scene);
+        this->Modified();
         return true;
     } catch (const Error& error) {
         vtkErrorMacro(<< error.what());
@@ -170,35 +115,6 @@ void vtkChiaroVolumeMapper::SetBlock(std::shared_ptr<Exchange> ranks, vtkImageDa
     self.ranks = std::move(ranks), self.own = given, self.grid = self.ranks ? whole : nullptr;
 }
 
-bool vtkChiaroVolumeMapper::FindLight(vtkRenderer* renderer, vtkVolume* volume) {
-    Internals& self = *this->Self;
-    from_vtk::Subject subject;
-    Scene scene;
-    std::string wrong;
-    try {
-        wrong = this->Find(subject, volume);
-        if (wrong.empty() && !this->Look(scene, subject, renderer, volume)) wrong = "a cropping box that keeps nothing";
-    } catch (const std::exception& error) {
-        wrong = error.what();
-    }
-    if (!wrong.empty()) this->WarnOnce("not drawn: " + wrong);
-    if (!self.agree(wrong.empty())) {
-        if (wrong.empty()) this->WarnOnce("not drawn: another process cannot");
-        self.session.reset();
-        return false;
-    }
-    try {
-        chiaro::Progress progress;
-        this->Show(subject);
-        self.session->find_light(scene, progress);
-        return true;
-    } catch (const std::exception& error) {  // on all
-        vtkErrorMacro(<< error.what());
-        self.session.reset();
-        return false;
-    }
-}
-
 /// What cannot be drawn; empty: all can.
 std::string vtkChiaroVolumeMapper::Find(from_vtk::Subject& subject, vtkVolume* volume) {
     Internals& self = *this->Self;
@@ -224,7 +140,8 @@ bool vtkChiaroVolumeMapper::Show(const from_vtk::Subject& subject) {
     Internals& self = *this->Self;
     const vtkMTimeType time =
         subject.image ? std::max(subject.image->GetMTime(), subject.scalars->GetMTime()) : vtkMTimeType(0);
-    const Shown shown{subject.scalars, time, subject.at_cells != 0, subject.place.geometry, this->NumberOfThreads};
+    const from_vtk::Shown shown{subject.scalars, time, subject.at_cells != 0, subject.place.geometry,
+                                this->NumberOfThreads};
     if (self.agree(self.session && shown == self.shown)) return false;
     const Device host = Device::cpu(this->NumberOfThreads);
     Device device = self.ranks ? host : choose_device(host).device;
@@ -244,6 +161,11 @@ bool vtkChiaroVolumeMapper::Show(const from_vtk::Subject& subject) {
 /// False where nothing of it is kept.
 bool vtkChiaroVolumeMapper::Look(Scene& scene, const from_vtk::Subject& subject, vtkRenderer* renderer,
                                  vtkVolume* volume) {
+    if (this->Self->scene) {
+        scene = *this->Self->scene;
+        if (this->Self->ranks) from_vtk::suit_blocks(scene);
+        return true;
+    }
     std::string note;
     scene.output.color = renderer->GetRenderWindow()->GetUseSRGBColorSpace() ? ColorMode::linear : ColorMode::display;
     scene.output.transparent = true;
@@ -255,9 +177,8 @@ bool vtkChiaroVolumeMapper::Look(Scene& scene, const from_vtk::Subject& subject,
     const from_vtk::Placement& place = subject.place;
     scene.sampling.step_voxels =
         this->SampleDistance > 0 ? this->SampleDistance / (place.scale * place.geometry.smallest_spacing_mm()) : 0.5;
-    set_by_name(scene, this->Self->given, written);
-    if (this->Self->ranks && scene.interpolation == Interpolation::automatic)
-        scene.interpolation = Interpolation::linear;
+    set_by_name(scene, this->Self->given, from_vtk::written);
+    if (this->Self->ranks) from_vtk::suit_blocks(scene);
     scene.camera.matrix = from_vtk::matrix_of(*renderer, place);
     return true;
 }
@@ -279,11 +200,16 @@ void vtkChiaroVolumeMapper::Draw(vtkRenderer* renderer, vtkVolume* volume) {
     if (const double allowed = volume->GetAllocatedRenderTime(); adjusts && allowed > 0)
         apart = std::clamp(std::sqrt(self.seconds_a_pixel * view.width * view.height / allowed), apart, 10.0);
     scene.width = std::max(int(view.width / apart), 1), scene.height = std::max(int(view.height / apart), 1);
-    self.keep(this->IntermixIntersectingGeometry
+    self.keep(this->IntermixIntersectingGeometry && scene.camera.matrix
                   ? from_vtk::ends_of(*renderer, view, *scene.camera.matrix, scene.width, scene.height)
                   : nullptr);
     scene.sampling.ends = self.ends;
 
+    if (self.together) return this->DrawOfAll(scene, renderer);
+    if (self.ranks && (scene.mode != Mode::dvr || self.scene))
+        return this->WarnOnce(
+            "not drawn: over several processes this blend mode, and scenes of files, are not drawn "
+            "beside other geometry, nor without exact compositing");
     chiaro::Progress progress;
     if (self.ranks && self.session->needs_light(scene))
         return this->WarnOnce("not drawn: light that was not found yet");
@@ -291,11 +217,8 @@ void vtkChiaroVolumeMapper::Draw(vtkRenderer* renderer, vtkVolume* volume) {
     for (const Stage& stage : self.session->stages())
         if (stage.name == "raycast" && stage.seconds > 0)
             self.seconds_a_pixel = stage.seconds / (double(scene.width) * scene.height);
-    const bool encodes_itself = renderer->GetRenderWindow()->GetUseSRGBColorSpace();
-    const bool as_it_is =
-        scene.output.tone == Tone::none && (scene.output.color == ColorMode::linear) == encodes_itself;
     if (!self.picture.draw(*renderer, scene.width, scene.height,
-                           shown_rows(self.session->frame(), picture, scene.output, as_it_is)))
+                           from_vtk::shown_rows(self.session->frame(), picture, scene.output, *renderer)))
         this->WarnOnce("not drawn: a window without OpenGL");
 }
 

@@ -22,12 +22,15 @@
 #include "vtkChiaroModule.h"  // for export macro
 #include "vtkVolumeMapper.h"
 
-#include <memory>  // for std::unique_ptr
-#include <string>  // for std::string
+#include <functional>  // for std::function
+#include <memory>      // for std::unique_ptr
+#include <string>      // for std::string
+#include <vector>      // for std::vector
 
 #ifndef __VTK_WRAP__
 namespace chiaro {
 class Exchange;
+struct Frame;
 struct Scene;
 namespace from_vtk {
 struct Subject;
@@ -62,6 +65,14 @@ public:
     bool SetProbe(const char* probe) { return this->SetSetting("probe", probe); }
     bool SetStrength(double strength);
     ///@}
+
+    /**
+     * Draws as the scene of a file says (JSON, or a picture that carries one), camera, size of steps and background
+     * included; only its volume is not read. Settings do not count beside it; an empty name takes it back. Over several
+     * processes it must be drawn together (DrawTogether), and state the points of its transfer function. False, with an
+     * error that says what was wrong, for a file that is no scene.
+     */
+    bool SetScene(const char* file);
 
     ///@{
     /**
@@ -112,7 +123,26 @@ public:
      * of them.
      */
     bool FindLight(vtkRenderer* renderer, vtkVolume* volume);
+    /**
+     * Blends the processes' frames, which are premultiplied, in the order of these numbers of processes from the front
+     * to the back; the first process gets the picture. Collective.
+     */
+    using Blend = std::function<void(chiaro::Frame& frame, const std::vector<int>& order)>;
+    /**
+     * Collective, after FindLight and before each Render: makes one picture of all processes' rays, under the first
+     * one's camera, which Render shows there, and on no other; opaque geometry does not end its rays. False: Render
+     * shows each process' block, as it does after DrawApart(), which it is where there is no `blend`, but for blend
+     * modes of one value a ray.
+     */
+    bool DrawTogether(vtkRenderer* renderer, vtkVolume* volume, const Blend& blend);
+    void DrawApart();
 #endif
+
+    /**
+     * Of the input; of all processes' blocks where they are drawn together.
+     */
+    using vtkVolumeMapper::GetBounds;
+    double* GetBounds() VTK_SIZEHINT(6) override;
 
     /**
      * WARNING: INTERNAL METHOD - NOT INTENDED FOR GENERAL USE
@@ -131,7 +161,10 @@ private:
 #ifndef __VTK_WRAP__
     void Draw(vtkRenderer* renderer, vtkVolume* volume);
     std::string Find(chiaro::from_vtk::Subject& subject, vtkVolume* volume);
+    std::string Prepare(chiaro::from_vtk::Subject& subject, chiaro::Scene& scene, vtkRenderer* renderer,
+                        vtkVolume* volume);
     bool Show(const chiaro::from_vtk::Subject& subject);
+    void DrawOfAll(const chiaro::Scene& scene, vtkRenderer* renderer);
     bool Look(chiaro::Scene& scene, const chiaro::from_vtk::Subject& subject, vtkRenderer* renderer, vtkVolume* volume);
 #endif
     void WarnOnce(const std::string& what);

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <string>
 
+#include "blend.h"
 #include "exchange.h"
 #include "vtkAlgorithmOutput.h"
 #include "vtkCellData.h"
@@ -19,9 +20,12 @@
 #include "vtkPVLODVolume.h"
 #include "vtkPVRenderView.h"
 #include "vtkPointData.h"
+#include "vtkProp3D.h"
+#include "vtkPropCollection.h"
 #include "vtkRenderer.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkUnsignedCharArray.h"
+#include "vtkWeakPointer.h"
 
 vtkStandardNewMacro(vtkChiaroRepresentation);
 
@@ -52,6 +56,20 @@ void find_own(vtkImageData& image, int own[6]) {
     std::copy_n(found, 6, own);
 }
 
+/// Whether the renderer shows anything but Chiaro's volumes.
+bool shows_others(vtkRenderer& renderer) {
+    vtkCollectionSimpleIterator at;
+    vtkPropCollection* props = renderer.GetViewProps();
+    props->InitTraversal(at);
+    while (vtkProp* prop = props->GetNextProp(at)) {
+        if (!prop->GetVisibility() || !vtkProp3D::SafeDownCast(prop)) continue;
+        auto* volume = vtkVolume::SafeDownCast(prop);
+        if (volume && vtkChiaroVolumeMapper::SafeDownCast(volume->GetMapper())) continue;
+        if (const double* bounds = prop->GetBounds(); bounds && vtkMath::AreBoundsInitialized(bounds)) return true;
+    }
+    return false;
+}
+
 /// What a process without data learns of the others' grid.
 struct Grid {
     int is_known = 0, whole[6]{}, unused = 0;
@@ -59,6 +77,13 @@ struct Grid {
 };
 
 }  // namespace
+
+/// What only several processes need.
+struct vtkChiaroRepresentation::Shared {
+    chiaro::from_paraview::FloatBlend blend;
+    vtkWeakPointer<vtkRenderer> renderer;
+    unsigned long observer = 0;
+};
 
 vtkChiaroRepresentation::vtkChiaroRepresentation() {
     this->VolumeMapper = vtkSmartPointer<vtkChiaroVolumeMapper>::New();
@@ -77,6 +102,20 @@ void vtkChiaroRepresentation::SetSetting(const char* name, int value) {
     this->SetSetting(name, std::to_string(value).c_str());
 }
 void vtkChiaroRepresentation::SetSwitch(const char* name, int on) { this->SetSetting(name, on ? "true" : "false"); }
+
+void vtkChiaroRepresentation::SetBlendMode(int mode) {
+    this->OwnBlendMode = mode;
+    this->Superclass::SetBlendMode(this->ValueOfRays ? this->ValueOfRays : mode);
+}
+
+void vtkChiaroRepresentation::SetValueOfRays(int mode) {
+    this->ValueOfRays = mode;
+    this->SetBlendMode(this->OwnBlendMode);
+}
+
+void vtkChiaroRepresentation::SetScene(const char* file) {
+    static_cast<vtkChiaroVolumeMapper&>(*this->VolumeMapper).SetScene(file);
+}
 
 void vtkChiaroRepresentation::SetGhostLevels(int levels) {
     levels = std::clamp(levels, 0, 64);
@@ -171,12 +210,48 @@ bool vtkChiaroRepresentation::SetBlock() {
 void vtkChiaroRepresentation::FindLight(vtkInformation* in) {
     auto* view = vtkPVRenderView::SafeDownCast(in->Get(vtkPVView::VIEW()));
     if (!view || !chiaro::from_paraview::ranks()) return;
+    this->HasLight = false;
     if (!this->SetBlock()) return;
     this->VolumeMapper->Update();
-    static_cast<vtkChiaroVolumeMapper&>(*this->VolumeMapper).FindLight(view->GetRenderer(), this->Actor);
+    this->HasLight =
+        static_cast<vtkChiaroVolumeMapper&>(*this->VolumeMapper).FindLight(view->GetRenderer(), this->Actor);
+}
+
+// A renderer's start is where ParaView's own processes meet and take over the first one's camera: they come after that.
+bool vtkChiaroRepresentation::AddToView(vtkView* view) {
+    auto* render_view = vtkPVRenderView::SafeDownCast(view);
+    if (render_view && chiaro::from_paraview::ranks()) {
+        this->Several = std::make_unique<Shared>();
+        this->Several->renderer = render_view->GetRenderer();
+        this->Several->observer = this->Several->renderer->AddObserver(vtkCommand::StartEvent, this,
+                                                                       &vtkChiaroRepresentation::DrawTogether, -1.0f);
+    }
+    return this->Superclass::AddToView(view);
+}
+
+bool vtkChiaroRepresentation::RemoveFromView(vtkView* view) {
+    if (this->Several && this->Several->renderer) this->Several->renderer->RemoveObserver(this->Several->observer);
+    this->Several.reset();
+    return this->Superclass::RemoveFromView(view);
+}
+
+/// Collective.
+void vtkChiaroRepresentation::DrawTogether() {
+    auto& mapper = static_cast<vtkChiaroVolumeMapper&>(*this->VolumeMapper);
+    vtkRenderer* renderer = this->Several->renderer;
+    if (!this->GetVisibility() || !this->HasLight || renderer->GetSelector()) return;
+    const bool is_blended = mapper.GetBlendMode() == vtkVolumeMapper::COMPOSITE_BLEND;
+    if (is_blended && !this->ExactCompositing) return mapper.DrawApart();
+    if (!chiaro::from_paraview::ranks()->agree(!shows_others(*renderer))) {
+        if (is_blended)
+            vtkWarningMacro(<< "exact compositing: not beside other geometry; ParaView composites, in 8 bits");
+        return mapper.DrawApart();
+    }
+    mapper.DrawTogether(renderer, this->Actor, std::ref(this->Several->blend));
 }
 
 void vtkChiaroRepresentation::PrintSelf(ostream& os, vtkIndent indent) {
     this->Superclass::PrintSelf(os, indent);
     os << indent << "GhostLevels: " << this->GhostLevels << "\n";
+    os << indent << "ExactCompositing: " << this->ExactCompositing << "\n";
 }

@@ -11,6 +11,8 @@
 #include "vtkChiaroRepresentationModule.h"  // for export macro
 #include "vtkImageVolumeRepresentation.h"
 
+#include <memory>  // for std::unique_ptr
+
 class VTKCHIAROREPRESENTATION_EXPORT vtkChiaroRepresentation : public vtkImageVolumeRepresentation {
 public:
     static vtkChiaroRepresentation* New();
@@ -34,16 +36,39 @@ public:
 
     ///@{
     /**
+     * Of vtkVolumeMapper's blend modes: Volume's own choice, and one that stands in its place (0: none).
+     */
+    void SetBlendMode(int mode);
+    void SetValueOfRays(int mode);
+    ///@}
+    /**
+     * As vtkChiaroVolumeMapper::SetScene; over several processes drawn with exact compositing.
+     */
+    void SetScene(const char* file);
+
+    ///@{
+    /**
      * Layers of ghost cells that each of several processes asks for; 8 by default.
      */
     void SetGhostLevels(int levels);
     vtkGetMacro(GhostLevels, int);
     ///@}
 
+    ///@{
+    /**
+     * Whether several processes' pictures are blended as floats, and no geometry but Chiaro's is in the view; off by
+     * default: ParaView composites windows' pixels, of 8 bits.
+     */
+    vtkSetMacro(ExactCompositing, bool);
+    vtkGetMacro(ExactCompositing, bool);
+    ///@}
+
 protected:
     vtkChiaroRepresentation();
     ~vtkChiaroRepresentation() override;
 
+    bool AddToView(vtkView* view) override;
+    bool RemoveFromView(vtkView* view) override;
     int RequestUpdateExtent(vtkInformation* request, vtkInformationVector** in, vtkInformationVector* out) override;
     int RequestData(vtkInformation* request, vtkInformationVector** in, vtkInformationVector* out) override;
 
@@ -53,9 +78,15 @@ private:
 
     bool SetBlock();
     void FindLight(vtkInformation* in);
+    void DrawTogether();
 
     int GhostLevels = 8;
+    bool ExactCompositing = false;
+    int OwnBlendMode = 0, ValueOfRays = 0;
     int Own[6] = {0, -1, 0, -1, 0, -1};  // extent of what is no ghost
+    bool HasLight = false;               // on all processes
+    struct Shared;
+    std::unique_ptr<Shared> Several;
 };
 
 #endif

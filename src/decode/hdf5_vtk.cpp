@@ -1,0 +1,105 @@
+#include "decode/hdf5_vtk.h"
+
+#include "decode/output.h"
+#include "decode/vtk_arrays.h"
+#include "volume/validate.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace chiaro::decode {
+namespace {
+
+/// Text of an attribute; empty where there is none.
+std::string text_attribute(hid_t object, const char* name) {
+    if (H5Aexists(object, name) <= 0) return {};
+    const Hdf5Id stored(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
+    const Hdf5Id type(H5Aget_type(stored), H5Tclose);
+    constexpr std::size_t longest = 4096;
+    if (H5Tget_class(type) != H5T_STRING || H5Tget_size(type) > longest) return {};
+    if (H5Tis_variable_str(type) > 0) {
+        char* read = nullptr;
+        if (H5Aread(stored, type, &read) < 0 || !read) return {};
+        const std::string text(read);
+        H5free_memory(read);
+        return text;
+    }
+    std::string text(H5Tget_size(type) + 1, '\0');
+    if (H5Aread(stored, type, text.data()) < 0) return {};
+    text.resize(text.find('\0'));
+    return text;
+}
+
+/// Exactly `count` numbers of an attribute.
+std::vector<double> number_attribute(hid_t object, const char* name, std::size_t count) {
+    const auto lacks = [&] { refuse(fmt::format("has a VTKHDF group whose {} is not {} numbers", name, count)); };
+    if (H5Aexists(object, name) <= 0) lacks();
+    const Hdf5Id stored(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
+    const Hdf5Id type(H5Aget_type(stored), H5Tclose), space(H5Aget_space(stored), H5Sclose);
+    const auto kind = H5Tget_class(type);
+    if ((kind != H5T_FLOAT && kind != H5T_INTEGER) || H5Sget_simple_extent_npoints(space) != hssize_t(count)) lacks();
+    std::vector<double> values(count);
+    if (H5Aread(stored, H5T_NATIVE_DOUBLE, values.data()) < 0) lacks();
+    return values;
+}
+
+/// Points along each axis; sets the geometry, as of a .vti.
+std::array<std::int64_t, 3> set_geometry(hid_t group, Volume& volume) {
+    const auto extent = number_attribute(group, "WholeExtent", 6), origin = number_attribute(group, "Origin", 3),
+               spacing = number_attribute(group, "Spacing", 3);
+    std::vector<double> direction{1, 0, 0, 0, 1, 0, 0, 0, 1};
+    if (H5Aexists(group, "Direction") > 0) direction = number_attribute(group, "Direction", 9);
+    std::array<std::int64_t, 3> points{};
+    Vec3 first;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double begin = extent[2 * axis], end = extent[2 * axis + 1];
+        if (!(begin >= -1e9 && end <= 1e9 && begin <= end)) refuse("its WholeExtent makes no sense");
+        points[axis] = std::int64_t(end) - std::int64_t(begin) + 1;
+        first[int(axis)] = begin;
+        volume.geometry.spacing_mm[int(axis)] = spacing[axis];
+        volume.geometry.direction[axis] = {direction[axis], direction[3 + axis], direction[6 + axis]};
+    }
+    volume.geometry.origin_mm = {origin[0], origin[1], origin[2]};
+    check_geometry(volume.geometry);
+    volume.geometry.origin_mm = volume.geometry.world_from_voxel(first);
+    return points;
+}
+
+}  // namespace
+
+std::optional<VtkHdfImage> vtkhdf_image(hid_t file, Volume& volume) {
+    H5L_info_t link{};
+    if (H5Lexists(file, "/VTKHDF", H5P_DEFAULT) <= 0 || H5Lget_info(file, "/VTKHDF", &link, H5P_DEFAULT) < 0 ||
+        link.type != H5L_TYPE_HARD)
+        return {};
+    const Hdf5Id group(H5Oopen(file, "/VTKHDF", H5P_DEFAULT), H5Oclose);
+    if (!group.is_valid() || H5Iget_type(group) != H5I_GROUP) return {};
+    if (const std::string type = text_attribute(group, "Type"); type != "ImageData")
+        refuse("holds VTK data of type '" + type + "', not ImageData");
+    const auto points = set_geometry(group, volume);
+    std::vector<VtkArray> arrays;
+    std::vector<std::string> paths;
+    const auto all = datasets_in(file);
+    for (const std::string of : {"PointData", "CellData"}) {
+        const std::string folder = "/VTKHDF/" + of + "/";
+        std::string active;
+        if (H5Lexists(group, of.c_str(), H5P_DEFAULT) > 0) {
+            const Hdf5Id data(H5Oopen(group, of.c_str(), H5P_DEFAULT), H5Oclose);
+            if (data.is_valid()) active = text_attribute(data, "Scalars");
+        }
+        for (const std::string& path : all) {
+            const std::string name = path.starts_with(folder) ? path.substr(folder.size()) : "";
+            if (name.empty() || name.find('/') != name.npos) continue;
+            arrays.push_back({.name = name, .of_cells = of == "CellData", .active = name == active});
+            paths.push_back(path);
+        }
+    }
+    const std::size_t chosen = choose_array(arrays, volume);
+    set_shape(arrays[chosen], points, volume);
+    const auto& n = volume.dimensions;
+    return VtkHdfImage{paths[chosen], {n[0], n[1], n[2]}};
+}
+
+}  // namespace chiaro::decode
