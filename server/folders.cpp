@@ -30,8 +30,8 @@ const char* kind_of(const fs::path& file) {
     if (is_among({".json", ".png"})) return "scene";
     if (is_among({".vp", ".itf", ".tfi"})) return "transfer";
     if (is_among({".hdr", ".exr"})) return "probe";
-    if (is_among({".nrrd", ".nhdr", ".mha", ".mhd", ".nii", ".gz", ".dcm", ".tif", ".tiff", ".vtk", ".vti", ".h5",
-                  ".hdf5", ".raw"}))
+    if (is_among({".nrrd", ".nhdr", ".mha", ".mhd", ".nii", ".gz", ".dcm", ".tif", ".tiff", ".vtk", ".vti", ".pvti",
+                  ".pvd", ".vtkhdf", ".h5", ".hdf5", ".raw"}))
         return "volume";
     return nullptr;
 }
@@ -40,6 +40,8 @@ Json entry_of(const fs::directory_entry& entry) {
     std::error_code error;
     const std::string name = entry.path().filename().string();
     if (name.starts_with(".")) return {};
+    if (entry.is_directory(error) && name.ends_with(".zarr"))
+        return {{"name", name}, {"path", entry.path().string()}, {"kind", "volume"}, {"bytes", 0}};
     if (entry.is_directory(error))
         return {{"name", name}, {"path", entry.path().string()}, {"kind", "folder"}, {"bytes", 0}};
     const char* kind = entry.is_regular_file(error) ? kind_of(entry.path()) : nullptr;

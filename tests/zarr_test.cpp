@@ -178,7 +178,7 @@ TEST(Zarr, MomentsAndChannelsArePicked) {
     folder.write(
         "a/zarr.json",
         fmt::format(R"({{"zarr_format": 3, "node_type": "group", "attributes": {{"ome": {{"version": "0.5", {},
-                            "omero": {{"channels": [{{"label": "DAPI"}}, {{"label": "GFP"}}, {{}}]}}}}}}}})",
+                            "omero": {{"channels": [{{"label": "DAPI"}}, {{"label": "GFP", "color": "00FF33"}}, {{}}]}}}}}}}})",
                     R"("multiscales": [{"axes": [)" + axis("t", "time", "second") + ", " + axis("c", "channel") + ", " +
                         zyx + R"(], "datasets": [)" + dataset("0", "[0.5, 1, 1, 1, 1]") + "]}]"));
     const std::string name = (folder / "a").string();
@@ -187,6 +187,9 @@ TEST(Zarr, MomentsAndChannelsArePicked) {
     Progress progress;
     const Volume volume = read_volume(name, second, progress);
     EXPECT_EQ(volume.components, 3);
+    ASSERT_EQ(volume.component_infos.size(), 3u);
+    EXPECT_EQ(volume.component_infos[0], (ComponentInfo{"DAPI", {}}));
+    EXPECT_EQ(volume.component_infos[1], (ComponentInfo{"GFP", std::array{0.0, 1.0, 0.2}}));
     EXPECT_EQ(volume.moments, (Moments{2, 1, {0, 0.5}, "s"}));
     EXPECT_EQ(int(volume.voxels.data()[3 * 5 + 2]), 3 * 24 + 2 * 24 + 5);
     for (const std::string part : {"#@GFP", "#0@1", "#/0@1", ":/0@GFP"})

@@ -159,7 +159,8 @@ void fill(hid_t dataset, const Hdf5Shape& shape, std::optional<hsize_t> channel,
         const Hdf5Id memory(H5Screate_simple(int(count.size()), count.data(), nullptr), H5Sclose);
         std::byte* const to = volume.voxels.data() + first * slice_bytes;
         if (H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) < 0 ||
-            H5Dread(dataset, hdf5_memory_type(volume.type), memory, space, H5P_DEFAULT, channel ? plane.data() : to) < 0)
+            H5Dread(dataset, hdf5_memory_type(volume.type), memory, space, H5P_DEFAULT, channel ? plane.data() : to) <
+                0)
             refuse("holds values that are damaged or missing");
         const std::size_t values = channel ? count[axis] * slice_bytes / std::size_t(volume.components) / value : 0;
         for (std::size_t i = 0; i < values; ++i)
@@ -176,8 +177,6 @@ public:
     Hdf5Chunks(Hdf5Volume volume, std::uint64_t file_size, Output& output)
         : file_(std::move(volume.file)), dataset_(std::move(volume.dataset)), shape_(std::move(volume.shape)) {
         header_ = std::move(volume.header);
-        if (header_.components > 1) header_.notes.push_back("by bricks the first channel is shown");
-        header_.components = 1, header_.has_own_colors = false;
         check_stored(dataset_, file_size, check_header(header_), shape_, header_, output);
         const Hdf5Id made(H5Dget_create_plist(dataset_), H5Pclose);
         ChunkedLevel level{header_.dimensions, {64, 64, 64}, header_.geometry};
@@ -194,7 +193,7 @@ public:
         levels_ = {level};
     }
 
-    bool read(int, const std::array<int, 3>& chunk, int, std::span<std::byte> to) override {
+    bool read(int, const std::array<int, 3>& chunk, int component, std::span<std::byte> to) override {
         const ChunkedLevel& level = levels_[0];
         const std::size_t rank = shape_.sizes.size();
         constexpr std::size_t most = 32;  // axes, of any dataset
@@ -206,6 +205,7 @@ public:
             start[axis] = hsize_t(chunk[i]) * pitch[axis];
             count[axis] = std::min(pitch[axis], shape_.sizes[axis] - start[axis]);
         }
+        if (shape_.channels) start[*shape_.channels] = hsize_t(component);
         const Hdf5Id space(H5Dget_space(dataset_), H5Sclose),
             memory(H5Screate_simple(int(rank), pitch.data(), nullptr), H5Sclose);
         if (H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) < 0 ||

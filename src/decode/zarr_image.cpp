@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <optional>
 
 namespace chiaro::decode {
 namespace {
@@ -153,19 +154,30 @@ void choose_moment(const std::vector<Axis>& axes, const Placing& placing, const 
         set_even_times(image.header.moments, placing.shift[axis], placing.scale[axis], unit->second);
 }
 
-std::vector<std::string> channel_names(const json& attributes) {
-    std::vector<std::string> names;
+/// "FF0080"; nothing for other texts.
+std::optional<std::array<double, 3>> color_of(const std::string& text) {
+    std::uint32_t rgb = 0;
+    const char* const end = text.data() + text.size();
+    if (text.size() != 6 || std::from_chars(text.data(), end, rgb, 16).ptr != end) return {};
+    return std::array{(rgb >> 16) / 255.0, (rgb >> 8 & 255) / 255.0, (rgb & 255) / 255.0};
+}
+
+/// What is said of the channels; empty: nothing.
+std::vector<ComponentInfo> channel_infos(const json& attributes) {
+    std::vector<ComponentInfo> infos;
     const json& ome = attributes.contains("ome") ? attributes.at("ome") : attributes;
-    if (!ome.contains("omero") || !ome.at("omero").is_object()) return names;
+    if (!ome.contains("omero") || !ome.at("omero").is_object()) return infos;
     for (const json& channel : ome.at("omero").value("channels", json::array()))
-        names.push_back(channel.value("label", std::to_string(names.size())));
-    return names;
+        infos.push_back({channel.value("label", std::to_string(infos.size())), color_of(channel.value("color", ""))});
+    return infos;
 }
 
 void choose_channel(const std::string& wanted, const json& attributes, ZarrImage& image) {
     constexpr std::int64_t max_shown = 8;
     const std::int64_t count = image.channel < 0 ? 1 : image.levels[0].shape[std::size_t(image.channel)];
-    const auto names = channel_names(attributes);
+    std::vector<ComponentInfo> infos = channel_infos(attributes);
+    std::vector<std::string> names;
+    for (const ComponentInfo& info : infos) names.push_back(info.name);
     if (!wanted.empty()) {
         const auto named = std::ranges::find(names, wanted);
         int number = int(named - names.begin());
@@ -181,6 +193,8 @@ void choose_channel(const std::string& wanted, const json& attributes, ZarrImage
     const std::string list = names.empty() ? "" : fmt::format(" ({})", fmt::join(names, ", "));
     if (count <= max_shown) {
         image.header.components = int(count);
+        infos.resize(infos.empty() ? 0 : std::size_t(count));
+        image.header.component_infos = std::move(infos);
         image.header.notes.push_back(
             fmt::format("holds {} channels{}; STORE#PATH@N is one of them, from 0", count, list));
     } else {

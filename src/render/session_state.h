@@ -304,7 +304,7 @@ struct Session::State {
     /// Names what redo_labels made for the scene; 0: none, or it would be other ones.
     Version labels_of(const Scene& scene) const {
         const bool is_kept =
-            labels.inputs == std::tuple(SharedLabels::key_of(scene)) &&
+            labels.inputs == std::make_tuple(SharedLabels::key_of(scene)) &&
             labelled.inputs == std::tuple(upload.version, labels.version, scene.labels.changes, scene.output.color);
         return is_kept && scene.labels.any() ? labelled.version : 0;
     }
