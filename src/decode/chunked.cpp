@@ -37,6 +37,7 @@ Volume read_whole(ChunkedFile& file, Output& output) {
     const Volume& header = file.header();
     Volume volume;
     volume.dimensions = header.dimensions, volume.type = header.type, volume.components = header.components;
+    volume.component_infos = header.component_infos;
     volume.geometry = header.geometry, volume.moments = header.moments;
     volume.format = header.format, volume.notes = header.notes, volume.key_values = header.key_values;
     output.allocate(volume);

@@ -84,6 +84,8 @@ json header_to_json(const Volume& volume) {
     json header{{"dimensions", volume.dimensions},
                 {"type", int(volume.type)},
                 {"components", volume.components},
+                {"has_own_colors", volume.has_own_colors},
+                {"component_infos", to_json(volume.component_infos)},
                 {"slope", volume.slope},
                 {"intercept", volume.intercept},
                 {"moments",
