@@ -5,7 +5,7 @@ sys.path.insert(0, sys.argv[0].rsplit("/", 1)[0])
 from look import *  # noqa: F403
 
 plugin, folder, port, ranks = sys.argv[1:5]
-Connect("localhost", int(port))
+Connect("127.0.0.1", int(port))
 LoadPlugin(plugin, remote=True, ns=globals())
 LoadPlugin(plugin, remote=False, ns=globals())
 source = OpenDataFile([f"{folder}/balls{t}.vti" for t in range(3)])

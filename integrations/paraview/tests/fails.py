@@ -7,8 +7,8 @@ from look import *  # noqa: F403
 plugin, folder = sys.argv[1:3]
 LoadPlugin(plugin, remote=False, ns=globals())
 # Values of two components on the second process.
-source = OpenDataFile(f"{folder}/balls0.vti")
-spoilt = ProgrammableFilter(Input=source, CopyArrays=0)
+balls = OpenDataFile(f"{folder}/balls0.vti")
+spoilt = ProgrammableFilter(Input=balls, CopyArrays=0)
 spoilt.Script = """
 from paraview.modules.vtkRemotingCore import vtkProcessModule
 output.ShallowCopy(self.GetInputDataObject(0, 0))
@@ -22,12 +22,10 @@ view, display, opacity, at = open_view(spoilt)
 Render(view)
 print("first: came through")
 # Fewer ghosts than the light needs; then enough of them, and it draws.
-Hide(spoilt, view)
-UpdatePipeline(proxy=source)
-display = Show(source, view)
-display.SetRepresentationType("Chiaro")
+Delete(view)
+balls = OpenDataFile(f"{folder}/balls0.vti")  # the first one has made its ghosts
+view, display, opacity, at = open_view(balls, ghosts=1)
 display.ChiaroLighting = "visibility"
-display.ChiaroGhostLevels = 1
 Render(view)
 print("second: came through")
 display.ChiaroGhostLevels = 8

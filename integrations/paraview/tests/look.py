@@ -2,7 +2,7 @@
 from paraview.simple import *  # noqa: F403
 
 
-def open_view(source, size=(480, 360)):
+def open_view(source, size=(480, 360), ghosts=8):
     """A view of its own that shows the source as Chiaro: view, display, opacity curve, and at(share of the range)."""
     UpdatePipeline(proxy=source)
     values = source.PointData.GetArray(0)
@@ -23,6 +23,7 @@ def open_view(source, size=(480, 360)):
     opacity = GetOpacityTransferFunction(values.Name)
     opacity.Points = [at(0), 0, 0.5, 0, at(0.35), 0, 0.5, 0, at(0.6), 0.5, 0.5, 0, at(1), 0.9, 0.5, 0]
     display.SetRepresentationType("Chiaro")
+    display.ChiaroGhostLevels = ghosts
     display.ScalarOpacityUnitDistance = 1.7  # ParaView's own choice counts cells, ghosts too
     ResetCamera(view)
     look_from(view, (130, 170, 90))

@@ -57,6 +57,7 @@ struct vtkChiaroVolumeMapper::Internals {
 
     /// The picture of all processes' rays; empty but on the first. None: each process draws its own block.
     std::optional<chiaro::Frame> together;
+    bool fills_window = false;  ///< the window's frame under way: with the whole picture of a scene of a file
 
     /// Whether all ranks say so.
     bool agree(bool yes) { return ranks ? ranks->agree(yes) : yes; }

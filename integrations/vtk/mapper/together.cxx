@@ -7,6 +7,7 @@
 
 #include "internals.h"
 #include "view.h"
+#include "vtkBoundingBox.h"
 #include "vtkRenderWindow.h"
 #include "vtkRenderer.h"
 #include "vtkVolume.h"
@@ -121,10 +122,12 @@ bool vtkChiaroVolumeMapper::DrawTogether(vtkRenderer* renderer, vtkVolume* volum
     if (wrong.empty() && is_blended) wrong = wrong_with(put_together);
     if (!wrong.empty()) vtkErrorMacro(<< "not drawn: " << wrong);
     self.together = self.ranks->rank() == 0 && wrong.empty() ? std::move(frame) : Frame();
+    self.fills_window = self.scene.has_value();
     return true;
 }
 
 void vtkChiaroVolumeMapper::DrawApart() { this->Self->together.reset(); }
+void vtkChiaroVolumeMapper::EndDrawTogether() { this->Self->fills_window = false; }
 
 /// The first process shows what all have made.
 void vtkChiaroVolumeMapper::DrawOfAll(const Scene& scene, vtkRenderer* renderer) {
@@ -138,5 +141,9 @@ void vtkChiaroVolumeMapper::DrawOfAll(const Scene& scene, vtkRenderer* renderer)
 
 double* vtkChiaroVolumeMapper::GetBounds() {
     const Internals& self = *this->Self;
-    return self.together && self.grid ? self.grid->GetBounds() : this->Superclass::GetBounds();
+    if (!self.together || !self.grid) return this->Superclass::GetBounds();
+    vtkBoundingBox bounds(self.grid->GetBounds());
+    if (self.fills_window) bounds.Inflate(1e3 * bounds.GetDiagonalLength());
+    bounds.GetBounds(this->Bounds);
+    return this->Bounds;
 }

@@ -136,10 +136,15 @@ public:
      */
     bool DrawTogether(vtkRenderer* renderer, vtkVolume* volume, const Blend& blend);
     void DrawApart();
+    /**
+     * After the Render that followed DrawTogether, on all processes.
+     */
+    void EndDrawTogether();
 #endif
 
     /**
-     * Of the input; of all processes' blocks where they are drawn together.
+     * Of the input; of all processes' blocks where they are drawn together, and wider than the window from DrawTogether
+     * to EndDrawTogether where that draws a scene of a file: compositors leave out what lies beside the bounds.
      */
     using vtkVolumeMapper::GetBounds;
     double* GetBounds() VTK_SIZEHINT(6) override;

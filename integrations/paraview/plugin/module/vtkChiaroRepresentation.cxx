@@ -82,7 +82,7 @@ struct Grid {
 struct vtkChiaroRepresentation::Shared {
     chiaro::from_paraview::FloatBlend blend;
     vtkWeakPointer<vtkRenderer> renderer;
-    unsigned long observer = 0;
+    unsigned long start = 0, end = 0;
 };
 
 vtkChiaroRepresentation::vtkChiaroRepresentation() {
@@ -223,14 +223,20 @@ bool vtkChiaroRepresentation::AddToView(vtkView* view) {
     if (render_view && chiaro::from_paraview::ranks()) {
         this->Several = std::make_unique<Shared>();
         this->Several->renderer = render_view->GetRenderer();
-        this->Several->observer = this->Several->renderer->AddObserver(vtkCommand::StartEvent, this,
-                                                                       &vtkChiaroRepresentation::DrawTogether, -1.0f);
+        this->Several->start = this->Several->renderer->AddObserver(vtkCommand::StartEvent, this,
+                                                                    &vtkChiaroRepresentation::DrawTogether, -1.0f);
+        this->Several->end = this->Several->renderer->AddObserver(
+            vtkCommand::EndEvent, static_cast<vtkChiaroVolumeMapper*>(this->VolumeMapper.Get()),
+            &vtkChiaroVolumeMapper::EndDrawTogether);
     }
     return this->Superclass::AddToView(view);
 }
 
 bool vtkChiaroRepresentation::RemoveFromView(vtkView* view) {
-    if (this->Several && this->Several->renderer) this->Several->renderer->RemoveObserver(this->Several->observer);
+    if (this->Several && this->Several->renderer) {
+        this->Several->renderer->RemoveObserver(this->Several->start);
+        this->Several->renderer->RemoveObserver(this->Several->end);
+    }
     this->Several.reset();
     return this->Superclass::RemoveFromView(view);
 }
