@@ -152,10 +152,12 @@ visit("with fingers: a shape is drawn, moved, pulled by a side and removed", asy
   const [gx, gy] = await middle(grip(page, "from gradient"));
   await settled(page, () => swipe([gx, gy], [gx, gy - 30]));
   assert.ok((await shapes(page))[0].magnitude[0] > made.magnitude[0] + 1);
-  await page.locator("[aria-label='Add: Ellipse']").tap();
-  await eventually(async () => (await shapes(page)).length === 2, "a second one");
-  await page.locator("[aria-label='Add: Curve']").tap();
-  await eventually(async () => (await curve(page)).length === 2, "a curve");
+  await page.waitForTimeout(400); // longer than what the browser takes for a double tap with the finger before
+  await settled(page, () => page.locator("[aria-label='Add: Ellipse']").tap());
+  assert.equal((await shapes(page)).length, 2);
+  await page.waitForTimeout(400);
+  await settled(page, () => page.locator("[aria-label='Add: Curve']").tap());
+  assert.equal((await curve(page)).length, 2);
   await page.locator(".gradient-plot").scrollIntoViewIfNeeded();
   const [px, py] = await middle(page.locator(".gradient-plot .point").nth(1)), [, before] = await curve(page);
   await settled(page, () => swipe([px, py], [px - 10, py - 20]));
