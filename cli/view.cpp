@@ -46,6 +46,8 @@ void open_browser(std::string url) {
 
 /// Whether a table or function is a file's, not one that the program knows by a word.
 bool is_file_name(const std::string& name) { return name.find_first_of("/.") != std::string::npos; }
+/// Whether a volume is a file's, not a sample, nor what comes by standard input, nor none.
+bool is_volume_file(const std::string& name) { return !name.empty() && name != "-" && !name.starts_with("sample:"); }
 
 /// The folders that the viewer is started with: where one is, and where volume, scene and data are.
 std::vector<std::filesystem::path> folders_of(const ViewOptions& o, const std::optional<Scene>& scene) {
@@ -56,7 +58,7 @@ std::vector<std::filesystem::path> folders_of(const ViewOptions& o, const std::o
         folders.push_back(fs::is_directory(file, ignored) ? file : fs::absolute(file).parent_path());
     };
     const auto add_volume = [&](const std::string& name) {
-        if (!name.empty() && !name.starts_with("sample:") && name != "-") add(split_volume_name(name).first);
+        if (is_volume_file(name)) add(split_volume_name(name).first);
     };
     if (scene) {
         add_volume(scene->volume);
@@ -73,7 +75,7 @@ std::vector<std::filesystem::path> folders_of(const ViewOptions& o, const std::o
 Scene with_whole_names(Scene scene) {
     const auto whole = [](std::string& name) { name = std::filesystem::absolute(name).lexically_normal().string(); };
     const auto whole_volume = [&](std::string& name) {
-        if (!name.empty() && !name.starts_with("sample:") && name != "-") whole(name);
+        if (is_volume_file(name)) whole(name);
     };
     const auto whole_file = [&](std::string& name) {
         if (is_file_name(name)) whole(name);

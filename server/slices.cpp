@@ -144,7 +144,7 @@ Json View::slice(const Json& request, Progress& progress) {
     return Json::object();
 }
 
-/// What is in a segmentation: all that its table says, and what the scene changes of it.
+/// What is in a segmentation, as its table has it.
 Json View::labels(const Json& request, Progress& progress) {
     const auto loaded = opened(shown());
     const Scene scene = slice_scene(request);

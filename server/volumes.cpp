@@ -53,11 +53,11 @@ Json told(const Volume& volume) {
     return json;
 }
 
-/// What is to be known of each channel's values.
-Json told_channels(const std::vector<Volume>& channels) {
+/// What is to be known of each channel's values; of the first it is told already.
+Json told_channels(const std::vector<Volume>& channels, const Json& first) {
     Json list = Json::array();
-    for (const Volume& channel : channels) {
-        const Json all = told(channel);
+    for (std::size_t i = 0; i < channels.size(); ++i) {
+        const Json all = i ? told(channels[i]) : first;
         Json one;
         for (const char* key : {"range", "percentiles", "histogram512", "type", "unit"}) one[key] = all[key];
         list.push_back(std::move(one));
@@ -103,7 +103,7 @@ std::shared_ptr<const Loaded> read(const Scene& scene, Device device, int halvin
         throw Error(ErrorCode::output, fmt::format("{}: {} channels of {} voxels do not fit in the memory that is free",
                                                    scene.volume, channels.size(), fmt::join(fitted.from, " x ")));
     Json json = told(volume);
-    if (channels.size() > 1 && !volume.has_own_colors) json["channels"] = told_channels(channels);
+    if (channels.size() > 1 && !volume.has_own_colors) json["channels"] = told_channels(channels, json);
     json["spacing_stated"] = is_spacing_stated;
     json["reduced"] = nullptr;
     if (fitted.is_reduced()) json["reduced"] = {{"from", fitted.from}, {"to", fitted.to}, {"bytes", fitted.free}};

@@ -29,13 +29,13 @@ export function withChange(changes, { value, ...to }) {
 export async function makeLabels(app) {
   await styled("parts.css");
   const { store } = app, changes = () => store.state.rest.labels?.changes ?? [], file = () => read(store.state, "labels.file"), table = () => read(store.state, "labels.table");
-  let labels = [], looks = [], from = "", seenChanges = null, chosen = -1, voxels = 1;
+  let labels = [], looks = [], lookOfValue = new Map(), from = "", seenChanges = null, chosen = -1, voxels = 1;
   const put = (label, ...more) => store.set(label, (s) => {
     const next = more.reduce(withChange, s.rest.labels?.changes ?? []);
     const { labels: _, ...rest } = s.rest;
     return { rest: next.length ? { ...rest, labels: { ...s.rest.labels, changes: next } } : rest };
   });
-  const lookOf = (value) => looks.find((one) => one.value === value);
+  const lookOf = (value) => lookOfValue.get(value);
   const ask = (type, more = {}) => app.link.ask(type, { labels: { file: file(), ...(table() ? { table: table() } : {}), ...(changes().length ? { changes: changes() } : {}) }, ...more });
 
   const search = el("input", { type: "search", placeholder: w.search, "aria-label": w.search, autocomplete: "off", spellcheck: false, oninput: () => ((first = ""), store.redraw()), onkeydown: (e) => e.key === "Escape" && search.value && (e.stopPropagation(), (search.value = ""), store.redraw()) });
@@ -86,7 +86,7 @@ export async function makeLabels(app) {
   }
 
   function show() {
-    if (seenChanges !== changes()) (seenChanges = changes()), (looks = changed(labels, seenChanges));
+    if (seenChanges !== changes()) (seenChanges = changes()), (looks = changed(labels, seenChanges)), (lookOfValue = new Map(looks.map((one) => [one.value, one])));
     const rows = found(), key = rows.slice(0, most).map((one) => one.value).join();
     if (key !== first) (first = key), list.replaceChildren(...rows.slice(0, most).map(row));
     for (const one of list.children) one.show();

@@ -46,8 +46,8 @@ export function makePane(app, slices, i) {
   function request(ratio = devicePixelRatio) {
     const v = view(), size = [v.w, v.h].map((n) => clamp(Math.round(n * ratio), 1, 4096)), [low, high] = slices.window();
     const colours = slices.get("colors") === "transfer" ? { transfer_function: transferOf(store.state.tf), ...(store.state.threshold ? { threshold: store.state.threshold } : {}) } : {};
-    const several = app.volume.channels && store.state.channels ? { channels: sceneOf(store.state).channels } : {};
-    const labels = read(store.state, "labels.file") ? { labels: sceneOf(store.state).labels, label_opacity: slices.get("labels") } : {};
+    const scene = store.state.channels || read(store.state, "labels.file") ? sceneOf(store.state) : {};
+    const several = scene.channels ? { channels: scene.channels } : {}, labels = scene.labels?.file ? { labels: scene.labels, label_opacity: slices.get("labels") } : {};
     return { plane: { centre: v.middle, right: v.section.right.map((c) => (c * v.s) / ratio), down: v.section.down.map((c) => (c * v.s) / ratio) }, size, sampling: slices.get("sampling"), window: [(low + high) / 2, high - low], ...colours, ...several, ...labels };
   }
 
