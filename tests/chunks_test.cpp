@@ -162,7 +162,7 @@ namespace {
 
 /// A decoder that does what the file says at the last of eight chunks.
 struct BadDecoder : Chunks {
-    void SetUp() override { setenv("CHIARO_DECODE", CHIARO_BIN "/misbehaving_decoder", 1); }
+    void SetUp() override { setenv("CHIARO_DECODE", built("misbehaving_decoder").c_str(), 1); }
     void TearDown() override { unsetenv("CHIARO_DECODE"); }
     std::shared_ptr<const BrickSource> source(const std::string& deed) {
         ReadOptions options;

@@ -18,7 +18,7 @@ protected:
     ReadOptions options;
 
     void SetUp() override {
-        setenv("CHIARO_DECODE", CHIARO_BIN "/misbehaving_decoder", 1);
+        setenv("CHIARO_DECODE", built("misbehaving_decoder").c_str(), 1);
         options.max_bytes = 64 << 20;
         options.seconds = 20;
         options.stall_seconds = 10;
@@ -77,7 +77,7 @@ TEST_F(Isolation, CpuTimeIsLimitedByTheKernel) {
     const std::string file = folder.write("task.nrrd", "spin\n");
     const pid_t child = fork();
     if (child == 0) {
-        const std::string program = CHIARO_BIN "/misbehaving_decoder";
+        const std::string program = built("misbehaving_decoder");
         const int null_for_voxels = open("/dev/null", O_RDWR), null_for_messages = open("/dev/null", O_RDWR);
         dup2(null_for_voxels, 3), dup2(null_for_messages, 4);
         execl(program.c_str(), program.c_str(), "nrrd", file.c_str(), "", "1000000", "1", "0", nullptr);

@@ -275,7 +275,7 @@ TEST_F(Tool, ProgressIsShownWhereAskedFor) {
 }
 
 TEST_F(Tool, OptionsAreDocumented) {
-    std::ifstream stream(CHIARO_SOURCE "/docs/options.md");
+    std::ifstream stream(of_project("docs/options.md"));
     const std::string documented{std::istreambuf_iterator<char>(stream), {}};
     EXPECT_EQ(tool("--list-options").out, documented) << "run: chiaro --list-options > docs/options.md";
 }
