@@ -80,6 +80,16 @@ bool vtkChiaroVolumeMapper::SetScene(const char* file) {
     }
 }
 
+bool vtkChiaroVolumeMapper::SetFrameFile(const char* file) {
+    const std::string name = file ? file : "";
+    if (!name.empty() && !name.ends_with(".exr")) {
+        vtkErrorMacro(<< name << ": a frame's light is written as .exr");
+        return false;
+    }
+    this->Self->frame_file = name;
+    return true;
+}
+
 const char* vtkChiaroVolumeMapper::GetSetting(const char* name) {
     const auto found = this->Self->given.find(std::string_view(name ? name : ""));
     return found == this->Self->given.end() ? "" : found->second.c_str();
@@ -214,6 +224,7 @@ void vtkChiaroVolumeMapper::Draw(vtkRenderer* renderer, vtkVolume* volume) {
     if (self.ranks && self.session->needs_light(scene))
         return this->WarnOnce("not drawn: light that was not found yet");
     const Image& picture = self.session->render(scene, progress);
+    if (!self.ranks) self.keep_frame(self.session->frame(), scene.output);
     for (const Stage& stage : self.session->stages())
         if (stage.name == "raycast" && stage.seconds > 0)
             self.seconds_a_pixel = stage.seconds / (double(scene.width) * scene.height);

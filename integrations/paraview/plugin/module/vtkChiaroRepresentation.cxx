@@ -117,6 +117,10 @@ void vtkChiaroRepresentation::SetScene(const char* file) {
     static_cast<vtkChiaroVolumeMapper&>(*this->VolumeMapper).SetScene(file);
 }
 
+void vtkChiaroRepresentation::SetFrameFile(const char* file) {
+    static_cast<vtkChiaroVolumeMapper&>(*this->VolumeMapper).SetFrameFile(file);
+}
+
 void vtkChiaroRepresentation::SetGhostLevels(int levels) {
     levels = std::clamp(levels, 0, 64);
     if (levels == this->GhostLevels) return;
