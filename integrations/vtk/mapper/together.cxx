@@ -94,7 +94,7 @@ bool vtkChiaroVolumeMapper::FindLight(vtkRenderer* renderer, vtkVolume* volume) 
 bool vtkChiaroVolumeMapper::DrawTogether(vtkRenderer* renderer, vtkVolume* volume, const Blend& blend) {
     Internals& self = *this->Self;
     self.together.reset();
-    if (!self.session) return false;  // on all
+    if (!self.session) return false;                 // on all
     renderer->UpdateLightsGeometryToFollowCamera();  // as the render does that this precedes
     from_vtk::Subject subject;
     Scene scene;

@@ -68,9 +68,9 @@ bool vtkChiaroVolumeMapper::SetSetting(const char* name, const char* value) {
 bool vtkChiaroVolumeMapper::SetScene(const char* file) {
     try {
         std::optional<Scene> scene;
-        std::vector<std::string> unknown;
-        if (file && *file) scene = read_scene(file, {}, unknown);
-        for (const std::string& key : unknown) this->WarnOnce("scene: unknown key " + key);
+        std::vector<std::string> notes;
+        if (file && *file) scene = read_scene(file, {}, notes);
+        for (const std::string& note : notes) this->WarnOnce("scene: " + note);
         this->Self->scene = std::move(scene);
         this->Modified();
         return true;
