@@ -61,4 +61,4 @@ for name in names:
         told.append(f"{count}: max {those.max()} mean {mean:.3f} of {matter.size}{' TOO MUCH' if wrong else ''}")
     assert on_ray.max() > 1, "no ray passes through two blocks"
     print(f"        {name} by ranks on the ray: {'; '.join(told)}")
-sys.exit(failed)
+sys.exit(int(failed))

@@ -107,4 +107,20 @@ Render(other)
 ball = Sphere(Center=[40, 33, 30], Radius=30)
 Show(ball, view)
 keep("beside")
+Hide(ball, view)
+
+# A film of all moments, and a volume of two cells, of which more processes have none.
+if not is_short:
+    display.ChiaroExactCompositing = 1
+    SaveAnimation(f"{folder}/film-{ranks}.png", view, ImageResolution=list(view.ViewSize), FrameWindow=[0, 2])
+Hide(source, view)
+few = OpenDataFile(f"{folder}/few.vti")
+view, display, opacity, at = open_view(few)
+look_from(view, (3, 4, 2), aside=(-39, -32, -35))  # from its middle
+for exact in (0, 1):
+    display.ChiaroExactCompositing = exact
+    display.ChiaroLighting = "visibility" if exact else "spao"
+    Render(view)
+    opacity.Points = [at(0), 0, 0.5, 0, at(0.3 + 0.1 * exact), 0, 0.5, 0, at(1), 0.9, 0.5, 0]
+    keep(f"few{exact}")
 print("came through")

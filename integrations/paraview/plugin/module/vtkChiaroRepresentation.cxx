@@ -31,7 +31,7 @@ vtkStandardNewMacro(vtkChiaroRepresentation);
 
 namespace {
 
-/// Cells that are no ghosts, as an extent of points.
+/// Cells that are no ghosts, as an extent of points; one that ends before it begins: there are none.
 void find_own(vtkImageData& image, int own[6]) {
     image.GetExtent(own);
     const auto* ghosts =
@@ -47,13 +47,11 @@ void find_own(vtkImageData& image, int own[6]) {
                 const int at[3] = {x, y, z};
                 for (int a = 0; a < 3; ++a) least[a] = std::min(least[a], at[a]), most[a] = std::max(most[a], at[a]);
             }
-    int found[6];
     for (int a = 0; a < 3; ++a) {
-        if (most[a] < 0) return;
-        found[2 * a] = own[2 * a] + least[a];
-        found[2 * a + 1] = std::min(own[2 * a] + most[a] + 1, own[2 * a + 1]);
+        const int first = own[2 * a];
+        own[2 * a] = most[a] < 0 ? first : first + least[a];
+        own[2 * a + 1] = most[a] < 0 ? first - 1 : std::min(first + most[a] + 1, own[2 * a + 1]);
     }
-    std::copy_n(found, 6, own);
 }
 
 /// Whether the renderer shows anything but Chiaro's volumes.
@@ -205,7 +203,9 @@ bool vtkChiaroRepresentation::SetBlock() {
     for (int a = 0; has_any && a < 3; ++a) {
         const int first = this->Own[2 * a], last = this->Own[2 * a + 1];
         own[2 * a] = first;
-        own[2 * a + 1] = at_cells ? std::max(last, first + 1) : last + (last == grid.whole[2 * a + 1] ? 1 : 0);
+        own[2 * a + 1] = last < first ? first
+                         : at_cells   ? std::max(last, first + 1)
+                                      : last + (last == grid.whole[2 * a + 1] ? 1 : 0);
     }
     mapper.SetBlock(ranks, whole, own);
     return true;
