@@ -103,11 +103,8 @@ Scene scene_from(const SceneSource& source, const SettingFlags& flags, const Com
             ErrorCode::usage,
             fmt::format("give either a VOLUME or --scene FILE, or --labels alone; see chiaro {} --help", command));
     if (!source.scene.empty()) {
-        std::vector<std::string> unknown;
         std::vector<std::string> notes;
-        scene = source.scene.extension() == ".pvsm" ? read_paraview_state(source.scene, source.data, notes)
-                                                    : read_scene(source.scene, source.data, unknown);
-        for (const auto& key : unknown) notes.push_back("unknown key " + key);
+        scene = read_scene(source.scene, source.data, notes);
         if (!common.quiet)
             for (const auto& note : notes) say(fmt::format("{}: {}", source.scene.string(), note));
     }

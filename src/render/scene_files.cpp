@@ -74,12 +74,15 @@ Scene seen_from(Scene scene, const fs::path& folder) {
     return scene;
 }
 
-Scene read_scene(const fs::path& file, const fs::path& data_folder, std::vector<std::string>& unknown_keys) {
-    if (std::vector<std::string> notes; file.extension() == ".pvsm")
-        return read_paraview_state(file, data_folder, notes);
+Scene read_scene(const fs::path& file, const fs::path& data_folder, std::vector<std::string>& notes) {
+    if (file.extension() == ".pvsm") return read_paraview_state(file, data_folder, notes);
     const std::string text = text_of(file);
     try {
-        return parse_scene(text, file.parent_path(), data_folder, unknown_keys);
+        std::vector<std::string> unknown_keys;
+        Scene scene = parse_scene(text, file.parent_path(), data_folder, unknown_keys);
+        notes.clear();
+        for (const std::string& key : unknown_keys) notes.push_back("unknown key " + key);
+        return scene;
     } catch (const Error& error) {
         throw Error(error.code(), fmt::format("{}: {}", file.string(), one_line(error.what(), 1000)));
     }
