@@ -43,10 +43,29 @@ protected:
 
 TEST_F(Isolation, NothingIsWrittenSentOrStarted) {
     for (const std::string deed :
-         {"create", "overwrite", "empty", "remove", "rename", "make folder", "link", "open up", "socket", "datagram",
-          "program", "fork", "thread", "code", "signal the parent", "write without end"}) {
+         {"create", "overwrite", "empty", "remove", "rename", "make folder", "link", "open up", "socket", "internet",
+          "datagram", "connect", "program", "fork", "thread", "code", "signal the parent", "write without end"}) {
         const std::string said = after(deed);
         EXPECT_NE(said.find("could not " + deed), said.npos) << said;
+    }
+}
+
+TEST_F(Isolation, WhatReadsZarrSeesItsStoreAlone) {
+    for (const std::string deed : {"read", "look around", "create", "internet", "connect", "program"}) {
+        const std::string said = after("as reader of Zarr: " + deed);
+        EXPECT_NE(said.find("could not " + deed), said.npos) << said;
+    }
+}
+
+TEST_F(Isolation, WhatFetchesSeesNoFileAndStartsNothing) {
+    for (const std::string deed : {"read", "look around", "create", "overwrite", "remove", "rename", "make folder",
+                                   "open up", "socket", "program", "fork", "code", "signal the parent"}) {
+        const std::string said = after("as fetcher: " + deed);
+        EXPECT_NE(said.find("could not " + deed), said.npos) << said;
+    }
+    for (const std::string deed : {"internet", "thread"}) {
+        const std::string said = after("as fetcher: " + deed);
+        EXPECT_NE(said.find("DID " + deed), said.npos) << said;
     }
 }
 

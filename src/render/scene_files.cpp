@@ -8,6 +8,7 @@
 
 #include "core/file_contents.h"
 #include "core/text.h"
+#include "io/wire.h"
 
 namespace chiaro {
 namespace fs = std::filesystem;
@@ -15,7 +16,9 @@ namespace {
 
 constexpr std::uintmax_t max_scene_bytes = 64u << 20;
 
-bool names_no_file(const std::string& name) { return name.empty() || name == "-" || name.starts_with("sample:"); }
+bool names_no_file(const std::string& name) {
+    return name.empty() || name == "-" || name.starts_with("sample:") || wire::is_url(name);
+}
 
 std::string text_in(const Metadata& metadata, const fs::path& file) {
     for (const auto& [key, text] : metadata)
