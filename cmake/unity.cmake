@@ -3,8 +3,8 @@
 # shows a missing include, and is what to take where one file is edited again and again (preset dev).
 option(CHIARO_UNITY "Compile the files of a folder together" ON)
 
-# chiaro_unity(TARGET FILES_PER_UNIT [SOURCE...]): all sources of the target, or those given, but for those that have options
-# of their own. CMake's own units name files by absolute paths, by which a compiler cache takes each clone for another project.
+# chiaro_unity(TARGET FILES_PER_UNIT [SOURCE...]): all sources of the target, or those given, but generated ones and those
+# that have options of their own. CMake's own units name files by absolute paths, by which a compiler cache takes each clone for another project.
 function(chiaro_unity target files_per_unit)
   if(NOT CHIARO_UNITY)
     return()
@@ -19,7 +19,8 @@ function(chiaro_unity target files_per_unit)
   foreach(source ${together})
     get_source_file_property(definitions ${source} COMPILE_DEFINITIONS)
     get_source_file_property(options ${source} COMPILE_OPTIONS)
-    if(definitions OR options)
+    get_source_file_property(generated ${source} GENERATED)  # a unit that names it would not wait for it
+    if(definitions OR options OR generated)
       continue()
     endif()
     list(REMOVE_ITEM all ${source})
