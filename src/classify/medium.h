@@ -87,6 +87,8 @@ void discard_unseen(const Medium& medium);
 
 /// The table of a transfer function over the stored values that occur (classify/table.cpp). About 4096 entries; for
 /// whole numbers a power of two per unit, so that every stored value has an entry of its own wherever they fit.
+/// A colour's component as the mode composites it.
+float composited_color(double c, RgbSpace space, ColorMode mode);
 OpticalTable make_optical_table(const DeviceVolume::Data& volume, const TransferFunction& tf, const Shape& shape);
 
 /// Throws Error{usage} unless the shape can be shown.

@@ -31,6 +31,8 @@ bool comes_before(const std::shared_ptr<const Medium::Data>& a, const std::share
     if (v.factor && w.factor) {
         const auto &f = v.factor->entries, &g = w.factor->entries;
         if (const int factors = compared(f.data(), f.size(), g.data(), g.size())) return factors < 0;
+        const auto &c = v.factor->colors, &d = w.factor->colors;
+        if (const int colors = compared(c.data(), c.size(), d.data(), d.size())) return colors < 0;
     }
     return compared(v.bricks.data(), v.bricks.size(), w.bricks.data(), w.bricks.size()) < 0;
 }
@@ -65,6 +67,18 @@ std::vector<float> rises_of(const OpticalTable& table) {
     return rises;
 }
 
+/// By the entries of a factor that has colours; empty: colours are those of the values.
+std::vector<kernel::Rgba> colors_by_gradient(const ExtinctionFactor* factor) {
+    std::vector<kernel::Rgba> entries;
+    if (!factor) return entries;
+    for (std::size_t i = 0; i < factor->colors.size(); ++i) {
+        const auto& [r, g, b] = factor->colors[i];
+        const float left = factor->entries[i];
+        entries.push_back({left * r, left * g, left * b, left});
+    }
+    return entries;
+}
+
 const std::uint8_t* share_of(const VoxelBuffer* share) {
     return share ? reinterpret_cast<const std::uint8_t*>(share->data()) : nullptr;
 }
@@ -73,7 +87,7 @@ const std::uint8_t* share_of(const VoxelBuffer* share) {
 template <class Voxel>
 struct ViewsOfChannels {
     Channels channels;
-    std::vector<std::vector<kernel::Rgba>> matter;
+    std::vector<std::vector<kernel::Rgba>> matter, by_gradient;
     std::vector<std::vector<float>> rises;
     std::vector<kernel::ChannelView<Voxel>> views;
 
@@ -89,13 +103,17 @@ struct ViewsOfChannels {
                 entries.push_back({weight * e.r, weight * e.g, weight * e.b, kappa});
             }
         }
+        for (const auto& channel : channels)
+            by_gradient.push_back(of.own_colors ? std::vector<kernel::Rgba>()
+                                                : colors_by_gradient(channel->volume.data().factor.get()));
         for (std::size_t i = 0; i < channels.size(); ++i) {
             const OpticalTable& table = channels[i]->table;
             views.push_back({view_of<Voxel>(channels[i]->volume.data()),
                              {matter[i].data(), float(table.index_scale), float(table.index_offset + 0.5),
                               float(matter[i].size() - 1)},
                              rises[i].data(),
-                             share_of(channels[i]->share.get())});
+                             share_of(channels[i]->share.get()),
+                             by_gradient[i].empty() ? nullptr : by_gradient[i].data()});
         }
     }
 };
@@ -138,7 +156,8 @@ Medium mixed(const Device& device, MixtureParts parts, const Shape& shape, const
     Channels& channels = parts.channels;
     check_alike(channels);
     if (channels.front()->volume.data().placement)
-        throw Error(ErrorCode::usage, "a volume that several ranks share has one channel, and no labels");
+        throw Error(ErrorCode::usage,
+                    "a volume that several ranks share has one channel, colours by value, and no labels");
     if (!parts.own_colors) std::stable_sort(channels.begin(), channels.end(), comes_before);
     auto data = std::make_shared<Medium::Data>();
     std::vector<std::uint8_t> labelled;
