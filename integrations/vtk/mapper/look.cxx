@@ -192,6 +192,7 @@ void set_functions(Scene& scene, vtkVolumeProperty& property, vtkDataArray* scal
 void set_look(Scene& scene, vtkVolumeMapper& mapper, vtkVolumeProperty& property, vtkImageData& image,
               vtkDataArray* scalars, vtkRenderer& renderer, const Placement& place, std::string& note) {
     set_functions(scene, property, scalars, place);
+    scene.interpolation = Interpolation::linear;  // as the property says
     scene.mode = mode_of(mapper.GetBlendMode());
     if (scene.mode == Mode::iso)
         for (int i = 0; i < property.GetIsoSurfaceValues()->GetNumberOfContours(); ++i) {

@@ -120,6 +120,7 @@ struct Case {
     }
 
     void set_scene() {
+        scene.interpolation = Interpolation::linear;
         scene.width = width, scene.height = height;
         scene.camera.eye = eye, scene.camera.target = target, scene.camera.up = Vec3{0, 0, 1},
         scene.camera.fov_deg = 25;
