@@ -1,7 +1,8 @@
-// chiaro convert: volumes to NRRD, transfer functions to our JSON or ParaView's.
+// chiaro convert: volumes to NRRD and OME-Zarr, transfer functions to our JSON or ParaView's.
 #include <chiaro/error.h>
 #include <chiaro/text.h>
 #include <chiaro/transfer_file.h>
+#include <chiaro/zarr.h>
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -17,18 +18,52 @@ namespace chiaro::cli {
 namespace {
 
 struct ConvertOptions {
-    std::string input, encoding = "gzip", to;  // to: empty, as the ending of OUT says
+    std::string input, to;                     // to: empty, as the ending of OUT says
+    std::string encoding, levels_by = "mean";  // encoding: empty, gzip of NRRD and zstd of Zarr
     std::filesystem::path output;
     SettingFlags flags;
     CommonOptions common;
 };
 
-void convert_volume(const ConvertOptions& o) {
-    NrrdEncoding encoding{};
-    set(Setting{"encoding", "", "", ""}, o.encoding, "--encoding " + o.encoding, ErrorCode::usage, encoding);
+template <class Choice>
+void choose(const char* option, const std::string& text, Choice& choice) {
+    if (!text.empty())
+        set(Setting{option, "", "", ""}, text, fmt::format("--{} {}", option, text), ErrorCode::usage, choice);
+}
+
+Scene scene_of(const ConvertOptions& o) {
     Scene scene;
     scene.volume = o.input;
+    scene.read.private_addresses = true;
     o.flags.apply(scene);
+    return scene;
+}
+
+/// Brick by brick, where the input can be read so.
+void convert_to_zarr(const ConvertOptions& o) {
+    ZarrSettings settings;
+    choose("encoding", o.encoding, settings.encoding);
+    choose("levels-by", o.levels_by, settings.levels_by);
+    const Scene scene = scene_of(o);
+    Job job(o.common);
+    Stats stats;
+    const auto source = stats.stage("read", [&] {
+        auto bricks = scene.stated.spacing_mm || o.input == "-" || !moment_files(o.input).empty()
+                          ? nullptr
+                          : open_brick_source(o.input, scene.read);
+        return bricks ? bricks : source_of(read_volume(scene, job.progress));
+    });
+    if (!o.common.quiet)
+        for (const auto& note : source->header().notes) say(fmt::format("{}: {}", o.input, note));
+    stats.stage("write", [&] { write_zarr(*source, o.output, settings, job.progress); });
+    job.bar.clear();
+    if (o.common.verbose) tell_stages(stats);
+}
+
+void convert_volume(const ConvertOptions& o) {
+    NrrdEncoding encoding = NrrdEncoding::gzip;
+    choose("encoding", o.encoding, encoding);
+    const Scene scene = scene_of(o);
     Job job(o.common);
     Stats stats;
     const Volume volume = stats.stage("read", [&] { return read_volume(scene, job.progress); });
@@ -62,7 +97,11 @@ void convert_transfer_function(const ConvertOptions& o) {
 
 void run(const ConvertOptions& o) {
     if (o.input.empty()) throw Error(ErrorCode::usage, "IN is missing; see chiaro convert --help");
-    check_output(o.output, {".nrrd", ".json"});
+    if (o.output.extension() == ".zarr") {
+        check_folder_of(o.output);
+        return convert_to_zarr(o);
+    }
+    check_output(o.output, {".nrrd", ".zarr", ".json"});
     o.output.extension() == ".json" ? convert_transfer_function(o) : convert_volume(o);
 }
 
@@ -70,13 +109,16 @@ void run(const ConvertOptions& o) {
 
 Command convert_command(CLI::App& tool) {
     const auto o = std::make_shared<ConvertOptions>();
-    CLI::App* app =
-        tool.add_subcommand("convert", "Converts a volume to NRRD, or a transfer function to JSON, ours or ParaView's");
+    CLI::App* app = tool.add_subcommand(
+        "convert", "Converts a volume to NRRD or OME-Zarr, or a transfer function to JSON, ours or ParaView's");
     app->add_option("IN", o->input,
                     "volume, as for render; or transfer function: FILE or FILE#NAME, a preset or a colour map");
     app->add_option("OUT", o->output,
-                    "file to write: .nrrd for a volume, .json or .paraview.json for a transfer function");
-    app->add_option("--encoding", o->encoding, "of the NRRD [gzip]")->type_name("raw|gzip");
+                    "what to write: .nrrd or .zarr for a volume, .json or .paraview.json for a transfer function");
+    app->add_option("--encoding", o->encoding, "of NRRD raw or gzip [gzip], of OME-Zarr raw or zstd [zstd]")
+        ->type_name("raw|gzip|zstd");
+    app->add_option("--levels-by", o->levels_by, "what coarser voxels of an OME-Zarr are of finer ones [mean]")
+        ->type_name("mean|max");
     app->add_option("--to", o->to, "format of a .json [by its ending]")->type_name("chiaro|paraview");
     add_common_options(*app, o->common);
     o->flags.add_to(*app, "Volume");

@@ -220,6 +220,7 @@ void run(const InfoOptions& o) {
     if (o.volume.empty()) throw Error(ErrorCode::usage, "VOLUME is missing; see chiaro info --help");
     Scene scene;
     scene.volume = o.volume;
+    scene.read.private_addresses = true;
     o.flags.apply(scene);
     Job job(o.common);
     Stats stats;
@@ -240,7 +241,8 @@ void run(const InfoOptions& o) {
 Command info_command(CLI::App& tool) {
     const auto o = std::make_shared<InfoOptions>();
     CLI::App* app = tool.add_subcommand("info", "Tells a volume's geometry, values and notes");
-    app->add_option("VOLUME", o->volume, "file, folder of slices, sample:NAME[:SIZE], or - for NRRD on standard input");
+    app->add_option("VOLUME", o->volume,
+                    "file, folder of slices, URL of an OME-Zarr, sample:NAME[:SIZE], or - for NRRD on standard input");
     app->add_flag("--json", o->json, "as JSON; the columns of `direction` are the index axes in the world");
     app->add_flag("--exact", o->paging.exact,
                   "reads all voxels, where a volume that does not fit is measured on a coarse level");

@@ -15,13 +15,7 @@
 namespace chiaro::cli {
 namespace fs = std::filesystem;
 
-void check_output(const fs::path& path, std::initializer_list<std::string_view> endings) {
-    if (path.empty()) throw Error(ErrorCode::usage, "-o FILE is missing: it names the file to write");
-    const std::string ending = path.extension();
-    if (std::find(endings.begin(), endings.end(), ending) == endings.end())
-        throw Error(ErrorCode::usage,
-                    fmt::format("{}: the name must end in {}{}", path.string(), fmt::join(endings, " or "),
-                                did_you_mean(ending, std::vector<std::string>(endings.begin(), endings.end()))));
+void check_folder_of(const fs::path& path) {
     const fs::path folder = path.has_parent_path() ? path.parent_path() : ".";
     std::error_code ignored;
     if (!fs::is_directory(folder, ignored))
@@ -29,6 +23,17 @@ void check_output(const fs::path& path, std::initializer_list<std::string_view> 
     if (access(folder.c_str(), W_OK) != 0)
         throw Error(ErrorCode::output,
                     fmt::format("{}: the folder {} cannot be written to", path.string(), folder.string()));
+}
+
+void check_output(const fs::path& path, std::initializer_list<std::string_view> endings) {
+    if (path.empty()) throw Error(ErrorCode::usage, "-o FILE is missing: it names the file to write");
+    const std::string ending = path.extension();
+    if (std::find(endings.begin(), endings.end(), ending) == endings.end())
+        throw Error(ErrorCode::usage,
+                    fmt::format("{}: the name must end in {}{}", path.string(), fmt::join(endings, " or "),
+                                did_you_mean(ending, std::vector<std::string>(endings.begin(), endings.end()))));
+    check_folder_of(path);
+    std::error_code ignored;
     if (fs::is_directory(path, ignored)) throw Error(ErrorCode::output, fmt::format("{}: is a folder", path.string()));
 }
 

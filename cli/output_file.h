@@ -9,6 +9,8 @@ namespace chiaro::cli {
 
 /// Throws Error{usage} unless the path has one of the endings, Error{output} unless its folder can take a file.
 void check_output(const std::filesystem::path& path, std::initializer_list<std::string_view> endings);
+/// The latter alone.
+void check_folder_of(const std::filesystem::path& path);
 
 /// Throws Error{output}.
 void write_text(const std::filesystem::path& path, std::string_view text);

@@ -88,10 +88,10 @@ std::shared_ptr<const BrickSource> paged_volume(const Scene& scene, const Paging
     return source;
 }
 
-int small_level(const BrickSource& source) {
+int small_level(const BrickSource& source, int edge) {
     const auto& levels = source.levels();
-    const auto is_small = [](const SourceLevel& level) {
-        return *std::max_element(level.dimensions.begin(), level.dimensions.end()) <= 256;
+    const auto is_small = [edge](const SourceLevel& level) {
+        return *std::max_element(level.dimensions.begin(), level.dimensions.end()) <= edge;
     };
     return int(std::find_if(levels.begin(), levels.end() - 1, is_small) - levels.begin());
 }

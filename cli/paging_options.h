@@ -22,6 +22,6 @@ PagingSettings paging_of(const PagingOptions& options);
 std::shared_ptr<const BrickSource> paged_volume(const Scene& scene, const PagingSettings& paging);
 
 /// The finest level that is read in no time: of 256 voxels along its longest axis at most.
-int small_level(const BrickSource& source);
+int small_level(const BrickSource& source, int edge = 256);
 
 }  // namespace chiaro::cli

@@ -111,7 +111,7 @@ private:
         PagingSettings coarse = paging_;
         const auto source = paged_volume(scene_, coarse);
         if (!source) return;
-        coarse.finest_level = std::max(coarse.finest_level, small_level(*source));
+        coarse.finest_level = std::max(coarse.finest_level, small_level(*source, source->is_far() ? 128 : 256));
         Session session(device_);
         stats_.stage("first picture", [&] {
             session.show(source, coarse, job.progress);

@@ -72,7 +72,7 @@ void add_channels(const SceneSource& source, Scene& scene) {
 
 void add_scene_source(CLI::App& app, SceneSource& source) {
     app.add_option("VOLUME", source.volume,
-                   "file, folder of slices, sample:NAME[:SIZE], or - for NRRD on standard input");
+                   "file, folder of slices, URL of an OME-Zarr, sample:NAME[:SIZE], or - for NRRD on standard input");
     app.add_option(
            "--channel", source.channels,
            "another volume, shown together with the first: extinctions add (repeatable, up to 7; docs/channels.md)")
@@ -94,6 +94,7 @@ void add_scene_source(CLI::App& app, SceneSource& source) {
 Scene scene_from(const SceneSource& source, const SettingFlags& flags, const CommonOptions& common,
                  std::string_view command) {
     Scene scene = scene_of_volume(source.volume);
+    scene.read.private_addresses = true;  // that the command line names; the read scene's are not
     if (source.volume.empty() && source.scene.empty()) {
         flags.apply(scene);
         scene.volume = scene.labels.source;  // labels alone
@@ -103,11 +104,8 @@ Scene scene_from(const SceneSource& source, const SettingFlags& flags, const Com
             ErrorCode::usage,
             fmt::format("give either a VOLUME or --scene FILE, or --labels alone; see chiaro {} --help", command));
     if (!source.scene.empty()) {
-        std::vector<std::string> unknown;
         std::vector<std::string> notes;
-        scene = source.scene.extension() == ".pvsm" ? read_paraview_state(source.scene, source.data, notes)
-                                                    : read_scene(source.scene, source.data, unknown);
-        for (const auto& key : unknown) notes.push_back("unknown key " + key);
+        scene = read_scene(source.scene, source.data, notes);
         if (!common.quiet)
             for (const auto& note : notes) say(fmt::format("{}: {}", source.scene.string(), note));
     }

@@ -65,12 +65,12 @@ Json View::open(const Json& request, Progress& progress) {
     if (!request.contains("scene")) {
         return show(scene_of_volume(context_.folders.allowed_volume(text_in(request, "volume"))), progress);
     }
-    std::vector<std::string> unknown;
-    Scene scene = read_scene(context_.folders.allowed(text_in(request, "scene")), context_.data, unknown);
+    std::vector<std::string> notes;
+    Scene scene = read_scene(context_.folders.allowed(text_in(request, "scene")), context_.data, notes);
     scene.volume = context_.folders.allowed_volume(scene.volume);
     context_.folders.confine(scene);
     Json reply = show(scene, progress);
-    reply["unknown"] = unknown;
+    reply["unknown"] = notes;
     return reply;
 }
 

@@ -146,6 +146,17 @@ TEST_F(Chunks, PicturesAreThoseOfTheWholeVolumeBitForBit) {
     expect_same_pictures((folder / "b.h5").string(), progress);
 }
 
+TEST_F(Chunks, WhatIsDecodedIsKeptWithinTheBudget) {
+    write_levels(folder, voxels, n);
+    const auto source = open_brick_source((folder / "a").string(), {});
+    EXPECT_EQ(source->keep_decoded(1 << 20), std::size_t(1) << 20);
+    EXPECT_EQ(source->keep_decoded(std::size_t(1) << 40), std::size_t(256) << 20) << "no more than it ever takes";
+    EXPECT_EQ(source->keep_decoded(1), 1u);
+    EXPECT_EQ(voxels_in<float>(*source, 0, {{39, 59, 99}, {3, 3, 3}})[26], voxels[(101 * 128 + 61) * 128 + 41]);
+    EXPECT_EQ(open_brick_source("sample:ball:64", {})->keep_decoded(1 << 20), 0u);
+    EXPECT_FALSE(source->is_far());
+}
+
 TEST_F(Chunks, OneThatVanishesOrIsDamagedIsToldAndStoodFor) {
     write_levels(folder, voxels, n);
     Session session(Device::cpu(2));
@@ -162,7 +173,7 @@ namespace {
 
 /// A decoder that does what the file says at the last of eight chunks.
 struct BadDecoder : Chunks {
-    void SetUp() override { setenv("CHIARO_DECODE", CHIARO_BIN "/misbehaving_decoder", 1); }
+    void SetUp() override { setenv("CHIARO_DECODE", built("misbehaving_decoder").c_str(), 1); }
     void TearDown() override { unsetenv("CHIARO_DECODE"); }
     std::shared_ptr<const BrickSource> source(const std::string& deed) {
         ReadOptions options;
@@ -196,6 +207,26 @@ TEST_F(BadDecoder, ThatCrashesOrHangsLosesOneChunkAndIsStartedAgain) {
         EXPECT_LE(processes_with("task.h5"), 8);
     }
     EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1) << "a zombie";
+}
+
+TEST_F(BadDecoder, ThatHangsKeepsNobodyWaitingWhoIsCancelled) {
+    ReadOptions options;
+    options.stall_seconds = options.seconds = 1e6;  // were it these limits that end it, the test would never
+    const auto source = open_brick_source(folder.write("task.h5", "sleep\n"), options);
+    ASSERT_TRUE(source);
+    std::thread cancelling([&] {
+        while (processes_with("task.h5") < 1) usleep(1000);
+        usleep(100000);
+        progress.cancel();
+    });
+    try {
+        read_level(*source, 0, progress);
+        ADD_FAILURE() << "nothing was cancelled";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::interrupted);
+    }
+    cancelling.join();
+    EXPECT_EQ(value_at(*source, 40, 0, 0), 1) << "others are still read";
 }
 
 TEST_F(BadDecoder, OutlivesTheThreadThatAskedFirst) {

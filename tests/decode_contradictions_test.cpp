@@ -1,6 +1,7 @@
 // Files that state things twice or contradict themselves: refused, or noted where one statement has precedence.
 #include "hdf5_files.h"
 #include "hostile_headers.h"
+#include "places.h"
 #include "tiff_files.h"
 #include "vtk_files.h"
 
@@ -103,7 +104,7 @@ TEST(Contradictions, ChunksNeverWrittenAreNoted) {
 
 // What a mutation script found (each file's name says what is wrong with it), and what becomes of it.
 TEST(Contradictions, FilesOfAnAttack) {
-    const std::string files = CHIARO_SOURCE "/tests/hostile/files/";
+    const std::string files = of_project("tests/hostile/files/");
     for (const char* name : {"cut-in-link.tif", "spacing-1e-300.nrrd", "pattern-overflow.nhdr", "sizes-twice.nrrd",
                              "transfer-syntax-lies.dcm", "quatern-2-2-2.nii", "headersize--5.mha",
                              "h_-8x6x5_uint16.raw", "h5z-flip-02815.h5"})

@@ -150,7 +150,7 @@ TEST(Film, AFileComesBackAndWrongOnesAreASentence) {
 
 TEST_F(FilmTool, WritesItsFramesAndGoesOnWhereItWasStopped) {
     const auto run = [&](const std::string& arguments) {
-        return std::system((std::string(CHIARO_BIN) + "/chiaro render --quiet " + arguments + " 2>/dev/null").c_str());
+        return std::system((built("chiaro") + " render --quiet " + arguments + " 2>/dev/null").c_str());
     };
     const std::filesystem::path file = folder / "film.json";
     const Film film = film_of({{0, scene_with(0)}, {0.4, scene_with(90)}});

@@ -17,7 +17,7 @@ using namespace hostile;
 
 namespace {
 
-const std::string list_file = CHIARO_SOURCE "/tests/hostile/corpus.txt";
+const std::string list_file = of_project("tests/hostile/corpus.txt");
 
 struct Case {
     const Seed* seed;
@@ -37,7 +37,7 @@ Volume read_through_helper(const std::string& path) { return volume_files::read(
 /// Four at a time: most of the time passes in helper programs.
 std::vector<Judgement> judgements_of(const std::vector<Case>& cases) {
     const volume_files::Folder folder;
-    setenv("CHIARO_DECODE", CHIARO_BIN "/chiaro-decode", 1);
+    setenv("CHIARO_DECODE", built("chiaro-decode").c_str(), 1);
     std::vector<Judgement> outcomes(cases.size());
     std::atomic<std::size_t> next{0};
     std::vector<std::thread> workers;

@@ -11,12 +11,12 @@ class HostileUse : public ToolTest {
 protected:
     void SetUp() override {
         ToolTest::SetUp();
-        setenv("CHIARO_DECODE", CHIARO_BIN "/chiaro-decode", 1);
+        setenv("CHIARO_DECODE", built("chiaro-decode").c_str(), 1);
     }
 
     /// The exit code where descriptors are closed by the shell, "0<&- 2>&-". What it says is lost.
     int code_with(const std::string& streams, const std::string& arguments) {
-        const std::string line = "cd " + folder.string() + " && " CHIARO_BIN "/chiaro " + arguments + " " + streams;
+        const std::string line = "cd " + folder.string() + " && " + built("chiaro ") + arguments + " " + streams;
         const int status = std::system(("(" + line + ") 2>/dev/null").c_str());
         return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
     }
@@ -137,7 +137,7 @@ TEST_F(HostileUse, OneSignalEndsItWhereverItIs) {
     if (child == 0) {
         dup2(ends[1], STDERR_FILENO);
         if (chdir(folder.c_str()) == 0)
-            execl(CHIARO_BIN "/chiaro", "chiaro", "render", "v.nrrd", "-o", "v.png", nullptr);  // tells its guess
+            execl(built("chiaro").c_str(), "chiaro", "render", "v.nrrd", "-o", "v.png", nullptr);  // tells its guess
         _exit(127);
     }
     std::this_thread::sleep_for(std::chrono::seconds(1));  // or longer: where it has not come so far it ends as well

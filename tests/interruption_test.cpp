@@ -28,7 +28,7 @@ protected:
     std::function<void()> before_start = [] {};
 
     pid_t start(const std::string& arguments) {
-        const std::string line = "exec " CHIARO_BIN "/chiaro " + arguments + " >.out 2>.err";
+        const std::string line = "exec " + built("chiaro ") + arguments + " >.out 2>.err";
         const pid_t child = fork();
         if (child != 0) return child;
         before_start();
@@ -84,7 +84,7 @@ protected:
 
     void prepare_input() {
         ASSERT_EQ(run("sample shells --size 64 -o in.nrrd").code, 0);
-        setenv("CHIARO_DECODE", CHIARO_BIN "/chiaro-decode", 1);
+        setenv("CHIARO_DECODE", built("chiaro-decode").c_str(), 1);
     }
 
     /// Interrupts each command `times` times, at moments spread over what it takes and a little more.
@@ -188,7 +188,7 @@ TEST_F(Interruption, AFullDiskIsOneSentence) {
 TEST_F(Interruption, StandardOutputThatIsFullIsTold) {
     for (const char* arguments : {"info sample:ball:16 --json", "--list-options", "sample --list"}) {
         const std::string line =
-            fmt::format("cd {}; " CHIARO_BIN "/chiaro {} >/dev/full 2>.err", folder.string(), arguments);
+            fmt::format("cd {}; {} {} >/dev/full 2>.err", folder.string(), built("chiaro"), arguments);
         const int status = std::system(line.c_str());
         EXPECT_EQ(WEXITSTATUS(status), 4) << arguments;
         const std::string said = read(".err");
@@ -260,7 +260,7 @@ TEST_F(Interruption, StandardInput) {
         const int status = std::system(fmt::format("cd {}; ({}) >.out 2>.err", folder.string(), line).c_str());
         return Said{WEXITSTATUS(status), read(".out"), read(".err")};
     };
-    const std::string tool = CHIARO_BIN "/chiaro";
+    const std::string tool = built("chiaro");
     const Said whole = shell("cat in.nrrd | " + tool + " info - --json");
     EXPECT_EQ(whole.code, 0) << whole.err;
     EXPECT_EQ(nlohmann::json::parse(whole.out)["dimensions"], nlohmann::json({64, 64, 64}));

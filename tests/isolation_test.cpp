@@ -18,7 +18,7 @@ protected:
     ReadOptions options;
 
     void SetUp() override {
-        setenv("CHIARO_DECODE", CHIARO_BIN "/misbehaving_decoder", 1);
+        setenv("CHIARO_DECODE", built("misbehaving_decoder").c_str(), 1);
         options.max_bytes = 64 << 20;
         options.seconds = 20;
         options.stall_seconds = 10;
@@ -43,10 +43,29 @@ protected:
 
 TEST_F(Isolation, NothingIsWrittenSentOrStarted) {
     for (const std::string deed :
-         {"create", "overwrite", "empty", "remove", "rename", "make folder", "link", "open up", "socket", "datagram",
-          "program", "fork", "thread", "code", "signal the parent", "write without end"}) {
+         {"create", "overwrite", "empty", "remove", "rename", "make folder", "link", "open up", "socket", "internet",
+          "datagram", "connect", "program", "fork", "thread", "code", "signal the parent", "write without end"}) {
         const std::string said = after(deed);
         EXPECT_NE(said.find("could not " + deed), said.npos) << said;
+    }
+}
+
+TEST_F(Isolation, WhatReadsZarrSeesItsStoreAlone) {
+    for (const std::string deed : {"read", "look around", "create", "internet", "connect", "program"}) {
+        const std::string said = after("as reader of Zarr: " + deed);
+        EXPECT_NE(said.find("could not " + deed), said.npos) << said;
+    }
+}
+
+TEST_F(Isolation, WhatFetchesSeesNoFileAndStartsNothing) {
+    for (const std::string deed : {"read", "look around", "create", "overwrite", "remove", "rename", "make folder",
+                                   "open up", "socket", "program", "fork", "code", "signal the parent"}) {
+        const std::string said = after("as fetcher: " + deed);
+        EXPECT_NE(said.find("could not " + deed), said.npos) << said;
+    }
+    for (const std::string deed : {"internet", "thread"}) {
+        const std::string said = after("as fetcher: " + deed);
+        EXPECT_NE(said.find("DID " + deed), said.npos) << said;
     }
 }
 
@@ -77,7 +96,7 @@ TEST_F(Isolation, CpuTimeIsLimitedByTheKernel) {
     const std::string file = folder.write("task.nrrd", "spin\n");
     const pid_t child = fork();
     if (child == 0) {
-        const std::string program = CHIARO_BIN "/misbehaving_decoder";
+        const std::string program = built("misbehaving_decoder");
         const int null_for_voxels = open("/dev/null", O_RDWR), null_for_messages = open("/dev/null", O_RDWR);
         dup2(null_for_voxels, 3), dup2(null_for_messages, 4);
         execl(program.c_str(), program.c_str(), "nrrd", file.c_str(), "", "1000000", "1", "0", nullptr);

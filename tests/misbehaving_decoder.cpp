@@ -2,6 +2,7 @@
 // of the "volume" says, and tells how far it came.
 #include "decode/limits.h"
 #include "decode/output.h"
+#include "fetch/limits.h"
 
 #include <fcntl.h>
 #include <netinet/in.h>
@@ -42,6 +43,12 @@ int send_datagram() {
     return s < 0 ? -1 : int(sendto(s, "x", 1, 0, reinterpret_cast<sockaddr*>(&to), sizeof to));
 }
 
+int connect_somewhere() {
+    sockaddr_in to{};
+    to.sin_family = AF_INET, to.sin_port = htons(9), to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    return connect(STDIN_FILENO, reinterpret_cast<sockaddr*>(&to), sizeof to);
+}
+
 int start_thread() {
     try {
         std::thread([] {}).join();
@@ -68,7 +75,11 @@ const std::map<std::string, int (*)(const char* victim)> deeds{
     {"make folder", [](const char* file) { return mkdir((std::string(file) + ".new").c_str(), 0700); }},
     {"link", [](const char* file) { return symlink("/etc/passwd", (std::string(file) + ".new").c_str()); }},
     {"open up", [](const char* file) { return chmod(file, 0777); }},
+    {"read", [](const char* file) { return open(file, O_RDONLY); }},
+    {"look around", [](const char*) { return open("/", O_RDONLY | O_DIRECTORY); }},
     {"socket", [](const char*) { return socket(AF_UNIX, SOCK_STREAM, 0); }},
+    {"internet", [](const char*) { return socket(AF_INET, SOCK_STREAM, 0); }},
+    {"connect", [](const char*) { return connect_somewhere(); }},
     {"datagram", [](const char*) { return send_datagram(); }},
     {"program", [](const char*) { return start_program(); }},
     {"fork", [](const char*) { return int(fork()); }},
@@ -121,8 +132,16 @@ int main(int argc, char** argv) {
     if (argc != 7 && !serves) return 2;
     std::string deed;
     std::getline(std::ifstream(argv[2]), deed);
-    decode::limit_this_process(
-        {std::strtoull(argv[4], nullptr, 10), unsigned(std::strtoul(argv[5], nullptr, 10)), serves});
+    decode::Limits limits{std::strtoull(argv[4], nullptr, 10), unsigned(std::strtoul(argv[5], nullptr, 10)), serves};
+    for (const std::string who : {"as fetcher: ", "as reader of Zarr: "}) {
+        if (!deed.starts_with(who)) continue;
+        deed.erase(0, who.size());
+        if (who[3] == 'f')
+            limits = fetch::limits_with("");
+        else
+            limits.permissions.reads_all = false;
+    }
+    decode::limit_this_process(limits);
     decode::Output output(0);
     try {
         if (serves) return serve(deed, output);

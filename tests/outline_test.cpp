@@ -50,8 +50,8 @@ protected:
 
 TEST_F(Shell, ManualPageHasNoWarnings) {
     ASSERT_EQ(tool("--print man > chiaro.1").code, 0);
-    const Said said = shell("command -v groff >/dev/null || exit 0; " CHIARO_BIN
-                            "/chiaro --print man | groff -man -ww -Tutf8 2>&1 >/dev/null");
+    const Said said = shell("command -v groff >/dev/null || exit 0; " + built("chiaro") +
+                            " --print man | groff -man -ww -Tutf8 2>&1 >/dev/null");
     EXPECT_EQ(said.out, "");
     EXPECT_EQ(tool("--print mam").code, 2);
 }
@@ -69,18 +69,18 @@ try chiaro render sample : tu
 try chiaro render pic
 try chiaro view --data nowhere
 END
-)" CHIARO_BIN R"(/chiaro --print bash > chiaro.bash && bash -n chiaro.bash && bash complete.bash)";
+)" + built("chiaro") + R"( --print bash > chiaro.bash && bash -n chiaro.bash && bash complete.bash)";
     EXPECT_EQ(shell(script).out, "render\n--lighting\ntransport\ntransport\ntubes\npicture.nrrd\n\n");
 }
 
 TEST_F(Shell, OtherShellsReadTheirs) {
     for (const std::string name : {"zsh", "fish"}) {
-        const Said said = shell("command -v " + name + " >/dev/null || exit 0; " CHIARO_BIN "/chiaro --print " + name +
-                                " > c && " + name + " -n c");
+        const Said said = shell("command -v " + name + " >/dev/null || exit 0; " + built("chiaro") + " --print " +
+                                name + " > c && " + name + " -n c");
         EXPECT_EQ(said.code, 0) << said.err;
     }
-    const Said fish = shell("command -v fish >/dev/null || { echo render; exit 0; }; " CHIARO_BIN
-                            "/chiaro --print fish > c; HOME=$PWD fish -c 'source c; complete -C \"chiaro rend\"'");
+    const Said fish = shell("command -v fish >/dev/null || { echo render; exit 0; }; " + built("chiaro") +
+                            " --print fish > c; HOME=$PWD fish -c 'source c; complete -C \"chiaro rend\"'");
     EXPECT_TRUE(fish.out.starts_with("render")) << fish.out << fish.err;
 }
 

@@ -6,11 +6,7 @@
 #include <chiaro/text.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <cstring>
-
-#include "illumination/field.h"
-#include "rank_threads.h"
+#include "rank_frames.h"
 #include "volume/device_volume.h"
 
 using namespace chiaro;
@@ -70,26 +66,6 @@ Shown show(const Device& device, const Volume& volume, const Camera& camera, con
     return shown;
 }
 
-template <class T>
-std::vector<std::byte> bytes_of(const std::vector<T>& values) {
-    const auto bytes = std::as_bytes(std::span(values));
-    return {bytes.begin(), bytes.end()};
-}
-std::vector<std::byte> bytes_of(const LitNodes& nodes) {
-    const VoxelBuffer& kept = nodes.nodes().harmonics;
-    return {kept.data(), kept.data() + kept.size()};
-}
-/// All that is found of light but spao's, which is of a rank's own cells.
-std::vector<std::byte> found(const IlluminationField& field) {
-    if (const auto& visibility = field.data().visibility) return bytes_of(*visibility);
-    if (!field.data().transport) return {};
-    const TransportNodes& nodes = field.data().transport->nodes();
-    std::vector<std::byte> all = bytes_of(nodes.light);
-    for (const auto& more : {bytes_of(nodes.moment), bytes_of(nodes.weight), bytes_of(*nodes.seen)})
-        all.insert(all.end(), more.begin(), more.end());
-    return all;
-}
-
 /// Of the cells among a block's own voxels, and of one more on each side, which samples look up.
 std::size_t different_cells(const IlluminationField& one, const IlluminationField& block, const OwnVoxels& own) {
     const CellValues &all = *one.data().access, &some = *block.data().access;
@@ -108,16 +84,6 @@ std::size_t different_cells(const IlluminationField& one, const IlluminationFiel
     return different;
 }
 
-Frame blended(const std::vector<Frame>& frames, const std::vector<int>& order) {
-    Frame all(frames[0].width, frames[0].height);
-    for (const int block : order)
-        for (std::size_t p = 0; p < all.rgba.size(); p += 4) {
-            const float left = 1 - all.rgba[p + 3];
-            for (std::size_t c = 0; c < 4; ++c) all.rgba[p + c] += left * frames[std::size_t(block)].rgba[p + c];
-        }
-    return all;
-}
-
 IlluminationSettings by(Method method) {
     IlluminationSettings settings;
     settings.method = method;
@@ -126,24 +92,6 @@ IlluminationSettings by(Method method) {
     return settings;
 }
 constexpr int ghosts = 8;
-
-/// Over the pixels that are covered, of 255.
-void check_same(const Frame& together, const Frame& one) {
-    double most = 0, sum = 0;
-    std::size_t covered = 0;
-    for (std::size_t i = 0; i < together.rgba.size(); ++i) {
-        if (one.rgba[i / 4 * 4 + 3] == 0) {
-            ASSERT_EQ(together.rgba[i], 0);
-            continue;
-        }
-        const double off = 255 * std::abs(double(together.rgba[i]) - one.rgba[i]);
-        most = std::max(most, off), sum += off, ++covered;
-    }
-    ASSERT_GT(covered, 10000u);
-    if (std::getenv("CHIARO_SHOW")) std::printf("max %.4f mean %.5f of 255\n", most, sum / double(covered));
-    EXPECT_LE(most, 0.5);
-    EXPECT_LE(sum / double(covered), 0.02);
-}
 
 void check(Method method, bool thick, const Partition& partition) {
     SCOPED_TRACE(std::string(to_text(method)) + (thick ? ", thick slices, " : ", ") + partition.name);
@@ -267,7 +215,7 @@ TEST(Ranks, AreOrderedFromFrontToBack) {
 
 /// Work of two ranks that show halves of a volume, or what `block` makes of them.
 std::vector<std::string> errors_of(const std::function<Volume(int rank)>& block, const IlluminationSettings& settings,
-                                   const Shape& shape = {}) {
+                                   const Shape& shape = {}, const Lighting& lighting = {}) {
     std::vector<std::string> errors(2);
     on_ranks(2, [&](std::shared_ptr<ThreadExchange> ranks) {
         Device device = Device::cpu(1);
@@ -276,7 +224,7 @@ std::vector<std::string> errors_of(const std::function<Volume(int rank)>& block,
         try {
             const Medium medium = classify(upload(device, block(ranks->rank())), look(), shape);
             illuminate(
-                device, medium, Prepared(), {}, settings, [](const IlluminationField&) {}, progress);
+                device, medium, Prepared(), lighting, settings, [](const IlluminationField&) {}, progress);
         } catch (const Error& error) {
             errors[std::size_t(ranks->rank())] = error.what();
         }
@@ -332,6 +280,12 @@ TEST(Ranks, RefuseWhatNeedsAllVoxels) {
     is_told(by(Method::none), {.clip = {.largest = true}}, "largest piece");
     is_told(by(Method::none), {.interpolation = Interpolation::cubic}, "splines");
     is_told(by(Method::none), {.mode = Mode::iso, .iso = {{.value = 100}}}, "isosurfaces");
+    Lighting over_floor, before_probe;
+    over_floor.floor.show = before_probe.probe.background = true;
+    for (const Lighting& lighting : {over_floor, before_probe})
+        for (const Method method : {Method::none, Method::spao, Method::transport})
+            for (const std::string& error : errors_of(half, by(method), {}, lighting))
+                EXPECT_NE(error.find("without floor and background"), std::string::npos) << error;
     for (const std::string& error : errors_of([&](int) { return subject(false); }, by(Method::none)))
         EXPECT_NE(error.find("needs a placement"), std::string::npos) << error;
 }

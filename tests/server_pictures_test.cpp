@@ -1,6 +1,7 @@
 // Which pictures the server gives, and that they are the tool's.
 #include <gtest/gtest.h>
 
+#include "places.h"
 #include "server_case.h"
 
 using namespace chiaro;
@@ -97,9 +98,8 @@ TEST(ServerImages, SavedImageRemakesItself) {
     EXPECT_NE(image.head.find("attachment; filename=\"ball-32.png\""), std::string::npos) << image.head;
     EXPECT_EQ(http(server.port, "GET", saved["url"]).status, 404) << "offered once";
     write_file(server.folder / "saved.png", image.body);
-    const std::string command = std::string(CHIARO_BIN) + "/chiaro render --quiet --scene " +
-                                (server.folder / "saved.png").string() + " -o " +
-                                (server.folder / "again.png").string();
+    const std::string command = built("chiaro") + " render --quiet --scene " + (server.folder / "saved.png").string() +
+                                " -o " + (server.folder / "again.png").string();
     ASSERT_EQ(std::system(command.c_str()), 0);
     EXPECT_TRUE(file_bytes(server.folder / "again.png") == image.body);
 }
@@ -232,7 +232,8 @@ TEST(ServerImages, CommandLineMakesTheSameImage) {
     ASSERT_EQ(command["type"], "answer") << command;
     const std::string text = command["text"];
     EXPECT_EQ(text.rfind("cat > transfer.json", 0), 0u) << text;
-    const std::string line = "cd " + server.folder.string() + " && PATH=" CHIARO_BIN ":$PATH && " + text + " --quiet";
+    const std::string line =
+        "cd " + server.folder.string() + " && PATH=" + built(".") + ":$PATH && " + text + " --quiet";
     ASSERT_EQ(std::system(line.c_str()), 0) << text;
     std::vector<std::string> unknown;
     Progress progress;

@@ -15,6 +15,8 @@
 #include <string>
 #include <thread>
 
+#include "places.h"
+
 struct Said {
     int code = -1;
     std::string out, err;
@@ -52,14 +54,14 @@ class ToolTest : public FolderTest {
 protected:
     void SetUp() override {
         FolderTest::SetUp();
-        if (!std::filesystem::exists(CHIARO_BIN "/chiaro")) GTEST_SKIP() << "skipped: the tool was not built";
+        if (!std::filesystem::exists(built("chiaro"))) GTEST_SKIP() << "skipped: the tool was not built";
     }
 
     /// Runs `chiaro ARGUMENTS`, as a shell reads them, in the folder. A signal is sent, where given, once it has had
     /// that much time of a CPU: it has come as far however busy the machine is.
     Said tool(const std::string& arguments, int signal = 0, std::chrono::milliseconds after = {}) {
         const auto out = folder / ".out", err = folder / ".err";
-        const std::string line = "exec " CHIARO_BIN "/chiaro " + arguments + " >.out 2>.err";
+        const std::string line = "exec " + built("chiaro ") + arguments + " >.out 2>.err";
         const pid_t child = fork();
         if (child == 0) {
             if (chdir(folder.c_str()) == 0) execl("/bin/sh", "sh", "-c", line.c_str(), nullptr);

@@ -17,7 +17,7 @@ protected:
         const Volume bytes = make_sample("shells", size);
         std::ranges::copy(bytes.as<std::uint8_t>(), volume.as<std::uint16_t>().begin());
         write_nrrd(volume, folder / "shells.nrrd", NrrdEncoding::raw);
-        std::ifstream stream(CHIARO_SOURCE "/bench/scenes/shells256-" + look + ".json");
+        std::ifstream stream(of_project("bench/scenes/shells256-" + look + ".json"));
         nlohmann::json scene = nlohmann::json::parse(stream);
         scene["volume"] = {{"file", "shells.nrrd"}};
         scene["lighting"] = {{"method", "spao"}};

@@ -76,7 +76,7 @@ TEST_F(Tool, RefusesInOneLine) {
         {"render --scene two.json -o a.png", 3, "two.json: chiaro 2"},
         {"render --scene none.json -o a.png", 3, "cannot read 'none.json': No such file or directory"},
         {"convert", 2, "IN is missing"},
-        {"convert sample:ball b.mha", 2, "must end in .nrrd or .json"},
+        {"convert sample:ball b.mha", 2, "must end in .nrrd or .zarr or .json"},
         {"convert sample:ball b.nrrd --encoding zip", 2, "--encoding zip: must be raw, gzip"},
     };
     const std::string before = files();
@@ -275,7 +275,7 @@ TEST_F(Tool, ProgressIsShownWhereAskedFor) {
 }
 
 TEST_F(Tool, OptionsAreDocumented) {
-    std::ifstream stream(CHIARO_SOURCE "/docs/options.md");
+    std::ifstream stream(of_project("docs/options.md"));
     const std::string documented{std::istreambuf_iterator<char>(stream), {}};
     EXPECT_EQ(tool("--list-options").out, documented) << "run: chiaro --list-options > docs/options.md";
 }

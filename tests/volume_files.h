@@ -15,6 +15,8 @@
 #include <string>
 #include <vector>
 
+#include "places.h"
+
 namespace volume_files {
 
 namespace fs = std::filesystem;
@@ -199,7 +201,7 @@ private:
 };
 
 inline chiaro::Volume read(const std::string& name, const chiaro::ReadOptions& options = {}) {
-    setenv("CHIARO_DECODE", CHIARO_BIN "/chiaro-decode", 1);
+    setenv("CHIARO_DECODE", built("chiaro-decode").c_str(), 1);
     chiaro::Progress progress;
     return chiaro::read_volume(name, options, progress);
 }

@@ -78,6 +78,10 @@ TEST(Pvti, RefusesWhatLies) {
     expect({.extents = {{2, 6, 0, 3, 0, 2}, {2, 6, 0, 3, 0, 2}}}, "leave out 12 of 72 voxels");
     expect({.extents = {{2, 8, 0, 3, 0, 2}}}, "outside of its whole extent");
     expect({.extents = {}}, "names no piece");
+    expect({.extents = {{2, 7, 0, 3, 0, 2}}, .whole = "-1000000000 1000000000 0 3 0 2"}, "do not make up");
+    expect({.extents = {{2, 7, 0, 3, 0, 2}}, .whole = "2 99999999999 0 3 0 2"}, "thousand million");
+    expect({.extents = {{2, 7, 0, 3, 0, 2}}, .whole = "7 2 0 3 0 2"}, "makes no sense");
+    expect({.extents = {{7, 2, 0, 3, 0, 2}}}, "outside of its whole extent");
     expect({.whole = "2 7 0 3 0"}, "WholeExtent has 5");
     expect({.source = "../piece"}, "must lie in the folder");
     const Folder folder;
@@ -89,6 +93,8 @@ TEST(Pvti, RefusesWhatLies) {
     Vti other{.arrays = {{.type = "Int8", .values = values_in({4, 7, 0, 1, 0, 2}, false)}}};
     other.extent = "4 7 0 1 0 2";
     EXPECT_NE(with_piece(other.bytes()).find("another kind of values"), std::string::npos);
+    const std::string itself = content_of(name);
+    EXPECT_NE(with_piece(itself).find("'PImageData', not ImageData"), std::string::npos);
     EXPECT_NE(with_piece("<VTKFile type=\"PImageData\"/>").find("'PImageData', not ImageData"), std::string::npos);
     EXPECT_NE(with_piece("").find("VTKFile"), std::string::npos);
     fs::remove(folder / "part/piece1.vti");
@@ -129,6 +135,10 @@ TEST(Pvd, HoldsMoments) {
               std::string::npos);
     EXPECT_NE(refused(entry("nan", "first.vti")).find("timestep"), std::string::npos);
     EXPECT_NE(refused(entry("0", "a.pvd")).find("'Collection', not ImageData"), std::string::npos);
+    EXPECT_NE(refused(entry("0", "b.pvd")).find("'Collection', not ImageData"), std::string::npos);  // itself
+    fs::create_symlink("/etc/passwd", folder / "elsewhere.vti");
+    for (const std::string& outside : {"../x.vti", "a/../../x.vti", "", ".", "elsewhere.vti"})
+        EXPECT_FALSE(refused(entry("0", outside)).empty()) << outside;
     EXPECT_NE(refused(entry("0", "/etc/passwd")).find("must lie in the folder"), std::string::npos);
 }
 

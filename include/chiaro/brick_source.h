@@ -49,6 +49,11 @@ public:
     /// What of a level is read at the least cost: boxes of this size, side by side from voxel (0, 0, 0) on. Slices,
     /// where a source knows no better.
     CHIARO_EXPORT virtual std::array<int, 3> piece(int level) const;
+    /// Has it keep no more than so many bytes of what it decoded last, from now on; returns how many it may take. None,
+    /// where a source keeps nothing.
+    CHIARO_EXPORT virtual std::size_t keep_decoded(std::size_t max_bytes) const;
+    /// Whether voxels come over a network, so that few are to be read before there is a picture.
+    CHIARO_EXPORT virtual bool is_far() const;
 
 protected:
     CHIARO_EXPORT BrickSource(Volume header, std::vector<SourceLevel> levels);

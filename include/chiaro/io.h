@@ -35,6 +35,9 @@ struct ReadOptions {
     std::optional<std::pair<double, double>> rescale;  ///< slope and intercept where a file lacks them
     int time = 0;                                      ///< which of several moments, from 0
     ComponentsAs components_as = ComponentsAs::automatic;
+    /// Whether the host that a URL names may be this machine or in a private net. Say it of what your user names, not
+    /// of what a file or a page does.
+    bool private_addresses = false;
     double seconds = 120;         ///< wall time allowed to decode
     double stall_seconds = 15;    ///< allowed without any progress
     std::uint64_t max_bytes = 0;  ///< largest decoded volume; 0: what the machine's memory allows
@@ -42,11 +45,11 @@ struct ReadOptions {
     std::filesystem::path spill{};
 };
 
-/// Reads a file, a folder of DICOM slices, `sample:NAME[:SIZE]`, or `-` (NRRD on standard input). Of what changes with
-/// time, in one file or in files that a pattern names (`scan_{t:03}.nrrd`), it reads the moment `options.time`.
-/// Files are decoded by the isolated helper program `chiaro-decode`: whatever they hold, this call either returns a
-/// consistent volume or throws. NaN and infinite voxels are kept, and counted in `notes`.
-/// Throws Error{input} for everything wrong with the file, Error{interrupted} when cancelled.
+/// Reads a file, a folder of DICOM slices, the URL of a Zarr store, `sample:NAME[:SIZE]`, or `-` (NRRD on standard
+/// input). Of what changes with time, in one file or in files that a pattern names (`scan_{t:03}.nrrd`), it reads the
+/// moment `options.time`. Files are decoded by the isolated helper program `chiaro-decode`: whatever they hold, this
+/// call either returns a consistent volume or throws. NaN and infinite voxels are kept, and counted in `notes`. Throws
+/// Error{input} for everything wrong with the file, Error{interrupted} when cancelled.
 CHIARO_EXPORT Volume read_volume(const std::string& name, const ReadOptions& options, Progress& progress);
 /// What `read_volume` reads whole, piece by piece: samples (up to 16384 voxels an axis, where read_volume makes at most
 /// 4096), raw files, NRRD, MetaImage, NIfTI-1/2 and legacy VTK whose voxels lie in one file as they are, OME-Zarr and

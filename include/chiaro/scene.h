@@ -112,17 +112,16 @@ CHIARO_EXPORT LabelVolume read_labels(const Scene& scene, Progress& progress);
 CHIARO_EXPORT Scene seen_from(Scene scene, const std::filesystem::path& folder);
 
 /// Reads a scene file (docs/scene.md), the scene that a PNG or OpenEXR file of ours carries, or ParaView's state
-/// (read_paraview_state). A relative volume is
-/// looked up beside the file, then in `data_folder`. Of keys that this version does not know, `unknown_keys` names the
-/// first eight, the last of them with how many others there are.
-/// Throws Error{input}.
+/// (.pvsm, read_paraview_state). A relative volume is looked up beside the file, then in `data_folder`. `notes`: of a
+/// state what is left out; else the keys that this version does not know, as of parse_scene. Throws Error{input}.
 CHIARO_EXPORT Scene read_scene(const std::filesystem::path& file, const std::filesystem::path& data_folder,
-                               std::vector<std::string>& unknown_keys);
+                               std::vector<std::string>& notes);
 /// The first volume that a state file of ParaView (.pvsm) shows, as a scene: its file, colour map, camera, background
 /// and, of the representation Chiaro, settings. `notes`: what is left out, a sentence each. Throws Error{input}.
 CHIARO_EXPORT Scene read_paraview_state(const std::filesystem::path& file, const std::filesystem::path& data_folder,
                                         std::vector<std::string>& notes);
-/// The scene as JSON; parse_scene of it gives the same scene.
+/// The scene as JSON; parse_scene of it gives the same scene. Of keys that this version does not know, `unknown_keys`
+/// names the first eight, the last of them with how many others there are.
 CHIARO_EXPORT std::string to_json(const Scene& scene);
 CHIARO_EXPORT Scene parse_scene(const std::string& json, const std::filesystem::path& folder,
                                 const std::filesystem::path& data_folder, std::vector<std::string>& unknown_keys);

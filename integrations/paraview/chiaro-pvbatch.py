@@ -17,10 +17,10 @@ def arguments():
     parser = argparse.ArgumentParser(prog="chiaro-pvbatch.py", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("files", nargs="+", metavar="FILE")
     parser.add_argument("--scene", required=True, help="scene file, or a picture that carries one")
-    parser.add_argument("-o", "--output", required=True, help="PNG; {t}: the moment's number")
+    parser.add_argument("-o", "--output", required=True, help="PNG, or EXR with the floats; {t}: the moment's number")
     parser.add_argument("--array", help="name of the values to show; the first of the points")
     parser.add_argument("--size", help="WIDTHxHEIGHT instead of the scene's")
-    parser.add_argument("--ghost-levels", type=int, default=8, help="of each block: wide light grids need more, and say so")
+    parser.add_argument("--ghost-levels", type=int, default=16, help="of each block: wide light grids need more, and say so")
     parser.add_argument("--plugin", default=os.path.join(os.path.dirname(os.path.abspath(sys.argv[0])), "Chiaro.so"))
     return parser.parse_args()
 
@@ -54,6 +54,9 @@ def size_of(options):
 def main():
     options = arguments()
     size = size_of(options)
+    is_float = options.output.endswith(".exr")
+    if not is_float and not options.output.endswith(".png"):
+        fail(2, f"{options.output}: a picture is a .png or an .exr")
     for name in (*options.files, options.plugin):
         if not os.path.exists(name):
             fail(3, f"cannot read {name}: there is no such file")
@@ -74,7 +77,6 @@ def main():
         fail(3, f"{options.files[0]} has no values {array or ''} at its points; there are: {', '.join(names) or 'none'}")
     view = simple.CreateRenderView(ViewSize=list(size))
     view.OrientationAxesVisibility = 0
-    view.UseFXAA = 0
     display = simple.Show(source, view)
     simple.ColorBy(display, ("POINTS", array))
     display.SetRepresentationType("Chiaro")
@@ -86,11 +88,15 @@ def main():
     for t, time in enumerate(times or [None]):
         if time is not None:
             view.ViewTime = time
+        name = options.output.format(t=t)
+        if is_float:
+            display.ChiaroFrameFile = os.path.abspath(name)
         simple.Render(view)
         if said:
-            fail(4, f"{options.output} was not written: {said[0]}")
-        simple.SaveScreenshot(options.output.format(t=t), view, ImageResolution=list(size))
-        print(options.output.format(t=t))
+            fail(4, f"{name} was not written: {said[0]}")
+        if not is_float:
+            simple.SaveScreenshot(name, view, ImageResolution=list(size))
+        print(name)
 
 
 main()

@@ -130,9 +130,10 @@ int main() {
 <RepresentationProxy class="vtkChiaroRepresentation" name="ChiaroVolumeRepresentation" processes="client|renderserver|dataserver"
     si_class="vtkSIProxy" base_proxygroup="representations" base_proxyname="UniformGridVolumeRepresentation">
 <Documentation>Image data in natural light.</Documentation>
-%s<IntVectorProperty name="ChiaroGhostLevels" label="Ghost levels" command="SetGhostLevels" number_of_elements="1" default_values="8"
+%s<IntVectorProperty name="ChiaroGhostLevels" label="Ghost levels" command="SetGhostLevels" number_of_elements="1" default_values="16"
     panel_visibility="advanced"><IntRangeDomain name="range" min="0" max="64"/>
-<Documentation>Layers of cells of its neighbours that each of several processes keeps, which light is found from.</Documentation>
+<Documentation>Layers of cells of its neighbours that each of several processes keeps: light is found from them, and the walls that rays have met.
+</Documentation>
 </IntVectorProperty>
 <IntVectorProperty name="ChiaroValueOfRays" label="Value of rays" command="SetValueOfRays" number_of_elements="1" default_values="0">
 <EnumerationDomain name="enum"><Entry value="0" text="None"/><Entry value="1" text="Maximum"/><Entry value="2" text="Minimum"/>
@@ -142,6 +143,10 @@ int main() {
 <StringVectorProperty name="ChiaroScene" label="Scene file" command="SetScene" number_of_elements="1" default_values=""
     panel_visibility="advanced">
 <Documentation>A scene of chiaro render, by a file of the server: it takes the place of colours, camera and all settings.</Documentation>
+</StringVectorProperty>
+<StringVectorProperty name="ChiaroFrameFile" label="Frame file" command="SetFrameFile" number_of_elements="1" default_values=""
+    panel_visibility="never" state_ignored="1">
+<Documentation>An .exr of the server that each picture's light is written to, too, as floats.</Documentation>
 </StringVectorProperty>
 <IntVectorProperty name="ChiaroExactCompositing" label="Exact compositing" command="SetExactCompositing" number_of_elements="1"
     default_values="0"><BooleanDomain name="bool"/>
@@ -159,6 +164,7 @@ int main() {
 %s<Property name="ChiaroValueOfRays"/>
 <Property name="ChiaroExactCompositing"/>
 <Property name="ChiaroScene"/>
+<Property name="ChiaroFrameFile"/>
 <Property name="ChiaroGhostLevels"/>
 <Hints><PropertyWidgetDecorator type="GenericDecorator" mode="visibility" property="Representation" value="Chiaro"/></Hints>
 </PropertyGroup>

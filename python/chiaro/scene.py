@@ -135,15 +135,15 @@ class Scene:
     @staticmethod
     def from_json(text: str, folder: str | os.PathLike[str] = ".") -> "Scene":
         """The scene of a text of the tool's. Relative names are looked up in ``folder``. Raises InputError."""
-        native, unknown = _chiaro.parse_scene(text, os.path.abspath(folder))
-        return _told(native, unknown, "scene")
+        native, notes = _chiaro.parse_scene(text, os.path.abspath(folder))
+        return _told(native, notes, "scene")
 
     @staticmethod
     def read(path: str | os.PathLike[str], data: str | os.PathLike[str] = "") -> "Scene":
         """The scene of a scene file, or of a picture that carries one. A relative volume is looked up beside the file,
         then in ``data``. Raises InputError."""
-        native, unknown = _chiaro.read_scene(os.fspath(path), os.fspath(data))
-        return _told(native, unknown, os.fspath(path))
+        native, notes = _chiaro.read_scene(os.fspath(path), os.fspath(data))
+        return _told(native, notes, os.fspath(path))
 
     from_picture = read
 
@@ -240,11 +240,11 @@ class HasSettings:
         return [*super().__dir__(), *_settings.table(), *_settings.grouped()]
 
 
-def _told(native: Any, unknown: list[str], name: str) -> Scene:
+def _told(native: Any, notes: list[str], name: str) -> Scene:
     import logging
 
-    for key in unknown:
-        logging.getLogger("chiaro").warning("%s: unknown key %s", name, key)
+    for note in notes:
+        logging.getLogger("chiaro").warning("%s: %s", name, note)
     return Scene._of(native, None)
 
 

@@ -149,13 +149,14 @@ Scene with_settings(const Scene& scene, const std::map<std::string, std::string>
 std::pair<Scene, std::vector<std::string>> parse(const std::string& json, const std::string& folder) {
     std::vector<std::string> unknown;
     Scene scene = parse_scene(json, folder, {}, unknown);
+    for (std::string& key : unknown) key.insert(0, "unknown key ");
     return {std::move(scene), std::move(unknown)};
 }
 
 std::pair<Scene, std::vector<std::string>> read(const std::string& file, const std::string& data) {
-    std::vector<std::string> unknown;
-    Scene scene = read_scene(file, data, unknown);
-    return {std::move(scene), std::move(unknown)};
+    std::vector<std::string> notes;
+    Scene scene = read_scene(file, data, notes);
+    return {std::move(scene), std::move(notes)};
 }
 
 /// Name, gain, whether it is shown, and a transfer function or None, of each channel in turn.

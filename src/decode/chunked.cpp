@@ -38,6 +38,7 @@ Volume read_whole(ChunkedFile& file, Output& output) {
     Volume volume;
     volume.dimensions = header.dimensions, volume.type = header.type, volume.components = header.components;
     volume.component_infos = header.component_infos;
+    volume.slope = header.slope, volume.intercept = header.intercept, volume.modality = header.modality;
     volume.geometry = header.geometry, volume.moments = header.moments;
     volume.format = header.format, volume.notes = header.notes, volume.key_values = header.key_values;
     output.allocate(volume);

@@ -2,7 +2,6 @@
 
 #include "decode/output.h"
 #include "decode/vtk_arrays.h"
-#include "volume/validate.h"
 
 #include <fmt/format.h>
 
@@ -45,26 +44,14 @@ std::vector<double> number_attribute(hid_t object, const char* name, std::size_t
     return values;
 }
 
-/// Points along each axis; sets the geometry, as of a .vti.
+/// Points along each axis; sets the geometry.
 std::array<std::int64_t, 3> set_geometry(hid_t group, Volume& volume) {
-    const auto extent = number_attribute(group, "WholeExtent", 6), origin = number_attribute(group, "Origin", 3),
-               spacing = number_attribute(group, "Spacing", 3);
-    std::vector<double> direction{1, 0, 0, 0, 1, 0, 0, 0, 1};
-    if (H5Aexists(group, "Direction") > 0) direction = number_attribute(group, "Direction", 9);
-    std::array<std::int64_t, 3> points{};
-    Vec3 first;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double begin = extent[2 * axis], end = extent[2 * axis + 1];
-        if (!(begin >= -1e9 && end <= 1e9 && begin <= end)) refuse("its WholeExtent makes no sense");
-        points[axis] = std::int64_t(end) - std::int64_t(begin) + 1;
-        first[int(axis)] = begin;
-        volume.geometry.spacing_mm[int(axis)] = spacing[axis];
-        volume.geometry.direction[axis] = {direction[axis], direction[3 + axis], direction[6 + axis]};
-    }
-    volume.geometry.origin_mm = {origin[0], origin[1], origin[2]};
-    check_geometry(volume.geometry);
-    volume.geometry.origin_mm = volume.geometry.world_from_voxel(first);
-    return points;
+    VtkPlace place{.extent = number_attribute(group, "WholeExtent", 6),
+                   .origin = number_attribute(group, "Origin", 3),
+                   .spacing = number_attribute(group, "Spacing", 3),
+                   .direction = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    if (H5Aexists(group, "Direction") > 0) place.direction = number_attribute(group, "Direction", 9);
+    return set_place(place, volume);
 }
 
 }  // namespace

@@ -1,8 +1,5 @@
 #include "decode/limits.h"
 
-#include "decode/system_calls.h"
-#include "io/wire.h"
-
 #include <fcntl.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -11,7 +8,7 @@
 
 #include <algorithm>
 #include <csignal>
-#include <fstream>
+#include <sstream>
 
 namespace chiaro::decode {
 namespace {
@@ -31,10 +28,13 @@ void be_the_first_to_go() {
 
 /// Bytes of writable memory that no other process sees.
 std::uint64_t own_memory() {
-    std::ifstream statm("/proc/self/statm");
+    static const int file = open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
+    char text[256] = {};
+    if (pread(file, text, sizeof text - 1, 0) <= 0) return 0;
+    std::istringstream columns(text);
     std::uint64_t pages = 0;
-    for (int column = 0; column < 6; ++column) statm >> pages;
-    return statm ? pages * std::uint64_t(sysconf(_SC_PAGESIZE)) : 0;
+    for (int column = 0; column < 6; ++column) columns >> pages;
+    return columns ? pages * std::uint64_t(sysconf(_SC_PAGESIZE)) : 0;
 }
 
 }  // namespace
@@ -61,7 +61,7 @@ void limit_cpu_from_now(unsigned seconds) {
 void limit_this_process(const Limits& limits) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
-    syscall(SYS_close_range, wire::messages_descriptor + 1, ~0u, 0);  // whatever the parent forgot to close
+    syscall(SYS_close_range, limits.last_descriptor + 1, ~0u, 0);  // whatever the parent forgot to close
     be_the_first_to_go();
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // which map terabytes
     constexpr std::uint64_t working_memory = std::uint64_t(1) << 30;
@@ -77,7 +77,8 @@ void limit_this_process(const Limits& limits) {
     signal(SIGXFSZ, SIG_IGN);
     signal(SIGINT, SIG_IGN);  // Ctrl-C reaches the parent too, which ends us
     signal(SIGTERM, SIG_IGN);
-    restrict_system_calls();
+    own_memory();  // which opens what tells it
+    restrict_system_calls(limits.permissions);
 }
 
 }  // namespace chiaro::decode

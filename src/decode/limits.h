@@ -2,12 +2,16 @@
 #pragma once
 #include <cstdint>
 
+#include "decode/system_calls.h"
+
 namespace chiaro::decode {
 
 struct Limits {
     std::uint64_t max_bytes = 0;  ///< of voxels; working memory comes on top
     unsigned cpu_seconds = 0;
     bool is_by_request = false;  ///< of processor time: limit_cpu_from_now may grant more
+    int last_descriptor = 4;     ///< of those that were handed over
+    Permissions permissions{};
 };
 
 /// From now on the process may have so many more bytes of memory of its own than it has: what a library allocates

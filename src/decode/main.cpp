@@ -43,6 +43,19 @@ std::uintmax_t size_of(const char* path) {
     return std::filesystem::is_regular_file(path, none) ? std::filesystem::file_size(path, none) : UINTMAX_MAX;
 }
 
+/// A Zarr store alone is all that its reader sees; of one on a server there is nothing here to see.
+decode::Limits limits_of(const std::string& format, const std::string& path, std::uint64_t max_bytes,
+                         unsigned cpu_seconds, bool serves) {
+    decode::Limits limits{max_bytes, cpu_seconds, serves};
+    if (format != "zarr") return limits;
+    limits.permissions.reads_all = false;
+    if (wire::is_url(path))
+        limits.last_descriptor = wire::fetch_descriptor;
+    else
+        limits.permissions.readable = {path};
+    return limits;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -57,7 +70,7 @@ int main(int argc, char** argv) {
     if (!reader) become_program_for(format, argv);
     const std::uint64_t max_bytes = std::strtoull(argv[4], nullptr, 10);
     const auto cpu_seconds = unsigned(std::strtoul(argv[5], nullptr, 10));
-    decode::limit_this_process({max_bytes, cpu_seconds, serves});
+    decode::limit_this_process(limits_of(format, argv[2], max_bytes, cpu_seconds, serves));
     decode::Output output(max_bytes, int(std::strtol(argv[6], nullptr, 10)));
     try {
         if (!reader) decode::refuse("the program chiaro-decode-" + format + " is missing beside chiaro-decode");

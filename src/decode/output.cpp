@@ -64,11 +64,19 @@ void Output::allocate(Volume& volume) {
     volume.voxels = VoxelBuffer::adopt(mapping, bytes, true);
 }
 
-void Output::progress(double fraction) {
+bool Output::may_report() {
     const auto now = std::chrono::steady_clock::now();
-    if (is_aside_ || now - last_report_ < std::chrono::milliseconds(50)) return;
+    if (is_aside_ || now - last_report_ < std::chrono::milliseconds(50)) return false;
     last_report_ = now;
-    send({{"progress", fraction}});
+    return true;
+}
+
+void Output::progress(double fraction) {
+    if (may_report()) send({{"progress", fraction}});
+}
+
+void Output::go_on() {
+    if (may_report()) send({{"goes_on", true}});
 }
 
 void Output::at(const std::string& file) { send({{"at", file}}); }

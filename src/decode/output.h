@@ -47,6 +47,8 @@ public:
     /// takes more than the permitted bytes; the caller has already made sure that its file can hold that much.
     void allocate(Volume& volume);
     void progress(double fraction);
+    /// Says that bytes come, of which nobody knows how many.
+    void go_on();
     /// Says which of many files is being worked on, so that a crash can be pinned on it.
     void at(const std::string& file);
     void succeed(const Volume& volume);
@@ -56,6 +58,8 @@ public:
     void fail(const std::string& sentence, bool is_too_large = false);
 
 private:
+    bool may_report();
+
     std::uint64_t max_bytes_;
     int moment_;
     bool is_aside_ = false;

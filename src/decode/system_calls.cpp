@@ -5,8 +5,11 @@
 #include <linux/filter.h>
 #include <linux/landlock.h>
 #include <linux/seccomp.h>
+#include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -19,15 +22,36 @@
 namespace chiaro::decode {
 namespace {
 
-/// A set of rules without one that permits: nothing below / may be written to, made, removed or run.
-void forbid_writing_files() {
-    constexpr std::uint64_t of_first_version = (std::uint64_t(LANDLOCK_ACCESS_FS_MAKE_SYM) << 1) - 1;
-    landlock_ruleset_attr rules{};
-    rules.handled_access_fs = of_first_version & ~(LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_READ_DIR);
-    const long set = syscall(SYS_landlock_create_ruleset, &rules, sizeof rules.handled_access_fs, 0);
-    if (set < 0) return;
-    syscall(SYS_landlock_restrict_self, set, 0);
-    close(int(set));
+constexpr std::uint64_t reading = LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_READ_DIR;
+constexpr std::uint64_t of_first_version = (std::uint64_t(LANDLOCK_ACCESS_FS_MAKE_SYM) << 1) - 1;
+
+/// What is below `path`, or the file itself, may be used so; nothing where it is not there.
+void permit_below(int rules, const std::string& path, std::uint64_t access) {
+    const int place = open(path.c_str(), O_PATH | O_CLOEXEC);
+    if (place < 0) return;
+    struct stat status {};
+    if (fstat(place, &status) == 0 && !S_ISDIR(status.st_mode)) access &= LANDLOCK_ACCESS_FS_READ_FILE;
+    landlock_path_beneath_attr rule{};
+    rule.allowed_access = access;
+    rule.parent_fd = place;
+    syscall(SYS_landlock_add_rule, rules, LANDLOCK_RULE_PATH_BENEATH, &rule, 0);
+    close(place);
+}
+
+/// Nothing may be run or written to, nor read where only some may be, but what is named.
+void confine_files(const Permissions& permissions) {
+    landlock_ruleset_attr all{};
+    all.handled_access_fs = permissions.reads_all ? of_first_version & ~reading : of_first_version;
+    const int rules = int(syscall(SYS_landlock_create_ruleset, &all, sizeof all.handled_access_fs, 0));
+    if (rules < 0) return;
+    if (!permissions.reads_all)
+        for (const std::string& path : permissions.readable) permit_below(rules, path, reading);
+    if (!permissions.writable.empty())
+        permit_below(rules, permissions.writable,
+                     all.handled_access_fs & (reading | LANDLOCK_ACCESS_FS_WRITE_FILE | LANDLOCK_ACCESS_FS_MAKE_REG |
+                                              LANDLOCK_ACCESS_FS_REMOVE_FILE));
+    syscall(SYS_landlock_restrict_self, rules, 0);
+    close(rules);
 }
 
 // The sanitizers' own code pipes and clones.
@@ -102,6 +126,17 @@ constexpr std::array allowed{SYS_read,
                              SYS_exit,
                              SYS_exit_group};
 
+/// What a program that speaks to servers needs beside that.
+constexpr std::array network{SYS_connect,    SYS_bind,     SYS_getsockname, SYS_getpeername, SYS_getsockopt,
+                             SYS_setsockopt, SYS_sendto,   SYS_recvfrom,    SYS_sendmsg,     SYS_recvmsg,
+                             SYS_sendmmsg,   SYS_shutdown, SYS_socketpair,  SYS_ioctl,       SYS_ppoll,
+                             SYS_select,     SYS_pselect6, SYS_pipe2,       SYS_rseq};
+
+void permit(Program& program, long call) {
+    program.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, unsigned(call), 0, 1));
+    program.push_back(end_with(SECCOMP_RET_ALLOW));
+}
+
 /// Behind the number of a call, in the accumulator: permits it where argument `index` has none of the bits `forbidden`.
 void permit_without(Program& program, unsigned call, unsigned index, unsigned forbidden) {
     program.insert(
@@ -118,16 +153,35 @@ void permit_signals_to_self(Program& program) {
          BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, unsigned(getpid()), 1, 0), end_with(denied), end_with(SECCOMP_RET_ALLOW)});
 }
 
-void filter_system_calls() {
+/// Sockets of the internet, and of the kernel's list of addresses, and threads, which look names up.
+void permit_network(Program& program) {
+    for (const long call : network) permit(program, call);
+    program.insert(
+        program.end(),
+        {BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_socket, 0, 6), load(offsetof(seccomp_data, args)),
+         BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, AF_INET, 3, 0), BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, AF_INET6, 2, 0),
+         BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, AF_NETLINK, 1, 0), end_with(denied), end_with(SECCOMP_RET_ALLOW)});
+    program.insert(
+        program.end(),
+        {BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_clone, 0, 4), load(offsetof(seccomp_data, args)),
+         BPF_JUMP(BPF_JMP | BPF_JSET | BPF_K, CLONE_THREAD, 1, 0), end_with(denied), end_with(SECCOMP_RET_ALLOW)});
+    // Its arguments cannot be seen from here; the C library takes clone then.
+    program.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_clone3, 0, 1));
+    program.push_back(end_with(SECCOMP_RET_ERRNO | ENOSYS));
+}
+
+void filter_system_calls(const Permissions& permissions) {
     constexpr unsigned writing = O_WRONLY | O_RDWR | O_CREAT | O_TRUNC;
     Program program{load(offsetof(seccomp_data, arch)), BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, AUDIT_ARCH_X86_64, 1, 0),
                     end_with(SECCOMP_RET_KILL_PROCESS), load(offsetof(seccomp_data, nr))};
-    for (const long call : allowed) {
-        program.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, unsigned(call), 0, 1));
-        program.push_back(end_with(SECCOMP_RET_ALLOW));
-    }
-    permit_without(program, SYS_open, 1, writing);
-    permit_without(program, SYS_openat, 2, writing);
+    for (const long call : allowed) permit(program, call);
+    if (permissions.network) permit_network(program);
+    const bool writes = !permissions.writable.empty();
+    permit_without(program, SYS_open, 1, writes ? 0 : writing);
+    permit_without(program, SYS_openat, 2, writes ? 0 : writing);
+    if (writes)
+        for (const long call : {SYS_rename, SYS_renameat, SYS_unlink, SYS_unlinkat, SYS_utimensat})
+            permit(program, call);
     permit_without(program, SYS_mmap, 2, PROT_EXEC);
     permit_without(program, SYS_mprotect, 2, PROT_EXEC);
     permit_without(program, SYS_prlimit64, 0, ~0u);  // of this process alone
@@ -137,14 +191,14 @@ void filter_system_calls() {
     prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &filter);
 }
 #else
-void filter_system_calls() {}
+void filter_system_calls(const Permissions&) {}
 #endif
 
 }  // namespace
 
-void restrict_system_calls() {
-    forbid_writing_files();
-    filter_system_calls();
+void restrict_system_calls(const Permissions& permissions) {
+    confine_files(permissions);
+    filter_system_calls(permissions);
 }
 
 }  // namespace chiaro::decode

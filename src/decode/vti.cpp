@@ -6,7 +6,6 @@
 #include "decode/vti_pieces.h"
 #include "decode/vtk_arrays.h"
 #include "io/xml_attributes.h"
-#include "volume/validate.h"
 
 #include <fmt/format.h>
 
@@ -92,30 +91,14 @@ VtiCoding coding_of(const pugi::xml_node& file) {
     return coding;
 }
 
-/// Points along each axis; sets the geometry. Positions are origin + direction (spacing * index), with the indices of
-/// the extent, which need not begin at 0. Nothing is said about anatomy.
+/// Points along each axis; sets the geometry.
 std::array<std::int64_t, 3> set_geometry(const pugi::xml_node& image, Volume& volume) {
     const auto extent = integers(attribute(image, "WholeExtent", ""), "WholeExtent");
-    if (extent.size() != 6) refuse(fmt::format("its WholeExtent has {} numbers, not 6", extent.size()));
-    const auto origin = numbers(attribute(image, "Origin", "0 0 0"), "Origin"),
-               spacing = numbers(attribute(image, "Spacing", "1 1 1"), "Spacing"),
-               direction = numbers(attribute(image, "Direction", "1 0 0 0 1 0 0 0 1"), "Direction");
-    if (origin.size() != 3 || spacing.size() != 3 || direction.size() != 9)
-        refuse("its Origin, Spacing and Direction are not 3, 3 and 9 numbers");
-    std::array<std::int64_t, 3> points{};
-    Vec3 first;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        if (extent[2 * axis] < -1'000'000'000 || extent[2 * axis + 1] > 1'000'000'000)
-            refuse("its WholeExtent is beyond a thousand million");
-        points[axis] = extent[2 * axis + 1] - extent[2 * axis] + 1;
-        first[int(axis)] = double(extent[2 * axis]);
-        volume.geometry.spacing_mm[int(axis)] = spacing[axis];
-        volume.geometry.direction[axis] = {direction[axis], direction[3 + axis], direction[6 + axis]};
-    }
-    volume.geometry.origin_mm = {origin[0], origin[1], origin[2]};
-    check_geometry(volume.geometry);
-    volume.geometry.origin_mm = volume.geometry.world_from_voxel(first);
-    return points;
+    return set_place({.extent = {extent.begin(), extent.end()},
+                      .origin = numbers(attribute(image, "Origin", "0 0 0"), "Origin"),
+                      .spacing = numbers(attribute(image, "Spacing", "1 1 1"), "Spacing"),
+                      .direction = numbers(attribute(image, "Direction", "1 0 0 0 1 0 0 0 1"), "Direction")},
+                     volume);
 }
 
 std::vector<std::pair<VtkArray, pugi::xml_node>> arrays_of(const pugi::xml_node& piece) {

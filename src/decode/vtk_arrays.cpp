@@ -23,6 +23,28 @@ std::size_t choose_array(const std::vector<VtkArray>& arrays, Volume& volume) {
     return std::size_t(best - arrays.begin());
 }
 
+std::array<std::int64_t, 3> set_place(const VtkPlace& place, Volume& volume) {
+    constexpr double farthest = 1e9;
+    if (place.extent.size() != 6) refuse(fmt::format("its WholeExtent has {} numbers, not 6", place.extent.size()));
+    if (place.origin.size() != 3 || place.spacing.size() != 3 || place.direction.size() != 9)
+        refuse("its Origin, Spacing and Direction are not 3, 3 and 9 numbers");
+    std::array<std::int64_t, 3> points{};
+    Vec3 first;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double begin = place.extent[2 * axis], end = place.extent[2 * axis + 1];
+        if (!(begin >= -farthest && end <= farthest)) refuse("its WholeExtent is beyond a thousand million");
+        if (begin > end) refuse("its WholeExtent makes no sense");
+        points[axis] = std::int64_t(end) - std::int64_t(begin) + 1;
+        first[int(axis)] = begin;
+        volume.geometry.spacing_mm[int(axis)] = place.spacing[axis];
+        volume.geometry.direction[axis] = {place.direction[axis], place.direction[3 + axis], place.direction[6 + axis]};
+    }
+    volume.geometry.origin_mm = {place.origin[0], place.origin[1], place.origin[2]};
+    check_geometry(volume.geometry);
+    volume.geometry.origin_mm = volume.geometry.world_from_voxel(first);
+    return points;
+}
+
 std::uint64_t set_shape(const VtkArray& array, const std::array<std::int64_t, 3>& points, Volume& volume) {
     auto n = points;
     if (array.of_cells) {

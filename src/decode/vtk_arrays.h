@@ -21,6 +21,17 @@ struct VtkArray {
 /// the cells. The others are named in a note. Throws Error{input} where there is none.
 std::size_t choose_array(const std::vector<VtkArray>& arrays, Volume& volume);
 
+/// Where an image stands, by its points: position = origin + direction (spacing * index), with the indices of the
+/// extent, which need not begin at 0. Nothing is said about anatomy.
+struct VtkPlace {
+    std::vector<double> extent;  ///< first and last along each axis, whole numbers
+    std::vector<double> origin, spacing;
+    std::vector<double> direction;  ///< rows of a matrix
+};
+/// Sets the geometry and returns the points along each axis. Throws Error{input} for other than 6, 3, 3 and 9 numbers,
+/// an extent that is none and places that `check_geometry` refuses.
+std::array<std::int64_t, 3> set_place(const VtkPlace& place, Volume& volume);
+
 /// Sets the shape from the number of points along each axis: values of cells are voxels between the points.
 /// Returns the bytes of all voxels; throws Error{input} as checked_bytes does.
 std::uint64_t set_shape(const VtkArray& array, const std::array<std::int64_t, 3>& points, Volume& volume);

@@ -1,4 +1,5 @@
 // OME-Zarr and Zarr: chunks, in files of their own or in shards.
+#include "core/crc32c.h"
 #include "decode/limits.h"
 #include "decode/payload.h"
 #include "decode/readers.h"
@@ -10,12 +11,14 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <optional>
 
 namespace chiaro::decode {
 namespace {
 
 using Place = std::vector<std::int64_t>;
 
+constexpr std::uint64_t most_in_shard = 1 << 22;      // chunks
 constexpr std::uint64_t nothing = ~std::uint64_t(0);  // offset and size, in a shard's index, of a chunk not written
 
 float float_of_half(std::uint16_t half) {
@@ -29,16 +32,19 @@ float float_of_half(std::uint16_t half) {
 /// Offset and size of each chunk in a shard, by its number there.
 using ShardIndex = std::vector<std::pair<std::uint64_t, std::uint64_t>>;
 
-ShardIndex shard_index(const ZarrArray& array, const OpenFile& file) {
+/// The index of the shard in this file; none where there is no such file.
+std::optional<ShardIndex> shard_index(const ZarrArray& array, const ZarrStore& store, const std::string& name) {
     const ZarrShards& shards = *array.shards;
     std::uint64_t count = 1;
     for (const std::int64_t n : shards.chunks)
-        if (__builtin_mul_overflow(count, std::uint64_t(n), &count) || count > file.size() / 16)
-            refuse(fmt::format("has a shard of {} bytes, less than its index takes", file.size()));
+        if (__builtin_mul_overflow(count, std::uint64_t(n), &count) || count > most_in_shard)
+            refuse(fmt::format("has shards of more than {} chunks", most_in_shard));
     const std::uint64_t bytes = 16 * count + (shards.index_has_checksum ? 4 : 0);
-    if (bytes > file.size()) refuse(fmt::format("has a shard of {} bytes, less than its index takes", file.size()));
-    std::vector<std::byte> packed(bytes);
-    file.read(shards.index_is_first ? 0 : file.size() - bytes, packed);
+    std::vector<std::byte> packed;
+    const auto part = shards.index_is_first ? FilePart::range(0, bytes) : FilePart::last(bytes);
+    const auto size = store.read(name, part, packed);
+    if (!size) return {};
+    if (packed.size() < bytes) refuse(fmt::format("has a shard of {} bytes, less than its index takes", *size));
     if (shards.index_has_checksum &&
         crc32c(std::span(packed).first(bytes - 4)) != number_at(packed.data() + bytes - 4, 4))
         refuse("has a shard whose index has a wrong checksum");
@@ -51,8 +57,9 @@ ShardIndex shard_index(const ZarrArray& array, const OpenFile& file) {
 
 class ZarrFile final : public ChunkedFile {
 public:
-    ZarrFile(const std::filesystem::path& path, const std::string& part, const Output& output)
-        : folder_(path), image_(open_zarr_image(folder_, part, output)) {
+    ZarrFile(const std::string& path, const std::string& part, Output& output)
+        : store_(wire::is_url(path) ? open_zarr_on_server(output) : open_zarr_folder(path)),
+          image_(open_zarr_image(*store_, part, output)) {
         header_ = std::move(image_.header);
         std::uint64_t largest = 0;
         for (std::size_t i = 0; i < image_.levels.size(); ++i) {
@@ -99,7 +106,8 @@ private:
     /// Anything but metadata: a store without a single chunk is one that was cut, or is named otherwise.
     bool is_any_there() const {
         const ZarrArray& array = image_.levels[0];
-        for (const std::string& name : folder_.names(array.path))
+        if (!store_->lists_names()) return true;
+        for (const std::string& name : store_->names(array.path))
             if (name != "zarr.json") return true;
         return false;
     }
@@ -110,20 +118,18 @@ private:
         if (array.shards)
             for (std::size_t axis = 0; axis < place.size(); ++axis) file_place[axis] /= array.shards->chunks[axis];
         const std::string name = array.file_of(file_place);
-        const auto file = folder_.open(name);
-        if (!file) return false;
         raw_.resize(array.chunk_bytes());
-        std::uint64_t offset = 0, bytes = file->size();
+        const std::uint64_t most = 2 * largest_packed(raw_.size());
         try {
-            if (array.shards) std::tie(offset, bytes) = place_in_shard(array, level, place, file_place, *file);
-            if (offset == nothing && bytes == nothing) return false;
-            if (offset > file->size() || bytes > file->size() - offset)
-                refuse("has a chunk that would lie outside of its file: it was cut, or its index is damaged");
-            if (bytes > 2 * largest_packed(raw_.size()))
-                refuse(
-                    fmt::format("has a chunk of {} bytes where at most {} can be", bytes, largest_packed(raw_.size())));
-            packed_.resize(bytes);
-            file->read(offset, packed_);
+            FilePart part = FilePart::all(most);
+            if (array.shards) {
+                const auto [offset, bytes] = place_in_shard(array, level, place, file_place, name);
+                if (offset == nothing && bytes == nothing) return false;
+                if (bytes > most) refuse(fmt::format("has a chunk of {} bytes where at most {} can be", bytes, most));
+                part = FilePart::range(offset, bytes);
+            }
+            packed_.clear();
+            if (!(array.shards && part.bytes == 0) && !store_->read(name, part, packed_)) return false;
             unpack(array.codecs, packed_, raw_, spare_);
         } catch (const Error& error) {
             refuse(fmt::format("{} ('{}')", error.what(), name));
@@ -133,13 +139,15 @@ private:
     }
 
     std::pair<std::uint64_t, std::uint64_t> place_in_shard(const ZarrArray& array, int level, const Place& place,
-                                                           const Place& shard, const OpenFile& file) {
+                                                           const Place& shard, const std::string& name) {
         constexpr std::size_t max_kept = 64;
         const std::pair key(level, shard);
         auto found = indices_.find(key);
         if (found == indices_.end()) {
+            auto index = shard_index(array, *store_, name);
+            if (!index) return {nothing, nothing};
             if (indices_.size() >= max_kept) indices_.clear();
-            found = indices_.emplace(key, shard_index(array, file)).first;
+            found = indices_.emplace(key, std::move(*index)).first;
         }
         std::size_t number = 0;
         for (std::size_t axis = 0; axis < place.size(); ++axis)
@@ -177,7 +185,7 @@ private:
         });
     }
 
-    ZarrFolder folder_;
+    std::unique_ptr<ZarrStore> store_;
     ZarrImage image_;
     std::map<std::pair<int, Place>, ShardIndex> indices_;
     std::vector<std::byte> packed_, spare_, raw_;
@@ -187,13 +195,13 @@ private:
 };
 
 std::unique_ptr<ChunkedFile> open_zarr(const std::filesystem::path& path, const std::string& part, Output& output) {
-    return std::make_unique<ZarrFile>(path, part, output);
+    return std::make_unique<ZarrFile>(path.string(), part, output);
 }
 
 }  // namespace
 
 Volume read_zarr(const std::filesystem::path& path, const std::string& part, Output& output) {
-    ZarrFile file(path, part, output);
+    ZarrFile file(path.string(), part, output);
     return read_whole(file, output);
 }
 

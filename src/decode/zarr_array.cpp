@@ -236,20 +236,20 @@ std::string ZarrArray::file_of(const std::vector<std::int64_t>& place) const {
     return joined(path, name);
 }
 
-ZarrNode zarr_node(const ZarrFolder& folder, const std::string& path) {
+ZarrNode zarr_node(const ZarrStore& store, const std::string& path) {
     ZarrNode node{false, 0, {}, json::object()};
-    if (auto metadata = folder.json(joined(path, "zarr.json"))) {
+    if (auto metadata = store.json(joined(path, "zarr.json"))) {
         node.version = 3;
         node.attributes = metadata->value("attributes", json::object());
         node.is_array = metadata->value("node_type", std::string()) == "array";
         node.metadata = std::move(*metadata);
     } else {
-        if (auto array = folder.json(joined(path, ".zarray"))) {
+        if (auto array = store.json(joined(path, ".zarray"))) {
             node.is_array = true, node.version = 2;
             node.metadata = std::move(*array);
         }
-        if (auto attributes = folder.json(joined(path, ".zattrs"))) node.version = 2, node.attributes = *attributes;
-        if (folder.open(joined(path, ".zgroup"))) node.version = 2;
+        if (auto attributes = store.json(joined(path, ".zattrs"))) node.version = 2, node.attributes = *attributes;
+        if (node.version == 0 && store.json(joined(path, ".zgroup"))) node.version = 2;
     }
     if (!node.attributes.is_object()) refuse("states attributes that are no JSON object");
     return node;

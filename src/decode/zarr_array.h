@@ -2,7 +2,7 @@
 #pragma once
 #include "decode/output.h"
 #include "decode/zarr_codecs.h"
-#include "decode/zarr_folder.h"
+#include "decode/zarr_store.h"
 
 #include <optional>
 
@@ -43,7 +43,7 @@ struct ZarrNode {
     nlohmann::json metadata;    ///< of an array
     nlohmann::json attributes;  ///< an object
 };
-ZarrNode zarr_node(const ZarrFolder& folder, const std::string& path);
+ZarrNode zarr_node(const ZarrStore& store, const std::string& path);
 
 /// Throws Error{input} for what is contradictory, or not read, by name.
 ZarrArray zarr_array(const ZarrNode& node, const std::string& path);

@@ -1,5 +1,6 @@
 #include "decode/zarr_codecs.h"
 
+#include "core/crc32c.h"
 #include "decode/output.h"
 
 #include <blosc.h>
@@ -113,21 +114,6 @@ void unpack(const std::vector<Codec>& codecs, std::vector<std::byte>& from, std:
     else if (size == to.size())
         std::ranges::copy(from, to.begin());
     if (size != to.size()) refuse(fmt::format("holds a chunk of {} bytes where {} are needed", size, to.size()));
-}
-
-std::uint32_t crc32c(std::span<const std::byte> bytes) {
-    static const auto table = [] {
-        std::array<std::uint32_t, 256> all{};
-        for (std::uint32_t i = 0; i < 256; ++i) {
-            std::uint32_t value = i;
-            for (int bit = 0; bit < 8; ++bit) value = value >> 1 ^ (value & 1 ? 0x82f63b78 : 0);
-            all[i] = value;
-        }
-        return all;
-    }();
-    std::uint32_t sum = ~0u;
-    for (const std::byte b : bytes) sum = sum >> 8 ^ table[(sum ^ std::uint32_t(b)) & 255];
-    return ~sum;
 }
 
 std::uint64_t number_at(const std::byte* from, std::size_t bytes) {

@@ -22,9 +22,6 @@ void unpack(const std::vector<Codec>& codecs, std::vector<std::byte>& from, std:
 /// The most bytes that so many can have become when they were packed by any of them.
 constexpr std::uint64_t largest_packed(std::uint64_t bytes) { return bytes + bytes / 8 + (1 << 16); }
 
-/// Castagnoli's checksum (RFC 3720, B.4).
-std::uint32_t crc32c(std::span<const std::byte> bytes);
-
 /// Little endian.
 std::uint64_t number_at(const std::byte* from, std::size_t bytes);
 

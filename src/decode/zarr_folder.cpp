@@ -1,8 +1,5 @@
-#include "decode/zarr_folder.h"
-
-#include "core/text.h"
 #include "core/truncated_file.h"
-#include "decode/output.h"
+#include "decode/zarr_store.h"
 
 #include <dirent.h>
 #include <fcntl.h>
@@ -12,43 +9,62 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <span>
+#include <utility>
 
 namespace chiaro::decode {
 namespace {
 
 constexpr int to_a_folder = O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC;
 
-}  // namespace
-
-OpenFile::~OpenFile() {
-    if (number_ >= 0) close(number_);
-}
-
-std::uint64_t OpenFile::size() const {
-    struct stat status {};
-    return fstat(number_, &status) == 0 ? std::uint64_t(status.st_size) : 0;
-}
-
-void OpenFile::read(std::uint64_t offset, std::span<std::byte> to) const {
-    for (std::size_t done = 0; done < to.size();) {
-        const ssize_t n = pread(number_, to.data() + done, to.size() - done, off_t(offset + done));
-        if (n < 0) refuse("reading it fails half-way");
-        if (n == 0) refuse(was_cut);
-        done += std::size_t(n);
+/// An open descriptor.
+class OpenFile {
+public:
+    explicit OpenFile(int number) : number_(number) {}
+    OpenFile(OpenFile&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+    OpenFile& operator=(OpenFile&& other) noexcept {
+        std::swap(number_, other.number_);
+        return *this;
     }
-}
+    ~OpenFile() {
+        if (number_ >= 0) close(number_);
+    }
+    int number() const { return number_; }
+    void read(std::uint64_t offset, std::span<std::byte> to) const {
+        for (std::size_t done = 0; done < to.size();) {
+            const ssize_t n = pread(number_, to.data() + done, to.size() - done, off_t(offset + done));
+            if (n < 0) refuse("reading it fails half-way");
+            if (n == 0) refuse(was_cut);
+            done += std::size_t(n);
+        }
+    }
 
-ZarrFolder::ZarrFolder(const std::filesystem::path& path)
-    : root_(::open(path.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC)) {
-    if (root_.number() < 0) refuse("is a folder that cannot be opened");
-}
+private:
+    int number_;
+};
+
+class ZarrFolder final : public ZarrStore {
+public:
+    explicit ZarrFolder(const std::string& path) : root_(open(path.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC)) {
+        if (root_.number() < 0) refuse("is a folder that cannot be opened");
+    }
+    std::optional<std::uint64_t> read(const std::string& path, FilePart part,
+                                      std::vector<std::byte>& to) const override;
+    std::vector<std::string> names(const std::string& path) const override;
+    bool lists_names() const override { return true; }
+
+private:
+    std::optional<OpenFile> open_last(const std::string& path, int flags) const;
+
+    OpenFile root_;
+};
 
 std::optional<OpenFile> ZarrFolder::open_last(const std::string& path, int flags) const {
+    check(path);
     OpenFile folder(-1);
     for (std::size_t begin = 0;;) {
         const std::size_t end = path.find('/', begin);
         const std::string name = path.substr(begin, end - begin);
-        if (name.empty() || name == "..") refuse(fmt::format("names '{}', which leads out of its folder", path));
         const int at = folder.number() < 0 ? root_.number() : folder.number();
         OpenFile next(openat(at, name.c_str(), end == path.npos ? flags : O_PATH | to_a_folder));
         if (next.number() < 0) {
@@ -65,27 +81,26 @@ std::optional<OpenFile> ZarrFolder::open_last(const std::string& path, int flags
     }
 }
 
-std::optional<OpenFile> ZarrFolder::open(const std::string& path) const {
-    auto file = open_last(path, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
-    struct stat status {};
-    if (file && (fstat(file->number(), &status) != 0 || !S_ISREG(status.st_mode)))
-        refuse(fmt::format("has at '{}' something that is no regular file", path));
-    return file;
-}
-
-std::optional<nlohmann::json> ZarrFolder::json(const std::string& path) const {
-    constexpr std::uint64_t most = 16 << 20;
-    const auto file = open(path);
+std::optional<std::uint64_t> ZarrFolder::read(const std::string& path, FilePart part,
+                                              std::vector<std::byte>& to) const {
+    const auto file = open_last(path, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
     if (!file) return {};
-    if (file->size() > most) refuse(fmt::format("has a '{}' of more than {} MiB", path, most >> 20));
-    std::string text(file->size(), '\0');
-    file->read(0, std::as_writable_bytes(std::span(text)));
-    if (is_deeper_than(64, text)) refuse(fmt::format("has a '{}' that is nested too deeply", path));
-    auto json = nlohmann::json::parse(text, nullptr, false);
-    if (!json.is_object()) refuse(fmt::format("has a '{}' that is no JSON object", path));
-    if (const std::string twice = json_contradiction(text); !twice.empty())
-        refuse(fmt::format("has a '{}' that {}", path, twice));
-    return json;
+    struct stat status {};
+    if (fstat(file->number(), &status) != 0 || !S_ISREG(status.st_mode))
+        refuse(fmt::format("has at '{}' something that is no regular file", path));
+    const auto size = std::uint64_t(status.st_size);
+    if (part.kind == FilePart::Kind::all) {
+        if (size > part.bytes)
+            refuse(fmt::format("has a '{}' of {} bytes where at most {} can be", path, size, part.bytes));
+        part.bytes = size;
+    }
+    part.bytes = part.kind == FilePart::Kind::last ? std::min(part.bytes, size) : part.bytes;
+    const std::uint64_t first = part.kind == FilePart::Kind::last ? size - part.bytes : part.first;
+    if (first > size || part.bytes > size - first)
+        refuse("has a chunk that would lie outside of its file: it was cut, or its index is damaged");
+    to.resize(part.bytes);
+    file->read(first, to);
+    return size;
 }
 
 std::vector<std::string> ZarrFolder::names(const std::string& path) const {
@@ -104,9 +119,8 @@ std::vector<std::string> ZarrFolder::names(const std::string& path) const {
     return names;
 }
 
-std::string joined(const std::string& folder, const std::string& name) {
-    if (folder.empty() || name.empty()) return folder + name;
-    return folder + "/" + name;
-}
+}  // namespace
+
+std::unique_ptr<ZarrStore> open_zarr_folder(const std::string& path) { return std::make_unique<ZarrFolder>(path); }
 
 }  // namespace chiaro::decode

@@ -250,7 +250,7 @@ ZarrImage image_of_array(const ZarrNode& node, const std::string& path, const st
 }
 
 /// `only`: the path of one of its levels, which alone is taken; empty: all.
-ZarrImage image_of_group(const ZarrFolder& folder, const json& attributes, const std::string& path,
+ZarrImage image_of_group(const ZarrStore& store, const json& attributes, const std::string& path,
                          const std::string& only, const std::string& channel, const Output& output) {
     const json multiscales = multiscales_of(attributes);
     const json& multiscale = multiscales[0];
@@ -260,7 +260,7 @@ ZarrImage image_of_group(const ZarrFolder& folder, const json& attributes, const
     for (const json& dataset : multiscale.at("datasets")) {
         const auto level = joined(path, dataset.at("path").get<std::string>());
         if (!only.empty() && level != only) continue;
-        const ZarrNode node = zarr_node(folder, level);
+        const ZarrNode node = zarr_node(store, level);
         if (!node.is_array) refuse(fmt::format("has no array at '{}', one of its levels", level));
         ZarrArray array = zarr_array(node, level);
         if (image.levels.empty()) {
@@ -275,6 +275,7 @@ ZarrImage image_of_group(const ZarrFolder& folder, const json& attributes, const
         add_level(axes, placing, std::move(array), image);
     }
     if (image.levels.empty()) refuse("states no levels");
+    take_own_attributes(attributes, image);
     choose_moment(axes, first, output, image);
     choose_channel(channel, attributes, image);
     for (const int axis : image.space)
@@ -293,20 +294,20 @@ ZarrImage image_of_group(const ZarrFolder& folder, const json& attributes, const
 bool has_image(const ZarrNode& node) { return !multiscales_of(node.attributes).is_null(); }
 
 /// Paths of images in a group, or of arrays where it has no image: its own, and those a folder or two below.
-void collect(const ZarrFolder& folder, const std::string& path, int depth, std::vector<std::string>& images,
+void collect(const ZarrStore& store, const std::string& path, int depth, std::vector<std::string>& images,
              std::vector<std::string>& arrays) {
     constexpr std::size_t most = 1000;
-    for (const std::string& name : folder.names(path)) {
+    for (const std::string& name : store.names(path)) {
         if (images.size() + arrays.size() >= most) return;
         const std::string below = joined(path, name);
         if (name == "labels" || name == "OME" || name.find('.') != name.npos) continue;
-        const ZarrNode node = zarr_node(folder, below);
+        const ZarrNode node = zarr_node(store, below);
         if (node.is_array)
             arrays.push_back(below);
         else if (has_image(node))
             images.push_back(below);
         else if (node.version > 0 && depth > 0)
-            collect(folder, below, depth - 1, images, arrays);
+            collect(store, below, depth - 1, images, arrays);
     }
 }
 
@@ -317,9 +318,9 @@ std::string list_of(const std::vector<std::string>& paths) {
 }
 
 /// What a group without levels of its own shows, and a note of what else it holds.
-std::string chosen_below(const ZarrFolder& folder, const std::string& path, std::vector<std::string>& notes) {
+std::string chosen_below(const ZarrStore& store, const std::string& path, std::vector<std::string>& notes) {
     std::vector<std::string> images, arrays;
-    collect(folder, path, 2, images, arrays);
+    collect(store, path, 2, images, arrays);
     if (images.empty() && arrays.empty()) refuse("holds neither an image nor an array");
     if (images.empty() && arrays.size() > 1)
         refuse(fmt::format("holds {} arrays; name one as STORE#PATH: {}", arrays.size(), list_of(arrays)));
@@ -329,38 +330,38 @@ std::string chosen_below(const ZarrFolder& folder, const std::string& path, std:
     return images.empty() ? arrays[0] : images[0];
 }
 
-void tell_labels(const ZarrFolder& folder, const std::string& path, std::vector<std::string>& notes) {
+void tell_labels(const ZarrStore& store, const std::string& path, std::vector<std::string>& notes) {
     std::vector<std::string> labels;
-    for (const std::string& name : folder.names(joined(path, "labels")))
-        if (has_image(zarr_node(folder, joined(path, "labels/" + name))))
+    for (const std::string& name : store.names(joined(path, "labels")))
+        if (has_image(zarr_node(store, joined(path, "labels/" + name))))
             labels.push_back(joined(path, "labels/" + name));
     if (!labels.empty())
         notes.push_back(fmt::format("has labels beside it (--labels STORE#PATH shows them): {}", list_of(labels)));
 }
 
-ZarrImage image_at(const ZarrFolder& folder, std::string path, const std::string& channel, const Output& output) {
-    ZarrNode node = zarr_node(folder, path);
+ZarrImage image_at(const ZarrStore& store, std::string path, const std::string& channel, const Output& output) {
+    ZarrNode node = zarr_node(store, path);
     std::vector<std::string> notes;
     if (node.version == 0)
         refuse(path.empty() ? "holds no Zarr metadata" : fmt::format("holds no Zarr metadata at '{}'", path));
     if (!node.is_array && !has_image(node)) {
-        path = chosen_below(folder, path, notes);
-        node = zarr_node(folder, path);
+        path = chosen_below(store, path, notes);
+        node = zarr_node(store, path);
     }
     ZarrImage image;
     if (node.is_array) {
         const auto slash = path.rfind('/');
         const std::string group = slash == path.npos ? "" : path.substr(0, slash);
-        const ZarrNode around = path.empty() ? ZarrNode{false, 0, {}, json::object()} : zarr_node(folder, group);
+        const ZarrNode around = path.empty() ? ZarrNode{false, 0, {}, json::object()} : zarr_node(store, group);
         bool is_level = false;
         if (const json multiscales = multiscales_of(around.attributes); !multiscales.is_null())
             for (const json& dataset : multiscales[0].at("datasets"))
                 is_level = is_level || joined(group, dataset.at("path").get<std::string>()) == path;
-        image = is_level ? image_of_group(folder, around.attributes, group, path, channel, output)
+        image = is_level ? image_of_group(store, around.attributes, group, path, channel, output)
                          : image_of_array(node, path, channel, output);
     } else {
-        image = image_of_group(folder, node.attributes, path, "", channel, output);
-        tell_labels(folder, path, notes);
+        image = image_of_group(store, node.attributes, path, "", channel, output);
+        tell_labels(store, path, notes);
     }
     notes.insert(notes.end(), image.header.notes.begin(), image.header.notes.end());
     image.header.notes = notes;
@@ -370,13 +371,13 @@ ZarrImage image_at(const ZarrFolder& folder, std::string path, const std::string
 
 }  // namespace
 
-ZarrImage open_zarr_image(const ZarrFolder& folder, const std::string& part, const Output& output) {
+ZarrImage open_zarr_image(const ZarrStore& store, const std::string& part, const Output& output) {
     const auto at = std::min(part.find('@'), part.size());
     std::string path = part.substr(0, at);
     while (path.starts_with('/')) path.erase(0, 1);
     while (path.ends_with('/')) path.pop_back();
     try {
-        ZarrImage image = image_at(folder, path, part.substr(std::min(at + 1, part.size())), output);
+        ZarrImage image = image_at(store, path, part.substr(std::min(at + 1, part.size())), output);
         Volume& header = image.header;
         const auto n = dimensions_of(image, image.levels[0]);
         header.dimensions = {int(n[0]), int(n[1]), int(n[2])};

@@ -15,8 +15,11 @@ struct ZarrImage {
     Volume header;
 };
 
+/// Orientation, slope, intercept and modality, which `chiaro convert` states of a group. Throws where one is none.
+void take_own_attributes(const nlohmann::json& attributes, ZarrImage& image);
+
 /// `part`: the path of an image or array in the store, and behind '@' a channel by its name or number; may be empty.
 /// Throws Error{input} where there is none, or several arrays, which it names.
-ZarrImage open_zarr_image(const ZarrFolder& folder, const std::string& part, const Output& output);
+ZarrImage open_zarr_image(const ZarrStore& store, const std::string& part, const Output& output);
 
 }  // namespace chiaro::decode

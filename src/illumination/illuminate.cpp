@@ -52,7 +52,9 @@ void check_image(const IlluminationSettings& settings) {
 }
 
 /// What ranks cannot find together.
-void check_shared(const IlluminationSettings& settings) {
+void check_shared(const IlluminationSettings& settings, const Lighting& lighting) {
+    if (lighting.floor.show || lighting.probe.background)
+        throw Error(ErrorCode::usage, "a volume that several ranks share is drawn without floor and background");
     if (settings.method == Method::histogram || settings.method == Method::reference)
         throw Error(
             ErrorCode::usage,
@@ -63,6 +65,17 @@ void check_shared(const IlluminationSettings& settings) {
         throw Error(
             ErrorCode::usage,
             "lighting spao over several ranks is found with the filter automatic, the model corrected and surfaces");
+}
+
+/// The whole field is every rank's: of visibility at most 256 nodes along an axis, where those of every eighth cell are
+/// no more. (transport-grid says so of any volume.)
+IlluminationSettings of_shared_field(IlluminationSettings settings, const DeviceVolume& volume) {
+    constexpr int most = 256, coarsest = 8;
+    const CellGrid cells = make_cell_grid(volume.dimensions(), volume.geometry());
+    const int longest = *std::max_element(cells.count.begin(), cells.count.end());
+    int& subsample = settings.visibility.subsample;
+    while (subsample < coarsest && longest > most * subsample) subsample *= 2;
+    return settings;
 }
 
 IlluminationField light_of(const Device& device, const Medium::Data& medium, const IlluminationSettings& settings,
@@ -247,12 +260,13 @@ std::vector<MethodInfo> list_methods() {
 }
 
 bool illuminate(const Device& given, const Medium& medium, const Prepared& prepared, const Lighting& lighting,
-                const IlluminationSettings& settings, const Sink& sink, Progress& progress,
+                const IlluminationSettings& asked, const Sink& sink, Progress& progress,
                 const IlluminationField& warm) try {
     progress.check();
     const Device device = device_for(given, medium.data());
-    check_image(settings);
-    if (device.is_shared()) check_shared(settings);
+    check_image(asked);
+    if (device.is_shared()) check_shared(asked, lighting);
+    const IlluminationSettings settings = device.is_shared() ? of_shared_field(asked, medium.data().volume) : asked;
     // Paths find their light themselves.
     if (settings.method == Method::none || !is_lit(medium.data().shape.mode) || is_path_traced(settings))
         sink(IlluminationField());

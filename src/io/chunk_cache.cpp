@@ -46,6 +46,16 @@ void ChunkCache::keep(Entry& entry, std::uint64_t key, Chunk chunk) {
     bytes_ += chunk->size();
     entry.chunk = std::move(chunk);
     entry.use = uses_.insert(uses_.begin(), key);
+    let_go();
+}
+
+void ChunkCache::keep_at_most(std::size_t bytes) {
+    const std::lock_guard lock(mutex_);
+    max_bytes_ = bytes;
+    let_go();
+}
+
+void ChunkCache::let_go() {
     while (bytes_ > max_bytes_ && uses_.size() > 1) {
         const auto oldest = entries_.find(uses_.back());
         bytes_ -= oldest->second.chunk->size();

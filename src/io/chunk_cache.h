@@ -18,6 +18,7 @@ class ChunkCache {
 public:
     using Chunk = std::shared_ptr<const VoxelBuffer>;
     explicit ChunkCache(std::size_t max_bytes) : max_bytes_(max_bytes) {}
+    void keep_at_most(std::size_t bytes);
 
     /// The chunk of this key, made by `decode` where it is not there. Throws what that throws.
     Chunk get(std::uint64_t key, const std::function<VoxelBuffer()>& decode);
@@ -29,6 +30,7 @@ private:
         std::list<std::uint64_t>::iterator use;  ///< of those that are there
     };
     void keep(Entry& entry, std::uint64_t key, Chunk chunk);
+    void let_go();
 
     std::size_t max_bytes_, bytes_ = 0;
     std::mutex mutex_;

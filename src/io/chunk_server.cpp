@@ -21,15 +21,6 @@ namespace {
 
 constexpr int max_helpers = 8;
 
-/// A pair of connected ends. The helper's cannot send; to write to one that is gone is no signal.
-std::pair<Descriptor, Descriptor> make_connection() {
-    int ends[2];
-    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
-        throw Error(ErrorCode::output, "cannot start the decoder: no more files can be opened");
-    shutdown(ends[1], SHUT_WR);
-    return {Descriptor(ends[0]), moved_up(Descriptor(ends[1]))};
-}
-
 void check(const Volume& header, const std::vector<ChunkedLevel>& levels) {
     const auto refuse = [](const char* sentence) { throw Error(ErrorCode::input, sentence); };
     if (levels.empty() || levels.front().dimensions != header.dimensions) refuse("the decoder stated no levels");
@@ -58,9 +49,9 @@ public:
         changed_.notify_all();
         thread_.join();
     }
-    std::unique_ptr<HelperProcess> start(const std::vector<std::string>& arguments, int requests, int window) {
-        std::packaged_task<std::unique_ptr<HelperProcess>()> task(
-            [&] { return std::make_unique<HelperProcess>(find_helper(), arguments, requests, window); });
+    /// Calls `start` there, and returns or throws what it does.
+    void call(const std::function<void()>& start) {
+        std::packaged_task<void()> task(start);
         auto made = task.get_future();
         {
             std::unique_lock lock(mutex_);
@@ -68,7 +59,7 @@ public:
             task_ = &task;
         }
         changed_.notify_all();
-        return made.get();
+        made.get();
     }
 
 private:
@@ -86,7 +77,7 @@ private:
 
     std::mutex mutex_;
     std::condition_variable changed_;
-    std::packaged_task<std::unique_ptr<HelperProcess>()>* task_ = nullptr;
+    std::packaged_task<void()>* task_ = nullptr;
     bool is_over_ = false;
     std::thread thread_;
 };
@@ -94,10 +85,15 @@ private:
 /// One program, the connection that it is asked by, and the memory that both see.
 class ChunkServer::Helper {
 public:
-    Helper(Starter& starter, const std::vector<std::string>& arguments) : window_(make_memory_file("chiaro chunk")) {
+    /// `fetch`: a connection to the program that fetches, if any. The helper cannot send on that which it is asked by.
+    Helper(const std::vector<std::string>& arguments, const Descriptor& fetch, int fetcher)
+        : fetcher_(fetcher), window_(make_memory_file("chiaro chunk")) {
         auto [ours, theirs] = make_connection();
+        shutdown(theirs.number(), SHUT_WR);
         requests_ = std::move(ours);
-        process_ = starter.start(arguments, theirs.number(), window_.number());
+        process_ = std::make_unique<HelperProcess>(
+            find_helper(), arguments,
+            HandedOver{.standard_input = theirs.number(), .voxels = window_.number(), .fetch = fetch.number()});
     }
     Helper(const Helper&) = delete;
     Helper& operator=(const Helper&) = delete;
@@ -106,6 +102,7 @@ public:
     }
 
     HelperProcess& process() { return *process_; }
+    int fetcher() const { return fetcher_; }  ///< the number of that which it asks; 0: none
     std::span<const std::byte> window() const { return mapped_; }
 
     /// From now on it can neither shrink nor grow.
@@ -127,6 +124,7 @@ public:
     }
 
 private:
+    int fetcher_;
     Descriptor window_, requests_;
     std::unique_ptr<HelperProcess> process_;
     std::span<const std::byte> mapped_;
@@ -157,7 +155,12 @@ ChunkServer::~ChunkServer() = default;
 std::unique_ptr<ChunkServer::Helper> ChunkServer::started() {
     auto arguments = helper_arguments(request_, options_, 3 * largest_chunk_bytes);
     arguments.push_back("serve");
-    auto helper = std::make_unique<Helper>(*starter_, arguments);
+    std::unique_ptr<Helper> helper;
+    starter_->call([&] {
+        int fetcher = 0;
+        const Descriptor fetch = fetch_connection(fetcher);
+        helper = std::make_unique<Helper>(arguments, fetch, fetcher);
+    });
     Progress progress;
     auto answer = next_answer(helper->process(), request_, options_, progress);
     if (!answer_) {
@@ -195,11 +198,31 @@ void ChunkServer::count_loss(const char* sentence) {
     one_is_free_.notify_all();
 }
 
+/// Starts the program that fetches where there is none any more.
+Descriptor ChunkServer::fetch_connection(int& number) {
+    if (!request_.is_on_server()) return {};
+    const std::lock_guard lock(mutex_);
+    if (!fetcher_ || fetcher_->has_ended()) {
+        if (fetchers_ > max_restarts)
+            throw Error(ErrorCode::input, sentence_about(request_, "the program that fetches it ends again and again"));
+        fetcher_.reset();
+        fetcher_ = std::make_unique<Fetcher>(request_.path, request_.may_be_private);
+        ++fetchers_;
+    }
+    number = fetchers_;
+    return fetcher_->connection();
+}
+
+bool ChunkServer::is_fetcher_lost(int number) {
+    const std::lock_guard lock(mutex_);
+    return number > 0 && (number != fetchers_ || fetcher_->has_ended());
+}
+
 void ChunkServer::decode(int level, const std::array<int, 3>& chunk,
                          const std::function<void(std::span<const std::byte>)>& use) {
     std::unique_ptr<Helper> helper = take_free();
     ReadOptions options = options_;
-    options.seconds = options.stall_seconds;  // for one chunk
+    if (!request_.is_on_server()) options.seconds = options.stall_seconds;  // for one chunk
     try {
         if (!helper) helper = started();
         helper->ask(fmt::format("{} {} {} {}\n", level, chunk[0], chunk[1], chunk[2]));
@@ -210,6 +233,11 @@ void ChunkServer::decode(int level, const std::array<int, 3>& chunk,
         helper.reset();
         count_loss(error.what());
         give_back(nullptr);
+        throw;
+    } catch (const Error& error) {
+        const bool is_busy = error.code() == ErrorCode::interrupted;  // it will answer when nobody asks any more
+        if (helper && (is_busy || is_fetcher_lost(helper->fetcher()))) helper.reset();
+        give_back(std::move(helper));
         throw;
     } catch (...) {
         give_back(std::move(helper));

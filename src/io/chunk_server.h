@@ -6,6 +6,7 @@
 #include <mutex>
 #include <span>
 
+#include "io/fetcher.h"
 #include "io/helper.h"
 
 namespace chiaro {
@@ -20,6 +21,7 @@ public:
 
     const Volume& header() const { return header_; }  ///< of level 0, of the file's own type
     const std::vector<ChunkedLevel>& levels() const { return levels_; }
+    bool is_on_server() const { return request_.is_on_server(); }
 
     /// Calls `use` with the chunk's voxels, x fastest, of the header's type. May be called from several threads at a
     /// time; each waits for a program that has nothing else to do. Throws Error{input} where the chunk cannot be
@@ -34,10 +36,14 @@ private:
     std::unique_ptr<Helper> take_free();
     void give_back(std::unique_ptr<Helper> helper);
     void count_loss(const char* sentence);
+    Descriptor fetch_connection(int& number);
+    bool is_fetcher_lost(int number);
 
     DecodeRequest request_;
     ReadOptions options_;
     std::unique_ptr<Starter> starter_;
+    std::unique_ptr<Fetcher> fetcher_;        ///< of what lies on a server; the starter's
+    int fetchers_ = 0;                        ///< that were started
     std::unique_ptr<nlohmann::json> answer_;  ///< the first program's, which each later one must give
     Volume header_;
     std::vector<ChunkedLevel> levels_;

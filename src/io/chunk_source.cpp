@@ -70,6 +70,14 @@ public:
         return size;
     }
 
+    std::size_t keep_decoded(std::size_t max_bytes) const override {
+        const std::size_t bytes = std::min(max_bytes, cache_bytes);
+        cache_.keep_at_most(bytes);
+        return bytes;
+    }
+
+    bool is_far() const override { return server_->is_on_server(); }
+
 private:
     void copy_share(int file_level, const Lattice& lattice, const std::array<int, 3>& chunk, const VoxelBox& box,
                     std::byte* to) const {

@@ -46,8 +46,13 @@ private:
         for (int z = 0; z < box.size[2]; ++z)
             for (int y = 0; y < box.size[1]; ++y) {
                 const std::uint64_t line = place(2, box.first[2] + z) * std::uint64_t(ny) + place(1, box.first[1] + y);
-                read_bytes(row.data(), row.size() * sizeof(Stored),
-                           (line * std::uint64_t(nx) + place(0, box.first[0])) * sizeof(Stored));
+                const std::uint64_t at = (line * std::uint64_t(nx) + place(0, box.first[0])) * sizeof(Stored);
+                if (std::is_same_v<Stored, Kept> && step == 1 && !voxels_.big_endian) {
+                    read_bytes(out, row.size() * sizeof(Stored), at);
+                    out += row.size();
+                    continue;
+                }
+                read_bytes(row.data(), row.size() * sizeof(Stored), at);
                 for (int x = 0; x < box.size[0]; ++x) *out++ = Kept(native(row[std::size_t(x) * step]));
             }
     }

@@ -1,6 +1,8 @@
 #include "io/helper.h"
 
+#include "core/cancel.h"
 #include "core/text.h"
+#include "io/fetcher.h"
 #include "io/helper_process.h"
 #include "io/memory.h"
 #include "io/spill.h"
@@ -16,6 +18,7 @@
 #include <algorithm>
 #include <csignal>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 namespace chiaro {
 namespace {
@@ -58,6 +61,7 @@ public:
         std::string line;
         for (;;) {
             progress_.check();
+            check_cancelled();
             const auto event = helper.next(line, std::chrono::milliseconds(20));
             if (event == HelperProcess::Event::ended) {
                 const int signal = helper.ending_signal();
@@ -127,8 +131,15 @@ Volume checked_volume(const nlohmann::json& header, const Place& place) {
 
 /// What the helper answers. It is gone then, so that nobody else writes into the voxels any more.
 nlohmann::json ask(const Place& place, const DecodeRequest& request, const ReadOptions& options, Progress& progress) {
-    HelperProcess helper(find_helper(), helper_arguments(request, options, place.max_bytes), request.standard_input,
-                         place.file.number());
+    std::optional<Fetcher> fetcher;
+    HandedOver handed_over{.standard_input = request.standard_input, .voxels = place.file.number()};
+    Descriptor fetch;
+    if (request.is_on_server()) {
+        fetcher.emplace(request.path, request.may_be_private);
+        fetch = fetcher->connection();
+        handed_over.fetch = fetch.number();
+    }
+    HelperProcess helper(find_helper(), helper_arguments(request, options, place.max_bytes), handed_over);
     return next_answer(helper, request, options, progress);
 }
 

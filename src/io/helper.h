@@ -16,9 +16,12 @@ namespace chiaro {
 struct DecodeRequest {
     std::string format;  ///< as decode/main.cpp names them
     std::string path;
-    std::string name;         ///< for messages
-    std::string part;         ///< a DICOM series, an HDF5 dataset; empty: whatever there is
-    int standard_input = -1;  ///< a file that the helper finds as its standard input, if any
+    std::string name;             ///< for messages
+    std::string part;             ///< a DICOM series, an HDF5 dataset; empty: whatever there is
+    int standard_input = -1;      ///< a file that the helper finds as its standard input, if any
+    bool may_be_private = false;  ///< of a URL: its host may be of this machine or a private net
+
+    bool is_on_server() const { return wire::is_url(path); }
 };
 
 /// The helper is gone, or of no more use.

@@ -8,6 +8,7 @@
 #include <poll.h>
 #include <spawn.h>
 #include <sys/mman.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -61,40 +62,51 @@ Descriptor make_memory_file(const char* name) {
     return file;
 }
 
-std::filesystem::path find_helper() {
+std::pair<Descriptor, Descriptor> make_connection() {
+    int ends[2];
+    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
+        throw Error(ErrorCode::output, "cannot start the decoder: no more files can be opened");
+    return {moved_up(Descriptor(ends[0])), moved_up(Descriptor(ends[1]))};
+}
+
+std::filesystem::path find_helper(const std::string& name) {
     std::error_code ignored;
     std::vector<std::filesystem::path> places;
-    if (const char* stated = std::getenv("CHIARO_DECODE")) places.emplace_back(stated);
+    if (const char* stated = std::getenv(name == "chiaro-fetch" ? "CHIARO_FETCH" : "CHIARO_DECODE"))
+        places.emplace_back(stated);
     // Of the library that asks, where it is one: what is loaded into another program brings its helpers along.
     Dl_info library{};
     if (dladdr(reinterpret_cast<const void*>(&find_helper), &library) && library.dli_fname[0] == '/') {
         const auto folder = std::filesystem::path(library.dli_fname).parent_path();
-        for (const char* place : {"chiaro-decode", "../chiaro-decode", "../libexec/chiaro/chiaro-decode"})
-            places.push_back(folder / place);
+        for (const char* place : {"", "..", "../libexec/chiaro"}) places.push_back(folder / place / name);
     }
     if (const auto self = std::filesystem::read_symlink("/proc/self/exe", ignored); !self.empty()) {
-        places.push_back(self.parent_path() / "chiaro-decode");
-        places.push_back(self.parent_path() / "../libexec/chiaro/chiaro-decode");
+        places.push_back(self.parent_path() / name);
+        places.push_back(self.parent_path() / "../libexec/chiaro" / name);
     }
-    places.emplace_back(CHIARO_DECODE_PATH);
+    places.push_back(std::filesystem::path(CHIARO_DECODE_PATH).replace_filename(name));
     for (const auto& place : places)
         if (access(place.c_str(), X_OK) == 0 && std::filesystem::is_regular_file(place, ignored)) return place;
-    throw Error(ErrorCode::internal,
-                "the program chiaro-decode is missing; it belongs beside this one (or name it in CHIARO_DECODE)");
+    throw Error(ErrorCode::internal, "the program " + name + " is missing; it belongs beside this one (or name it in " +
+                                         (name == "chiaro-fetch" ? "CHIARO_FETCH)" : "CHIARO_DECODE)"));
 }
 
 HelperProcess::HelperProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-                             int standard_input, int voxels) {
+                             const HandedOver& handed_over) {
     auto [reading, writing] = make_pipe();
     FileActions actions;
-    if (standard_input >= 0)
-        actions.hand_over(standard_input, STDIN_FILENO);
-    else
-        actions.open_null(STDIN_FILENO, O_RDONLY);
+    const auto hand_over = [&](int number, int as, int flags) {
+        if (number >= 0)
+            actions.hand_over(number, as);
+        else
+            actions.open_null(as, flags);
+    };
+    hand_over(handed_over.standard_input, STDIN_FILENO, O_RDONLY);
     actions.open_null(STDOUT_FILENO, O_WRONLY);
     actions.open_null(STDERR_FILENO, O_WRONLY);
-    actions.hand_over(voxels, wire::voxels_descriptor);
+    hand_over(handed_over.voxels, wire::voxels_descriptor, O_RDONLY);
     actions.hand_over(writing.number(), wire::messages_descriptor);
+    hand_over(handed_over.fetch, wire::fetch_descriptor, O_RDONLY);
     std::vector<char*> words{const_cast<char*>(program.c_str())};
     for (const auto& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
     words.push_back(nullptr);

@@ -34,16 +34,24 @@ Descriptor moved_up(Descriptor descriptor);
 /// A memory file; sealing makes sure that it can no longer shrink below a mapping. Throws Error{output}.
 Descriptor make_memory_file(const char* name);
 
-/// Where chiaro-decode is: the variable CHIARO_DECODE, beside the running program, ../libexec/chiaro, or where this
-/// build put it. Throws Error{internal} if nowhere.
-std::filesystem::path find_helper();
+/// Two connected ends, to be handed over or kept. Throws Error{output}.
+std::pair<Descriptor, Descriptor> make_connection();
+
+/// Where chiaro-decode or chiaro-fetch is: the variable CHIARO_DECODE or CHIARO_FETCH, beside the running program,
+/// ../libexec/chiaro, or where this build put it. Throws Error{internal} if nowhere.
+std::filesystem::path find_helper(const std::string& name = "chiaro-decode");
+
+/// What a program finds open, each by its number here; -1: nothing. io/wire.h has their numbers there.
+struct HandedOver {
+    int standard_input = -1, voxels = -1, fetch = -1;
+};
 
 /// A running helper. Destroyed, it is killed and waited for: no zombies.
 class HelperProcess {
 public:
     /// Throws Error{output} when it cannot be started.
-    HelperProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments, int standard_input,
-                  int voxels);
+    HelperProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                  const HandedOver& handed_over);
     HelperProcess(const HelperProcess&) = delete;
     HelperProcess& operator=(const HelperProcess&) = delete;
     ~HelperProcess();

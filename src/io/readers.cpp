@@ -3,6 +3,7 @@
 #include "core/text.h"
 #include "core/threads.h"
 #include "io/chunk_source.h"
+#include "io/fetcher.h"
 #include "io/file_source.h"
 #include "io/helper.h"
 #include "io/moment_files.h"
@@ -40,6 +41,10 @@ bool is_zarr_folder(const std::string& folder) {
 }  // namespace
 
 std::pair<std::string, std::string> split_volume_name(const std::string& name) {
+    if (wire::is_url(name)) {
+        const auto at = std::min(name.find('#'), name.size());
+        return {name.substr(0, at), at + 1 < name.size() ? "/" + name.substr(at + 1) : ""};
+    }
     std::error_code error;
     if (fs::exists(name, error)) return {name, ""};
     for (const std::string mark : {":/", "#"})
@@ -113,6 +118,10 @@ Candidate examine(const std::string& stated_name, const ReadOptions& options) {
                         .beginning = {},
                         .raw_stated = options.raw.dimensions.has_value()};
     if (name == "-" || name.starts_with("sample:")) return candidate;
+    if (wire::is_url(name)) {
+        candidate.name = checked_url(name);
+        return candidate;
+    }
     std::error_code error;
     const auto status = fs::status(name, error);
     candidate.is_folder = fs::is_directory(status);
@@ -146,7 +155,8 @@ Volume read_standard_input(const Candidate&, const ReadOptions& options, Progres
 auto decoded_as(const std::string& format) {
     return [format](const Candidate& candidate, const ReadOptions& options, Progress& progress) {
         const std::string& part = format == "dicom" ? options.series : candidate.part;
-        return decode_isolated({format, candidate.name, candidate.name, part}, options, progress);
+        return decode_isolated({format, candidate.name, candidate.name, part, -1, options.private_addresses}, options,
+                               progress);
     };
 }
 
@@ -156,10 +166,10 @@ std::vector<Reader> readers() {
         {{"standard input", "-", "NRRD with its data inside"},
          [](auto& c) { return c.name == "-"; },
          read_standard_input},
-        {{"OME-Zarr", "folder",
+        {{"OME-Zarr", "folder, http:// https://",
           "versions 0.4 and 0.5, or one Zarr array; store.zarr#path for another image, store.zarr#path@n for a "
           "channel"},
-         [](auto& c) { return c.is_folder && is_zarr_folder(c.name); },
+         [](auto& c) { return wire::is_url(c.name) || (c.is_folder && is_zarr_folder(c.name)); },
          decoded_as("zarr")},
         {{"TIFF", "folder, .tif .tiff", "slices in the order of their names, or one file of several pages"},
          [](auto& c) {
@@ -327,7 +337,8 @@ std::shared_ptr<const BrickSource> open_brick_source(const std::string& name, co
                             {"VTK", "vtk", false},   {"HDF5", "hdf5", true},       {"OME-Zarr", "zarr", true}};
     const auto way = std::ranges::find_if(ways, [&](const Way& w) { return reader && reader->info.name == w.name; });
     if (way == std::end(ways) || (options.time > 0 && !way->is_chunked)) return {};
-    const DecodeRequest request{way->format, candidate.name, candidate.name, candidate.part};
+    const DecodeRequest request{way->format, candidate.name,           candidate.name, candidate.part,
+                                -1,          options.private_addresses};
     try {
         if (way->is_chunked) return open_chunk_source(request, options, finish);
         Progress progress;

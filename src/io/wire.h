@@ -5,12 +5,19 @@
 //   {"volume": {...}}       at the end; the voxels lie in the memory file then, or, where their place was asked for,
 //                           as "place": {"path", "offset", "big_endian"} says
 // A program that serves chunks sends {"volume": {...}, "levels": [...]} first, and then, for each line "LEVEL X Y Z" of
-// its standard input, {"chunk": whether it was ever written} once the memory file holds it, or an error.
+// its standard input, {"chunk": whether it was ever written} once the memory file holds it, or an error. One that waits
+// for a server sends {"goes_on": true} as bytes come.
+//
+// What lies on a server is fetched by chiaro-fetch, which a decoder asks on a connection of its own for files below one
+// address, a line each: "all BYTES PATH" (at most so many), "range FIRST BYTES PATH" or "last BYTES PATH" (at most so
+// many). The answer: any number of "wait", then "part BYTES SIZE" with so many bytes behind it, of a file of SIZE; or
+// "none STATUS", HTTP's for a file that is not there or forbidden; or "fault SENTENCE".
 #pragma once
 #include <chiaro/volume.h>
 
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <string_view>
 
 namespace chiaro {
 
@@ -42,7 +49,10 @@ inline constexpr std::uint64_t largest_chunk_bytes = std::uint64_t(1) << 30;
 namespace chiaro::wire {
 
 /// File descriptors that the helper finds open.
-constexpr int voxels_descriptor = 3, messages_descriptor = 4;
+constexpr int voxels_descriptor = 3, messages_descriptor = 4, fetch_descriptor = 5;
+
+/// Whether a volume lies on a server.
+inline bool is_url(std::string_view name) { return name.starts_with("http://") || name.starts_with("https://"); }
 
 /// Everything of a volume but its voxels.
 nlohmann::json header_to_json(const Volume& volume);

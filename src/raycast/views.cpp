@@ -26,6 +26,22 @@ Vec3 half_vector(Vec3 to_light, const Camera& camera) {
     return length(sum) > 1e-9 ? normalized(sum) : to_light;
 }
 
+/// How far before its own block a rank begins to march, so that its rays have met the surfaces that the whole one has:
+/// one follows upon the other, along a wall for as long as that is. As far as ghosts reach, but for what gradients
+/// take.
+double run_in_voxels(const DeviceVolume::Data& volume) {
+    constexpr int of_gradients = 2;
+    const Placement& place = *volume.placement;
+    int ghosts = std::numeric_limits<int>::max();
+    for (std::size_t a = 0; a < 3; ++a) {
+        const int held = volume.held.first[a], end = held + volume.held.size[a];
+        if (held > 0) ghosts = std::min(ghosts, place.own_first[a] - held);
+        if (end < volume.dimensions[a]) ghosts = std::min(ghosts, end - place.own_end[a]);
+    }
+    const int longest = *std::max_element(volume.dimensions.begin(), volume.dimensions.end());
+    return std::clamp(ghosts - of_gradients, 0, 2 * longest);
+}
+
 }  // namespace
 
 double half_width(const Camera& camera, int width, int height) {
@@ -239,10 +255,8 @@ kernel::OwnBox own_box(const Medium::Data& medium, double step_voxels) {
     const DeviceVolume::Data& volume = medium.volume.data();
     if (!volume.placement) return {};
     constexpr float beyond = 1e6f;
-    constexpr double run_in =
-        3 * surface_reach;  // met surfaces follow upon each other: with 1 × tubes are .8 of 255 off
     const Placement& place = *volume.placement;
-    const int before = is_lit(medium.shape.mode) ? int(std::ceil(run_in / step_voxels)) : 0;
+    const int before = is_lit(medium.shape.mode) ? int(run_in_voxels(volume) / step_voxels) : 0;
     kernel::OwnBox box{.low = {}, .high = {}, .before = before, .on = 1};
     const auto low = [&](std::size_t a) { return place.own_first[a] > 0 ? float(place.own_first[a]) : -beyond; };
     const auto high = [&](std::size_t a) {

@@ -13,10 +13,13 @@
 namespace chiaro {
 namespace {
 
-constexpr double pixels_a_voxel = 1.5;      // at most, where something is seen
-constexpr double share_of_whole = 1.0 / 3;  // of the budget, for the level that is there as a whole
-constexpr double share_of_table = 1.0 / 4;  // of what is left, at most, for the table of a level's bricks
-constexpr double max_slots = 8e6;           // whose cells 32 bits can number
+constexpr double pixels_a_voxel = 1.5;         // at most, where something is seen
+constexpr double share_of_whole = 1.0 / 3;     // of the budget, for the level that is there as a whole
+constexpr double share_of_table = 1.0 / 4;     // of what is left, at most, for the table of a level's bricks
+constexpr double share_of_decoded = 1.0 / 16;  // for what the source keeps, at most
+constexpr double share_of_fetched = 1.0 / 8;   // ... of what came over a network
+constexpr int far_edge = 256;                  // of what is read as a whole over a network
+constexpr double max_slots = 8e6;              // whose cells 32 bits can number
 
 int level_within(const BrickSource& source, int finest, double bytes) {
     const auto& levels = source.levels();
@@ -96,8 +99,18 @@ double PagingSettings::budget_bytes() const {
     return memory_bytes > 0 ? double(memory_bytes) : 0.5 * double(available_memory());
 }
 
+namespace {
+
+/// Whether a level as a whole would have a picture wait for a network.
+bool is_too_far(const BrickSource& source, int level, const PagingSettings& settings) {
+    const auto& n = source.levels()[std::size_t(level)].dimensions;
+    return source.is_far() && !settings.exact && *std::max_element(n.begin(), n.end()) > far_edge;
+}
+
+}  // namespace
+
 bool fits(const BrickSource& source, const PagingSettings& settings) {
-    return settings.finest_level == 0 &&
+    return settings.finest_level == 0 && !is_too_far(source, 0, settings) &&
            whole_volume_bytes(source.header().dimensions, source.header().type) <= settings.budget_bytes();
 }
 
@@ -107,8 +120,12 @@ Refiner::Refiner(std::shared_ptr<const BrickSource> source, const PagingSettings
       is_exact_(settings.exact),
       finest_level_(std::min(settings.finest_level, int(source_->levels().size()) - 1)),
       whole_level_(level_within(*source_, finest_level_, memory_bytes_)) {
+    memory_bytes_ -= double(
+        source_->keep_decoded(std::size_t((source_->is_far() ? share_of_fetched : share_of_decoded) * memory_bytes_)));
     if (whole_level_ > finest_level_)
         whole_level_ = level_within(*source_, finest_level_, share_of_whole * memory_bytes_);
+    while (whole_level_ + 1 < int(source_->levels().size()) && is_too_far(*source_, whole_level_, settings))
+        ++whole_level_;
 }
 
 DeviceVolume Refiner::with_exact_range(const DeviceVolume& whole, Progress& progress) {

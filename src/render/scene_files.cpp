@@ -8,6 +8,7 @@
 
 #include "core/file_contents.h"
 #include "core/text.h"
+#include "io/wire.h"
 
 namespace chiaro {
 namespace fs = std::filesystem;
@@ -15,7 +16,9 @@ namespace {
 
 constexpr std::uintmax_t max_scene_bytes = 64u << 20;
 
-bool names_no_file(const std::string& name) { return name.empty() || name == "-" || name.starts_with("sample:"); }
+bool names_no_file(const std::string& name) {
+    return name.empty() || name == "-" || name.starts_with("sample:") || wire::is_url(name);
+}
 
 std::string text_in(const Metadata& metadata, const fs::path& file) {
     for (const auto& [key, text] : metadata)
@@ -74,12 +77,15 @@ Scene seen_from(Scene scene, const fs::path& folder) {
     return scene;
 }
 
-Scene read_scene(const fs::path& file, const fs::path& data_folder, std::vector<std::string>& unknown_keys) {
-    if (std::vector<std::string> notes; file.extension() == ".pvsm")
-        return read_paraview_state(file, data_folder, notes);
+Scene read_scene(const fs::path& file, const fs::path& data_folder, std::vector<std::string>& notes) {
+    if (file.extension() == ".pvsm") return read_paraview_state(file, data_folder, notes);
     const std::string text = text_of(file);
     try {
-        return parse_scene(text, file.parent_path(), data_folder, unknown_keys);
+        std::vector<std::string> unknown_keys;
+        Scene scene = parse_scene(text, file.parent_path(), data_folder, unknown_keys);
+        notes.clear();
+        for (const std::string& key : unknown_keys) notes.push_back("unknown key " + key);
+        return scene;
     } catch (const Error& error) {
         throw Error(error.code(), fmt::format("{}: {}", file.string(), one_line(error.what(), 1000)));
     }

@@ -76,7 +76,7 @@ std::vector<Volume> read_channels(const Scene& scene, Progress& progress) {
         all = components_of(first), first = Volume();
     for (const ChannelSettings& channel : scene.channels) {
         if (channel.file.empty()) continue;
-        Volume volume = read_volume(channel.file, ReadOptions(), progress);
+        Volume volume = read_volume(channel.file, {.private_addresses = scene.read.private_addresses}, progress);
         if (volume.components > 1)
             throw Error(ErrorCode::input, fmt::format("{}: has {} values a voxel, where a channel has one",
                                                       volume.source, volume.components));
@@ -92,7 +92,7 @@ std::vector<Volume> read_channels(const Scene& scene, Progress& progress) {
 }
 
 LabelVolume read_labels(const Scene& scene, Progress& progress) {
-    ReadOptions options;
+    ReadOptions options{.private_addresses = scene.read.private_addresses};
     if (scene.labels.source == scene.volume) options = scene.read;
     options.time = 0;
     LabelVolume labels;

@@ -63,6 +63,9 @@ std::array<int, 3> BrickSource::piece(int level) const {
     return {n[0], n[1], 1};
 }
 
+std::size_t BrickSource::keep_decoded(std::size_t) const { return 0; }
+bool BrickSource::is_far() const { return false; }
+
 BrickSource::BrickSource(Volume header, std::vector<SourceLevel> levels)
     : header_(std::move(header)), levels_(std::move(levels)) {}
 BrickSource::~BrickSource() = default;

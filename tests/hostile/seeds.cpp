@@ -98,6 +98,32 @@ void add_dicom(std::vector<Seed>& all) {
     all.push_back({.name = "b.dcm", .bytes = second.bytes(), .beside = {{"a.dcm", first.bytes()}}, .opened = "."});
 }
 
+/// VTK's files that name others: each is damaged while those are whole, and one of those while it is.
+void add_named_vtk(std::vector<Seed>& all) {
+    const auto piece = [](const std::string& extent, std::size_t voxels) {
+        Vti part{.arrays = {{.values = std::string(voxels, 'v')}}};
+        part.extent = extent;
+        return part.bytes();
+    };
+    const std::string left = piece("0 1 0 2 0 1", 12), right = piece("1 3 0 2 0 1", 18);
+    const std::string pieces =
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"PImageData\">\n<PImageData WholeExtent=\"0 3 0 2 0 1\" "
+        "GhostLevel=\"1\" Origin=\"1 2 3\" Spacing=\"0.5 2 3\">\n"
+        "<Piece Extent=\"0 1 0 2 0 1\" Source=\"left.vti\"/>\n<Piece Extent=\"1 3 0 2 0 1\" Source=\"right.vti\"/>\n"
+        "</PImageData>\n</VTKFile>\n";
+    const std::string moments =
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\">\n<Collection>\n"
+        "<DataSet timestep=\"0.5\" group=\"\" part=\"0\" file=\"pieces.pvti\"/>\n"
+        "<DataSet timestep=\"2\" group=\"\" part=\"0\" file=\"left.vti\"/>\n</Collection>\n</VTKFile>\n";
+    const auto add = [&](const std::string& name, const std::string& bytes, const std::string& opened,
+                         std::vector<std::pair<std::string, std::string>> beside) {
+        all.push_back({.name = name, .bytes = bytes, .beside = std::move(beside), .opened = opened, .is_text = true});
+    };
+    add("pieces.pvti", pieces, "", {{"left.vti", left}, {"right.vti", right}});
+    add("right.vti", right, "pieces.pvti", {{"left.vti", left}, {"pieces.pvti", pieces}});
+    add("moments.pvd", moments, "", {{"left.vti", left}, {"right.vti", right}, {"pieces.pvti", pieces}});
+}
+
 void add_vtk(std::vector<Seed>& all) {
     Vti packed, numbers;
     packed.format = "binary", packed.compressor = "vtkZLibDataCompressor";
@@ -337,6 +363,7 @@ std::vector<Seed> made() {
                                                                                 {"nifti", add_nifti},
                                                                                 {"dicom", add_dicom},
                                                                                 {"vtk", add_vtk},
+                                                                                {"vtk", add_named_vtk},
                                                                                 {"tiff", add_tiff},
                                                                                 {"hdf5", add_hdf5},
                                                                                 {"zarr", add_zarr},

@@ -2,7 +2,7 @@
 from paraview.simple import *  # noqa: F403
 
 
-def open_view(source, size=(480, 360), ghosts=8):
+def open_view(source, size=(480, 360), ghosts=16):
     """A view of its own that shows the source as Chiaro: view, display, opacity curve, and at(share of the range)."""
     UpdatePipeline(proxy=source)
     values = source.PointData.GetArray(0)
@@ -14,7 +14,6 @@ def open_view(source, size=(480, 360), ghosts=8):
     view.UseColorPaletteForBackground = 0
     view.Background = [0.2, 0.22, 0.25]
     view.OrientationAxesVisibility = 0
-    view.UseFXAA = 0  # it smooths edges of each process' picture, and of the whole one otherwise
     display = Show(source, view)
     ColorBy(display, ("POINTS", values.Name))
     colours = GetColorTransferFunction(values.Name)

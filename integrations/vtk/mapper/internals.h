@@ -2,6 +2,7 @@
 #pragma once
 #include <chiaro/describe.h>
 #include <chiaro/exchange.h>
+#include <chiaro/image.h>
 #include <chiaro/session.h>
 
 #include <set>
@@ -59,6 +60,11 @@ struct vtkChiaroVolumeMapper::Internals {
     /// The picture of all processes' rays; empty but on the first. None: each process draws its own block.
     std::optional<chiaro::Frame> together;
     bool fills_window = false;  ///< the window's frame under way: with the whole picture of a scene of a file
+
+    std::string frame_file;  ///< empty: none
+    void keep_frame(const chiaro::Frame& frame, const chiaro::ToneMap& tone) const {
+        if (!frame_file.empty()) chiaro::write_exr(chiaro::expose(frame, tone), frame_file);
+    }
 
     /// Whether all ranks say so.
     bool agree(bool yes) { return ranks ? ranks->agree(yes) : yes; }

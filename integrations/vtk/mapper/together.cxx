@@ -94,7 +94,8 @@ bool vtkChiaroVolumeMapper::FindLight(vtkRenderer* renderer, vtkVolume* volume) 
 bool vtkChiaroVolumeMapper::DrawTogether(vtkRenderer* renderer, vtkVolume* volume, const Blend& blend) {
     Internals& self = *this->Self;
     self.together.reset();
-    if (!self.session) return false;  // on all
+    if (!self.session) return false;                 // on all
+    renderer->UpdateLightsGeometryToFollowCamera();  // as the render does that this precedes
     from_vtk::Subject subject;
     Scene scene;
     std::string wrong = this->Prepare(subject, scene, renderer, volume);
@@ -133,6 +134,7 @@ void vtkChiaroVolumeMapper::EndDrawTogether() { this->Self->fills_window = false
 void vtkChiaroVolumeMapper::DrawOfAll(const Scene& scene, vtkRenderer* renderer) {
     const Frame& frame = *this->Self->together;
     if (frame.width < 1) return;
+    this->Self->keep_frame(frame, scene.output);
     const Image developed = develop(frame, scene.output);
     if (!this->Self->picture.draw(*renderer, frame.width, frame.height,
                                   from_vtk::shown_rows(frame, developed, scene.output, *renderer)))

@@ -68,9 +68,9 @@ bool vtkChiaroVolumeMapper::SetSetting(const char* name, const char* value) {
 bool vtkChiaroVolumeMapper::SetScene(const char* file) {
     try {
         std::optional<Scene> scene;
-        std::vector<std::string> unknown;
-        if (file && *file) scene = read_scene(file, {}, unknown);
-        for (const std::string& key : unknown) this->WarnOnce("scene: unknown key " + key);
+        std::vector<std::string> notes;
+        if (file && *file) scene = read_scene(file, {}, notes);
+        for (const std::string& note : notes) this->WarnOnce("scene: " + note);
         this->Self->scene = std::move(scene);
         this->Modified();
         return true;
@@ -78,6 +78,16 @@ bool vtkChiaroVolumeMapper::SetScene(const char* file) {
         vtkErrorMacro(<< error.what());
         return false;
     }
+}
+
+bool vtkChiaroVolumeMapper::SetFrameFile(const char* file) {
+    const std::string name = file ? file : "";
+    if (!name.empty() && !name.ends_with(".exr")) {
+        vtkErrorMacro(<< name << ": a frame's light is written as .exr");
+        return false;
+    }
+    this->Self->frame_file = name;
+    return true;
 }
 
 const char* vtkChiaroVolumeMapper::GetSetting(const char* name) {
@@ -223,6 +233,7 @@ void vtkChiaroVolumeMapper::Draw(vtkRenderer* renderer, vtkVolume* volume) {
     if (self.ranks && self.session->needs_light(scene))
         return this->WarnOnce("not drawn: light that was not found yet");
     const Image& picture = self.session->render(scene, progress);
+    if (!self.ranks) self.keep_frame(self.session->frame(), scene.output);
     for (const Stage& stage : self.session->stages())
         if (stage.name == "raycast" && stage.seconds > 0)
             self.seconds_a_pixel = stage.seconds / (double(scene.width) * scene.height);

@@ -74,6 +74,13 @@ public:
      */
     bool SetScene(const char* file);
 
+    /**
+     * A file (.exr) that each picture's light is written to, too, as floats: what `chiaro render -o FILE.exr` writes,
+     * without VTK's other things. Over several processes by the first one, where they are drawn together. An empty name
+     * ends it. False, with an error, for another kind of file.
+     */
+    bool SetFrameFile(const char* file);
+
     ///@{
     /**
      * Distance of the samples along a ray, in world units. 0, the default: half of the smallest spacing.

@@ -31,7 +31,7 @@ vtkStandardNewMacro(vtkChiaroRepresentation);
 
 namespace {
 
-/// Cells that are no ghosts, as an extent of points.
+/// Cells that are no ghosts, as an extent of points; one that ends before it begins: there are none.
 void find_own(vtkImageData& image, int own[6]) {
     image.GetExtent(own);
     const auto* ghosts =
@@ -47,13 +47,11 @@ void find_own(vtkImageData& image, int own[6]) {
                 const int at[3] = {x, y, z};
                 for (int a = 0; a < 3; ++a) least[a] = std::min(least[a], at[a]), most[a] = std::max(most[a], at[a]);
             }
-    int found[6];
     for (int a = 0; a < 3; ++a) {
-        if (most[a] < 0) return;
-        found[2 * a] = own[2 * a] + least[a];
-        found[2 * a + 1] = std::min(own[2 * a] + most[a] + 1, own[2 * a + 1]);
+        const int first = own[2 * a];
+        own[2 * a] = most[a] < 0 ? first : first + least[a];
+        own[2 * a + 1] = most[a] < 0 ? first - 1 : std::min(first + most[a] + 1, own[2 * a + 1]);
     }
-    std::copy_n(found, 6, own);
 }
 
 /// Whether the renderer shows anything but Chiaro's volumes.
@@ -78,11 +76,11 @@ struct Grid {
 
 }  // namespace
 
-/// What only several processes need.
-struct vtkChiaroRepresentation::Shared {
-    chiaro::from_paraview::FloatBlend blend;
+/// The renderer that draws it, and what is done beside that.
+struct vtkChiaroRepresentation::Shown {
     vtkWeakPointer<vtkRenderer> renderer;
-    unsigned long start = 0, end = 0;
+    std::vector<unsigned long> observers;
+    std::unique_ptr<chiaro::from_paraview::FloatBlend> blend;  ///< none: there is one process
 };
 
 vtkChiaroRepresentation::vtkChiaroRepresentation() {
@@ -115,6 +113,10 @@ void vtkChiaroRepresentation::SetValueOfRays(int mode) {
 
 void vtkChiaroRepresentation::SetScene(const char* file) {
     static_cast<vtkChiaroVolumeMapper&>(*this->VolumeMapper).SetScene(file);
+}
+
+void vtkChiaroRepresentation::SetFrameFile(const char* file) {
+    static_cast<vtkChiaroVolumeMapper&>(*this->VolumeMapper).SetFrameFile(file);
 }
 
 void vtkChiaroRepresentation::SetGhostLevels(int levels) {
@@ -201,7 +203,9 @@ bool vtkChiaroRepresentation::SetBlock() {
     for (int a = 0; has_any && a < 3; ++a) {
         const int first = this->Own[2 * a], last = this->Own[2 * a + 1];
         own[2 * a] = first;
-        own[2 * a + 1] = at_cells ? std::max(last, first + 1) : last + (last == grid.whole[2 * a + 1] ? 1 : 0);
+        own[2 * a + 1] = last < first ? first
+                         : at_cells   ? std::max(last, first + 1)
+                                      : last + (last == grid.whole[2 * a + 1] ? 1 : 0);
     }
     mapper.SetBlock(ranks, whole, own);
     return true;
@@ -219,32 +223,43 @@ void vtkChiaroRepresentation::FindLight(vtkInformation* in) {
 
 // A renderer's start is where ParaView's own processes meet and take over the first one's camera: they come after that.
 bool vtkChiaroRepresentation::AddToView(vtkView* view) {
-    auto* render_view = vtkPVRenderView::SafeDownCast(view);
-    if (render_view && chiaro::from_paraview::ranks()) {
-        this->Several = std::make_unique<Shared>();
-        this->Several->renderer = render_view->GetRenderer();
-        this->Several->start = this->Several->renderer->AddObserver(vtkCommand::StartEvent, this,
-                                                                    &vtkChiaroRepresentation::DrawTogether, -1.0f);
-        this->Several->end = this->Several->renderer->AddObserver(
-            vtkCommand::EndEvent, static_cast<vtkChiaroVolumeMapper*>(this->VolumeMapper.Get()),
-            &vtkChiaroVolumeMapper::EndDrawTogether);
+    if (auto* render_view = vtkPVRenderView::SafeDownCast(view)) {
+        this->Drawn = std::make_unique<Shown>();
+        vtkRenderer* renderer = this->Drawn->renderer = render_view->GetRenderer();
+        std::vector<unsigned long>& observers = this->Drawn->observers;
+        observers.push_back(
+            renderer->AddObserver(vtkCommand::StartEvent, this, &vtkChiaroRepresentation::LeaveUnsmoothed, 1.0f));
+        if (chiaro::from_paraview::ranks()) {
+            this->Drawn->blend = std::make_unique<chiaro::from_paraview::FloatBlend>();
+            observers.push_back(
+                renderer->AddObserver(vtkCommand::StartEvent, this, &vtkChiaroRepresentation::DrawTogether, -1.0f));
+            observers.push_back(renderer->AddObserver(vtkCommand::EndEvent,
+                                                      static_cast<vtkChiaroVolumeMapper*>(this->VolumeMapper.Get()),
+                                                      &vtkChiaroVolumeMapper::EndDrawTogether));
+        }
     }
     return this->Superclass::AddToView(view);
 }
 
 bool vtkChiaroRepresentation::RemoveFromView(vtkView* view) {
-    if (this->Several && this->Several->renderer) {
-        this->Several->renderer->RemoveObserver(this->Several->start);
-        this->Several->renderer->RemoveObserver(this->Several->end);
-    }
-    this->Several.reset();
+    if (this->Drawn && this->Drawn->renderer)
+        for (const unsigned long observer : this->Drawn->observers) this->Drawn->renderer->RemoveObserver(observer);
+    this->Drawn.reset();
     return this->Superclass::RemoveFromView(view);
+}
+
+/// What several processes or a server have drawn is smoothed as a whole, volumes too, where ParaView shows those of one
+/// process as they are; and `UseFXAA` is on again in all views whenever one is opened. The view says it before each
+/// render, and its processes' synchronizer asks after this.
+void vtkChiaroRepresentation::LeaveUnsmoothed() {
+    vtkRenderer& renderer = *this->Drawn->renderer;
+    if (this->GetVisibility() && !shows_others(renderer)) renderer.SetUseFXAA(false);
 }
 
 /// Collective.
 void vtkChiaroRepresentation::DrawTogether() {
     auto& mapper = static_cast<vtkChiaroVolumeMapper&>(*this->VolumeMapper);
-    vtkRenderer* renderer = this->Several->renderer;
+    vtkRenderer* renderer = this->Drawn->renderer;
     if (!this->GetVisibility() || !this->HasLight || renderer->GetSelector()) return;
     const bool is_blended = mapper.GetBlendMode() == vtkVolumeMapper::COMPOSITE_BLEND;
     if (is_blended && !this->ExactCompositing) return mapper.DrawApart();
@@ -253,7 +268,7 @@ void vtkChiaroRepresentation::DrawTogether() {
             vtkWarningMacro(<< "exact compositing: not beside other geometry; ParaView composites, in 8 bits");
         return mapper.DrawApart();
     }
-    mapper.DrawTogether(renderer, this->Actor, std::ref(this->Several->blend));
+    mapper.DrawTogether(renderer, this->Actor, std::ref(*this->Drawn->blend));
 }
 
 void vtkChiaroRepresentation::PrintSelf(ostream& os, vtkIndent indent) {

@@ -46,9 +46,14 @@ public:
      */
     void SetScene(const char* file);
 
+    /**
+     * As vtkChiaroVolumeMapper::SetFrameFile.
+     */
+    void SetFrameFile(const char* file);
+
     ///@{
     /**
-     * Layers of ghost cells that each of several processes asks for; 8 by default.
+     * Layers of ghost cells that each of several processes asks for; 16 by default.
      */
     void SetGhostLevels(int levels);
     vtkGetMacro(GhostLevels, int);
@@ -79,14 +84,15 @@ private:
     bool SetBlock();
     void FindLight(vtkInformation* in);
     void DrawTogether();
+    void LeaveUnsmoothed();
 
-    int GhostLevels = 8;
+    int GhostLevels = 16;
     bool ExactCompositing = false;
     int OwnBlendMode = 0, ValueOfRays = 0;
     int Own[6] = {0, -1, 0, -1, 0, -1};  // extent of what is no ghost
     bool HasLight = false;               // on all processes
-    struct Shared;
-    std::unique_ptr<Shared> Several;
+    struct Shown;
+    std::unique_ptr<Shown> Drawn;
 };
 
 #endif

@@ -1,0 +1,31 @@
+// chiaro-fetch, which alone opens connections, seen from the library.
+#pragma once
+#include <memory>
+#include <string>
+
+#include "io/helper_process.h"
+
+namespace chiaro {
+
+/// "http://HOST/PATH", without '/' at the end. Throws Error{input} for an address with a name and a password, with ?
+/// or #, or that is none.
+std::string checked_url(const std::string& url);
+
+/// The program for one address; ends with the thread that started it.
+class Fetcher {
+public:
+    /// `may_be_private`: the address's host may be this machine, or in a private net. Throws Error{output} where the
+    /// program cannot be started, Error{internal} where it is not installed.
+    Fetcher(const std::string& url, bool may_be_private);
+
+    /// A connection over which a decoder may ask. Throws Error{output}.
+    Descriptor connection();
+    /// Whether it has crashed, say.
+    bool has_ended() const;
+
+private:
+    Descriptor control_;
+    std::unique_ptr<HelperProcess> process_;
+};
+
+}  // namespace chiaro

@@ -1,0 +1,370 @@
+// OME-Zarr 0.5 of a source's bricks, level by level, which goes on where it was broken off.
+#include <chiaro/error.h>
+#include <chiaro/io.h>
+#include <chiaro/zarr.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <zstd.h>
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "core/atomic_file.h"
+#include "core/crc32c.h"
+#include "core/file_contents.h"
+#include "core/threads.h"
+#include "io/lattice.h"
+#include "io/zarr_pyramid.h"
+
+namespace chiaro {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using Place = std::array<int, 3>;
+
+constexpr int edge = zarr_chunk_edge;
+constexpr Place largest_shard{1024, 256, 64};  // long rows are read at once
+constexpr const char* unfinished = ".chiaro-unfinished.json";
+
+json in_order(const Place& xyz) { return {xyz[2], xyz[1], xyz[0]}; }
+
+void write_text(const fs::path& path, const std::string& text) {
+    AtomicFile file(path);
+    file.write(std::as_bytes(std::span(text)));
+    file.commit();
+}
+
+/// Little endian, as this machine's numbers are.
+void put_number(std::uint64_t number, std::vector<std::byte>& to) {
+    const auto* bytes = reinterpret_cast<const std::byte*>(&number);
+    to.insert(to.end(), bytes, bytes + sizeof number);
+}
+
+void put_checksum(std::span<const std::byte> of, std::vector<std::byte>& to) {
+    const std::uint32_t sum = crc32c(of);
+    const auto* bytes = reinterpret_cast<const std::byte*>(&sum);
+    to.insert(to.end(), bytes, bytes + sizeof sum);
+}
+
+class ZarrWriter {
+public:
+    ZarrWriter(const BrickSource& source, fs::path folder, const ZarrSettings& settings, Progress& progress)
+        : source_(source),
+          type_(source.header().type),
+          folder_(std::move(folder)),
+          settings_(settings),
+          progress_(progress),
+          levels_(pyramid_of({source.header().dimensions, source.header().geometry})) {
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            shard_[axis] = std::min(largest_shard[axis], ((levels_[0].dimensions[axis] - 1) / edge + 1) * edge);
+        done_.resize(levels_.size());
+    }
+
+    void run() {
+        begin();
+        const std::size_t top = levels_.size() - 1;
+        for_each_shard(top, {{0, 0, 0}, levels_[top].dimensions}, [&](const Place& place) { shard(top, place); });
+        write_text(folder_ / "zarr.json", group().dump(1) + "\n");
+        fs::remove(folder_ / unfinished);
+    }
+
+private:
+    /// What must be the same for a conversion to go on.
+    json identity() const {
+        const Volume& header = source_.header();
+        json told{{"volume", header.source},
+                  {"dimensions", header.dimensions},
+                  {"type", int(type_)},
+                  {"encoding", int(settings_.encoding)},
+                  {"levels_by", int(settings_.levels_by)}};
+        std::error_code none;
+        const std::string file = split_volume_name(header.source).first;
+        if (fs::is_regular_file(file, none)) {
+            told["bytes"] = fs::file_size(file);
+            told["written"] = std::int64_t(fs::last_write_time(file).time_since_epoch().count());
+        }
+        return told;
+    }
+
+    void begin() {
+        const auto refuse = [&](const char* why) {
+            throw Error(ErrorCode::output, fmt::format("{}: {}", folder_.string(), why));
+        };
+        const json told = identity();
+        std::error_code error;
+        if (fs::exists(folder_ / unfinished, error)) {
+            if (json::parse(file_text(folder_ / unfinished, 1 << 20), nullptr, false) != told)
+                refuse("holds the beginning of another conversion; remove it, or give another name");
+            return;
+        }
+        if (fs::exists(folder_, error)) refuse("is there already");
+        fs::create_directory(folder_, error);
+        if (error) refuse("cannot be made");
+        write_text(folder_ / unfinished, told.dump() + "\n");
+        for (std::size_t level = 0; level < levels_.size(); ++level) {
+            fs::create_directory(folder_ / std::to_string(level));
+            write_text(folder_ / std::to_string(level) / "zarr.json", array(level).dump(1) + "\n");
+        }
+    }
+
+    json array(std::size_t level) const {
+        static const std::map<VoxelType, const char*> names = {{VoxelType::u8, "uint8"},
+                                                               {VoxelType::i8, "int8"},
+                                                               {VoxelType::u16, "uint16"},
+                                                               {VoxelType::i16, "int16"},
+                                                               {VoxelType::f32, "float32"}};
+        const json little{{"name", "bytes"}, {"configuration", {{"endian", "little"}}}}, sum{{"name", "crc32c"}};
+        json codecs{little};
+        if (settings_.encoding == ZarrEncoding::zstd)
+            codecs.push_back({{"name", "zstd"}, {"configuration", {{"level", zstd_level}, {"checksum", false}}}});
+        codecs.push_back(sum);
+        const json sharding{{"chunk_shape", {edge, edge, edge}},
+                            {"codecs", codecs},
+                            {"index_codecs", {little, sum}},
+                            {"index_location", "end"}};
+        return {{"zarr_format", 3},
+                {"node_type", "array"},
+                {"shape", in_order(levels_[level].dimensions)},
+                {"data_type", names.at(type_)},
+                {"chunk_grid", {{"name", "regular"}, {"configuration", {{"chunk_shape", in_order(shard_)}}}}},
+                {"chunk_key_encoding", {{"name", "default"}, {"configuration", {{"separator", "/"}}}}},
+                {"fill_value", 0},
+                {"codecs", {{{"name", "sharding_indexed"}, {"configuration", sharding}}}},
+                {"dimension_names", {"z", "y", "x"}},
+                {"attributes", json::object()}};
+    }
+
+    json group() const {
+        const auto numbers = [](const Vec3& v) { return json{v.z, v.y, v.x}; };
+        json axes = json::array(), datasets = json::array();
+        for (const char* name : {"z", "y", "x"})
+            axes.push_back({{"name", name}, {"type", "space"}, {"unit", "millimeter"}});
+        for (std::size_t level = 0; level < levels_.size(); ++level) {
+            const Geometry& geometry = levels_[level].geometry;
+            datasets.push_back(
+                {{"path", std::to_string(level)},
+                 {"coordinateTransformations",
+                  {{{"type", "scale"}, {"scale", numbers(geometry.spacing_mm)}},
+                   {{"type", "translation"},
+                    {"translation", numbers(levels_[0].geometry.origin_mm + levels_[level].shift_mm)}}}}});
+        }
+        const Volume& header = source_.header();
+        json direction = json::array();
+        for (const Vec3& axis : header.geometry.direction) direction.push_back({axis.x, axis.y, axis.z});
+        const json own{{"direction", direction},
+                       {"world", int(header.geometry.world)},
+                       {"slope", header.slope},
+                       {"intercept", header.intercept},
+                       {"modality", header.modality}};
+        return {{"zarr_format", 3},
+                {"node_type", "group"},
+                {"attributes",
+                 {{"ome",
+                   {{"version", "0.5"},
+                    {"multiscales",
+                     {{{"name", header.source.substr(header.source.rfind('/') + 1)},
+                       {"axes", axes},
+                       {"type", settings_.levels_by == LevelsBy::mean ? "mean" : "max"},
+                       {"datasets", datasets}}}}}},
+                  {"chiaro", own}}}};
+    }
+
+    template <class Function>
+    void for_each_shard(std::size_t level, const VoxelBox& box, const Function& f) const {
+        const auto end = [&](std::size_t axis) {
+            const int last = std::min(box.first[axis] + box.size[axis], levels_[level].dimensions[axis]) - 1;
+            return last / shard_[axis];
+        };
+        for (int z = box.first[2] / shard_[2]; z <= end(2); ++z)
+            for (int y = box.first[1] / shard_[1]; y <= end(1); ++y)
+                for (int x = box.first[0] / shard_[0]; x <= end(0); ++x) f({x, y, z});
+    }
+
+    fs::path file_of(std::size_t level, const Place& place) const {
+        return folder_ / std::to_string(level) / "c" / std::to_string(place[2]) / std::to_string(place[1]) /
+               std::to_string(place[0]);
+    }
+
+    /// Writes a shard once all finer ones that it stands for are written; what is written already stays.
+    Block shard(std::size_t level, const Place& place) {
+        progress_.check();
+        Block block;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            block.box.first[axis] = place[axis] * shard_[axis];
+            block.box.size[axis] = std::min(shard_[axis], levels_[level].dimensions[axis] - block.box.first[axis]);
+        }
+        const auto& size = block.box.size;
+        const std::size_t bytes = std::size_t(size[0]) * size[1] * size[2] * size_of(type_);
+        const fs::path file = file_of(level, place);
+        const bool is_there = fs::exists(file);
+        if (is_there && level + 1 == levels_.size()) return block;  // which nobody needs any more
+        block.voxels = VoxelBuffer(bytes);
+        if (is_there) {
+            if (!done_[level]) done_[level] = open_brick_source((folder_ / std::to_string(level)).string(), {});
+            if (!done_[level]) throw Error(ErrorCode::input, folder_.string() + ": what is done of it cannot be read");
+            read(*done_[level], block);
+        } else if (level == 0) {
+            read(source_, block);
+        } else {
+            VoxelBox finer;
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                finer.first[axis] = block.box.first[axis] * levels_[level].factor[axis];
+                finer.size[axis] = size[axis] * levels_[level].factor[axis];
+            }
+            for_each_shard(level - 1, finer, [&](const Place& child) {
+                put_coarser(shard(level - 1, child), type_, levels_[level].factor, settings_.levels_by,
+                            usable_threads(), block);
+            });
+        }
+        if (!is_there) write(file, block);
+        if (level == 0) tell(block);
+        return block;
+    }
+
+    void tell(const Block& block) {
+        const auto volume = [](const Place& n) { return double(n[0]) * n[1] * n[2]; };
+        told_ += volume(block.box.size);
+        progress_.report("write", told_ / volume(levels_[0].dimensions));
+    }
+
+    /// Plane by plane of chunks, on all threads.
+    void read(const BrickSource& source, Block& block) const {
+        const auto& [first, size] = block.box;
+        const std::size_t plane = std::size_t(size[0]) * size[1] * size_of(type_);
+        const int step = std::max(1, std::min(edge, (size[2] - 1) / usable_threads() + 1));
+        const int count = (size[2] - 1) / step + 1;
+        parallel_for(usable_threads(), count, 1, [&](std::int64_t i, std::int64_t) {
+            const int z = int(i) * step;
+            source.read(0, {{first[0], first[1], first[2] + z}, {size[0], size[1], std::min(step, size[2] - z)}},
+                        block.voxels.data() + std::size_t(z) * plane);
+        });
+        progress_.check();
+    }
+
+    void write(const fs::path& path, const Block& block) const {
+        Place chunks{}, there{};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            chunks[axis] = shard_[axis] / edge;
+            there[axis] = (block.box.size[axis] - 1) / edge + 1;
+        }
+        const std::int64_t count = std::int64_t(there[0]) * there[1] * there[2];
+        std::vector<std::vector<std::byte>> packed(count);
+        parallel_for(usable_threads(), count, 1, [&](std::int64_t i, std::int64_t) {
+            const int n = int(i);
+            packed[std::size_t(i)] =
+                packed_chunk(block, {n % there[0], n / there[0] % there[1], n / there[0] / there[1]});
+        });
+        progress_.check();
+        std::vector<std::byte> index;
+        std::uint64_t offset = 0;
+        for (int z = 0; z < chunks[2]; ++z)
+            for (int y = 0; y < chunks[1]; ++y)
+                for (int x = 0; x < chunks[0]; ++x) {
+                    const bool is_inside = x < there[0] && y < there[1] && z < there[2];
+                    const std::size_t bytes =
+                        is_inside ? packed[std::size_t((z * there[1] + y) * there[0] + x)].size() : 0;
+                    put_number(is_inside ? offset : ~std::uint64_t(0), index);
+                    put_number(is_inside ? bytes : ~std::uint64_t(0), index);
+                    offset += bytes;
+                }
+        put_checksum(index, index);
+        fs::create_directories(path.parent_path());
+        AtomicFile file(path);
+        for (const auto& chunk : packed) file.write(chunk);
+        file.write(index);
+        file.commit();
+    }
+
+    /// Zeros where it reaches over the border.
+    std::vector<std::byte> packed_chunk(const Block& block, const Place& at) const {
+        const std::size_t voxel = size_of(type_), row = edge * voxel;
+        std::vector<std::byte> raw(row * edge * edge);
+        Place size{};
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            size[axis] = std::min(edge, block.box.size[axis] - at[axis] * edge);
+        for (int z = 0; z < size[2]; ++z)
+            for (int y = 0; y < size[1]; ++y) {
+                const std::size_t line =
+                    std::size_t(at[2] * edge + z) * std::size_t(block.box.size[1]) + std::size_t(at[1] * edge + y);
+                std::memcpy(
+                    raw.data() + std::size_t(z * edge + y) * row,
+                    block.voxels.data() + (line * std::size_t(block.box.size[0]) + std::size_t(at[0] * edge)) * voxel,
+                    std::size_t(size[0]) * voxel);
+            }
+        if (settings_.encoding == ZarrEncoding::raw) {
+            put_checksum(raw, raw);
+            return raw;
+        }
+        std::vector<std::byte> packed(ZSTD_compressBound(raw.size()));
+        const std::size_t bytes = ZSTD_compress(packed.data(), packed.size(), raw.data(), raw.size(), zstd_level);
+        if (ZSTD_isError(bytes)) throw Error(ErrorCode::internal, "a chunk cannot be packed");
+        packed.resize(bytes);
+        put_checksum(packed, packed);
+        return packed;
+    }
+
+    static constexpr int zstd_level = 1;
+
+    const BrickSource& source_;
+    const VoxelType type_;
+    const fs::path folder_;
+    const ZarrSettings settings_;
+    Progress& progress_;
+    const std::vector<PyramidLevel> levels_;
+    Place shard_{};
+    std::vector<std::shared_ptr<const BrickSource>> done_;  ///< levels of an earlier call, where they are needed
+    double told_ = 0;
+};
+
+class MemorySource final : public BrickSource {
+public:
+    MemorySource(Volume header, const SourceLevel& level, VoxelBuffer voxels)
+        : BrickSource(std::move(header), {level}), voxels_(std::move(voxels)) {}
+
+    void read(int, const VoxelBox& box, std::byte* to) const override {
+        const auto& n = header().dimensions;
+        const std::size_t voxel = size_of(header().type), row = std::size_t(box.size[0]) * voxel;
+        for (int z = 0; z < box.size[2]; ++z)
+            for (int y = 0; y < box.size[1]; ++y, to += row) {
+                const std::size_t line =
+                    std::size_t(box.first[2] + z) * std::size_t(n[1]) + std::size_t(box.first[1] + y);
+                std::memcpy(to, voxels_.data() + (line * std::size_t(n[0]) + std::size_t(box.first[0])) * voxel, row);
+            }
+    }
+
+private:
+    VoxelBuffer voxels_;
+};
+
+}  // namespace
+
+void write_zarr(const BrickSource& source, const fs::path& folder, const ZarrSettings& settings, Progress& progress) {
+    const CancelScope scope(progress);
+    try {
+        ZarrWriter(source, folder, settings, progress).run();
+    } catch (const fs::filesystem_error& error) {
+        throw Error(ErrorCode::output, fmt::format("{}: {}", folder.string(), error.code().message()));
+    }
+}
+
+std::shared_ptr<const BrickSource> source_of(Volume volume) {
+    if (volume.components > 1)
+        throw Error(ErrorCode::input, fmt::format("{}: has {} values a voxel, where a store of bricks has one",
+                                                  volume.source, volume.components));
+    Volume header = kept_header(volume);
+    const SourceLevel level{header.dimensions, header.geometry};
+    if (header.type == volume.type)
+        return std::make_shared<MemorySource>(std::move(header), level, std::move(volume.voxels));
+    VoxelBuffer floats(volume.voxel_count() * sizeof(float));
+    with_voxel_type(volume.type, [&](auto zero) {
+        const auto values = volume.as<decltype(zero)>();
+        std::ranges::transform(values, reinterpret_cast<float*>(floats.data()), [](auto v) { return float(v); });
+    });
+    return std::make_shared<MemorySource>(std::move(header), level, std::move(floats));
+}
+
+}  // namespace chiaro
