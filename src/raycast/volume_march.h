@@ -13,12 +13,14 @@ struct CommonMarch {
     static constexpr Classification classification = Classification::post;
     static constexpr bool backwards = false, additive = false, by_gradient = false, mixed = false, by_block = false,
                           labelled = false;
+    static constexpr bool may_be_labelled = false;
 };
 /// The same with labels in the channel.
 struct LabelledMarch : CommonMarch {
-    static constexpr bool labelled = true;
+    static constexpr bool labelled = true, may_be_labelled = true;
 };
 struct MarchOptions {
+    static constexpr bool may_be_labelled = true;
     Classification classification;
     bool backwards, additive;
     bool by_gradient;  ///< opacity is, too
@@ -111,7 +113,7 @@ CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& 
         take_share(matter.volume.factor_of(c.value, gradient), way.additive, visible, c.colour, alpha);
         visible = alpha > F(0);
     }
-    constexpr bool may_be_labelled = requires { matter.volume.mixture; };
+    constexpr bool may_be_labelled = Way::may_be_labelled && requires { matter.volume.mixture; };
     if constexpr (may_be_labelled) {
         if (way.labelled && matter.labels.cuts()) {
             const Mask<F> near_borders = visible & tints.several;
@@ -135,7 +137,8 @@ CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& 
     take_share(lattice.rest, way.additive, visible & (k >= lattice.full), c.colour, alpha);
     if constexpr (may_be_labelled)
         if (way.labelled) tint_by_labels(matter, at, tints, visible, c.colour, alpha);
-    const bool has_gradient = way.by_gradient || (way.labelled && matter.labels.cuts());
+    bool has_gradient = way.by_gradient;
+    if constexpr (may_be_labelled) has_gradient = has_gradient || (way.labelled && matter.labels.cuts());
     matter.light(at, solid, visible, {lattice, k, way.backwards, has_gradient ? &gradient : nullptr}, met, sample,
                  c.colour);
     if (emits) {
@@ -192,7 +195,8 @@ CHIARO_INLINE Int<F> march_volume(const Matter& matter, Way way, const Lattice<F
                 Mask<F> empty = matter.skip_empty_cells(lattice, lost, p, voxel, by_ends ? j : next, next, leave);
                 if (by_ends) empty = empty & (next > j), next = max(next, j + F(1));
                 sampled = alive & !empty;
-                if (way.labelled) tints.enter(matter.labels, lost & sampled, matter.occupancy.index(voxel));
+                if constexpr (Way::may_be_labelled)
+                    if (way.labelled) tints.enter(matter.labels, lost & sampled, matter.occupancy.index(voxel));
                 if (!any(sampled)) {
                     j = next;
                     alive &= j < lattice.end;
