@@ -112,6 +112,9 @@ std::vector<std::uint8_t> make_occupancy(const CellRanges& ranges,
                                          const std::function<bool(float low, float high)>& is_visible, int threads,
                                          const Progress& progress = Progress(),
                                          const std::vector<std::uint8_t>& left = {});
+/// The same of cells of many kinds, one of which is empty: cubes are of one kind.
+std::vector<std::uint8_t> make_occupancy(const std::array<int, 3>& count, std::vector<std::uint32_t> kinds,
+                                         std::uint32_t empty, const Progress& progress);
 /// Whether the transfer function leaves something visible between two stored values.
 RangeTest visible_range(const OpticalTable& table);
 /// Whether an isosurface passes between two stored values.

@@ -10,6 +10,7 @@
 #include "kernel/rgba.h"
 #include "volume/borrowed.h"
 #include "volume/device_view.h"
+#include "volume/label_bricks.h"
 
 namespace chiaro {
 namespace {
@@ -136,7 +137,27 @@ DeviceVolume volume_of(const MixtureParts& parts) {
     return DeviceVolume(std::move(made));
 }
 
+bool is_labelled_channel(const Channels& channels, const LabelBricks* labels, bool own_colors) {
+    return labels && channels.size() == 1 && !own_colors && !channels.front()->share;
+}
+
+/// Codes of cells, where those of other tints are of other kinds: a ray learns a cube's tint when it enters it.
+std::vector<std::uint8_t> cells_by_tint(const std::array<int, 3>& count, const std::vector<std::uint8_t>& occupied,
+                                        const LabelBricks& labels, const Progress& progress) {
+    constexpr std::uint32_t empty = ~0u;
+    std::vector<std::uint32_t> kinds = labels.cells;
+    for (std::size_t c = 0; c < kinds.size(); ++c)
+        if (!occupied[c]) kinds[c] = empty;
+    return make_occupancy(count, std::move(kinds), empty, progress);
+}
+
 }  // namespace
+
+bool is_labelled_channel(const Medium::Data& medium) {
+    if (!is_mixed(medium)) return false;
+    const MixtureOfChannels& mixture = *medium.volume.data().mixture;
+    return is_labelled_channel(medium.channels, mixture.labels.get(), mixture.own_colors);
+}
 
 std::shared_ptr<const Medium::Data> with_share(const Medium::Data& medium, std::shared_ptr<const VoxelBuffer> share) {
     auto data = std::make_shared<Medium::Data>();
@@ -171,8 +192,11 @@ Medium mixed(const Device& device, MixtureParts parts, const Shape& shape, const
     for (std::size_t c = 0; c < labelled.size(); ++c) occupied[c] &= labelled[c];
     data->occupied_fraction =
         double(std::count(occupied.begin(), occupied.end(), 1)) / double(std::max<std::size_t>(occupied.size(), 1));
+    const CellRanges& cells = data->volume.data().cells;
     const auto any = [](float, float) { return true; };
-    data->cells = make_occupancy(data->volume.data().cells, any, device.threads, progress, occupied);
+    data->cells = is_labelled_channel(channels, parts.labels.get(), parts.own_colors)
+                      ? cells_by_tint(cells.count, occupied, *parts.labels, progress)
+                      : make_occupancy(cells, any, device.threads, progress, occupied);
     data->channels = std::move(channels);
     return Medium(std::move(data));
 }

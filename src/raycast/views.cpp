@@ -8,6 +8,7 @@
 
 #include "classify/albedo.h"
 #include "classify/clip.h"
+#include "classify/mixture.h"
 #include "core/srgb.h"
 #include "volume/float3.h"
 
@@ -222,33 +223,30 @@ kernel::March march_of(Mode mode) {
 
 kernel::MarchOptions march_options(const RaySettings& settings, const Medium::Data& medium) {
     const Mode mode = medium.shape.mode;
-    const bool by_gradient = medium.volume.data().factor != nullptr;
     bool any_by_gradient = false;
     for_each_channel(medium, [&](const Medium::Data& channel) {
         any_by_gradient = any_by_gradient || channel.volume.data().factor != nullptr;
     });
-    if (is_mixed(medium) && settings.classification == Classification::preintegrated)
+    const bool by_values = march_of(mode) != kernel::March::volume;
+    if (is_mixed(medium) && !by_values && settings.classification == Classification::preintegrated)
         throw Error(ErrorCode::usage,
                     "--classification preintegrated: a step by the values at its ends is of one channel; several go "
                     "with post and pre");
-    const bool by_block = medium.volume.data().placement.has_value();
+    const bool labelled = is_labelled_channel(medium) &&
+                          (by_values || (!any_by_gradient && (settings.classification == Classification::post ||
+                                                              !medium.volume.data().mixture->labels->cuts())));
     if (any_by_gradient && settings.classification != Classification::post)
         throw Error(ErrorCode::usage,
                     "--classification: opacity by gradient, and over value and gradient, goes with post: a step by the "
                     "values at its ends, or a voxel alone, has no gradient");
-    if (mode == Mode::additive)
-        return {.classification = kernel::Classification::post,
-                .backwards = false,
-                .additive = true,
-                .by_gradient = by_gradient,
-                .mixed = is_mixed(medium),
-                .by_block = by_block};
-    return {.classification = kernel::Classification(settings.classification),
-            .backwards = settings.compositing == Compositing::back_to_front,
-            .additive = false,
-            .by_gradient = by_gradient,
-            .mixed = is_mixed(medium),
-            .by_block = by_block};
+    const bool additive = mode == Mode::additive;
+    return {.classification = additive ? kernel::Classification::post : kernel::Classification(settings.classification),
+            .backwards = !additive && settings.compositing == Compositing::back_to_front,
+            .additive = additive,
+            .by_gradient = medium.volume.data().factor != nullptr,
+            .mixed = is_mixed(medium) && !labelled,
+            .labelled = labelled,
+            .by_block = medium.volume.data().placement.has_value()};
 }
 
 kernel::OwnBox own_box(const Medium::Data& medium, double step_voxels) {
@@ -282,7 +280,8 @@ RayTables make_tables(const Medium::Data& medium, const RaySettings& settings, i
     const DeviceVolume::Data& volume = medium.volume.data();
     const double step_mm = chiaro::step_mm(settings.step_voxels, volume.geometry, volume.dimensions);
     const Mode mode = medium.shape.mode;
-    const OpticalTable table = with_albedos(medium.table, albedo_limit);
+    // Colours of samples that labels tint are limited after that.
+    const OpticalTable table = is_labelled_channel(medium) ? medium.table : with_albedos(medium.table, albedo_limit);
     const bool integrated = is_lit(mode) || mode == Mode::additive;
     RayTables tables{mode == Mode::additive ? emission_table(table, step_mm)
                                             : step_table(table, integrated ? step_mm : table.unit_mm),

@@ -46,6 +46,7 @@ struct Session::State {
     Kept<DeviceVolume, Version> upload;
     Kept<Prepared, Version, IlluminationSettings> prepare;
     Kept<std::shared_ptr<const LabelVolume>, SharedLabels::Key> labels;
+    LabelBorders borders;
     Kept<std::shared_ptr<const LabelBricks>, Version, Version, std::vector<LabelChange>, ColorMode> labelled;
     Kept<Classified, Version, TransferSettings, std::vector<ChannelSettings>, Shape, Version> classify;
     Kept<CameraSettings, Version, CameraSettings, RaySettings, std::pair<int, int>> fit;
@@ -304,8 +305,8 @@ struct Session::State {
              [&](std::shared_ptr<const LabelVolume>& read) { read = shared_labels->find(scene, progress); });
         redo("borders", labelled, {upload.version, labels.version, scene.labels.changes, scene.output.color},
              [&](std::shared_ptr<const LabelBricks>& bricks) {
-                 const LabelVolume& read = *labels.result;
-                 bricks = label_bricks(read, with_changes(read.labels, scene.labels.changes), upload.result,
+                 const auto& read = labels.result;
+                 bricks = borders.find(read, with_changes(read->labels, scene.labels.changes), upload.result,
                                        scene.output.color, device.threads, progress);
              });
         return {labelled.result, labelled.version};
