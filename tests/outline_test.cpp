@@ -57,7 +57,7 @@ TEST_F(Shell, ManualPageHasNoWarnings) {
 }
 
 TEST_F(Shell, BashCompletes) {
-    const char* script = R"(cat > complete.bash <<'END'
+    const std::string script = R"(cat > complete.bash <<'END'
 source ./chiaro.bash
 try() { COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); COMPREPLY=(); _chiaro; echo "${COMPREPLY[*]}"; }
 touch picture.nrrd
