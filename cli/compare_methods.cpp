@@ -37,7 +37,7 @@ std::string light_sentence(const Scene& scene) {
               "white one."
             : "Every method lights particles that scatter it once, alike in all directions.";
     Lighting lighting = scene.lighting;
-    if (!probe.source.empty()) lighting.loaded_probe = load_probe(probe.source);
+    if (!probe.source.empty()) lighting.loaded_probe = load_probe(lighting);
     return fmt::format("Light: probe {}, turned by {:g} degrees, {:+g} stops. {}",
                        probe.source.empty() ? "white" : std::filesystem::path(probe.source).filename().string(),
                        probe.rotation_deg, exposure_stops(lighting), how);

@@ -123,7 +123,7 @@ Json View::export_text(const Json& request) {
     if (what == "transfer")
         return {{"text", to_json(shown()->session.resolve(scene.transfer))}, {"name", "transfer.json"}};
     Lighting lighting = scene.lighting;
-    if (!lighting.probe.source.empty()) lighting.loaded_probe = load_probe(lighting.probe.source);
+    if (!lighting.probe.source.empty()) lighting.loaded_probe = load_probe(lighting);
     scene.lighting.probe.exposure = exposure_stops(lighting);  // files remember the number
     if (what == "scene") return {{"text", scene_json(scene, shown()->session).dump(2) + "\n"}, {"name", "scene.json"}};
     throw Error(ErrorCode::usage, "what: must be transfer or scene");

@@ -170,7 +170,7 @@ Json View::look(const Json& request, Progress& progress) {
 /// A light probe as it is, without exposure and rotation: the means over the pixels of a small equirectangular picture.
 Json View::probe(const Json& request, Progress&) {
     const Scene scene = scene_of({{"probe", object_in(request, "probe")}});
-    const Probe probe = load_probe(scene.lighting.probe.source.empty() ? "white" : scene.lighting.probe.source);
+    const Probe probe = scene.lighting.probe.source.empty() ? load_probe("white") : load_probe(scene.lighting);
     const auto [width, height] = size_in(request, "size", largest_look);
     Frame frame(width, height);
     for (int y = 0; y < height; ++y)

@@ -41,8 +41,15 @@ inline chiaro::Scene changed_scene(chiaro::Method method = chiaro::Method::spao)
                 7.5,
                 0.5,
                 120};
-    s.lighting = {Shading::lambert,         0.1,         0.2, 0.4, 5, false, 30, -40, {1, 0.5, 0.25}, 0.75,
-                  {"studio", 20, -2, true}, {true, 0.25}};
+    s.lighting = {Shading::lambert,
+                  0.1,
+                  0.2,
+                  0.4,
+                  5,
+                  {{false, 30, -40, {1, 0.5, 0.25}}, {false, 0, 0, {0, 0, 1}, Vec3{1, 2, 3}}, {}},
+                  0.75,
+                  {"studio", 20, -2, true},
+                  {true, 0.25}};
     s.illumination = {
         method,
         SurfaceModel::none,

@@ -110,6 +110,34 @@ double linear_of(double byte) {
     return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
 }
 
+/// A function of y between its values at voxels.
+template <class Values>
+double between(const Values& values, double y) {
+    const double below = std::floor(y);
+    return std::lerp(values(0, below, 0), values(0, below + 1, 0), y - below);
+}
+
+/// A ray along y sees what the test's own march in double precision does; `at`: extinction per voxel, and colour.
+template <class At>
+void expect_the_march(const Medium& medium, double within, const At& at) {
+    Frame frame(1, 1);
+    Progress progress;
+    raycast(tested_device(), medium, IlluminationField(), {.shading = Shading::none}, along_y(13.5, 13.5),
+            {.step_voxels = 0.1, .early_termination = 0}, frame, progress);
+    constexpr int steps = 27 * 2000;
+    double clear = 1;
+    Rgb rgb{};
+    for (int i = 0; i < steps; ++i) {
+        const auto [kappa, color] = at((i + 0.5) * 27.0 / steps);
+        const double alpha = -std::expm1(-kappa * 27.0 / steps);
+        for (std::size_t c = 0; c < 3; ++c) rgb[c] += clear * alpha * color[c];
+        clear *= 1 - alpha;
+    }
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(frame.rgba[c], rgb[c], within) << c;
+    EXPECT_NEAR(frame.rgba[3], 1 - clear, within);
+    EXPECT_GT(1 - clear, 0.5);
+}
+
 template <class T>
 void expect_the_sum(Method method, Interpolation interpolation = Interpolation::linear) {
     const TransferFunction tf = linear(0.003, {0.8, 0.7, 0.6});
@@ -161,32 +189,12 @@ TEST(Channels, AreTheTestsOwnMarchAlongARay) {
     const double of_box = 0.0009, of_hill = 0.0016;
     const std::vector<Channel> channels{{uploaded<std::uint8_t>(box), linear(of_box, red)},
                                         {uploaded<std::uint8_t>(hill), linear(of_hill, blue), 1.5}};
-    Progress progress;
-    const Medium medium = classify(tested_device(), channels, {});
-    Camera camera{.eye = {13.5, -1000, 13.5},
-                  .forward = {0, 1, 0},
-                  .right = {1, 0, 0},
-                  .up = {0, 0, 1},
-                  .projection = Projection::orthographic,
-                  .half_height = 0.1};
-    Frame frame(1, 1);
-    raycast(tested_device(), medium, IlluminationField(), {.shading = Shading::none}, camera,
-            {.step_voxels = 0.1, .early_termination = 0}, frame, progress);
-
-    double clear = 1, rgb[3]{};
-    constexpr int steps = 27 * 2000;
-    for (int i = 0; i < steps; ++i) {
-        const double y = (i + 0.5) * 27.0 / steps, below = std::floor(y), t = y - below;
-        const auto value = [&](const auto& f) { return (1 - t) * f(0, below, 0) + t * f(0, below + 1, 0); };
-        const double a = of_box * value(box), b = 1.5 * of_hill * value(hill), kappa = a + b;
-        const double alpha = -std::expm1(-kappa * 27.0 / steps);
-        for (int c = 0; c < 3 && kappa > 0; ++c)
-            rgb[c] += clear * alpha * (a * red[std::size_t(c)] + b * blue[std::size_t(c)]) / kappa;
-        clear *= 1 - alpha;
-    }
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(frame.rgba[std::size_t(c)], rgb[c], 1e-3);
-    EXPECT_NEAR(frame.rgba[3], 1 - clear, 1e-3);
-    EXPECT_GT(1 - clear, 0.5);
+    expect_the_march(classify(tested_device(), channels, {}), 1e-3, [&](double y) {
+        const double a = of_box * between(box, y), b = 1.5 * of_hill * between(hill, y);
+        Rgb mean{};
+        for (std::size_t c = 0; c < 3 && a + b > 0; ++c) mean[c] = (a * red[c] + b * blue[c]) / (a + b);
+        return std::pair(a + b, mean);
+    });
 }
 
 TEST(Channels, InAnyOrderAndWithHiddenOnesAreTheSameBits) {
@@ -260,36 +268,28 @@ TEST(OwnColors, AreTheTestsOwnMarchAlongARay) {
     const auto red = [](double, double y, double) { return std::round(40 + 7 * y); };
     const auto green = [](double, double y, double) { return y >= 5 && y <= 15 ? 200.0 : 30.0; };
     const auto blue = [](double, double y, double) { return std::round(220 * std::exp(-std::pow((y - 16) / 5, 2))); };
+    const auto luminance = [&](double, double y, double) {
+        return std::round(0.2126 * red(0, y, 0) + 0.7152 * green(0, y, 0) + 0.0722 * blue(0, y, 0));
+    };
     const double of_one = 0.0012;
-    Progress progress;
-    const Medium medium = classify(tested_device(), in_colors({red, green, blue}, of_one), {});
-    Camera camera{.eye = {13.5, -1000, 13.5},
-                  .forward = {0, 1, 0},
-                  .right = {1, 0, 0},
-                  .up = {0, 0, 1},
-                  .projection = Projection::orthographic,
-                  .half_height = 0.1};
-    Frame frame(1, 1);
-    raycast(tested_device(), medium, IlluminationField(), {.shading = Shading::none}, camera,
-            {.step_voxels = 0.1, .early_termination = 0}, frame, progress);
+    expect_the_march(classify(tested_device(), in_colors({red, green, blue}, of_one), {}), 1.0 / 255, [&](double y) {
+        const Rgb rgb{linear_of(between(red, y)), linear_of(between(green, y)), linear_of(between(blue, y))};
+        return std::pair(of_one * between(luminance, y), rgb);
+    });
+}
 
-    double clear = 1, rgb[3]{};
-    constexpr int steps = 27 * 2000;
-    for (int i = 0; i < steps; ++i) {
-        const double y = (i + 0.5) * 27.0 / steps, below = std::floor(y), t = y - below;
-        const auto value = [&](const auto& f) { return (1 - t) * f(below) + t * f(below + 1); };
-        const auto luminance = [&](double v) {
-            return std::round(0.2126 * red(0, v, 0) + 0.7152 * green(0, v, 0) + 0.0722 * blue(0, v, 0));
-        };
-        const double alpha = -std::expm1(-of_one * value(luminance) * 27.0 / steps);
-        rgb[0] += clear * alpha * linear_of(value([&](double v) { return red(0, v, 0); }));
-        rgb[1] += clear * alpha * linear_of(value([&](double v) { return green(0, v, 0); }));
-        rgb[2] += clear * alpha * linear_of(value([&](double v) { return blue(0, v, 0); }));
-        clear *= 1 - alpha;
-    }
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(frame.rgba[std::size_t(c)], rgb[c], 1.0 / 255) << c;
-    EXPECT_NEAR(frame.rgba[3], 1 - clear, 1.0 / 255);
-    EXPECT_GT(1 - clear, 0.5);
+// Opacity by one value, colour by another.
+TEST(OwnColors, ByAnotherValueAreTheTestsOwnMarch) {
+    const auto hill = [](double, double y, double) { return std::round(150 * std::exp(-std::pow((y - 13) / 6, 2))); };
+    const auto rise = [](double, double y, double) { return std::round(9 * y); };
+    const double of_one = 0.0016;
+    OwnColors own{.opacity = uploaded<std::uint8_t>(hill), .transfer = linear(of_one, {0, 1, 0}), .rgb = {}};
+    own.value = uploaded<std::uint8_t>(rise);
+    own.colors.rgb_space = RgbSpace::linear, own.colors.points = {{0, {0.9, 0.1, 0}, 1}, {250, {0.1, 0.2, 1}, 1}};
+    expect_the_march(classify(tested_device(), own, {}), 2e-3, [&](double y) {
+        return std::pair(of_one * between(hill, y), evaluate(own.colors, between(rise, y)).rgb);
+    });
+    EXPECT_THROW(classify(tested_device(), own, {.mode = Mode::mip}), Error);
 }
 
 // Greys are the volume of their value in grey, for every light.

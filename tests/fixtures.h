@@ -84,6 +84,16 @@ struct Shot {
 
 inline constexpr CameraSettings along_x{.azimuth_deg = 0, .elevation_deg = 0, .projection = Projection::orthographic};
 
+/// The camera of one ray along y, through (x, ·, z).
+inline Camera along_y(double x, double z) {
+    return {.eye = {x, -1000, z},
+            .forward = {0, 1, 0},
+            .right = {1, 0, 0},
+            .up = {0, 0, 1},
+            .projection = Projection::orthographic,
+            .half_height = 0.1};
+}
+
 /// Constant extinction, 32 mm of it along the rays.
 struct ConstantExtinction {
     Volume volume = sampled<std::uint8_t>({65, 33, 33}, [](double, double, double) { return 100; });

@@ -71,15 +71,9 @@ struct Pictured {
 double alpha_along_y(const Volume& volume, const TransferFunction& tf, Interpolation interpolation) {
     const Medium medium = classify(upload(tested_device(), volume), tf, {.interpolation = interpolation});
     const Vec3 centre = volume.geometry.world_from_voxel({(n - 1) / 2.0, (n - 1) / 2.0, (n - 1) / 2.0});
-    Camera camera{.eye = centre + Vec3{0, -1000, 0},
-                  .forward = {0, 1, 0},
-                  .right = {1, 0, 0},
-                  .up = {0, 0, 1},
-                  .projection = Projection::orthographic,
-                  .half_height = 0.1};
     Frame frame(1, 1);
     Progress progress;
-    raycast(tested_device(), medium, IlluminationField(), {.shading = Shading::none}, camera,
+    raycast(tested_device(), medium, IlluminationField(), {.shading = Shading::none}, along_y(centre.x, centre.z),
             {.step_voxels = 0.25, .early_termination = 0}, frame, progress);
     return frame.rgba[3];
 }
@@ -108,6 +102,39 @@ TEST(GradientOpacity, IsAFactorOfExtinctionInUnitsPerMillimetre) {
     Volume scaled = ramp<std::int16_t>(16);
     scaled.slope = 0.5, scaled.intercept = 10;  // values 20 + 8 x
     check(scaled, 8, 1, 1);
+}
+
+// Colour and opacity on a grid: of one gradient those of its row, whose colours others do not have.
+TEST(GradientOpacity, AGridHasColoursOfItsOwn) {
+    constexpr double slope = 8, kappa = 0.02;
+    GradientGrid grid{.columns = 2, .rows = 3, .value_low = 0, .value_high = 255, .magnitude_high = 2 * slope};
+    const auto opacity = [](double of_kappa) { return float(-std::expm1(-of_kappa)); };
+    for (const auto& [r, g, b, k] :
+         {std::array{1.0, 0.0, 0.0, 3 * kappa}, {0.2, 0.4, 0.6, kappa}, {0.0, 0.0, 1.0, 0.0}})
+        grid.rgba.insert(grid.rgba.end(), 2, {float(r), float(g), float(b), opacity(k)});
+    TransferFunction tf = over_gradient(grid);
+    tf.rgb_space = RgbSpace::linear;
+    EXPECT_NEAR(tf.points[0].opacity, opacity(3 * kappa), 1e-6);
+    EXPECT_NEAR(extinction_factor(tf, 100, slope), 1.0 / 3, 1e-6);
+    EXPECT_NEAR(extinction_factor(tf, 100, 0), 1, 1e-6);
+    const auto pixel = [&](const Volume& volume) {
+        const Medium medium = classify(upload(tested_device(), volume), tf, {});
+        Frame frame(1, 1);
+        Progress progress;
+        raycast(tested_device(), medium, IlluminationField(), {.shading = Shading::none}, along_y(11.5, 11.5),
+                {.early_termination = 0}, frame, progress);
+        return std::array{frame.rgba[0], frame.rgba[1], frame.rgba[2], frame.rgba[3]};
+    };
+    const auto steep = pixel(ramp<std::uint8_t>(slope)), flat = pixel(ramp<std::uint8_t>(0));
+    // Rows of the table are 1/500 of the grid apart.
+    const double alpha = -std::expm1(-kappa * (n - 1)), of_flat = -std::expm1(-3 * kappa * (n - 1));
+    EXPECT_NEAR(steep[3], alpha, 3e-3);
+    EXPECT_NEAR(flat[3], of_flat, 3e-3);
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(steep[c], alpha * (0.2 + 0.2 * double(c)), 3e-3);
+    EXPECT_NEAR(flat[0], of_flat, 3e-3);
+    EXPECT_NEAR(flat[2], 0, 3e-3);
+    tf.grid.rgba.pop_back();
+    EXPECT_THROW(validate(tf), Error);
 }
 
 TEST(GradientOpacity, EveryLightSeesTheProduct) {

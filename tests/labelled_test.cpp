@@ -2,8 +2,7 @@
 #include <chiaro/error.h>
 
 #include "classify/labels/fields.h"
-#include "classify/labels/labelled.h"
-#include "fixtures.h"
+#include "labelled_case.h"
 #include "tool_case.h"
 #include "volume/device_view.h"
 #include "volume/mixture_view.h"
@@ -12,44 +11,6 @@ using namespace chiaro;
 using namespace chiaro::testing;
 
 namespace {
-
-constexpr Rgb red{1, 0, 0}, blue{0, 0, 1}, white{1, 1, 1};
-
-LabelVolume labels_of(const Volume& volume, const std::vector<Label>& table) {
-    Progress progress;
-    const LabelTable names{table, "Chiaro", {}};
-    return make_labels(volume, &names, progress);
-}
-/// What is no structure.
-Label nothing(bool show) { return {.value = 0, .tint = 0, .show = show}; }
-
-/// A volume of one value everywhere, and labels in it.
-struct Labelled {
-    Volume volume, numbers;
-    std::vector<Label> table;
-    TransferFunction tf = constant(0.5);
-    Shape shape;
-
-    Labelled(std::array<int, 3> n, const Field& number, std::vector<Label> names)
-        : volume(sampled<std::uint8_t>(n, [](double, double, double) { return 100; })),
-          numbers(sampled<std::uint8_t>(n, number)),
-          table(std::move(names)) {}
-
-    Medium medium() const {
-        Progress progress;
-        const Device device = tested_device();
-        const DeviceVolume uploaded = upload(device, volume);
-        const LabelVolume labels = labels_of(numbers, table);
-        return with_labels(device, classify(uploaded, tf, shape),
-                           label_bricks(labels, labels.labels, uploaded, shape.color, 2, progress), progress);
-    }
-    Frame picture(const Camera& camera, const Lighting& lighting, const RaySettings& rays, int size) const {
-        Frame frame(size, size);
-        Progress progress;
-        raycast(tested_device(), medium(), IlluminationField(), lighting, camera, rays, frame, progress);
-        return frame;
-    }
-};
 
 /// Extinction per mm and colour of what is there.
 kernel::Rgba matter_at(const Medium& medium, Vec3 p) {
@@ -311,13 +272,14 @@ TEST(Labelled, LightSeesWhatIsLeft) {
 
 TEST(Labelled, WhatKnowsNoLabelsSaysSo) {
     Labelled slab({12, 12, 12}, [](double x, double, double) { return x < 6; }, {nothing(false), {.value = 1}});
-    slab.shape.mode = Mode::mip;
+    slab.shape.mode = Mode::iso;
+    slab.shape.iso = {{50}};
     try {
         slab.medium();
         FAIL();
     } catch (const Error& error) {
         EXPECT_EQ(error.code(), ErrorCode::usage);
-        EXPECT_TRUE(std::string(error.what()).starts_with("labels: they go with --mode dvr and additive"))
+        EXPECT_TRUE(std::string(error.what()).starts_with("labels: they go with --mode dvr, additive, mip and minip"))
             << error.what();
     }
 }

@@ -60,7 +60,7 @@ TEST(Scene, ReadsTheKeptNames) {
     EXPECT_EQ(scene.camera.up, (Vec3{0, -1, 0}));
     EXPECT_EQ(scene.lighting.shading, Shading::none);
     EXPECT_EQ(scene.lighting.shininess, 7);
-    EXPECT_EQ(scene.lighting.color, (Rgb{1, 0, 0}));
+    EXPECT_EQ(scene.lighting.lights[0].color, (Rgb{1, 0, 0}));
     EXPECT_EQ(scene.output.color, ColorMode::display);
     EXPECT_TRUE(scene.output.transparent);
     EXPECT_EQ(scene.width, 640);

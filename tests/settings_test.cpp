@@ -101,7 +101,7 @@ TEST(Settings, RefusalsNameTheValueAndTheRange) {
         {"sh-bands", "3", "--sh-bands 3: must be 2, 4"},
         {"sh-sampling", "fibonacci:4", "--sh-sampling fibonacci:4: only jittered takes a number of sets"},
         {"raw-spacing", "-z", "--raw-spacing -z: must be above 0 mm"},
-        {"light", "left", "--light left: expected headlight or AZ,EL[,COLOR]"},
+        {"light", "left", "--light left: expected headlight, AZ,EL[,COLOR] or at:X,Y,Z[,COLOR]"},
     };
     for (const auto& [name, text, message] : cases) {
         Scene scene;
@@ -121,15 +121,13 @@ TEST(Settings, RefusalsNameTheValueAndTheRange) {
 }
 
 TEST(Settings, LightsAndColorsReadAsWritten) {
-    bool headlight = true;
-    double azimuth = 0, elevation = 0;
-    Rgb color{};
-    from_text("-30,20,red", headlight, azimuth, elevation, color);
-    EXPECT_FALSE(headlight);
-    EXPECT_EQ(azimuth, -30);
-    EXPECT_EQ(color, (Rgb{1, 0, 0}));
-    from_text("10,20", headlight, azimuth, elevation, color);
-    EXPECT_EQ(color, (Rgb{1, 1, 1}));
+    Light light;
+    from_text("-30,20,red", light);
+    EXPECT_EQ(light, (Light{.headlight = false, .azimuth_deg = -30, .elevation_deg = 20, .color = {1, 0, 0}}));
+    from_text("10,20", light);
+    EXPECT_EQ(light.color, (Rgb{1, 1, 1}));
+    from_text("headlight,0.5,1,0", light);
+    EXPECT_EQ(light, (Light{.color = {0.5, 1, 0}}));
     Vec3 up;
     from_text("-y", up);
     EXPECT_EQ(up, (Vec3{0, -1, 0}));

@@ -71,7 +71,7 @@ export function makeGestures(app, stage) {
     const [x, y] = at(event), tool = ui.tool;
     const light = read(store.state, "shading.light");
     start = { x: event.clientX, y: event.clientY, azimuth: cam("azimuth_deg", 35), elevation: cam("elevation_deg", 25), view: view(), tf: store.state.tf, span: spanOf(store.state.tf),
-      rotation: read(store.state, "probe.rotation") ?? 0, light: Array.isArray(light) ? light : [cam("azimuth_deg", 35), cam("elevation_deg", 25)], label: words.tools.adjust.split(":")[0], over: false };
+      rotation: read(store.state, "probe.rotation") ?? 0, light: typeof light?.[0] === "number" ? light : [cam("azimuth_deg", 35), cam("elevation_deg", 25)], label: words.tools.adjust.split(":")[0], over: false };
     if (event.button === 2) (start.move = event.ctrlKey ? density : window_), (start.track = "design");
     else if (event.button === 1 || event.shiftKey) (start.move = pan), (start.track = "camera");
     else if (tool === "adjust") (start.move = adjust), (start.track = "design"), beginAdjust(start, x, y);

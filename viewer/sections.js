@@ -31,7 +31,7 @@ export function makeSections(app) {
   let made = [];
 
   function surface() {
-    const fixed = () => Array.isArray(get("shading.light")), light = () => (fixed() ? get("shading.light") : [35, 45]);
+    const fixed = () => typeof get("shading.light")?.[0] === "number", light = () => (fixed() ? get("shading.light") : [35, 45]);
     const rows = placed(app.hello.settings, "surface").map((s) => settingRow(app, s));
     const part = (i, o) => Object.assign(sliderRow(app, { ...o, label: words.keyLight[i], unit: "°", step: 1, value: () => light()[i - 1], change: (v) => set("Key light…", "shading.light", light().map((x, k) => (k === i - 1 ? v : x))) }));
     const turned = [part(1, { low: -180, high: 180 }), part(2, { low: -90, high: 90 })];

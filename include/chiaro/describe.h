@@ -168,16 +168,16 @@ void describe(Visit&& visit, S& s) {
     visit(Setting{"shininess", "shading.specular_power", "", "exponent of highlights: higher is smaller"}
           .within(0, 10000), s.shininess);
     visit(Setting{"light", "shading.light", "degrees",
-                  "direction towards the light, fixed to the world, or with the camera"}
-          .written("AZ,EL[,COLOR]|headlight"), s.headlight, s.azimuth_deg, s.elevation_deg, s.color);
+                  "light from a direction fixed to the world, along the camera's axis, or from a point in the world (mm)"}
+          .written("AZ,EL[,COLOR]|headlight[,COLOR]|at:X,Y,Z[,COLOR]").kept(SceneForm::lights), s.lights);
     visit(Setting{"strength", "lighting.strength", "", "how much of the occlusion is shown"}.within(0, 1), s.strength);
 }
 
 template <class Visit, SettingsOf<ProbeSettings> S>
 void describe(Visit&& visit, S& s) {
     visit(Setting{"probe", "probe", "",
-                  "environment map (HDRI) that lights the volume: an equirectangular image file, or a built-in one (default of visibility, transport and reference: white)"}
-          .written("FILE.hdr|.exr|white|sky|studio|windows|three-point").kept(SceneForm::custom), s.source);
+                  "environment map (HDRI) that lights the volume: an equirectangular image file, a built-in one (default of visibility, transport and reference: white), or one of the lights that --light has, in the dark"}
+          .written("FILE.hdr|.exr|white|sky|studio|windows|three-point|lights").kept(SceneForm::custom), s.source);
     visit(Setting{"probe-rotation", "probe.rotation", "degrees", "turns the environment map around the up axis"}
           .within(-36000, 36000).written("DEG"), s.rotation_deg);
     visit(Setting{"probe-exposure", "probe.exposure", "stops",

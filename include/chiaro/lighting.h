@@ -43,14 +43,22 @@ struct FloorSettings {
     bool operator==(const FloorSettings&) const = default;
 };
 
-/// One directional light with Blinn-Phong reflection (Blinn 1977), and what lights from all around.
+/// Along the camera's axis (a headlight), from a direction, or from a place; as bright at any distance.
+struct Light {
+    bool headlight = true;                      ///< else azimuth and elevation, or a position
+    double azimuth_deg = 0, elevation_deg = 0;  ///< towards the light, in the orbit's angles, fixed to the world
+    Rgb color{1, 1, 1};                         ///< sRGB, as picked; beyond 1: brighter
+    std::optional<Vec3> position_mm{};          ///< of a point light, world
+    bool operator==(const Light&) const = default;
+};
+inline constexpr int max_lights = 8;
+
+/// Lights with Blinn-Phong reflection (Blinn 1977), whose shares add up, and what lights from all around.
 struct Lighting {
     Shading shading = Shading::phong;
     double ambient = 0.2, diffuse = 0.7, specular = 0.3, shininess = 20;
-    bool headlight = true;                      ///< along the camera's axis, else azimuth and elevation
-    double azimuth_deg = 0, elevation_deg = 0;  ///< towards the light, in the orbit's angles, fixed to the world
-    Rgb color{1, 1, 1};                         ///< sRGB, as picked
-    double strength = 1;                        ///< of the illumination method: A' = 1 - strength (1 - A)
+    std::vector<Light> lights{Light{}};  ///< at most `max_lights`
+    double strength = 1;                 ///< of the illumination method: A' = 1 - strength (1 - A)
     ProbeSettings probe;
     FloorSettings floor;
     Probe loaded_probe;            ///< of `probe.source`; none: a white one where an environment map is needed

@@ -155,6 +155,9 @@ struct OwnColors {
     TransferFunction transfer;
     std::array<DeviceVolume, 3> rgb;
     double white = 255;  ///< data units
+    /// In the place of rgb a value that has colours by a function of its own, whose opacities are not looked at.
+    DeviceVolume value{};
+    TransferFunction colors{};
 };
 /// Of whole rays (maxima, minima, means) that of red, of green and of blue, added up. Cost: `classify` of each.
 /// Throws Error{usage} for isosurfaces and `Clip::largest`.

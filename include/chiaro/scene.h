@@ -84,6 +84,10 @@ struct Scene {
     std::vector<Mark> marks;  ///< at most `max_marks`
 };
 
+/// The probe that the settings name: as load_probe of their source, or, called "lights", one of the lighting's own
+/// lights, which then must be fixed to the world's directions. Throws as load_probe, and Error{usage}.
+CHIARO_EXPORT Probe load_probe(const Lighting& lighting);
+
 /// What a volume is shown with where nothing else is said: from where its frame has it (CameraSettings::by_frame),
 /// samples that name materials (SampleInfo) pre-classified.
 CHIARO_EXPORT Scene scene_of_volume(const std::string& volume);

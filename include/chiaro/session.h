@@ -54,7 +54,8 @@ public:
     CHIARO_EXPORT void show(Volume&& volume, Progress& progress);
     /// The same of a volume that stays as it is, as one must whose voxels are borrowed and wanted later.
     CHIARO_EXPORT void show(const Volume& volume, Progress& progress);
-    /// Takes the channels that later scenes show together, on one grid (read_channels).
+    /// Takes the channels that later scenes show together, on one grid (read_channels). Two of which the first has
+    /// `has_own_colors`: the first one's transfer function gives the opacity, the second one's the colour.
     CHIARO_EXPORT void show(std::vector<Volume>&& channels, Progress& progress);
     /// Takes another moment of the volume that is shown. What the values mean - their range, looks, noise - stays what
     /// show() found, so that all moments look alike; light is found anew. Throws Error{input} unless it has the same

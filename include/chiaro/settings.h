@@ -14,6 +14,7 @@ enum class SceneForm {
     on_off,      ///< true and false stand for phong and none
     list,        ///< a list of what the flag takes, which may be given again and again
     surfaces,    ///< a list of {value, color, opacity}, likewise
+    lights,      ///< one as its flag's text or numbers, several as a list of these
     custom       ///< read and written by hand
 };
 
@@ -30,7 +31,9 @@ struct Setting {
     SceneForm scene_form = SceneForm::same;
     std::string_view methods = "";  ///< the lighting methods that it belongs to, "a|b"; "": to every picture
 
-    constexpr bool repeats() const { return scene_form == SceneForm::list || scene_form == SceneForm::surfaces; }
+    constexpr bool repeats() const {
+        return scene_form == SceneForm::list || scene_form == SceneForm::surfaces || scene_form == SceneForm::lights;
+    }
 
     constexpr Setting within(double low, double high) const {
         Setting s = *this;

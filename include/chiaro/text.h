@@ -107,13 +107,13 @@ CHIARO_EXPORT std::string to_text(const std::array<double, 6>& value);
 CHIARO_EXPORT std::string to_text(const Matrix4& value);
 CHIARO_EXPORT std::string to_text(const ClipPlane& value);
 CHIARO_EXPORT std::string to_text(const IsoSurface& value);
+CHIARO_EXPORT std::string to_text(const Light& value);
 CHIARO_EXPORT std::string to_text(const ShSampling& value);
 CHIARO_EXPORT std::string to_text(const Bounces& value);
 CHIARO_EXPORT std::string to_text(const ProbeExposure& value);
 CHIARO_EXPORT std::string to_text(const HistogramEffects& value);  ///< "ao,bleeding"; "none"
 CHIARO_EXPORT std::string to_text(int width, int height);
 CHIARO_EXPORT std::string to_text(const Rgb& color, bool transparent, bool probe);  ///< of what lies behind the probe
-CHIARO_EXPORT std::string to_text(bool headlight, double azimuth_deg, double elevation_deg, const Rgb& color);
 std::string to_text(Named auto value) { return std::string(names_of(value)[std::size_t(value)]); }
 template <class T>
 std::string to_text(const std::optional<T>& value) {
@@ -142,6 +142,7 @@ CHIARO_EXPORT void from_text(std::string_view text, std::array<double, 6>& value
 CHIARO_EXPORT void from_text(std::string_view text, Matrix4& value);
 CHIARO_EXPORT void from_text(std::string_view text, ClipPlane& value);
 CHIARO_EXPORT void from_text(std::string_view text, IsoSurface& value);
+CHIARO_EXPORT void from_text(std::string_view text, Light& value);
 CHIARO_EXPORT void from_text(std::string_view text, ShSampling& value);
 CHIARO_EXPORT void from_text(std::string_view text, Bounces& value);
 CHIARO_EXPORT void from_text(std::string_view text, ProbeExposure& value);
@@ -149,8 +150,6 @@ CHIARO_EXPORT void from_text(std::string_view text, HistogramEffects& value);
 CHIARO_EXPORT void from_text(std::string_view text, int& width, int& height);
 CHIARO_EXPORT void from_text(std::string_view text, Rgb& color, bool& transparent,
                              bool& probe);  ///< "probe" leaves the others
-CHIARO_EXPORT void from_text(std::string_view text, bool& headlight, double& azimuth_deg, double& elevation_deg,
-                             Rgb& color);
 
 /// Position of `text` among the names; throws Error{usage} with "did you mean".
 CHIARO_EXPORT std::size_t index_among(std::string_view text, std::span<const std::string_view> names);

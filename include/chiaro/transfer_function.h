@@ -39,6 +39,15 @@ struct GradientWidget {
     bool operator==(const GradientWidget&) const = default;
 };
 
+/// Colour and opacity on a grid over value and magnitude of the gradient: linear between its points, constant beyond.
+struct GradientGrid {
+    int columns = 0, rows = 0;                     ///< over values, over magnitudes; 0: none
+    double value_low = 0, value_high = 1;          ///< data units: of the first and of the last column
+    double magnitude_low = 0, magnitude_high = 1;  ///< data units per mm: of the first and of the last row
+    std::vector<std::array<float, 4>> rgba{};  ///< row after row: colour in the function's rgb_space, opacity; [0, 1]
+    bool operator==(const GradientGrid&) const = default;
+};
+
 enum class RgbSpace { srgb, linear };
 
 /// Piecewise linear between points, constant outside. Two points of equal value make a step.
@@ -50,14 +59,22 @@ struct TransferFunction {
     std::string name;                       ///< preset, file or colour map it came from
     std::vector<GradientPoint> gradient{};  ///< magnitudes not falling, linear between, constant outside; empty: 1
     std::vector<GradientWidget> widgets{};  ///< of which the largest factor counts; empty: 1
+    GradientGrid grid{};                    ///< of a function that over_gradient made; files do not hold it
     bool operator==(const TransferFunction&) const = default;
 };
 
 /// Colour and opacity at `value`, interpolated in the function's own rgb_space. It has no name.
 CHIARO_EXPORT ControlPoint evaluate(const TransferFunction& tf, double value);
 
-/// What the gradient's points and widgets leave of the extinction of a value, [0, 1]: their product.
+/// What the gradient's points, widgets and grid leave of the extinction of a value, [0, 1]: their product.
 CHIARO_EXPORT double extinction_factor(const TransferFunction& tf, double value, double magnitude);
+
+/// A function that has a grid's colours and opacities. Its points are each column's largest opacity and mean colour,
+/// weighted by opacity: what is shown of whole rays. Throws Error{input} unless there are as many colours as the grid
+/// has points, in range.
+CHIARO_EXPORT TransferFunction over_gradient(GradientGrid grid);
+/// The grid's colour and opacity there.
+CHIARO_EXPORT std::array<double, 4> evaluate(const GradientGrid& grid, double value, double magnitude);
 
 /// Throws Error{input} with one sentence unless the points are finite, in range and in order.
 CHIARO_EXPORT void validate(const TransferFunction& tf);

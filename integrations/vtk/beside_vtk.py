@@ -20,7 +20,7 @@ from vtkmodules.vtkFiltersSources import vtkSphereSource
 from vtkmodules.vtkIOImage import vtkNrrdReader, vtkPNGWriter
 from vtkmodules.vtkRenderingCore import (vtkActor, vtkColorTransferFunction, vtkLight, vtkLightKit, vtkPolyDataMapper, vtkRenderer,
                                          vtkRenderWindow, vtkVolume, vtkVolumeProperty, vtkWindowToImageFilter)
-from vtkmodules.vtkRenderingVolume import vtkGPUVolumeRayCastMapper
+from vtkmodules.vtkRenderingVolume import vtkFixedPointVolumeRayCastMapper, vtkGPUVolumeRayCastMapper
 
 SIZE = 64
 
@@ -106,11 +106,51 @@ def kit(scene):
     scene.kit.AddLightsToRenderer(scene.renderer)
 
 
-def components(scene):
-    values = np.repeat(vtk_to_numpy(scene.image.GetPointData().GetScalars())[:, None], 4, axis=1).copy()
+def light_components(scene):
+    light = vtkLight()
+    light.SetDiffuseColor(0.5, 0.5, 0.5), light.SetSpecularColor(0, 0, 1), light.SetLightTypeToHeadlight()
+    scene.renderer.AddLight(light), scene.looks.SetSpecular(0.5), scene.looks.SetSpecularPower(20)
+
+
+def give(scene, *others):
+    """Values of the shells last, after others."""
+    shells = vtk_to_numpy(scene.image.GetPointData().GetScalars())
     image = vtkImageData()
-    image.SetDimensions(SIZE, SIZE, SIZE), image.GetPointData().SetScalars(numpy_to_vtk(values, deep=True))
-    scene.mapper.SetInputData(image)
+    values = numpy_to_vtk(np.stack([*others, shells], axis=1).astype(np.uint8).copy(), deep=True)
+    image.SetDimensions(SIZE, SIZE, SIZE), image.GetPointData().SetScalars(values)
+    scene.mapper.SetInputData(image), scene.looks.ShadeOff()
+
+
+def axis(k):
+    return 4 * np.indices((SIZE,) * 3)[2 - k].ravel()
+
+
+def independent(scene):
+    give(scene, axis(0) // 2, 255 - axis(1), axis(2))
+    for k, rgb in enumerate([(0.9, 0.2, 0.1), (0.2, 0.8, 0.3), (0.1, 0.3, 0.9)]):
+        colours, opacity = vtkColorTransferFunction(), vtkPiecewiseFunction()
+        colours.AddRGBPoint(0, *rgb), opacity.AddPoint(60, 0), opacity.AddPoint(255, 0.02)
+        scene.looks.SetColor(k, colours), scene.looks.SetScalarOpacity(k, opacity)
+    scene.looks.SetColor(3, scene.looks.GetRGBTransferFunction(0)), scene.looks.SetScalarOpacity(3, scene.opacity)
+    scene.looks.SetComponentWeight(1, 0.5)
+
+
+def colour_by_another(scene):
+    give(scene, axis(0)), scene.looks.IndependentComponentsOff()
+
+
+def own_colours(scene):
+    give(scene, axis(0), axis(1), axis(2)), scene.looks.IndependentComponentsOff()
+
+
+def of_both(scene):
+    """Opacities are a sample's: its unit is as long."""
+    value, steep = np.meshgrid(np.linspace(0, 1, 128), np.linspace(0, 1, 128))
+    rgba = np.stack([1 - steep, 0.4 + 0 * value, steep, 0.05 * value * (steep > 0.3)], axis=2).reshape(-1, 4)
+    image = vtkImageData()
+    image.SetDimensions(128, 128, 1), image.GetPointData().SetScalars(numpy_to_vtk(rgba.astype(np.float32), deep=True))
+    scene.looks.SetTransferFunction2D(image), scene.looks.SetTransferFunctionMode(vtkVolumeProperty.TF_2D), scene.looks.ShadeOff()
+    scene.looks.SetScalarOpacityUnitDistance(0.25)
 
 
 def gradient(scene):
@@ -161,13 +201,19 @@ SCENES = {
     "TestGPURayCastPositionalLights": positional,
     "TestGPURayCastVolumeLightKit": kit,
     "TestGPURayCastCropping of fences and crosses": lambda s: crop(s, 0x2EBFEBA),
-    "TestGPURayCastGradientOpacity, TestFixedPointRayCastLightComponents": gradient,
-    "TestGPURayCastTransfer2D": lambda s: s.looks.SetTransferFunctionMode(vtkVolumeProperty.TF_2D),
-    "TestGPURayCastFourComponents..., ...TwoComponents..., ...IndependentComponent": components,
+    "TestGPURayCastGradientOpacity": gradient,
+    "TestFixedPointRayCastLightComponents": light_components,
+    "TestGPURayCastTransfer2D": of_both,
+    "TestGPURayCastFourComponentsComposite, ...ThreeComponentsIndependent, ...TwoComponentsIndependent": independent,
+    "TestGPURayCastTwoComponentsDependent": colour_by_another,
+    "TestGPURayCastFourComponentsDependentGradient": own_colours,
     "TestGPURayCastNearestDataTypesMIP, TestFixedPointRayCasterNearest": lambda s: s.looks.SetInterpolationTypeToNearest(),
     "TestGPURayCastMapperRectilinearGrid": rectilinear,
     "TestGPURayCastSlicePlane (SLICE_BLEND)": lambda s: s.mapper.SetBlendModeToSlice(),
 }
+
+# VTK's mapper for GPUs gives several components another opacity than its others do: a mean weighted by itself.
+BY_FIXED_POINT = {independent, light_components}
 
 
 def main(tool, folder):
@@ -188,13 +234,15 @@ def main(tool, folder):
         if said and np.ptp(first, axis=0).max() < 3:
             print(f"| {tests} | no, and says so | |")
             continue
-        theirs = Scene(image, vtkGPUVolumeRayCastMapper())
-        theirs.mapper.AutoAdjustSampleDistancesOff(), theirs.mapper.SetSampleDistance(0.25), theirs.mapper.UseJitteringOff()
+        theirs = Scene(image, vtkFixedPointVolumeRayCastMapper() if change in BY_FIXED_POINT else vtkGPUVolumeRayCastMapper())
+        theirs.mapper.AutoAdjustSampleDistancesOff(), theirs.mapper.SetSampleDistance(0.25)
+        if change not in BY_FIXED_POINT:
+            theirs.mapper.UseJitteringOff()
         change(theirs)
         second = theirs.drawn(os.path.join(folder, f"{k:02}-vtk.png"))
         off = np.abs(first - second)
         psnr = 10 * math.log10(255**2 / max((off**2).mean(), 1e-9))
-        print(f"| {tests} | yes{', by one light, and says so' if said else ''} | {off.mean():.2f}; {psnr:.0f} dB |")
+        print(f"| {tests} | yes{', and says what is left out' if said else ''} | {off.mean():.2f}; {psnr:.0f} dB |")
 
 
 if __name__ == "__main__":

@@ -78,7 +78,7 @@ void add_appearance(py::module_& module) {
         return all;
     });
     py::class_<Probe>(module, "Probe").def(py::init<>()).def(py::init(&probe_of)).def_property_readonly("rgb", rgb_of);
-    module.def("load_probe", load_probe);
+    module.def("load_probe", py::overload_cast<const std::string&>(load_probe));
     module.def("list_probes", [] {
         py::list all;
         for (const ProbeInfo& p : list_probes()) all.append(py::make_tuple(p.name, p.sentence));

@@ -48,6 +48,11 @@ py::object value(const Setting&, const std::vector<IsoSurface>& surfaces) {
     for (const IsoSurface& s : surfaces) all.append(to_text(s));
     return all;
 }
+py::object value(const Setting&, const std::vector<Light>& lights) {
+    py::list all;
+    for (const Light& light : lights) all.append(to_text(light));
+    return all;
+}
 py::object value(const Setting& s, const auto&... fields) { return py::str(value_text(s, fields...)); }
 template <class T>
 py::object value(const Setting& s, const std::optional<T>& field) {

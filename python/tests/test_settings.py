@@ -17,7 +17,7 @@ OTHER = {
     "rescale": (2, -1000), "time": 3, "channels_as": "rgb", "transfer": "gray", "window": (40, 400), "threshold": (10, 20), "opacity_scale": 0.5, "opacity_unit": 2,
     "opacity_unit_mm": 2, "camera_matrix": (0.5, 0, 0, 1, 0, 0.25, 0, 2.5, 0, 0, -0.125, 0, 0, 0, 0, 1), "size": (320, 200), "mode": "mip", "iso": [100, (120, "red")], "background": "white",
     "clip_box": (0, 1, 0, 0.5, 0, 1), "clip_plane": [(0, 0, 1, 10)], "azimuth": 10, "elevation": -5, "roll": 3, "zoom": 2, "fov": 40,
-    "up": (0, 1, 0), "projection": "orthographic", "view": "left", "eye": (1, 2, 3), "target": (4, 5, 6), "light": "10,20,red",
+    "up": (0, 1, 0), "projection": "orthographic", "view": "left", "eye": (1, 2, 3), "target": (4, 5, 6), "light": [(10, 20, "red"), "headlight", "at:1,2,3"],
     "probe": "sky", "hist_effects": "ao", "glow": "1:2=3", "cache": "none", "sh_sampling": "jittered:4", "bounces": 3,
     "reference_quantity": "ao", "probe_exposure": 1.5, "labels": "sample:organs", "label_table": "totalsegmentator",
 }

@@ -90,8 +90,11 @@ Medium classify(const Device& device, const DeviceVolume& volume, const Transfer
     return classify(device, volume, tf, shape, Progress());
 }
 
-Medium classify(const Device& device, const DeviceVolume& volume, const TransferFunction& tf, const Shape& shape,
-                const Progress& progress) {
+namespace {
+
+/// By one value, whatever colours a factor may have.
+Medium classified_value(const Device& device, const DeviceVolume& volume, const TransferFunction& tf,
+                        const Shape& shape, const Progress& progress) {
     validate(tf);
     validate(shape);
     if (volume.data().placement) check_shared(shape);
@@ -105,14 +108,28 @@ Medium classify(const Device& device, const DeviceVolume& volume, const Transfer
     }
     data->volume = interpolated(data->volume, shape.interpolation, progress);
     if (shape.mode == Mode::dvr || shape.mode == Mode::additive)
-        data->volume = with_factor(data->volume, make_factor(data->volume.data(), tf));
+        data->volume = with_factor(data->volume, make_factor(data->volume.data(), tf, shape.color));
     find_occupancy(device, *data, progress);
     return Medium(std::move(data));
 }
 
-namespace {
+/// Colours that change with the gradient are those of a mixture, of one channel.
+Medium with_colors_by_gradient(const Device& device, const Medium& medium, const Progress& progress) {
+    const auto& factor = medium.data().volume.data().factor;
+    if (!factor || factor->colors.empty()) return medium;
+    return mixed(device, {{medium.data().shared_from_this()}, nullptr}, medium.data().shape, progress);
+}
 
 bool shows_values_of_rays(const Shape& shape) { return !is_lit(shape.mode) && shape.mode != Mode::additive; }
+
+}  // namespace
+
+Medium classify(const Device& device, const DeviceVolume& volume, const TransferFunction& tf, const Shape& shape,
+                const Progress& progress) {
+    return with_colors_by_gradient(device, classified_value(device, volume, tf, shape, progress), progress);
+}
+
+namespace {
 
 /// Throws Error{usage} for what is found of one value.
 void check_one_value(const Shape& shape, const std::string& refusal) {
@@ -125,7 +142,7 @@ void check_one_value(const Shape& shape, const std::string& refusal) {
 Medium classified_channel(const Device& device, const Channel& channel, Shape shape, const Progress& progress) {
     const bool of_rays = shows_values_of_rays(shape);
     if (!of_rays) shape.opacity_scale *= channel.gain;
-    const Medium medium = classify(device, channel.volume, channel.transfer, shape, progress);
+    const Medium medium = classified_value(device, channel.volume, channel.transfer, shape, progress);
     if (!of_rays || channel.gain == 1) return medium;
     auto data = std::make_shared<Medium::Data>();
     const Medium::Data& from = medium.data();
@@ -161,17 +178,25 @@ Medium classify(const Device& device, const std::vector<Channel>& channels, cons
         nothing.opacity_scale = 0;
         return classify(device, channels.front().volume, channels.front().transfer, nothing, progress);
     }
-    if (shown.size() == 1) return Medium(std::move(shown.front()));
+    if (shown.size() == 1) return with_colors_by_gradient(device, Medium(std::move(shown.front())), progress);
     return mixed(device, {std::move(shown), nullptr}, shape, progress);
 }
 
 Medium classify(const Device& device, const OwnColors& own, const Shape& shape, const Progress& progress) {
     check_one_value(shape, "is of values: a volume is shown in its own colours, and --channels-as channels has values");
     const bool of_rays = shows_values_of_rays(shape);
+    if (of_rays && own.value)
+        throw Error(ErrorCode::usage, "colours by another value have no meaning for a value of a whole ray");
     MixtureParts parts{{}, nullptr, !of_rays};
     const auto add = [&](const DeviceVolume& volume, const TransferFunction& tf) {
-        parts.channels.push_back(classify(device, volume, tf, shape, progress).data().shared_from_this());
+        parts.channels.push_back(classified_value(device, volume, tf, shape, progress).data().shared_from_this());
     };
+    if (own.value) {
+        TransferFunction colors = own.colors;
+        for (ControlPoint& point : colors.points) point.opacity = 0;
+        add(own.opacity, own.transfer), add(own.value, colors);
+        return mixed(device, std::move(parts), shape, progress);
+    }
     // Its colours are what is taken where there is matter that nothing was looked up of: luminance, about.
     TransferFunction opacity = own.transfer;
     opacity.rgb_space = RgbSpace::srgb;

@@ -16,16 +16,48 @@ double largest_magnitude(const TransferFunction& tf) {
     double largest = 0;
     for (const GradientPoint& point : tf.gradient) largest = std::max(largest, point.magnitude);
     for (const GradientWidget& widget : tf.widgets) largest = std::max(largest, widget.magnitude_high);
+    if (!tf.grid.rgba.empty()) largest = std::max(largest, tf.grid.magnitude_high);
     return 1.01 * largest;
+}
+
+/// Calls f(value, magnitude) for each entry.
+template <class Function>
+void for_each_entry(const DeviceVolume::Data& volume, const ExtinctionFactor& factor, Function&& f) {
+    for (int row = 0; row < factor.rows; ++row)
+        for (int column = 0; column < factor.columns; ++column) {
+            const double stored =
+                factor.columns > 1 ? (column - factor.index_offset) / factor.index_scale : volume.stored_min;
+            f(volume.scale * stored + volume.offset, factor.rows_per_unit > 0 ? row / factor.rows_per_unit : 0);
+        }
+}
+
+/// Colours of a grid, where it has others than the function's points have for the same values.
+std::vector<std::array<float, 3>> colors_of(const DeviceVolume::Data& volume, const ExtinctionFactor& factor,
+                                            const TransferFunction& tf) {
+    constexpr double alike = 1.0 / 512;
+    std::vector<std::array<float, 3>> colors;
+    if (tf.grid.rgba.empty()) return colors;
+    bool differ = false;
+    for_each_entry(volume, factor, [&](double value, double magnitude) {
+        const std::array<double, 4> rgba = evaluate(tf.grid, value, magnitude);
+        const Rgb of_points = evaluate(tf, value).rgb;
+        for (std::size_t c = 0; c < 3; ++c)
+            differ = differ || (rgba[3] > 0 && std::abs(rgba[c] - of_points[c]) > alike);
+        colors.push_back({float(rgba[0]), float(rgba[1]), float(rgba[2])});
+    });
+    if (!differ) colors.clear();
+    return colors;
 }
 
 }  // namespace
 
-std::shared_ptr<const ExtinctionFactor> make_factor(const DeviceVolume::Data& volume, const TransferFunction& tf) {
-    if (tf.gradient.empty() && tf.widgets.empty()) return nullptr;
+std::shared_ptr<const ExtinctionFactor> make_factor(const DeviceVolume::Data& volume, const TransferFunction& tf,
+                                                    ColorMode color) {
+    const bool of_both = !tf.widgets.empty() || !tf.grid.rgba.empty();
+    if (tf.gradient.empty() && !of_both) return nullptr;
     auto factor = std::make_shared<ExtinctionFactor>();
-    const bool by_value = !tf.widgets.empty() && volume.stored_max > volume.stored_min;
-    const int rows = tf.widgets.empty() ? rows_of_curve : rows_of_both;
+    const bool by_value = of_both && volume.stored_max > volume.stored_min;
+    const int rows = of_both ? rows_of_both : rows_of_curve;
     const double top = largest_magnitude(tf);
     factor->columns = by_value ? columns_of_both : 1;
     factor->rows = rows;
@@ -34,14 +66,14 @@ std::shared_ptr<const ExtinctionFactor> make_factor(const DeviceVolume::Data& vo
         factor->index_scale = (columns_of_both - 1) / (double(volume.stored_max) - volume.stored_min);
         factor->index_offset = -volume.stored_min * factor->index_scale;
     }
-    for (int row = 0; row < rows; ++row)
-        for (int column = 0; column < factor->columns; ++column) {
-            const double stored = by_value ? (column - factor->index_offset) / factor->index_scale : volume.stored_min;
-            factor->entries.push_back(
-                float(extinction_factor(tf, volume.scale * stored + volume.offset, row * top / (rows - 1))));
-        }
+    for_each_entry(volume, *factor, [&](double value, double magnitude) {
+        factor->entries.push_back(float(extinction_factor(tf, value, magnitude)));
+    });
+    factor->colors = colors_of(volume, *factor, tf);
+    for (auto& rgb : factor->colors)
+        for (float& c : rgb) c = composited_color(c, tf.rgb_space, color);
     const auto [least, most] = std::minmax_element(factor->entries.begin(), factor->entries.end());
-    return *least == 1 && *most == 1 ? nullptr : factor;
+    return *least == 1 && *most == 1 && factor->colors.empty() ? nullptr : factor;
 }
 
 DeviceVolume with_factor(const DeviceVolume& volume, std::shared_ptr<const ExtinctionFactor> factor) {

@@ -7,8 +7,9 @@
 namespace chiaro {
 
 /// The table of a function over the volume's stored values and the magnitudes that it tells apart; null where it leaves
-/// everything as it is.
-std::shared_ptr<const ExtinctionFactor> make_factor(const DeviceVolume::Data& volume, const TransferFunction& tf);
+/// everything as it is. `color`: how its colours are composited.
+std::shared_ptr<const ExtinctionFactor> make_factor(const DeviceVolume::Data& volume, const TransferFunction& tf,
+                                                    ColorMode color);
 
 /// The volume with a factor (null: without): the same voxels, borrowed.
 DeviceVolume with_factor(const DeviceVolume& volume, std::shared_ptr<const ExtinctionFactor> factor);

@@ -87,6 +87,8 @@ void discard_unseen(const Medium& medium);
 
 /// The table of a transfer function over the stored values that occur (classify/table.cpp). About 4096 entries; for
 /// whole numbers a power of two per unit, so that every stored value has an entry of its own wherever they fit.
+/// A colour's component as the mode composites it.
+float composited_color(double c, RgbSpace space, ColorMode mode);
 OpticalTable make_optical_table(const DeviceVolume::Data& volume, const TransferFunction& tf, const Shape& shape);
 
 /// Throws Error{usage} unless the shape can be shown.
@@ -110,6 +112,9 @@ std::vector<std::uint8_t> make_occupancy(const CellRanges& ranges,
                                          const std::function<bool(float low, float high)>& is_visible, int threads,
                                          const Progress& progress = Progress(),
                                          const std::vector<std::uint8_t>& left = {});
+/// The same of cells of many kinds, one of which is empty: cubes are of one kind.
+std::vector<std::uint8_t> make_occupancy(const std::array<int, 3>& count, std::vector<std::uint32_t> kinds,
+                                         std::uint32_t empty, const Progress& progress);
 /// Whether the transfer function leaves something visible between two stored values.
 RangeTest visible_range(const OpticalTable& table);
 /// Whether an isosurface passes between two stored values.

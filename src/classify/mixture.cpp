@@ -10,6 +10,7 @@
 #include "kernel/rgba.h"
 #include "volume/borrowed.h"
 #include "volume/device_view.h"
+#include "volume/label_bricks.h"
 
 namespace chiaro {
 namespace {
@@ -31,6 +32,8 @@ bool comes_before(const std::shared_ptr<const Medium::Data>& a, const std::share
     if (v.factor && w.factor) {
         const auto &f = v.factor->entries, &g = w.factor->entries;
         if (const int factors = compared(f.data(), f.size(), g.data(), g.size())) return factors < 0;
+        const auto &c = v.factor->colors, &d = w.factor->colors;
+        if (const int colors = compared(c.data(), c.size(), d.data(), d.size())) return colors < 0;
     }
     return compared(v.bricks.data(), v.bricks.size(), w.bricks.data(), w.bricks.size()) < 0;
 }
@@ -65,6 +68,18 @@ std::vector<float> rises_of(const OpticalTable& table) {
     return rises;
 }
 
+/// By the entries of a factor that has colours; empty: colours are those of the values.
+std::vector<kernel::Rgba> colors_by_gradient(const ExtinctionFactor* factor) {
+    std::vector<kernel::Rgba> entries;
+    if (!factor) return entries;
+    for (std::size_t i = 0; i < factor->colors.size(); ++i) {
+        const auto& [r, g, b] = factor->colors[i];
+        const float left = factor->entries[i];
+        entries.push_back({left * r, left * g, left * b, left});
+    }
+    return entries;
+}
+
 const std::uint8_t* share_of(const VoxelBuffer* share) {
     return share ? reinterpret_cast<const std::uint8_t*>(share->data()) : nullptr;
 }
@@ -73,7 +88,7 @@ const std::uint8_t* share_of(const VoxelBuffer* share) {
 template <class Voxel>
 struct ViewsOfChannels {
     Channels channels;
-    std::vector<std::vector<kernel::Rgba>> matter;
+    std::vector<std::vector<kernel::Rgba>> matter, by_gradient;
     std::vector<std::vector<float>> rises;
     std::vector<kernel::ChannelView<Voxel>> views;
 
@@ -89,13 +104,17 @@ struct ViewsOfChannels {
                 entries.push_back({weight * e.r, weight * e.g, weight * e.b, kappa});
             }
         }
+        for (const auto& channel : channels)
+            by_gradient.push_back(of.own_colors ? std::vector<kernel::Rgba>()
+                                                : colors_by_gradient(channel->volume.data().factor.get()));
         for (std::size_t i = 0; i < channels.size(); ++i) {
             const OpticalTable& table = channels[i]->table;
             views.push_back({view_of<Voxel>(channels[i]->volume.data()),
                              {matter[i].data(), float(table.index_scale), float(table.index_offset + 0.5),
                               float(matter[i].size() - 1)},
                              rises[i].data(),
-                             share_of(channels[i]->share.get())});
+                             share_of(channels[i]->share.get()),
+                             by_gradient[i].empty() ? nullptr : by_gradient[i].data()});
         }
     }
 };
@@ -118,7 +137,27 @@ DeviceVolume volume_of(const MixtureParts& parts) {
     return DeviceVolume(std::move(made));
 }
 
+bool is_labelled_channel(const Channels& channels, const LabelBricks* labels, bool own_colors) {
+    return labels && channels.size() == 1 && !own_colors && !channels.front()->share;
+}
+
+/// Codes of cells, where those of other tints are of other kinds: a ray learns a cube's tint when it enters it.
+std::vector<std::uint8_t> cells_by_tint(const std::array<int, 3>& count, const std::vector<std::uint8_t>& occupied,
+                                        const LabelBricks& labels, const Progress& progress) {
+    constexpr std::uint32_t empty = ~0u;
+    std::vector<std::uint32_t> kinds = labels.cells;
+    for (std::size_t c = 0; c < kinds.size(); ++c)
+        if (!occupied[c]) kinds[c] = empty;
+    return make_occupancy(count, std::move(kinds), empty, progress);
+}
+
 }  // namespace
+
+bool is_labelled_channel(const Medium::Data& medium) {
+    if (!is_mixed(medium)) return false;
+    const MixtureOfChannels& mixture = *medium.volume.data().mixture;
+    return is_labelled_channel(medium.channels, mixture.labels.get(), mixture.own_colors);
+}
 
 std::shared_ptr<const Medium::Data> with_share(const Medium::Data& medium, std::shared_ptr<const VoxelBuffer> share) {
     auto data = std::make_shared<Medium::Data>();
@@ -138,7 +177,8 @@ Medium mixed(const Device& device, MixtureParts parts, const Shape& shape, const
     Channels& channels = parts.channels;
     check_alike(channels);
     if (channels.front()->volume.data().placement)
-        throw Error(ErrorCode::usage, "a volume that several ranks share has one channel, and no labels");
+        throw Error(ErrorCode::usage,
+                    "a volume that several ranks share has one channel, colours by value, and no labels");
     if (!parts.own_colors) std::stable_sort(channels.begin(), channels.end(), comes_before);
     auto data = std::make_shared<Medium::Data>();
     std::vector<std::uint8_t> labelled;
@@ -152,8 +192,11 @@ Medium mixed(const Device& device, MixtureParts parts, const Shape& shape, const
     for (std::size_t c = 0; c < labelled.size(); ++c) occupied[c] &= labelled[c];
     data->occupied_fraction =
         double(std::count(occupied.begin(), occupied.end(), 1)) / double(std::max<std::size_t>(occupied.size(), 1));
+    const CellRanges& cells = data->volume.data().cells;
     const auto any = [](float, float) { return true; };
-    data->cells = make_occupancy(data->volume.data().cells, any, device.threads, progress, occupied);
+    data->cells = is_labelled_channel(channels, parts.labels.get(), parts.own_colors)
+                      ? cells_by_tint(cells.count, occupied, *parts.labels, progress)
+                      : make_occupancy(cells, any, device.threads, progress, occupied);
     data->channels = std::move(channels);
     return Medium(std::move(data));
 }

@@ -17,4 +17,8 @@ Medium mixed(const Device& device, MixtureParts parts, const Shape& shape, const
 /// What a mixture was made of; of another medium that itself.
 MixtureParts parts_of(const Medium::Data& medium);
 
+/// Whether it is one channel in which labels lie: rays take its samples as without them, and find after that what they
+/// leave and how they tint it.
+bool is_labelled_channel(const Medium::Data& medium);
+
 }  // namespace chiaro

@@ -10,17 +10,19 @@
 namespace chiaro {
 namespace {
 
-/// One byte per cell, x fastest.
+/// x fastest.
+template <class T>
 struct CellGrid {
     std::array<int, 3> count;
-    std::vector<std::uint8_t> at;
+    std::vector<T> at;
     std::size_t row(int y, int z) const { return (std::size_t(z) * count[1] + y) * count[0]; }
 };
 
 using Test = std::function<bool(float, float)>;
 
-CellGrid occupied_cells(const CellRanges& ranges, const Test& is_visible, int threads, const Progress& progress) {
-    CellGrid cells{ranges.count, std::vector<std::uint8_t>(ranges.low.size())};
+CellGrid<std::uint8_t> occupied_cells(const CellRanges& ranges, const Test& is_visible, int threads,
+                                      const Progress& progress) {
+    CellGrid<std::uint8_t> cells{ranges.count, std::vector<std::uint8_t>(ranges.low.size())};
     parallel_for(threads, std::int64_t(ranges.low.size()), 1 << 16, [&](std::int64_t begin, std::int64_t end) {
         if (progress.cancelled()) return;
         for (auto c = begin; c < end; ++c) cells.at[c] = is_visible(ranges.low[c], ranges.high[c]);
@@ -31,16 +33,17 @@ CellGrid occupied_cells(const CellRanges& ranges, const Test& is_visible, int th
 
 /// Distances to the nearest cell of the other kind: a neighbour of the same kind offers its own distance and one more,
 /// one of the other kind offers 1.
+template <class Kind>
 class KindDistance {
 public:
-    KindDistance(const CellGrid& kind, const Progress& progress)
+    KindDistance(const CellGrid<Kind>& kind, const Progress& progress)
         : kind_(kind),
           progress_(progress),
           distance_{kind.count, std::vector<std::uint8_t>(kind.at.size(), kernel::farthest)} {}
 
     /// Chebyshev distances in two sweeps over 13 neighbours each (Borgefors 1986), exact for this metric. What lies
     /// beyond the volume counts for nothing.
-    const CellGrid& compute() {
+    const CellGrid<std::uint8_t>& compute() {
         sweep(1);
         sweep(-1);
         return distance_;
@@ -70,7 +73,7 @@ private:
         for (int shift : {0, -1, 1}) {
             const int first = std::max(0, -shift), last = std::min(nx, nx - shift);
             // Plain pointers: the compiler turns this loop into vector instructions.
-            const std::uint8_t *kind = &kind_.at[row], *their_kind = &kind_.at[neighbours] + shift;
+            const Kind *kind = &kind_.at[row], *their_kind = &kind_.at[neighbours] + shift;
             const std::uint8_t* theirs = &distance_.at[neighbours] + shift;
             std::uint8_t* distance = &distance_.at[row];
             for (int x = first; x < last; ++x) distance[x] = nearer(distance[x], kind[x] == their_kind[x], theirs[x]);
@@ -87,10 +90,21 @@ private:
         return std::min(distance, offer);
     }
 
-    const CellGrid& kind_;
+    const CellGrid<Kind>& kind_;
     const Progress& progress_;
-    CellGrid distance_;
+    CellGrid<std::uint8_t> distance_;
 };
+
+template <class Kind, class IsOccupied>
+std::vector<std::uint8_t> codes_of(const CellGrid<Kind>& kinds, const IsOccupied& is_occupied,
+                                   const Progress& progress) {
+    KindDistance<Kind> distances(kinds, progress);
+    const CellGrid<std::uint8_t>& distance = distances.compute();
+    std::vector<std::uint8_t> codes(kinds.at.size() + 1);
+    for (std::size_t c = 0; c < kinds.at.size(); ++c)
+        codes[c] = kernel::cell_code(distance.at[c], is_occupied(kinds.at[c]));
+    return codes;
+}
 
 }  // namespace
 
@@ -115,15 +129,17 @@ RangeTest crossed_range(const DeviceVolume::Data& volume, const std::vector<IsoS
 
 std::vector<std::uint8_t> make_occupancy(const CellRanges& ranges, const Test& is_visible, int threads,
                                          const Progress& progress, const std::vector<std::uint8_t>& left) {
-    CellGrid occupied = occupied_cells(ranges, is_visible, threads, progress);
+    CellGrid<std::uint8_t> occupied = occupied_cells(ranges, is_visible, threads, progress);
     for (std::size_t c = 0; c < left.size(); ++c) occupied.at[c] &= left[c];
-    KindDistance distances(occupied, progress);
-    const CellGrid& distance = distances.compute();
+    return codes_of(
+        occupied, [](std::uint8_t kind) { return kind != 0; }, progress);
+}
 
-    std::vector<std::uint8_t> codes(occupied.at.size() + 1);
-    for (std::size_t c = 0; c < occupied.at.size(); ++c)
-        codes[c] = kernel::cell_code(distance.at[c], occupied.at[c] != 0);
-    return codes;
+std::vector<std::uint8_t> make_occupancy(const std::array<int, 3>& count, std::vector<std::uint32_t> kinds,
+                                         std::uint32_t empty, const Progress& progress) {
+    const CellGrid<std::uint32_t> cells{count, std::move(kinds)};
+    return codes_of(
+        cells, [empty](std::uint32_t kind) { return kind != empty; }, progress);
 }
 
 }  // namespace chiaro

@@ -27,17 +27,19 @@ OpticalTable::Entry optical_entry(const TransferFunction& tf, const Shape& shape
     const ControlPoint p = evaluate(tf, value);
     const bool outside = value < shape.threshold_low || value > shape.threshold_high;
     const double opacity = outside ? 0 : std::min(p.opacity, 1 - 1e-7);
-    const auto channel = [&](double c) {
-        if (shape.color == ColorMode::linear && tf.rgb_space == RgbSpace::srgb) return float(linear_from_srgb(c));
-        if (shape.color == ColorMode::display && tf.rgb_space == RgbSpace::linear) return float(srgb_from_linear(c));
-        return float(c);
-    };
+    const auto channel = [&](double c) { return composited_color(c, tf.rgb_space, shape.color); };
     // κ = -ln(1 - α) / reference length
     return {channel(p.rgb[0]), channel(p.rgb[1]), channel(p.rgb[2]),
             float(-std::log1p(-opacity) / unit_mm * shape.opacity_scale)};
 }
 
 }  // namespace
+
+float composited_color(double c, RgbSpace space, ColorMode mode) {
+    if (mode == ColorMode::linear && space == RgbSpace::srgb) return float(linear_from_srgb(c));
+    if (mode == ColorMode::display && space == RgbSpace::linear) return float(srgb_from_linear(c));
+    return float(c);
+}
 
 OpticalTable make_optical_table(const DeviceVolume::Data& volume, const TransferFunction& tf, const Shape& shape) {
     auto [low, high] = changing_range(volume, tf, shape);

@@ -54,6 +54,38 @@ void validate_gradient(const TransferFunction& tf) {
     }
 }
 
+void validate_grid(const TransferFunction& tf) {
+    const GradientGrid& grid = tf.grid;
+    if (grid.columns == 0 && grid.rows == 0 && grid.rgba.empty()) return;
+    if (grid.columns < 1 || grid.rows < 1 || grid.rgba.size() != std::size_t(grid.columns) * grid.rows)
+        refuse(tf,
+               "grid: has " + std::to_string(grid.rgba.size()) + " colours, where its columns times rows are needed");
+    const auto rises = [](double low, double high, int count) {
+        return std::isfinite(low) && std::isfinite(high) && (low < high || count == 1);
+    };
+    if (!rises(grid.value_low, grid.value_high, grid.columns) ||
+        !rises(grid.magnitude_low, grid.magnitude_high, grid.rows) || grid.magnitude_low < 0)
+        refuse(tf, "grid: its values and magnitudes must rise, and no magnitude be below 0");
+    for (const auto& rgba : grid.rgba)
+        for (const float component : rgba) require_unit_range(tf, "grid", component);
+}
+
+/// Of `count` points from low to high the one at or before a number, and the share of the way to the next.
+std::pair<int, double> place_among(int count, double low, double high, double number) {
+    const double at = count > 1 ? std::clamp((number - low) / (high - low), 0.0, 1.0) * (count - 1) : 0;
+    const int first = std::min(int(at), std::max(count - 2, 0));
+    return {first, at - first};
+}
+
+/// What is left of the extinction that a value's largest opacity has.
+double by_grid(const TransferFunction& tf, double value, double magnitude) {
+    constexpr double most = 1 - 1e-7;  // as the optical table has it
+    const double largest = std::min(evaluate(tf, value).opacity, most);
+    if (tf.grid.rgba.empty() || !(largest > 0)) return 1;
+    const double here = std::min(evaluate(tf.grid, value, magnitude)[3], most);
+    return std::min(std::log1p(-here) / std::log1p(-largest), 1.0);
+}
+
 double by_magnitude(const std::vector<GradientPoint>& points, double magnitude) {
     if (points.empty()) return 1;
     const auto above = std::upper_bound(points.begin(), points.end(), magnitude,
@@ -82,7 +114,42 @@ double within(const GradientWidget& w, double value, double magnitude) {
 double extinction_factor(const TransferFunction& tf, double value, double magnitude) {
     double shown = tf.widgets.empty() ? 1 : 0;
     for (const GradientWidget& widget : tf.widgets) shown = std::max(shown, within(widget, value, magnitude));
-    return shown * by_magnitude(tf.gradient, magnitude);
+    return shown * by_magnitude(tf.gradient, magnitude) * by_grid(tf, value, magnitude);
+}
+
+std::array<double, 4> evaluate(const GradientGrid& grid, double value, double magnitude) {
+    const auto [column, x] = place_among(grid.columns, grid.value_low, grid.value_high, value);
+    const auto [row, y] = place_among(grid.rows, grid.magnitude_low, grid.magnitude_high, magnitude);
+    const std::size_t first = std::size_t(row) * grid.columns + column, right = grid.columns > 1 ? 1 : 0,
+                      below = grid.rows > 1 ? std::size_t(grid.columns) : 0;
+    std::array<double, 4> rgba;
+    for (std::size_t c = 0; c < 4; ++c) {
+        const auto at = [&](std::size_t i) { return double(grid.rgba[i][c]); };
+        rgba[c] = std::lerp(std::lerp(at(first), at(first + right), x),
+                            std::lerp(at(first + below), at(first + below + right), x), y);
+    }
+    return rgba;
+}
+
+TransferFunction over_gradient(GradientGrid grid) {
+    TransferFunction tf;
+    for (int column = 0; column < grid.columns; ++column) {
+        const double share = grid.columns > 1 ? double(column) / (grid.columns - 1) : 0;
+        ControlPoint point{std::lerp(grid.value_low, grid.value_high, share), {}, 0};
+        std::array<double, 3> even{};
+        double sum = 0;
+        for (std::size_t i = std::size_t(column); i < grid.rgba.size(); i += std::size_t(grid.columns)) {
+            const auto& [r, g, b, opacity] = grid.rgba[i];
+            const std::array<float, 3> rgb{r, g, b};
+            point.opacity = std::max(point.opacity, double(opacity)), sum += opacity;
+            for (std::size_t c = 0; c < 3; ++c) point.rgb[c] += opacity * rgb[c], even[c] += rgb[c] / grid.rows;
+        }
+        for (std::size_t c = 0; c < 3; ++c) point.rgb[c] = std::clamp(sum > 0 ? point.rgb[c] / sum : even[c], 0.0, 1.0);
+        tf.points.push_back(point);
+    }
+    tf.grid = std::move(grid);
+    validate(tf);
+    return tf;
 }
 
 ControlPoint evaluate(const TransferFunction& tf, double value) {
@@ -103,6 +170,7 @@ void validate(const TransferFunction& tf) {
     if (tf.points.empty()) refuse(tf, "has no points: must have at least one");
     for (std::size_t i = 0; i < tf.points.size(); ++i) validate_point(tf, i);
     validate_gradient(tf);
+    validate_grid(tf);
     if (!(tf.opacity_unit > 0 && std::isfinite(tf.opacity_unit)))
         refuse(tf, "opacity unit is " + to_text(tf.opacity_unit) + ": must be greater than 0");
 }
@@ -119,11 +187,13 @@ TransferFunction with_window(TransferFunction tf, double center, double width) {
     if (!(last > first)) return tf;
     const double stretch = width / (last - first);
     for (GradientPoint& point : tf.gradient) point.magnitude *= stretch;
-    for (GradientWidget& widget : tf.widgets) {
-        for (double* value : {&widget.value_low, &widget.value_high})
+    const auto stretch_box = [&](auto& box) {
+        for (double* value : {&box.value_low, &box.value_high})
             *value = center + (share_between(first, last, *value) - 0.5) * width;
-        widget.magnitude_low *= stretch, widget.magnitude_high *= stretch;
-    }
+        box.magnitude_low *= stretch, box.magnitude_high *= stretch;
+    };
+    for (GradientWidget& widget : tf.widgets) stretch_box(widget);
+    if (!tf.grid.rgba.empty()) stretch_box(tf.grid);
     return tf;
 }
 

@@ -183,7 +183,7 @@ const Medium::Data& counted_medium(const Medium::Data& mixture, const Prepared& 
         refuse("local histograms know no labels, which go with spao, visibility, transport and reference");
     if (settings.effects.emission && !settings.emission.empty())
         refuse("--glow is of a volume of one channel, and not of one in its own colours");
-    if (parts.own_colors) return *mixture.channels.front();
+    if (parts.own_colors || mixture.channels.size() == 1) return *mixture.channels.front();
     if (settings.channel == 0)
         refuse(
             "local histograms are of one channel: --hist-channel N chooses one; several go with spao, visibility, "

@@ -54,6 +54,13 @@ struct Incident {
     Vec3<F> diffuse, specular;
 };
 
+/// A light beside the one that ShadingView itself has.
+struct LightView {
+    Float3 diffuse, specular;  ///< the reflection model's factors times its colour
+    Float3 to_light, half;     ///< unit, world; of a point light to_light is its place from the first voxel, mm
+    std::int32_t is_point;
+};
+
 /// The reflection model's factors, the light's colour multiplied in. Shading off: ambient 1, the others 0.
 struct ShadingView {
     bool enabled;
@@ -62,6 +69,10 @@ struct ShadingView {
     Float3 diffuse, specular;
     Float3 to_light, half;                      ///< unit, world
     Float3 gradient_x, gradient_y, gradient_z;  ///< rows of the matrix from a gradient per voxel to one per mm of world
+    Float3 world_x, world_y, world_z;           ///< rows of the matrix from voxels to the world, mm
+    Float3 to_eye;                              ///< unit, world: against the camera's axis
+    std::int32_t others;                        ///< lights beside this one
+    LightView other[8];
 
     /// Unit, world, of a covector per voxel; 0 where it is.
     template <class F>
@@ -87,10 +98,38 @@ struct ShadingView {
     template <class F>
     CHIARO_INLINE Incident<F> local(const SamplePoint<F>& s) const {
         const Vec3<F> ambient_light(F{ambient}, F{ambient}, F{ambient});
-        return {mad(s.lambert, Vec3<F>(diffuse), ambient_light), s.highlight * Vec3<F>(specular)};
+        const Incident<F> lit{mad(s.lambert, Vec3<F>(diffuse), ambient_light), s.highlight * Vec3<F>(specular)};
+        if (others == 0) return lit;
+        const Vec3<F> p_voxel = s.p_voxel, normal = s.outward;  // of what has an address no other copy is in registers
+        Incident<F> all = lit;
+        add_others(*this, p_voxel, normal, all);
+        return all;
     }
 
 private:
+    /// What reflect() and local() do, light by light; normals are two-sided here, too.
+    template <class F>
+    static CHIARO_NOINLINE void add_others(const ShadingView& shading, const Vec3<F>& p_voxel, const Vec3<F>& normal,
+                                           Incident<F>& lit) {
+        const Vec3<F> p{dot(Vec3<F>(shading.world_x), p_voxel), dot(Vec3<F>(shading.world_y), p_voxel),
+                        dot(Vec3<F>(shading.world_z), p_voxel)};
+        for (std::int32_t i = 0; i < shading.others; ++i) {
+            const LightView& light = shading.other[i];
+            Vec3<F> to_light(light.to_light), half(light.half);
+            if (light.is_point) {
+                to_light = to_light - p;
+                to_light = inverse_length(to_light) * to_light;
+                half = to_light + Vec3<F>(shading.to_eye);
+                half = inverse_length(half) * half;
+            }
+            const F nl = dot(normal, to_light), nh = dot(normal, half);
+            lit.diffuse = mad(abs(nl), Vec3<F>(light.diffuse), lit.diffuse);
+            if (light.specular.x + light.specular.y + light.specular.z > 0) {
+                const F shine = pow(max(select(nl < F(0), F(0) - nh, nh), F(0)), F(shading.shininess));
+                lit.specular = mad(shine, Vec3<F>(light.specular), lit.specular);
+            }
+        }
+    }
     template <class F>
     CHIARO_INLINE Vec3<F> to_world(Vec3<F> gradient) const {
         return {dot(Vec3<F>(gradient_x), gradient), dot(Vec3<F>(gradient_y), gradient),

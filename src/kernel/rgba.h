@@ -35,6 +35,12 @@ CHIARO_INLINE Rgba light_up(Rgba c, Vec3<float> diffuse, Vec3<float> specular) {
     return {mad(c.r, diffuse.x, c.a * specular.x), mad(c.g, diffuse.y, c.a * specular.y),
             mad(c.b, diffuse.z, c.a * specular.z), c.a};
 }
+/// The same of factors for each channel.
+CHIARO_INLINE Rgba light_up(Rgba c, Rgba diffuse, Rgba specular) {
+    return {mad(c.r, diffuse.r, c.a * specular.r), mad(c.g, diffuse.g, c.a * specular.g),
+            mad(c.b, diffuse.b, c.a * specular.b), mad(c.a, diffuse.a, c.a * specular.a)};
+}
+CHIARO_INLINE Rgba rgba_of(Vec3<float> c, float alpha) { return {c.x, c.y, c.z, alpha}; }
 CHIARO_INLINE void zero(Rgba& c) { c = {0, 0, 0, 0}; }
 /// Writes the pixels of a 1 × 1 block.
 CHIARO_INLINE void store_block(Rgba c, Rgba* first, int /*row_length*/, bool inside) {
@@ -84,13 +90,15 @@ CHIARO_INLINE RgbaPack transpose(Lanes r, Lanes g, Lanes b, Lanes a) {
     return {shuffle<0, 2, 0, 2>(rg01, ba01), shuffle<1, 3, 1, 3>(rg01, ba01), shuffle<0, 2, 0, 2>(rg23, ba23),
             shuffle<1, 3, 1, 3>(rg23, ba23)};
 }
-CHIARO_INLINE RgbaPack light_up(const RgbaPack& c, Vec3<Lanes> diffuse, Vec3<Lanes> specular) {
-    const RgbaPack d = transpose(diffuse.x, diffuse.y, diffuse.z, Lanes(1)),
-                   s = transpose(specular.x, specular.y, specular.z, Lanes(0));
+CHIARO_INLINE RgbaPack rgba_of(Vec3<Lanes> c, Lanes alpha) { return transpose(c.x, c.y, c.z, alpha); }
+CHIARO_INLINE RgbaPack light_up(const RgbaPack& c, const RgbaPack& d, const RgbaPack& s) {
     return {mad(c.q0, d.q0, shuffle<3, 3, 3, 3>(c.q0, c.q0) * s.q0),
             mad(c.q1, d.q1, shuffle<3, 3, 3, 3>(c.q1, c.q1) * s.q1),
             mad(c.q2, d.q2, shuffle<3, 3, 3, 3>(c.q2, c.q2) * s.q2),
             mad(c.q3, d.q3, shuffle<3, 3, 3, 3>(c.q3, c.q3) * s.q3)};
+}
+CHIARO_INLINE RgbaPack light_up(const RgbaPack& c, Vec3<Lanes> diffuse, Vec3<Lanes> specular) {
+    return light_up(c, rgba_of(diffuse, Lanes(1)), rgba_of(specular, Lanes(0)));
 }
 CHIARO_INLINE void zero(RgbaPack& c) { c = {Lanes(0), Lanes(0), Lanes(0), Lanes(0)}; }
 

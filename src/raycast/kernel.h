@@ -50,8 +50,10 @@ struct RaycastKernel {
         if (mode == March::extreme) return march_for_extreme(matter, extreme, lattice, alive, ray);
         if (mode == March::mean) return march_for_mean(matter, lattice, alive, ray);
         alive &= lattice.first < lattice.end;
-        if (way == CommonMarch()) return march_volume(matter, CommonMarch{}, lattice, cut, alive, ray);
-        return march_with_options(matter, way, lattice, cut, alive, ray);
+        if (way.is(CommonMarch())) return march_volume(matter, CommonMarch{}, lattice, cut, alive, ray);
+        if constexpr (requires { matter.volume.mixture; })
+            if (way.is(LabelledMarch())) return march_apart(matter, LabelledMarch{}, lattice, cut, alive, ray);
+        return march_apart(matter, way, lattice, cut, alive, ray);
     }
 
     /// Where the block's rays are in the box, and end.

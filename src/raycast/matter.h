@@ -32,11 +32,15 @@ struct StepOfMatter {
         const F thick = F(1) - exp2_below_0(F(-1.442695041f) * depth);
         const F alpha = additive ? depth : select(depth < F(0.03f), thin, thick);
         const F inverse = F(1) / max(kappa, F(1e-30f));
-        const RgbaLanes<F> colour = scale(matter, alpha * inverse);
+        return limited<F>(scale(matter, alpha * inverse), matter, inverse);
+    }
+    /// A colour whose albedo is that of `matter` times `inverse`, limited to `most`.
+    template <class F>
+    CHIARO_INLINE RgbaLanes<F> limited(const RgbaLanes<F>& colour, const RgbaLanes<F>& matter, F inverse) const {
         if (!(most < 1e30f)) return colour;
         const Vec3<F> rgb = colour_of(matter);
         const F largest = max(max(rgb.x, rgb.y), rgb.z) * inverse, left = min(F(most) / max(largest, F(1e-30f)), F(1));
-        return light_up(colour, {left, left, left}, {F(0), F(0), F(0)});
+        return light_up(colour, Vec3<F>{left, left, left}, Vec3<F>{F(0), F(0), F(0)});
     }
     /// Classified first: the colours of the eight voxels, interpolated.
     template <class F>
@@ -56,6 +60,7 @@ struct Matter {
     StepTableView table;
     SegmentTableView segments;
     StepOfMatter step;  ///< of mixtures, in the place of the table
+    LabelView labels;   ///< that lie in one channel; else null
     ShadingView shading;
     Field field;
     float cutoff;     ///< a ray ends below this transmittance
@@ -105,15 +110,20 @@ struct Matter {
         const Vec3<F>* gradient = nullptr;  ///< of its values, where that is known
     };
 
+    CHIARO_INLINE bool asks_surfaces() const {
+        if constexpr (Field::by_surface) return field.asks_surfaces();
+        return false;
+    }
+    CHIARO_INLINE bool asks_normals() const { return shading.enabled || asks_surfaces(); }
+
     /// Light that arrives at a sample and leaves it towards the eye.
     template <class At, class F>
     CHIARO_INLINE void light(const At& at, const Cut<F>& cut, const Mask<F>& visible, const Place<F>& place,
                              MetSurface<F>& met, SamplePoint<F> sample, RgbaLanes<F>& colour) const {
         if (!shading.enabled && !modulates) return;
-        bool asks_surfaces = false;
-        if constexpr (Field::by_surface) asks_surfaces = field.asks_surfaces();
+        const bool asks_surfaces = this->asks_surfaces();
         if (shows_cuts) sample.cut = select(cut.open, cut.number, F(-1));
-        if (shading.enabled || asks_surfaces) {
+        if (asks_normals()) {
             const Vec3<F> gradient = place.gradient ? *place.gradient : volume.gradient(at);
             shading.reflect(select(cut.open, cut.normal, F(shading.out) * gradient), sample);
             if (asks_surfaces) find_surface(at, gradient, visible & !cut.open, place, met, sample);

@@ -66,7 +66,7 @@ Witness cast(const Kernel& kernel, float column, float row) {
     else if (kernel.mode == kernel::March::extreme)
         find_extreme(matter, kernel.extreme.sign, lattice, witness);
     else if (kernel.mode == kernel::March::volume && !kernel.way.additive)
-        kernel::march_with_options(matter, kernel.way, lattice, cut, alive, composite);
+        kernel::march_apart(matter, kernel.way, lattice, cut, alive, composite);
     return witness;
 }
 

@@ -3,6 +3,8 @@
 
 #include <optional>
 
+#include "classify/labels/labelled.h"
+#include "classify/mixture.h"
 #include "core/ranks.h"
 #include "illumination/lit_field.h"
 #include "raycast/background.h"
@@ -119,11 +121,12 @@ RenderStatistics add_channels(const Device& device, const Medium::Data& mixture,
     Frame& sum = target.frame;
     std::fill(sum.rgba.begin(), sum.rgba.end(), 0.0f);
     RenderStatistics all;
+    const auto& labels = mixture.volume.data().mixture->labels;
     for (const auto& channel : mixture.channels) {
         Frame one(sum.width, sum.height);
         RenderTarget its{one};
-        const RenderStatistics found =
-            fill(device, Medium(channel), IlluminationField(), plain, camera, settings, its, progress);
+        const RenderStatistics found = fill(device, with_labels(device, Medium(channel), labels, progress),
+                                            IlluminationField(), plain, camera, settings, its, progress);
         its.bring();
         all.samples += found.samples;
         if (!(all.complete = found.complete)) return all;
@@ -164,7 +167,7 @@ RenderStatistics fill(const Device& device, const Medium& medium, const Illumina
     check_ends(settings, target.frame);
     if (data.volume.data().placement && (lighting.floor.show || lighting.probe.background))
         throw Error(ErrorCode::usage, "a block of a volume is drawn without floor and background");
-    if (is_mixed(data) && march_of(data.shape.mode) != kernel::March::volume)
+    if (is_mixed(data) && !is_labelled_channel(data) && march_of(data.shape.mode) != kernel::March::volume)
         return add_channels(device, data, lighting, camera, settings, target, progress);
     const IlluminationField& shown = is_lit(data.shape.mode) ? field : IlluminationField();
     LitField lit = lit_field(shown, lighting, camera, data.lit_as ? *data.lit_as : data);

@@ -194,14 +194,15 @@ TEST(RayCaster, QuarterTurnsOfEverythingAreInvisible) {
         return shells(x, y, z, 48) * (0.7 + 0.3 * std::sin(0.2 * x + 0.1 * y)) * (y > 20 ? 1 : 0.6);
     };
     Shot shot;
-    shot.lighting = {.shading = Shading::phong, .headlight = false, .azimuth_deg = 10, .elevation_deg = 40};
+    shot.lighting = {.shading = Shading::phong,
+                     .lights = {{.headlight = false, .azimuth_deg = 10, .elevation_deg = 40}}};
     const Volume still = sampled<float>({48, 48, 48}, body);
     const Frame before = shot(still);
     // The voxels turned a quarter about z: new x = -y, new y = x.
     const Volume turned =
         sampled<float>({48, 48, 48}, [&](double x, double y, double z) { return body(y, 47 - x, z); });
     shot.camera.azimuth_deg += 90;
-    shot.lighting.azimuth_deg += 90;
+    shot.lighting.lights[0].azimuth_deg += 90;
     EXPECT_LT(difference(shot(turned), before, 0).max, 2e-4);
     // The same through the geometry: the index axes turned in the world.
     Volume tilted = sampled<float>({48, 48, 48}, body);
@@ -292,10 +293,7 @@ TEST(Shading, OfARampIsItsClosedForm) {
                      .diffuse = 0.6,
                      .specular = 0.4,
                      .shininess = 8,
-                     .headlight = false,
-                     .azimuth_deg = 60,
-                     .elevation_deg = 0,
-                     .color = {1, 0, 1}};
+                     .lights = {{.headlight = false, .azimuth_deg = 60, .elevation_deg = 0, .color = {1, 0, 1}}}};
     const Frame frame = shot(ramp);
     const Vec3 normal = normalized({1, 0.5, 0}), light{0.5, std::sqrt(0.75), 0},
                half = normalized(light + Vec3{1, 0, 0});

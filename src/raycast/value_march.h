@@ -13,10 +13,32 @@ struct ExtremeView {
     float sign;
 };
 
+/// Where labels show something.
+template <class F, class Matter, class At>
+CHIARO_INLINE Mask<F> shown_by_labels(const Matter& matter, const At& at, Mask<F> lanes) {
+    if constexpr (requires { matter.volume.mixture; })
+        if (matter.labels.distance) return lanes & (distance_at(matter.labels, at) >= F(0));
+    return lanes;
+}
+
+/// A colour as labels have it where the value was found that it stands for.
+template <class F, class Matter>
+CHIARO_INLINE RgbaLanes<F> labelled_colour(const Matter& matter, Vec3<F> p, RgbaLanes<F> colour) {
+    if constexpr (requires { matter.volume.mixture; }) {
+        const LabelView& labels = matter.labels;
+        if (!labels.cells) return colour;
+        const auto at = matter.volume.locate(p, matter.volume.voxel(p));
+        if (labels.share) colour = scale(colour, share_at(labels, at));
+        if (labels.tint) colour = tinted(labels, at, colour);
+    }
+    return colour;
+}
+
 template <class F, class Matter, class Ray>
 CHIARO_NOINLINE Int<F> march_for_extreme(const Matter& matter, const ExtremeView& extreme, const Lattice<F>& lattice,
                                          Mask<F> alive, Ray& ray) {
-    const Mask<F> seen = alive;
+    Mask<F> seen = alive;
+    Vec3<F> place{F(0), F(0), F(0)};
     const F sign(extreme.sign), bound(extreme.sign * extreme.bound);
     F k(0), best(-3e38f);  // times sign
     Int<F> samples(0);
@@ -33,14 +55,18 @@ CHIARO_NOINLINE Int<F> march_for_extreme(const Matter& matter, const ExtremeView
         }
         if (any(sampled)) {
             samples += select(sampled, Int<F>(1), Int<F>(0));
-            const F value = sign * matter.volume.value(matter.volume.locate(p, voxel));
-            ray.reach(sampled & (value > best), p);
-            best = select(sampled, max(best, value), best);
+            const auto at = matter.volume.locate(p, voxel);
+            const F value = sign * matter.volume.value(at);
+            const Mask<F> larger = shown_by_labels<F>(matter, at, sampled & (value > best));
+            ray.reach(larger, p);
+            best = select(larger, value, best);
+            place = {select(larger, p.x, place.x), select(larger, p.y, place.y), select(larger, p.z, place.z)};
         }
         k = next;
         alive &= (k < lattice.end) & (best < bound);
     }
-    const RgbaLanes<F> colour = matter.table.at(sign * best);
+    seen = seen & (best > F(-3e38f));
+    const RgbaLanes<F> colour = labelled_colour<F>(matter, place, matter.table.at(sign * best));
     ray.add_behind(seen, colour, alpha_of(colour));
     return samples;
 }

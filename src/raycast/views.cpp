@@ -8,6 +8,7 @@
 
 #include "classify/albedo.h"
 #include "classify/clip.h"
+#include "classify/mixture.h"
 #include "core/srgb.h"
 #include "volume/float3.h"
 
@@ -15,9 +16,9 @@ namespace chiaro {
 namespace {
 
 /// The light's direction: along the camera's axis, or fixed to the world in the orbit's angles.
-Vec3 direction_to_light(const Lighting& lighting, const Camera& camera) {
-    if (lighting.headlight) return -camera.forward;
-    return orbit_direction(radians(lighting.azimuth_deg), radians(lighting.elevation_deg), camera.orbit_up);
+Vec3 direction_to_light(const Light& light, const Camera& camera) {
+    if (light.headlight) return -camera.forward;
+    return orbit_direction(radians(light.azimuth_deg), radians(light.elevation_deg), camera.orbit_up);
 }
 
 /// Blinn's; the viewer is directional too: along the camera's axis.
@@ -67,42 +68,77 @@ kernel::CameraView camera_view(const Camera& camera, const Geometry& geometry, i
     };
 }
 
+namespace {
+
+/// Of a light the factors of the reflection model; what is off has none.
+kernel::LightView light_view(const Light& light, const Lighting& lighting, const Camera& camera,
+                             const Geometry& geometry, ColorMode color) {
+    const auto times_color = [&](double factor) {
+        Vec3 rgb;
+        for (int c = 0; c < 3; ++c)
+            rgb[c] = factor * (color == ColorMode::linear ? linear_from_srgb(light.color[c]) : light.color[c]);
+        return float3(rgb);
+    };
+    const bool on = lighting.shading != Shading::none;
+    const double kd = on ? lighting.diffuse : 0, ks = lighting.shading == Shading::phong ? lighting.specular : 0;
+    if (light.position_mm)
+        return {times_color(kd), times_color(ks), float3(*light.position_mm - geometry.origin_mm), {}, 1};
+    const Vec3 to_light = direction_to_light(light, camera);
+    return {times_color(kd), times_color(ks), float3(to_light), float3(half_vector(to_light, camera)), 0};
+}
+
+/// The first light that comes from one direction is the view's own; none: a headlight without light.
+void set_lights(const Lighting& lighting, const Camera& camera, const Geometry& geometry, ColorMode color,
+                kernel::ShadingView& shading) {
+    bool has_own = false;
+    const auto set_own = [&](const kernel::LightView& own) {
+        shading.diffuse = own.diffuse, shading.specular = own.specular;
+        shading.to_light = own.to_light, shading.half = own.half;
+    };
+    set_own(light_view(Light{.color = {0, 0, 0}}, lighting, camera, geometry, color));
+    for (const Light& light : lighting.lights) {
+        const kernel::LightView view = light_view(light, lighting, camera, geometry, color);
+        if (!has_own && !light.position_mm)
+            set_own(view), has_own = true;
+        else if (shading.others < max_lights)
+            shading.other[shading.others++] = view;
+    }
+    if (lighting.shading == Shading::none) shading.others = 0;
+}
+
+}  // namespace
+
 kernel::ShadingView shading_view(const Lighting& lighting, const Camera& camera, const DeviceVolume::Data& volume,
                                  ColorMode color) {
     const Geometry& geometry = volume.geometry;
     const bool on = lighting.shading != Shading::none;
-    const Vec3 to_light = direction_to_light(lighting, camera);
-    const auto channel = [&](int c) {
-        return color == ColorMode::linear ? linear_from_srgb(lighting.color[c]) : lighting.color[c];
-    };
-    const double kd = on ? lighting.diffuse : 0, ks = lighting.shading == Shading::phong ? lighting.specular : 0;
-    const auto times_color = [&](double factor) {
-        return float3({factor * channel(0), factor * channel(1), factor * channel(2)});
-    };
     // A gradient is a covector: ∇_world f = M⁻ᵀ ∇_voxel f, and the columns of M⁻¹ are the voxel vectors of the world's
     // axes.
     const Vec3 x = geometry.voxel_from_world_vector({1, 0, 0}), y = geometry.voxel_from_world_vector({0, 1, 0}),
                z = geometry.voxel_from_world_vector({0, 0, 1});
+    const auto row = [&](int axis) {
+        Vec3 of;
+        for (int a = 0; a < 3; ++a) of[a] = geometry.direction[std::size_t(a)][axis] * geometry.spacing_mm[a];
+        return float3(of);
+    };
     // Only the direction counts: scaled to millimetres of the smallest edge, so that tiny or huge spacings stay in
     // float's range.
     const double edge = geometry.smallest_spacing_mm();
-    return {
-        .enabled = on,
-        .ambient = on ? float(lighting.ambient) : 1.0f,
-        .shininess = float(lighting.shininess),
-        .out = volume.scale < 0 && !volume.mixture ? 1.0f : -1.0f,  // extinction grows inwards
-        .diffuse = times_color(kd),
-        .specular = times_color(ks),
-        .to_light = float3(to_light),
-        .half = float3(half_vector(to_light, camera)),
-        .gradient_x = float3(edge * x),
-        .gradient_y = float3(edge * y),
-        .gradient_z = float3(edge * z),
-    };
+    kernel::ShadingView shading{};
+    shading.enabled = on;
+    shading.ambient = on ? float(lighting.ambient) : 1.0f;
+    shading.shininess = float(lighting.shininess);
+    shading.out = volume.scale < 0 && !volume.mixture ? 1.0f : -1.0f;  // extinction grows inwards
+    shading.gradient_x = float3(edge * x), shading.gradient_y = float3(edge * y), shading.gradient_z = float3(edge * z);
+    shading.world_x = row(0), shading.world_y = row(1), shading.world_z = row(2);
+    shading.to_eye = float3(-camera.forward);
+    set_lights(lighting, camera, geometry, color, shading);
+    return shading;
 }
 
 void shine_from(const MainLight& light, const Lighting& lighting, const Camera& camera, kernel::ShadingView& shading) {
     const double ks = lighting.shading == Shading::phong ? lighting.specular * light.share : 0;
+    shading.others = 0;
     shading.specular = float3({ks, ks, ks});
     shading.to_light = float3(light.direction);
     shading.half = float3(half_vector(light.direction, camera));
@@ -187,33 +223,30 @@ kernel::March march_of(Mode mode) {
 
 kernel::MarchOptions march_options(const RaySettings& settings, const Medium::Data& medium) {
     const Mode mode = medium.shape.mode;
-    const bool by_gradient = medium.volume.data().factor != nullptr;
     bool any_by_gradient = false;
     for_each_channel(medium, [&](const Medium::Data& channel) {
         any_by_gradient = any_by_gradient || channel.volume.data().factor != nullptr;
     });
-    if (is_mixed(medium) && settings.classification == Classification::preintegrated)
+    const bool by_values = march_of(mode) != kernel::March::volume;
+    if (is_mixed(medium) && !by_values && settings.classification == Classification::preintegrated)
         throw Error(ErrorCode::usage,
                     "--classification preintegrated: a step by the values at its ends is of one channel; several go "
                     "with post and pre");
-    const bool by_block = medium.volume.data().placement.has_value();
+    const bool labelled = is_labelled_channel(medium) &&
+                          (by_values || (!any_by_gradient && (settings.classification == Classification::post ||
+                                                              !medium.volume.data().mixture->labels->cuts())));
     if (any_by_gradient && settings.classification != Classification::post)
         throw Error(ErrorCode::usage,
                     "--classification: opacity by gradient, and over value and gradient, goes with post: a step by the "
                     "values at its ends, or a voxel alone, has no gradient");
-    if (mode == Mode::additive)
-        return {.classification = kernel::Classification::post,
-                .backwards = false,
-                .additive = true,
-                .by_gradient = by_gradient,
-                .mixed = is_mixed(medium),
-                .by_block = by_block};
-    return {.classification = kernel::Classification(settings.classification),
-            .backwards = settings.compositing == Compositing::back_to_front,
-            .additive = false,
-            .by_gradient = by_gradient,
-            .mixed = is_mixed(medium),
-            .by_block = by_block};
+    const bool additive = mode == Mode::additive;
+    return {.classification = additive ? kernel::Classification::post : kernel::Classification(settings.classification),
+            .backwards = !additive && settings.compositing == Compositing::back_to_front,
+            .additive = additive,
+            .by_gradient = medium.volume.data().factor != nullptr,
+            .mixed = is_mixed(medium) && !labelled,
+            .labelled = labelled,
+            .by_block = medium.volume.data().placement.has_value()};
 }
 
 kernel::OwnBox own_box(const Medium::Data& medium, double step_voxels) {
@@ -247,7 +280,8 @@ RayTables make_tables(const Medium::Data& medium, const RaySettings& settings, i
     const DeviceVolume::Data& volume = medium.volume.data();
     const double step_mm = chiaro::step_mm(settings.step_voxels, volume.geometry, volume.dimensions);
     const Mode mode = medium.shape.mode;
-    const OpticalTable table = with_albedos(medium.table, albedo_limit);
+    // Colours of samples that labels tint are limited after that.
+    const OpticalTable table = is_labelled_channel(medium) ? medium.table : with_albedos(medium.table, albedo_limit);
     const bool integrated = is_lit(mode) || mode == Mode::additive;
     RayTables tables{mode == Mode::additive ? emission_table(table, step_mm)
                                             : step_table(table, integrated ? step_mm : table.unit_mm),

@@ -63,6 +63,10 @@ void check_ends(const RaySettings& settings, const Frame& frame);
 kernel::March march_of(Mode mode);
 /// Throws Error{usage} where opacity by gradient goes with another classification than post.
 kernel::MarchOptions march_options(const RaySettings& settings, const Medium::Data& medium);
+/// What samples are taken of: where labels only tint, the channel itself.
+inline const DeviceVolume::Data& marched_volume(const Medium::Data& medium, const LabelBricks* labels) {
+    return labels && !labels->cuts() ? medium.channels.front()->volume.data() : medium.volume.data();
+}
 /// Smallest voxel edges behind it that a surface counts where a ray has met it.
 inline constexpr double surface_reach = 2;
 /// What of the volume is this rank's to show.
@@ -81,7 +85,9 @@ kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, cons
                                                 const Lighting& lighting, const Camera& camera,
                                                 const RaySettings& settings, Frame& frame, bool shows_cuts,
                                                 std::optional<double> albedo_limit = {}) {
-    const DeviceVolume::Data& volume = medium.volume.data();
+    const kernel::MarchOptions way = march_options(settings, medium);
+    const LabelBricks* const labels = way.labelled ? medium.volume.data().mixture->labels.get() : nullptr;
+    const DeviceVolume::Data& volume = marched_volume(medium, labels);
     const auto [nx, ny, nz] = volume.dimensions;
     // An axis of one voxel is one voxel thick.
     const auto low = [](int n) { return n == 1 ? -0.5f : 0.0f; };
@@ -94,6 +100,7 @@ kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, cons
                    .segments = segment_table_view(tables.segments.get()),
                    .step = {float(step_mm(settings.step_voxels, volume.geometry, volume.dimensions)),
                             float(albedo_limit.value_or(std::numeric_limits<double>::infinity()))},
+                   .labels = label_view(labels),
                    .shading = shading_view(is_lit(medium.shape.mode) ? lighting : Lighting{.shading = Shading::none},
                                            camera, volume, medium.shape.color),
                    .field = field,
@@ -113,7 +120,7 @@ kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, cons
         .surfaces = surfaces_view(medium, backwards, albedo_limit),
         .extreme = extreme_view(volume, medium.shape.mode),
         .mode = march_of(medium.shape.mode),
-        .way = march_options(settings, medium),
+        .way = way,
         .step_mm = float(step_mm(settings.step_voxels, volume.geometry, volume.dimensions)),
         .rays_per_pixel = rays_per_pixel(camera, settings),
         .bounds = {},

@@ -1,6 +1,7 @@
 // Emission and absorption along a ray (Max 1995; CS 247): one loop for every classification and order.
 #pragma once
 #include "raycast/composite.h"
+#include "raycast/label_march.h"
 #include "raycast/matter.h"
 
 namespace chiaro::kernel {
@@ -10,18 +11,27 @@ enum class Classification : std::int32_t { post, pre, preintegrated };
 /// How a volume is marched through: the usual way, known when compiling, and any other.
 struct CommonMarch {
     static constexpr Classification classification = Classification::post;
-    static constexpr bool backwards = false, additive = false, by_gradient = false, mixed = false, by_block = false;
+    static constexpr bool backwards = false, additive = false, by_gradient = false, mixed = false, by_block = false,
+                          labelled = false;
+    static constexpr bool may_be_labelled = false;
+};
+/// The same with labels in the channel.
+struct LabelledMarch : CommonMarch {
+    static constexpr bool labelled = true, may_be_labelled = true;
 };
 struct MarchOptions {
+    static constexpr bool may_be_labelled = true;
     Classification classification;
     bool backwards, additive;
     bool by_gradient;  ///< opacity is, too
     bool mixed;        ///< of several channels
+    bool labelled;     ///< one channel in which labels lie
     bool by_block;     ///< of the lattice's steps only `Lattice::own` count
-    CHIARO_INLINE bool operator==(CommonMarch common) const {
+    template <class Common>
+    CHIARO_INLINE bool is(Common common) const {
         return classification == common.classification && backwards == common.backwards &&
                additive == common.additive && by_gradient == common.by_gradient && mixed == common.mixed &&
-               by_block == common.by_block;
+               labelled == common.labelled && by_block == common.by_block;
     }
 };
 
@@ -77,8 +87,8 @@ CHIARO_INLINE RgbaLanes<F> mixed_colour(const Matter& matter, Way way, const At&
 /// Takes sample k, the middle of step k, in voxel coordinates at p.
 template <class F, class Matter, class Way, class Ray>
 CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& lattice, const Cut<F>& cut,
-                               Mask<F> sampled, F k, F cut_end, Vec3<F> p, VoxelIndex<F> voxel, EndValue<F>& known,
-                               MetSurface<F>& met, Ray& ray) {
+                               Mask<F> sampled, F k, F cut_end, Vec3<F> p, VoxelIndex<F> voxel,
+                               const CellTint<F>& tints, EndValue<F>& known, MetSurface<F>& met, Ray& ray) {
     Classified<F> c;
     if (way.classification == Classification::preintegrated) {
         c = classify_step(matter, lattice, way.backwards, sampled, k, known);
@@ -103,6 +113,15 @@ CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& 
         take_share(matter.volume.factor_of(c.value, gradient), way.additive, visible, c.colour, alpha);
         visible = alpha > F(0);
     }
+    constexpr bool may_be_labelled = Way::may_be_labelled && requires { matter.volume.mixture; };
+    if constexpr (may_be_labelled) {
+        if (way.labelled && matter.labels.cuts()) {
+            const Mask<F> near_borders = visible & tints.several;
+            if (any(near_borders)) cut_by_labels(matter, at, way.additive, visible, c.value, c.colour, alpha);
+            visible = alpha > F(0);
+            if (any(visible) && matter.asks_normals()) gradient = gradient_by_labels(matter, at, near_borders, c.value);
+        }
+    }
     RgbaLanes<F> emission;
     bool emits = false;
     if constexpr (Matter::adds_opacity) {
@@ -116,7 +135,11 @@ CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& 
     SamplePoint<F> sample{p, c.value};
     sample.solid = matter.solid.of(alpha);
     take_share(lattice.rest, way.additive, visible & (k >= lattice.full), c.colour, alpha);
-    matter.light(at, solid, visible, {lattice, k, way.backwards, way.by_gradient ? &gradient : nullptr}, met, sample,
+    if constexpr (may_be_labelled)
+        if (way.labelled) tint_by_labels(matter, at, tints, visible, c.colour, alpha);
+    bool has_gradient = way.by_gradient;
+    if constexpr (may_be_labelled) has_gradient = has_gradient || (way.labelled && matter.labels.cuts());
+    matter.light(at, solid, visible, {lattice, k, way.backwards, has_gradient ? &gradient : nullptr}, met, sample,
                  c.colour);
     if (emits) {
         c.colour = accumulate(c.colour, F(1), emission);
@@ -156,6 +179,7 @@ CHIARO_INLINE Int<F> march_volume(const Matter& matter, Way way, const Lattice<F
     F cut_end(0);
     if (const Mask<F> open = alive & cut.open; any(open)) cut_end = solid_behind(matter, lattice, open);
     EndValue<F> known;
+    CellTint<F> tints;
     MetSurface<F> met;
     Int<F> samples(0);
     while (any(alive)) {
@@ -171,6 +195,8 @@ CHIARO_INLINE Int<F> march_volume(const Matter& matter, Way way, const Lattice<F
                 Mask<F> empty = matter.skip_empty_cells(lattice, lost, p, voxel, by_ends ? j : next, next, leave);
                 if (by_ends) empty = empty & (next > j), next = max(next, j + F(1));
                 sampled = alive & !empty;
+                if constexpr (Way::may_be_labelled)
+                    if (way.labelled) tints.enter(matter.labels, lost & sampled, matter.occupancy.index(voxel));
                 if (!any(sampled)) {
                     j = next;
                     alive &= j < lattice.end;
@@ -179,7 +205,7 @@ CHIARO_INLINE Int<F> march_volume(const Matter& matter, Way way, const Lattice<F
             }
         }
         samples += select(sampled, Int<F>(1), Int<F>(0));
-        take_sample(matter, way, lattice, cut, sampled, k, cut_end, p, voxel, known, met, ray);
+        take_sample(matter, way, lattice, cut, sampled, k, cut_end, p, voxel, tints, known, met, ray);
         j = next;
         alive &= (j < lattice.end) & (ray.transmittance > F(matter.cutoff));
     }
@@ -187,9 +213,9 @@ CHIARO_INLINE Int<F> march_volume(const Matter& matter, Way way, const Lattice<F
 }
 
 /// As any way; apart, so that the usual one keeps its registers.
-template <class F, class Matter, class Ray>
-CHIARO_NOINLINE Int<F> march_with_options(const Matter& matter, const MarchOptions& way, const Lattice<F>& lattice,
-                                          const Cut<F>& cut, const Mask<F>& alive, Ray& ray) {
+template <class F, class Matter, class Way, class Ray>
+CHIARO_NOINLINE Int<F> march_apart(const Matter& matter, const Way& way, const Lattice<F>& lattice, const Cut<F>& cut,
+                                   const Mask<F>& alive, Ray& ray) {
     return march_volume(matter, way, way.backwards ? lattice.reversed() : lattice, cut, alive, ray);
 }
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "illumination/probe/lights.h"
+
 namespace chiaro {
 namespace {
 
@@ -114,8 +116,13 @@ bool looks_at_visible_voxels(const Scene& scene) {
            (method == Method::none || method == Method::spao);
 }
 
+Probe load_probe(const Lighting& lighting) {
+    const std::string& source = lighting.probe.source;
+    return source == lights_probe ? probe_of_lights(lighting.lights) : load_probe(source);
+}
+
 Lighting with_probe(Lighting lighting) {
-    if (!lighting.probe.source.empty()) lighting.loaded_probe = load_probe(lighting.probe.source);
+    if (!lighting.probe.source.empty()) lighting.loaded_probe = load_probe(lighting);
     return lighting;
 }
 

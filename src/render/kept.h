@@ -6,6 +6,8 @@
 #include <optional>
 #include <tuple>
 
+#include "illumination/probe/lights.h"
+
 namespace chiaro {
 
 using Version = std::uint64_t;
@@ -21,6 +23,12 @@ struct HeldLight {
 inline HeldLight held_light(const Lighting& lighting, const IlluminationSettings& settings) {
     if (!holds_light(settings)) return {};
     return {lighting.loaded_probe, lighting.probe.rotation_deg, *lighting.probe_up, lighting.floor};
+}
+
+/// What the loaded probe was made from.
+inline std::tuple<std::string, std::vector<Light>> probe_inputs(const Lighting& lighting) {
+    const bool is_of_lights = lighting.probe.source == lights_probe;
+    return {lighting.probe.source, is_of_lights ? lighting.lights : std::vector<Light>()};
 }
 
 /// A stage's result, kept with the inputs that made it.

@@ -46,9 +46,12 @@ std::string surface_text(const ReadJson& surface) {
     return text;
 }
 
+/// Whether a list is of several lights, none included, rather than one light's own numbers.
+bool are_several(const ReadJson& lights) { return lights.is_array() && (lights.empty() || !lights[0].is_number()); }
+
 /// A value as the flag of its setting would be written.
 std::string flag_text(const Setting& setting, const ReadJson& value) {
-    if (setting.repeats()) {
+    if (setting.repeats() && (setting.scene_form != SceneForm::lights || are_several(value))) {
         if (!value.is_array()) refuse(fmt::format("{}: must be a list", setting.key));
         std::vector<std::string> items;
         for (const ReadJson& item : value)
@@ -78,9 +81,10 @@ Json json_of_surface(const IsoSurface& surface) {
 
 /// The inverse of flag_text.
 Json json_of(const Setting& setting, const std::string& text) {
-    if (setting.repeats()) {
+    const bool is_one = setting.scene_form == SceneForm::lights && !text.empty() && text.find(';') == text.npos;
+    if (setting.repeats() && !is_one) {
         Json list = Json::array();
-        for (std::size_t begin = 0; begin <= text.size();) {
+        for (std::size_t begin = 0; begin <= text.size() && !text.empty();) {
             const std::size_t end = std::min(text.find(';', begin), text.size());
             const std::string item = text.substr(begin, end - begin);
             IsoSurface surface;
@@ -262,6 +266,9 @@ void check(const Scene& scene, ErrorCode code) {
         throw Error(code, "labels: a table (--label-table) needs labels that it names (--labels)");
     if (!scene.labels.changes.empty() && !scene.labels.any())
         throw Error(code, "labels.changes: there are no labels that could be changed (labels.file)");
+    if (scene.lighting.lights.size() > max_lights)
+        throw Error(code, fmt::format("light: at most {} can shine at a time, not {}", max_lights,
+                                      scene.lighting.lights.size()));
     const Method method = scene.illumination.method;
     const bool has_probe = !scene.lighting.probe.source.empty() || scene.lighting.loaded_probe;
     if (scene.lighting.probe.background && !has_probe && (method == Method::none || method == Method::spao))
@@ -308,7 +315,8 @@ std::string to_json(const Scene& scene) {
     root["camera"]["model"] = "orbit";
     const auto write = [&](const Setting& setting, const auto&... fields) {
         const std::string text = value_text(setting, fields...);
-        if (setting.scene_form == SceneForm::custom || text.empty() || !concerns(setting, scene)) return;
+        const bool says_nothing = text.empty() && setting.scene_form != SceneForm::lights;  // no light is said, too
+        if (setting.scene_form == SceneForm::custom || says_nothing || !concerns(setting, scene)) return;
         // Names stay text, though one may look like a number: "1.10" is the UID of a series.
         const bool is_name = (std::is_same_v<decltype(fields), const std::string&> || ...);
         at(root, setting.key) = is_name ? Json(text) : json_of(setting, text);

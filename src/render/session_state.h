@@ -38,18 +38,20 @@ struct Session::State {
         DeviceVolume volume;
     };
     std::vector<OtherChannel> others;
-    enum class OwnColor { none, by_luminance, by_alpha } own_color = OwnColor::none;  // others are red, green, blue
+    /// Others are red, green, blue; or the value that colours are by.
+    enum class OwnColor { none, by_luminance, by_alpha, by_value } own_color = OwnColor::none;
     std::shared_ptr<SharedLabels> shared_labels = std::make_shared<SharedLabels>();
 
     // The table: what each stage makes, and from what.
     Kept<DeviceVolume, Version> upload;
     Kept<Prepared, Version, IlluminationSettings> prepare;
     Kept<std::shared_ptr<const LabelVolume>, SharedLabels::Key> labels;
+    LabelBorders borders;
     Kept<std::shared_ptr<const LabelBricks>, Version, Version, std::vector<LabelChange>, ColorMode> labelled;
     Kept<Classified, Version, TransferSettings, std::vector<ChannelSettings>, Shape, Version> classify;
     Kept<CameraSettings, Version, CameraSettings, RaySettings, std::pair<int, int>> fit;
     Kept<Medium, Version, Interpolation> interpolate;  // of final pictures, where drafts are not as fine
-    Kept<Probe, std::string> probe;
+    Kept<Probe, std::string, std::vector<Light>> probe;
     Kept<IlluminationField, Version, Version, IlluminationSettings, HeldLight> illuminate;
     Kept<Cast, Version, Version, Lighting, Camera, RaySettings, std::pair<int, int>> raycast;
     Kept<Image, Version, ToneMap> develop;
@@ -77,8 +79,7 @@ struct Session::State {
         Lighting lighting = scene.lighting;
         lighting.probe_up = camera.orbit_up;
         if (!lighting.probe.source.empty()) {
-            redo("probe", probe, {lighting.probe.source},
-                 [&](Probe& loaded) { loaded = load_probe(lighting.probe.source); });
+            redo("probe", probe, probe_inputs(lighting), [&](Probe& loaded) { loaded = load_probe(lighting); });
             lighting.loaded_probe = probe.result;
         }
         lighting.probe.exposure = probe_exposure = exposure_stops(lighting);
@@ -125,7 +126,7 @@ struct Session::State {
         Lighting lighting = scene.lighting;
         lighting.probe_up = camera_of(scene.camera).orbit_up;
         if (!lighting.probe.source.empty())
-            lighting.loaded_probe = probe.inputs == std::tuple(lighting.probe.source) ? probe.result : Probe();
+            lighting.loaded_probe = probe.inputs == probe_inputs(lighting) ? probe.result : Probe();
         return held_light(lighting, scene.illumination);
     }
 
@@ -148,6 +149,7 @@ struct Session::State {
         const Volume& first = channels.front();
         if (first.has_own_colors && channels.size() == 4)
             own_color = first.component_infos.front().name == "alpha" ? OwnColor::by_alpha : OwnColor::by_luminance;
+        if (first.has_own_colors && channels.size() == 2) own_color = OwnColor::by_value;
         for (std::size_t i = 1; i < channels.size(); ++i) others.push_back({study(channels[i], progress), {}});
         upload_others(channels, progress);
         show(first, progress,
@@ -191,11 +193,20 @@ struct Session::State {
     }
 
     TransferFunction transfer_of_opacity(const Scene& scene) const {
+        if (own_color == OwnColor::by_value)
+            return transfer_function_of_channel(channels_of(scene, 2)[0], 0, 2, scene.transfer, subject);
         return own_color == OwnColor::by_alpha ? of_alpha(scene.transfer, subject)
                                                : of_luminance(scene.transfer, subject);
     }
 
     Classified in_own_colors(const Scene& scene, const Shape& shape, const Progress& progress) const {
+        if (own_color == OwnColor::by_value) {
+            OwnColors own{.opacity = upload.result, .transfer = transfer_of_opacity(scene), .rgb = {}};
+            own.value = others[0].volume;
+            own.colors =
+                transfer_function_of_channel(channels_of(scene, 2)[1], 1, 2, scene.transfer, others[0].subject);
+            return {own.transfer, chiaro::classify(device, own, shape, progress)};
+        }
         if (!scene.channels.empty())
             throw Error(ErrorCode::usage,
                         "a volume in its own colours has no channels to set: --channels-as channels shows its values "
@@ -294,8 +305,8 @@ struct Session::State {
              [&](std::shared_ptr<const LabelVolume>& read) { read = shared_labels->find(scene, progress); });
         redo("borders", labelled, {upload.version, labels.version, scene.labels.changes, scene.output.color},
              [&](std::shared_ptr<const LabelBricks>& bricks) {
-                 const LabelVolume& read = *labels.result;
-                 bricks = label_bricks(read, with_changes(read.labels, scene.labels.changes), upload.result,
+                 const auto& read = labels.result;
+                 bricks = borders.find(read, with_changes(read->labels, scene.labels.changes), upload.result,
                                        scene.output.color, device.threads, progress);
              });
         return {labelled.result, labelled.version};

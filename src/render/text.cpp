@@ -97,9 +97,11 @@ std::string to_text(const Bounces& value) { return value.most ? to_text(*value.m
 
 std::string to_text(int width, int height) { return fmt::format("{}x{}", width, height); }
 std::string to_text(const Rgb& color, bool transparent, bool) { return transparent ? "transparent" : to_text(color); }
-std::string to_text(bool headlight, double azimuth_deg, double elevation_deg, const Rgb& color) {
-    if (headlight) return "headlight";
-    return fmt::format("{},{},{}", azimuth_deg, elevation_deg, to_text(color));
+std::string to_text(const Light& value) {
+    const std::string color = "," + to_text(value.color);
+    if (value.position_mm) return "at:" + to_text(*value.position_mm) + color;
+    if (value.headlight) return value.color == Rgb{1, 1, 1} ? "headlight" : "headlight" + color;
+    return fmt::format("{},{}{}", value.azimuth_deg, value.elevation_deg, color);
 }
 
 void from_text(std::string_view text, bool& value) {
@@ -202,14 +204,22 @@ void from_text(std::string_view text, Rgb& color, bool& transparent, bool& probe
     transparent = text == "transparent";
     if (!transparent) color = parse_color(std::string(text));
 }
-void from_text(std::string_view text, bool& headlight, double& azimuth_deg, double& elevation_deg, Rgb& color) {
-    headlight = text == "headlight";
-    color = {1, 1, 1};
-    if (headlight) return;
-    const std::size_t first = text.find(','), second = first == text.npos ? first : text.find(',', first + 1);
-    const auto angles = numbers(text.substr(0, second), 2, "headlight or AZ,EL[,COLOR]");
-    azimuth_deg = angles[0], elevation_deg = angles[1];
-    if (second != text.npos) color = parse_color(std::string(text.substr(second + 1)));
+void from_text(std::string_view text, Light& value) {
+    constexpr std::string_view place = "at:", with_camera = "headlight";
+    value = {};
+    const bool is_point = text.starts_with(place);
+    value.headlight = !is_point && text.substr(0, text.find(',')) == with_camera;
+    if (is_point) text.remove_prefix(place.size());
+    const int count = is_point ? 3 : value.headlight ? 1 : 2;
+    std::size_t end = 0;  // of what comes before the colour
+    for (int i = 0; i < count && end != text.npos; ++i) end = text.find(',', end + (i > 0));
+    if (end != text.npos) value.color = parse_color(std::string(text.substr(end + 1)));
+    if (value.headlight) return;
+    const auto v = numbers(text.substr(0, end), std::size_t(count), "headlight, AZ,EL[,COLOR] or at:X,Y,Z[,COLOR]");
+    if (is_point)
+        value.position_mm = Vec3{v[0], v[1], v[2]};
+    else
+        value.azimuth_deg = v[0], value.elevation_deg = v[1];
 }
 
 std::size_t index_among(std::string_view text, std::span<const std::string_view> names) {

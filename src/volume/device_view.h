@@ -31,7 +31,7 @@ inline kernel::LabelView label_view(const LabelBricks* labels) {
     if (!labels) return {};
     return {reinterpret_cast<const std::uint8_t*>(labels->distance.data()),
             reinterpret_cast<const std::uint8_t*>(labels->share.data()),
-            reinterpret_cast<const std::uint32_t*>(labels->tint.data())};
+            reinterpret_cast<const std::uint32_t*>(labels->tint.data()), labels->cells.data()};
 }
 
 template <class Voxel>

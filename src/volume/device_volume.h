@@ -30,6 +30,7 @@ struct ExtinctionFactor {
     int columns = 1, rows = 1;
     double index_scale = 0, index_offset = 0;  ///< column of a stored value
     double rows_per_unit = 0;                  ///< row = magnitude * rows_per_unit
+    std::vector<std::array<float, 3>> colors;  ///< of each entry, as composited; empty: they are those of the values
 };
 struct LabelBricks;  // volume/label_bricks.h
 /// Channels on one grid, as kernels read them: `count` kernel::ChannelView of the stored type, with all they point to.

@@ -13,14 +13,18 @@ struct FactorView {
     float last_row;
     Float3 world_x, world_y, world_z;  ///< rows of the matrix from a gradient, stored units per voxel, to rows
 
-    /// f(v, |∇v|), which multiplies κ(v).
     template <class F>
-    CHIARO_INLINE F of(F stored, Vec3<F> gradient) const {
+    CHIARO_INLINE Int<F> index(F stored, Vec3<F> gradient) const {
         const Vec3<F> g{dot(Vec3<F>(world_x), gradient), dot(Vec3<F>(world_y), gradient),
                         dot(Vec3<F>(world_z), gradient)};
         const Int<F> row = truncate(min(sqrt(dot(g, g)), F(last_row)) + F(0.5f));
         const Int<F> column = truncate(min(max(mad(stored, F(scale), F(offset)), F(0)), F(last_column)));
-        return gather_float(entries, row * Int<F>(columns) + column);
+        return row * Int<F>(columns) + column;
+    }
+    /// f(v, |∇v|), which multiplies κ(v).
+    template <class F>
+    CHIARO_INLINE F of(F stored, Vec3<F> gradient) const {
+        return gather_float(entries, index(stored, gradient));
     }
 };
 

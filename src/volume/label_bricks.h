@@ -16,9 +16,14 @@ struct TransferShare {
 };
 
 struct LabelBricks {
-    VoxelBuffer distance;                  ///< uint8, of the border of what is shown; empty: all is
-    VoxelBuffer share;                     ///< uint8, of 255: opacity; empty: 1
-    VoxelBuffer tint;                      ///< uint32, as TintCoding has it; empty: none
+    VoxelBuffer distance;  ///< uint8, of the border of what is shown; empty: all is
+    VoxelBuffer share;     ///< uint8, of 255: opacity; empty: 1
+    VoxelBuffer tint;      ///< uint32, as TintCoding has it; empty: none
+    /// Of each 4³ cell the word of its tint, where it has one and all is shown from two voxels before it to two behind;
+    /// else TintCoding::several. x fastest.
+    std::vector<std::uint32_t> cells;
+    /// Whether they hide or thin anything.
+    bool cuts() const { return distance.size() || share.size(); }
     std::vector<TransferShare> transfers;  ///< whose shares add up to 255; empty: all is by the volume's
 };
 

@@ -55,26 +55,65 @@ CHIARO_INLINE Four<F> tint_between(const LabelView& labels, const Location<F>& a
     return {between(&Four<F>::a), between(&Four<F>::b), between(&Four<F>::c), between(&Four<F>::d)};
 }
 
-/// Of extinction and colour × extinction. Nearly everywhere the eight voxels around have one tint.
+/// As tint_between, of a word.
 template <class F>
-CHIARO_INLINE RgbaLanes<F> tinted(const LabelView& labels, const Location<F>& at, const RgbaLanes<F>& matter) {
+CHIARO_INLINE Four<F> tint_of(Int<F> word) {
     using I = Int<F>;
-    const I word = gather_word(labels.tint, at.index);
     const auto root = [&](int shift)
                           CHIARO_INLINE_LAMBDA { return F(1.0f / 255) * to_float((word >> I(shift)) & I(255)); };
     constexpr int most = TintCoding::strength_bits;
-    Four<F> tint{root(0), root(8), root(16),
-                 F(1.0f / most) * to_float((word >> I(TintCoding::strength_shift)) & I(most))};
-    const Mask<F> several = (word & I(TintCoding::several)) != I(0);
+    return {root(0), root(8), root(16), F(1.0f / most) * to_float((word >> I(TintCoding::strength_shift)) & I(most))};
+}
+template <class F>
+CHIARO_INLINE Mask<F> is_several(Int<F> word) {
+    return (word & Int<F>(TintCoding::several)) != Int<F>(0);
+}
+
+/// What a tint makes of a colour with its opacity, or of colour × extinction with that.
+template <class F>
+struct Tint {
+    RgbaLanes<F> keep, add;
+
+    Tint() = default;
+    CHIARO_INLINE explicit Tint(const Four<F>& tint) {
+        const F s = tint.d, rest = F(1) - s;
+        keep = rgba_of(Vec3<F>{rest, rest, rest}, F(1));
+        add = rgba_of(Vec3<F>{s * tint.a * tint.a, s * tint.b * tint.b, s * tint.c * tint.c}, F(0));
+    }
+    CHIARO_INLINE RgbaLanes<F> of(const RgbaLanes<F>& matter) const { return light_up(matter, keep, add); }
+};
+
+/// Nearly everywhere the eight voxels around have one tint.
+template <class F>
+CHIARO_INLINE RgbaLanes<F> tinted(const LabelView& labels, const Location<F>& at, const RgbaLanes<F>& matter) {
+    const Int<F> word = gather_word(labels.tint, at.index);
+    Four<F> tint = tint_of<F>(word);
+    const Mask<F> several = is_several<F>(word);
     if (any(several)) {
         const Four<F> between = tint_between(labels, at);
         tint = {select(several, between.a, tint.a), select(several, between.b, tint.b),
                 select(several, between.c, tint.c), select(several, between.d, tint.d)};
     }
-    const F s = tint.d, rest = F(1) - s;
-    return light_up(matter, Vec3<F>{rest, rest, rest},
-                    Vec3<F>{s * tint.a * tint.a, s * tint.b * tint.b, s * tint.c * tint.c});
+    return Tint<F>(tint).of(matter);
 }
+
+/// What labels say of the cells that lanes are in: one tint, and all is shown; or what each sample must look up.
+template <class F>
+struct CellTint {
+    Int<F> word{TintCoding::several};
+    Mask<F> several = F(0) < F(1);
+    Tint<F> tint{tint_of<F>(Int<F>(0))};
+
+    /// Lanes that have come to other cells, by the cells' numbers.
+    CHIARO_INLINE void enter(const LabelView& labels, Mask<F> lanes, Int<F> cell) {
+        const Int<F> found = gather_word(labels.cells, typename GatherIndex<F>::type(cell));
+        const Mask<F> other = lanes & (found != word);
+        if (!any(other)) return;
+        word = select(other, found, word);
+        several = is_several<F>(word);
+        tint = Tint<F>(tint_of<F>(word));
+    }
+};
 
 /// What labels leave of extinction.
 template <class F>

@@ -15,6 +15,7 @@ struct ChannelView {
     RgbaTable matter;           ///< κ per mm, and colour × κ, over its stored values; of own colours κ or a colour
     const float* rise;          ///< dκ/dv, with a hair of κ, so that matter that is even has a direction, too
     const std::uint8_t* share;  ///< of 255, in bricks as labels: where it is of some labels alone; null: everywhere
+    const Rgba* by_gradient;  ///< what is left of κ, and colour × that, by the factor's entries; null: colours by value
 
     /// κ per mm.
     template <class F>
@@ -41,7 +42,12 @@ static CHIARO_NOINLINE RgbaLanes<F> mixed_matter(const VolumeView<Voxel>& volume
         const ChannelView<Voxel>& channel = volume.mixture.channels[i];
         const F stored = channel.volume.value(at);
         RgbaLanes<F> matter = channel.matter.at(stored);
-        if (channel.volume.has_factor()) matter = scale(matter, channel.volume.factor_at(at, stored));
+        if (channel.by_gradient)
+            matter =
+                scale(load_rgba(channel.by_gradient, channel.volume.factor.index(stored, channel.volume.gradient(at))),
+                      alpha_of(matter));
+        else if (channel.volume.has_factor())
+            matter = scale(matter, channel.volume.factor_at(at, stored));
         sum = accumulate(sum, channel.share ? share_of(channel.share, at) : F(1), matter);
     }
     return matter_of_sum(volume.mixture, at, sum);

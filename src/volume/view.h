@@ -45,6 +45,9 @@ static CHIARO_NOINLINE void mixed_along(const VolumeView<Voxel>& volume, const L
 struct LabelView {
     const std::uint8_t *distance, *share;
     const std::uint32_t* tint;
+    const std::uint32_t* cells;  ///< of each 4³ cell its one tint, or TintCoding::several
+
+    CHIARO_INLINE bool cuts() const { return distance || share; }
 };
 
 /// What samples of a mixture are made of; null: of one value, which each consumer looks up in a table of its own.

@@ -51,6 +51,12 @@ Placement placement_of(vtkImageData& image, bool at_cells, vtkMatrix4x4& matrix)
     return place;
 }
 
+Vec3 turned_back(const Placement& place, Vec3 v) {
+    const auto& m = place.world_from_volume;
+    const auto along = [&](std::size_t c) { return m[c] * v.x + m[4 + c] * v.y + m[8 + c] * v.z; };
+    return {along(0), along(1), along(2)};
+}
+
 std::optional<VoxelType> type_of(vtkDataArray& scalars) {
     const int bytes = scalars.GetDataTypeSize();
     switch (scalars.GetDataType()) {
@@ -76,13 +82,24 @@ Volume volume_of(vtkImageData& image, vtkDataArray& scalars, bool at_cells, cons
     if (at_cells)
         for (int& n : volume.dimensions) n = std::max(n - 1, 1);
     volume.type = *type_of(scalars);
+    volume.components = scalars.GetNumberOfComponents();
     volume.geometry = geometry;
     volume.source = volume.format = "vtkImageData";
     // VTK counts references to an array; the pointer keeps one. Arrays of another layout than a row are made one here.
     const vtkSmartPointer<vtkDataArray> kept(&scalars);
     const auto owner = std::make_shared<vtkSmartPointer<vtkDataArray>>(kept);
-    volume.voxels = VoxelBuffer::borrow(kept->GetVoidPointer(0), volume.voxel_count() * size_of(volume.type), owner);
+    volume.voxels = VoxelBuffer::borrow(
+        kept->GetVoidPointer(0), volume.voxel_count() * std::size_t(volume.components) * size_of(volume.type), owner);
     return volume;
+}
+
+std::vector<Volume> channels_of(const Volume& voxels, bool dependent) {
+    std::vector<Volume> channels = components_of(voxels);
+    if (!dependent) return channels;
+    std::rotate(channels.begin(), channels.end() - 1, channels.end());  // the last has the opacity
+    channels.front().has_own_colors = true;
+    channels.front().component_infos = {{"alpha", {}}};
+    return channels;
 }
 
 void place(Volume& voxels, vtkImageData& grid, vtkImageData* image, bool at_cells, const std::array<int, 6>& own) {

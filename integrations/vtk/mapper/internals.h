@@ -22,6 +22,7 @@ struct Subject {
     vtkImageData* image = nullptr;  ///< null: this process has no voxels
     vtkDataArray* scalars = nullptr;
     int at_cells = 0;
+    bool dependent = false;        ///< its values say together what it looks like
     vtkImageData* grid = nullptr;  ///< of the whole
     Placement place{};
 };
@@ -30,7 +31,7 @@ struct Subject {
 struct Shown {
     vtkDataArray* scalars = nullptr;
     vtkMTimeType time = 0;  ///< of the image and its scalars
-    bool at_cells = false;
+    bool at_cells = false, dependent = false;
     Geometry geometry;
     int threads = 0;
     bool operator==(const Shown&) const = default;

@@ -136,9 +136,14 @@ std::string vtkChiaroVolumeMapper::Find(from_vtk::Subject& subject, vtkVolume* v
     if (subject.scalars && subject.scalars->GetNumberOfTuples() > 0) subject.image = image;
     if (!subject.image && !self.ranks) return "an image without scalars";
     if (self.ranks && this->Cropping) return "cropping regions over several processes";
+    vtkVolumeProperty& property = *volume->GetProperty();
+    const int count = subject.image ? subject.scalars->GetNumberOfComponents() : 1;
+    if (self.ranks && count > 1) return "scalars of several components over several processes";
+    if (self.ranks && property.GetTransferFunctionMode() == vtkVolumeProperty::TF_2D)
+        return "TF_2D over several processes";
+    subject.dependent = from_vtk::is_dependent(property, count);
     if (subject.image)
-        if (std::string what = from_vtk::not_drawn(*this, *volume->GetProperty(), *image, *subject.scalars);
-            !what.empty())
+        if (std::string what = from_vtk::not_drawn(*this, property, *image, *subject.scalars); !what.empty())
             return what;
     subject.grid = self.ranks ? self.grid.Get() : image;
     subject.place = from_vtk::placement_of(*subject.grid, subject.at_cells, *volume->GetMatrix());
@@ -150,8 +155,8 @@ bool vtkChiaroVolumeMapper::Show(const from_vtk::Subject& subject) {
     Internals& self = *this->Self;
     const vtkMTimeType time =
         subject.image ? std::max(subject.image->GetMTime(), subject.scalars->GetMTime()) : vtkMTimeType(0);
-    const from_vtk::Shown shown{subject.scalars, time, subject.at_cells != 0, subject.place.geometry,
-                                this->NumberOfThreads};
+    const from_vtk::Shown shown{
+        subject.scalars, time, subject.at_cells != 0, subject.dependent, subject.place.geometry, this->NumberOfThreads};
     if (self.agree(self.session && shown == self.shown)) return false;
     const Device host = Device::cpu(this->NumberOfThreads);
     Device device = self.ranks ? host : choose_device(host).device;
@@ -163,7 +168,10 @@ bool vtkChiaroVolumeMapper::Show(const from_vtk::Subject& subject) {
         voxels = from_vtk::volume_of(*subject.image, *subject.scalars, subject.at_cells, subject.place.geometry);
     if (self.ranks) from_vtk::place(voxels, *subject.grid, subject.image, subject.at_cells, self.own);
     chiaro::Progress progress;
-    self.session->show(voxels, progress);
+    if (voxels.components > 1)
+        self.session->show(from_vtk::channels_of(voxels, subject.dependent), progress);
+    else
+        self.session->show(voxels, progress);
     self.shown = shown;
     return true;
 }
@@ -179,7 +187,8 @@ bool vtkChiaroVolumeMapper::Look(Scene& scene, const from_vtk::Subject& subject,
     std::string note;
     scene.output.color = renderer->GetRenderWindow()->GetUseSRGBColorSpace() ? ColorMode::linear : ColorMode::display;
     scene.output.transparent = true;
-    from_vtk::set_look(scene, *this, *volume->GetProperty(), *subject.grid, *renderer, subject.place, note);
+    from_vtk::set_look(scene, *this, *volume->GetProperty(), *subject.grid, subject.scalars, *renderer, subject.place,
+                       note);
     if (!note.empty()) this->WarnOnce(note);
     if (scene.clip.box)
         for (std::size_t a = 0; a < 3; ++a)

@@ -48,6 +48,17 @@ inline Distance distance(const Picture& a, const Picture& b) {
     return d;
 }
 
+/// Keeps what the mapper warns of and refuses.
+inline void listen_to(vtkChiaroVolumeMapper& mapper, std::vector<std::string>& said) {
+    vtkNew<vtkCallbackCommand> listener;
+    listener->SetClientData(&said);
+    listener->SetCallback([](vtkObject*, unsigned long, void* to, void* text) {
+        static_cast<std::vector<std::string>*>(to)->push_back(static_cast<const char*>(text));
+    });
+    mapper.AddObserver(vtkCommand::WarningEvent, listener);
+    mapper.AddObserver(vtkCommand::ErrorEvent, listener);
+}
+
 struct Case {
     static constexpr int width = 150, height = 110;
     static constexpr double background[3] = {0.31, 0.2, 0.4};
@@ -86,7 +97,7 @@ struct Case {
         camera.SetPosition(eye.x, eye.y, eye.z), camera.SetFocalPoint(target.x, target.y, target.z);
         camera.SetViewUp(0, 0, 1), camera.SetViewAngle(25);
         renderer->ResetCameraClippingRange();
-        listen();
+        listen_to(*mapper, said);
         set_scene();
     }
 
@@ -109,6 +120,7 @@ struct Case {
     }
 
     void set_scene() {
+        scene.interpolation = Interpolation::linear;
         scene.width = width, scene.height = height;
         scene.camera.eye = eye, scene.camera.target = target, scene.camera.up = Vec3{0, 0, 1},
         scene.camera.fov_deg = 25;
@@ -120,16 +132,6 @@ struct Case {
         scene.lighting.shininess = 12;
         scene.output.color = ColorMode::display;
         scene.output.background = {background[0], background[1], background[2]};
-    }
-
-    void listen() {
-        vtkNew<vtkCallbackCommand> listener;
-        listener->SetClientData(&said);
-        listener->SetCallback([](vtkObject*, unsigned long, void* to, void* text) {
-            static_cast<std::vector<std::string>*>(to)->push_back(static_cast<const char*>(text));
-        });
-        mapper->AddObserver(vtkCommand::WarningEvent, listener);
-        mapper->AddObserver(vtkCommand::ErrorEvent, listener);
     }
 
     Picture drawn() {

@@ -11,7 +11,7 @@ namespace {
 
 /// Largest differences of colour and opacity over values in and around the functions.
 double farthest(vtkVolumeProperty& property, double from, double to) {
-    const TransferFunction tf = from_vtk::transfer_of(property, 1);
+    const TransferFunction tf = from_vtk::transfer_of(property, 0, 1);
     validate(tf);
     double most = 0;
     for (int i = 0; i <= 5000; ++i) {
@@ -56,7 +56,7 @@ TEST(Functions, Jump) {
     vtkNew<vtkPiecewiseFunction> opacity;
     property->SetScalarOpacity(opacity);
     opacity->AddPoint(0, 0, 0.5, 1), opacity->AddPoint(100, 1);
-    const TransferFunction tf = from_vtk::transfer_of(*property, 2);
+    const TransferFunction tf = from_vtk::transfer_of(*property, 0, 2);
     EXPECT_LT(evaluate(tf, 49.8).opacity, 0.01);
     EXPECT_GT(evaluate(tf, 50.2).opacity, 0.99);
     EXPECT_EQ(tf.opacity_unit, property->GetScalarOpacityUnitDistance() / 2);

@@ -203,10 +203,15 @@ TEST(Mapper, StandsWhereTheVolumeDoes) {
         sun->SetLightTypeToSceneLight();
         sun->SetPosition(1, 0.5, 2), sun->SetFocalPoint(0, 0, 0), sun->SetColor(1, 0.8, 0.6);
         c.renderer->AddLight(sun);
-        c.scene.lighting.headlight = false;
-        c.scene.lighting.azimuth_deg = std::atan2(0.5, 1) / radians(1),
-        c.scene.lighting.elevation_deg = std::atan2(2, std::hypot(1, 0.5)) / radians(1);
-        c.scene.lighting.color = {1, 0.8, 0.6};
+        vtkNew<vtkLight> lamp;
+        lamp->SetLightTypeToSceneLight(), lamp->PositionalOn(), lamp->SetConeAngle(180);
+        lamp->SetPosition(60, 40, 90), lamp->SetColor(0.2, 0.5, 0.7), lamp->SetIntensity(0.5);
+        c.renderer->AddLight(lamp);
+        c.scene.lighting.lights = {{.headlight = false,
+                                    .azimuth_deg = std::atan2(0.5, 1) / radians(1),
+                                    .elevation_deg = std::atan2(2, std::hypot(1, 0.5)) / radians(1),
+                                    .color = {1, 0.8, 0.6}},
+                                   {.color = {0.1, 0.25, 0.35}, .position_mm = Vec3{60, 40, 90}}};
 
         Volume moved = Case::placed(make_sample("shells", 48));
         const vtkMatrix4x4& m = *transform->GetMatrix();

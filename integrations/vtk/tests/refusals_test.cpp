@@ -20,6 +20,12 @@ struct Refusal {
 
 void PrintTo(const Refusal& r, std::ostream* out) { *out << r.name; }
 
+void give_components(Case& c, int count) {
+    vtkNew<vtkUnsignedCharArray> values;
+    values->SetNumberOfComponents(count), values->SetNumberOfTuples(48 * 48 * 48), values->Fill(100);
+    c.image->GetPointData()->SetScalars(values);
+}
+
 class NotDrawn : public ::testing::TestWithParam<Refusal> {};
 
 }  // namespace
@@ -40,14 +46,26 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"nearest", [](Case& c) { c.actor->GetProperty()->SetInterpolationTypeToNearest(); },
                 "interpolation of nearest voxels"},
         Refusal{"two_dimensional",
-                [](Case& c) { c.actor->GetProperty()->SetTransferFunctionMode(vtkVolumeProperty::TF_2D); }, "TF_2D"},
-        Refusal{"components",
+                [](Case& c) { c.actor->GetProperty()->SetTransferFunctionMode(vtkVolumeProperty::TF_2D); },
+                "TF_2D without an image"},
+        Refusal{"five_components", [](Case& c) { give_components(c, 5); }, "more than four components"},
+        Refusal{"three_dependent",
+                [](Case& c) { give_components(c, 3), c.actor->GetProperty()->IndependentComponentsOff(); },
+                "three dependent components"},
+        Refusal{"dependent_maxima",
                 [](Case& c) {
-                    vtkNew<vtkUnsignedCharArray> rgb;
-                    rgb->SetNumberOfComponents(3), rgb->SetNumberOfTuples(48 * 48 * 48), rgb->Fill(100);
-                    c.image->GetPointData()->SetScalars(rgb);
+                    give_components(c, 4), c.actor->GetProperty()->IndependentComponentsOff();
+                    c.mapper->SetBlendModeToMaximumIntensity();
                 },
-                "more than one component"},
+                "blend modes of dependent components"},
+        Refusal{"isosurfaces_of_several", [](Case& c) { give_components(c, 2), c.mapper->SetBlendModeToIsoSurface(); },
+                "ISOSURFACE_BLEND of several components"},
+        Refusal{"shading_of_each",
+                [](Case& c) {
+                    give_components(c, 2), c.actor->GetProperty()->ShadeOn(),
+                        c.actor->GetProperty()->SetDiffuse(1, 0.1);
+                },
+                "shading that is another for each component"},
         Refusal{"fence", [](Case& c) { c.mapper->CroppingOn(), c.mapper->SetCroppingRegionFlagsToFence(); },
                 "not one box"},
         Refusal{"planes",
@@ -78,19 +96,29 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"no_scalars", [](Case& c) { c.image->GetPointData()->Initialize(); }, "without scalars"}),
     [](const auto& test) { return std::string(test.param.name); });
 
-// Light that is left out is told, too; the rest is drawn.
-TEST(Lights, TheBrightestShines) {
+// What is left out of lights is told, too; the rest is drawn.
+TEST(Lights, ArePointsWhereTheyAreSpots) {
     Case c;
-    for (int i = 0; i < 2; ++i) {
-        vtkNew<vtkLight> light;
-        light->SetLightTypeToSceneLight();
-        light->SetPosition(i, 1, 1), light->SetIntensity(1 - 0.4 * i);
-        c.renderer->AddLight(light);
-    }
+    vtkNew<vtkLight> spot;
+    spot->SetLightTypeToSceneLight(), spot->PositionalOn(), spot->SetConeAngle(30), spot->SetPosition(90, 50, 60);
+    c.renderer->AddLight(spot);
     EXPECT_GT(c.seen(c.drawn()), 1500);
     c.drawn();
     ASSERT_EQ(c.said.size(), 1u);
-    EXPECT_NE(c.said[0].find("more than one light"), std::string::npos);
+    EXPECT_NE(c.said[0].find("a spotlight shines in all directions"), std::string::npos);
+}
+
+TEST(Lights, AreEightAtMost) {
+    Case c;
+    for (int i = 0; i < 9; ++i) {
+        vtkNew<vtkLight> light;
+        light->SetLightTypeToSceneLight();
+        light->SetPosition(i, 1, 1), light->SetIntensity(0.2);
+        c.renderer->AddLight(light);
+    }
+    EXPECT_GT(c.seen(c.drawn()), 1500);
+    ASSERT_EQ(c.said.size(), 1u);
+    EXPECT_NE(c.said[0].find("more than eight lights"), std::string::npos);
 }
 
 TEST(Settings, AreChecked) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <map>
 #include <tuple>
 
@@ -264,32 +265,105 @@ private:
 
 }  // namespace
 
+namespace {
+
+/// A byte for each tile of 32³ voxels.
+std::vector<std::uint8_t> all_tiles(const LabelFields& fields) {
+    return std::vector<std::uint8_t>(std::size_t(fields.tiles[0] * fields.tiles[1] * fields.tiles[2]), 1);
+}
+
+void fill(const std::vector<std::uint8_t>& wanted, const LabelVolume& labels, const Looks& looks, LabelFields& fields,
+          int threads, const Progress& progress) {
+    const auto& tiles = fields.tiles;
+    constexpr int grain = 8;  // a thread's tile takes 5 MB, made anew for each piece
+    parallel_for(threads, tiles[0] * tiles[1] * tiles[2], grain, [&](std::int64_t first, std::int64_t last) {
+        if (std::find(wanted.begin() + first, wanted.begin() + last, 1) == wanted.begin() + last) return;
+        Tiles own(labels, looks, fields);
+        for (std::int64_t t = first; t < last && !progress.cancelled(); ++t)
+            if (wanted[std::size_t(t)])
+                own.fill({int(t % tiles[0]) * edge, int(t / tiles[0] % tiles[1]) * edge,
+                          int(t / (tiles[0] * tiles[1])) * edge});
+    });
+    progress.check();
+}
+
+/// Those that look at a voxel whose label has another look.
+std::vector<std::uint8_t> tiles_of(const std::vector<std::uint8_t>& is_changed, const LabelVolume& labels,
+                                   const LabelFields& fields, int threads) {
+    std::vector<std::uint8_t> tiles(std::size_t(fields.tiles[0] * fields.tiles[1] * fields.tiles[2]));
+    const auto [nx, ny, nz] = labels.dimensions;
+    const auto numbers = labels.numbers();
+    parallel_for(threads, std::int64_t(tiles.size()), 1, [&](std::int64_t t, std::int64_t) {
+        const std::array<int, 3> n{nx, ny, nz};
+        std::array<int, 3> low, high;
+        for (std::size_t a = 0; a < 3; ++a) {
+            const auto at = int((a == 0   ? t
+                                 : a == 1 ? t / fields.tiles[0]
+                                          : t / (fields.tiles[0] * fields.tiles[1])) %
+                                fields.tiles[a]);
+            low[a] = std::max(at * edge - halo, 0), high[a] = std::min((at + 1) * edge + halo, n[a]);
+        }
+        for (int z = low[2]; z < high[2]; ++z)
+            for (int y = low[1]; y < high[1]; ++y) {
+                const std::uint16_t* const line =
+                    &numbers[(std::size_t(z) * std::size_t(ny) + std::size_t(y)) * std::size_t(nx)];
+                for (int x = low[0]; x < high[0]; ++x)
+                    if (is_changed[line[x]]) return void(tiles[std::size_t(t)] = 1);
+            }
+    });
+    return tiles;
+}
+
+/// All but what is said of every voxel by itself.
+LabelFields empty_fields(const LabelVolume& labels, const Looks& looks) {
+    LabelFields made;
+    made.dimensions = labels.dimensions;
+    for (std::size_t a = 0; a < 3; ++a) made.tiles[a] = (labels.dimensions[a] + edge - 1) / edge;
+    if (!looks.shown[0]) made.distance_beyond = LabelCoding::hidden;
+    if (looks.dims) made.share_beyond = byte(looks.shown[0] ? looks.opacity[0] : looks.opacities.front());
+    if (looks.shown[0]) made.tint_beyond = packed(looks.tints[looks.tint_of[0]]);
+    return made;
+}
+
+}  // namespace
+
 LabelFields make_label_fields(const LabelVolume& labels, const std::vector<Label>& of_labels, ColorMode color,
                               int threads, const Progress& progress) {
     const Looks looks(of_labels, color);
-    LabelFields made;
-    made.dimensions = labels.dimensions;
+    LabelFields made = empty_fields(labels, looks);
     const std::size_t voxels = labels.numbers().size();
     if (looks.hides) made.distance = VoxelBuffer(voxels);
     if (looks.dims) made.share = VoxelBuffer(voxels);
     if (looks.paints) made.tint = VoxelBuffer(4 * voxels);
-    if (!looks.shown[0]) made.distance_beyond = LabelCoding::hidden;
-    if (looks.dims) made.share_beyond = byte(looks.shown[0] ? looks.opacity[0] : looks.opacities.front());
-    if (looks.shown[0]) made.tint_beyond = packed(looks.tints[looks.tint_of[0]]);
     if (looks.has_transfers())
         for (const auto& transfer : looks.transfers) made.transfers.push_back({transfer, VoxelBuffer(voxels)});
     if (!looks.hides && !looks.dims && !looks.paints && !looks.has_transfers()) return made;
-    std::array<std::int64_t, 3> tiles;
-    for (std::size_t a = 0; a < 3; ++a) tiles[a] = (labels.dimensions[a] + edge - 1) / edge;
-    constexpr int grain = 8;  // a thread's tile takes 5 MB, made anew for each piece
-    parallel_for(threads, tiles[0] * tiles[1] * tiles[2], grain, [&](std::int64_t first, std::int64_t last) {
-        Tiles own(labels, looks, made);
-        for (std::int64_t t = first; t < last && !progress.cancelled(); ++t)
-            own.fill(
-                {int(t % tiles[0]) * edge, int(t / tiles[0] % tiles[1]) * edge, int(t / (tiles[0] * tiles[1])) * edge});
-    });
-    progress.check();
+    fill(all_tiles(made), labels, looks, made, threads, progress);
     return made;
+}
+
+std::vector<std::uint8_t> renew_label_fields(LabelFields& fields, const LabelVolume& labels,
+                                             const std::vector<Label>& before, const std::vector<Label>& now,
+                                             ColorMode color, int threads, const Progress& progress) {
+    const Looks old(before, color), looks(now, color);
+    const auto in_all = [](const Looks& l) { return std::tie(l.opacities, l.paints, l.transfers); };
+    if (in_all(old) != in_all(looks)) {
+        fields = make_label_fields(labels, now, color, threads, progress);
+        return all_tiles(fields);
+    }
+    LabelFields renewed = empty_fields(labels, looks);
+    renewed.share = std::move(fields.share), renewed.tint = std::move(fields.tint);
+    renewed.transfers = std::move(fields.transfers);
+    if (looks.hides) {
+        renewed.distance = old.hides ? std::move(fields.distance) : VoxelBuffer(labels.numbers().size());
+        if (!old.hides) std::memset(renewed.distance.data(), LabelCoding::shown, renewed.distance.size());
+    }
+    fields = std::move(renewed);
+    std::vector<std::uint8_t> is_changed(now.size());
+    for (std::size_t i = 0; i < now.size(); ++i) is_changed[i] = !(before[i] == now[i]);
+    std::vector<std::uint8_t> tiles = tiles_of(is_changed, labels, fields, threads);
+    fill(tiles, labels, looks, fields, threads, progress);
+    return tiles;
 }
 
 }  // namespace chiaro

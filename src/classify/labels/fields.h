@@ -10,6 +10,7 @@ namespace chiaro {
 /// As LabelBricks, but x fastest; and what a voxel has that lies beyond the labels.
 struct LabelFields {
     std::array<int, 3> dimensions{0, 0, 0};
+    std::array<std::int64_t, 3> tiles{0, 0, 0};  ///< of 32³ voxels, each found for itself
     VoxelBuffer distance, share, tint;
     std::uint8_t distance_beyond = LabelCoding::shown, share_beyond = 255;
     std::uint32_t tint_beyond = 0;
@@ -25,8 +26,22 @@ struct LabelFields {
 LabelFields make_label_fields(const LabelVolume& labels, const std::vector<Label>& looks, ColorMode color, int threads,
                               const Progress& progress);
 
-/// In bricks of a volume of these dimensions. Beyond the labels' grid nothing is labelled.
+/// The same after looks have changed, from what they were: bit for bit what make_label_fields gives. Only the tiles
+/// that hold such a label, or voxels within 18 of one, are found anew, unless there are other degrees of opacity or
+/// transfer functions than before, or tints where none were. Returns which tiles, a byte each, x fastest. Where it
+/// throws, the fields are of no use.
+std::vector<std::uint8_t> renew_label_fields(LabelFields& fields, const LabelVolume& labels,
+                                             const std::vector<Label>& before, const std::vector<Label>& now,
+                                             ColorMode color, int threads, const Progress& progress);
+
+/// Bricks of other looks, which differ in these tiles alone.
+struct OlderBricks {
+    const LabelBricks& bricks;
+    const std::vector<std::uint8_t>& tiles;
+};
+/// In bricks of a volume of these dimensions. Beyond the labels' grid nothing is labelled. `older`: its bricks that no
+/// such tile reaches are copied.
 LabelBricks in_bricks(const LabelFields& fields, const LabelPlacement& placement, const std::array<int, 3>& dimensions,
-                      int threads, const Progress& progress);
+                      int threads, const Progress& progress, const OlderBricks* older = nullptr);
 
 }  // namespace chiaro

@@ -2,7 +2,6 @@
 
 #include <chiaro/error.h>
 
-#include "classify/labels/fields.h"
 #include "classify/mixture.h"
 #include "core/threads.h"
 
@@ -11,10 +10,36 @@ namespace chiaro {
 std::shared_ptr<const LabelBricks> label_bricks(const LabelVolume& labels, const std::vector<Label>& looks,
                                                 const DeviceVolume& volume, ColorMode color, int threads,
                                                 const Progress& progress) {
+    const std::shared_ptr<const LabelVolume> lent(std::shared_ptr<const LabelVolume>(), &labels);
+    return LabelBorders().find(lent, looks, volume, color, threads, progress);
+}
+
+std::shared_ptr<const LabelBricks> LabelBorders::find(std::shared_ptr<const LabelVolume> labels,
+                                                      const std::vector<Label>& looks, const DeviceVolume& volume,
+                                                      ColorMode color, int threads, const Progress& progress) {
     const DeviceVolume::Data& data = volume.data();
-    const LabelPlacement placed = place_labels(labels, data.dimensions, data.geometry);
-    const LabelFields fields = make_label_fields(labels, looks, color, threads, progress);
-    return std::make_shared<const LabelBricks>(in_bricks(fields, placed, data.dimensions, threads, progress));
+    const LabelPlacement placed = place_labels(*labels, data.dimensions, data.geometry);
+    const bool is_known = labels_ == labels && color_ == color && volume_ && &volume_.data() == &data;
+    const LabelFields& f = fields_;
+    const auto what_lies_everywhere = [&] {
+        return std::tuple(f.distance.size(), f.share.size(), f.tint.size(), f.distance_beyond, f.share_beyond,
+                          f.tint_beyond);
+    };
+    labels_.reset();  // what throws leaves nothing that could serve
+    std::vector<std::uint8_t> tiles;
+    const auto before = what_lies_everywhere();
+    if (is_known)
+        tiles = renew_label_fields(fields_, *labels, looks_, looks, color, threads, progress);
+    else
+        fields_ = make_label_fields(*labels, looks, color, threads, progress);
+    const bool is_alike = is_known && before == what_lies_everywhere() && bricks_ &&
+                          bricks_->transfers.size() == fields_.transfers.size();
+    std::optional<OlderBricks> older;
+    if (is_alike) older.emplace(OlderBricks{*bricks_, tiles});
+    bricks_ = std::make_shared<const LabelBricks>(
+        in_bricks(fields_, placed, data.dimensions, threads, progress, older ? &*older : nullptr));
+    labels_ = std::move(labels), looks_ = looks, volume_ = volume, color_ = color;
+    return bricks_;
 }
 
 namespace {
@@ -43,10 +68,14 @@ Medium with_labels(const Device& device, const Medium& medium, std::shared_ptr<c
                    const Progress& progress) {
     const Medium::Data& data = medium.data();
     if (!labels) return medium;
-    if (data.shape.mode != Mode::dvr && data.shape.mode != Mode::additive)
+    if (data.shape.mode == Mode::iso || data.shape.mode == Mode::mean)
         throw Error(ErrorCode::usage,
-                    "labels: they go with --mode dvr and additive: surfaces of a value, and values of whole rays, are "
-                    "found without them");
+                    "labels: they go with --mode dvr, additive, mip and minip: surfaces of a value (iso), and the mean "
+                    "of a ray, are found without them");
+    if (!labels->transfers.empty() && data.shape.mode != Mode::dvr && data.shape.mode != Mode::additive)
+        throw Error(ErrorCode::usage,
+                    "labels: a transfer function of a label's own goes with --mode dvr and additive: a value of a "
+                    "whole ray is shown by the volume's");
     if (data.volume.data().pages)
         throw Error(ErrorCode::usage, "labels: a volume that is read by bricks has none: raise --memory");
     MixtureParts parts = parts_of(data);
