@@ -10,7 +10,11 @@ namespace chiaro::server {
 // so that they do not alternate, and a mean over some two frames follows a scene that becomes slower.
 constexpr double comfortable = 0.75;  // of the target: so much must be left before a size goes up again
 constexpr double weight_of_newest = 0.4;
-constexpr int least_width = 640;  // that a slow way may lead to
+// Widths that drafts on a slow way do not go below, for the way's sake or, where they take `patience` at most, the
+// time's: that of the specification's two ways (scripts/far_away), at 5 and 2 Mbit/s.
+constexpr int least_width = 640, least_narrow_width = 480;
+constexpr double narrow = 375e3;  // bytes a second
+constexpr double patience = 0.1;  // seconds
 
 /// What a draft may be, each quicker than the one before: its side is the canvas's over √2^shrinks.
 struct Rung {
@@ -32,15 +36,22 @@ struct Quality {
     int quality;
     double bytes;
 };
-constexpr Quality qualities[] = {{70, 1}, {50, 0.72}, {35, 0.56}};
+constexpr Quality qualities[] = {{70, 1}, {50, 0.72}, {35, 0.56}, {25, 0.45}};
+
+/// Of the canvas's sides; at `least` where only the next one would be below.
+double scale_of(int rung, double least) {
+    const double scale = std::exp2(-0.5 * ladder[rung].shrinks);
+    return rung > 0 && scale > least && std::exp2(-0.5) * scale < least ? least : scale;
+}
 
 double AdaptiveResolution::expected(const DraftSize& draft) const { return known_ ? per_pixel_ * cost(draft) : 0; }
 
 DraftSize AdaptiveResolution::size(int width, int height, const LinkState& link) {
     // Far away size matters more than rate, as a picture is under way for longer than it is drawn.
     const double target = link.is_slow() ? 0.045 + 0.2 * std::min(link.round_trip, 0.5) : target_seconds;
+    const int least = !link.is_slow() ? 0 : link.bytes_per_second < narrow ? least_narrow_width : least_width;
     const auto at = [&](int rung, int quality) {
-        const double scale = std::exp2(-0.5 * ladder[rung].shrinks);
+        const double scale = scale_of(rung, double(least) / width);
         return DraftSize{std::max(1, int(std::lround(width * scale))), std::max(1, int(std::lround(height * scale))),
                          quality, ladder[rung].step_factor};
     };
@@ -49,11 +60,13 @@ DraftSize AdaptiveResolution::size(int width, int height, const LinkState& link)
         while (rung_ < last_rung && expected(at(rung_, best)) > target) ++rung_;
         while (rung_ > 0 && expected(at(rung_ - 1, best)) < comfortable * target) --rung_;
     }
-    DraftSize draft = at(rung_, best);
-    for (int rung = rung_; rung <= last_rung; ++rung)
+    int first = rung_;
+    while (first > 0 && at(first, best).width < least && expected(at(first - 1, best)) < patience) --first;
+    DraftSize draft = at(first, best);
+    for (int rung = first; rung <= last_rung; ++rung)
         for (const auto& [quality, bytes] : qualities) {
             const DraftSize other = at(rung, quality);
-            if (rung > rung_ && other.width < least_width) return draft;
+            if (rung > first && other.width < least) return draft;
             draft = other;
             if (bytes_per_pixel_ * bytes * draft.width * draft.height <= link.draft_bytes()) return draft;
         }

@@ -15,8 +15,8 @@ struct LinkState {
     double round_trip = 0;  ///< seconds, of a message that waits for no other
     double free_in = 0;     ///< seconds until the narrowest part has let through what was sent
 
-    /// Of a picture while something moves: what goes through in 20 ms and a tenth of the round trip.
-    double draft_bytes() const { return bytes_per_second * (0.02 + 0.1 * round_trip); }
+    /// Of a picture while something moves: what goes through in 10 ms and a tenth of the round trip.
+    double draft_bytes() const { return bytes_per_second * (0.01 + 0.1 * round_trip); }
     /// Below 10 Mbit/s pictures are felt to take time.
     bool is_slow() const { return bytes_per_second < 1.25e6; }
 };

@@ -70,7 +70,7 @@ export async function makeChannels(app) {
     if (!root.isConnected || !state.channels) return;
     follow();
     rows.forEach((one) => one.show());
-  });
+  }, { camera: false });
   return { root, edit, solo, open() {
     edited = -1;
     const several = (told()?.length ?? 1) > 1 && Boolean(store.state.channels);

@@ -128,7 +128,7 @@ export function makeColour(app) {
     for (const row of [density, windowRow]) row.show();
     surface.hidden = read(state, "mode") !== "iso";
     if (!surface.hidden) surfaceRows.forEach((row) => row.show());
-  });
+  }, { camera: false });
   app.highlight = (lo, hi, rest) => store.show(lo === null ? null : { tf: highlighted(tf(), lo, hi, rest) });
   app.windowNow = () => spanOf(tf());
   app.fitWindow = () => store.set(words.window, (s) => ({ tf: stretched(s.tf, [app.volume.percentiles["1"], app.volume.percentiles["99.9"]]) }));

@@ -203,7 +203,7 @@ export async function makeGradients(app, section) {
     rows.show(["dvr", "additive"].includes(read(state, "mode") ?? "dvr"));
   }
   section.insertBefore(root, section.querySelector(".chips"));
-  store.watch(draw);
+  store.watch(draw, { camera: false });
   store.redraw();
   return { root, toggle };
 }

@@ -234,6 +234,6 @@ export function makeGraph(app) {
     readout.replaceChildren(...(shown === undefined ? [] : [el("b", {}, app.withUnit(shown)), el("span", {}, `${words.opacity.toLowerCase()} ${short(at(state.tf.points, shown, "opacity"), 3)}`),
       el("span", {}, words.ofVoxels(app.percent(shareOf(app.histogram, shown - half, shown + half))))]));
   }
-  store.watch(draw);
+  store.watch(draw, { camera: false });
   return { root, axis, draw, add, peaks, setPoints, setStops, choose };
 }

@@ -111,7 +111,7 @@ export async function makeLabels(app) {
     if (root.hidden) return;
     load();
     if (labels.length) show();
-  });
+  }, { camera: false });
   /** A segmentation of the volume, which lies over it from now on. */
   const chooseFile = () => app.states.choose(({ path }) => store.set(words.menu.labels, (s) => {
     const { labels: _, ...rest } = s.rest;

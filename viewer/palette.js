@@ -10,6 +10,6 @@ export function makePalette(app) {
     localStorage.setItem("colours", JSON.stringify(kept));
     show();
   }, true);
-  app.store.watch(show);
+  app.store.watch(show, { camera: false });
   document.body.append(list);
 }

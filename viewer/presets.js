@@ -135,6 +135,6 @@ export function makeLooks(app) {
     const preset = app.presets.find((p) => p.name === store.state.look), name = preset ? label(preset) : words.ownLook;
     says.replaceChildren(edited() ? words.edited(name) : name, icon("right"));
     for (const [key, { made }] of thumbs) made.setAttribute("aria-pressed", String(key === store.state.look));
-  });
+  }, { camera: false });
   return { section, open, rest, pause: () => (clearTimeout(timer), (timer = 0)), take };
 }

@@ -63,6 +63,9 @@ function handle(app, o, track, which) {
   return thumb;
 }
 
+/** Writing the same anew would lay out the page. */
+const setText = (input, text) => input.value !== text && (input.value = text);
+
 /** A field for a number: click types, a drag scrubs. */
 export function numberField(app, o) {
   const id = `f${++ids}`;
@@ -91,7 +94,7 @@ export function numberField(app, o) {
     event.preventDefault();
     o.change(clamp(rounded(stepped(o.now(), steps * (event.shiftKey ? 10 : 1), o), o), o.least ?? o.low, o.most ?? o.high));
   });
-  return { input, wrong, show: () => document.activeElement !== input && wrong.hidden && (input.value = o.text()) };
+  return { input, wrong, show: () => document.activeElement !== input && wrong.hidden && setText(input, o.text()) };
 }
 
 /** Label, track and number. o: {label, low, high, step, log, unit, tip, value(), change(v), start, two, track}. */

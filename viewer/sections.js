@@ -28,7 +28,7 @@ export function makeSections(app) {
   const { store } = app, state = () => store.state;
   const set = (label, key, value, track) => store.set(label, (s) => write(s, key, value), track);
   const get = (key) => read(state(), key);
-  let made = [];
+  let made = [], ofCamera = null;
 
   function surface() {
     const fixed = () => typeof get("shading.light")?.[0] === "number", light = () => (fixed() ? get("shading.light") : [35, 45]);
@@ -88,7 +88,12 @@ export function makeSections(app) {
     return fold(words.picture, () => `${name()}, ${get("output.tone") === "aces" ? words.choices.aces : words.noTone}`, [kind, colour, ...rows], "", "section.section.s-picture");
   }
 
-  store.watch(() => app.volume && made.forEach((part) => part.show()));
-  return () => (made = [surface(), cut(), camera(), picture()]);
+  store.watch(() => app.volume && made.forEach((part) => part.show()), { camera: false });
+  store.watch(() => app.volume && ofCamera?.show());
+  return () => {
+    ofCamera = camera();
+    made = [surface(), cut(), picture()];
+    return [made[0], made[1], ofCamera, made[2]];
+  };
 }
 

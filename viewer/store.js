@@ -10,8 +10,9 @@ export class Store {
   #undo = { design: [], camera: [] };
   #redo = { design: [], camera: [] };
   #drag = null;
-  #listeners = new Set();
+  #listeners = new Map();
   #drawing = 0;
+  #turned = true; // so far nothing but the camera is another
   /** Called after each change with {moving}; the link sends from here. */
   onchange = (_) => {};
   /** What is shown besides and never saved: a highlighted peak, a look on trial, the unlit picture. */
@@ -21,19 +22,20 @@ export class Store {
     this.state = state;
   }
 
-  /** Calls `draw` in the frame after each change. */
-  watch(draw) {
-    this.#listeners.add(draw);
+  /** Calls `draw` in the frame after each change, or each but those of the camera alone. */
+  watch(draw, { camera = true } = {}) {
+    this.#listeners.set(draw, camera);
   }
 
   /** Changes the state: `change(state)` returns what is new in it. One undo step, unless within a drag.
    * @param {string} label what the step is called @param {(state: State) => Partial<State>} change @param {string} [track] */
   set(label, change, track = "design") {
     const before = this.state;
-    this.state = { ...before, ...change(before) };
+    const changes = change(before);
+    this.state = { ...before, ...changes };
     if (this.#drag) this.#drag.changed = true;
     else this.#keep(label, before, track);
-    this.#changed(Boolean(this.#drag));
+    this.#changed(Boolean(this.#drag), Object.keys(changes).every((key) => key === "camera" || changes[key] === before[key]));
   }
 
   /** All changes until `end` are one step. */
@@ -149,16 +151,17 @@ export class Store {
     this.#changed(false);
   }
 
-  #changed(moving) {
-    this.redraw();
+  #changed(moving, turned = false) {
+    this.redraw(turned);
     this.onchange({ moving });
   }
 
-  redraw() {
-    if (this.#drawing) return;
-    this.#drawing = requestAnimationFrame(() => {
-      this.#drawing = 0;
-      for (const draw of this.#listeners) draw(this.state);
+  redraw(turned = false) {
+    this.#turned &&= turned;
+    this.#drawing ||= requestAnimationFrame(() => {
+      const few = this.#turned;
+      (this.#drawing = 0), (this.#turned = true);
+      for (const [draw, camera] of this.#listeners) if (camera || !few) draw(this.state);
     });
   }
 }
