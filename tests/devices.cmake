@@ -34,11 +34,12 @@ set(slow Transport.AHalfSpace* Transport.ThickCells* TransportEdit.ATurned* Tran
          Reference.Interpolated* Reference.MidPlane* Reference.Converges* Spao.AnyNumber* Sweep.OnAnOpaque* LightError.Exposure* Floor.Live* LiveSurfaces.AB* LiveSurfaces.AC* LiveSurfaces.AF* LiveSurfaces.Highlights* LiveSurfaces.Steps* LiveSurfaces.AHard* HistogramCache.*
          Reference.Centre* Reference.OnAn* Reference.Surfaces* Reference.Threads* ReferenceVisibility.OnAn* ReferenceVisibility.Through* ReferenceVisibility.BandZero*
          ReferenceVisibility.Threads* Transport.AFurnace* Transport.LightThrough* Transport.AnIso* Sweep.ATurned* Visibility.AnOpen* LightError.IsWhat* LightError.Notices* LightError.Refuses*
+         OneLook.Pictures* TransportSession.Warm* TransportSession.FindsLight* TransportSession.ACancelled* Channels.AreTheSumOf* Labelled.OneChannel* Labelled.AChange*
          PathTracer.Noise* Spao.Filters* Spao.WhereASurface* EveryMode/1.* EveryMode/2.* HistogramLight.IsTheSame* HistogramLight.Effects* HistogramLight.Glows*
          HistogramLight.ShowsInEvery* HistogramLight.Bleeds* HistogramLight.KeepsThe* HistogramLight.IsPrepared* HistogramLight.Without* HistogramLight.CanBe* *Tool.*)
 list(JOIN slow : slow)
 set(small_tests ${CHIARO_DEVICE_TESTS})
-list(FILTER small_tests EXCLUDE REGEX "^(histogram|spao|transport|visibility)_error_test$|^real_views_test$|^methods_test$")
+list(FILTER small_tests EXCLUDE REGEX "^(histogram|spao|transport|visibility)_error_test$|^(real_views|methods|live_surfaces|pattern|fit|transport_picture)_test$")
 foreach(name ${small_tests})
   add_executable(${name}_emulated $<TARGET_OBJECTS:${name}> $<TARGET_OBJECTS:cuda_emulated>)
   target_link_libraries(${name}_emulated PRIVATE $<TARGET_PROPERTY:${name},LINK_LIBRARIES>)
