@@ -33,7 +33,7 @@ public:
     }
 
 private:
-    /// Row by row: what lies between the voxels of a row is read as well.
+    /// Row by row: what lies between the voxels of a row is read as well. Rows that follow one another at once.
     template <class Stored, class Kept>
     void read_as(const Lattice& lattice, const VoxelBox& box, std::byte* to) const {
         Kept* out = reinterpret_cast<Kept*>(to);
@@ -42,14 +42,17 @@ private:
         };
         const auto [nx, ny, nz] = header().dimensions;
         const auto step = std::size_t(lattice.stride[0]);
-        std::vector<Stored> row((std::size_t(box.size[0]) - 1) * step + 1);
+        const bool as_it_is = std::is_same_v<Stored, Kept> && step == 1 && !voxels_.big_endian;
+        const int rows = as_it_is && box.size[0] == nx && lattice.stride[1] == 1 ? box.size[1] : 1;
+        std::vector<Stored> row(as_it_is ? 0 : (std::size_t(box.size[0]) - 1) * step + 1);
         for (int z = 0; z < box.size[2]; ++z)
-            for (int y = 0; y < box.size[1]; ++y) {
+            for (int y = 0; y < box.size[1]; y += rows) {
                 const std::uint64_t line = place(2, box.first[2] + z) * std::uint64_t(ny) + place(1, box.first[1] + y);
                 const std::uint64_t at = (line * std::uint64_t(nx) + place(0, box.first[0])) * sizeof(Stored);
-                if (std::is_same_v<Stored, Kept> && step == 1 && !voxels_.big_endian) {
-                    read_bytes(out, row.size() * sizeof(Stored), at);
-                    out += row.size();
+                if (as_it_is) {
+                    const std::size_t count = std::size_t(rows) * std::size_t(box.size[0]);
+                    read_bytes(out, count * sizeof(Stored), at);
+                    out += count;
                     continue;
                 }
                 read_bytes(row.data(), row.size() * sizeof(Stored), at);
