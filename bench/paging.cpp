@@ -1,4 +1,5 @@
-// What a volume by bricks costs beside the same as a whole: a frame of which nothing is missing, and reading.
+// What a volume by bricks costs beside the same as a whole: a frame of which nothing is missing, and reading; and
+// pictures of ever larger ones.
 #include <chiaro/samples.h>
 #include <chiaro/zarr.h>
 #include <fmt/format.h>
@@ -108,13 +109,41 @@ std::vector<Row> measure_reading(const Setup& setup, const std::string& name, bo
              "upload from memory", is_store ? "zstd, by the clock" : "pread"}};
 }
 
+std::vector<int> picture_sizes(const Setup& setup) {
+    return setup.quick ? std::vector{512, 1024} : std::vector{2048, 4096, 8192, 16384};
+}
+
+/// The program itself, from its start to the last picture, of ever larger volumes under the same budget: what it costs
+/// must not grow with their size.
+std::vector<Row> measure_pictures(const Setup& setup, const std::vector<std::string>& names) {
+    const TemporaryFolder folder;
+    const std::vector<int> sizes = picture_sizes(setup);
+    std::vector<Measure> measures;
+    for (const int size : sizes) {
+        const std::vector<std::string> render{
+            "render",    fmt::format("sample:shells:{}", size), "-o",     folder / "picture.png",
+            "--memory",  setup.quick ? "64M" : "512M",          "--size", setup.quick ? "128x96" : "512x384",
+            "--threads", std::to_string(setup.device.threads),  "--quiet"};
+        measures.push_back([&setup, render] { return run_program(setup.tool, render); });
+    }
+    const auto series = in_turns(setup.runs, measures);
+    std::vector<Row> rows;
+    for (std::size_t i = 0; i < sizes.size(); ++i)
+        rows.push_back({names[i], "s of CPU time", spread_of(series[i]), median_ratio(series[i], series[0]),
+                        fmt::format("{} voxels an axis", sizes[0])});
+    return rows;
+}
+
 }  // namespace
 
 std::vector<Case> paging_cases(const Setup& setup) {
     const std::string frame = "paging/frame", raw = "paging/bricks/raw", store = "paging/bricks/zarr";
+    std::vector<std::string> pictures;
+    for (const int size : picture_sizes(setup)) pictures.push_back(fmt::format("paging/picture/{}", size));
     return {{{frame}, [=, &setup] { return measure_frame(setup, frame); }},
             {{raw}, [=, &setup] { return measure_reading(setup, raw, false); }},
-            {{store}, [=, &setup] { return measure_reading(setup, store, true); }}};
+            {{store}, [=, &setup] { return measure_reading(setup, store, true); }},
+            {pictures, [=, &setup] { return measure_pictures(setup, pictures); }}};
 }
 
 }  // namespace chiaro::bench
