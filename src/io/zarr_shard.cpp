@@ -23,6 +23,8 @@ std::byte* put_number(Number number, std::byte* to) {
     return to + sizeof number;
 }
 
+std::size_t product(const ChunkPlace& n) { return std::size_t(n[0]) * std::size_t(n[1]) * std::size_t(n[2]); }
+
 std::size_t put_checksum(std::byte* bytes, std::size_t size) {
     put_number(crc32c({bytes, size}), bytes + size);
     return size + checksum_bytes;
@@ -51,21 +53,19 @@ ShardEncoder::ShardEncoder(VoxelType type, ZarrEncoding encoding, const ChunkPla
 }
 
 std::size_t ShardEncoder::max_bytes() const {
-    const std::size_t count = std::size_t(chunks_[0]) * chunks_[1] * chunks_[2];
-    return count * (max_chunk_bytes_ + checksum_bytes + 2 * sizeof(std::uint64_t)) + checksum_bytes;
+    return product(chunks_) * (max_chunk_bytes_ + checksum_bytes + 2 * sizeof(std::uint64_t)) + checksum_bytes;
 }
 
 std::size_t ShardEncoder::encode(const Block& block, std::byte* to) const {
     ChunkPlace there{};
     for (std::size_t axis = 0; axis < 3; ++axis) there[axis] = (block.box.size[axis] - 1) / zarr_chunk_edge + 1;
     const std::size_t slot = max_chunk_bytes_ + checksum_bytes;
-    std::vector<std::size_t> sizes(std::size_t(there[0]) * there[1] * there[2]);
+    std::vector<std::size_t> sizes(product(there));
     parallel_for(usable_threads(), std::int64_t(sizes.size()), 1, [&](std::int64_t i, std::int64_t) {
         const ChunkPlace at{int(i) % there[0], int(i) / there[0] % there[1], int(i) / there[0] / there[1]};
         sizes[std::size_t(i)] = encode_chunk(block, at, to + std::size_t(i) * slot);
     });
-    std::vector<std::byte> index(std::size_t(chunks_[0]) * chunks_[1] * chunks_[2] * 2 * sizeof(std::uint64_t) +
-                                 checksum_bytes);
+    std::vector<std::byte> index(product(chunks_) * 2 * sizeof(std::uint64_t) + checksum_bytes);
     std::byte* entry = index.data();
     std::size_t offset = 0, number = 0;
     for (int z = 0; z < chunks_[2]; ++z)

@@ -93,12 +93,13 @@ private:
         if (fs::exists(folder_ / unfinished, error)) {
             if (json::parse(file_text(folder_ / unfinished, 1 << 20), nullptr, false) != told)
                 refuse("holds the beginning of another conversion; remove it, or give another name");
-            return;
+        } else {
+            const bool is_empty = fs::is_directory(folder_, error) && fs::is_empty(folder_, error);
+            if (!is_empty && fs::exists(folder_, error)) refuse("is there already");
+            fs::create_directory(folder_, error);
+            if (error) refuse("cannot be made");
+            write_text(folder_ / unfinished, told.dump() + "\n");
         }
-        if (fs::exists(folder_, error)) refuse("is there already");
-        fs::create_directory(folder_, error);
-        if (error) refuse("cannot be made");
-        write_text(folder_ / unfinished, told.dump() + "\n");
         for (std::size_t level = 0; level < levels_.size(); ++level) {
             fs::create_directory(folder_ / std::to_string(level));
             write_text(folder_ / std::to_string(level) / "zarr.json", array(level).dump(1) + "\n");
