@@ -5,25 +5,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
+
+#include "core/byte_size.h"
 
 namespace chiaro::cli {
 namespace {
 
-/// "4G", "96M", "512K" or bytes.
-std::uint64_t bytes_of(const std::string& text) {
-    constexpr std::uint64_t least = 16 << 20, most = std::uint64_t(1) << 50;
-    double number = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    const std::string unit(end, text.data() + text.size());
-    const auto at = std::string("KMGT").find(unit.empty() ? ' ' : unit[0]);
-    const bool is_size = error == std::errc() && unit.size() <= 1 && (unit.empty() || at != std::string::npos);
-    const double bytes = unit.empty() ? number : number * double(std::uint64_t(1024) << 10 * at);
-    if (!is_size || !(bytes >= double(least) && bytes <= double(most)))
+std::uint64_t memory_from(const std::string& text) {
+    constexpr std::uint64_t least = 16 << 20;
+    const auto bytes = bytes_from(text);
+    if (!bytes || *bytes < least)
         throw Error(ErrorCode::usage,
                     fmt::format("--memory {}: must be a size such as 4G or 512M, 16M at least", text));
-    return std::uint64_t(bytes);
+    return *bytes;
 }
 
 /// A file that is no header of another, and fits however its numbers are stored, need not be looked at.
@@ -60,7 +55,7 @@ void add_paging_options(CLI::App& app, PagingOptions& o) {
 
 PagingSettings paging_of(const PagingOptions& o) {
     if (o.level < 0 || o.level > 32) throw Error(ErrorCode::usage, fmt::format("--level {}: must be 0 to 32", o.level));
-    return {.memory_bytes = o.memory.empty() ? 0 : bytes_of(o.memory), .finest_level = o.level, .exact = o.exact};
+    return {.memory_bytes = o.memory.empty() ? 0 : memory_from(o.memory), .finest_level = o.level, .exact = o.exact};
 }
 
 std::shared_ptr<const BrickSource> paged_volume(const Scene& scene, const PagingSettings& paging) {

@@ -76,6 +76,50 @@ TEST(BrickSource, BricksOfAFileAreItsVoxels) {
     std::filesystem::remove(path);
 }
 
+namespace {
+
+/// Every voxel of boxes of a raw file of these dimensions, at every level.
+template <class T>
+void expect_boxes(std::array<int, 3> n, const std::vector<VoxelBox>& boxes) {
+    const auto path = std::filesystem::temp_directory_path() /
+                      fmt::format("chiaro-{}_{}x{}x{}_{}.raw", getpid(), n[0], n[1], n[2], name_of(voxel_type_of<T>()));
+    const std::size_t count = std::size_t(n[0]) * n[1] * n[2];
+    std::vector<T> numbers(count);
+    for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = T(i * 2654435761u >> 13);
+    std::ofstream(path, std::ios::binary)
+        .write(reinterpret_cast<const char*>(numbers.data()), std::streamsize(numbers.size() * sizeof(T)));
+    const auto source = open_brick_source(path, {});
+    using Kept = std::conditional_t<sizeof(T) <= 2, T, float>;
+    for (int level = 0; level < 2; ++level)
+        for (VoxelBox box : boxes) {
+            const int stride = 1 << level, first = stride / 2;
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                box.first[axis] >>= level;
+                box.size[axis] = std::min(box.size[axis], source->levels()[level].dimensions[axis] - box.first[axis]);
+            }
+            const auto read = voxels_in<Kept>(*source, level, box);
+            std::size_t i = 0, wrong = 0;
+            for (int z = 0; z < box.size[2]; ++z)
+                for (int y = 0; y < box.size[1]; ++y)
+                    for (int x = 0; x < box.size[0]; ++x) {
+                        const auto at = [&](std::size_t axis, int b) {
+                            return std::size_t((box.first[axis] + b) * stride + first);
+                        };
+                        wrong += read[i++] != Kept(numbers[(at(2, z) * n[1] + at(1, y)) * n[0] + at(0, x)]);
+                    }
+            EXPECT_EQ(wrong, 0u) << level << ": " << box.first[0] << ' ' << box.size[0] << ' ' << box.size[1];
+        }
+    std::filesystem::remove(path);
+}
+
+}  // namespace
+
+TEST(BrickSource, AnyBoxOfAFileIsReadHoweverFarApartItsRowsLie) {
+    expect_boxes<std::uint8_t>({9000, 20, 12}, {{{100, 3, 2}, {35, 9, 4}}, {{0, 1, 1}, {9000, 7, 3}}});
+    expect_boxes<std::uint8_t>({700, 90, 70}, {{{31, 30, 2}, {35, 35, 35}}, {{0, 0, 0}, {700, 90, 70}}});
+    expect_boxes<std::int32_t>({900, 410, 64}, {{{3, 5, 7}, {33, 35, 3}}, {{0, 0, 1}, {900, 401, 2}}});
+}
+
 TEST(BrickSource, OfAFileWithAHeaderVoxelsAreReadWhereTheyLieAsTheyAre) {
     const auto path = std::filesystem::temp_directory_path() / fmt::format("chiaro-{}.nrrd", getpid());
     write_nrrd(make_sample("ball", 8), path, NrrdEncoding::gzip);

@@ -152,9 +152,11 @@ private:
     std::thread accepting_;
 };
 
-/// What a server says that knows ranges.
-inline HttpAnswer answer_with(const std::string& file, const HttpRequest& request) {
-    HttpAnswer answer{.body = file, .headers = {"ETag: \"one\""}};
+/// What a server says that knows ranges, and whether who asks has the file already.
+inline HttpAnswer answer_with(const std::string& file, const HttpRequest& request, const std::string& tag = "\"one\"") {
+    const auto unless = request.headers.find("if-none-match");
+    if (unless != request.headers.end() && unless->second == tag) return {.status = 304, .headers = {"ETag: " + tag}};
+    HttpAnswer answer{.body = file, .headers = {"ETag: " + tag}};
     const auto range = request.headers.find("range");
     if (range == request.headers.end()) return answer;
     const std::string text = range->second.substr(std::string("bytes=").size());

@@ -1,78 +1,14 @@
 // Zarr stores on a server: the same voxels as in a folder, few bytes for a first picture, and a sentence for whatever a
 // server does wrong.
-#include "http_server.h"
-
-#include <chiaro/error.h>
 #include <chiaro/session.h>
-#include <sys/wait.h>
 
 #include <cmath>
 
+#include "http_store.h"
 #include "tool_case.h"
-#include "zarr_files.h"
 
 using namespace chiaro;
 using namespace volume_files;
-
-namespace {
-
-const ReadOptions named{.private_addresses = true};
-constexpr std::size_t store_voxels = 64 * 64 * 64;
-
-ZarrLayout layout(bool has_shards) {
-    return {.shape = {64, 64, 64},
-            .chunk = {16, 32, 16},
-            .version = 3,
-            .codec = "gzip",
-            .separator = '/',
-            .shard = has_shards ? Sizes{32, 64, 32} : Sizes{}};
-}
-
-std::map<std::string, std::string> store(const ZarrLayout& layout, const std::string& folder = "/a.zarr/") {
-    std::map<std::string, std::string> files;
-    for (const auto& [name, bytes] : zarr_files(layout, ramp<std::uint16_t>(store_voxels)))
-        files[folder + name] = bytes;
-    return files;
-}
-
-Volume read_from(const std::string& url, const ReadOptions& options = named) {
-    Progress progress;
-    return read_volume(url, options, progress);
-}
-
-/// Why a store cannot be read whose answers are changed so.
-std::string refusal(bool has_shards, const std::function<void(const HttpRequest&, HttpAnswer&)>& change,
-                    const ReadOptions& options = named) {
-    const HttpServer server([&, whole = handler_of(store(layout(has_shards)))](const HttpRequest& request) {
-        HttpAnswer answer = whole(request);
-        change(request, answer);
-        return answer;
-    });
-    try {
-        read_from(server.url("a.zarr"), options);
-    } catch (const Error& error) {
-        const std::string sentence = error.what();
-        EXPECT_EQ(error.code(), ErrorCode::input) << sentence;
-        EXPECT_EQ(sentence.find('\n'), sentence.npos) << sentence;
-        EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1) << "a zombie after: " << sentence;
-        return sentence;
-    }
-    return "nothing was wrong";
-}
-
-bool is_chunk(const HttpRequest& request) { return request.path.find("/c/") != request.path.npos; }
-
-void expect_in(const std::string& part, const std::string& sentence) {
-    EXPECT_NE(sentence.find(part), sentence.npos) << sentence;
-}
-
-std::string without(std::vector<std::string>& headers, const std::string& name) {
-    std::string found;
-    std::erase_if(headers, [&](const std::string& h) { return h.starts_with(name) && (found = h, true); });
-    return found;
-}
-
-}  // namespace
 
 TEST(Http, StoresHoldWhatTheyHoldInAFolder) {
     for (ZarrLayout one : {layout(false), layout(true)})

@@ -8,6 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "core/atomic_file.h"
+#include "core/crc32c.h"
+#include "io/file_queue.h"
 #include "tool_case.h"
 #include "volume_files.h"
 
@@ -168,8 +171,99 @@ TEST(ZarrWrite, NothingIsOverwrittenOrTakenForAnotherVolume) {
     EXPECT_THROW(write_zarr(*source, store, {}, cancelled), Error);
     EXPECT_THROW(read(store), Error) << "half a store is none";
     EXPECT_NE(sentence({ZarrEncoding::raw}).find("another conversion"), std::string::npos);
+    fs::remove_all(store / "0");  // as if it were broken off before
     EXPECT_EQ(sentence({}), "");
     EXPECT_NO_THROW(read(store));
+}
+
+TEST(ZarrWrite, ChecksumsAreThoseOfTheStandardByEitherWay) {
+    const std::string known = "123456789";  // whose sum is told wherever checksums are
+    EXPECT_EQ(crc32c(std::as_bytes(std::span(known))), 0xe3069283);
+    std::mt19937 random(7);
+    std::vector<std::byte> bytes(3000);
+    for (std::byte& b : bytes) b = std::byte(random());
+    for (std::size_t first = 0; first < 9; ++first)
+        for (const std::size_t size : {0, 1, 7, 8, 9, 255, 2048, 2991}) {
+            const auto part = std::span(bytes).subspan(first, size);
+            EXPECT_EQ(crc32c(part), crc32c_by_tables(part)) << first << ' ' << size;
+        }
+}
+
+TEST(ZarrWrite, FilesPastTheCacheHoldWhatTheyWereGiven) {
+    const Folder folder;
+    VoxelBuffer bytes(1 << 20);
+    std::mt19937 random(3);
+    for (std::size_t i = 0; i < bytes.size(); ++i) bytes.data()[i] = std::byte(random());
+    for (const std::size_t size : {0, 1, 4095, 4096, 4097, 300000, 1 << 20}) {
+        AtomicFile file(folder / "a");
+        file.write_past_cache({bytes.data(), size});
+        file.write(std::as_bytes(std::span("behind", 6)));
+        file.commit();
+        EXPECT_TRUE(content_of(folder / "a") == std::string(reinterpret_cast<char*>(bytes.data()), size) + "behind");
+    }
+}
+
+TEST(ZarrWrite, FilesTakeTheirNamesInTurnAndNoneBehindOneThatFails) {
+    const Folder folder;
+    folder.write("file", "in the way");
+    constexpr std::size_t size = 100000;
+    const auto write = [&](FileQueue& queue, const std::string& name) {
+        VoxelBuffer bytes = queue.room();
+        std::memset(bytes.data(), name[0], size);
+        queue.write(folder / name, std::move(bytes), size);
+    };
+    {
+        FileQueue queue(size);
+        for (char c = 'a'; c <= 'z'; ++c) write(queue, std::string(1, c) + "/1");
+        queue.finish();
+        for (char c = 'a'; c <= 'z'; ++c)
+            EXPECT_TRUE(content_of(folder / (std::string(1, c) + "/1")) == std::string(size, c)) << c;
+    }
+    FileQueue queue(size);
+    write(queue, "first");
+    EXPECT_THROW(
+        {
+            write(queue, "file/cannot be");
+            for (int i = 0; i < 9; ++i) write(queue, "later" + std::to_string(i));
+        },
+        std::exception);
+    EXPECT_THROW(queue.finish(), std::exception);
+    EXPECT_TRUE(fs::exists(folder / "first"));
+    EXPECT_FALSE(fs::exists(folder / "later0"));
+}
+
+namespace {
+
+/// Of the bytes of all files of voxels.
+std::uint32_t sum_of(const fs::path& store) {
+    std::string all;
+    for (const auto& [name, bytes] : files_in(store))
+        if (name.find("/c/") != name.npos) all += name + bytes;
+    return crc32c(std::as_bytes(std::span(all)));
+}
+
+}  // namespace
+
+TEST(ZarrWrite, TheSameVoxelsAreTheSameBytesEver) {
+    const Folder folder;
+    const auto sum = [&](Volume volume, LevelsBy by) {
+        fs::remove_all(folder / "a.zarr");
+        write_zarr(*source_of(std::move(volume)), folder / "a.zarr", {ZarrEncoding::raw, by}, none);
+        return sum_of(folder / "a.zarr");
+    };
+    const auto hash = [](int x, int y, int z) { return (x * 73856093u ^ y * 19349663u ^ z * 83492791u) * 2654435761u; };
+    const auto floats = [&](int x, int y, int z) {
+        const std::uint32_t h = hash(x, y, z);
+        return h % 5 == 0 || z < 9 ? NAN : float(h >> 8) / 77.F * (h & 1 ? -1.F : 1e-5F);
+    };
+    const auto bytes = [&](int x, int y, int z) { return std::uint8_t(hash(x, y, z) >> 24); };
+    const auto shorts = [&](int x, int y, int z) { return std::int16_t(hash(x, y, z) >> 16); };
+    const std::array large{1100, 71, 67}, odd{67, 300, 131};
+    EXPECT_EQ(sum(volume_of<std::uint8_t>(large, bytes), LevelsBy::mean), 3635113374u);
+    EXPECT_EQ(sum(volume_of<std::uint8_t>(odd, bytes), LevelsBy::max), 2765817993u);
+    EXPECT_EQ(sum(volume_of<std::int16_t>(odd, shorts), LevelsBy::mean), 1584962974u);
+    EXPECT_EQ(sum(volume_of<float>(odd, floats), LevelsBy::mean), 1289719666u);
+    EXPECT_EQ(sum(volume_of<float>(large, floats), LevelsBy::max), 2228220155u);
 }
 
 namespace {

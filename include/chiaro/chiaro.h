@@ -34,3 +34,4 @@
 #include <chiaro/video.h>
 #include <chiaro/view.h>
 #include <chiaro/volume.h>
+#include <chiaro/zarr.h>

@@ -41,6 +41,7 @@ AtomicFile::~AtomicFile() {
 }
 
 void AtomicFile::write(std::span<const std::byte> bytes) {
+    is_flushed_ = false;
     while (!bytes.empty()) {
         const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
         if (written < 0 && errno != EINTR) fail(errno);
@@ -48,8 +49,34 @@ void AtomicFile::write(std::span<const std::byte> bytes) {
     }
 }
 
+void AtomicFile::write_past_cache(std::span<const std::byte> bytes) {
+    constexpr std::size_t block = 4096;
+    const int flags = fcntl(descriptor_, F_GETFL);
+    std::size_t whole = bytes.size() / block * block;
+    if (fcntl(descriptor_, F_SETFL, flags | O_DIRECT) == 0) {
+        while (whole > 0) {
+            const ssize_t written = ::write(descriptor_, bytes.data(), whole);
+            if (written < 0 && errno == EINTR) continue;
+            if (written <= 0) break;  // the other way may do it, or tell why not
+            bytes = bytes.subspan(std::size_t(written)), whole -= std::size_t(written);
+            if (std::size_t(written) % block != 0) break;
+        }
+        if (fcntl(descriptor_, F_SETFL, flags) != 0) fail(errno);
+    }
+    write(bytes);
+}
+
+void AtomicFile::flush() {
+    if (!is_flushed_ && fsync(descriptor_) != 0) fail(errno);
+    is_flushed_ = true;
+}
+
 void AtomicFile::commit() {
-    if (fsync(descriptor_) != 0) fail(errno);
+    flush();
+    commit_unflushed();
+}
+
+void AtomicFile::commit_unflushed() {
     if (temporary_.empty())  // nothing can take another file's name but a rename
         take_name([&] {
             const std::string nameless = "/proc/self/fd/" + std::to_string(descriptor_);

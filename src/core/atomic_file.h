@@ -20,7 +20,13 @@ public:
     ~AtomicFile();  ///< removes the temporary unless committed
 
     void write(std::span<const std::byte> bytes);
+    /// The same for much that is not read soon, from an address at a page's beginning: past the system's cache, where
+    /// the file system knows how and nothing was written before.
+    void write_past_cache(std::span<const std::byte> bytes);
+    void flush();   ///< to the disk, before `commit` does
     void commit();  ///< flushed to the disk before it takes the name
+    /// Takes the name at once: after a power failure it may hold anything.
+    void commit_unflushed();
 
 private:
     /// Looks for a free temporary name; `take` makes the file and leaves errno where it cannot.
@@ -29,6 +35,7 @@ private:
 
     std::filesystem::path path_, temporary_;
     int descriptor_ = -1;
+    bool is_flushed_ = false;
 };
 
 }  // namespace chiaro

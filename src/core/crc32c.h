@@ -6,7 +6,9 @@
 
 namespace chiaro {
 
-/// Of `bytes`, one behind the other; gigabytes a second.
+/// Of `bytes`, one behind the other, by the processor's own instruction where it has one; gigabytes a second.
 std::uint32_t crc32c(std::span<const std::byte> bytes);
+/// The same by tables, a fifth as fast.
+std::uint32_t crc32c_by_tables(std::span<const std::byte> bytes);
 
 }  // namespace chiaro

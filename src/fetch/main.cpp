@@ -31,7 +31,7 @@ constexpr long max_requests = 8;  // at a time, each on a connection that stays 
 /// Who asks, one request at a time.
 struct Client {
     int connection = -1;
-    std::string received, to_send;
+    std::string received, request, to_send;
     std::size_t sent = 0, told = 0;
     std::optional<Transfer> transfer;
 
@@ -96,7 +96,7 @@ private:
             transfer->wake();
             if (!transfer->answer().empty()) {
                 client->to_send += transfer->answer() + transfer->body();
-                keep(*transfer);
+                keep(client->request, *transfer);
                 transfer.reset();
             } else if (tells && transfer->received() != client->told) {
                 client->to_send += "wait\n";
@@ -105,12 +105,16 @@ private:
         }
     }
 
-    void keep(const Transfer& transfer) {
+    void keep(const std::string& line, const Transfer& transfer) {
         constexpr std::size_t most = 10000, largest = 1 << 20;
-        const std::string& path = transfer.request().path;
-        if (is_metadata(path) && transfer.body().size() <= largest && server_.metadata.size() < most &&
-            !transfer.answer().starts_with("fault"))
-            server_.metadata.emplace(path, transfer.answer() + transfer.body());
+        const Request& request = transfer.request();
+        if (!is_metadata(request.path) || transfer.body().size() > largest || server_.metadata.size() >= most ||
+            transfer.answer().starts_with("fault"))
+            return;
+        server_.metadata.emplace(line, transfer.answer() + transfer.body());
+        if (request.unless && is_strong(transfer.tag()))  // who asks next has it already
+            server_.metadata.emplace(
+                "unless " + transfer.tag() + line.substr(line.find(' ', std::string_view("unless ").size())), "same\n");
     }
 
     bool wait() {
@@ -147,11 +151,12 @@ private:
         if (n > 0) client.received.append(piece, std::size_t(n));
         const auto end = client.received.find('\n');
         if (end == std::string::npos) return client.received.size() < longest_request;
-        const auto request = request_from(client.received.substr(0, end));
+        client.request = client.received.substr(0, end);
         client.received.erase(0, end + 1);
+        const auto request = request_from(client.request);
         if (!request || client.transfer) return false;
         client.told = 0;
-        if (const auto known = server_.metadata.find(request->path); known != server_.metadata.end()) {
+        if (const auto known = server_.metadata.find(client.request); known != server_.metadata.end()) {
             client.to_send = known->second;
             return true;
         }

@@ -23,9 +23,16 @@ std::optional<Request> request_from(const std::string& line) {
         at = is_there ? next + 1 : end;
         return is_there;
     };
+    if (word_is("unless ")) {
+        const char* const tag_end = std::find(at, end, ' ');
+        request.unless = std::string(at, tag_end);
+        if (tag_end == end || (request.unless != "-" && !is_strong(*request.unless))) return {};
+        at = tag_end + 1;
+    }
     using enum Part::Kind;
+    const char kind = at < end ? *at : ' ';
     if (!word_is("all ") && !word_is("last ") && !word_is("range ")) return {};
-    request.part.kind = line[0] == 'a' ? all : line[0] == 'l' ? last : range;
+    request.part.kind = kind == 'a' ? all : kind == 'l' ? last : range;
     if (request.part.kind == range && !take(request.part.first)) return {};
     if (!take(request.part.bytes) || request.part.bytes == 0) return {};
     if (request.part.first + request.part.bytes < request.part.first) return {};
@@ -49,6 +56,12 @@ std::string Server::url_of(const std::string& path) const {
 bool is_metadata(const std::string& path) {
     const std::string name = path.substr(path.rfind('/') + 1);
     return name == "zarr.json" || name == ".zarray" || name == ".zattrs" || name == ".zgroup";
+}
+
+bool is_strong(const std::string& tag) {
+    constexpr std::size_t longest = 200;
+    return tag.size() >= 2 && tag.size() <= longest && tag.front() == '"' && tag.back() == '"' &&
+           std::ranges::all_of(tag, [](unsigned char c) { return c > 32 && c < 127; });
 }
 
 std::vector<std::string> headers_from_environment() {

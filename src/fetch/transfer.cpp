@@ -91,6 +91,8 @@ void Transfer::begin() {
     headers_ = nullptr;
     if (is_at_home())
         for (const std::string& header : server_.headers) headers_ = curl_slist_append(headers_, header.c_str());
+    if (request_.unless && request_.unless != "-")
+        headers_ = curl_slist_append(headers_, ("If-None-Match: " + *request_.unless).c_str());
     set(CURLOPT_HTTPHEADER, headers_);
     is_running_ = curl_multi_add_handle(multi_, easy_) == CURLM_OK;
     if (!is_running_) fault("cannot be fetched: no request can be made");
@@ -193,6 +195,8 @@ void Transfer::take_answer(long status) {
     using enum Part::Kind;
     if (status == 404 || status == 410 || status == 403) {
         answer_ = fmt::format("none {}\n", status);
+    } else if (status == 304 && request_.unless && request_.unless != "-") {
+        if (is_known(*request_.unless)) answer_ = "same\n";
     } else if (status >= 300 && status < 400) {
         redirect();
     } else if (status == 429 || status >= 500) {
@@ -227,10 +231,18 @@ void Transfer::take_part() {
             return fault(
                 fmt::format("its server sends other bytes than were asked for ({} of '{}')", body_.size(), got_.range));
         size = range->size;
-        if (const auto [known, is_new] = server_.tags.try_emplace(request_.path, got_.tag); known->second != got_.tag)
-            return fault("it has changed on its server while it was read");
+        if (!is_known(got_.tag)) return;
     }
-    answer_ = fmt::format("part {} {}\n", body_.size(), size);
+    answer_ = fmt::format("part {} {}", body_.size(), size);
+    if (request_.unless) answer_ += is_strong(got_.tag) ? " " + got_.tag : " -";
+    answer_ += "\n";
+}
+
+/// Whether it stands for the contents of a file of which other parts were read; a fault where not.
+bool Transfer::is_known(const std::string& tag) {
+    const auto [known, is_new] = server_.tags.try_emplace(request_.path, tag);
+    if (known->second != tag) fault("it has changed on its server while it was read");
+    return known->second == tag;
 }
 
 void Transfer::redirect() {

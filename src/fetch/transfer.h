@@ -23,10 +23,11 @@ public:
     void end(CURLcode result);
     /// Begins the next try once its time has come.
     void wake();
-    /// "part BYTES SIZE", "none STATUS" or "fault SENTENCE", and a line's end; empty: not yet.
+    /// What io/wire.h says, with the line's end; empty: not yet.
     const std::string& answer() const { return answer_; }
     const Request& request() const { return request_; }
-    const std::string& body() const { return body_; }  ///< of a part
+    const std::string& body() const { return body_; }    ///< of a part
+    const std::string& tag() const { return got_.tag; }  ///< the server's ETag
     std::size_t received() const { return body_.size(); }
 
 private:
@@ -45,6 +46,7 @@ private:
     void try_again(const std::string& sentence);
     void take_answer(long status);
     void take_part();
+    bool is_known(const std::string& tag);
     bool is_at_home() const;
 
     CURLM* multi_;

@@ -26,7 +26,7 @@ std::string checked_url(const std::string& url) {
     return url.substr(0, url.find_last_not_of('/') + 1);
 }
 
-Fetcher::Fetcher(const std::string& url, bool may_be_private) {
+Fetcher::Fetcher(const std::string& url, bool may_be_private) : url_(url), cache_(HttpCache::of_environment()) {
     auto [ours, theirs] = make_connection();
     control_ = std::move(ours);
     process_ = std::make_unique<HelperProcess>(find_helper("chiaro-fetch"),
@@ -36,6 +36,16 @@ Fetcher::Fetcher(const std::string& url, bool may_be_private) {
 
 Descriptor Fetcher::connection() {
     auto [ours, theirs] = make_connection();
+    hand_over(theirs);
+    if (!cache_) return std::move(ours);
+    auto [relays, decoders] = make_connection();
+    std::erase_if(relays_, [](const auto& relay) { return relay->has_ended(); });
+    relays_.push_back(std::make_unique<HttpRelay>(cache_, url_, std::move(relays), std::move(ours)));
+    return std::move(decoders);
+}
+
+/// The program that fetches listens there from now on.
+void Fetcher::hand_over(const Descriptor& end) {
     char byte = 0;
     iovec piece{&byte, 1};
     alignas(cmsghdr) char room[CMSG_SPACE(sizeof(int))] = {};
@@ -44,11 +54,10 @@ Descriptor Fetcher::connection() {
     message.msg_control = room, message.msg_controllen = sizeof room;
     cmsghdr* head = CMSG_FIRSTHDR(&message);
     head->cmsg_level = SOL_SOCKET, head->cmsg_type = SCM_RIGHTS, head->cmsg_len = CMSG_LEN(sizeof(int));
-    const int number = theirs.number();
+    const int number = end.number();
     std::memcpy(CMSG_DATA(head), &number, sizeof number);
     if (sendmsg(control_.number(), &message, MSG_NOSIGNAL) != 1)
         throw Error(ErrorCode::output, "cannot reach the program that fetches");
-    return std::move(ours);
 }
 
 bool Fetcher::has_ended() const {

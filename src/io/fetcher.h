@@ -2,8 +2,10 @@
 #pragma once
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "io/helper_process.h"
+#include "io/http_relay.h"
 
 namespace chiaro {
 
@@ -15,7 +17,7 @@ std::string checked_url(const std::string& url);
 class Fetcher {
 public:
     /// `may_be_private`: the address's host may be this machine, or in a private net. Throws Error{output} where the
-    /// program cannot be started, Error{internal} where it is not installed.
+    /// program cannot be started, Error{internal} where it is not installed, and as HttpCache::of_environment.
     Fetcher(const std::string& url, bool may_be_private);
 
     /// A connection over which a decoder may ask. Throws Error{output}.
@@ -24,8 +26,13 @@ public:
     bool has_ended() const;
 
 private:
+    void hand_over(const Descriptor& end);
+
+    const std::string url_;
+    const std::shared_ptr<HttpCache> cache_;
     Descriptor control_;
     std::unique_ptr<HelperProcess> process_;
+    std::vector<std::unique_ptr<HttpRelay>> relays_;
 };
 
 }  // namespace chiaro

@@ -33,28 +33,43 @@ public:
     }
 
 private:
-    /// Row by row: what lies between the voxels of a row is read as well.
+    /// Row by row, or all rows of a plane at once where little lies between them: a call costs as much as a page does.
+    /// What lies between the voxels of a row is read as well.
     template <class Stored, class Kept>
     void read_as(const Lattice& lattice, const VoxelBox& box, std::byte* to) const {
+        constexpr std::size_t largest_gap = 4096 / sizeof(Stored), max_span = (1 << 20) / sizeof(Stored);
         Kept* out = reinterpret_cast<Kept*>(to);
         const auto place = [&](std::size_t axis, int i) {
             return std::uint64_t(lattice.first[axis] + std::int64_t(i) * lattice.stride[axis]);
         };
         const auto [nx, ny, nz] = header().dimensions;
-        const auto step = std::size_t(lattice.stride[0]);
-        std::vector<Stored> row((std::size_t(box.size[0]) - 1) * step + 1);
+        const auto step = std::size_t(lattice.stride[0]), line = std::size_t(lattice.stride[1]) * std::size_t(nx);
+        const std::size_t row = (std::size_t(box.size[0]) - 1) * step + 1;
+        const bool as_it_is = std::is_same_v<Stored, Kept> && step == 1 && !voxels_.big_endian;
+        int rows = 1;
+        if (line - row <= largest_gap)
+            rows = as_it_is && line == row ? box.size[1]
+                                           : int(std::clamp<std::size_t>(max_span / line, 1, std::size_t(box.size[1])));
+        const bool directly = as_it_is && (line == row || rows == 1);
+        std::vector<Stored> read(directly ? 0 : std::size_t(rows - 1) * line + row);
         for (int z = 0; z < box.size[2]; ++z)
-            for (int y = 0; y < box.size[1]; ++y) {
-                const std::uint64_t line = place(2, box.first[2] + z) * std::uint64_t(ny) + place(1, box.first[1] + y);
-                const std::uint64_t at = (line * std::uint64_t(nx) + place(0, box.first[0])) * sizeof(Stored);
-                if (std::is_same_v<Stored, Kept> && step == 1 && !voxels_.big_endian) {
-                    read_bytes(out, row.size() * sizeof(Stored), at);
-                    out += row.size();
-                    continue;
-                }
-                read_bytes(row.data(), row.size() * sizeof(Stored), at);
-                for (int x = 0; x < box.size[0]; ++x) *out++ = Kept(native(row[std::size_t(x) * step]));
+            for (int y = 0; y < box.size[1]; y += rows) {
+                const std::uint64_t first = place(2, box.first[2] + z) * std::uint64_t(ny) + place(1, box.first[1] + y);
+                const std::uint64_t at = (first * std::uint64_t(nx) + place(0, box.first[0])) * sizeof(Stored);
+                const auto now = std::size_t(std::min(rows, box.size[1] - y)), count = (now - 1) * line + row;
+                read_bytes(directly ? static_cast<void*>(out) : read.data(), count * sizeof(Stored), at);
+                if (directly) out += count;
+                for (std::size_t i = 0; i < now && !directly; ++i)
+                    out = put_row(read.data() + i * line, row, step, out);
             }
+    }
+
+    /// Every `step`-th of them.
+    template <class Stored, class Kept>
+    Kept* put_row(const Stored* from, std::size_t count, std::size_t step, Kept* out) const {
+        if (std::is_same_v<Stored, Kept> && step == 1 && !voxels_.big_endian) return std::copy_n(from, count, out);
+        for (std::size_t i = 0; i < count; i += step) *out++ = Kept(native(from[i]));
+        return out;
     }
 
     template <class Stored>

@@ -11,7 +11,9 @@
 // What lies on a server is fetched by chiaro-fetch, which a decoder asks on a connection of its own for files below one
 // address, a line each: "all BYTES PATH" (at most so many), "range FIRST BYTES PATH" or "last BYTES PATH" (at most so
 // many). The answer: any number of "wait", then "part BYTES SIZE" with so many bytes behind it, of a file of SIZE; or
-// "none STATUS", HTTP's for a file that is not there or forbidden; or "fault SENTENCE".
+// "none STATUS", HTTP's for a file that is not there or forbidden; or "fault SENTENCE". Where what was fetched is kept
+// (io/http_relay.h), "unless TAG " stands before a request, TAG being the ETag of what is there already, or "-"; the
+// answer may then be "same", and that of a part has its ETag behind SIZE, or "-" where none is strong.
 #pragma once
 #include <chiaro/volume.h>
 

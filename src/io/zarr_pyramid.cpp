@@ -1,7 +1,7 @@
 #include "io/zarr_pyramid.h"
 
 #include <algorithm>
-#include <cmath>
+#include <bit>
 #include <limits>
 
 #include "core/threads.h"
@@ -9,59 +9,73 @@
 namespace chiaro {
 namespace {
 
-/// Of up to eight voxels, one after the other.
-template <class T>
-class Mean {
-public:
-    void add(T value) {
-        if constexpr (std::is_floating_point_v<T>)
-            if (std::isnan(value)) return;
-        sum_ += value, ++count_;
+/// Of one, two, four or eight voxels, in their order. How many is known when compiling, so that many are found at a
+/// time.
+struct Mean {
+    template <class T, std::size_t count>
+    static T of(const std::array<T, count>& voxels) {
+        if constexpr (std::is_floating_point_v<T>) {
+            double sum = 0, numbers = 0;
+            for (const T voxel : voxels) {
+                const bool is_number = voxel == voxel;
+                sum += is_number ? double(voxel) : 0.0, numbers += is_number ? 1.0 : 0.0;
+            }
+            return numbers > 0 ? T(sum / numbers) : std::numeric_limits<T>::quiet_NaN();
+        } else {
+            std::conditional_t<sizeof(T) == 1, std::int16_t, std::int32_t> sum = count / 2;  // to the nearest
+            for (const T voxel : voxels) sum += voxel;
+            return T(sum >> std::countr_zero(count));
+        }
     }
-    T value() const {
-        if constexpr (std::is_floating_point_v<T>)
-            return count_ ? T(sum_ / count_) : std::numeric_limits<T>::quiet_NaN();
-        else
-            return T((2 * sum_ + count_ + (sum_ < 0 ? 1 - 2 * count_ : 0)) / (2 * count_));  // to the nearest
-    }
-
-private:
-    std::conditional_t<std::is_floating_point_v<T>, double, int> sum_ = 0;
-    int count_ = 0;
 };
 
-template <class T>
-class Largest {
-public:
-    void add(T value) {
-        if (!has_one_ || value > largest_ || largest_ != largest_) largest_ = value, has_one_ = true;
+struct Largest {
+    template <class T, std::size_t count>
+    static T of(const std::array<T, count>& voxels) {
+        T largest = voxels[0];
+        for (const T voxel : voxels) largest = voxel > largest || largest != largest ? voxel : largest;
+        return largest;
     }
-    T value() const { return largest_; }
-
-private:
-    T largest_{};
-    bool has_one_ = false;
 };
 
-template <class Collect, class T>
-void put_rows(const Block& finer, const std::array<int, 3>& factor, int z, const T* from, Block& coarser, T* to) {
+/// `count` voxels of a row of the coarser level, of the finer one's `rows`.
+template <class Rule, std::size_t rows, std::size_t along, class T>
+void combine(const std::array<const T*, 4>& from, std::size_t count, T* to) {
+    for (std::size_t x = 0; x < count; ++x) {
+        std::array<T, rows * along> voxels;
+        for (std::size_t i = 0; i < voxels.size(); ++i) voxels[i] = from[i / along][x * along + i % along];
+        to[x] = Rule::of(voxels);
+    }
+}
+
+template <class Rule, std::size_t rows, class T>
+void put_row(std::array<const T*, 4> from, std::size_t size, int factor, T* to) {
+    if (factor == 1) return combine<Rule, rows, 1>(from, size, to);
+    combine<Rule, rows, 2>(from, size / 2, to);
+    for (std::size_t row = 0; row < rows; ++row) from[row] += size - 1;
+    if (size % 2) combine<Rule, rows, 1>(from, 1, to + size / 2);
+}
+
+template <class Rule, class T>
+void put_plane(const Block& finer, const std::array<int, 3>& factor, int z, Block& coarser) {
     const auto& [first, size] = finer.box;
-    const auto end_of = [](int n, int by) { return (n - 1) / by + 1; };
-    const auto at = [](const VoxelBox& box, int x, int y, int level_z) {
-        return (std::size_t(level_z) * std::size_t(box.size[1]) + std::size_t(y)) * std::size_t(box.size[0]) +
-               std::size_t(x);
+    const auto row_of = [](const Block& block, int x, int y, int level_z) {
+        const auto& n = block.box.size;
+        return (std::size_t(level_z) * std::size_t(n[1]) + std::size_t(y)) * std::size_t(n[0]) + std::size_t(x);
     };
+    const T* all = reinterpret_cast<const T*>(finer.voxels.data());
     std::array<int, 3> shift{};
     for (std::size_t axis = 0; axis < 3; ++axis) shift[axis] = first[axis] / factor[axis] - coarser.box.first[axis];
-    for (int y = 0; y < end_of(size[1], factor[1]); ++y)
-        for (int x = 0; x < end_of(size[0], factor[0]); ++x) {
-            Collect collected;
-            for (int dz = z * factor[2]; dz < std::min((z + 1) * factor[2], size[2]); ++dz)
-                for (int dy = y * factor[1]; dy < std::min((y + 1) * factor[1], size[1]); ++dy)
-                    for (int dx = x * factor[0]; dx < std::min((x + 1) * factor[0], size[0]); ++dx)
-                        collected.add(from[at(finer.box, dx, dy, dz)]);
-            to[at(coarser.box, x + shift[0], y + shift[1], z + shift[2])] = collected.value();
-        }
+    for (int y = 0; y * factor[1] < size[1]; ++y) {
+        std::array<const T*, 4> from{};
+        std::size_t rows = 0;
+        for (int dz = z * factor[2]; dz < std::min((z + 1) * factor[2], size[2]); ++dz)
+            for (int dy = y * factor[1]; dy < std::min((y + 1) * factor[1], size[1]); ++dy)
+                from[rows++] = all + row_of(finer, 0, dy, dz);
+        T* to = reinterpret_cast<T*>(coarser.voxels.data()) + row_of(coarser, shift[0], y + shift[1], z + shift[2]);
+        const auto put = rows == 4 ? put_row<Rule, 4, T> : rows == 2 ? put_row<Rule, 2, T> : put_row<Rule, 1, T>;
+        put(from, std::size_t(size[0]), factor[0], to);
+    }
 }
 
 }  // namespace
@@ -92,14 +106,9 @@ void put_coarser(const Block& finer, VoxelType type, const std::array<int, 3>& f
     with_voxel_type(type, [&](auto zero) {
         using T = decltype(zero);
         if constexpr (sizeof(T) <= 2 || std::is_same_v<T, float>) {
-            const T* from = reinterpret_cast<const T*>(finer.voxels.data());
-            T* to = reinterpret_cast<T*>(coarser.voxels.data());
-            parallel_for(threads, planes, 1, [&](std::int64_t z, std::int64_t) {
-                if (by == LevelsBy::mean)
-                    put_rows<Mean<T>>(finer, factor, int(z), from, coarser, to);
-                else
-                    put_rows<Largest<T>>(finer, factor, int(z), from, coarser, to);
-            });
+            const auto put = by == LevelsBy::mean ? put_plane<Mean, T> : put_plane<Largest, T>;
+            parallel_for(threads, planes, 1,
+                         [&](std::int64_t z, std::int64_t) { put(finer, factor, int(z), coarser); });
         }
     });
 }

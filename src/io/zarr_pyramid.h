@@ -7,6 +7,7 @@
 namespace chiaro {
 
 inline constexpr int zarr_chunk_edge = 64;
+using ChunkPlace = std::array<int, 3>;  ///< x, y, z of a chunk among chunks, or of a shard among shards
 
 struct PyramidLevel {
     std::array<int, 3> dimensions{};

@@ -4,7 +4,6 @@
 #include <chiaro/zarr.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <zstd.h>
 
 #include <algorithm>
 #include <cstring>
@@ -13,41 +12,34 @@
 #include <optional>
 
 #include "core/atomic_file.h"
-#include "core/crc32c.h"
 #include "core/file_contents.h"
 #include "core/threads.h"
+#include "io/file_queue.h"
 #include "io/lattice.h"
-#include "io/zarr_pyramid.h"
+#include "io/zarr_shard.h"
 
 namespace chiaro {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-using Place = std::array<int, 3>;
 
-constexpr int edge = zarr_chunk_edge;
-constexpr Place largest_shard{1024, 256, 64};  // long rows are read at once
+constexpr ChunkPlace largest_shard{1024, 256, 64};  // long rows are read at once
 constexpr const char* unfinished = ".chiaro-unfinished.json";
 
-json in_order(const Place& xyz) { return {xyz[2], xyz[1], xyz[0]}; }
+json in_order(const ChunkPlace& xyz) { return {xyz[2], xyz[1], xyz[0]}; }
+
+ChunkPlace shard_of(const ChunkPlace& dimensions) {
+    ChunkPlace shard{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        shard[axis] = std::min(largest_shard[axis], ((dimensions[axis] - 1) / zarr_chunk_edge + 1) * zarr_chunk_edge);
+    return shard;
+}
 
 void write_text(const fs::path& path, const std::string& text) {
     AtomicFile file(path);
     file.write(std::as_bytes(std::span(text)));
     file.commit();
-}
-
-/// Little endian, as this machine's numbers are.
-void put_number(std::uint64_t number, std::vector<std::byte>& to) {
-    const auto* bytes = reinterpret_cast<const std::byte*>(&number);
-    to.insert(to.end(), bytes, bytes + sizeof number);
-}
-
-void put_checksum(std::span<const std::byte> of, std::vector<std::byte>& to) {
-    const std::uint32_t sum = crc32c(of);
-    const auto* bytes = reinterpret_cast<const std::byte*>(&sum);
-    to.insert(to.end(), bytes, bytes + sizeof sum);
 }
 
 class ZarrWriter {
@@ -58,16 +50,18 @@ public:
           folder_(std::move(folder)),
           settings_(settings),
           progress_(progress),
-          levels_(pyramid_of({source.header().dimensions, source.header().geometry})) {
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            shard_[axis] = std::min(largest_shard[axis], ((levels_[0].dimensions[axis] - 1) / edge + 1) * edge);
-        done_.resize(levels_.size());
-    }
+          levels_(pyramid_of({source.header().dimensions, source.header().geometry})),
+          shard_(shard_of(levels_[0].dimensions)),
+          encoder_(type_, settings.encoding, shard_),
+          files_(encoder_.max_bytes()),
+          blocks_(levels_.size()),
+          done_(levels_.size()) {}
 
     void run() {
         begin();
         const std::size_t top = levels_.size() - 1;
-        for_each_shard(top, {{0, 0, 0}, levels_[top].dimensions}, [&](const Place& place) { shard(top, place); });
+        for_each_shard(top, {{0, 0, 0}, levels_[top].dimensions}, [&](const ChunkPlace& place) { shard(top, place); });
+        files_.finish();
         write_text(folder_ / "zarr.json", group().dump(1) + "\n");
         fs::remove(folder_ / unfinished);
     }
@@ -99,12 +93,13 @@ private:
         if (fs::exists(folder_ / unfinished, error)) {
             if (json::parse(file_text(folder_ / unfinished, 1 << 20), nullptr, false) != told)
                 refuse("holds the beginning of another conversion; remove it, or give another name");
-            return;
+        } else {
+            const bool is_empty = fs::is_directory(folder_, error) && fs::is_empty(folder_, error);
+            if (!is_empty && fs::exists(folder_, error)) refuse("is there already");
+            fs::create_directory(folder_, error);
+            if (error) refuse("cannot be made");
+            write_text(folder_ / unfinished, told.dump() + "\n");
         }
-        if (fs::exists(folder_, error)) refuse("is there already");
-        fs::create_directory(folder_, error);
-        if (error) refuse("cannot be made");
-        write_text(folder_ / unfinished, told.dump() + "\n");
         for (std::size_t level = 0; level < levels_.size(); ++level) {
             fs::create_directory(folder_ / std::to_string(level));
             write_text(folder_ / std::to_string(level) / "zarr.json", array(level).dump(1) + "\n");
@@ -120,9 +115,10 @@ private:
         const json little{{"name", "bytes"}, {"configuration", {{"endian", "little"}}}}, sum{{"name", "crc32c"}};
         json codecs{little};
         if (settings_.encoding == ZarrEncoding::zstd)
-            codecs.push_back({{"name", "zstd"}, {"configuration", {{"level", zstd_level}, {"checksum", false}}}});
+            codecs.push_back(
+                {{"name", "zstd"}, {"configuration", {{"level", ShardEncoder::zstd_level}, {"checksum", false}}}});
         codecs.push_back(sum);
-        const json sharding{{"chunk_shape", {edge, edge, edge}},
+        const json sharding{{"chunk_shape", {zarr_chunk_edge, zarr_chunk_edge, zarr_chunk_edge}},
                             {"codecs", codecs},
                             {"index_codecs", {little, sum}},
                             {"index_location", "end"}};
@@ -184,49 +180,53 @@ private:
                 for (int x = box.first[0] / shard_[0]; x <= end(0); ++x) f({x, y, z});
     }
 
-    fs::path file_of(std::size_t level, const Place& place) const {
+    fs::path file_of(std::size_t level, const ChunkPlace& place) const {
         return folder_ / std::to_string(level) / "c" / std::to_string(place[2]) / std::to_string(place[1]) /
                std::to_string(place[0]);
     }
 
-    /// Writes a shard once all finer ones that it stands for are written; what is written already stays.
-    Block shard(std::size_t level, const Place& place) {
+    /// Makes a shard of all finer ones that it stands for, and has it written after them; what is written already
+    /// stays. The block is there until the next one of its level.
+    const Block& shard(std::size_t level, const ChunkPlace& place) {
         progress_.check();
-        Block block;
+        Block& block = blocks_[level];
         for (std::size_t axis = 0; axis < 3; ++axis) {
             block.box.first[axis] = place[axis] * shard_[axis];
             block.box.size[axis] = std::min(shard_[axis], levels_[level].dimensions[axis] - block.box.first[axis]);
         }
-        const auto& size = block.box.size;
-        const std::size_t bytes = std::size_t(size[0]) * size[1] * size[2] * size_of(type_);
         const fs::path file = file_of(level, place);
         const bool is_there = fs::exists(file);
         if (is_there && level + 1 == levels_.size()) return block;  // which nobody needs any more
-        block.voxels = VoxelBuffer(bytes);
+        if (block.voxels.size() == 0)
+            block.voxels = VoxelBuffer(std::size_t(shard_[0]) * shard_[1] * shard_[2] * size_of(type_));
         if (is_there) {
             if (!done_[level]) done_[level] = open_brick_source((folder_ / std::to_string(level)).string(), {});
             if (!done_[level]) throw Error(ErrorCode::input, folder_.string() + ": what is done of it cannot be read");
             read(*done_[level], block);
-        } else if (level == 0) {
-            read(source_, block);
         } else {
-            VoxelBox finer;
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                finer.first[axis] = block.box.first[axis] * levels_[level].factor[axis];
-                finer.size[axis] = size[axis] * levels_[level].factor[axis];
-            }
-            for_each_shard(level - 1, finer, [&](const Place& child) {
-                put_coarser(shard(level - 1, child), type_, levels_[level].factor, settings_.levels_by,
-                            usable_threads(), block);
-            });
+            level == 0 ? read(source_, block) : combine_finer(level, block);
+            VoxelBuffer bytes = files_.room();
+            const std::size_t size = encoder_.encode(block, bytes.data());
+            files_.write(file, std::move(bytes), size);
         }
-        if (!is_there) write(file, block);
         if (level == 0) tell(block);
         return block;
     }
 
+    void combine_finer(std::size_t level, Block& block) {
+        const auto& factor = levels_[level].factor;
+        VoxelBox finer;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            finer.first[axis] = block.box.first[axis] * factor[axis];
+            finer.size[axis] = block.box.size[axis] * factor[axis];
+        }
+        for_each_shard(level - 1, finer, [&](const ChunkPlace& child) {
+            put_coarser(shard(level - 1, child), type_, factor, settings_.levels_by, usable_threads(), block);
+        });
+    }
+
     void tell(const Block& block) {
-        const auto volume = [](const Place& n) { return double(n[0]) * n[1] * n[2]; };
+        const auto volume = [](const ChunkPlace& n) { return double(n[0]) * n[1] * n[2]; };
         told_ += volume(block.box.size);
         progress_.report("write", told_ / volume(levels_[0].dimensions));
     }
@@ -235,7 +235,7 @@ private:
     void read(const BrickSource& source, Block& block) const {
         const auto& [first, size] = block.box;
         const std::size_t plane = std::size_t(size[0]) * size[1] * size_of(type_);
-        const int step = std::max(1, std::min(edge, (size[2] - 1) / usable_threads() + 1));
+        const int step = std::max(1, std::min(zarr_chunk_edge, (size[2] - 1) / usable_threads() + 1));
         const int count = (size[2] - 1) / step + 1;
         parallel_for(usable_threads(), count, 1, [&](std::int64_t i, std::int64_t) {
             const int z = int(i) * step;
@@ -245,77 +245,16 @@ private:
         progress_.check();
     }
 
-    void write(const fs::path& path, const Block& block) const {
-        Place chunks{}, there{};
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            chunks[axis] = shard_[axis] / edge;
-            there[axis] = (block.box.size[axis] - 1) / edge + 1;
-        }
-        const std::int64_t count = std::int64_t(there[0]) * there[1] * there[2];
-        std::vector<std::vector<std::byte>> packed(count);
-        parallel_for(usable_threads(), count, 1, [&](std::int64_t i, std::int64_t) {
-            const int n = int(i);
-            packed[std::size_t(i)] =
-                packed_chunk(block, {n % there[0], n / there[0] % there[1], n / there[0] / there[1]});
-        });
-        progress_.check();
-        std::vector<std::byte> index;
-        std::uint64_t offset = 0;
-        for (int z = 0; z < chunks[2]; ++z)
-            for (int y = 0; y < chunks[1]; ++y)
-                for (int x = 0; x < chunks[0]; ++x) {
-                    const bool is_inside = x < there[0] && y < there[1] && z < there[2];
-                    const std::size_t bytes =
-                        is_inside ? packed[std::size_t((z * there[1] + y) * there[0] + x)].size() : 0;
-                    put_number(is_inside ? offset : ~std::uint64_t(0), index);
-                    put_number(is_inside ? bytes : ~std::uint64_t(0), index);
-                    offset += bytes;
-                }
-        put_checksum(index, index);
-        fs::create_directories(path.parent_path());
-        AtomicFile file(path);
-        for (const auto& chunk : packed) file.write(chunk);
-        file.write(index);
-        file.commit();
-    }
-
-    /// Zeros where it reaches over the border.
-    std::vector<std::byte> packed_chunk(const Block& block, const Place& at) const {
-        const std::size_t voxel = size_of(type_), row = edge * voxel;
-        std::vector<std::byte> raw(row * edge * edge);
-        Place size{};
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            size[axis] = std::min(edge, block.box.size[axis] - at[axis] * edge);
-        for (int z = 0; z < size[2]; ++z)
-            for (int y = 0; y < size[1]; ++y) {
-                const std::size_t line =
-                    std::size_t(at[2] * edge + z) * std::size_t(block.box.size[1]) + std::size_t(at[1] * edge + y);
-                std::memcpy(
-                    raw.data() + std::size_t(z * edge + y) * row,
-                    block.voxels.data() + (line * std::size_t(block.box.size[0]) + std::size_t(at[0] * edge)) * voxel,
-                    std::size_t(size[0]) * voxel);
-            }
-        if (settings_.encoding == ZarrEncoding::raw) {
-            put_checksum(raw, raw);
-            return raw;
-        }
-        std::vector<std::byte> packed(ZSTD_compressBound(raw.size()));
-        const std::size_t bytes = ZSTD_compress(packed.data(), packed.size(), raw.data(), raw.size(), zstd_level);
-        if (ZSTD_isError(bytes)) throw Error(ErrorCode::internal, "a chunk cannot be packed");
-        packed.resize(bytes);
-        put_checksum(packed, packed);
-        return packed;
-    }
-
-    static constexpr int zstd_level = 1;
-
     const BrickSource& source_;
     const VoxelType type_;
     const fs::path folder_;
     const ZarrSettings settings_;
     Progress& progress_;
     const std::vector<PyramidLevel> levels_;
-    Place shard_{};
+    const ChunkPlace shard_;
+    const ShardEncoder encoder_;
+    FileQueue files_;
+    std::vector<Block> blocks_;                             ///< the one of each level that is worked on
     std::vector<std::shared_ptr<const BrickSource>> done_;  ///< levels of an earlier call, where they are needed
     double told_ = 0;
 };
