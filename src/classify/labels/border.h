@@ -40,13 +40,12 @@ private:
     void divide_by_slope(float sigma, const Widths& widths, std::vector<float>& out) const;
     void find_thin();
     void take_narrower();
-    float own(int voxel) const { return source_[std::size_t(source_of(voxel))]; }
-    int source_of(int voxel) const;
 
     Widths widths_;
     int margin_, span_;  ///< smoothed values, for four or five looks at neighbours
     int halo_, row_;
     std::vector<float> source_;  ///< row³: ½ inside, -½ outside
+    std::vector<float> own_;     ///< span³: the same
     std::vector<float> along_x_, along_y_, narrow_, wide_;
     std::vector<float> smooth_, local_, thin_;  ///< span³
     std::vector<float> distance_;
