@@ -57,6 +57,15 @@ public:
         return *this;
     }
 
+    Hdf5& text(const char* name, const std::string& text) {
+        const hid_t space = H5Screate(H5S_SCALAR), type = H5Tcopy(H5T_C_S1);
+        H5Tset_size(type, H5T_VARIABLE);  // as h5py writes them
+        const hid_t id = H5Acreate2(last_, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
+        const char* const value = text.c_str();
+        H5Awrite(id, type, &value);
+        return *this;
+    }
+
 private:
     std::string path_;
     hid_t file_ = -1, links_ = -1, last_ = -1;

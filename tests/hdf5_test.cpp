@@ -2,6 +2,7 @@
 #include "hdf5_files.h"
 
 #include <chiaro/error.h>
+#include <fmt/format.h>
 
 using namespace chiaro;
 using namespace volume_files;
@@ -101,6 +102,85 @@ TEST(Hdf5Volume, AnAxisBeforeOrBehindThoseInSpaceIsThatOfChannels) {
     EXPECT_TRUE(read(name).has_own_colors);
     Hdf5(name).dataset("nine", {9, 10, 11, 9}, ramp<std::uint8_t>(9 * 10 * 11 * 9));
     expect_refused(name + ":/nine", "at most eight channels");
+}
+
+namespace {
+
+/// As vigra writes them.
+std::string axistags(const std::string& letters) {
+    std::string axes;
+    for (const char letter : letters)
+        axes += fmt::format(R"({}{{"key": "{}", "typeFlags": 2, "resolution": 0, "description": ""}})",
+                            axes.empty() ? "" : ", ", letter);
+    return R"({"axes": [)" + axes + "]}";
+}
+
+}  // namespace
+
+TEST(Hdf5Volume, AxesAreThoseThatTheirTagsName) {
+    const Folder folder;
+    const std::string name = (folder / "a.h5").string();
+    // 5 moments, 2 slices, 3 rows, 4 columns, 2 channels, in three orders.
+    const auto value = [](int t, int z, int y, int x, int c) {
+        return std::uint16_t((((t * 2 + z) * 3 + y) * 4 + x) * 2 + c);
+    };
+    const std::map<char, hsize_t> sizes{{'t', 5}, {'z', 2}, {'y', 3}, {'x', 4}, {'c', 2}};
+    for (const std::string letters : {"tzyxc", "ctzyx", "zcytx", "xyztc"}) {
+        std::vector<hsize_t> size;
+        for (const char letter : letters) size.push_back(sizes.at(letter));
+        std::vector<std::uint16_t> values;
+        std::array<hsize_t, 5> i{};
+        for (std::size_t n = 0; n < 240; ++n) {
+            for (std::size_t a = 5, rest = n; a-- > 0; rest /= size[a]) i[a] = rest % size[a];
+            const auto at = [&](char letter) { return int(i[letters.find(letter)]); };
+            values.push_back(value(at('t'), at('z'), at('y'), at('x'), at('c')));
+        }
+        const hid_t chunked = H5Pcreate(H5P_DATASET_CREATE);
+        const std::vector<hsize_t> chunk(5, 2);
+        H5Pset_chunk(chunked, 5, chunk.data());
+        for (const hid_t made : {hid_t(H5P_DEFAULT), chunked}) {
+            Hdf5(name).dataset("data", size, values, made).text("axistags", axistags(letters));
+            for (const int t : {0, 3}) {
+                ReadOptions options;
+                options.time = t;
+                const Volume volume = read(name, options);
+                ASSERT_EQ(volume.components, 2) << letters;
+                EXPECT_EQ(volume.moments.count, 5);
+                const auto found = volume.as<std::uint16_t>();
+                std::size_t at = 0;
+                const auto& n = volume.dimensions;
+                for (int z = 0; z < n[2]; ++z)
+                    for (int y = 0; y < n[1]; ++y)
+                        for (int x = 0; x < n[0]; ++x)
+                            for (int c = 0; c < 2; ++c, ++at) {
+                                const Vec3 p = volume.geometry.world_from_voxel({double(x), double(y), double(z)});
+                                ASSERT_EQ(found[at], value(t, int(p.z), int(p.y), int(p.x), c)) << letters;
+                            }
+            }
+            ReadOptions beyond;
+            beyond.time = 5;
+            EXPECT_THROW(read(name, beyond), Error);
+        }
+    }
+    // Few channels are no longer taken for what they are not; a lone axis of time or channels is none of space.
+    Hdf5(name).dataset("data", {3, 2, 3, 4}, ramp<std::uint8_t>(72)).text("axistags", axistags("tzyx"));
+    EXPECT_EQ(read(name).components, 1);
+    EXPECT_EQ(read(name).moments.count, 3);
+    EXPECT_FALSE(has_note(read(name), "taken for channels"));
+    Hdf5(name).dataset("data", {3, 6, 4}, ramp<std::uint8_t>(72)).text("axistags", axistags("cyx"));
+    EXPECT_EQ(read(name + ":/data").components, 3);
+    EXPECT_EQ(read(name + ":/data").dimensions, (std::array{4, 6, 1}));
+    Hdf5(name).dataset("data", {9, 2, 4, 1}, ramp<std::uint8_t>(72)).text("axistags", axistags("cyxz"));
+    expect_refused(name + ":/data", "at most eight channels");
+    // What makes no sense says nothing.
+    for (const std::string tags : {"", "{", "[1]", R"({"axes": 3})", R"({"axes": [{"key": 3}, {}, 1, 2]})"}) {
+        Hdf5(name).dataset("data", {3, 2, 3, 4}, ramp<std::uint8_t>(72)).text("axistags", tags);
+        EXPECT_EQ(read(name).components, 3) << tags;
+    }
+    for (const std::string letters : {"tzyq", "xzyx", "tcxn", "zyx"}) {
+        Hdf5(name).dataset("data", {3, 2, 3, 4}, ramp<std::uint8_t>(72)).text("axistags", axistags(letters));
+        EXPECT_EQ(read(name).components, 3) << letters;
+    }
 }
 
 TEST(Hdf5Volume, SpacingFromAttributes) {

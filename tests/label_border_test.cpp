@@ -20,15 +20,15 @@ struct Field {
     std::vector<std::uint8_t> inside;
     std::vector<float> distance;
 
-    Field(int size, const std::function<bool(Vec3)>& is_inside)
+    Field(int size, const std::function<bool(Vec3)>& is_inside, const Vec3& spacing = {1, 1, 1})
         : n((size + BorderTile::edge - 1) / BorderTile::edge * BorderTile::edge),
           inside(std::size_t(n) * n * n),
           distance(inside.size()) {
         for (int z = 0; z < n; ++z)
             for (int y = 0; y < n; ++y)
                 for (int x = 0; x < n; ++x) inside[at(x, y, z)] = is_inside({double(x), double(y), double(z)});
-        BorderTile tile;
-        std::vector<std::uint8_t> around(std::size_t(BorderTile::row) * BorderTile::row * BorderTile::row);
+        BorderTile tile(border_widths(spacing));
+        std::vector<std::uint8_t> around(std::size_t(tile.row()) * tile.row() * tile.row());
         for (int z = 0; z < n; z += BorderTile::edge)
             for (int y = 0; y < n; y += BorderTile::edge)
                 for (int x = 0; x < n; x += BorderTile::edge) fill(tile, around, x, y, z);
@@ -55,11 +55,11 @@ struct Field {
 
 private:
     void fill(BorderTile& tile, std::vector<std::uint8_t>& around, int x0, int y0, int z0) {
-        for (int z = 0, i = 0; z < BorderTile::row; ++z)
-            for (int y = 0; y < BorderTile::row; ++y)
-                for (int x = 0; x < BorderTile::row; ++x, ++i)
+        for (int z = 0, i = 0; z < tile.row(); ++z)
+            for (int y = 0; y < tile.row(); ++y)
+                for (int x = 0; x < tile.row(); ++x, ++i)
                     around[std::size_t(i)] =
-                        inside[at(x0 + x - BorderTile::halo, y0 + y - BorderTile::halo, z0 + z - BorderTile::halo)];
+                        inside[at(x0 + x - tile.halo(), y0 + y - tile.halo(), z0 + z - tile.halo())];
         const std::vector<float>& found = tile.distance(around);
         for (int z = 0, i = 0; z < BorderTile::edge; ++z)
             for (int y = 0; y < BorderTile::edge; ++y)
@@ -173,20 +173,24 @@ TEST(LabelBorder, EachVoxelKeepsItsSide) {
 TEST(LabelBorder, TubesAndSheetsStayWhole) {
     const Vec3 centre{16.11, 15.77, 16.31};
     for (const double width : {2.0, 3.0})
-        for (const bool is_tube : {true, false})
+        for (const int shape : {0, 1, 2, 3})
             for (const Vec3 v : directions) {
+                const bool is_tube = shape % 2, is_thick = shape > 1;  // thick: of slices, as many voxels wide
                 const Vec3 d = normalized(v);
-                const Field field(32, [&](Vec3 p) {
-                    const Vec3 q = p - centre;
-                    return (is_tube ? length(q - dot(q, d) * d) : std::abs(dot(q, d))) <= width / 2;
-                });
+                const Field field(32,
+                                  [&](Vec3 p) {
+                                      const Vec3 q = p - centre;
+                                      return (is_tube ? length(q - dot(q, d) * d) : std::abs(dot(q, d))) <= width / 2;
+                                  },
+                                  {1, 1, is_thick ? 5.0 : 1.0});
                 const auto fine = finely(field, 4, 28);
                 std::size_t voxels = 0, samples = 0;
                 for (int z = 4; z < 28; ++z)
                     for (int y = 4; y < 28; ++y)
                         for (int x = 4; x < 28; ++x) voxels += field.inside[field.at(x, y, z)];
                 for (const std::uint8_t s : fine) samples += s;
-                const std::string what = std::string(is_tube ? "tube " : "sheet ") + std::to_string(width) + " along " +
+                const std::string what = std::string(is_thick ? "of thick slices: " : "") +
+                                         (is_tube ? "tube " : "sheet ") + std::to_string(width) + " along " +
                                          std::to_string(v.x) + ", " + std::to_string(v.y) + ", " + std::to_string(v.z);
                 EXPECT_GE(double(samples) / 64, 0.85 * double(voxels)) << what;
                 EXPECT_LE(double(samples) / 64, 1.27 * double(voxels)) << what;

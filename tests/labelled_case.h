@@ -43,4 +43,29 @@ struct Labelled {
     }
 };
 
+/// RMS of shade minus true shade over mean shade, within .95 of a ball's radius, seen along z of the world.
+inline double shade_error(const Labelled& ball, Vec3 centre_mm, double radius_mm, double zoom) {
+    constexpr int size = 200;
+    const Camera camera{.eye = centre_mm + Vec3{0, 0, 1000},
+                        .forward = {0, 0, -1},
+                        .right = {1, 0, 0},
+                        .up = {0, 1, 0},
+                        .projection = Projection::orthographic,
+                        .half_height = radius_mm / zoom};
+    Lighting lighting{.shading = Shading::lambert};
+    lighting.ambient = 0, lighting.diffuse = 1, lighting.specular = 0;
+    const Frame frame = ball.picture(camera, lighting, {.step_voxels = 0.25}, size);
+    double squares = 0, sum = 0;
+    int count = 0;
+    for (int y = 0; y < size; ++y)
+        for (int x = 0; x < size; ++x) {
+            const double u = ((x + 0.5) / size * 2 - 1) / zoom, v = ((y + 0.5) / size * 2 - 1) / zoom;
+            if (u * u + v * v > 0.95 * 0.95) continue;
+            const double truth = std::sqrt(1 - u * u - v * v);
+            const double shade = frame.rgba[std::size_t(4 * (y * size + x))];
+            squares += (shade - truth) * (shade - truth), sum += truth, ++count;
+        }
+    return std::sqrt(squares / count) / (sum / count);
+}
+
 }  // namespace chiaro::testing

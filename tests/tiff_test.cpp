@@ -21,6 +21,11 @@ std::string refusal(const std::string& name) {
     return {};
 }
 
+void expect_refused(const std::string& name, const std::string& part) {
+    const std::string sentence = refusal(name);
+    EXPECT_NE(sentence.find(part), std::string::npos) << sentence;
+}
+
 /// How a page of 40 x 33 pixels is stored.
 struct Storage {
     int compression = COMPRESSION_NONE;
@@ -261,6 +266,52 @@ TEST(Tiff, HyperstacksGiveTheirChannelsAtTheirFirstTime) {
     EXPECT_TRUE(has_note(volume, "states 7 images, but there are 12 pages"));
     volume = read(folder.write("a.tif", tiff_file({{.description = "ImageJ=1.53t\ncf=0\nc0=-32768.0\nc1=1.0\n"}})));
     EXPECT_EQ(volume.intercept, -32768);
+}
+
+TEST(Tiff, PlanesThatLieInSeveralFilesAreReadFromAllOfThem) {
+    const Folder folder;
+    const auto page = [](int value) {
+        return TiffImage{.pixels = bytes_of_all(std::vector<std::uint16_t>(12, std::uint16_t(value)))};
+    };
+    // Each channel in a file of its own, the second's slices from the last to the first.
+    const std::string ome =
+        R"(<OME><Image><Pixels DimensionOrder="XYZCT" SizeZ="2" SizeC="2" SizeT="1">)"
+        R"(<TiffData FirstC="0" IFD="0" PlaneCount="2"><UUID FileName="a.tif">urn:uuid:1</UUID></TiffData>)"
+        R"(<TiffData FirstC="1" FirstZ="1" IFD="0"><UUID FileName="b.tif">urn:uuid:2</UUID></TiffData>)"
+        R"(<TiffData FirstC="1" FirstZ="0" IFD="1"><UUID FileName="b.tif">urn:uuid:2</UUID></TiffData>)"
+        R"(</Pixels></Image></OME>)";
+    const auto write = [&](const std::string& name, int first, const std::string& description, int pages = 2) {
+        std::vector<TiffImage> all{page(first)};
+        all[0].description = description;
+        for (int i = 1; i < pages; ++i) all.push_back(page(first + i));
+        return folder.write(name, tiff_file(all));
+    };
+    const std::string a = write("a.tif", 10, ome), b = write("b.tif", 20, ome);
+    for (const std::string& name : {a, b}) {
+        const Volume volume = read(name);
+        EXPECT_EQ(volume.dimensions, (std::array{4, 3, 2}));
+        ASSERT_EQ(volume.components, 2);
+        const auto found = volume.as<std::uint16_t>();
+        EXPECT_EQ((std::array{found[0], found[1], found[24], found[25]}),
+                  (std::array<std::uint16_t, 4>{10, 21, 11, 20}));
+    }
+    write("b.tif", 20, ome, 1);
+    expect_refused(a, "names page 1 of 'b.tif', which has 1");
+    folder.write("b.tif", "II");
+    expect_refused(a, "'b.tif'");
+    fs::remove(folder / "b.tif");
+    EXPECT_EQ(read(a).components, 1);
+    EXPECT_EQ(read(a).dimensions[2], 2);
+    EXPECT_TRUE(has_note(read(a), "names pages in 2 files, of which 'b.tif' is not there"));
+    std::string climbs = ome;
+    climbs.replace(climbs.find("b.tif"), 5, "../b.tif");
+    expect_refused(write("a.tif", 10, climbs), "data files must lie in the folder");
+    std::string few = ome;
+    few.replace(few.find("PlaneCount=\"2\""), 14, "PlaneCount=\"1\"");
+    write("b.tif", 20, few);
+    expect_refused(write("a.tif", 10, few), "says where 3 of 4 pages lie");
+    const std::string elsewhere = R"(<OME><BinaryOnly MetadataFile="all.companion.ome" UUID="urn:uuid:1"/></OME>)";
+    EXPECT_TRUE(has_note(read(write("a.tif", 10, elsewhere)), "is told in 'all.companion.ome', which is not read"));
 }
 
 TEST(Tiff, LargeStacksOfImageJHaveOneDirectory) {

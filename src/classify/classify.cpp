@@ -233,7 +233,7 @@ Medium with_interpolation(const Device& device, const Medium& medium, Interpolat
     data->table = from.table;
     data->shape = from.shape;
     data->shape.interpolation = interpolation;
-    data->share = from.share;
+    data->share = from.share, data->surface_labels = from.surface_labels;
     find_occupancy(device, *data, progress);
     return Medium(std::move(data));
 }

@@ -105,12 +105,10 @@ std::pair<float, float> empty_values(const Medium::Data& medium, const Kinds& ki
     const auto refuse = [] {
         throw Error(ErrorCode::usage, "--largest: the transfer function shows every value, so nothing can be left out");
     };
-    const double step = volume.whole_numbers ? 1 : 1e-3 * (double(volume.stored_max) - volume.stored_min);
     if (kinds.is_iso()) {
-        const double surface = (kinds.lowest - volume.offset) / volume.scale;
-        if (volume.scale > 0 ? surface <= volume.stored_min : surface >= volume.stored_max) refuse();
-        return volume.scale > 0 ? std::pair(volume.stored_min, float(std::ceil(surface / step) * step - step))
-                                : std::pair(float(std::floor(surface / step) * step + step), volume.stored_max);
+        const auto outside = values_outside(volume, kinds.lowest, {volume.stored_min, volume.stored_max});
+        if (!outside) refuse();
+        return *outside;
     }
     std::vector<std::uint64_t> cells(medium.table.entries.size());  // by the least value in each: enough to choose
     for (const float low : volume.cells.low) ++cells[kinds.entry(low)];
@@ -174,6 +172,16 @@ Pieces find_pieces(const std::vector<std::uint8_t>& voxels, std::array<int, 3> n
                     pieces.is_of_largest.begin() + std::ptrdiff_t(row * std::size_t(n[0]) + std::size_t(run.first)),
                     run.last - run.first + 1, std::uint8_t(1));
     return pieces;
+}
+
+std::optional<std::pair<float, float>> values_outside(const DeviceVolume::Data& volume, double lowest,
+                                                      std::pair<float, float> of) {
+    const double surface = (lowest - volume.offset) / volume.scale;
+    const double range = double(volume.stored_max) - volume.stored_min;
+    const double step = volume.whole_numbers ? 1 : std::max(1e-3 * range, 1e-6 * std::abs(surface));
+    if (volume.scale > 0 ? surface <= of.first : surface >= of.second) return std::nullopt;
+    return volume.scale > 0 ? std::pair(of.first, float(std::ceil(surface / step) * step - step))
+                            : std::pair(float(std::floor(surface / step) * step + step), of.second);
 }
 
 DeviceVolume with_largest_piece(const Medium::Data& medium) {

@@ -1,5 +1,8 @@
 // The largest piece of what a medium shows, and a volume that holds nothing else.
 #pragma once
+#include <optional>
+#include <utility>
+
 #include "classify/medium.h"
 
 namespace chiaro {
@@ -14,6 +17,11 @@ struct Pieces {
 /// Of the voxels whose byte is not 0. Of pieces of the same size the first counts as larger. Cost: one pass, a number
 /// for each run of voxels in a row.
 Pieces find_pieces(const std::vector<std::uint8_t>& voxels, std::array<int, 3> dimensions);
+
+/// Those of the stored values from `of.first` to `of.second` that lie outside all isosurfaces from data value `lowest`
+/// on; none where all lie within.
+std::optional<std::pair<float, float>> values_outside(const DeviceVolume::Data& volume, double lowest,
+                                                      std::pair<float, float> of);
 
 /// The volume of which only the largest piece is visible: voxels of an opacity of .1 and more over the opacity's unit
 /// (Mode::iso: at or above the lowest surface's value) whose centres the clip keeps, and what is fainter within two

@@ -52,6 +52,7 @@ struct Medium::Data : std::enable_shared_from_this<Data> {
     double occupied_fraction = 0;
     std::vector<std::shared_ptr<const Data>> channels;  ///< of a mixture: each for itself; else empty
     std::shared_ptr<const VoxelBuffer> share;           ///< of a channel that is of some labels alone; null: everywhere
+    std::shared_ptr<const LabelBricks> surface_labels;  ///< of isosurfaces that labels cut and tint; null: none
     std::shared_ptr<const Data> lit_as;                 ///< of a level by bricks: the medium whose light it is seen in
     mutable LastSegments last_segments;
     Lazy<std::shared_ptr<const SurfaceTable>> surface_table;  ///< classify/surface_table.h
@@ -65,10 +66,11 @@ struct Medium::Data : std::enable_shared_from_this<Data> {
 /// Whether samples are made of several channels, which kernel::VolumeView::matter_at knows; `table` is the first's.
 inline bool is_mixed(const Medium::Data& medium) { return medium.volume.data().mixture != nullptr; }
 
-/// Mixtures are the CPU's.
+/// Whether it is drawn and lit by the CPU alone.
+inline bool is_for_cpu(const Medium::Data& medium) { return is_mixed(medium) || medium.surface_labels; }
 inline Device device_for(const Device& device, const Medium::Data& medium) {
     Device its = device;
-    if (is_mixed(medium)) its.stream = nullptr;
+    if (is_for_cpu(medium)) its.stream = nullptr;
     return its;
 }
 

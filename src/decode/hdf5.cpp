@@ -119,7 +119,7 @@ std::optional<Places> check_stored(hid_t dataset, std::uint64_t file_size, std::
 /// Elements along the slowest kept axis that lie in the same chunks.
 hsize_t slab_of(hid_t dataset, const Hdf5Shape& shape) {
     const Hdf5Id made(H5Dget_create_plist(dataset), H5Pclose);
-    const std::size_t axis = shape.axes.size() == 3 ? shape.axes[0] : 0;
+    const std::size_t axis = shape.axes[0];
     return std::clamp<hsize_t>(chunk_of(made, shape)[axis], 1, shape.sizes[axis]);
 }
 
@@ -147,7 +147,7 @@ void fill_few(hid_t dataset, const Hdf5Shape& shape, const Places& places, Volum
 /// Slabs of the whole array, or of one of the channels before it, which then go between the others.
 void fill(hid_t dataset, const Hdf5Shape& shape, std::optional<hsize_t> channel, Volume& volume, Output& output) {
     const Hdf5Id space(H5Dget_space(dataset), H5Sclose);
-    const std::size_t axis = shape.axes.size() == 3 ? shape.axes[0] : 0;
+    const std::size_t axis = shape.axes[0];
     const hsize_t size = shape.sizes[axis], slab = slab_of(dataset, shape);
     const std::size_t slice_bytes = volume.voxels.size() / size, value = size_of(volume.type);
     std::vector<std::byte> plane(channel ? slice_bytes / std::size_t(volume.components) * slab : 0);
@@ -156,6 +156,7 @@ void fill(hid_t dataset, const Hdf5Shape& shape, std::optional<hsize_t> channel,
         start[axis] = first;
         count[axis] = std::min(slab, size - first);
         if (channel) start[*shape.channels] = *channel, count[*shape.channels] = 1;
+        if (shape.time) start[*shape.time] = shape.moment, count[*shape.time] = 1;
         const Hdf5Id memory(H5Screate_simple(int(count.size()), count.data(), nullptr), H5Sclose);
         std::byte* const to = volume.voxels.data() + first * slice_bytes;
         if (H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) < 0 ||
@@ -206,6 +207,7 @@ public:
             count[axis] = std::min(pitch[axis], shape_.sizes[axis] - start[axis]);
         }
         if (shape_.channels) start[*shape_.channels] = hsize_t(component);
+        if (shape_.time) start[*shape_.time] = shape_.moment;
         const Hdf5Id space(H5Dget_space(dataset_), H5Sclose),
             memory(H5Screate_simple(int(rank), pitch.data(), nullptr), H5Sclose);
         if (H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) < 0 ||
@@ -221,19 +223,19 @@ private:
 };
 
 std::unique_ptr<ChunkedFile> open_chunks(const std::filesystem::path& path, const std::string& part, Output& output) {
-    return std::make_unique<Hdf5Chunks>(open_hdf5_volume(path, part), regular_file_size(path), output);
+    return std::make_unique<Hdf5Chunks>(open_hdf5_volume(path, part, output), regular_file_size(path), output);
 }
 
 }  // namespace
 
 Volume read_hdf5(const std::filesystem::path& path, const std::string& part, Output& output) {
-    Hdf5Volume opened = open_hdf5_volume(path, part);
+    Hdf5Volume opened = open_hdf5_volume(path, part, output);
     Volume& volume = opened.header;
     const auto few =
         check_stored(opened.dataset, regular_file_size(path), check_header(volume), opened.shape, volume, output);
     output.allocate(volume);
     const bool are_planes = opened.shape.channels && !opened.shape.is_interleaved() && volume.components > 1;
-    if (few && !are_planes)
+    if (few && !are_planes && !opened.shape.time)
         fill_few(opened.dataset, opened.shape, *few, volume);
     else
         for (hsize_t c = 0; c < hsize_t(are_planes ? volume.components : 1); ++c)

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 namespace chiaro::decode {
@@ -34,6 +35,8 @@ std::optional<VoxelType> type_of(hid_t dataset) {
     }
 }
 
+bool is_in_space(char letter) { return letter >= 'x' && letter <= 'z'; }
+
 /// Sizes of the axes; empty for what has none.
 std::vector<hsize_t> sizes_of(hid_t dataset) {
     const Hdf5Id space(H5Dget_space(dataset), H5Sclose);
@@ -44,10 +47,42 @@ std::vector<hsize_t> sizes_of(hid_t dataset) {
     return sizes;
 }
 
+/// A letter for each axis, as vigra and ilastik name them: {"axes": [{"key": "z"}, ...]}. Empty where they do not, or
+/// name any but x, y, z, c and t, one twice, or only one in space.
+std::string letters_of(hid_t dataset, std::size_t axes) {
+    const auto tags = nlohmann::json::parse(text_attribute(dataset, "axistags"), nullptr, false);
+    if (!tags.is_object() || !tags.contains("axes") || !tags["axes"].is_array() || tags["axes"].size() != axes)
+        return {};
+    std::string letters;
+    for (const auto& tag : tags["axes"]) {
+        const std::string key = tag.is_object() && tag.contains("key") && tag["key"].is_string()
+                                    ? tag["key"].get<std::string>()
+                                    : std::string();
+        if (key.size() != 1 || std::string_view("xyzct").find(key) == std::string_view::npos ||
+            letters.find(key) != std::string::npos)
+            return {};
+        letters += key;
+    }
+    return std::ranges::count_if(letters, is_in_space) < 2 ? std::string() : letters;
+}
+
+constexpr hsize_t max_channels_of_axis = 8;
+
+/// As the letters have them.
+Hdf5Shape with_named_axes(Hdf5Shape shape) {
+    for (std::size_t i = 0; i < shape.letters.size(); ++i) {
+        if (is_in_space(shape.letters[i])) shape.axes.push_back(i);
+        if (shape.letters[i] == 't' && shape.sizes[i] > 1) shape.time = i;
+        if (shape.letters[i] == 'c' && shape.sizes[i] > 1) shape.channels = i;
+    }
+    if (shape.channels && shape.sizes[*shape.channels] > max_channels_of_axis) shape.axes.clear();
+    return shape;
+}
+
 /// Drops axes of one element, the slowest first, until three are left. Of four the first, or else the last is that of
 /// channels, where it has at most eight.
 Hdf5Shape with_axes(Hdf5Shape shape) {
-    constexpr hsize_t max_channels_of_axis = 8;
+    if (!shape.letters.empty()) return with_named_axes(std::move(shape));
     const std::vector<hsize_t>& sizes = shape.sizes;
     std::size_t surplus = sizes.size() > 3 ? sizes.size() - 3 : 0;
     std::vector<std::size_t> axes;
@@ -70,7 +105,9 @@ std::string text_of(const std::vector<hsize_t>& sizes) { return fmt::format("{}"
 Hdf5Shape shape_of(hid_t dataset, const std::string& path) {
     const auto type = type_of(dataset);
     if (!type) refuse(fmt::format("has in '{}' values that are no numbers of 8 to 64 bits", path));
-    Hdf5Shape shape = with_axes({*type, sizes_of(dataset), {}, {}});
+    Hdf5Shape shape{.type = *type, .sizes = sizes_of(dataset)};
+    shape.letters = letters_of(dataset, shape.sizes.size());
+    shape = with_axes(std::move(shape));
     if (shape.axes.size() < 2 || shape.axes.size() > 3)
         refuse(fmt::format("has in '{}' an array of {} elements; volumes have three axes, and at most eight channels",
                            path, shape.sizes.empty() ? "no" : text_of(shape.sizes)));
@@ -85,7 +122,9 @@ std::string only_volume(hid_t file) {
         const Hdf5Id dataset(H5Oopen(file, path.c_str(), H5P_DEFAULT), H5Oclose);
         const Hdf5Id made(dataset.is_valid() ? H5Dget_create_plist(dataset) : -1, H5Pclose);
         if (!made.is_valid() || H5Pget_layout(made) == H5D_VIRTUAL) continue;  // whose size may lie in other files
-        if (type_of(dataset) && with_axes({{}, sizes_of(dataset), {}, {}}).axes.size() == 3) volumes.push_back(path);
+        Hdf5Shape shape{.sizes = sizes_of(dataset)};
+        shape.letters = letters_of(dataset, shape.sizes.size());
+        if (type_of(dataset) && with_axes(std::move(shape)).axes.size() == 3) volumes.push_back(path);
     }
     if (volumes.size() == 1) return volumes[0];
     const auto& named = volumes.empty() ? all : volumes;
@@ -126,10 +165,25 @@ void set_spacing(hid_t dataset, const Hdf5Shape& shape, Volume& volume) {
         volume.notes.push_back("states neither element_size_um nor spacing; 1 mm is taken");
 }
 
+/// Named axes in another order than z, y, x run along their own of the world.
+void set_directions(const Hdf5Shape& shape, Volume& volume) {
+    if (shape.letters.empty()) return;
+    std::string missing = "zyx";
+    for (const std::size_t axis : shape.axes) std::erase(missing, shape.letters[axis]);
+    for (std::size_t i = 0; i < 3; ++i) {
+        const char letter =
+            i < shape.axes.size() ? shape.letters[shape.axes[shape.axes.size() - 1 - i]] : missing.front();
+        Vec3& direction = volume.geometry.direction[i];
+        direction = {0, 0, 0};
+        direction[letter - 'x'] = 1;
+    }
+}
+
 void set_channels(const Hdf5Shape& shape, Volume& volume) {
     if (!shape.channels) return;
     volume.components = int(shape.sizes[*shape.channels]);
     volume.has_own_colors = shape.is_interleaved() && are_colors_untold(volume);
+    if (!shape.letters.empty()) return;
     volume.notes.push_back(fmt::format("its {} axis, of {}, is taken for channels",
                                        shape.is_interleaved() ? "last" : "first", volume.components));
 }
@@ -161,13 +215,14 @@ hid_t hdf5_memory_type(VoxelType type) {
     }
 }
 
-Hdf5Volume open_hdf5_volume(const std::filesystem::path& path, const std::string& part) {
+Hdf5Volume open_hdf5_volume(const std::filesystem::path& path, const std::string& part, const Output& output) {
     Hdf5Id file = open_hdf5(path);
     Volume volume;
     const std::optional<VtkHdfImage> image = part.empty() ? vtkhdf_image(file, volume) : std::nullopt;
     const std::string name = image ? image->dataset : part.empty() ? only_volume(file) : part;
     Hdf5Id dataset = open_dataset(file, name);
-    const Hdf5Shape shape = shape_of(dataset, name);
+    Hdf5Shape shape = shape_of(dataset, name);
+    if (shape.time) shape.moment = output.choose_moment(shape.sizes[*shape.time], volume);
     volume.format = "HDF5";
     volume.type = shape.type;
     volume.key_values["dataset"] = name;
@@ -183,8 +238,8 @@ Hdf5Volume open_hdf5_volume(const std::filesystem::path& path, const std::string
     if (image && n != image->values)
         refuse(fmt::format("has in '{}' {} values, where its WholeExtent has {} x {} x {}", name, text_of(shape.sizes),
                            image->values[2], image->values[1], image->values[0]));
-    if (!image) set_spacing(dataset, shape, volume);
-    return {std::move(file), std::move(dataset), shape, std::move(volume)};
+    if (!image) set_spacing(dataset, shape, volume), set_directions(shape, volume);
+    return {std::move(file), std::move(dataset), std::move(shape), std::move(volume)};
 }
 
 }  // namespace chiaro::decode

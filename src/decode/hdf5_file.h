@@ -35,6 +35,9 @@ Hdf5Id open_hdf5(const std::filesystem::path& path);
 /// Paths of all datasets, each once, in the order of their names.
 std::vector<std::string> datasets_in(hid_t file);
 
+/// Text of an attribute; empty where there is none.
+std::string text_attribute(hid_t object, const char* name);
+
 /// Throws Error{input} unless there is a dataset at the path whose values lie in this file.
 Hdf5Id open_dataset(hid_t file, const std::string& path);
 

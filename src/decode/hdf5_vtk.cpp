@@ -11,26 +11,6 @@
 namespace chiaro::decode {
 namespace {
 
-/// Text of an attribute; empty where there is none.
-std::string text_attribute(hid_t object, const char* name) {
-    if (H5Aexists(object, name) <= 0) return {};
-    const Hdf5Id stored(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
-    const Hdf5Id type(H5Aget_type(stored), H5Tclose);
-    constexpr std::size_t longest = 4096;
-    if (H5Tget_class(type) != H5T_STRING || H5Tget_size(type) > longest) return {};
-    if (H5Tis_variable_str(type) > 0) {
-        char* read = nullptr;
-        if (H5Aread(stored, type, &read) < 0 || !read) return {};
-        const std::string text(read);
-        H5free_memory(read);
-        return text;
-    }
-    std::string text(H5Tget_size(type) + 1, '\0');
-    if (H5Aread(stored, type, text.data()) < 0) return {};
-    text.resize(text.find('\0'));
-    return text;
-}
-
 /// Exactly `count` numbers of an attribute.
 std::vector<double> number_attribute(hid_t object, const char* name, std::size_t count) {
     const auto lacks = [&] { refuse(fmt::format("has a VTKHDF group whose {} is not {} numbers", name, count)); };

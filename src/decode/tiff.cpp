@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <map>
 
 namespace chiaro::decode {
 namespace {
@@ -114,6 +115,44 @@ std::vector<Slice> slices_of(const Path& path, Volume& volume, Output& output) {
     return slices;
 }
 
+/// The pages of the files that a description names, in its order; `slices` where they all lie in one or are not all
+/// there, which is told.
+std::vector<Slice> planes_in_files(std::vector<Slice> slices, const TiffLayout& layout, Volume& volume,
+                                   Output& output) {
+    std::map<std::string, std::vector<Slice>> files;
+    for (const TiffPlane& plane : layout.planes) files[plane.file];
+    const Path& told_in = slices[0].path;
+    if (files.size() < 2) return slices;
+    for (auto& [name, pages] : files) {
+        const Path file = confined(told_in, name);
+        if (!std::filesystem::is_regular_file(file)) {
+            volume.notes.push_back(fmt::format(
+                "its description names pages in {} files, of which '{}' is not there; the others are left out",
+                files.size(), name));
+            return slices;
+        }
+        output.at(name);
+        try {
+            pages = pages_of(file, false, output);
+        } catch (const Error& error) {
+            refuse(fmt::format("'{}' {}", name, error.what()));
+        }
+    }
+    std::vector<Slice> planes(std::size_t(layout.images()));
+    for (const TiffPlane& plane : layout.planes) {
+        const auto& pages = files[plane.file];
+        if (plane.page >= pages.size())
+            refuse(fmt::format("names page {} of '{}', which has {}", plane.page, plane.file, pages.size()));
+        planes[plane.place] = pages[plane.page];
+    }
+    const auto missing = std::ranges::count_if(planes, [](const Slice& s) { return s.path.empty(); });
+    if (missing > 0)
+        refuse(fmt::format("its description says where {} of {} pages lie", planes.size() - std::size_t(missing),
+                           planes.size()));
+    volume.key_values["files"] = std::to_string(files.size());
+    return planes;
+}
+
 /// Keeps the kind of which there are most, and names what is left out.
 void keep_one_kind(std::vector<Slice>& slices, Volume& volume) {
     const auto count = [&](const Slice& like) {
@@ -187,7 +226,7 @@ struct Run {
     bool big_endian = false;
 };
 std::optional<Run> run_of(const Slice& first, const TiffLayout& layout, std::size_t pages) {
-    const auto images = layout.channels * layout.slices * layout.times;
+    const auto images = layout.images();
     if (pages != 1 || images == 1 || !first.page.description.starts_with("ImageJ=")) return {};
     const TiffFile file = open_tiff(first.path);
     std::uint16_t compression = COMPRESSION_NONE;
@@ -211,7 +250,7 @@ struct ChosenPages {
 ChosenPages choose_pages(const TiffLayout& layout, const TiffPage& page, std::size_t pages, bool is_run,
                          const Output& output, Volume& volume) {
     constexpr int max_values = 8;  // that can be shown
-    const auto images = std::size_t(layout.channels * layout.slices * layout.times);
+    const auto images = std::size_t(layout.images());
     ChosenPages chosen;
     if (layout.stated && (is_run || images == pages)) {
         const auto first = std::int64_t(output.choose_moment(std::uint64_t(layout.times), volume)) * layout.time_step;
@@ -308,10 +347,17 @@ Volume read_tiff(const Path& path, const std::string&, Output& output) {
     volume.format = "TIFF";
     auto slices = slices_of(path, volume, output);
     keep_one_kind(slices, volume);
-    const TiffPage& page = slices[0].page;
     const bool is_stack = slices.front().path != slices.back().path;
     const TiffLayout layout =
-        is_stack ? TiffLayout{} : layout_from(page.description, std::int64_t(slices.size()), page.samples);
+        is_stack ? TiffLayout{}
+                 : layout_from(slices[0].page.description, std::int64_t(slices.size()), slices[0].page.samples);
+    if (!layout.planes.empty()) {
+        slices = planes_in_files(std::move(slices), layout, volume, output);
+        keep_one_kind(slices, volume);
+    }
+    const TiffPage& page = slices[0].page;
+    if (!layout.metadata_file.empty())
+        volume.notes.push_back("what its pages are is told in '" + layout.metadata_file + "', which is not read");
     const auto run = run_of(slices[0], layout, slices.size());
     const auto chosen = choose_pages(layout, page, slices.size(), run.has_value(), output, volume);
     const auto depth = std::int64_t(chosen.pages.size()) / chosen.channels;

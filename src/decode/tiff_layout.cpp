@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <pugixml.hpp>
 #include <sstream>
@@ -96,12 +97,35 @@ std::vector<ComponentInfo> channels_of(const pugi::xml_node& pixels) {
     return infos;
 }
 
+/// Where TiffData names files: all planes that lie in them. Each names the first of a run of pages, in the order of the
+/// dimensions.
+std::vector<TiffPlane> planes_of(const pugi::xml_node& pixels, const TiffLayout& layout) {
+    constexpr std::int64_t most = 4 * 65535;
+    const std::int64_t images = layout.images();
+    std::vector<TiffPlane> planes;
+    if (layout.channels > most || layout.slices > most || layout.times > most || images > most) return {};
+    for (const auto& data : pixels.children("TiffData")) {
+        const std::string file = data.child("UUID").attribute("FileName").as_string();
+        if (file.empty()) return {};
+        const auto at = [&](const char* name) {
+            return std::clamp<std::int64_t>(data.attribute(name).as_llong(), 0, most);
+        };
+        const std::int64_t first =
+            at("FirstC") * layout.channel_step + at("FirstZ") * layout.slice_step + at("FirstT") * layout.time_step;
+        const std::int64_t count = data.attribute("PlaneCount") ? at("PlaneCount") : 1;
+        for (std::int64_t i = 0; i < count && first + i < images && std::int64_t(planes.size()) < images; ++i)
+            planes.push_back({file, std::size_t(at("IFD") + i), std::size_t(first + i)});
+    }
+    return planes;
+}
+
 /// https://docs.openmicroscopy.org/ome-model/: Pixels with SizeZ, SizeC, SizeT, and the order of the pages.
 TiffLayout from_ome(const std::string& text, int samples) {
     pugi::xml_document document;
     if (!document.load_buffer(text.data(), text.size(), pugi::parse_escapes)) return {};
-    const auto pixels = document.child("OME").child("Image").child("Pixels");
-    if (!pixels) return {};
+    const auto ome = document.child("OME");
+    const auto pixels = ome.child("Image").child("Pixels");
+    if (!pixels) return {.metadata_file = ome.child("BinaryOnly").attribute("MetadataFile").as_string()};
     const auto size = [&](const char* name) { return count(pixels.attribute(name).as_string("1"), name); };
     TiffLayout layout{.stated = true, .channels = size("SizeC"), .slices = size("SizeZ"), .times = size("SizeT")};
     if (samples > 1 && layout.channels % samples == 0) layout.channels /= samples;
@@ -112,6 +136,7 @@ TiffLayout from_ome(const std::string& text, int samples) {
         if (axis == 'C') layout.channel_step = step, step *= layout.channels;
         if (axis == 'T') layout.time_step = step, step *= layout.times;
     }
+    layout.planes = planes_of(pixels, layout);
     layout.seconds = seconds_of(pixels);
     layout.x_spacing_mm = physical_size(pixels, "X");
     layout.y_spacing_mm = physical_size(pixels, "Y");

@@ -9,6 +9,12 @@
 
 namespace chiaro::decode {
 
+/// A page that lies in one of several files.
+struct TiffPlane {
+    std::string file;
+    std::size_t page, place;  ///< in the file; in the order of all
+};
+
 /// The order of the pages, and their place. Page of channel c, slice z, time t:
 /// c * channel_step + z * slice_step + t * time_step.
 struct TiffLayout {
@@ -20,6 +26,9 @@ struct TiffLayout {
     std::optional<double> x_spacing_mm, y_spacing_mm, z_spacing_mm;
     double slope = 1, intercept = 0;           ///< of a linear calibration
     std::vector<ComponentInfo> channel_infos;  ///< as many as are told of
+    std::vector<TiffPlane> planes;             ///< of OME's in several files; empty: all lie in this one
+    std::string metadata_file;                 ///< that says all this in the place of this one
+    std::int64_t images() const { return channels * slices * times; }
 };
 
 /// Nothing stated for any other text. `samples`: of a pixel, which OME counts among the channels. Throws Error{input}

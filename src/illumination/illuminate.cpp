@@ -177,10 +177,11 @@ const Medium::Data& counted_medium(const Medium::Data& mixture, const Prepared& 
     const auto refuse = [](const char* sentence) {
         throw Error(ErrorCode::usage, std::string("lighting histogram: ") + sentence);
     };
-    if (!is_mixed(mixture)) return mixture;
-    const MixtureOfChannels& parts = *mixture.volume.data().mixture;
-    if (parts.labels)
+    const auto& mixed = mixture.volume.data().mixture;
+    if (mixture.surface_labels || (mixed && mixed->labels))
         refuse("local histograms know no labels, which go with spao, visibility, transport and reference");
+    if (!mixed) return mixture;
+    const MixtureOfChannels& parts = *mixed;
     if (settings.effects.emission && !settings.emission.empty())
         refuse("--glow is of a volume of one channel, and not of one in its own colours");
     if (parts.own_colors || mixture.channels.size() == 1) return *mixture.channels.front();

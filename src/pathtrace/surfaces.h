@@ -21,24 +21,30 @@ struct Surfaces {
     ShadingView gradients;  ///< turns gradients to world normals
     ReflectionView reflection;
     float step_mm;
+    LabelView labels;         ///< that cut and tint them; null: none
+    float outside;            ///< SurfacesView::outside
+    Rgba untinted[most];      ///< where labels tint: colours, of alpha 1
+    MixtureCollisions mixed;  ///< what becomes of them
 
     template <class F>
     CHIARO_INLINE F value_at(Vec3<F> p) const {
         p = volume.clamp(p);
-        return volume.value(volume.locate(p, volume.voxel(p)));
+        const auto at = volume.locate(p, volume.voxel(p));
+        return shown_value(labels, at, volume.value(at), outside);
     }
 
     /// Where a way enters a cut inside a surface, the surface lies in the plane.
     template <class F>
     CHIARO_INLINE void begin(Mask<F> lanes, const Cut<F>& cut, Path<F>& path) const {
-        const F value = value_at(path.origin);
+        const Vec3<F> p = volume.clamp(path.origin);
+        const F value = value_at(p);
         path.depth = select(lanes, value, path.depth);
         path.leave = select(lanes, F(0), path.leave);
         Mask<F> inside = lanes & cut.open & (path.stage == Int<F>(travelling));
         for (std::int32_t i = count - 1; i >= 0 && any(inside); --i) {
             const Draw<F> numbers = draw_for(inside, path);
             const Mask<F> hit = inside & (value >= F(values[i])) & (numbers.a < F(opacities[i]));
-            collide(hit, Int<F>(i), numbers.b, cut.normal, path);
+            if (any(hit)) collide(hit, material_of(Int<F>(i), p, numbers.c), numbers.b, cut.normal, path);
             inside = inside & !hit;
         }
     }
@@ -89,7 +95,10 @@ struct Surfaces {
         const Mask<F> hit = lanes & (numbers.a < one_of<F>(opacities, path.surface));
         if (!any(hit)) return;
         const Vec3<F> p = volume.clamp(mad(path.t, path.direction, path.origin));
-        collide(hit, path.surface, numbers.b, volume.gradient(volume.locate(p, volume.voxel(p))), path);
+        const auto where = volume.locate(p, volume.voxel(p));
+        const Vec3<F> gradient =
+            surface_gradient(labels, where, volume.value(where) - surface, volume.gradient(where), outside);
+        collide(hit, material_of(path.surface, p, numbers.c), numbers.b, gradient, path);
     }
 
     template <class F>
@@ -109,6 +118,14 @@ private:
         return number;
     }
 
+    /// The entry of a surface's colour; u in [0, 1).
+    template <class F>
+    CHIARO_INLINE Int<F> material_of(Int<F> surface, Vec3<F> p, F u) const {
+        if (!labels.tint) return surface;
+        const auto where = volume.locate(p, volume.voxel(p));
+        return mixed.template entry_of<F>(tinted(labels, where, load_rgba(untinted, surface)), F(1), u);
+    }
+
     /// Whether a surface lies between the value here and the next one, and which is the nearest: where values rise the
     /// lowest, else the highest.
     template <class F>
@@ -125,7 +142,7 @@ private:
 
     /// The normal on the side the path comes from; on the way to the light there is none left.
     template <class F>
-    CHIARO_INLINE void collide(Mask<F> hit, Int<F> surface, F u, Vec3<F> gradient, Path<F>& path) const {
+    CHIARO_INLINE void collide(Mask<F> hit, Int<F> material, F u, Vec3<F> gradient, Path<F>& path) const {
         SamplePoint<F> sample{path.origin, F(0)};
         gradients.reflect(gradient, sample);
         Vec3<F> n = sample.outward;
@@ -135,7 +152,7 @@ private:
         path.transmittance = select(shadow, F(0), path.transmittance);
         path.normal = select(real, n, path.normal);
         path.on_surface = select(real, reflection.choose(u, n, path.heading), path.on_surface);
-        path.material = select(real, surface, path.material);
+        path.material = select(real, material, path.material);
         path.stage = select(real, Int<F>(collided), select(shadow, Int<F>(escaped), path.stage));
     }
 };

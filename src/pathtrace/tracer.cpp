@@ -69,6 +69,14 @@ int packed_grey(double albedo) {
     return int(std::lround(std::clamp(albedo, 0.0, 1.0) * 1023)) * ((1 << 20) + (1 << 10) + 1);
 }
 
+/// Whether surfaces have no colour of their own, but the labels' there.
+bool tints_surfaces(const Medium::Data& medium) { return medium.surface_labels && medium.surface_labels->tint.size(); }
+
+kernel::Rgba straight(const kernel::Rgba& c) {
+    const float inverse = c.a > 0 ? 1 / c.a : 0;
+    return {inverse * c.r, inverse * c.g, inverse * c.b, 1};
+}
+
 Medium checked(const Medium& medium, const RaySettings& settings) {
     if (!is_lit(medium.data().shape.mode))
         throw Error(ErrorCode::usage,
@@ -114,6 +122,10 @@ PathTracer::PathTracer(const Device& device, const Medium& medium, const Lightin
 void PathTracer::make_colours(const PathOptions& options) {
     const Medium::Data& data = medium_.data();
     const auto limit = options.bounces == 0 ? std::nullopt : std::optional(options.albedo_max);
+    if (is_mixed(data) || tints_surfaces(data)) {
+        floor_material_ = packed_grey(lighting_.floor.albedo);
+        return;
+    }
     const auto add = [&](float r, float g, float b) {
         const float factor = albedo_factor(r, g, b, limit);
         red_.push_back(factor * r), green_.push_back(factor * g), blue_.push_back(factor * b);
@@ -121,13 +133,9 @@ void PathTracer::make_colours(const PathOptions& options) {
     if (data.shape.mode == Mode::iso) {
         const kernel::SurfacesView surfaces = surfaces_view(data, false);
         for (int i = 0; i < surfaces.count; ++i) {
-            const kernel::Rgba c = surfaces.colours[i];
-            const float inverse = c.a > 0 ? 1 / c.a : 0;
-            add(inverse * c.r, inverse * c.g, inverse * c.b);
+            const kernel::Rgba c = straight(surfaces.colours[i]);
+            add(c.r, c.g, c.b);
         }
-    } else if (is_mixed(data)) {
-        floor_material_ = packed_grey(lighting_.floor.albedo);
-        return;
     } else {
         extinction_ = extinctions_of(data);
         for (const auto& entry : data.table.entries) add(entry.r, entry.g, entry.b);
@@ -142,7 +150,8 @@ PathTracer::TraceTile PathTracer::tracer_through(const Camera& camera, const Lig
     const Medium::Data& data = medium_.data();
     const DeviceVolume::Data& volume = data.volume.data();
     const kernel::RegionsView regions = regions_view(data, majorants_);
-    const kernel::ColoursView colours{is_mixed(data) ? nullptr : red_.data(), green_.data(), blue_.data()};
+    const bool by_place = is_mixed(data) || tints_surfaces(data);
+    const kernel::ColoursView colours{by_place ? nullptr : red_.data(), green_.data(), blue_.data()};
     const auto limit = options.bounces == 0 ? std::numeric_limits<double>::infinity() : options.albedo_max;
     if (data.shape.mode != Mode::iso) {
         const kernel::Cloud<Voxel> cloud{.volume = view_of<Voxel>(volume),
@@ -168,10 +177,15 @@ PathTracer::TraceTile PathTracer::tracer_through(const Camera& camera, const Lig
         .colours = colours,
         .gradients = shading_view(lighting, camera, volume, data.shape.color),
         .reflection = view_of(reflection_),
-        .step_mm = float(step_mm(settings.step_voxels, volume.geometry, volume.dimensions))};
+        .step_mm = float(step_mm(settings.step_voxels, volume.geometry, volume.dimensions)),
+        .labels = label_view(data.surface_labels.get()),
+        .outside = view.outside,
+        .untinted = {},
+        .mixed = {max_extinction(volume), float(limit)}};
     surfaces.gradients.specular = {0, 0, 0};
     std::copy_n(view.values, view.count, surfaces.values);
-    for (int i = 0; i < view.count; ++i) surfaces.opacities[i] = view.colours[i].a;
+    for (int i = 0; i < view.count; ++i)
+        surfaces.opacities[i] = view.colours[i].a, surfaces.untinted[i] = straight(view.colours[i]);
     return tracer_of(surfaces, camera, settings, options);
 }
 
@@ -199,7 +213,7 @@ PathTracer::TraceTile PathTracer::tracer_of(const Matter& matter, const Camera& 
         .pixel_key = std::int32_t(words),
         .sample_key = std::int32_t(words >> 32),
         .width = width_};
-    if (!is_mixed(medium_.data())) cuda::try_gpu(device_, [&] { gpu_ = gpu_tracer_of(kernel); });
+    if (!is_for_cpu(medium_.data())) cuda::try_gpu(device_, [&] { gpu_ = gpu_tracer_of(kernel); });
     return [kernel, trace = kernel::trace_tile_for<kernel::PathKernel<Matter>>(device_.isa)](
                const kernel::PathTask& task) { return trace(kernel, task); };
 }

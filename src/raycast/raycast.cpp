@@ -45,7 +45,7 @@ struct Caster {
         const DeviceVolume::Data& volume = medium.volume.data();
         RenderStatistics render_statistics;
         if (volume.pages) return cast_by_bricks(view);
-        if (volume.mixture)  // by the CPU alone
+        if (is_for_cpu(medium))
             return with_stored_voxel(volume, [&](auto voxel) { return cast_here(kernel_of(voxel, view)); });
         if (medium.shape.interpolation == Interpolation::texture && !volume.factor &&
             cast_by_texture(view, render_statistics))

@@ -12,7 +12,23 @@ struct SurfacesView {
     Rgba colours[most];
     std::int32_t count;
     bool backwards;
+    float outside;  ///< a value beyond all of them, on the side of what they do not hold
 };
+
+/// The value at a place; outside where labels hide it.
+template <class F, class Matter, class At>
+CHIARO_INLINE F shown_value(const Matter& matter, const SurfacesView& surfaces, const At& at) {
+    const F value = matter.volume.value(at);
+    if constexpr (requires { matter.volume.mixture; })
+        return shown_value(matter.labels, at, value, surfaces.outside);
+    else
+        return value;
+}
+template <class F, class Matter>
+CHIARO_INLINE F shown_value(const Matter& matter, const SurfacesView& surfaces, Vec3<F> p) {
+    p = matter.volume.clamp(p);
+    return shown_value<F>(matter, surfaces, matter.volume.locate(p, matter.volume.voxel(p)));
+}
 
 /// A piece of a ray, in steps, and the values at its ends.
 template <class F>
@@ -21,14 +37,31 @@ struct Piece {
     F value_near, value_far;
 };
 
+/// The colour of a surface as labels tint it; albedos are limited after that.
+template <class F, class Matter>
+CHIARO_INLINE void tint_surface(const Matter& matter, const Location<F>& at, F alpha, RgbaLanes<F>& colour) {
+    if (matter.labels.tint) colour = tinted(matter.labels, at, colour);
+    colour = matter.step.template limited<F>(colour, colour, F(1) / max(alpha, F(1e-30f)));
+}
+
 template <class F, class Matter, class Ray>
 CHIARO_NOINLINE void show_surface(const Matter& matter, const SurfacesView& surfaces, std::int32_t i, Vec3<F> p,
                                   const Lattice<F>& lattice, const Cut<F>& cut, const Mask<F>& hit, Ray& ray) {
     p = matter.volume.clamp(p);
     const auto at = matter.volume.locate(p, matter.volume.voxel(p));
     RgbaLanes<F> colour = load_rgba(surfaces.colours, Int<F>(i));
+    Vec3<F> gradient;
+    bool is_labelled = false;
+    if constexpr (requires { matter.volume.mixture; }) {
+        if ((is_labelled = matter.labels.cells)) {
+            gradient = surface_gradient(matter.labels, at, matter.volume.value(at) - F(surfaces.values[i]),
+                                        matter.volume.gradient(at), surfaces.outside);
+            tint_surface<F>(matter, at, F(surfaces.colours[i].a), colour);
+        }
+    }
     MetSurface<F> none;
-    matter.light(at, cut, hit, {lattice, F(0), false}, none, {p, F(surfaces.values[i])}, colour);
+    matter.light(at, cut, hit, {lattice, F(0), false, is_labelled ? &gradient : nullptr}, none,
+                 {p, F(surfaces.values[i])}, colour);
     ray.reach(hit, p);
     ray.add(surfaces.backwards, hit, colour, F(surfaces.colours[i].a));
 }
@@ -39,7 +72,7 @@ CHIARO_INLINE void show_cut(const Matter& matter, const SurfacesView& surfaces, 
                             const Cut<F>& cut, Mask<F> alive, Ray& ray) {
     Mask<F> open = alive & cut.open;
     if (!any(open)) return;
-    const F value = matter.value_at(matter.volume.clamp(lattice.entry));
+    const F value = shown_value(matter, surfaces, lattice.entry);
     for (std::int32_t i = surfaces.count - 1; i >= 0; --i) {
         const Mask<F> inside = open & (value >= F(surfaces.values[i]));
         if (any(inside)) show_surface(matter, surfaces, i, lattice.entry, lattice, cut, inside, ray);
@@ -57,7 +90,7 @@ CHIARO_INLINE void cross(const Matter& matter, const SurfacesView& surfaces, std
     const Mask<F> crossed = alive & ((below & (piece.value_far >= surface)) | ((!below) & (piece.value_far < surface)));
     if (!any(crossed)) return;
     const auto value_at = [&](F steps)
-                              CHIARO_INLINE_LAMBDA { return matter.value_at(matter.volume.clamp(lattice.at(steps))); };
+                              CHIARO_INLINE_LAMBDA { return shown_value(matter, surfaces, lattice.at(steps)); };
     piece = {piece.near, piece.far, value_at(piece.near), value_at(piece.far)};
     for (int halving = 0; halving < 7; ++halving) {
         const F middle = F(0.5f) * (piece.near + piece.far), between = value_at(middle);
@@ -97,14 +130,14 @@ CHIARO_NOINLINE Int<F> march_to_surfaces(const Matter& matter, const SurfacesVie
     const Mask<F> seen = alive;
     alive &= lattice.first < pieces;
     F j = lattice.first, leave(0);
-    F before = matter.value_at(matter.volume.clamp(backwards ? lattice.at(exit) : lattice.entry));
+    F before = shown_value(matter, surfaces, backwards ? lattice.at(exit) : lattice.entry);
     Int<F> samples = select(alive, Int<F>(1), Int<F>(0));
     while (any(alive)) {
         const F m = backwards ? lattice.first + pieces - F(1) - j : j;
         Piece<F> piece{max(m - F(0.5f), F(0)), min(m + F(0.5f), exit), before, before};
         const Vec3<F> p = matter.volume.clamp(lattice.at(backwards ? piece.near : piece.far));
         const VoxelIndex<F> voxel = matter.volume.voxel(p);
-        const F value = matter.volume.value(matter.volume.locate(p, voxel));
+        const F value = shown_value<F>(matter, surfaces, matter.volume.locate(p, voxel));
         (backwards ? piece.value_near : piece.value_far) = value;
         samples += select(alive, Int<F>(1), Int<F>(0));
         cross_all(matter, surfaces, lattice, alive, piece, ray);

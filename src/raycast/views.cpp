@@ -163,6 +163,8 @@ kernel::SurfacesView surfaces_view(const Medium::Data& medium, bool backwards, s
     std::sort(surfaces.begin(), surfaces.end(), [&](const auto& a, const auto& b) { return stored(a) < stored(b); });
     kernel::SurfacesView view{};
     view.backwards = backwards;
+    view.outside = volume.scale > 0 ? -3e38f : 3e38f;
+    if (medium.surface_labels) albedo_limit.reset();  // of what they are tinted
     for (const IsoSurface& s : surfaces) {
         const OpticalTable::Entry& entry = medium.table.at(stored(s));
         std::array<float, 3> rgb{entry.r, entry.g, entry.b};

@@ -86,8 +86,9 @@ kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, cons
                                                 const RaySettings& settings, Frame& frame, bool shows_cuts,
                                                 std::optional<double> albedo_limit = {}) {
     const kernel::MarchOptions way = march_options(settings, medium);
-    const LabelBricks* const labels = way.labelled ? medium.volume.data().mixture->labels.get() : nullptr;
-    const DeviceVolume::Data& volume = marched_volume(medium, labels);
+    const auto& lie_in = way.labelled ? medium.volume.data().mixture->labels : medium.surface_labels;
+    const LabelBricks* const labels = lie_in.get();
+    const DeviceVolume::Data& volume = marched_volume(medium, way.labelled ? labels : nullptr);
     const auto [nx, ny, nz] = volume.dimensions;
     // An axis of one voxel is one voxel thick.
     const auto low = [](int n) { return n == 1 ? -0.5f : 0.0f; };

@@ -152,4 +152,24 @@ CHIARO_INLINE Vec3<F> labelled_gradient(const LabelView& labels, const Location<
     return left_at(distance) * gradient + (kappa * near * F(1 / LabelCoding::per_voxel)) * border.differences(at);
 }
 
+/// A value as isosurfaces see it: `outside` of all of them where labels hide it.
+template <class F>
+CHIARO_INLINE F shown_value(const LabelView& labels, const Location<F>& at, F value, float outside) {
+    if (!labels.distance || !any(gather_byte(labels.distance, at.index) != Int<F>(LabelCoding::deep))) return value;
+    return select(distance_at(labels, at) < F(0), F(outside), value);
+}
+
+/// At an isosurface the gradient of what bounds it: of values, or of the border, where that is nearer than values are
+/// to the surface's, from which they are `off`.
+template <class F>
+CHIARO_INLINE Vec3<F> surface_gradient(const LabelView& labels, const Location<F>& at, F off, Vec3<F> gradient,
+                                       float outside) {
+    if (!labels.distance) return gradient;
+    const Mask<F> is_border = abs(distance_at(labels, at)) * sqrt(dot(gradient, gradient)) < abs(off);
+    if (!any(is_border)) return gradient;
+    VolumeView<std::uint8_t> border{};
+    border.voxels = labels.distance;
+    return select(is_border, F(outside < 0 ? 1.0f : -1.0f) * border.differences(at), gradient);
+}
+
 }  // namespace chiaro::kernel

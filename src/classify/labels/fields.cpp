@@ -15,7 +15,7 @@
 namespace chiaro {
 namespace {
 
-constexpr int edge = BorderTile::edge, halo = BorderTile::halo, row = BorderTile::row;
+constexpr int edge = BorderTile::edge;
 constexpr std::size_t max_tints = 16;  ///< that have borders of their own within a tile
 
 struct Tint {
@@ -80,7 +80,12 @@ std::uint32_t packed(const Tint& tint) { return packed(tint.root, tint.strength)
 class Tiles {
 public:
     Tiles(const LabelVolume& labels, const Looks& looks, LabelFields& out)
-        : labels_(labels), looks_(looks), out_(out) {}
+        : labels_(labels),
+          looks_(looks),
+          out_(out),
+          tile_(border_widths(labels.geometry.spacing_mm)),
+          numbers_(std::size_t(row) * row * row),
+          inside_(numbers_.size()) {}
 
     void fill(std::array<int, 3> at) {
         first_ = at;
@@ -92,14 +97,12 @@ public:
     }
 
 private:
-    static constexpr std::size_t around = std::size_t(row) * row * row;
-
     void load() {
         const auto [nx, ny, nz] = labels_.dimensions;
         const auto numbers = labels_.numbers();
         for (int z = 0; z < row; ++z)
             for (int y = 0; y < row; ++y) {
-                const auto within = [](int i, int n) { return std::size_t(std::clamp(i - halo, 0, n - 1)); };
+                const auto within = [&](int i, int n) { return std::size_t(std::clamp(i - halo, 0, n - 1)); };
                 const std::uint16_t* const line =
                     numbers.data() +
                     (within(first_[2] + z, nz) * std::size_t(ny) + within(first_[1] + y, ny)) * std::size_t(nx);
@@ -125,8 +128,8 @@ private:
     template <class IsIn>
     const std::vector<float>* border_of(const IsIn& is_in, bool& all) {
         std::size_t count = 0;
-        for (std::size_t i = 0; i < around; ++i) inside_[i] = is_in(numbers_[i]), count += inside_[i];
-        all = count == around;
+        for (std::size_t i = 0; i < inside_.size(); ++i) inside_[i] = is_in(numbers_[i]), count += inside_[i];
+        all = count == inside_.size();
         return count == 0 || all ? nullptr : &tile_.distance(inside_);
     }
 
@@ -258,9 +261,10 @@ private:
     const Looks& looks_;
     LabelFields& out_;
     BorderTile tile_;
+    const int halo = tile_.halo(), row = tile_.row();
     std::array<int, 3> first_{};
-    std::vector<std::uint16_t> numbers_ = std::vector<std::uint16_t>(around);
-    std::vector<std::uint8_t> inside_ = std::vector<std::uint8_t>(around);
+    std::vector<std::uint16_t> numbers_;  ///< row³
+    std::vector<std::uint8_t> inside_;
 };
 
 }  // namespace
@@ -293,6 +297,7 @@ std::vector<std::uint8_t> tiles_of(const std::vector<std::uint8_t>& is_changed, 
     std::vector<std::uint8_t> tiles(std::size_t(fields.tiles[0] * fields.tiles[1] * fields.tiles[2]));
     const auto [nx, ny, nz] = labels.dimensions;
     const auto numbers = labels.numbers();
+    const int halo = BorderTile(border_widths(labels.geometry.spacing_mm)).halo();
     parallel_for(threads, std::int64_t(tiles.size()), 1, [&](std::int64_t t, std::int64_t) {
         const std::array<int, 3> n{nx, ny, nz};
         std::array<int, 3> low, high;

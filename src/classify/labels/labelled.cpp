@@ -68,16 +68,17 @@ Medium with_labels(const Device& device, const Medium& medium, std::shared_ptr<c
                    const Progress& progress) {
     const Medium::Data& data = medium.data();
     if (!labels) return medium;
-    if (data.shape.mode == Mode::iso || data.shape.mode == Mode::mean)
+    if (data.shape.mode == Mode::mean)
         throw Error(ErrorCode::usage,
-                    "labels: they go with --mode dvr, additive, mip and minip: surfaces of a value (iso), and the mean "
-                    "of a ray, are found without them");
+                    "labels: they go with --mode dvr, iso, additive, mip and minip: the mean of a ray is found without "
+                    "them");
     if (!labels->transfers.empty() && data.shape.mode != Mode::dvr && data.shape.mode != Mode::additive)
         throw Error(ErrorCode::usage,
                     "labels: a transfer function of a label's own goes with --mode dvr and additive: a value of a "
                     "whole ray is shown by the volume's");
     if (data.volume.data().pages)
         throw Error(ErrorCode::usage, "labels: a volume that is read by bricks has none: raise --memory");
+    if (data.shape.mode == Mode::iso) return with_labelled_surfaces(device, data, std::move(labels), progress);
     MixtureParts parts = parts_of(data);
     if (!labels->transfers.empty()) parts.channels = by_transfer(device, data, labels, progress);
     parts.labels = std::move(labels);

@@ -36,6 +36,12 @@ private:
 Medium with_labels(const Device& device, const Medium& medium, std::shared_ptr<const LabelBricks> labels,
                    const Progress& progress);
 
+/// The same of isosurfaces. What labels hide lies outside all of them: rays and paths find its border in the labels
+/// (kernel::shown_value), light in voxels that have become others. Cost: a copy of the bricks where labels hide
+/// something. Throws Error{usage} where labels thin, or every value lies within the lowest surface.
+Medium with_labelled_surfaces(const Device& device, const Medium::Data& medium,
+                              std::shared_ptr<const LabelBricks> labels, const Progress& progress);
+
 /// For each 4³ cell whether labels show anything in it: 0 or 1; empty: in all.
 std::vector<std::uint8_t> cells_with_labels(const LabelBricks& labels, const DeviceVolume::Data& volume);
 

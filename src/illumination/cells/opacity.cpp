@@ -44,7 +44,8 @@ kernel::CellOpacityKernel<Voxel> opacity_kernel(const Medium::Data& medium, cons
             .offset = float(medium.table.index_offset + 0.5),
             .last = float(entries.size()) - 1,
             .surfaces = coverage_view(medium, grid),
-            .edge_mm = float(grid.edge_mm)};
+            .edge_mm = float(grid.edge_mm),
+            .labels = label_view(medium.surface_labels.get())};
 }
 
 /// Fills rows of cells from a volume of one stored type.

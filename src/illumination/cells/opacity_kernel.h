@@ -17,12 +17,13 @@ struct CoverageView {
         return sqrt(dot(g, g));
     }
     /// α = clamp(½ + (f - iso) / (|∇f| e), 0, 1), times the surface's opacity.
-    CHIARO_INLINE std::uint16_t opacity(float value, float slope) const {
+    /// `left`: the most that lies inside.
+    CHIARO_INLINE std::uint16_t opacity(float value, float slope, float left) const {
         float clear = 1;
         for (std::int32_t s = 0; s < count; ++s) {
             const float above = inwards * (value - values[s]);
             const float inside = slope > 0 ? max(min(0.5f + above / slope, 1.0f), 0.0f) : float(above >= 0);
-            clear *= 1 - opacities[s] * inside;
+            clear *= 1 - opacities[s] * min(inside, left);
         }
         return share_value(1 - clear);
     }
@@ -35,7 +36,8 @@ struct CellOpacityKernel {
     const std::uint16_t* entries;  ///< of the optical table; null: isosurfaces
     float scale, offset, last;     ///< index = stored * scale + offset, rounding included
     CoverageView surfaces;
-    float edge_mm;  ///< of a cell
+    float edge_mm;     ///< of a cell
+    LabelView labels;  ///< that cut isosurfaces; null: none
 
     CHIARO_INLINE std::uint16_t of_stored(float stored) const {
         return entries[std::uint32_t(min(max(mad(stored, scale, offset), 0.0f), last))];
@@ -54,7 +56,8 @@ struct CellOpacityKernel {
     /// Nothing is seen inside a surface, but it is matter.
     CHIARO_INLINE std::uint16_t inside(std::int32_t x, std::int32_t y, std::int32_t z, bool near_surface) const {
         const Location<float> at = located(x, y, z);
-        return surfaces.opacity(volume.value(at), near_surface ? surfaces.slope(volume.gradient(at)) : 0);
+        const float left = labels.distance ? left_at(distance_at(labels, at)) : 1;
+        return surfaces.opacity(volume.value(at), near_surface ? surfaces.slope(volume.gradient(at)) : 0, left);
     }
     CHIARO_INLINE std::uint16_t unclipped(std::int32_t x, std::int32_t y, std::int32_t z, bool near_surface) const {
         if (!entries) return inside(x, y, z, near_surface);

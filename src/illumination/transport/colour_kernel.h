@@ -44,6 +44,8 @@ struct StoredValues {
     CHIARO_INLINE Rgba matter(std::int32_t x, std::int32_t y, std::int32_t z) const {
         return matter_of_cell(volume, centres, x, y, z);
     }
+    static constexpr bool has_tints() { return false; }
+    CHIARO_INLINE Rgba tinted(std::int32_t, std::int32_t, std::int32_t, Rgba colour) const { return colour; }
     CHIARO_INLINE bool has_factor() const { return volume.has_factor(); }
     CHIARO_INLINE float factor(std::int32_t x, std::int32_t y, std::int32_t z) const {
         return factor_of_cell(volume, centres, x, y, z);
@@ -56,7 +58,7 @@ struct StoredValues {
 };
 
 /// Sums over nodes of edge³ cells, every `stride`-th per axis. `Values`: at(x, y, z) of a cell, and its factor, or its
-/// matter.
+/// matter, or what tints its colour.
 template <class Values>
 struct NodeColours {
     Values values;
@@ -75,6 +77,11 @@ struct NodeColours {
             }
             const ScatteringColour& tint = scattering_colours.of(values.at(i, y, z));
             if (tint.weight == 0 || centres.is_clipped(i, y, z)) continue;
+            if (values.has_tints()) {
+                const Rgba colour{tint.colour[0], tint.colour[1], tint.colour[2], tint.weight};
+                sum.add(scattering_colours.of(values.tinted(i, y, z, colour)));
+                continue;
+            }
             values.has_factor() ? sum.add(tint.times(values.factor(i, y, z))) : sum.add(tint);
         }
     }

@@ -59,10 +59,16 @@ struct PlacedValues {
     const AxisPlaces<Voxel>& places;
     bool are_voxels;
     kernel::StoredValues<Voxel> plain;
+    kernel::LabelView labels;  ///< of isosurfaces
     bool is_mixed() const { return plain.is_mixed(); }
     kernel::Rgba matter(int x, int y, int z) const { return plain.matter(x, y, z); }
     bool has_factor() const { return plain.has_factor(); }
     float factor(int x, int y, int z) const { return plain.factor(x, y, z); }
+    bool has_tints() const { return labels.tint; }
+    kernel::Rgba tinted(int x, int y, int z, kernel::Rgba colour) const {
+        const auto p = plain.volume.clamp(plain.centres.of(x, y, z));
+        return kernel::tinted(labels, plain.volume.template locate<float>(p, plain.volume.voxel(p)), colour);
+    }
     float at(int x, int y, int z) const { return are_voxels ? float(places.voxel(x, y, z)) : places.value(x, y, z); }
 };
 
@@ -115,8 +121,11 @@ private:
         with_stored_voxel(medium_.volume.data(), [&](auto voxel) {
             using Voxel = decltype(voxel);
             const AxisPlaces<Voxel> places(view_of<Voxel>(medium_.volume.data()), centres_of(cells_));
-            const auto of = colours(PlacedValues<Voxel>{
-                places, cells_.is_voxel_grid, {view_of<Voxel>(medium_.volume.data()), cell_centres(medium_, cells_)}});
+            const auto of =
+                colours(PlacedValues<Voxel>{places,
+                                            cells_.is_voxel_grid,
+                                            {view_of<Voxel>(medium_.volume.data()), cell_centres(medium_, cells_)},
+                                            label_view(medium_.surface_labels.get())});
             const NodeRange own = own_nodes(medium_.volume.data(), nodes);
             if (own.is_empty()) return;
             const int high = own.end[1] - own.first[1];

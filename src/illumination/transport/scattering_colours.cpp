@@ -51,7 +51,7 @@ ScatteringColours::ScatteringColours(const Medium::Data& medium, double albedo_m
         const auto nearest = std::min_element(medium.shape.iso.begin(), medium.shape.iso.end(),
                                               [&](const auto& a, const auto& b) { return off(a) < off(b); });
         const double at = (nearest->value - volume.offset) / volume.scale;
-        entries_[j] = capped(1, colour_of(medium, *nearest, at), albedo_max);
+        entries_[j] = capped(1, colour_of(medium, *nearest, at), medium.surface_labels ? 1 : albedo_max);
     }
 }
 
