@@ -92,8 +92,8 @@ const std::map<std::string, int (*)(const char* victim)> deeds{
 const std::map<std::string, void (*)()> ends{
     {"spin",
      [] {
-         for (volatile std::uint64_t i = 0;; i = i + 1) {
-         }
+         volatile std::uint64_t i = 0;
+         for (;;) i = i + 1;
      }},
     {"sleep", [] { sleep(1000); }},
     {"ignore all",

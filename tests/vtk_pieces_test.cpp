@@ -137,7 +137,7 @@ TEST(Pvd, HoldsMoments) {
     EXPECT_NE(refused(entry("0", "a.pvd")).find("'Collection', not ImageData"), std::string::npos);
     EXPECT_NE(refused(entry("0", "b.pvd")).find("'Collection', not ImageData"), std::string::npos);  // itself
     fs::create_symlink("/etc/passwd", folder / "elsewhere.vti");
-    for (const std::string& outside : {"../x.vti", "a/../../x.vti", "", ".", "elsewhere.vti"})
+    for (const std::string outside : {"../x.vti", "a/../../x.vti", "", ".", "elsewhere.vti"})
         EXPECT_FALSE(refused(entry("0", outside)).empty()) << outside;
     EXPECT_NE(refused(entry("0", "/etc/passwd")).find("must lie in the folder"), std::string::npos);
 }
