@@ -17,6 +17,8 @@ constexpr auto suite_table = std::to_array<Suite>({
     {"skipping", "what empty-space skipping saves", skipping_cases},
     {"channels", "a frame of several channels", channel_cases},
     {"labels", "a frame with labels", label_cases},
+    {"moments", "a series through time is played: reading, classifying, light, frames, and what is waited for",
+     moment_cases},
     {"scenes", "a frame of each scene of bench/scenes", scene_cases},
     {"ways", "the same scenes as isosurfaces and maxima, classified, composited and set up in other ways", way_cases},
     {"pipeline", "upload and classify", pipeline_cases},
