@@ -22,6 +22,8 @@ constexpr auto suite_table = std::to_array<Suite>({
     {"scenes", "a frame of each scene of bench/scenes", scene_cases},
     {"ways", "the same scenes as isosurfaces and maxima, classified, composited and set up in other ways", way_cases},
     {"pipeline", "upload and classify", pipeline_cases},
+    {"moments", "a series through time is played: reading, classifying, light, frames, and what is waited for",
+     moment_cases},
     {"spao", "ambient occlusion by filtering: the published table, and an edit's update", spao_cases},
     {"spao-error", "ambient occlusion by filtering against rays: error of every model and filter", spao_error_cases},
     {"visibility", "visibility in spherical harmonics: the published table, and an edit's update", visibility_cases},

@@ -56,6 +56,7 @@ std::vector<Case> paging_cases(const Setup& setup);
 std::vector<Case> scene_cases(const Setup& setup);
 std::vector<Case> way_cases(const Setup& setup);
 std::vector<Case> pipeline_cases(const Setup& setup);
+std::vector<Case> moment_cases(const Setup& setup);
 std::vector<Case> spao_cases(const Setup& setup);
 std::vector<Case> spao_error_cases(const Setup& setup);
 std::vector<Case> visibility_cases(const Setup& setup);

@@ -38,6 +38,13 @@ TEST_F(Bench, SkippingLeavesTheImageAsItIs) {
     EXPECT_TRUE(found[0].at("ratio").is_number());
 }
 
+TEST_F(Bench, PlaysASeriesThroughTime) {
+    const auto found = rows("moments");
+    ASSERT_EQ(found.size(), 7);
+    for (const auto& row : found) EXPECT_GE(row.at("runs"), 18) << row;
+    EXPECT_GT(found[0].at("value"), 0);
+}
+
 TEST_F(Bench, LeavesOutWhatHasNoData) {
     unsetenv("CHIARO_DATA_DIR");
     const Said said = tool("bench scenes --quick --filter 'bonsai/step-1/shaded'");

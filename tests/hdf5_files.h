@@ -2,6 +2,7 @@
 #pragma once
 #include "volume_files.h"
 
+#include <fmt/format.h>
 #include <hdf5.h>
 
 namespace volume_files {
@@ -70,6 +71,15 @@ private:
     std::string path_;
     hid_t file_ = -1, links_ = -1, last_ = -1;
 };
+
+/// As vigra writes them.
+inline std::string axistags(const std::string& letters) {
+    std::string axes;
+    for (const char letter : letters)
+        axes += fmt::format(R"({}{{"key": "{}", "typeFlags": 2, "resolution": 0, "description": ""}})",
+                            axes.empty() ? "" : ", ", letter);
+    return R"({"axes": [)" + axes + "]}";
+}
 
 /// A valid file, as bytes: 4 x 3 x 2 voxels, contiguous, or in chunks that are shuffled and deflated.
 inline std::string hdf5_file(const Folder& folder, bool chunked) {

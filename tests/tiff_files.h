@@ -75,4 +75,13 @@ inline std::string tiff_file(const std::vector<TiffImage>& pages, bool big_endia
     return file;
 }
 
+/// The first of two channels; the second lies in "c2.tif".
+inline std::string ome_file() {
+    TiffImage first;
+    first.description =
+        R"(<OME><Image><Pixels SizeZ="1" SizeC="2"><TiffData FirstC="0"><UUID FileName="c1.tif">1</UUID></TiffData>)"
+        R"(<TiffData FirstC="1"><UUID FileName="c2.tif">2</UUID></TiffData></Pixels></Image></OME>)";
+    return tiff_file({first});
+}
+
 }  // namespace volume_files

@@ -124,7 +124,8 @@ std::string only_volume(hid_t file) {
         if (!made.is_valid() || H5Pget_layout(made) == H5D_VIRTUAL) continue;  // whose size may lie in other files
         Hdf5Shape shape{.sizes = sizes_of(dataset)};
         shape.letters = letters_of(dataset, shape.sizes.size());
-        if (type_of(dataset) && with_axes(std::move(shape)).axes.size() == 3) volumes.push_back(path);
+        const std::size_t least = shape.letters.empty() ? 3 : 2;  // of what is named so a picture is one
+        if (type_of(dataset) && with_axes(std::move(shape)).axes.size() >= least) volumes.push_back(path);
     }
     if (volumes.size() == 1) return volumes[0];
     const auto& named = volumes.empty() ? all : volumes;

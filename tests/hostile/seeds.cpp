@@ -176,6 +176,7 @@ void add_tiff(std::vector<Seed>& all) {
                    .bytes = tiff_file({TiffImage()}),
                    .beside = {{"s1.tif", tiff_file({TiffImage()})}},
                    .opened = "."});
+    all.push_back({.name = "c1.tif", .bytes = ome_file(), .beside = {{"c2.tif", tiff_file({TiffImage()})}}});
 }
 
 void add_hdf5(std::vector<Seed>& all) {
@@ -187,8 +188,9 @@ void add_hdf5(std::vector<Seed>& all) {
     H5Pset_chunk(packed, 3, chunk), H5Pset_shuffle(packed), H5Pset_deflate(packed, 6), H5Pset_fletcher32(packed);
     Hdf5(folder / "plain.h5").dataset("density", {2, 3, 4}, ramp<std::uint16_t>(24), plain);
     Hdf5(folder / "packed.h5").dataset("density", {2, 3, 4}, ramp<float>(24), packed);
+    Hdf5(folder / "named.h5").dataset("t", {2, 3, 4}, ramp<float>(24), plain).text("axistags", axistags("tyx"));
     H5Pclose(plain), H5Pclose(packed);
-    for (const char* name : {"plain.h5", "packed.h5"})
+    for (const char* name : {"plain.h5", "packed.h5", "named.h5"})
         all.push_back({.name = name, .bytes = content_of(folder / name)});
 }
 
