@@ -27,7 +27,7 @@ struct PaperColumn {
 constexpr PaperColumn paper_table[] = {{1, 70.4, 71}, {2, 12.3, 46}, {4, 4.0, 40}, {8, 2.3, 36}};
 
 /// The published volumes where they are at hand, else samples of the same size.
-struct Subject {
+struct SweptSubject {
     std::string name;
     Scene scene;
 };
@@ -39,13 +39,13 @@ TransferFunction carp_transfer() {
     return tf;
 }
 
-std::vector<Subject> subjects(const Setup& setup) {
-    std::vector<Subject> list;
+std::vector<SweptSubject> subjects(const Setup& setup) {
+    std::vector<SweptSubject> list;
     const auto add = [&](const std::string& name, const std::string& file, const TransferFunction& tf,
                          const std::string& sample) {
         std::error_code unreadable;
         const bool is_there = !setup.data.empty() && std::filesystem::exists(setup.data / file, unreadable);
-        Subject subject{is_there ? name : sample, {}};
+        SweptSubject subject{is_there ? name : sample, {}};
         subject.scene.volume =
             is_there ? (setup.data / file).string() : fmt::format("sample:{}:{}", sample, setup.quick ? 48 : 256);
         subject.scene.transfer.points = is_there ? tf : sample_transfer_function(sample);
@@ -121,7 +121,7 @@ double middle_value(const TransferFunction& tf) {
 }
 
 /// Set-up by both ways, once.
-std::vector<Row> measure_set_up(const Setup& setup, const std::string& prefix, const Subject& subject,
+std::vector<Row> measure_set_up(const Setup& setup, const std::string& prefix, const SweptSubject& subject,
                                 const PaperColumn& paper) {
     const Medium medium = medium_of(setup, subject.scene);
     std::optional<Density> density;
@@ -144,7 +144,7 @@ Row frame_row(const Setup& setup, const std::string& name, Turntable& turntable,
 }
 
 /// The memory of the field, and pictures in its light.
-std::vector<Row> measure_frames(const Setup& setup, const std::string& prefix, const Subject& subject,
+std::vector<Row> measure_frames(const Setup& setup, const std::string& prefix, const SweptSubject& subject,
                                 const PaperColumn& paper) {
     Scene scene = subject.scene;
     scene.illumination = {.method = Method::visibility,
@@ -228,7 +228,7 @@ std::vector<Case> visibility_cases(const Setup& setup) {
     cases.push_back({{"visibility/128", "visibility/128/walk"},
                      [=, &setup] { return measure_sweep(setup, "visibility/128", size); }});
     add("visibility/update/64", measure_visibility_update);
-    for (const Subject& subject : subjects(setup))
+    for (const SweptSubject& subject : subjects(setup))
         for (const PaperColumn& paper : paper_table) {
             const std::string prefix = fmt::format("visibility/{}/1:{}/", subject.name, paper.subsample);
             cases.push_back({{prefix + "set-up-sweep", prefix + "set-up-walk"},
