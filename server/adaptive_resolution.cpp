@@ -13,7 +13,7 @@ constexpr double weight_of_newest = 0.4;
 // Widths that drafts on a slow way do not go below, for the way's sake or, where they take `patience` at most, the
 // time's: that of the specification's two ways (scripts/far_away), at 5 and 2 Mbit/s.
 constexpr int least_width = 640, least_narrow_width = 480;
-constexpr double narrow = 375e3;  // bytes a second
+constexpr double narrow = 312e3;  // bytes a second
 constexpr double patience = 0.1;  // seconds
 
 /// What a draft may be, each quicker than the one before: its side is the canvas's over √2^shrinks.
