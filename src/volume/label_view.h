@@ -46,13 +46,20 @@ CHIARO_INLINE Four<F> tint_between(const LabelView& labels, const Location<F>& a
     constexpr Distances beside{0, brick_row, brick_slice, brick_slice + brick_row};
     const Four<Four<F>> a = gather_bytes(labels.tint, at.index, beside),
                         b = gather_bytes(labels.tint + 1, at.index, beside);
-    const auto between = [&](auto channel) CHIARO_INLINE_LAMBDA {
-        const F near = lerp(lerp(a.a.*channel, b.a.*channel, at.t.x), lerp(a.b.*channel, b.b.*channel, at.t.x), at.t.y),
-                far = lerp(lerp(a.c.*channel, b.c.*channel, at.t.x), lerp(a.d.*channel, b.d.*channel, at.t.x), at.t.y);
-        return F(1.0f / 255) * lerp(near, far, at.t.z);
+    const auto between = [&](auto value_of) CHIARO_INLINE_LAMBDA {
+        const F near = lerp(lerp(value_of(a.a), value_of(b.a), at.t.x), lerp(value_of(a.b), value_of(b.b), at.t.x),
+                            at.t.y),
+                far = lerp(lerp(value_of(a.c), value_of(b.c), at.t.x), lerp(value_of(a.d), value_of(b.d), at.t.x),
+                           at.t.y);
+        return lerp(near, far, at.t.z);
     };
-    // The strength's lowest bit tells of several tints: it is up to 1/255 too much here.
-    return {between(&Four<F>::a), between(&Four<F>::b), between(&Four<F>::c), between(&Four<F>::d)};
+    const auto root = [&](F Four<F>::*channel) CHIARO_INLINE_LAMBDA {
+        return F(1.0f / 255) * between([&](const Four<F>& word) CHIARO_INLINE_LAMBDA { return word.*channel; });
+    };
+    // Without its byte's lowest bit, which tells of several tints.
+    const auto strength = [](const Four<F>& word) CHIARO_INLINE_LAMBDA { return floor(F(0.5f) * word.d); };
+    return {root(&Four<F>::a), root(&Four<F>::b), root(&Four<F>::c),
+            F(1.0f / TintCoding::strength_bits) * between(strength)};
 }
 
 /// As tint_between, of a word.
