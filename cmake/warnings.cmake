@@ -4,7 +4,4 @@ target_compile_options(chiaro_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshad
 if(CHIARO_SANITIZE)
   add_compile_options(-fsanitize=${CHIARO_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${CHIARO_SANITIZE})
-  if(CHIARO_SANITIZE MATCHES address)  # which sees what these see, when it is used; they are a third of the time of compiling
-    add_compile_options(-fno-sanitize=null,alignment,object-size,vptr)
-  endif()
 endif()
