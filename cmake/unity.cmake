@@ -4,7 +4,8 @@
 option(CHIARO_UNITY "Compile the files of a folder together" ON)
 
 # chiaro_unity(TARGET FILES_PER_UNIT [SOURCE...]): all sources of the target, or those given, but generated ones and those
-# that have options of their own. CMake's own units name files by absolute paths, by which a compiler cache takes each clone for another project.
+# that have options of their own. CMake's own units name files by absolute paths, by which a compiler cache takes each clone
+# for another project.
 function(chiaro_unity target files_per_unit)
   if(NOT CHIARO_UNITY)
     return()

@@ -11,7 +11,7 @@ namespace chiaro::server {
 constexpr double comfortable = 0.75;  // of the target: so much must be left before a size goes up again
 constexpr double weight_of_newest = 0.4;
 // Widths that drafts on a slow way do not go below, for the way's sake or, where they take `patience` at most, the
-// time's: that of the specification's two ways (scripts/far_away), at 5 and 2 Mbit/s.
+// time's: those asked for at 5 and 2 Mbit/s (docs/viewer.md).
 constexpr int least_width = 640, least_narrow_width = 480;
 constexpr double narrow = 312e3;  // bytes a second
 constexpr double patience = 0.1;  // seconds

@@ -69,8 +69,10 @@ int packed_grey(double albedo) {
     return int(std::lround(std::clamp(albedo, 0.0, 1.0) * 1023)) * ((1 << 20) + (1 << 10) + 1);
 }
 
-/// Whether surfaces have no colour of their own, but the labels' there.
-bool tints_surfaces(const Medium::Data& medium) { return medium.surface_labels && medium.surface_labels->tint.size(); }
+/// Whether colours are found where they are: those of a mixture, and of isosurfaces that labels tint.
+bool has_colours_by_place(const Medium::Data& medium) {
+    return is_mixed(medium) || (medium.surface_labels && medium.surface_labels->tint.size());
+}
 
 kernel::Rgba straight(const kernel::Rgba& c) {
     const float inverse = c.a > 0 ? 1 / c.a : 0;
@@ -122,7 +124,7 @@ PathTracer::PathTracer(const Device& device, const Medium& medium, const Lightin
 void PathTracer::make_colours(const PathOptions& options) {
     const Medium::Data& data = medium_.data();
     const auto limit = options.bounces == 0 ? std::nullopt : std::optional(options.albedo_max);
-    if (is_mixed(data) || tints_surfaces(data)) {
+    if (has_colours_by_place(data)) {
         floor_material_ = packed_grey(lighting_.floor.albedo);
         return;
     }
@@ -150,8 +152,7 @@ PathTracer::TraceTile PathTracer::tracer_through(const Camera& camera, const Lig
     const Medium::Data& data = medium_.data();
     const DeviceVolume::Data& volume = data.volume.data();
     const kernel::RegionsView regions = regions_view(data, majorants_);
-    const bool by_place = is_mixed(data) || tints_surfaces(data);
-    const kernel::ColoursView colours{by_place ? nullptr : red_.data(), green_.data(), blue_.data()};
+    const kernel::ColoursView colours{has_colours_by_place(data) ? nullptr : red_.data(), green_.data(), blue_.data()};
     const auto limit = options.bounces == 0 ? std::numeric_limits<double>::infinity() : options.albedo_max;
     if (data.shape.mode != Mode::iso) {
         const kernel::Cloud<Voxel> cloud{.volume = view_of<Voxel>(volume),

@@ -54,11 +54,15 @@ std::array<float, 3> border_widths(const Vec3& spacing_mm) {
     return widths;
 }
 
-BorderTile::BorderTile(const std::array<float, 3>& widths)
+int BorderTile::halo_of(const Widths& widths) {
+    return reach_of(2 * widest_sigma * *std::max_element(widths.begin(), widths.end())) + margin_of(widths);
+}
+
+BorderTile::BorderTile(const Widths& widths)
     : widths_(widths),
-      margin_(widths == alike ? 4 : 5),
+      margin_(margin_of(widths)),
       span_(edge + 2 * margin_),
-      halo_(reach_of(2 * widest_sigma * *std::max_element(widths.begin(), widths.end())) + margin_),
+      halo_(halo_of(widths)),
       row_(edge + 2 * halo_),
       source_(std::size_t(row_) * row_ * row_),
       own_(std::size_t(span_) * span_ * span_),

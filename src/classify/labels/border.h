@@ -25,17 +25,20 @@ public:
     static constexpr int edge = 32;    ///< voxels per axis that a tile answers for
     static constexpr float reach = 2;  ///< voxels; distances beyond are this
 
+    using Widths = std::array<float, 3>;
+
     /// `widths`: how many times 2.25 voxels σ is along each axis.
-    explicit BorderTile(const std::array<float, 3>& widths = {1, 1, 1});
-    int halo() const { return halo_; }  ///< voxels known around the tile's
-    int row() const { return row_; }    ///< edge and a halo on either side
+    explicit BorderTile(const Widths& widths = {1, 1, 1});
+    static int halo_of(const Widths& widths);  ///< voxels known around the tile's
+    int halo() const { return halo_; }
+    int row() const { return row_; }  ///< edge and a halo on either side
     /// `inside`: row³, x fastest, 1 in the set, else 0. The distances, edge³, are positive inside. Cost: 1 to 3
     /// core-ms; of thick slices three times as much.
     const std::vector<float>& distance(const std::vector<std::uint8_t>& inside);
 
 private:
-    using Widths = std::array<float, 3>;
     static constexpr Widths alike{1, 1, 1};
+    static int margin_of(const Widths& widths) { return widths == alike ? 4 : 5; }
     void smooth(float sigma, const Widths& widths, std::vector<float>& out);
     void divide_by_slope(float sigma, const Widths& widths, std::vector<float>& out) const;
     void find_thin();

@@ -297,7 +297,7 @@ std::vector<std::uint8_t> tiles_of(const std::vector<std::uint8_t>& is_changed, 
     std::vector<std::uint8_t> tiles(std::size_t(fields.tiles[0] * fields.tiles[1] * fields.tiles[2]));
     const auto [nx, ny, nz] = labels.dimensions;
     const auto numbers = labels.numbers();
-    const int halo = BorderTile(border_widths(labels.geometry.spacing_mm)).halo();
+    const int halo = BorderTile::halo_of(border_widths(labels.geometry.spacing_mm));
     parallel_for(threads, std::int64_t(tiles.size()), 1, [&](std::int64_t t, std::int64_t) {
         const std::array<int, 3> n{nx, ny, nz};
         std::array<int, 3> low, high;

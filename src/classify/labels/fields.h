@@ -27,7 +27,7 @@ LabelFields make_label_fields(const LabelVolume& labels, const std::vector<Label
                               const Progress& progress);
 
 /// The same after looks have changed, from what they were: bit for bit what make_label_fields gives. Only the tiles
-/// that hold such a label, or voxels within reach of one (BorderTile::halo), are found anew, unless there are other
+/// that hold such a label, or voxels within reach of one (BorderTile::halo_of), are found anew, unless there are other
 /// degrees of opacity or transfer functions than before, or tints where none were. Returns which tiles, a byte each, x
 /// fastest. Where it throws, the fields are of no use.
 std::vector<std::uint8_t> renew_label_fields(LabelFields& fields, const LabelVolume& labels,
