@@ -14,7 +14,7 @@ struct ShortsOf<float> {
 template <class F>
 using Shorts = typename ShortsOf<F>::type;
 
-CHIARO_INLINE void load(const std::uint16_t* from, std::uint16_t& shorts) { shorts = *from; }
+CHIARO_INLINE std::uint16_t loaded_as(const std::uint16_t* from, std::uint16_t*) { return *from; }
 CHIARO_INLINE void store(std::uint16_t shorts, std::uint16_t* to) { *to = shorts; }
 /// The mean of each pair, rounded up.
 CHIARO_INLINE std::uint16_t mean_of(std::uint16_t a, std::uint16_t b) { return std::uint16_t((a + b + 1) >> 1); }
@@ -44,11 +44,12 @@ CHIARO_INLINE void store_vector(V v, std::uint16_t* to) {
 }
 
 template <int N>
-CHIARO_INLINE void load(const std::uint16_t* from, Pack<std::uint16_t, N>& shorts) {
+CHIARO_INLINE Pack<std::uint16_t, N> loaded_as(const std::uint16_t* from, Pack<std::uint16_t, N>*) {
+    using Half = Pack<std::uint16_t, N / 2>;
     if constexpr (is_native<std::uint16_t, N>)
-        shorts.v = load_vector<typename Pack<std::uint16_t, N>::V>(from);
+        return load_vector<typename Pack<std::uint16_t, N>::V>(from);
     else
-        load(from, shorts.lo), load(from + N / 2, shorts.hi);
+        return {loaded_as(from, static_cast<Half*>(nullptr)), loaded_as(from + N / 2, static_cast<Half*>(nullptr))};
 }
 template <int N>
 CHIARO_INLINE void store(Pack<std::uint16_t, N> shorts, std::uint16_t* to) {
@@ -96,6 +97,19 @@ CHIARO_INLINE ShortHalves<16> split(NativeShorts16 v) {
 }
 #endif
 
+// All words at once: the compiler's own conversions go by halves.
+#if defined(__AVX512F__)
+CHIARO_INLINE NativeInt native_widen(NativeShorts16 v) { return NativeInt(_mm512_cvtepu16_epi32(__m256i(v))); }
+CHIARO_INLINE NativeShorts16 native_narrow(NativeInt v) { return NativeShorts16(_mm512_cvtepi32_epi16(__m512i(v))); }
+#elif defined(__AVX2__)
+CHIARO_INLINE NativeInt native_widen(NativeShorts8 v) { return NativeInt(_mm256_cvtepu16_epi32(__m128i(v))); }
+CHIARO_INLINE NativeShorts8 native_narrow(NativeInt v) { return __builtin_convertvector(v, NativeShorts8); }
+#else
+typedef VectorOf<std::uint16_t, 4>::type NativeShorts4;
+CHIARO_INLINE NativeInt native_widen(NativeShorts4 v) { return __builtin_convertvector(v, NativeInt); }
+CHIARO_INLINE NativeShorts4 native_narrow(NativeInt v) { return __builtin_convertvector(v, NativeShorts4); }
+#endif
+
 CHIARO_INLINE ShortLanes mean_of(ShortLanes a, ShortLanes b) {
     return map<std::uint16_t, 16>(
         [](auto u, auto v) __attribute__((always_inline)) { return native_mean(u, v); }, a, b);
@@ -115,7 +129,7 @@ template <int N>
 CHIARO_INLINE Pack<std::int32_t, N> widen(Pack<std::uint16_t, N> shorts) {
     using Words = Pack<std::int32_t, N>;
     if constexpr (is_native<std::int32_t, N>) {
-        return Words(__builtin_convertvector(shorts.v, typename Words::V));
+        return Words(native_widen(shorts.v));
     } else if constexpr (is_native<std::uint16_t, N>) {
         const auto halves = split(shorts.v);
         return {widen<N / 2>(halves.low), widen<N / 2>(halves.high)};
@@ -126,7 +140,7 @@ CHIARO_INLINE Pack<std::int32_t, N> widen(Pack<std::uint16_t, N> shorts) {
 template <int N>
 CHIARO_INLINE void narrow(Pack<std::int32_t, N> values, std::uint16_t* to) {
     if constexpr (is_native<std::int32_t, N>) {
-        store_vector(__builtin_convertvector(values.v, typename VectorOf<std::uint16_t, N>::type), to);
+        store_vector(native_narrow(values.v), to);
     } else {
         narrow<N / 2>(values.lo, to);
         narrow<N / 2>(values.hi, to + N / 2);
@@ -144,9 +158,7 @@ struct ShortsOf<Lanes> {
 
 template <class F>
 CHIARO_INLINE Shorts<F> load_shorts(const std::uint16_t* from) {
-    Shorts<F> shorts;
-    load(from, shorts);
-    return shorts;
+    return loaded_as(from, static_cast<Shorts<F>*>(nullptr));
 }
 /// As numbers.
 template <class F>

@@ -48,25 +48,55 @@ CHIARO_INLINE float displaced(const float* access, const float* opacity) {
 CHIARO_INLINE std::uint16_t displaced_value(const float* scaled, const float* opacity) {
     return std::uint16_t(std::int32_t(displaced(scaled, opacity) * 65535 + 0.5f));
 }
-/// A piece of 16 cells of a row; `scaled` and `opacity` point at its first cell in their tiles.
-CHIARO_INLINE void normal_offset_piece(const float* scaled, const float* opacity, std::uint16_t* out) {
-    for (int x = 0; x < 16; ++x) out[x] = displaced_value(scaled + x, opacity + x);
-}
+/// A block's work: access and opacity as 65535ths, each a tile; where the answers go, how much of the block lies there,
+/// and the pieces of 16 × 4 × 4 cells that bit x of [z][y] asks for.
+struct NormalOffsetBlock {
+    const std::uint16_t *access, *opacity;
+    float normal_factor;
+    const std::uint8_t (*pieces)[NormalOffsetTile::edge / 4];
+    std::uint16_t* out;
+    std::int64_t row, slice;
+    std::int32_t nx, ny, nz;
 
-/// Rows of a block; `access` and `opacity` are tiles, `access` is scaled in place. Only the pieces of 16 × 4 × 4 cells
-/// that bit x of [z][y] asks for.
-CHIARO_INLINE void normal_offset_block(float* access, const float* opacity, float normal_factor,
-                                       const std::uint8_t (*pieces)[NormalOffsetTile::edge / 4], std::uint16_t* out) {
-    constexpr int row = NormalOffsetTile::row, slice = NormalOffsetTile::slice, edge = NormalOffsetTile::edge;
-    for (int i = slice + row + 1; i < NormalOffsetTile::size - slice - row - 1; ++i)
-        access[i] = scaled(access[i], opacity + i, normal_factor);
-    for (int z = 0; z < edge; ++z)
-        for (int y = 0; y < edge; ++y, out += edge)
-            for (int x = 0; x < edge; x += 16) {
-                if (!is_asked(pieces, x, y, z)) continue;
-                const int at = (z + 2) * slice + (y + 2) * row + 2 + x;
-                normal_offset_piece(access + at, opacity + at, out + x);
-            }
+    /// Whether slices of the tile from a block's z on, four of them, are read.
+    CHIARO_INLINE bool is_layer_asked(int layer) const {
+        for (int y = 0; y < NormalOffsetTile::edge / 4; ++y)
+            if (pieces[layer][y]) return true;
+        return false;
+    }
+    /// 16 cells of a row.
+    CHIARO_INLINE void piece(const float* scaled, const float* alpha, int x, std::uint16_t* to) const {
+        std::uint16_t found[16];
+        for (int i = 0; i < 16; ++i) found[i] = displaced_value(scaled + i, alpha + i);
+        if (x + 16 <= nx)
+            __builtin_memcpy(to + x, found, sizeof found);
+        else
+            for (int i = x; i < nx; ++i) to[i] = found[i - x];
+    }
+};
+
+/// `numbers` holds two tiles. Four slices of the block at a time, where they are asked for.
+CHIARO_INLINE void normal_offset_block(const NormalOffsetBlock& b, float* numbers) {
+    using Tile = NormalOffsetTile;
+    constexpr int row = Tile::row, slice = Tile::slice, edge = Tile::edge, border = row + 1;
+    float *scaled_access = numbers, *alpha = numbers + Tile::size;
+    int converted = 0, scaled_end = 0;  // slices of the tile
+    for (int first = 0; first < b.nz; first += 4) {
+        if (!b.is_layer_asked(first / 4)) continue;
+        const int end = min(first + 4, b.nz);
+        for (converted = max(converted, first); converted < end + 4; ++converted)
+            for (int i = converted * slice; i < (converted + 1) * slice; ++i) alpha[i] = b.opacity[i] / 65535.0f;
+        for (scaled_end = max(scaled_end, first + 1); scaled_end < end + 3; ++scaled_end)
+            for (int i = scaled_end * slice + border; i < (scaled_end + 1) * slice - border; ++i)
+                scaled_access[i] = scaled(b.access[i] / 65535.0f, alpha + i, b.normal_factor);
+        for (int z = first; z < end; ++z)
+            for (int y = 0; y < b.ny; ++y)
+                for (int x = 0; x < min(edge, b.nx); x += 16) {
+                    if (!is_asked(b.pieces, x, y, z)) continue;
+                    const int at = (z + 2) * slice + (y + 2) * row + 2 + x;
+                    b.piece(scaled_access + at, alpha + at, x, b.out + z * b.slice + y * b.row);
+                }
+    }
 }
 
 /// The same for many threads, a cell each of blocks side by side.

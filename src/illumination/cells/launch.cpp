@@ -2,9 +2,6 @@
 
 namespace chiaro::kernel::CHIARO_ISA {
 
-void normal_offset_cells(float* access, const float* opacity, float normal_factor, const std::uint8_t (*pieces)[8],
-                         std::uint16_t* out) {
-    normal_offset_block(access, opacity, normal_factor, pieces, out);
-}
+void normal_offset_cells(const NormalOffsetBlock& block, float* numbers) { normal_offset_block(block, numbers); }
 
 }  // namespace chiaro::kernel::CHIARO_ISA

@@ -11,29 +11,6 @@ namespace chiaro {
 namespace {
 
 using Tile = kernel::NormalOffsetTile;
-using Block = std::array<std::pair<int, int>, 3>;
-
-/// A block and two cells around it; beyond the grid the nearest cell, or nothing.
-void load_tile(const CellValues& values, const Block& block, bool nearest, float* tile) {
-    const auto [nx, ny, nz] = values.grid.count;
-    for (int k = 0; k < Tile::row; ++k)
-        for (int j = 0; j < Tile::row; ++j) {
-            const int x0 = block[0].first - Tile::halo, y = block[1].first - Tile::halo + j,
-                      z = block[2].first - Tile::halo + k;
-            float* to = tile + k * Tile::slice + j * Tile::row;
-            const bool outside = y < 0 || y >= ny || z < 0 || z >= nz;
-            const std::uint16_t* row =
-                values.data() + values.grid.index(0, std::clamp(y, 0, ny - 1), std::clamp(z, 0, nz - 1));
-            const int begin = std::max(0, -x0), end = std::clamp(nx - x0, begin, Tile::row);
-            if (outside && !nearest) {
-                std::fill_n(to, Tile::row, 0.0f);
-                continue;
-            }
-            std::fill_n(to, begin, nearest ? row[0] / cell_one : 0);
-            for (int i = begin; i < end; ++i) to[i] = row[x0 + i] / cell_one;
-            std::fill(to + end, to + Tile::row, nearest ? row[nx - 1] / cell_one : 0);
-        }
-}
 
 CellValues normal_offset_on_gpu(const Device& device, const CellValues& access, const CellValues& opacity,
                                 double normal_factor, const BlockMap& map, Progress& progress) {
@@ -68,34 +45,30 @@ BlockPieces pieces_of_slices(const BlockMap& map, std::array<int, 2> column, int
     return pieces;
 }
 
-/// Of a block, the pieces that are asked for.
-void copy_pieces(const std::vector<std::uint16_t>& from, const Block& block, const BlockPieces& pieces,
-                 CellValues& out) {
-    constexpr int width = BlockPieces::width;
-    const auto [x, y, z] = block;
-    for (int k = 0; k < z.second - z.first; ++k)
-        for (int j = 0; j < y.second - y.first; ++j)
-            for (int i = 0; i < x.second - x.first; i += width)
-                if (kernel::is_asked(pieces.bits, i, j, k))
-                    std::copy_n(&from[(k * Tile::edge + j) * Tile::edge + i], std::min(width, x.second - x.first - i),
-                                out.data() + out.grid.index(x.first + i, y.first + j, z.first + k));
-}
-
 }  // namespace
 
-SliceWork slice_lifter(const Device& device, const CellValues& access, const CellValues& opacity, double normal_factor,
+SliceWork slice_lifter(const Device& device, const CellRows& access, const CellRows& opacity, double normal_factor,
                        const BlockMap& map, CellValues& out) {
     const auto normal_offset = kernel::normal_offset_block_for(device.isa);
-    return [=, &access, &opacity, &map, &out](std::array<int, 2> column, int first, int end) {
-        thread_local std::vector<float> tiles(2 * Tile::size);
-        thread_local std::vector<std::uint16_t> displaced(Tile::edge * Tile::edge * Tile::edge);
-        Block block = map.cells(map.index(column[0], column[1], 0), out.grid.count);
-        block[2] = {first, end};
+    return [=, &map, &out](std::array<int, 2> column, int first, int end) {
+        thread_local std::vector<std::uint16_t> tiles(2 * Tile::size);
+        thread_local std::vector<float> numbers(2 * Tile::size);
+        const auto [x, y, z] = map.cells(map.index(column[0], column[1], 0), out.grid.count);
         const BlockPieces pieces = pieces_of_slices(map, column, first, end);
-        load_tile(access, block, true, &tiles[0]);
-        load_tile(opacity, block, false, &tiles[Tile::size]);
-        normal_offset(&tiles[0], &tiles[Tile::size], float(normal_factor), pieces.bits, displaced.data());
-        copy_pieces(displaced, block, pieces, out);
+        load_tile(access, {x.first, y.first, first}, end - first, Beyond::nearest, &tiles[0]);
+        load_tile(opacity, {x.first, y.first, first}, end - first, Beyond::nothing, &tiles[Tile::size]);
+        const auto [nx, ny, nz] = out.grid.count;
+        normal_offset({.access = &tiles[0],
+                       .opacity = &tiles[Tile::size],
+                       .normal_factor = float(normal_factor),
+                       .pieces = pieces.bits,
+                       .out = out.data() + out.grid.index(x.first, y.first, first),
+                       .row = nx,
+                       .slice = std::int64_t(nx) * ny,
+                       .nx = x.second - x.first,
+                       .ny = y.second - y.first,
+                       .nz = end - first},
+                      &numbers[0]);
     };
 }
 
@@ -108,7 +81,7 @@ CellValues normal_offset_off_surfaces(const Device& device, const CellValues& ac
     if (cuda::try_gpu(device, on_gpu)) return *std::move(made);
     CellValues out(access.grid);
     const auto blocks = map.held();
-    const auto normal_offset = slice_lifter(device, access, opacity, normal_factor, map, out);
+    const auto normal_offset = slice_lifter(device, rows_of(access), rows_of(opacity), normal_factor, map, out);
     parallel_for(device.threads, std::int64_t(blocks.size()), 1, "lift", progress, [&](std::int64_t b, std::int64_t) {
         const auto [x, y, z] = map.at(blocks[b]);
         normal_offset({x, y}, z * block_edge, std::min((z + 1) * block_edge, out.grid.count[2]));

@@ -17,7 +17,7 @@ CellValues normal_offset_off_surfaces(const Device& device, const CellValues& ac
 
 /// The same in parts, into `out`: what lifts at most 32 slices of a column of blocks, the first a multiple of 4, by one
 /// thread. All that is named must stay where it is.
-SliceWork slice_lifter(const Device& device, const CellValues& access, const CellValues& opacity, double normal_factor,
+SliceWork slice_lifter(const Device& device, const CellRows& access, const CellRows& opacity, double normal_factor,
                        const BlockMap& blocks, CellValues& out);
 
 }  // namespace chiaro

@@ -1,5 +1,8 @@
 #include "illumination/cells/opacity.h"
 
+#include <cstring>
+#include <optional>
+
 #include "classify/medium.h"
 #include "core/threads.h"
 #include "illumination/cells/gpu.h"
@@ -52,10 +55,10 @@ kernel::CellOpacityKernel<Voxel> opacity_kernel(const Medium::Data& medium, cons
 template <class Voxel>
 class CellClassifier {
 public:
-    CellClassifier(const Medium::Data& medium, CellValues& out)
+    CellClassifier(const Medium::Data& medium, const CellGrid& grid, const RowsOf<std::uint16_t>& out)
         : out_(out),
-          entries_(opacity_entries(medium, out.grid)),
-          kernel_(opacity_kernel<Voxel>(medium, out.grid, entries_)),
+          entries_(opacity_entries(medium, grid)),
+          kernel_(opacity_kernel<Voxel>(medium, grid, entries_)),
           occupancy_{medium.cells.data(), medium.volume.data().cells.count[0], medium.volume.data().cells.count[1]} {
         if (!entries_.empty() && sizeof(Voxel) <= 2)
             for (std::size_t v = 0; v < std::size_t(1) << (8 * sizeof(Voxel)); ++v)
@@ -64,7 +67,7 @@ public:
 
     /// Cells [x0, x1) of a row.
     void fill(int x0, int x1, int y, int z, bool near_surface) {
-        std::uint16_t* row = out_.data() + out_.grid.index(0, y, z);
+        std::uint16_t* row = out_.row(y, z);
         if (!kernel_.entries)
             for (int x = x0; x < x1; ++x) row[x] = kernel_.inside(x, y, z, near_surface);
         else if (kernel_.cells.are_voxels && (kernel_.volume.has_factor() || kernel_.volume.is_mixed()))
@@ -90,40 +93,54 @@ private:
             const Voxel* from = voxel_address(kernel_.volume, x0, y, z);
             const int in_brick = x0 >= kernel_.volume.last_x ? x1 - x0 : brick_edge - (x0 & (brick_edge - 1));
             const int count = std::min(x1 - x0, in_brick);
-            for (int i = 0; i < count; ++i)
-                if constexpr (sizeof(Voxel) <= 2)
-                    row[x0 + i] = of_stored_[from[i]];
-                else
-                    row[x0 + i] = kernel_.of_stored(from[i]);
+            copy_piece(from, count, row + x0);
             x0 += count;
         }
     }
 
-    CellValues& out_;
+    /// Four at a time: stores of single numbers would wait for memory, each.
+    void copy_piece(const Voxel* from, int count, std::uint16_t* to) const {
+        const auto opacity = [&, of_stored = of_stored_.data()](int i) {
+            if constexpr (sizeof(Voxel) <= 2) return of_stored[from[i]];
+            return kernel_.of_stored(from[i]);
+        };
+        int i = 0;
+        for (; i + 4 <= count; i += 4) {
+            const std::uint64_t four = opacity(i) | std::uint64_t(opacity(i + 1)) << 16 |
+                                       std::uint64_t(opacity(i + 2)) << 32 | std::uint64_t(opacity(i + 3)) << 48;
+            std::memcpy(to + i, &four, sizeof four);
+        }
+        for (; i < count; ++i) to[i] = opacity(i);
+    }
+
+    const RowsOf<std::uint16_t> out_;
     const std::vector<std::uint16_t> entries_;
     const kernel::CellOpacityKernel<Voxel> kernel_;
     const kernel::OccupancyView occupancy_;
     std::vector<std::uint16_t> of_stored_;  ///< opacities by stored value
 };
 
-void classify_cells(const Device& device, const Medium::Data& medium, CellOpacity& out, Progress& progress) {
-    const auto fill = opacity_filler(medium, out);
-    const auto blocks = out.matter.held();
+CellValues classify_cells(const Device& device, const Medium::Data& medium, const OpacityMaps& maps,
+                          Progress& progress) {
+    CellValues values(maps.grid);
+    const auto fill = opacity_filler(medium, maps, rows_of(values));
+    const auto blocks = maps.matter.held();
     parallel_for(device.threads, std::int64_t(blocks.size()), 1, "opacity", progress,
                  [&](std::int64_t b, std::int64_t) {
-                     const auto [x, y, z] = out.matter.at(blocks[b]);
-                     fill({x, y}, z * block_edge, std::min((z + 1) * block_edge, out.values.grid.count[2]));
+                     const auto [x, y, z] = maps.matter.at(blocks[b]);
+                     fill({x, y}, z * block_edge, std::min((z + 1) * block_edge, maps.grid.count[2]));
                  });
     progress.check();
+    return values;
 }
 
 /// Where voxels and occupancy are, the opacities stay too.
 template <class Voxel>
-CellValues classify_on_gpu(const Device& device, const Medium::Data& medium, const CellOpacity& out,
+CellValues classify_on_gpu(const Device& device, const Medium::Data& medium, const OpacityMaps& maps,
                            Progress& progress) {
     const DeviceVolume::Data& volume = medium.volume.data();
     cuda::Stream& stream = *device.stream;
-    const CellGrid& grid = out.values.grid;
+    const CellGrid& grid = maps.grid;
     GpuCells made(device, grid);
     const auto entries = opacity_entries(medium, grid);
     HostArrays arrays;
@@ -141,9 +158,9 @@ CellValues classify_on_gpu(const Device& device, const Medium::Data& medium, con
             kernel::fill_opacities(stream, batch, blocks);
         });
     };
-    BlockMap hidden = out.matter;
-    for (std::size_t b = 0; b < hidden.holds.size(); ++b) hidden.holds[b] &= !out.visible.holds[b];
-    fill(hidden, false), fill(out.visible, true);
+    BlockMap hidden = maps.matter;
+    for (std::size_t b = 0; b < hidden.holds.size(); ++b) hidden.holds[b] &= !maps.visible.holds[b];
+    fill(hidden, false), fill(maps.visible, true);
     return made.release();
 }
 
@@ -160,26 +177,33 @@ CellOpacity cell_opacity(const Medium::Data& medium, Progress& progress) {
     return cell_opacity(medium.volume.data().device, medium, progress);
 }
 
-CellOpacity no_opacity_yet(const Medium::Data& medium) {
+OpacityMaps opacity_maps(const Medium::Data& medium) {
     const DeviceVolume::Data& volume = medium.volume.data();
     const CellGrid grid = make_cell_grid(volume.dimensions, volume.geometry);
-    CellOpacity out{CellValues(grid), BlockMap(grid.count, true), visible_blocks(medium, grid, 1)};
+    BlockMap visible = visible_blocks(medium, grid, 1);
     // Nothing is seen inside a surface, but it is matter.
-    if (medium.shape.mode != Mode::iso) out.matter = out.visible;
-    return out;
+    BlockMap matter = medium.shape.mode == Mode::iso ? BlockMap(grid.count, true) : visible;
+    return {grid, std::move(matter), std::move(visible)};
 }
 
-SliceWork opacity_filler(const Medium::Data& medium, CellOpacity& out) {
+SliceWork opacity_filler(const Medium::Data& medium, const OpacityMaps& maps, const RowsOf<std::uint16_t>& to) {
     SliceWork filler;
     with_stored_voxel(medium.volume.data(), [&](auto voxel) {
-        const auto classifier = std::make_shared<CellClassifier<decltype(voxel)>>(medium, out.values);
-        filler = [classifier, &out](std::array<int, 2> column, int first, int end) {
+        const auto classifier = std::make_shared<CellClassifier<decltype(voxel)>>(medium, maps.grid, to);
+        filler = [classifier, &maps, to](std::array<int, 2> column, int first, int end) {
             for (int k = first; k < end; ++k) {
-                const std::size_t block = out.matter.index(column[0], column[1], k / block_edge);
-                if (!out.matter.holds[block]) continue;
-                const auto [x, y, z] = out.matter.cells(block, out.values.grid.count);
-                for (int j = y.first; j < y.second; ++j)
-                    classifier->fill(x.first, x.second, j, k, out.visible.holds[block]);
+                const std::size_t block = maps.matter.index(column[0], column[1], k / block_edge);
+                const bool is_matter = maps.matter.holds[block];
+                if (!is_matter && to.holds_all()) continue;
+                const auto [x, y, z] = maps.matter.cells(block, to.count);
+                for (int j = y.first; j < y.second; ++j) {
+                    // Rows lie too far apart for the processor to guess the next one: a slice ahead.
+                    __builtin_prefetch(to.row(j, std::min(k + 1, end - 1)) + x.first, 1);
+                    if (is_matter)
+                        classifier->fill(x.first, x.second, j, k, maps.visible.holds[block]);
+                    else
+                        std::fill_n(to.row(j, k) + x.first, x.second - x.first, std::uint16_t(0));
+                }
             }
         };
     });
@@ -187,14 +211,15 @@ SliceWork opacity_filler(const Medium::Data& medium, CellOpacity& out) {
 }
 
 CellOpacity cell_opacity(const Device& device, const Medium::Data& medium, Progress& progress) {
-    CellOpacity out = no_opacity_yet(medium);
+    OpacityMaps maps = opacity_maps(medium);
+    std::optional<CellValues> values;
     const auto on_gpu = [&] {
         with_stored_voxel(medium.volume.data(), [&](auto voxel) {
-            out.values = classify_on_gpu<decltype(voxel)>(device, medium, out, progress);
+            values.emplace(classify_on_gpu<decltype(voxel)>(device, medium, maps, progress));
         });
     };
-    if (!cuda::try_gpu(device, on_gpu)) classify_cells(device, medium, out, progress);
-    return out;
+    if (!cuda::try_gpu(device, on_gpu)) values.emplace(classify_cells(device, medium, maps, progress));
+    return {*std::move(values), std::move(maps.matter), std::move(maps.visible)};
 }
 
 }  // namespace chiaro

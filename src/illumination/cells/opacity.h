@@ -2,7 +2,7 @@
 #pragma once
 #include <chiaro/progress.h>
 
-#include "illumination/cells/grid.h"
+#include "illumination/cells/slices.h"
 
 namespace chiaro {
 
@@ -20,10 +20,15 @@ CellOpacity cell_opacity(const Device& device, const Medium::Data& medium, Progr
 /// The same by the volume's device.
 CellOpacity cell_opacity(const Medium::Data& medium, Progress& progress);
 
-/// The same in parts: the grid and what of it is asked for, all opacities 0 yet; and what fills slices of a column of
-/// blocks where they are held by `matter`, by one thread. `out` must stay where it is.
-CellOpacity no_opacity_yet(const Medium::Data& medium);
-SliceWork opacity_filler(const Medium::Data& medium, CellOpacity& out);
+/// What of a grid is asked for.
+struct OpacityMaps {
+    CellGrid grid;
+    BlockMap matter, visible;  ///< as above
+};
+OpacityMaps opacity_maps(const Medium::Data& medium);
+/// The same in parts: what fills slices of a column of blocks where they are held by `maps.matter`, by one thread.
+/// Elsewhere it writes 0 where `to` holds some slices only, which held others before. `maps` must stay where they are.
+SliceWork opacity_filler(const Medium::Data& medium, const OpacityMaps& maps, const RowsOf<std::uint16_t>& to);
 
 /// Extinction per cell edge of entry j of the optical table: the same quantity unrounded.
 std::vector<float> extinction_per_edge(const Medium::Data& medium, const CellGrid& grid);

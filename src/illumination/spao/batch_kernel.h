@@ -51,7 +51,8 @@ struct SpaoBatch {
             (its.z() + halo) * SpaoTile::slice + (its.y() + halo) * SpaoTile::row + halo + its.x();
         const std::int64_t at = std::int64_t(z) * to.slice + y * to.row + x;
         std::uint16_t out[8][1];
-        find_piece<at_cells, float, 1>(own, SpaoPiece<CoarseAround>{in_tile, x, y, &around}, at, out);
+        find_piece<at_cells, float, 1>(own, SpaoPiece<CoarseAround>{in_tile, x, y, &around},
+                                       own.weight ? own.weight + at : nullptr, out);
         if (to.to)
             to.to[at] = out[0][0];
         else

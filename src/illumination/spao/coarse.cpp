@@ -53,16 +53,16 @@ CoarseGrid::CoarseGrid(const Cells& finer, int octants)
 
 CoarseGrid::CoarseGrid(const CellOpacity& finest, int octants, const Device& device, Progress& progress)
     : CoarseGrid(finest.values.grid.count, octants) {
-    const kernel::OpacityGrid grid = opacity_grid(finest.values.grid.count, finest.values.data());
-    shrink(grid, &finest.matter, device, 0, shape_.count[2]);
+    const CellRows cells = rows_of(finest.values);
+    shrink(cells, &finest.matter, device, 0, shape_.count[2]);
     progress.check();
-    find_weights(grid, finest.matter, 1, device, 0, corners_[2]);
+    find_weights(cells, finest.matter, 1, device, 0, corners_[2]);
     progress.check();
 }
 
 CoarseGrid::CoarseGrid(const CoarseGrid& finer, const Device& device, Progress& progress)
     : CoarseGrid(finer.shape_.count, finer.octants_) {
-    shrink(finer.opacity(), nullptr, device, 0, shape_.count[2]);
+    shrink(finer.cells(), nullptr, device, 0, shape_.count[2]);
     progress.check();
     if (octants_ == 1) return;
     const auto [nx, ny, nz] = finer.corners_;
@@ -76,11 +76,13 @@ void CoarseGrid::hold(int first_slice, int slices) {
     first_slice_ = first_slice;
     if (slices == slices_) return;
     slices_ = slices;
-    constexpr std::size_t spare = kernel::SpaoTile::piece;  // weights are read a piece at a time
-    const std::size_t bytes = (std::size_t(slices) * corners_[0] * corners_[1] + spare) * sizeof(std::uint16_t);
-    open_.clear();
-    for (int s = 0; s < octants_; ++s) open_.emplace_back(bytes);
-    if (octants_ > 1) weight_ = VoxelBuffer(bytes);
+    constexpr std::size_t spare = 2 * kernel::SpaoTile::piece;  // a piece is read, and one corner more
+    const auto buffer = [&](std::size_t row) {
+        return VoxelBuffer((std::size_t(slices) * corners_[1] * row + spare) * sizeof(std::uint16_t));
+    };
+    open_ = VoxelBuffer(), weight_ = VoxelBuffer();
+    open_ = buffer(open_row());
+    if (octants_ > 1) weight_ = buffer(std::size_t(corners_[0]));
 }
 
 void CoarseGrid::discard_cells_before(int slice) {
@@ -89,13 +91,11 @@ void CoarseGrid::discard_cells_before(int slice) {
 }
 
 void CoarseGrid::discard_corners_before(int slice) {
-    const std::size_t end = corner({0, 0, slice}) * sizeof(std::uint16_t);
-    for (VoxelBuffer& open : open_) open.discard_before(end);
-    weight_.discard_before(end);
+    open_.discard_before(open_corner({0, 0, slice}) * sizeof(std::uint16_t));
+    weight_.discard_before(corner({0, 0, slice}) * sizeof(std::uint16_t));
 }
 
-void CoarseGrid::shrink(const kernel::OpacityGrid& finer, const BlockMap* matter, const Device& device, int first,
-                        int end) {
+void CoarseGrid::shrink(const CellRows& finer, const BlockMap* matter, const Device& device, int first, int end) {
     const auto functions = kernel::spao_functions_for(device.isa);
     const auto run = octants_ > 1 ? functions.crossing_row : functions.mip_row;
     const std::vector<std::uint16_t> zeros(finer.count[0]);
@@ -116,32 +116,37 @@ void CoarseGrid::shrink(const kernel::OpacityGrid& finer, const BlockMap* matter
     });
 }
 
-/// Row (y, z) of the corners of the first coarse grid.
-void CoarseGrid::weigh_row(const kernel::OpacityGrid& finest, const BlockMap& matter, const Device& device, int y,
-                           int z, std::vector<std::uint16_t>& to) const {
+/// Row (y, z) of the corners of the first coarse grid: of cells 2 i - 1 and 2 i along each axis.
+void CoarseGrid::weigh_row(const CellRows& finest, const BlockMap& matter, const Device& device, int y, int z,
+                           std::vector<std::uint16_t>& to) const {
     const auto run = kernel::spao_functions_for(device.isa);
-    const int n = int(to.size());
-    thread_local std::vector<std::uint16_t> around, opacity;
-    around.resize(4 * std::size_t(2 * n)), opacity.resize(std::size_t(n));
+    const int n = int(to.size()), nx = finest.count[0], whole = std::min(n, (nx + 1) / 2);
+    thread_local std::vector<std::uint16_t> zeros;
+    zeros.resize(std::size_t(nx) + 1);
     kernel::MipRows rows;
     bool any = false;
-    for (int r = 0; r < 4; ++r) {  // cells 2 i - 1 and 2 i along each axis
+    for (int r = 0; r < 4; ++r) {
         const int j = 2 * y - (r & 1), k = 2 * z - (r >> 1);
-        std::uint16_t* row = &around[r * std::size_t(2 * n)];
-        rows.from[r] = row;
-        std::fill_n(row, 2 * n, std::uint16_t(0));
-        if (j < 0 || j >= finest.count[1] || k < 0 || k >= finest.count[2]) continue;
-        if (!matter.any_in_row(j / block_edge, k / block_edge)) continue;
-        std::copy_n(finest.row(j, k), std::min(finest.count[0], 2 * n - 1), row + 1);
-        any = true;
+        const bool is_inside = j >= 0 && j < finest.count[1] && k >= 0 && k < finest.count[2];
+        const bool may_hold = is_inside && matter.any_in_row(j / block_edge, k / block_edge);
+        rows.from[r] = (may_hold ? finest.row(j, k) : zeros.data()) + 1;  // where corner 1 reads
+        any = any || may_hold;
     }
     if (!any) return to.assign(to.size(), 65535);
-    run.mip_row(rows, n, opacity.data());
-    for (int x = 0; x < n; ++x) to[std::size_t(x)] = kernel::corner_weight(opacity[std::size_t(x)]);
+    if (whole > 1) run.mip_row(rows, whole - 1, &to[1]);
+    // At the border one of the two cells is missing.
+    const auto at_border = [&](int corner, int cell) {
+        std::uint16_t cells[4][2] = {};
+        for (int r = 0; r < 4; ++r) cells[r][0] = cell < nx ? rows.from[r][cell - 1] : std::uint16_t(0);
+        run.mip_row({{cells[0], cells[1], cells[2], cells[3]}}, 1, &to[std::size_t(corner)]);
+    };
+    at_border(0, 0);
+    for (int corner = std::max(whole, 1); corner < n; ++corner) at_border(corner, 2 * corner - 1);
+    for (std::uint16_t& opacity : to) opacity = kernel::corner_weight(opacity);
 }
 
-void CoarseGrid::find_weights(const kernel::OpacityGrid& finest, const BlockMap& matter, int stride,
-                              const Device& device, int first, int end) {
+void CoarseGrid::find_weights(const CellRows& finest, const BlockMap& matter, int stride, const Device& device,
+                              int first, int end) {
     if (octants_ == 1) return;
     // A row of the first coarse grid, which all of these corners belong to or lie beyond.
     const std::size_t n = std::size_t(stride) * std::size_t(corners_[0]);
@@ -156,37 +161,34 @@ void CoarseGrid::find_weights(const kernel::OpacityGrid& finest, const BlockMap&
     });
 }
 
-const std::uint16_t* CoarseGrid::weights(const Cells& first) const {
-    return octants_ > 1 ? as_shorts(weight_) + corner(first) : nullptr;
+void CoarseGrid::weigh(const Cells& first, kernel::SpaoBlock& block) const {
+    if (octants_ == 1) return;
+    block.weight = as_shorts(weight_) + corner(first);
+    block.weight_row = corners_[0], block.weight_slice = std::int64_t(corners_[0]) * corners_[1];
 }
 
 kernel::SpaoOutput CoarseGrid::output(const Cells& first, int slices) {
-    kernel::SpaoOutput to{.row = corners_[0],
-                          .slice = std::int64_t(corners_[0]) * corners_[1],
+    kernel::SpaoOutput to{.row = std::int64_t(open_row()),
+                          .slice = std::int64_t(open_row()) * corners_[1],
                           .nx = std::min(block_edge, corners_[0] - first[0]),
                           .ny = std::min(block_edge, corners_[1] - first[1]),
                           .nz = std::min(slices, corners_[2] - first[2]),
                           .pieces = all_pieces.bits};
-    for (int s = 0; s < octants_; ++s) to.at[s] = as_shorts(open_[std::size_t(s)]) + corner(first);
+    for (int s = 0; s < octants_; ++s) to.at[s] = as_shorts(open_) + open_corner(first) + std::size_t(s) * corners_[0];
     return to;
 }
 
-void CoarseGrid::load(const Cells& first, kernel::CoarseTile& tile) const {
-    constexpr int edge = kernel::CoarseTile::edge;
-    const auto copy = [&](const std::uint16_t* from, std::uint16_t* to) {
-        const int x0 = first[0] / 2, inside = std::min(edge, corners_[0] - x0);
-        for (int k = 0; k < edge; ++k)
-            for (int j = 0; j < edge; ++j, to += edge) {
-                // Past the last corner lies no cell that asks.
-                const int y = std::min(first[1] / 2 + j, corners_[1] - 1),
-                          z = std::min(first[2] / 2 + k, corners_[2] - 1);
-                const std::uint16_t* row = from + corner({x0, y, z});
-                std::copy_n(row, inside, to);
-                std::fill(to + inside, to + edge, row[inside - 1]);
-            }
-    };
-    for (int s = 0; s < octants_; ++s) copy(as_shorts(open_[std::size_t(s)]), tile.open[s]);
-    if (octants_ > 1) copy(as_shorts(weight_), tile.weight);
+kernel::CoarseRows CoarseGrid::rows_for(const Cells& first) const {
+    const Cells at{first[0] / 2, first[1] / 2, first[2] / 2};
+    kernel::CoarseRows rows{.row = std::int64_t(open_row()),
+                            .slice = std::int64_t(open_row()) * corners_[1],
+                            .last_row = corners_[1] - 1 - at[1],
+                            .last_slice = corners_[2] - 1 - at[2]};
+    for (int s = 0; s < octants_; ++s) rows.open[s] = as_shorts(open_) + open_corner(at) + std::size_t(s) * corners_[0];
+    if (octants_ == 1) return rows;
+    rows.weight = as_shorts(weight_) + corner(at);
+    rows.weight_row = corners_[0], rows.weight_slice = std::int64_t(corners_[0]) * corners_[1];
+    return rows;
 }
 
 }  // namespace chiaro

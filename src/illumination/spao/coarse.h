@@ -38,21 +38,20 @@ public:
 
     const CoarseShape& shape() const { return shape_; }
     const Cells& corners() const { return corners_; }
-    kernel::OpacityGrid opacity() const { return opacity_grid(shape_.count, as_shorts(opacity_)); }
+    CellRows cells() const { return rows_of(shape_.count, as_shorts(opacity_)); }
     /// Finds slices [first, end) of its cells. `matter` tells which blocks of the finer grid may hold something else
     /// than 0; null: all may.
-    void shrink(const kernel::OpacityGrid& finer, const BlockMap* matter, const Device& device, int first, int end);
+    void shrink(const CellRows& finer, const BlockMap* matter, const Device& device, int first, int end);
     /// Finds the weights of slices [first, end) of corners, `stride` corners of the first coarse grid apart, where
     /// corners have weights.
-    void find_weights(const kernel::OpacityGrid& finest, const BlockMap& matter, int stride, const Device& device,
-                      int first, int end);
+    void find_weights(const CellRows& finest, const BlockMap& matter, int stride, const Device& device, int first,
+                      int end);
     /// From now on only so many slices of corners are held.
     void hold(int first_slice, int slices);
     void free_cells() { opacity_ = VoxelBuffer(); }
-    void free_corners() { hold(0, 0); }
     void use_small_pages() { opacity_.use_small_pages(); }
     /// To be written.
-    std::uint16_t* cells() { return as_shorts(opacity_); }
+    std::uint16_t* written_cells() { return as_shorts(opacity_); }
     std::uint16_t* corner_weights() { return as_shorts(weight_); }
     /// What is not read any more.
     void discard_cells_before(int slice);
@@ -60,21 +59,27 @@ public:
     /// The blocks of corners that blocks of the next finer grid read.
     void need(const BlockMap& finer) { needed_ = shape_.needed_by(finer); }
     const BlockMap& needed() const { return needed_; }
-    /// Of a block of corners: what they are worth (null when all are worth the same), and where the results go.
-    const std::uint16_t* weights(const Cells& first) const;
+    /// Tells a block of corners what they are worth (nothing where all are worth the same).
+    void weigh(const Cells& first, kernel::SpaoBlock& block) const;
+    /// Where the results of a block of corners go.
     kernel::SpaoOutput output(const Cells& first, int slices = block_edge);
     /// What a block of the next finer grid that begins at `first` reads.
-    void load(const Cells& first, kernel::CoarseTile& tile) const;
+    kernel::CoarseRows rows_for(const Cells& first) const;
 
 private:
     static const std::uint16_t* as_shorts(const VoxelBuffer& b) {
         return reinterpret_cast<const std::uint16_t*>(b.data());
     }
     static std::uint16_t* as_shorts(VoxelBuffer& b) { return reinterpret_cast<std::uint16_t*>(b.data()); }
-    void weigh_row(const kernel::OpacityGrid& finest, const BlockMap& matter, const Device& device, int y, int z,
+    void weigh_row(const CellRows& finest, const BlockMap& matter, const Device& device, int y, int z,
                    std::vector<std::uint16_t>& to) const;
     std::size_t corner(const Cells& at) const {
         return (std::size_t(at[2] - first_slice_) * corners_[1] + at[1]) * corners_[0] + at[0];
+    }
+    /// Of one octant; the rows of all lie next to each other.
+    std::size_t open_row() const { return std::size_t(octants_) * corners_[0]; }
+    std::size_t open_corner(const Cells& at) const {
+        return (std::size_t(at[2] - first_slice_) * corners_[1] + at[1]) * open_row() + at[0];
     }
 
     int octants_;
@@ -82,7 +87,7 @@ private:
     Cells corners_{0, 0, 0};            ///< held: one more than cells
     int first_slice_ = 0, slices_ = 0;  ///< of corners, held
     VoxelBuffer opacity_, weight_;
-    std::vector<VoxelBuffer> open_;  ///< by octant
+    VoxelBuffer open_;  ///< [z][y][octant][x]
     BlockMap needed_{{0, 0, 0}};
 };
 

@@ -1,6 +1,5 @@
 #include "illumination/spao/fused.h"
 
-#include <cstring>
 #include <optional>
 
 #include "illumination/spao/coarse.h"
@@ -9,34 +8,19 @@
 namespace chiaro {
 namespace {
 
-using Tile = kernel::SpaoTile;
 using Cells = std::array<int, 3>;
 
 }  // namespace
 
-SpaoScratch& scratch_of_thread() {
-    thread_local const auto scratch = std::make_unique<SpaoScratch>();
-    return *scratch;
+kernel::SpaoTile& tile_of_thread() {
+    thread_local const auto tile = std::make_unique<kernel::SpaoTile>();
+    return *tile;
 }
 
-void load_tile(const kernel::OpacityGrid& grid, const Cells& first, Tile& tile) {
-    const auto [nx, ny, nz] = grid.count;
-    const int x0 = first[0] - Tile::halo, begin = std::clamp(-x0, 0, Tile::row),
-              end = std::clamp(nx - x0, begin, Tile::row);
-    for (int k = 0; k < Tile::row; ++k)
-        for (int j = 0; j < Tile::row; ++j) {
-            const int y = first[1] - Tile::halo + j, z = first[2] - Tile::halo + k;
-            std::uint16_t* to = tile.opacity + k * Tile::slice + j * Tile::row;
-            std::memset(to, 0, Tile::row * sizeof *to);
-            if (y >= 0 && y < ny && z >= 0 && z < nz && end > begin)
-                std::copy_n(grid.row(y, z) + x0 + begin, end - begin, to + begin);
-        }
-}
-
-kernel::SpaoOutput output_of_cells(CellValues& access, const BlockMap& blocks, std::size_t block) {
-    const auto [nx, ny, nz] = access.grid.count;
-    const auto [x, y, z] = blocks.cells(block, access.grid.count);
-    return {{access.data() + access.grid.index(x.first, y.first, z.first)},
+kernel::SpaoOutput output_of_cells(const RowsOf<std::uint16_t>& access, const BlockMap& blocks, std::size_t block) {
+    const auto [nx, ny, nz] = access.count;
+    const auto [x, y, z] = blocks.cells(block, access.count);
+    return {{access.row(y.first, z.first) + x.first},
             nx,
             std::int64_t(nx) * ny,
             x.second - x.first,
@@ -49,11 +33,10 @@ kernel::SpaoBlock spao_block(const SpaoSettings& settings, bool goes_on) {
     const int octants = octants_of(settings.model);
     return {
         .product = kernel::SpaoProduct(settings.model),
-        .last = std::min(settings.levels, Tile::shells) - 1,
+        .last = std::min(settings.levels, kernel::SpaoTile::shells) - 1,
         .normal_factor = float(settings.normal_factor),
         .octants = octants,
         .goes_on = goes_on,
-        .weighs = goes_on && octants > 1,
     };
 }
 
@@ -82,43 +65,43 @@ public:
     /// Grid g > 0: its shell, joined to those of the coarser ones.
     void sweep_corners(int g) {
         CoarseGrid& grid = coarse_[g - 1];
-        for_blocks(grid.needed(), [&](std::size_t, const Cells& first, SpaoScratch& scratch) {
-            kernel::SpaoBlock block = block_on(g, first, scratch);
-            block.weight = grid.weights(first);
-            load_tile(grid.opacity(), first, scratch.tile);
-            run_.corners(scratch.tile, block, grid.output(first));
+        for_blocks(grid.needed(), [&](std::size_t, const Cells& first, kernel::SpaoTile& tile) {
+            kernel::SpaoBlock block = block_on(g, first, tile);
+            grid.weigh(first, block);
+            load_tile(grid.cells(), first, block_edge, Beyond::nothing, tile.opacity);
+            run_.corners(tile, block, grid.output(first));
         });
     }
 
     CellValues sweep_cells() {
         CellValues access(opacity_.values.grid);
-        const kernel::OpacityGrid grid = opacity_grid(access.grid.count, opacity_.values.data());
-        for_blocks(blocks_, [&](std::size_t b, const Cells& first, SpaoScratch& scratch) {
-            const kernel::SpaoBlock block = block_on(0, first, scratch);
-            load_tile(grid, first, scratch.tile);
-            run_.cells(scratch.tile, block, output_of_cells(access, blocks_, b));
+        const CellRows opacity = rows_of(opacity_.values);
+        for_blocks(blocks_, [&](std::size_t b, const Cells& first, kernel::SpaoTile& tile) {
+            const kernel::SpaoBlock block = block_on(0, first, tile);
+            load_tile(opacity, first, block_edge, Beyond::nothing, tile.opacity);
+            run_.cells(tile, block, output_of_cells(rows_of(access), blocks_, b));
         });
         return access;
     }
 
 private:
-    /// work(block, its first cell or corner, scratch)
+    /// work(block, its first cell or corner, tile)
     template <class Work>
     void for_blocks(const BlockMap& map, Work&& work) {
         const auto blocks = map.held();
         parallel_for(device_.threads, std::int64_t(blocks.size()), 1, "spao", progress_,
                      [&](std::int64_t b, std::int64_t) {
                          const auto [x, y, z] = map.at(blocks[b]);
-                         work(blocks[b], Cells{x * block_edge, y * block_edge, z * block_edge}, scratch_of_thread());
+                         work(blocks[b], Cells{x * block_edge, y * block_edge, z * block_edge}, tile_of_thread());
                      });
         progress_.check();
     }
 
-    kernel::SpaoBlock block_on(int g, const Cells& first, SpaoScratch& scratch) const {
+    kernel::SpaoBlock block_on(int g, const Cells& first, kernel::SpaoTile& tile) const {
         const bool has_coarser = g < int(coarse_.size());
-        if (has_coarser) coarse_[g].load(first, scratch.coarse);
         kernel::SpaoBlock block = spao_block(settings_, has_coarser);
-        block.tile = &scratch.tile, block.coarse = &scratch.coarse;
+        block.tile = &tile;
+        if (has_coarser) block.coarse = coarse_[g].rows_for(first);
         return block;
     }
 

@@ -16,16 +16,9 @@ inline int octants_of(SpaoModel model) { return model == SpaoModel::corrected ? 
 kernel::SpaoBlock spao_block(const SpaoSettings& settings, bool goes_on);
 inline std::string name_of_cells(int grid) { return "spao cells of " + std::to_string(1 << grid); }
 
-/// Everything that one thread needs for a block.
-struct SpaoScratch {
-    kernel::SpaoTile tile;
-    kernel::CoarseTile coarse;
-};
-SpaoScratch& scratch_of_thread();
-/// The block's cells and `halo` around them; beyond the grid nothing.
-void load_tile(const kernel::OpacityGrid& grid, const std::array<int, 3>& first, kernel::SpaoTile& tile);
-/// Where the cells of a block go.
-kernel::SpaoOutput output_of_cells(CellValues& access, const BlockMap& blocks, std::size_t block);
+kernel::SpaoTile& tile_of_thread();
+/// Where the cells of a block go: slices next to each other, whose number held is one of whole blocks, or all.
+kernel::SpaoOutput output_of_cells(const RowsOf<std::uint16_t>& access, const BlockMap& blocks, std::size_t block);
 
 /// Fills the cells of the given blocks; `settings` ask for no look-up that moves with the normal. Memory: two bytes a
 /// cell for the result, .6 for coarser opacities and weights, 2.3 for what the coarser grids find out near what is

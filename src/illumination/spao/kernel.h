@@ -34,16 +34,16 @@ CHIARO_INLINE F join_octant(const OctantLevels& o, bool has_second, bool has_fir
 /// One block's work; what is the same for all its rows.
 struct SpaoBlock {
     const SpaoTile* tile = nullptr;
-    const CoarseTile* coarse = nullptr;  ///< for spao_block
+    CoarseRows coarse;  ///< for spao_block, where it goes on
     SpaoProduct product;
     std::int32_t last;  ///< the last shell that this grid answers for
     float normal_factor;
     std::int32_t octants;  ///< 8, or 1 for the products over whole cubes
     bool goes_on;          ///< whether something lies further out
-    bool weighs;           ///< whether the coarser grid's corners are weighted
     /// Of the block's corners on a coarser grid, as far apart as the results: what they are worth to their neighbours.
     /// A corner inside opaque matter sees nothing, and must not darken the open cells beside it. Null: all the same.
     const std::uint16_t* weight = nullptr;
+    std::int64_t weight_row = 0, weight_slice = 0;
 };
 
 /// A piece of a row: where it begins in the tile and the block, and what lies further out (CoarsePlanes,
@@ -55,14 +55,16 @@ struct SpaoPiece {
 };
 
 /// One over what the weights of the corners around come to.
-template <bool at_cells, class F, class Coarse>
-CHIARO_INLINE F further_scale(const SpaoBlock& b, const SpaoPiece<Coarse>& p, int x) {
-    return b.weighs ? F(1) / p.coarse->template weight_at<at_cells, F>(p.x + x, p.y) : F(1.0f / 65535);
+template <bool at_cells, bool goes_on, class F, class Coarse>
+CHIARO_INLINE F further_scale(const SpaoPiece<Coarse>& p, int x) {
+    if constexpr (goes_on) return F(1) / p.coarse->template weight_at<at_cells, F>(p.x + x, p.y);
+    return F(1);
 }
 /// The product of the shells further out of octant s: the weighted mean over the corners around.
-template <bool at_cells, class F, class Coarse>
-CHIARO_INLINE F further_out(const SpaoBlock& b, const SpaoPiece<Coarse>& p, int x, int s, F scale) {
-    return b.goes_on ? min(p.coarse->template open_at<at_cells, F>(s, p.x + x, p.y) * scale, F(1)) : F(1);
+template <bool at_cells, bool goes_on, class F, class Coarse>
+CHIARO_INLINE F further_out(const SpaoPiece<Coarse>& p, int x, int s, F scale) {
+    if constexpr (goes_on) return min(p.coarse->template open_at<at_cells, F>(s, p.x + x, p.y) * scale, F(1));
+    return F(1);
 }
 
 template <bool at_cells>
@@ -80,18 +82,29 @@ CHIARO_INLINE Vec3<F> step_down_row(const std::uint16_t* opacity) {
     return {along(1), along(SpaoTile::row), along(SpaoTile::slice)};
 }
 
+template <int s>
+using Octant = std::integral_constant<int, s>;
+/// use(s) for each of the eight octants, as a number that the compiler knows.
+template <class Use>
+CHIARO_INLINE void for_octants(Use&& use) {
+    use(Octant<0>()), use(Octant<1>()), use(Octant<2>()), use(Octant<3>());
+    use(Octant<4>()), use(Octant<5>()), use(Octant<6>()), use(Octant<7>());
+}
+
 /// On the finest grid out[0] receives the accessibility, on a coarser one out[s] the product so far of octant s, times
-/// the corners' weights. `width` cells, as everywhere below.
-template <bool at_cells, class F, int width, class Coarse>
+/// the corners' weights. `width` cells, as everywhere below. Octants have weights wherever something lies further out.
+template <bool at_cells, bool goes_on, class F, int width, class Coarse>
 CHIARO_INLINE void octants_piece(const SpaoBlock& b, const SpaoPiece<Coarse>& p, const std::uint16_t* weight,
                                  std::uint16_t (*out)[width]) {
+    const bool has_second = goes_on || b.last >= 1;
     for (int x = 0; x < width; x += LaneTraits<F>::count) {
-        const F scale = further_scale<at_cells, F>(b, p, x);
+        const F scale = further_scale<at_cells, goes_on, F>(p, x);
         const Vec3<F> n = step_down_row<F>(b.tile->opacity + p.at + x);
         F all(0), outwards(0);
-        for (int s = 0; s < 8; ++s) {
-            const F r = join_octant(octant_levels<at_cells>(*b.tile, p.at + x, s), b.last >= 1, at_cells,
-                                    further_out<at_cells>(b, p, x, s, scale));
+        for_octants([&](auto octant) CHIARO_INLINE_LAMBDA {
+            constexpr int s = decltype(octant)::value;
+            const F r = join_octant(octant_levels<at_cells>(*b.tile, p.at + x, s), has_second, at_cells,
+                                    further_out<at_cells, goes_on>(p, x, s, scale));
             if constexpr (at_cells) {
                 const F side = (s & 1 ? n.x : F(0) - n.x) + (s & 2 ? n.y : F(0) - n.y) + (s & 4 ? n.z : F(0) - n.z);
                 all = all + r;
@@ -99,7 +112,7 @@ CHIARO_INLINE void octants_piece(const SpaoBlock& b, const SpaoPiece<Coarse>& p,
             } else {
                 store_whole(truncate(r * load_row<F>(weight + x) + F(0.5f)), out[s] + x);
             }
-        }
+        });
         if constexpr (at_cells)
             store_shares(min(weigh_octants(outward_share(n, b.normal_factor), n, all, outwards), F(1)), out[0] + x);
     }
@@ -122,7 +135,8 @@ CHIARO_INLINE void cubes_piece(const SpaoBlock& b, const SpaoPiece<Coarse>& p, s
     for (int l = 1; l <= SpaoTile::shells; ++l) cube_piece(level_of<at_cells>(*b.tile, l) + p.at, l, cubes[l - 1]);
     for (int x = 0; x < width; x += LaneTraits<F>::count) {
         const OctantLevels levels{{b.tile->opacity + p.at + x, cubes[0] + x, cubes[1] + x}};
-        F r = join_cubes<product>(levels, b.last >= 1, at_cells, further_out<at_cells>(b, p, x, 0, F(1.0f / 65535)));
+        const F further = b.goes_on ? further_out<at_cells, true>(p, x, 0, F(1.0f / 65535)) : F(1);
+        F r = join_cubes<product>(levels, b.last >= 1, at_cells, further);
         if constexpr (at_cells) r = finish<product>(r);
         store_shares(r, out[0] + x);
     }
@@ -138,10 +152,12 @@ struct SpaoOutput {
 };
 
 template <bool at_cells, class F, int width, class Coarse>
-CHIARO_INLINE void find_piece(const SpaoBlock& b, const SpaoPiece<Coarse>& p, std::int64_t at,
+CHIARO_INLINE void find_piece(const SpaoBlock& b, const SpaoPiece<Coarse>& p, const std::uint16_t* weight,
                               std::uint16_t (*out)[width]) {
-    if (b.product == SpaoProduct::corrected)
-        octants_piece<at_cells, F, width>(b, p, b.weight ? b.weight + at : nullptr, out);
+    if (b.product == SpaoProduct::corrected && b.goes_on)
+        octants_piece<at_cells, true, F, width>(b, p, weight, out);
+    else if (b.product == SpaoProduct::corrected)
+        octants_piece<at_cells, false, F, width>(b, p, weight, out);
     else if (b.product == SpaoProduct::thick)
         cubes_piece<SpaoProduct::thick, at_cells, F, width>(b, p, out);
     else
@@ -149,9 +165,11 @@ CHIARO_INLINE void find_piece(const SpaoBlock& b, const SpaoPiece<Coarse>& p, st
 }
 
 template <bool at_cells, class F, int width, class Coarse>
-CHIARO_INLINE void spao_piece(const SpaoBlock& b, const SpaoPiece<Coarse>& p, const SpaoOutput& to, std::int64_t at) {
+CHIARO_INLINE void spao_piece(const SpaoBlock& b, const SpaoPiece<Coarse>& p, const SpaoOutput& to, std::int32_t z) {
     std::uint16_t out[8][width];
-    find_piece<at_cells, F, width>(b, p, at, out);
+    const std::int64_t at = z * to.slice + p.y * to.row + p.x;
+    const std::int64_t of_weight = z * b.weight_slice + p.y * b.weight_row + p.x;
+    find_piece<at_cells, F, width>(b, p, b.weight ? b.weight + of_weight : nullptr, out);
     const std::int32_t count = min(to.nx - p.x, width);
     for (std::int32_t s = 0; s < (at_cells ? 1 : b.octants); ++s)
         if (count == width)
@@ -165,15 +183,13 @@ CHIARO_INLINE void spao_block(const SpaoBlock& b, const SpaoOutput& to) {
     constexpr int halo = SpaoTile::halo;
     CoarsePlanes planes;
     for (std::int32_t z = 0; z < to.nz; ++z) {
-        for (std::int32_t s = 0; b.goes_on && s < b.octants; ++s)
-            coarse_plane<at_cells, F>(b.coarse->open[s], z, planes.open[s]);
-        if (b.weighs) coarse_plane<at_cells, F>(b.coarse->weight, z, planes.weight);
+        if (b.goes_on) planes.load<at_cells, F>(b.coarse, b.octants, z, to.ny);
         for (std::int32_t y = 0; y < to.ny; ++y)
             for (std::int32_t x = 0; x < to.nx; x += SpaoTile::piece) {
                 if (!is_asked(to.pieces, x, y, z)) continue;
                 const std::int32_t in_tile = (z + halo) * SpaoTile::slice + (y + halo) * SpaoTile::row + halo + x;
                 const SpaoPiece<CoarsePlanes> piece{in_tile, x, y, &planes};
-                spao_piece<at_cells, F, SpaoTile::piece>(b, piece, to, z * to.slice + y * to.row + x);
+                spao_piece<at_cells, F, SpaoTile::piece>(b, piece, to, z);
             }
     }
 }

@@ -24,20 +24,20 @@ public:
           run_(kernel::spao_functions_for(device.isa)),
           steps_(timer),
           progress_(progress),
-          opacity_(no_opacity_yet(medium)),
+          maps_(opacity_maps(medium)),
           asked_(visible_blocks(medium, grid(), 2)),
-          access_(grid()),
-          displaced_(grid()),
-          fill_(opacity_filler(medium, opacity_)),
-          normal_offset_(slice_lifter(device, access_, opacity_.values, normal_factor, opacity_.visible, displaced_)),
           layers_(asked_.count[2]),
-          together_(int(std::min(busy_blocks, asked_.holds.size()) * std::size_t(layers_) / asked_.holds.size())) {
-        together_ = std::max(together_, 1);
-        // Surfaces' opacities take longer to find than to keep.
-        keeps_opacity_ = together_ >= layers_ || medium.shape.mode == Mode::iso;
-        is_sparse_ = double(asked_.held().size()) < crowded * double(asked_.holds.size());
+          together_(layers_at_once(asked_)),
+          // Surfaces' opacities take longer to find than to keep.
+          keeps_opacity_(together_ >= layers_ || medium.shape.mode == Mode::iso),
+          opacity_(grid().count, keeps_opacity_ ? grid().count[2] : together_ * block_edge + 3 * margin),
+          access_(grid().count, (together_ + 1) * block_edge),
+          displaced_(grid()),
+          fill_(opacity_filler(medium, maps_, opacity_.rows())),
+          normal_offset_(
+              slice_lifter(device, access_.rows(), opacity_.rows(), normal_factor, maps_.visible, displaced_)) {
         check_ghosts(volume_, grid());
-        for (CellValues* values : {&opacity_.values, &access_, &displaced_}) fit_pages(*values);
+        if (is_sparse()) displaced_.buffer.use_small_pages();
     }
 
     CellValues run() {
@@ -47,7 +47,6 @@ public:
             fill_up_to(end * block_edge + margin);
             if (!coarse_.empty()) steps_.part(name_of_cells(1), [&] { sweep_corners(first, end); });
             steps_.part(name_of_cells(0), [&] { sweep_cells(first, end); });
-            if (!coarse_.empty()) coarse_[0].free_corners();  // before the answer grows
             steps_.part("lift",
                         [&] { normal_offset_up_to(end == layers_ ? grid().count[2] : end * block_edge - margin); });
             discard_before(end);
@@ -57,10 +56,13 @@ public:
     }
 
 private:
-    const CellGrid& grid() const { return opacity_.values.grid; }
-    kernel::OpacityGrid opacities() const { return opacity_grid(grid().count, opacity_.values.data()); }
-    void fit_pages(CellValues& values) const {
-        if (is_sparse_) values.buffer.use_small_pages();
+    const CellGrid& grid() const { return maps_.grid; }
+    CellRows opacities() { return opacity_.rows(); }
+    /// Whether large pages would waste memory.
+    bool is_sparse() const { return double(asked_.held().size()) < crowded * double(asked_.holds.size()); }
+    static int layers_at_once(const BlockMap& blocks) {
+        const std::size_t layer = std::size_t(blocks.count[0]) * blocks.count[1];
+        return std::clamp(int(busy_blocks / layer), 1, blocks.count[2]);
     }
 
     /// work(i) for i in [0, count)
@@ -74,7 +76,7 @@ private:
 
     /// Slices of opacities.
     void fill_up_to(int end) {
-        steps_.part("opacity", [&] { do_slices(fill_, opacity_.matter, filled_, std::min(end, grid().count[2])); });
+        steps_.part("opacity", [&] { do_slices(fill_, every_column_, filled_, std::min(end, grid().count[2])); });
     }
     void do_slices(const SliceWork& work, const BlockMap& map, int& done, int end) {
         for (int next = 0; done < end; done = next) {
@@ -88,7 +90,6 @@ private:
     void find_coarse() {
         const int octants = octants_of(settings_.model), grids = coarse_grids(settings_);
         coarse_.emplace_back(grid().count, octants);
-        if (is_sparse_) coarse_[0].use_small_pages();
         if (grids > 1) coarse_.emplace_back(coarse_[0].shape().count, octants);
         for (int first = 0; first < layers_; first += together_) {
             const int end = std::min(first + together_, layers_);
@@ -98,16 +99,12 @@ private:
             progress_.check();
         }
         share_coarse();
-        if (!keeps_opacity_) {
-            opacity_.values = CellValues(grid());
-            fit_pages(opacity_.values);
-            filled_ = 0;
-        }
+        if (!keeps_opacity_) filled_ = 0;
         steps_.part("spao mipmaps", [&] {
             coarse_[0].need(asked_);
             for (int g = 2; g <= grids; ++g) {
                 if (g > 2) coarse_.emplace_back(coarse_.back(), device_, progress_);
-                if (g == 2) coarse_[1].shrink(coarse_[0].opacity(), nullptr, device_, 0, coarse_[1].shape().count[2]);
+                if (g == 2) coarse_[1].shrink(coarse_[0].cells(), nullptr, device_, 0, coarse_[1].shape().count[2]);
                 coarse_[std::size_t(g) - 1].need(coarse_[std::size_t(g) - 2].needed());
             }
         });
@@ -120,7 +117,7 @@ private:
 
     /// Of several ranks: wider shells know all of the volume.
     void share_coarse() {
-        gather_nodes(device_, volume_, coarser(grid(), 2), coarse_[0].cells());
+        gather_nodes(device_, volume_, coarser(grid(), 2), coarse_[0].written_cells());
         if (coarse_.size() == 1 || octants_of(settings_.model) == 1) return;
         CellGrid corners = coarser(grid(), 4);
         corners.count = coarse_[1].corners();
@@ -131,12 +128,11 @@ private:
     void shrink_layers(int first, int end) {
         const auto until = [&](int last, int whole) { return end == layers_ ? whole : last; };
         CoarseGrid& grid1 = coarse_[0];
-        grid1.shrink(opacities(), &opacity_.matter, device_, first * half_edge,
+        grid1.shrink(opacities(), &maps_.matter, device_, first * half_edge,
                      until(end * half_edge, grid1.shape().count[2]));
         if (coarse_.size() > 1)
-            coarse_[1].find_weights(opacities(), opacity_.matter, 2, device_, first * half_edge / 2,
+            coarse_[1].find_weights(opacities(), maps_.matter, 2, device_, first * half_edge / 2,
                                     until(end * half_edge / 2, coarse_[1].corners()[2]));
-        if (!keeps_opacity_) opacity_.values.discard_slices_before(end * block_edge - 1);
     }
 
     /// Grid g > 1, whole.
@@ -153,7 +149,7 @@ private:
         CoarseGrid& grid1 = coarse_[0];
         const int begin = first * half_edge, stop = std::min(end * half_edge + 1, grid1.corners()[2]);
         grid1.hold(begin, std::max(stop - begin, std::min(together_ * half_edge + 1, grid1.corners()[2])));
-        grid1.find_weights(opacities(), opacity_.matter, 1, device_, begin, stop);
+        grid1.find_weights(opacities(), maps_.matter, 1, device_, begin, stop);
         std::vector<std::array<int, 3>> blocks;
         for (const auto& [x, y] : columns_read(first, end))
             for (int z = begin; z < stop; z += block_edge) blocks.push_back({x * block_edge, y * block_edge, z});
@@ -181,11 +177,11 @@ private:
 
     void sweep_block(int g, const std::array<int, 3>& first, int slices) {
         CoarseGrid& grid = coarse_[std::size_t(g) - 1];
-        SpaoScratch& scratch = scratch_of_thread();
-        kernel::SpaoBlock block = block_on(g, first, scratch);
-        block.weight = grid.weights(first);
-        load_tile(grid.opacity(), first, scratch.tile);
-        run_.corners(scratch.tile, block, grid.output(first, slices));
+        kernel::SpaoTile& tile = tile_of_thread();
+        kernel::SpaoBlock block = block_on(g, first, tile);
+        grid.weigh(first, block);
+        load_tile(grid.cells(), first, block_edge, Beyond::nothing, tile.opacity);
+        run_.corners(tile, block, grid.output(first, slices));
     }
 
     void sweep_cells(int first, int end) {
@@ -193,29 +189,26 @@ private:
         for_all(blocks.size(), [&](std::size_t i) {
             const auto [x, y, z] = asked_.at(blocks[i]);
             const std::array<int, 3> at{x * block_edge, y * block_edge, z * block_edge};
-            SpaoScratch& scratch = scratch_of_thread();
-            const kernel::SpaoBlock block = block_on(0, at, scratch);
-            load_tile(opacities(), at, scratch.tile);
-            run_.cells(scratch.tile, block, output_of_cells(access_, asked_, blocks[i]));
+            kernel::SpaoTile& tile = tile_of_thread();
+            const kernel::SpaoBlock block = block_on(0, at, tile);
+            load_tile(opacities(), at, block_edge, Beyond::nothing, tile.opacity);
+            run_.cells(tile, block, output_of_cells(access_.rows(), asked_, blocks[i]));
         });
     }
 
-    kernel::SpaoBlock block_on(int g, const std::array<int, 3>& first, SpaoScratch& scratch) const {
+    kernel::SpaoBlock block_on(int g, const std::array<int, 3>& first, kernel::SpaoTile& tile) const {
         const bool has_coarser = g < int(coarse_.size());
-        if (has_coarser) coarse_[std::size_t(g)].load(first, scratch.coarse);
         kernel::SpaoBlock block = spao_block(settings_, has_coarser);
-        block.tile = &scratch.tile, block.coarse = &scratch.coarse;
+        block.tile = &tile;
+        if (has_coarser) block.coarse = coarse_[std::size_t(g)].rows_for(first);
         return block;
     }
 
-    void normal_offset_up_to(int end) { do_slices(normal_offset_, opacity_.visible, normal_offset_done_, end); }
+    void normal_offset_up_to(int end) { do_slices(normal_offset_, maps_.visible, normal_offset_done_, end); }
 
     /// What the layers from `next` on, and slices that are still to be lifted, do not read.
     void discard_before(int next) {
         constexpr int halo = kernel::SpaoTile::halo;
-        const int slice = normal_offset_done_ - halo;
-        opacity_.values.discard_slices_before(slice);
-        access_.discard_slices_before(slice);
         if (!coarse_.empty()) coarse_[0].discard_cells_before(next * half_edge - halo);
         if (coarse_.size() > 1) coarse_[1].discard_corners_before(next * half_edge / 2);
     }
@@ -226,13 +219,14 @@ private:
     const kernel::SpaoFunctions run_;
     StageTimer& steps_;
     Progress& progress_;
-    CellOpacity opacity_;
+    const OpacityMaps maps_;
     const BlockMap asked_;  ///< a sample reads the cells around it, each of which is lifted from a cell further out
-    CellValues access_, displaced_;
+    const BlockMap every_column_{grid().count, true};
+    const int layers_, together_;  ///< of blocks
+    const bool keeps_opacity_;
+    SliceRing opacity_, access_;
+    CellValues displaced_;
     const SliceWork fill_, normal_offset_;
-    const int layers_;
-    int together_;  ///< layers
-    bool keeps_opacity_, is_sparse_;
     int filled_ = 0, normal_offset_done_ = 0;  ///< slices
     std::vector<CoarseGrid> coarse_;           ///< of cells twice, four times, ... as wide
 };

@@ -59,11 +59,12 @@ CHIARO_INLINE int octant_offset(int level, int s) {
     return -((s & 1 ? 0 : back) + (s & 2 ? 0 : back * SpaoTile::row) + (s & 4 ? 0 : back * SpaoTile::slice));
 }
 
-/// What the coarser grid says at the corners of its cells, of half the block and one corner more.
-struct CoarseTile {
-    static constexpr int edge = SpaoTile::edge / 2 + 1, slice = edge * edge, size = edge * slice;
-    std::uint16_t open[8][size + slice + 16];  ///< by octant; weighted where there are weights
-    std::uint16_t weight[size + slice + 16];
+/// The coarser grid's corners from the first of a block on: by octant, weighted where there are weights. The last row
+/// and slice that exist are told; no cell asks beyond.
+struct CoarseRows {
+    const std::uint16_t *open[8], *weight;
+    std::int64_t row, slice, weight_row, weight_slice;
+    std::int32_t last_row, last_slice;
 };
 
 /// Between two corners of the coarser grid: a cell's centre lies a quarter of the way from the nearer one, a corner of
@@ -73,11 +74,32 @@ CHIARO_INLINE S between(S low, S high, bool is_odd) {
     if (at_cells) return mean_of(mean_of(low, high), is_odd ? high : low);
     return is_odd ? mean_of(low, high) : low;
 }
+/// The same of rows: what is chosen is where to read, not what was read.
+template <bool at_cells, class F>
+CHIARO_INLINE Shorts<F> between_rows(const std::uint16_t* low, const std::uint16_t* high, bool is_odd) {
+    if (!at_cells && !is_odd) return load_shorts<F>(low);
+    const Shorts<F> middle = mean_of(load_shorts<F>(low), load_shorts<F>(high));
+    return at_cells ? mean_of(middle, load_shorts<F>(is_odd ? high : low)) : middle;
+}
 
 /// The coarser grid at one slice of a block, as fine as the block along x.
 struct CoarsePlanes {
-    static constexpr int row = SpaoTile::edge;
-    std::uint16_t open[8][CoarseTile::edge * row], weight[CoarseTile::edge * row];
+    static constexpr int row = SpaoTile::edge, rows = row / 2 + 1;
+    std::uint16_t open[8][rows * row], weight[rows * row];
+
+    /// Of slice z, what `ny` rows of the block read.
+    template <bool at_cells, class F>
+    CHIARO_INLINE void load(const CoarseRows& from, int octants, int z, int ny) {
+        const int low = z >> 1, high = min(low + 1, from.last_slice), last = min((ny + 1) / 2, from.last_row);
+        const auto blend = [&](const std::uint16_t* corners, std::int64_t slice, std::uint16_t* to)
+                               CHIARO_INLINE_LAMBDA {
+                                   blend_row<at_cells, F>(corners + low * slice, corners + high * slice, z & 1, to);
+                               };
+        for (int y = 0; y <= last; ++y) {
+            for (int s = 0; s < octants; ++s) blend(from.open[s] + y * from.row, from.slice, open[s] + y * row);
+            if (octants > 1) blend(from.weight + y * from.weight_row, from.weight_slice, weight + y * row);
+        }
+    }
 
     /// Of octant s, or the weights, at cells of a row.
     template <bool at_cells, class F>
@@ -90,10 +112,20 @@ struct CoarsePlanes {
     }
 
 private:
+    /// 17 corners to 32 cells.
+    template <bool at_cells, class F>
+    static CHIARO_INLINE void blend_row(const std::uint16_t* low, const std::uint16_t* high, bool is_odd,
+                                        std::uint16_t* to) {
+        for (int i = 0; i < row / 2; i += LaneTraits<F>::count) {
+            const Shorts<F> a = between_rows<at_cells, F>(low + i, high + i, is_odd),
+                            b = between_rows<at_cells, F>(low + i + 1, high + i + 1, is_odd);
+            store_interleaved(between<at_cells>(a, b, false), between<at_cells>(a, b, true), to + 2 * i);
+        }
+    }
     template <bool at_cells, class F>
     static CHIARO_INLINE F blend(const std::uint16_t* plane, int x, int y) {
         const std::uint16_t* low = plane + (y >> 1) * row + x;
-        return to_float(between<at_cells>(load_shorts<F>(low), load_shorts<F>(low + row), y & 1));
+        return to_float(between_rows<at_cells, F>(low, low + row, y & 1));
     }
 };
 
@@ -154,21 +186,5 @@ private:
         return (std::int64_t(k) * count[1] + j) * count[0] + i;
     }
 };
-
-template <bool at_cells, class F>
-CHIARO_INLINE void coarse_plane(const std::uint16_t* corners, int z, std::uint16_t* plane) {
-    constexpr int lanes = LaneTraits<F>::count, n = CoarseTile::edge;
-    std::uint16_t blend[CoarseTile::slice + lanes];
-    const std::uint16_t* low = corners + (z >> 1) * CoarseTile::slice;
-    for (int i = 0; i < CoarseTile::slice; i += lanes)
-        store(between<at_cells>(load_shorts<F>(low + i), load_shorts<F>(low + i + CoarseTile::slice), z & 1),
-              blend + i);
-    for (int y = 0; y < n; ++y)
-        for (int i = 0; i < n - 1; i += lanes) {
-            const Shorts<F> a = load_shorts<F>(blend + y * n + i), b = load_shorts<F>(blend + y * n + i + 1);
-            store_interleaved(between<at_cells>(a, b, false), between<at_cells>(a, b, true),
-                              plane + y * CoarsePlanes::row + 2 * i);
-        }
-}
 
 }  // namespace chiaro::kernel
