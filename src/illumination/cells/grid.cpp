@@ -2,6 +2,7 @@
 
 #include "classify/clip.h"
 #include "classify/medium.h"
+#include "core/threads.h"
 
 namespace chiaro {
 namespace {
@@ -128,6 +129,18 @@ std::array<std::pair<int, int>, 3> BlockMap::cells(std::size_t block, const std:
     return ranges;
 }
 
+BlockPieces BlockMap::pieces_of_slices(std::array<int, 2> column, int first, int end) const {
+    constexpr int height = BlockPieces::height;
+    BlockPieces found{};
+    for (int z = first; z < end; z += height) {
+        const std::size_t block = index(column[0], column[1], z / block_edge);
+        if (holds[block])
+            std::copy_n(pieces_of(block).bits[z % block_edge / height], block_edge / height,
+                        found.bits[(z - first) / height]);
+    }
+    return found;
+}
+
 std::vector<std::size_t> BlockMap::held() const { return held(0, count[2]); }
 
 std::vector<std::size_t> BlockMap::held(int first_layer, int end_layer) const {
@@ -154,12 +167,11 @@ BlockMap visible_blocks(const Medium::Data& medium, const CellGrid& grid, double
     BlockMap map(grid.count);
     map.pieces.resize(map.holds.size());
     constexpr int width = BlockPieces::width, height = BlockPieces::height, pieces = block_edge / height;
-    for (std::size_t b = 0; b < map.holds.size(); ++b) {
+    const auto find = [&](std::size_t b) {
         const auto block = map.at(b);
         const auto range = [&](int axis, int from, int size) {
             return occupied.along(axis, block[axis] * block_edge + from, block[axis] * block_edge + from + size);
         };
-        map.pieces[b] = {};
         map.holds[b] =
             any_occupied(medium, {range(0, 0, block_edge), range(1, 0, block_edge), range(2, 0, block_edge)});
         for (int z = 0; map.holds[b] && z < pieces; ++z)
@@ -169,7 +181,11 @@ BlockMap visible_blocks(const Medium::Data& medium, const CellGrid& grid, double
                         any_occupied(medium, {range(0, x * width, width), range(1, y * height, height),
                                               range(2, z * height, height)})
                         << x;
-    }
+    };
+    parallel_for(medium.volume.data().device.threads, std::int64_t(map.holds.size()), 16,
+                 [&](std::int64_t first, std::int64_t end) {
+                     for (auto b = first; b < end; ++b) find(std::size_t(b));
+                 });
     return map;
 }
 

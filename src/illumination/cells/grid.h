@@ -101,6 +101,8 @@ struct BlockMap {
     std::uint8_t& operator()(int x, int y, int z) { return holds[(std::size_t(z) * count[1] + y) * count[0] + x]; }
     std::size_t index(int x, int y, int z) const { return (std::size_t(z) * count[1] + y) * count[0] + x; }
     const BlockPieces& pieces_of(std::size_t block) const { return pieces.empty() ? all_pieces : pieces[block]; }
+    /// Of at most 32 slices of a column of blocks, the first a multiple of 4 that may lie within a block.
+    BlockPieces pieces_of_slices(std::array<int, 2> column, int first, int end) const;
     bool at(int x, int y, int z) const { return holds[(std::size_t(z) * count[1] + y) * count[0] + x]; }
     bool any_in_row(int y, int z) const {
         const auto row = holds.begin() + std::ptrdiff_t((std::size_t(z) * count[1] + y) * count[0]);

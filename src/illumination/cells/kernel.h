@@ -1,7 +1,7 @@
-// Rows of cells in plain loops that the compiler turns into vectors: neighbours along x are neighbours in memory.
+// Accessibility off surfaces, for one cell or sixteen of a row at a time: neighbours along x are neighbours in memory.
 #pragma once
 #include "illumination/cells/block_place.h"
-#include "kernel/lanes.h"
+#include "kernel/row.h"
 #include "kernel/vec.h"
 
 namespace chiaro::kernel {
@@ -12,8 +12,10 @@ struct NormalOffsetTile {
 };
 
 /// -(α(i + 1) - α(i - 1)) per axis; `alpha` points at the cell.
-CHIARO_INLINE Vec3<float> step_down(const float* alpha, int row, int slice) {
-    return {alpha[-1] - alpha[1], alpha[-row] - alpha[row], alpha[-slice] - alpha[slice]};
+template <class F>
+CHIARO_INLINE Vec3<F> step_down(const float* alpha, int row, int slice) {
+    const auto along = [&](int d) CHIARO_INLINE_LAMBDA { return load_row<F>(alpha - d) - load_row<F>(alpha + d); };
+    return {along(1), along(row), along(slice)};
 }
 
 /// min(1, 4 F |n|): a step of a quarter of the opacity between the neighbours is a surface. (With F |n| soft matter,
@@ -24,30 +26,32 @@ CHIARO_INLINE F outward_share(Vec3<F> n, float normal_factor) {
 }
 
 /// Towards the neighbour on the side that n points to.
-CHIARO_INLINE float towards(float below, float here, float above, float n) {
-    return lerp(here, n > 0 ? above : below, abs(n));
+template <class F>
+CHIARO_INLINE F towards(F below, F here, F above, F n) {
+    return lerp(here, select(n > F(0), above, below), abs(n));
 }
 
 /// Of a cell with normal n: A × 2 / (1 + q), not clamped yet.
-CHIARO_INLINE float scaled(float access, const float* opacity, float normal_factor) {
-    return access * 2 /
-           (1 + outward_share(step_down(opacity, NormalOffsetTile::row, NormalOffsetTile::slice), normal_factor));
+template <class F>
+CHIARO_INLINE F scaled(F access, const float* opacity, float normal_factor) {
+    const Vec3<F> n = step_down<F>(opacity, NormalOffsetTile::row, NormalOffsetTile::slice);
+    return access * F(2) / (F(1) + outward_share(n, normal_factor));
 }
 /// The scaled field one edge along the normal: trilinear between the cell and the 7 neighbours on that side.
-CHIARO_INLINE float displaced(const float* access, const float* opacity) {
+template <class F>
+CHIARO_INLINE F displaced(const float* access, const float* opacity) {
     constexpr int row = NormalOffsetTile::row, slice = NormalOffsetTile::slice;
-    Vec3<float> n = step_down(opacity, row, slice);
-    n = (1 / max(sqrt(dot(n, n)), 1.0f)) * n;
-    const auto along_x = [&](const float* a) CHIARO_INLINE_LAMBDA { return towards(a[-1], a[0], a[1], n.x); };
+    Vec3<F> n = step_down<F>(opacity, row, slice);
+    n = (F(1) / max(sqrt(dot(n, n)), F(1))) * n;
+    const auto along_x = [&](const float* a) CHIARO_INLINE_LAMBDA {
+        return towards(load_row<F>(a - 1), load_row<F>(a), load_row<F>(a + 1), n.x);
+    };
     const auto along_y = [&](const float* a) CHIARO_INLINE_LAMBDA {
         return towards(along_x(a - row), along_x(a), along_x(a + row), n.y);
     };
-    return min(towards(along_y(access - slice), along_y(access), along_y(access + slice), n.z), 1.0f);
+    return min(towards(along_y(access - slice), along_y(access), along_y(access + slice), n.z), F(1));
 }
 
-CHIARO_INLINE std::uint16_t displaced_value(const float* scaled, const float* opacity) {
-    return std::uint16_t(std::int32_t(displaced(scaled, opacity) * 65535 + 0.5f));
-}
 /// A block's work: access and opacity as 65535ths, each a tile; where the answers go, how much of the block lies there,
 /// and the pieces of 16 × 4 × 4 cells that bit x of [z][y] asks for.
 struct NormalOffsetBlock {
@@ -65,9 +69,10 @@ struct NormalOffsetBlock {
         return false;
     }
     /// 16 cells of a row.
+    template <class F>
     CHIARO_INLINE void piece(const float* scaled, const float* alpha, int x, std::uint16_t* to) const {
         std::uint16_t found[16];
-        for (int i = 0; i < 16; ++i) found[i] = displaced_value(scaled + i, alpha + i);
+        for (int i = 0; i < 16; i += LaneTraits<F>::count) store_shares(displaced<F>(scaled + i, alpha + i), found + i);
         if (x + 16 <= nx)
             __builtin_memcpy(to + x, found, sizeof found);
         else
@@ -75,26 +80,29 @@ struct NormalOffsetBlock {
     }
 };
 
-/// `numbers` holds two tiles. Four slices of the block at a time, where they are asked for.
+/// `numbers` holds two tiles and a piece more. Four slices of the block at a time, where they are asked for.
+template <class F>
 CHIARO_INLINE void normal_offset_block(const NormalOffsetBlock& b, float* numbers) {
     using Tile = NormalOffsetTile;
-    constexpr int row = Tile::row, slice = Tile::slice, edge = Tile::edge, border = row + 1;
+    constexpr int row = Tile::row, slice = Tile::slice, border = row + 1, lanes = LaneTraits<F>::count;
     float *scaled_access = numbers, *alpha = numbers + Tile::size;
+    const auto share = [](const std::uint16_t* from) CHIARO_INLINE_LAMBDA { return load_row<F>(from) / F(65535); };
     int converted = 0, scaled_end = 0;  // slices of the tile
     for (int first = 0; first < b.nz; first += 4) {
         if (!b.is_layer_asked(first / 4)) continue;
         const int end = min(first + 4, b.nz);
         for (converted = max(converted, first); converted < end + 4; ++converted)
-            for (int i = converted * slice; i < (converted + 1) * slice; ++i) alpha[i] = b.opacity[i] / 65535.0f;
+            for (int i = converted * slice; i < (converted + 1) * slice; i += lanes)
+                store_row(alpha + i, share(b.opacity + i));
         for (scaled_end = max(scaled_end, first + 1); scaled_end < end + 3; ++scaled_end)
-            for (int i = scaled_end * slice + border; i < (scaled_end + 1) * slice - border; ++i)
-                scaled_access[i] = scaled(b.access[i] / 65535.0f, alpha + i, b.normal_factor);
+            for (int i = scaled_end * slice + border; i < (scaled_end + 1) * slice - border; i += lanes)
+                store_row(scaled_access + i, scaled(share(b.access + i), alpha + i, b.normal_factor));
         for (int z = first; z < end; ++z)
             for (int y = 0; y < b.ny; ++y)
-                for (int x = 0; x < min(edge, b.nx); x += 16) {
+                for (int x = 0; x < b.nx; x += 16) {
                     if (!is_asked(b.pieces, x, y, z)) continue;
                     const int at = (z + 2) * slice + (y + 2) * row + 2 + x;
-                    b.piece(scaled_access + at, alpha + at, x, b.out + z * b.slice + y * b.row);
+                    b.piece<F>(scaled_access + at, alpha + at, x, b.out + z * b.slice + y * b.row);
                 }
     }
 }
@@ -123,7 +131,7 @@ struct NormalOffsetBatch {
         constexpr int border = NormalOffsetTile::slice + NormalOffsetTile::row + 1;
         if (i < border || i >= NormalOffsetTile::size - border) return;
         float* tile = tile_of(item / NormalOffsetTile::size);
-        tile[i] = scaled(tile[i], tile + NormalOffsetTile::size + i, normal_factor);
+        tile[i] = scaled<float>(tile[i], tile + NormalOffsetTile::size + i, normal_factor);
     }
     /// Item i of [0, BlockPlace::cells).
     CHIARO_INLINE void result(std::int64_t item) const {
@@ -133,7 +141,8 @@ struct NormalOffsetBatch {
         if (x >= count[0] || y >= count[1] || z >= count[2] || !its.is_asked()) return;
         const float* tile = tile_of(its.block) + (its.z() + halo) * NormalOffsetTile::slice +
                             (its.y() + halo) * NormalOffsetTile::row + halo + its.x();
-        out[(std::int64_t(z) * count[1] + y) * count[0] + x] = displaced_value(tile, tile + NormalOffsetTile::size);
+        store_shares(displaced<float>(tile, tile + NormalOffsetTile::size),
+                     out + (std::int64_t(z) * count[1] + y) * count[0] + x);
     }
 
 private:

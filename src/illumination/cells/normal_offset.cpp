@@ -32,19 +32,6 @@ CellValues normal_offset_on_gpu(const Device& device, const CellValues& access, 
     return out.release();
 }
 
-/// What is asked for of slices that may begin within a block.
-BlockPieces pieces_of_slices(const BlockMap& map, std::array<int, 2> column, int first, int end) {
-    constexpr int height = BlockPieces::height;
-    BlockPieces pieces{};
-    for (int z = first; z < end; z += height) {
-        const std::size_t block = map.index(column[0], column[1], z / block_edge);
-        if (map.holds[block])
-            std::copy_n(map.pieces_of(block).bits[z % block_edge / height], block_edge / height,
-                        pieces.bits[(z - first) / height]);
-    }
-    return pieces;
-}
-
 }  // namespace
 
 SliceWork slice_lifter(const Device& device, const CellRows& access, const CellRows& opacity, double normal_factor,
@@ -52,9 +39,9 @@ SliceWork slice_lifter(const Device& device, const CellRows& access, const CellR
     const auto normal_offset = kernel::normal_offset_block_for(device.isa);
     return [=, &map, &out](std::array<int, 2> column, int first, int end) {
         thread_local std::vector<std::uint16_t> tiles(2 * Tile::size);
-        thread_local std::vector<float> numbers(2 * Tile::size);
+        thread_local std::vector<float> numbers(2 * Tile::size + 16);
         const auto [x, y, z] = map.cells(map.index(column[0], column[1], 0), out.grid.count);
-        const BlockPieces pieces = pieces_of_slices(map, column, first, end);
+        const BlockPieces pieces = map.pieces_of_slices(column, first, end);
         load_tile(access, {x.first, y.first, first}, end - first, Beyond::nearest, &tiles[0]);
         load_tile(opacity, {x.first, y.first, first}, end - first, Beyond::nothing, &tiles[Tile::size]);
         const auto [nx, ny, nz] = out.grid.count;

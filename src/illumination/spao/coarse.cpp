@@ -35,14 +35,38 @@ std::pair<int, int> CoarseShape::blocks_read(int axis, int finer_block) const {
 
 BlockMap CoarseShape::needed_by(const BlockMap& finer) const {
     BlockMap needed(corners);
+    needed.pieces.resize(needed.holds.size());
     for (const std::size_t b : finer.held()) {
-        const auto at = finer.at(b);
-        const auto xs = blocks_read(0, at[0]), ys = blocks_read(1, at[1]), zs = blocks_read(2, at[2]);
-        for (int z = zs.first; z <= zs.second; ++z)
-            for (int y = ys.first; y <= ys.second; ++y)
-                for (int x = xs.first; x <= xs.second; ++x) needed(x, y, z) = 1;
+        const BlockPieces& pieces = finer.pieces_of(b);
+        const auto [x, y, z] = finer.at(b);
+        for (int k = 0; k < block_edge / BlockPieces::height; ++k)
+            for (int j = 0; j < block_edge / BlockPieces::height; ++j)
+                for (int i = 0; i < block_edge / BlockPieces::width; ++i)
+                    if (pieces.bits[k][j] >> i & 1)
+                        need_piece(needed,
+                                   {x * block_edge + i * BlockPieces::width, y * block_edge + j * BlockPieces::height,
+                                    z * block_edge + k * BlockPieces::height});
     }
     return needed;
+}
+
+/// The pieces of corners that a piece of the finer grid reads: half of its cells or corners from `first` on, and one
+/// more.
+void CoarseShape::need_piece(BlockMap& needed, const std::array<int, 3>& first) const {
+    const std::array<int, 3> size{BlockPieces::width, BlockPieces::height, BlockPieces::height};
+    std::array<std::pair<int, int>, 3> read;  // pieces
+    for (int axis = 0; axis < 3; ++axis) {
+        const int begin = first[axis] / 2, last = std::min(begin + size[axis] / 2, corners[axis] - 1);
+        read[axis] = {begin / size[axis], last / size[axis]};
+    }
+    constexpr int rows = block_edge / BlockPieces::height, columns = block_edge / BlockPieces::width;
+    for (int z = read[2].first; z <= read[2].second; ++z)
+        for (int y = read[1].first; y <= read[1].second; ++y)
+            for (int x = read[0].first; x <= read[0].second; ++x) {
+                const std::size_t block = needed.index(x / columns, y / rows, z / rows);
+                needed.holds[block] = 1;
+                needed.pieces[block].bits[z % rows][y % rows] |= 1 << x % columns;
+            }
 }
 
 CoarseGrid::CoarseGrid(const Cells& finer, int octants)
@@ -167,13 +191,13 @@ void CoarseGrid::weigh(const Cells& first, kernel::SpaoBlock& block) const {
     block.weight_row = corners_[0], block.weight_slice = std::int64_t(corners_[0]) * corners_[1];
 }
 
-kernel::SpaoOutput CoarseGrid::output(const Cells& first, int slices) {
+kernel::SpaoOutput CoarseGrid::output(const Cells& first, int slices, const BlockPieces& pieces) {
     kernel::SpaoOutput to{.row = std::int64_t(open_row()),
                           .slice = std::int64_t(open_row()) * corners_[1],
                           .nx = std::min(block_edge, corners_[0] - first[0]),
                           .ny = std::min(block_edge, corners_[1] - first[1]),
                           .nz = std::min(slices, corners_[2] - first[2]),
-                          .pieces = all_pieces.bits};
+                          .pieces = pieces.bits};
     for (int s = 0; s < octants_; ++s) to.at[s] = as_shorts(open_) + open_corner(first) + std::size_t(s) * corners_[0];
     return to;
 }

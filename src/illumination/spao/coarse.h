@@ -22,8 +22,11 @@ struct CoarseShape {
     std::size_t corners_held() const { return std::size_t(corners[0]) * corners[1] * corners[2]; }
     /// First and last block of corners, along an axis, that a block of the next finer grid reads.
     std::pair<int, int> blocks_read(int axis, int finer_block) const;
-    /// The blocks of corners that blocks of the next finer grid read.
+    /// The blocks of corners, and pieces of them, that those of the next finer grid read.
     BlockMap needed_by(const BlockMap& finer) const;
+
+private:
+    void need_piece(BlockMap& needed, const std::array<int, 3>& first) const;
 };
 
 class CoarseGrid {
@@ -56,13 +59,13 @@ public:
     /// What is not read any more.
     void discard_cells_before(int slice);
     void discard_corners_before(int slice);
-    /// The blocks of corners that blocks of the next finer grid read.
+    /// From now on corners are found where blocks of the next finer grid read them.
     void need(const BlockMap& finer) { needed_ = shape_.needed_by(finer); }
     const BlockMap& needed() const { return needed_; }
     /// Tells a block of corners what they are worth (nothing where all are worth the same).
     void weigh(const Cells& first, kernel::SpaoBlock& block) const;
-    /// Where the results of a block of corners go.
-    kernel::SpaoOutput output(const Cells& first, int slices = block_edge);
+    /// Where the results of slices of a block of corners go; `pieces` must stay where they are.
+    kernel::SpaoOutput output(const Cells& first, int slices, const BlockPieces& pieces);
     /// What a block of the next finer grid that begins at `first` reads.
     kernel::CoarseRows rows_for(const Cells& first) const;
 

@@ -65,11 +65,11 @@ public:
     /// Grid g > 0: its shell, joined to those of the coarser ones.
     void sweep_corners(int g) {
         CoarseGrid& grid = coarse_[g - 1];
-        for_blocks(grid.needed(), [&](std::size_t, const Cells& first, kernel::SpaoTile& tile) {
+        for_blocks(grid.needed(), [&](std::size_t b, const Cells& first, kernel::SpaoTile& tile) {
             kernel::SpaoBlock block = block_on(g, first, tile);
             grid.weigh(first, block);
             load_tile(grid.cells(), first, block_edge, Beyond::nothing, tile.opacity);
-            run_.corners(tile, block, grid.output(first));
+            run_.corners(tile, block, grid.output(first, block_edge, grid.needed().pieces_of(b)));
         });
     }
 

@@ -137,10 +137,11 @@ private:
 
     /// Grid g > 1, whole.
     void sweep_all_corners(int g) {
-        const auto blocks = coarse_[std::size_t(g) - 1].needed().held();
+        const BlockMap& needed = coarse_[std::size_t(g) - 1].needed();
+        const auto blocks = needed.held();
         for_all(blocks.size(), [&](std::size_t i) {
-            const auto [x, y, z] = coarse_[std::size_t(g) - 1].needed().at(blocks[i]);
-            sweep_block(g, {x * block_edge, y * block_edge, z * block_edge}, block_edge);
+            const auto [x, y, z] = needed.at(blocks[i]);
+            sweep_block(g, {x * block_edge, y * block_edge, z * block_edge}, block_edge, needed.pieces_of(blocks[i]));
         });
     }
 
@@ -150,38 +151,25 @@ private:
         const int begin = first * half_edge, stop = std::min(end * half_edge + 1, grid1.corners()[2]);
         grid1.hold(begin, std::max(stop - begin, std::min(together_ * half_edge + 1, grid1.corners()[2])));
         grid1.find_weights(opacities(), maps_.matter, 1, device_, begin, stop);
-        std::vector<std::array<int, 3>> blocks;
-        for (const auto& [x, y] : columns_read(first, end))
-            for (int z = begin; z < stop; z += block_edge) blocks.push_back({x * block_edge, y * block_edge, z});
-        for_all(blocks.size(),
-                [&](std::size_t i) { sweep_block(1, blocks[i], std::min(block_edge, stop - blocks[i][2])); });
-    }
-
-    /// Blocks of the first coarse grid's corners, along x and y.
-    std::vector<std::array<int, 2>> columns_read(int first, int end) const {
-        const CoarseShape& shape = coarse_[0].shape();
-        const int nx = shape.corners[0] / block_edge, ny = shape.corners[1] / block_edge;
-        std::vector<std::uint8_t> is_read(std::size_t(nx) * std::size_t(ny));
-        for (const std::size_t b : asked_.held(first, end)) {
-            const auto at = asked_.at(b);
-            const auto xs = shape.blocks_read(0, at[0]), ys = shape.blocks_read(1, at[1]);
-            for (int y = ys.first; y <= ys.second; ++y)
-                for (int x = xs.first; x <= xs.second; ++x) is_read[std::size_t(y) * std::size_t(nx) + x] = 1;
+        const BlockMap& needed = grid1.needed();
+        for (int z = begin; z < stop; z += block_edge) {
+            const int slices = std::min(block_edge, stop - z);
+            const auto columns = needed.columns(z, z + slices);
+            for_all(columns.size(), [&](std::size_t i) {
+                const auto [x, y] = columns[i];
+                sweep_block(1, {x * block_edge, y * block_edge, z}, slices,
+                            needed.pieces_of_slices(columns[i], z, z + slices));
+            });
         }
-        std::vector<std::array<int, 2>> columns;
-        for (int y = 0; y < ny; ++y)
-            for (int x = 0; x < nx; ++x)
-                if (is_read[std::size_t(y) * std::size_t(nx) + x]) columns.push_back({x, y});
-        return columns;
     }
 
-    void sweep_block(int g, const std::array<int, 3>& first, int slices) {
+    void sweep_block(int g, const std::array<int, 3>& first, int slices, const BlockPieces& pieces) {
         CoarseGrid& grid = coarse_[std::size_t(g) - 1];
         kernel::SpaoTile& tile = tile_of_thread();
         kernel::SpaoBlock block = block_on(g, first, tile);
         grid.weigh(first, block);
         load_tile(grid.cells(), first, block_edge, Beyond::nothing, tile.opacity);
-        run_.corners(tile, block, grid.output(first, slices));
+        run_.corners(tile, block, grid.output(first, slices, pieces));
     }
 
     void sweep_cells(int first, int end) {
