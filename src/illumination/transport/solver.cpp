@@ -292,6 +292,7 @@ TransportSolver::~TransportSolver() = default;
 const SharedTransportMedium& TransportSolver::matter() const { return state_->matter; }
 int TransportSolver::iterations() const { return state_->iterations; }
 double TransportSolver::change() const { return state_->change; }
+bool TransportSolver::is_done() const { return state_->is_done(); }
 
 bool TransportSolver::iterate(Progress& progress) {
     State& s = *state_;
