@@ -76,7 +76,8 @@ public:
     CHIARO_EXPORT Session share_volume() const;
 
     /// `preview` is handed the picture with each coarse light that comes before the finest (visibility, and each
-    /// iteration of transport), while that is still being found; and with each pass of paths (reference).
+    /// iteration of transport), while that is still being found; and with each pass of paths (reference). The first of
+    /// coarse light is a draft: where the scene's interpolation is automatic it is linear there.
     CHIARO_EXPORT const Image& render(const Scene& scene, Progress& progress, const Preview& preview = {});
     /// What can be shown at once: the scene by the last computed lighting, whatever it was made for; by
     /// none at first; or `lit` by its own. Of the reference's radiance one path a pixel. Where the scene's

@@ -103,6 +103,10 @@ bool has_finer_interpolation(const Scene& scene) {
     return scene.interpolation != Interpolation::linear && scene.interpolation != Interpolation::texture;
 }
 
+bool has_linear_drafts(const Scene& scene) {
+    return scene.interpolation == Interpolation::automatic && has_finer_interpolation(scene);
+}
+
 Medium finely_interpolated(const Device& device, const Medium& medium, const Scene& scene, double noise,
                            const Progress& progress) {
     const bool is_automatic = scene.interpolation == Interpolation::automatic;

@@ -42,6 +42,8 @@ Shape shape_for(const Scene& scene);
 
 /// Whether final pictures are found another way than drafts.
 bool has_finer_interpolation(const Scene& scene);
+/// Whether drafts are linear where final pictures are not.
+bool has_linear_drafts(const Scene& scene);
 /// The medium of final pictures. `medium`: of drafts; `noise`: as Statistics has it.
 Medium finely_interpolated(const Device& device, const Medium& medium, const Scene& scene, double noise,
                            const Progress& progress);

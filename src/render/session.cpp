@@ -108,7 +108,7 @@ const Image& Session::preview(const Scene& given, Progress& progress, bool lit) 
     else
         s.begin(), s.redo_classify(scene, progress);
     s.camera = s.fitted(scene, progress);
-    const bool is_draft = scene.interpolation == Interpolation::automatic && has_finer_interpolation(scene);
+    const bool is_draft = has_linear_drafts(scene);
     if (lit || !is_draft) s.redo_interpolate(scene, progress);
     const Camera camera = s.camera_of(s.camera);
     const Lighting lighting = s.lighting_of(scene, camera);

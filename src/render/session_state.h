@@ -369,11 +369,12 @@ struct Session::State {
              {medium_version(scene), prepare.version, scene.illumination, held_light(lighting, scene.illumination)},
              [&](IlluminationField& field) {
                  const IlluminationField warm = field;
-                 const auto keep = [&](IlluminationField finer) {
+                 const auto keep = [&, is_draft = has_linear_drafts(scene)](IlluminationField finer) mutable {
                      field = std::move(finer);
                      if (!preview || !field.is_coarse()) return;
                      DeviceFrame frame(scene.width, scene.height);
-                     chiaro::raycast(device, medium, field, lighting, camera, scene.sampling, frame, progress);
+                     chiaro::raycast(device, std::exchange(is_draft, false) ? classify.result.medium : medium, field,
+                                     lighting, camera, scene.sampling, frame, progress);
                      if (!progress.cancelled()) preview(chiaro::develop(frame, scene.output));
                  };
                  chiaro::illuminate(device, medium, prepare.result, lighting, scene.illumination, keep, progress, warm);

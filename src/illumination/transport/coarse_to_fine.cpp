@@ -20,6 +20,11 @@ struct Between {
           share(fine % 2 == 0 ? 0.75f : 0.25f) {}
 };
 
+/// What a node holds.
+struct NodeNumbers {
+    float light[3], moment[9], scattered[12];
+};
+
 /// Numbers of coarse nodes, trilinear.
 class HalfGrid {
 public:
@@ -36,42 +41,39 @@ public:
             nodes_[corner] = grid.index(at[0], at[1], at[2]);
         }
     }
-    float of(const std::vector<float>& numbers, int per_node, int i) const {
-        float sum = 0;
-        for (int corner = 0; corner < 8; ++corner)
-            sum += weights_[corner] * numbers[std::size_t(per_node) * nodes_[corner] + std::size_t(i)];
-        return sum;
+    NodeNumbers of(const TransportNodes& half, bool has_scattered) const {
+        NodeNumbers found;
+        add_up(half.light, found.light), add_up(half.moment, found.moment);
+        if (has_scattered) add_up(half.scattered, found.scattered);
+        return found;
     }
 
 private:
+    template <std::size_t count>
+    void add_up(const std::vector<float>& numbers, float (&sums)[count]) const {
+        float of[count]{};  // not told of outside: the compiler takes several at once
+        for (int corner = 0; corner < 8; ++corner) {
+            const float* from = numbers.data() + count * nodes_[corner];
+            for (std::size_t i = 0; i < count; ++i) of[i] += weights_[corner] * from[i];
+        }
+        std::copy_n(of, count, sums);
+    }
+
     std::size_t nodes_[8];
     float weights_[8];
 };
 
 /// Of one channel at one node: now on the coarse grid, before on both.
 struct Detail {
-    using Numbers = std::vector<float> TransportNodes::*;
-    const HalfGrid& at;
-    const TransportNodes& half;
-    const LightBefore& before;
-    std::size_t node;
     float detail, light, per_fine;  ///< per_fine: 0 where there is no detail
 
-    Detail(const HalfGrid& place, const TransportNodes& now, const LightBefore& b, Numbers lights, int per_node, int i,
-           std::size_t of, bool has_detail)
-        : at(place), half(now), before(b), node(of) {
-        const float was = at.of(before.half.*lights, per_node, i),
-                    fine = (before.fine.*lights)[std::size_t(per_node) * node + std::size_t(i)];
-        detail = has_detail && was > 0 ? std::clamp(fine / was, 0.0f, max_detail) : 1;
-        light = at.of(half.*lights, per_node, i) * detail;
-        per_fine = has_detail && fine > 0 ? light / fine : 0;
-    }
-    float moment(Numbers moments, int per_node, int i) const {
-        float found = at.of(half.*moments, per_node, i) * detail;
-        if (per_fine > 0)
-            found += ((before.fine.*moments)[std::size_t(per_node) * node + std::size_t(i)] -
-                      at.of(before.half.*moments, per_node, i) * detail) *
-                     per_fine;
+    Detail(float now, float was, float fine, bool has_detail)
+        : detail(has_detail && was > 0 ? std::clamp(fine / was, 0.0f, max_detail) : 1),
+          light(now * detail),
+          per_fine(has_detail && fine > 0 ? light / fine : 0) {}
+    float moment(float now, float was, float fine) const {
+        float found = now * detail;
+        if (per_fine > 0) found += (fine - was * detail) * per_fine;
         return std::clamp(found, -std::abs(light), std::abs(light));
     }
 };
@@ -95,16 +97,20 @@ TransportNodes with_detail(const TransportMedium& fine, const TransportNodes& ha
         const HalfGrid at(half.grid, x, y, z);
         const std::size_t node = out.grid.index(x, y, z);
         const bool has_detail = is_solid(out, node) == is_solid(before.fine, node);
-        for (int c = 0; c < 3; ++c) {
-            const Detail of(at, half, before, &TransportNodes::light, 3, c, node, has_detail);
-            out.light[3 * node + std::size_t(c)] = of.light;
-            for (int axis = 0; axis < 3; ++axis)
-                out.moment[9 * node + std::size_t(3 * c + axis)] = of.moment(&TransportNodes::moment, 9, 3 * c + axis);
-            if (out.scattered.empty()) continue;
-            const Detail scattered(at, half, before, &TransportNodes::scattered, 12, c, node, has_detail);
-            out.scattered[12 * node + std::size_t(c)] = scattered.light;
-            for (int i = 3 + c; i < 12; i += 3)
-                out.scattered[12 * node + std::size_t(i)] = scattered.moment(&TransportNodes::scattered, 12, i);
+        const bool has_scattered = !out.scattered.empty();
+        const NodeNumbers now = at.of(half, has_scattered), was = at.of(before.half, has_scattered);
+        const float *light = before.fine.light.data() + 3 * node, *moment = before.fine.moment.data() + 9 * node,
+                    *scattered = has_scattered ? before.fine.scattered.data() + 12 * node : nullptr;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const Detail of(now.light[c], was.light[c], light[c], has_detail);
+            out.light[3 * node + c] = of.light;
+            for (std::size_t i = 3 * c; i < 3 * c + 3; ++i)
+                out.moment[9 * node + i] = of.moment(now.moment[i], was.moment[i], moment[i]);
+            if (!has_scattered) continue;
+            const Detail apart(now.scattered[c], was.scattered[c], scattered[c], has_detail);
+            out.scattered[12 * node + c] = apart.light;
+            for (std::size_t i = 3 + c; i < 12; i += 3)
+                out.scattered[12 * node + i] = apart.moment(now.scattered[i], was.scattered[i], scattered[i]);
         }
     };
     parallel_for(device.threads, std::int64_t(ny) * nz, 8, [&, nx = nx, ny = ny](std::int64_t first, std::int64_t end) {

@@ -88,12 +88,18 @@ private:
     std::vector<float> light_;
 };
 
+/// std::lround of a small number, without a call: the compiler takes several at once.
+inline int whole(float value) {
+    const int below = int(value);
+    const float rest = value - float(below);
+    return below + (rest >= 0.5f) - (rest <= -0.5f);
+}
+
 /// `scattered` of nodes.h in few bits.
 kernel::AroundNode around_node(const float* scattered, float weight) {
     kernel::AroundNode node{{}, 1e-30f, 1.001f - weight};  // what the node lets through, and never 0
     for (int i = 0; i < 12; ++i) node.step = std::max(node.step, node.open * std::abs(scattered[i]) / 127);
-    for (int i = 0; i < 12; ++i)
-        node.numbers[i + i / 3] = std::int8_t(std::lround(node.open * scattered[i] / node.step));
+    for (int i = 0; i < 12; ++i) node.numbers[i + i / 3] = std::int8_t(whole(node.open * scattered[i] / node.step));
     return node;
 }
 

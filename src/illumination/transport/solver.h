@@ -32,6 +32,8 @@ public:
     /// for are there, or the last iterations changed the light by less than asked. Throws Error{interrupted}; the
     /// solver is then as it was before the call.
     bool iterate(Progress& progress);
+    /// Whether there is nothing more to do.
+    bool is_done() const;
     /// `surfaces`: scattered light apart, too.
     TransportNodes nodes(SurfaceModel surfaces = SurfaceModel::none) const;
 

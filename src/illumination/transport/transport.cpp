@@ -83,12 +83,11 @@ void refine_transport(const Device& device, const Medium::Data& medium, const Li
     const auto fine = start(matter, first ? &*first : before ? &before->fine : nullptr);
     iterate(*fine, first_iterations);
     found.now.fine = fine;
-    // The next is begun before this one is handed over, so that the last is known to be the last.
-    for (TransportNodes nodes = light_of(*fine);; nodes = light_of(*fine)) {
-        const bool more = iterate(*fine, 1) > 0;
-        keep(std::move(nodes), more);
-        if (!more) return;
+    while (!fine->is_done()) {
+        keep(light_of(*fine), true);
+        iterate(*fine, 1);
     }
+    keep(light_of(*fine), false);
 }
 
 }  // namespace chiaro
