@@ -231,7 +231,8 @@ void RenderWorker::preview(const FrameRequest& wanted) {
         (is_fresh || light_seconds_ < instant_light))
         return preview_with_light(wanted, scene);
 
-    const Image& image = session_->preview(scene, *steady_);
+    const bool is_soon = session_->needs_light(scene) && session_->is_lit_soon(scene);
+    const Image& image = session_->preview(scene, *steady_, is_soon ? DraftLight::soon : DraftLight::last);
     double seconds = 0;
     for (const Stage& stage : session_->stages())
         if (stage.name == "raycast" || stage.name == "develop") seconds += stage.seconds;
@@ -240,7 +241,7 @@ void RenderWorker::preview(const FrameRequest& wanted) {
     preview_interval_ = since < 0.5 ? 0.7 * preview_interval_ + 0.3 * since : 0;
     last_preview_ = start;
     const auto encoding = Clock::now();
-    resolution_.learn_bytes(draft_, send(wanted, image, is_whole_ ? "full" : "draft", 1));
+    resolution_.learn_bytes(draft_, send(wanted, image, is_whole_ ? "full" : "draft", 1, is_soon));
     resolution_.learn(draft_, seconds + seconds_since(encoding));
     if (wanted.moving && is_light_due(scene)) preview_with_light(wanted, scene);
 }
@@ -254,7 +255,7 @@ bool RenderWorker::is_light_due(const Scene& scene) const {
 void RenderWorker::preview_with_light(const FrameRequest& wanted, const Scene& small) {
     check_light_fits(small);
     has_own_light_ = true;
-    const Image& image = session_->preview(small, *steady_, true);
+    const Image& image = session_->preview(small, *steady_, DraftLight::own);
     learn_light();
     note_frame(wanted, small);
     send(wanted, image, is_whole_ ? "full" : "draft", 1);
@@ -293,7 +294,8 @@ void RenderWorker::refine_cast(const FrameRequest& wanted, Progress& progress) {
     const int samples = wanted.scene.sampling.samples_per_pixel;
     const bool is_dark = session_->needs_light(once);
     if (is_dark) check_light_fits(once);
-    if (is_dark && !is_whole_ && !awaits_light() && (wanted.preview || light_seconds_ > soon)) {
+    const bool shows_last_light = wanted.preview || (light_seconds_ > soon && !session_->is_lit_soon(once));
+    if (is_dark && !is_whole_ && !awaits_light() && shows_last_light) {
         const Image& image = session_->preview(once, progress);
         note_frame(wanted, once);
         send(wanted, image, "full", 1);

@@ -1,5 +1,5 @@
 // Loads a running server as scripts/soak and scripts/latency ask: server_load soak PORT TOKEN SECONDS [SEED], or
-// server_load latency PORT TOKEN SECONDS [PROCESS], which reads the CPU time of that process.
+// server_load latency PORT TOKEN SECONDS [PROCESS [METHOD [EDITS]]], which reads the CPU time of that process.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -56,20 +56,24 @@ constexpr const char *camera_target = "median <= 60", *edit_target = "median <= 
 
 class Latency {
 public:
-    Latency(int port, const std::string& token, int process) : process_(process), page_(port, token, "latency-view") {
+    Latency(int port, const std::string& token, int process, const std::string& method)
+        : process_(process), page_(port, token, "latency-view") {
         const auto told = page_.find(tells_scene, 120);
         if (!told) throw std::runtime_error("no scene");
         scene_ = told->json["scene"];
+        scene_["lighting"]["method"] = method;
+        if (method == "transport") scene_["lighting"]["grid"] = 64;
         settle();
         fmt::print("| {:<44} | {:>6} | {:>6} | {:>7} | {:>5} | {:<14} |\n", "milliseconds at the client", "median",
                    "95 %", "largest", "times", "asked");
         fmt::print("|---|---|---|---|---|---|\n");
     }
 
-    /// One edit from rest: to the first frame, and to the last; and the CPU time that each took the server.
+    /// One edit from rest: to the first frame, to the first and the first whole one in its own light, and to the last;
+    /// and the CPU time that it took the server.
     void edits(const std::string& name, const char* first_target, int count,
                const std::function<void(Json&, int)>& edit) {
-        std::vector<double> first, last, first_work, work;
+        std::vector<double> first, coarse, fine, last, first_work, work;
         std::map<std::string, std::vector<double>> verbs;
         for (int i = 0; i < count; ++i) {
             edit(scene_, i);
@@ -82,13 +86,25 @@ public:
             if (!shown) throw std::runtime_error("no frame");
             for (const Json& verb : shown->json["verbs"])
                 if (verb["seconds"] > 0) verbs[verb["name"]].push_back(verb["seconds"]);
-            page_.of_stage(n_, "final");
+            bool is_lit = false, is_fine = false;
+            const auto note = [&](const Message& frame) {
+                if (!is_lit && has_own_light(frame.json)) coarse.push_back(seconds_since(start)), is_lit = true;
+                const bool is_whole = frame.json["size"] == frame.json["canvas"] && !frame.json["light"]["coarse"];
+                if (is_lit && !is_fine && is_whole) fine.push_back(seconds_since(start)), is_fine = true;
+                return frame.json["stage"] == "final";
+            };
+            if (!note(*shown))
+                page_.find([&](const Message& m) { return m.is_frame && m.json["n"] == n_ && note(m); }, 60);
             last.push_back(seconds_since(start));
             work.push_back(cpu_seconds(process_) - before);
         }
         print_row(name + ": first frame", first, first_target);
         for (const auto& [verb, seconds] : verbs) print_row("  of it " + verb, seconds);
         if (process_) print_row("  CPU time", first_work);
+        if (scene_["lighting"]["method"] != "none" && name != "camera") {
+            print_row(name + ": first in its own light", coarse);
+            print_row(name + ": whole, light at its finest", fine);
+        }
         print_row(name + ": final", last, final_target);
         if (process_) print_row("  CPU time", work);
     }
@@ -120,6 +136,13 @@ public:
     }
 
 private:
+    /// Whether a frame's light is of the very state that it answers.
+    static bool has_own_light(const Json& frame) {
+        const std::string stage = frame["stage"];
+        if (stage == "light" || stage == "accumulate" || stage == "final") return true;
+        return std::any_of(frame["verbs"].begin(), frame["verbs"].end(),
+                           [](const Json& verb) { return verb["name"] == "illuminate" && verb["seconds"] > 0; });
+    }
     void send(bool moving) {
         page_.send({{"type", "state"}, {"n", ++n_}, {"scene", scene_}, {"canvas", {1024, 768}}, {"moving", moving}});
     }
@@ -134,15 +157,15 @@ private:
     std::int64_t n_ = 0;
 };
 
-int latency(int port, const std::string& token, double seconds, int process) {
-    Latency bench(port, token, process);
+int latency(int port, const std::string& token, double seconds, int process, const std::string& method, int times) {
+    Latency bench(port, token, process, method);
     const auto turn = [](Json& scene, int i) { scene["camera"]["azimuth_deg"] = 35 + 3 * (i % 100 + 1); };
     const auto edit = [](Json& scene, int i) {
         scene["transfer_function"]["opacity_scale"] = 1 + 0.01 * (i % 100 + 1);
     };
-    const int times = std::clamp(int(seconds), 5, 40);
-    bench.edits("camera", camera_target, times, turn);
-    bench.edits("transfer function", edit_target, times, edit);
+    const int turns = std::clamp(int(seconds), 5, 40);
+    bench.edits("camera", camera_target, turns, turn);
+    bench.edits("transfer function", edit_target, times > 0 ? times : turns, edit);
     bench.drag("camera drag", seconds / 2, turn);
     bench.drag("transfer function drag", seconds / 2, edit);
     return 0;
@@ -360,7 +383,9 @@ int main(int argc, char** argv) {
         const std::string what = argv[1];
         const int port = std::stoi(argv[2]);
         const double seconds = std::stod(argv[4]);
-        if (what == "latency") return latency(port, argv[3], seconds, argc > 5 ? std::stoi(argv[5]) : 0);
+        if (what == "latency")
+            return latency(port, argv[3], seconds, argc > 5 ? std::stoi(argv[5]) : 0, argc > 6 ? argv[6] : "spao",
+                           argc > 7 ? std::stoi(argv[7]) : 0);
         return Soak(port, argv[3], argc > 5 ? std::uint32_t(std::stoul(argv[5])) : 1).run(seconds);
     } catch (const std::exception& error) {
         fmt::print("{}\n", error.what());

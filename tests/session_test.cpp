@@ -139,6 +139,29 @@ TEST_F(SessionTest, ShowsCoarseLightWhileFinerLightIsFound) {
     }
 }
 
+TEST_F(SessionTest, LargeVolumesAreLitSoonByEveryOtherVoxel) {
+    if (tested_device().has_gpu()) GTEST_SKIP() << "a GPU needs no such light";
+    scene.illumination.method = Method::spao;
+    EXPECT_FALSE(session.is_lit_soon(scene)) << "a small volume is lit at once";
+    session.show(make_sample("shells", 324), progress);
+    ASSERT_TRUE(session.is_lit_soon(scene));
+    const auto apart = [](const Image& a, const Image& b) {
+        double sum = 0;
+        for (std::size_t i = 0; i < a.pixels.size(); ++i) sum += std::abs(a.pixels[i] - b.pixels[i]);
+        return sum / double(a.pixels.size());
+    };
+    for (const double scale : {1.0, 0.5}) {
+        const Image before = session.preview(scene, progress);
+        scene.transfer.opacity_scale = scale;
+        const Image soon = session.preview(scene, progress, DraftLight::soon);
+        EXPECT_TRUE(session.needs_light(scene)) << "what render keeps stays kept";
+        const Image own = session.preview(scene, progress, DraftLight::own);
+        EXPECT_GT(apart(soon, own), 0) << "another light";
+        EXPECT_LT(apart(soon, own), 1.5) << "but nearly the same, in 255ths";
+        EXPECT_EQ(session.render(scene, progress).pixels, own.pixels);
+    }
+}
+
 TEST_F(SessionTest, ACancelledPreviewLeavesNothingHalfDone) {
     scene.illumination.method = Method::visibility;
     scene.illumination.visibility.directions = 100;
@@ -328,7 +351,7 @@ TEST_F(SessionTest, LitDraftsHaveTheFinalPicturesLight) {
     scene.illumination.method = Method::spao;
     scene.interpolation = Interpolation::automatic;
     EXPECT_TRUE(session.needs_light(scene));
-    session.preview(scene, progress, true);
+    session.preview(scene, progress, DraftLight::own);
     EXPECT_FALSE(session.needs_light(scene));
     EXPECT_EQ(redone(), "raycast develop");
 }

@@ -40,6 +40,10 @@ struct PagingReport {
     std::vector<std::string> faults;          ///< what cannot be read, a sentence each
 };
 
+/// What lights a draft: the last light that was computed, whatever for (none at first); the scene's own; or the scene's
+/// own as far as every other voxel tells, an eighth of the work.
+enum class DraftLight { last, own, soon };
+
 /// Renders scenes one after the other and redoes only the stages to the right of what changed: an edit of the transfer
 /// function starts at `classify`, a camera move is `raycast` and `develop`.
 class Session {
@@ -79,10 +83,12 @@ public:
     /// iteration of transport), while that is still being found; and with each pass of paths (reference). The first of
     /// coarse light is a draft: where the scene's interpolation is automatic it is linear there.
     CHIARO_EXPORT const Image& render(const Scene& scene, Progress& progress, const Preview& preview = {});
-    /// What can be shown at once: the scene by the last computed lighting, whatever it was made for; by
-    /// none at first; or `lit` by its own. Of the reference's radiance one path a pixel. Where the scene's
-    /// interpolation is automatic it is linear here. What render keeps stays kept.
-    CHIARO_EXPORT const Image& preview(const Scene& scene, Progress& progress, bool lit = false);
+    /// What can be shown at once. Of the reference's radiance one path a pixel. Where the scene's interpolation is
+    /// automatic it is linear here. What render keeps stays kept.
+    CHIARO_EXPORT const Image& preview(const Scene& scene, Progress& progress, DraftLight light = DraftLight::last);
+    /// Whether DraftLight::soon is another light than DraftLight::own: ambient occlusion (spao) in a volume of one
+    /// value, of 320³ voxels or more.
+    CHIARO_EXPORT bool is_lit_soon(const Scene& scene) const;
     /// Finds all that a render of the scene starts from, its light included, and draws nothing. Where ranks share the
     /// volume (Device::ranks) this is collective, as show() is; a render afterwards is not.
     CHIARO_EXPORT void find_light(const Scene& scene, Progress& progress);

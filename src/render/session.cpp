@@ -99,10 +99,11 @@ const Image& Session::render(const Scene& given, Progress& progress, const Previ
     return s.develop.result;
 }
 
-const Image& Session::preview(const Scene& given, Progress& progress, bool lit) {
+const Image& Session::preview(const Scene& given, Progress& progress, DraftLight light) {
     const CancelScope scope(progress);
     State& s = *state_;
     const Scene scene = s.as_drawn(given);
+    const bool is_soon = light == DraftLight::soon && s.is_lit_soon(scene), lit = light != DraftLight::last && !is_soon;
     if (lit)
         s.redo_up_to_classify(scene, progress);
     else
@@ -113,6 +114,7 @@ const Image& Session::preview(const Scene& given, Progress& progress, bool lit) 
     const Camera camera = s.camera_of(s.camera);
     const Lighting lighting = s.lighting_of(scene, camera);
     if (lit) s.redo_illuminate(scene, camera, lighting, progress, {});
+    const IlluminationField& field = is_soon ? s.redo_soon(scene, lighting, progress) : s.illuminate.result;
     if (is_draft) s.medium = s.classify.result.medium;
     const Medium& medium = s.medium;
     DeviceFrame& frame = s.previewed.frame;
@@ -123,7 +125,7 @@ const Image& Session::preview(const Scene& given, Progress& progress, bool lit) 
         s.previewed.render_statistics =
             is_path_traced(settings)
                 ? trace_paths(s.device, medium, lighting, camera, scene.sampling, settings, frame, progress)
-                : raycast(s.device, medium, s.illuminate.result, lighting, camera, scene.sampling, frame, progress);
+                : raycast(s.device, medium, field, lighting, camera, scene.sampling, frame, progress);
         progress.check();
     });
     s.timed("develop", [&] { s.previewed_image = develop(frame, scene.output); });
@@ -163,6 +165,8 @@ void Session::find_light(const Scene& given, Progress& progress) {
     s.redo_illuminate(scene, camera, s.lighting_of(scene, camera), progress, {});
     s.shown = s.stages;  // the next render tells them
 }
+
+bool Session::is_lit_soon(const Scene& given) const { return state_->is_lit_soon(state_->as_drawn(given)); }
 
 bool Session::needs_light(const Scene& given) const {
     const State& s = *state_;

@@ -18,6 +18,8 @@
 #include "render/kept.h"
 #include "render/refine.h"
 #include "render/shared_labels.h"
+#include "render/soon_lit.h"
+#include "volume/every_other.h"
 
 namespace chiaro {
 
@@ -53,6 +55,8 @@ struct Session::State {
     Kept<Medium, Version, Interpolation> interpolate;  // of final pictures, where drafts are not as fine
     Kept<Probe, std::string, std::vector<Light>> probe;
     Kept<IlluminationField, Version, Version, IlluminationSettings, HeldLight> illuminate;
+    Kept<DeviceVolume, Version> every_other;
+    Kept<IlluminationField, Version, IlluminationSettings> soon;  // of every other voxel
     Kept<Cast, Version, Version, Lighting, Camera, RaySettings, std::pair<int, int>> raycast;
     Kept<Image, Version, ToneMap> develop;
     Medium medium;  // of the last render or preview
@@ -192,59 +196,13 @@ struct Session::State {
         for (std::size_t i = 1; i < volumes.size(); ++i) others[i - 1].volume = std::move(volumes[i]);
     }
 
-    TransferFunction transfer_of_opacity(const Scene& scene) const {
-        if (own_color == OwnColor::by_value)
-            return transfer_function_of_channel(channels_of(scene, 2)[0], 0, 2, scene.transfer, subject);
-        return own_color == OwnColor::by_alpha ? of_alpha(scene.transfer, subject)
-                                               : of_luminance(scene.transfer, subject);
-    }
-
-    Classified in_own_colors(const Scene& scene, const Shape& shape, const Progress& progress) const {
-        if (own_color == OwnColor::by_value) {
-            OwnColors own{.opacity = upload.result, .transfer = transfer_of_opacity(scene), .rgb = {}};
-            own.value = others[0].volume;
-            own.colors =
-                transfer_function_of_channel(channels_of(scene, 2)[1], 1, 2, scene.transfer, others[0].subject);
-            return {own.transfer, chiaro::classify(device, own, shape, progress)};
-        }
-        if (!scene.channels.empty())
-            throw Error(ErrorCode::usage,
-                        "a volume in its own colours has no channels to set: --channels-as channels shows its values "
-                        "as such");
-        OwnColors own{.opacity = upload.result,
-                      .transfer = transfer_of_opacity(scene),
-                      .rgb = {others[0].volume, others[1].volume, others[2].volume}};
-        double most = 0;
-        for (const OtherChannel& color : others) most = std::max(most, color.subject.statistics.max);
-        own.white = white_of(most);
-        return {own.transfer, chiaro::classify(device, own, shape, progress)};
-    }
-
+    // Of several channels (session_channels.cpp).
+    TransferFunction transfer_of_opacity(const Scene& scene) const;
+    Classified in_own_colors(const Scene& scene, const Shape& shape, const Progress& progress) const;
     /// What the scene shows of the channels; of a volume in its own colours what its opacity is found from.
-    std::vector<Channel> channels(const Scene& scene) const {
-        if (own_color != OwnColor::none) return {{upload.result, transfer_of_opacity(scene), 1}};
-        std::vector<Channel> all;
-        const auto is_file = [](const ChannelSettings& c) { return !c.file.empty(); };
-        const auto files = std::count_if(scene.channels.begin(), scene.channels.end(), is_file);
-        const auto components = std::ptrdiff_t(others.size() + 1) - files;
-        if (components < 1)
-            throw Error(ErrorCode::usage, fmt::format("the scene has {} channels of other files, where {} were read",
-                                                      files, others.size()));
-        const std::vector<ChannelSettings> settings = channels_of(scene, int(components));
-        for (std::size_t i = 0; i < settings.size(); ++i) {
-            const Subject& its = i ? others[i - 1].subject : subject;
-            all.push_back({i ? others[i - 1].volume : upload.result,
-                           transfer_function_of_channel(settings[i], i, settings.size(), scene.transfer, its),
-                           settings[i].show ? settings[i].gain : 0});
-        }
-        return all;
-    }
-
+    std::vector<Channel> channels(const Scene& scene) const;
     /// The transfer function of the first, and all of them as one medium.
-    Classified classified_channels(const Scene& scene, const Shape& shape, const Progress& progress) const {
-        const std::vector<Channel> mixed = channels(scene);
-        return {mixed.front().transfer, chiaro::classify(device, mixed, shape, progress)};
-    }
+    Classified classified_channels(const Scene& scene, const Shape& shape, const Progress& progress) const;
 
     /// With what all moments have in common, and nothing else.
     std::unique_ptr<State> for_moment(const Volume& volume) const {
@@ -381,6 +339,22 @@ struct Session::State {
                  progress.check();
              });
         tell_steps(illuminate.result.stages());
+    }
+
+    bool is_lit_soon(const Scene& scene) const {
+        const bool is_one_value = !refiner && others.empty() && scene.channels.empty() && !labels_of(scene);
+        return is_one_value && is_soon_lit(upload.result, scene.illumination);
+    }
+    /// Of every other voxel.
+    const IlluminationField& redo_soon(const Scene& scene, const Lighting& lighting, Progress& progress) {
+        redo("every other voxel", every_other, {upload.version},
+             [&](DeviceVolume& volume) { volume = every_other_voxel(upload.result, progress); });
+        redo("illuminate", soon, {classify.version, scene.illumination}, [&](IlluminationField& field) {
+            field = light_of_every_other_voxel(device, every_other.result, classify.result.tf, shape_for(scene),
+                                               lighting, scene.illumination, progress);
+        });
+        tell_steps(soon.result.stages());
+        return soon.result;
     }
 
     /// A stage that is done anew each time.

@@ -8,6 +8,7 @@
 
 #include "fixtures.h"
 #include "volume/device_view.h"
+#include "volume/every_other.h"
 
 using namespace chiaro;
 using namespace chiaro::testing;
@@ -141,6 +142,28 @@ TEST(Upload, TakesTheVolumeApartWithoutChangingTheBricks) {
     const DeviceVolume copied = upload(tested_device(), whole);
     ASSERT_EQ(kept.data().bricks.size(), copied.data().bricks.size());
     EXPECT_EQ(std::memcmp(kept.data().bricks.data(), copied.data().bricks.data(), kept.data().bricks.size()), 0);
+}
+
+TEST(EveryOtherVoxel, IsTheUploadOfEveryOtherVoxel) {
+    const auto value = [](double x, double y, double z) { return 3 * x + 5 * y + 7 * z; };
+    const auto check = [&]<class T>(T) {
+        Progress progress;
+        const DeviceVolume half = every_other_voxel(upload(tested_device(), sampled<T>({71, 66, 35}, value)), progress);
+        const DeviceVolume expected =
+            upload(tested_device(),
+                   sampled<T>({36, 33, 18}, [&](double x, double y, double z) { return value(2 * x, 2 * y, 2 * z); }));
+        EXPECT_EQ(half.dimensions(), expected.dimensions());
+        EXPECT_EQ(half.geometry().spacing_mm.x, 2 * expected.geometry().spacing_mm.x);
+        const DeviceVolume::Data &a = half.data(), &b = expected.data();
+        ASSERT_EQ(a.bricks.size(), b.bricks.size());
+        EXPECT_EQ(a.stored, b.stored);
+        EXPECT_EQ(std::memcmp(a.bricks.data(), b.bricks.data(), a.bricks.size()), 0);
+        EXPECT_EQ(a.cells.low, b.cells.low);
+        EXPECT_EQ(a.cells.high, b.cells.high);
+        EXPECT_EQ(a.value_of(3), b.value_of(3));
+        EXPECT_EQ(a.stored_max, T(value(70, 65, 34))) << "as of the volume";
+    };
+    check(std::uint16_t()), check(float());
 }
 
 TEST(Upload, RefusesColourVolumes) {
