@@ -11,10 +11,12 @@
 #include <random>
 
 #include "classify/medium.h"
+#include "edits.h"
 #include "illumination/access.h"
 #include "illumination/spao/means.h"
 #include "rows.h"
 #include "turntable.h"
+#include "volume/every_other.h"
 
 namespace chiaro::bench {
 namespace {
@@ -200,19 +202,22 @@ std::vector<Row> measure_rays(const Setup& setup, const std::string& name, Subje
                      settings.reference.rays, order.size(), some.holds.size(), paper_rays_s)}};
 }
 
-/// What follows an edit of the transfer function: classify and illuminate.
-std::vector<Row> measure_update(const Setup& setup, const std::string& name, int size) {
-    const DeviceVolume volume = upload(setup.device, make_sample("shells", size));
-    const TransferFunction tf = sample_transfer_function("shells");
+/// What follows an edit of the transfer function: classify and illuminate; or the light that drafts of large volumes
+/// are shown in.
+std::vector<Row> measure_updates(const Setup& setup, const std::string& name, const std::string& volume, int size,
+                                 bool is_soon) {
+    std::optional<Edited> subject = edited_volume(setup, volume, size);
+    if (!subject) return {{name, "wall ms", {}, {}, {}, no_data}};
     IlluminationSettings settings;
     settings.method = Method::spao;
-    const auto update = [&] {
-        const Medium medium = classify(volume, tf, Shape{});
+    if (is_soon) {
+        subject->volume = every_other_voxel(subject->volume, setup.progress);
+        settings.spao.levels -= 1;
+    }
+    return measure_edits(name, *subject, [&](const Medium& medium) {
         illuminate(
             setup.device, medium, Prepared(), Lighting(), settings, [](const IlluminationField&) {}, setup.progress);
-    };
-    const auto series = in_turns(setup.runs, {[&] { return 1e3 * wall_seconds(update); }});
-    return {{name, "wall ms", spread_of(series[0])}};
+    });
 }
 
 }  // namespace
@@ -238,11 +243,17 @@ std::vector<Case> spao_cases(const Setup& setup) {
         cases.push_back({{chain}, [=, &setup] { return measure_chain(setup, chain, *volume, filter); }});
     }
     add("spao/rays", measure_rays);
+    if (setup.quick) return cases;
+    const auto add_updates = [&](const std::string& row, const std::string& subject, int edge, bool is_soon) {
+        cases.push_back({{row}, [=, &setup] { return measure_updates(setup, row, subject, edge, is_soon); }});
+    };
     for (const int edge : {256, 512}) {
-        if (setup.quick) continue;
-        const std::string name = fmt::format("spao/update/{}", edge);
-        cases.push_back({{name}, [=, &setup] { return measure_update(setup, name, edge); }});
+        add_updates(fmt::format("spao/update/{}", edge), "shells", edge, false);
+        add_updates(fmt::format("spao/update/{}/fog", edge), "fog", edge, false);
     }
+    add_updates("spao/update/512/head-ct", "head_ct_512", 512, false);
+    add_updates("spao/update/512/soon", "shells", 512, true);
+    add_updates("spao/update/512/head-ct/soon", "head_ct_512", 512, true);
     return cases;
 }
 

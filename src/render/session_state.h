@@ -350,8 +350,9 @@ struct Session::State {
         redo("every other voxel", every_other, {upload.version},
              [&](DeviceVolume& volume) { volume = every_other_voxel(upload.result, progress); });
         redo("illuminate", soon, {classify.version, scene.illumination}, [&](IlluminationField& field) {
-            field = light_of_every_other_voxel(device, every_other.result, classify.result.tf, shape_for(scene),
-                                               lighting, scene.illumination, progress);
+            const Medium halved =
+                chiaro::classify(device, every_other.result, classify.result.tf, shape_for(scene), progress);
+            field = light_of_every_other_voxel(device, halved, lighting, scene.illumination, progress);
         });
         tell_steps(soon.result.stages());
         return soon.result;

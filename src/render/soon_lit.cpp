@@ -31,14 +31,12 @@ bool is_soon_lit(const DeviceVolume& volume, const IlluminationSettings& setting
     return settings.method == Method::spao && is_plain && !data.device.has_gpu() && double(nx) * ny * nz >= large;
 }
 
-IlluminationField light_of_every_other_voxel(const Device& device, const DeviceVolume& every_other,
-                                             const TransferFunction& tf, const Shape& shape, const Lighting& lighting,
+IlluminationField light_of_every_other_voxel(const Device& device, const Medium& every_other, const Lighting& lighting,
                                              IlluminationSettings settings, Progress& progress) {
     settings.spao.levels = std::max(settings.spao.levels - 1, 1);  // cubes as wide as before
-    const Medium medium = classify(device, every_other, tf, shape, progress);
     IlluminationField found;
     const auto keep = [&](IlluminationField field) { found = std::move(field); };
-    illuminate(device, medium, Prepared(), lighting, settings, keep, progress);
+    illuminate(device, every_other, Prepared(), lighting, settings, keep, progress);
     progress.check();
     return spread_out(found);
 }

@@ -8,10 +8,9 @@ namespace chiaro {
 /// Whether it pays, and knows all that the volume is made of, which is whole in this process.
 bool is_soon_lit(const DeviceVolume& volume, const IlluminationSettings& settings);
 
-/// The field of a function, for pictures of the volume whose every other voxel is given. Throws Error{interrupted} when
+/// The field for pictures of the volume whose every other voxel, classified, is given. Throws Error{interrupted} when
 /// cancelled.
-IlluminationField light_of_every_other_voxel(const Device& device, const DeviceVolume& every_other,
-                                             const TransferFunction& tf, const Shape& shape, const Lighting& lighting,
+IlluminationField light_of_every_other_voxel(const Device& device, const Medium& every_other, const Lighting& lighting,
                                              IlluminationSettings settings, Progress& progress);
 
 }  // namespace chiaro

@@ -1,0 +1,27 @@
+// What an edit of the transfer function costs until its light is there: twenty edits, each another.
+#pragma once
+#include <chiaro/medium.h>
+
+#include "rows.h"
+
+namespace chiaro::bench {
+
+/// Edit i of a function, the same each time: a point is moved up or down, the window is shifted, or all opacities are
+/// new.
+TransferFunction edited(const TransferFunction& tf, int i);
+
+/// A volume and the function that is edited.
+struct Edited {
+    std::string name;  ///< "shells", "shells256-fog", "head_ct_512"
+    int size;          ///< voxels along an edge
+    DeviceVolume volume;
+    TransferFunction tf;
+};
+/// None without the data.
+std::optional<Edited> edited_volume(const Setup& setup, const std::string& name, int size);
+
+/// light(medium): all that follows. One row: wall time, the worst of twenty as its greatest, core-ms in its note.
+std::vector<Row> measure_edits(const std::string& row, const Edited& subject,
+                               const std::function<void(const Medium&)>& light);
+
+}  // namespace chiaro::bench
