@@ -229,6 +229,16 @@ CHIARO_INLINE unsigned mask_bits(Pack<std::int32_t, N> m) {
         return mask_bits(m.lo) | mask_bits(m.hi) << (N / 2);
 }
 CHIARO_INLINE bool any(MaskLanes m) { return mask_bits(m.bits) != 0; }
+// Without a mask in between, which costs where the machine keeps masks in registers of their own.
+CHIARO_INLINE Lanes zero_below(Lanes a, Lanes limit, Lanes b) {
+    return map<float, 16>(
+        [](auto u, auto v, auto w) __attribute__((always_inline)) { return u < v ? decltype(w){} : w; }, a, limit, b);
+}
+#if defined(__AVX512F__)
+CHIARO_INLINE bool any_below(Lanes a, Lanes limit) { return _mm512_cmp_ps_mask(a.v, limit.v, _CMP_LT_OQ) != 0; }
+#else
+CHIARO_INLINE bool any_below(Lanes a, Lanes limit) { return any(a < limit); }
+#endif
 CHIARO_INLINE int count(MaskLanes m) { return __builtin_popcount(mask_bits(m.bits)); }
 
 }  // namespace CHIARO_ISA

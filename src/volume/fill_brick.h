@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <type_traits>
 
 #include "volume/device_volume.h"
@@ -21,6 +22,12 @@ struct Conversion {
     Source low = 0, high = 0;
     int exponent = 0;
     bool all_finite = true;
+
+    /// Whether device numbers are sure to be the stored ones, bit by bit.
+    template <class Device>
+    bool keeps() const {
+        return std::is_same_v<Source, Device> && std::is_integral_v<Source> && shift == 0;
+    }
 };
 
 template <class Device, class Source>
@@ -59,20 +66,30 @@ inline VoxelBox box_of_brick(std::array<int, 3> brick, const std::array<int, 3>&
 template <class Source, class Device>
 void fill_brick(const BoxedVoxels<Source>& from, const Conversion<Source>& conversion, std::array<int, 3> brick,
                 int slices, Device* out) {
-    const auto [first_x, first_y, first_z] = from.box.first;
     const auto [size_x, size_y, size_z] = from.box.size;
-    const int x0 = brick[0] * brick_edge - brick_before - first_x;
-    for (int z = 0; z < slices; ++z)
-        for (int y = 0; y < brick_row; ++y) {
-            const int sz = std::clamp(brick[2] * brick_edge - brick_before + z - first_z, 0, size_z - 1);
-            const int sy = std::clamp(brick[1] * brick_edge - brick_before + y - first_y, 0, size_y - 1);
-            const Source* row = from.voxels + (std::size_t(sz) * size_y + sy) * size_x;
-            Device* to = out + z * brick_slice + y * brick_row;
-            const int begin = std::clamp(-x0, 0, brick_row), end = std::clamp(size_x - x0, begin, brick_row);
-            for (int x = 0; x < begin; ++x) to[x] = convert<Device>(row[0], conversion);
-            for (int x = begin; x < end; ++x) to[x] = convert<Device>(row[x0 + x], conversion);
-            for (int x = end; x < brick_row; ++x) to[x] = convert<Device>(row[size_x - 1], conversion);
+    std::array<int, 3> first;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        first[axis] = brick[axis] * brick_edge - brick_before - from.box.first[axis];
+    const int x0 = first[0], begin = std::clamp(-x0, 0, brick_row), end = std::clamp(size_x - x0, begin, brick_row);
+    const bool is_whole = begin == 0 && end == brick_row, is_copy = is_whole && conversion.template keeps<Device>();
+    std::array<std::size_t, brick_row> row_of;
+    for (int y = 0; y < brick_row; ++y) row_of[y] = std::size_t(std::clamp(first[1] + y, 0, size_y - 1)) * size_x;
+    for (int z = 0; z < slices; ++z) {
+        const Source* slice = from.voxels + std::size_t(std::clamp(first[2] + z, 0, size_z - 1)) * size_y * size_x;
+        Device* to = out + z * brick_slice;
+        for (int y = 0; y < brick_row; ++y, to += brick_row) {
+            const Source* row = slice + row_of[y];
+            if (is_copy) {
+                std::memcpy(to, row + x0, brick_row * sizeof(Device));
+            } else if (is_whole) {  // a loop of known length
+                for (int x = 0; x < brick_row; ++x) to[x] = convert<Device>(row[x0 + x], conversion);
+            } else {
+                for (int x = 0; x < begin; ++x) to[x] = convert<Device>(row[0], conversion);
+                for (int x = begin; x < end; ++x) to[x] = convert<Device>(row[x0 + x], conversion);
+                for (int x = end; x < brick_row; ++x) to[x] = convert<Device>(row[size_x - 1], conversion);
+            }
         }
+    }
 }
 
 }  // namespace chiaro

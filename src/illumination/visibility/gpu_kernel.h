@@ -70,7 +70,8 @@ private:
         const std::int32_t here = k & 1, before = 1 - here;
         return {packs,
                 nodes.harmonics,
-                {density[before], density[here], light[before], light[here], state[before], state[here], row, lanes}};
+                {density[before], density[here], light[before], light[here], state[before], state[here], row,
+                 lanes / SweepPack::width}};
     }
 };
 

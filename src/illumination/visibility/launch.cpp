@@ -7,7 +7,9 @@ VisibilityFunctions visibility_functions() {
     return {
         [](const SweepKernel& kernel, const SweepRow& row) { kernel.operator()<NativeLanes>(row); },
         [](const ShearedKernel& kernel, const ShearedRow& row) { kernel.operator()<NativeLanes>(row); },
-        [](const KeepKernel& kernel, std::int64_t first, std::int32_t count) { kernel(first, count); },
+        [](const KeepKernel& kernel, std::int64_t first, std::int32_t count) {
+            kernel.operator()<NativeLanes>(first, count);
+        },
         [](const LightKernel& kernel, std::int64_t first, std::int32_t count) { kernel(first, count); },
     };
 }

@@ -7,35 +7,43 @@
 
 namespace chiaro::kernel {
 
-/// Coefficients of a node as they are kept.
+/// Coefficients of nodes as they are kept.
 struct KeepKernel {
+    static constexpr std::int32_t width = 16;
     const float* field;  ///< [node][coefficients]
     void* harmonics;
     Stored stored;
     std::int32_t coefficients;
-    float steps[16];  ///< of the coefficients in 8 bits
+    /// In 8 bits: of sixteen numbers one after the other. The first of a node has no sign, and is kept less its middle.
+    float steps[width], least[width], most[width], middle[width];
 
+    template <class F = float>
     CHIARO_INLINE void operator()(std::int64_t first_node, std::int32_t count) const {
-        for (std::int64_t node = first_node; node < first_node + count; ++node) keep(node * coefficients);
+        const std::int64_t first = first_node * coefficients, end = first + std::int64_t(count) * coefficients;
+        std::int64_t i = first;
+        if (stored == Stored::u8) {
+            for (; i + width <= end; i += width) bytes<F, width>(i);
+            for (; i < end; i += coefficients) bytes<float, 4>(i);  // nodes of four
+        } else if (stored == Stored::f16) {
+            for (; i < end; ++i) static_cast<std::uint16_t*>(harmonics)[i] = to_half(field[i]);
+        } else {
+            for (; i < end; ++i) static_cast<float*>(harmonics)[i] = field[i];
+        }
     }
 
 private:
-    static CHIARO_INLINE std::int8_t signed_byte(float v) { return std::int8_t(v < 0 ? v - 0.5f : v + 0.5f); }
-
-    CHIARO_INLINE void keep(std::int64_t first) const {
-        const float* from = field + first;
-        if (stored == Stored::u8) {
-            std::int8_t* to = static_cast<std::int8_t*>(harmonics) + first;
-            for (int c = 1; c < coefficients; ++c) to[c] = signed_byte(min(max(from[c] / steps[c], -127.0f), 127.0f));
-            to[0] =
-                std::int8_t(std::int32_t(min(max(from[0] / steps[0], 0.0f), 255.0f) + 0.5f) - StoredHarmonics::middle);
-        } else if (stored == Stored::f16) {
-            std::uint16_t* to = static_cast<std::uint16_t*>(harmonics) + first;
-            for (int c = 0; c < coefficients; ++c) to[c] = to_half(from[c]);
-        } else {
-            float* to = static_cast<float*>(harmonics) + first;
-            for (int c = 0; c < coefficients; ++c) to[c] = from[c];
+    /// To the nearest step, from a node's first number on.
+    template <class F, std::int32_t count>
+    CHIARO_INLINE void bytes(std::int64_t i) const {
+        float rounded[count];
+        for (std::int32_t lane = 0; lane < count; lane += LaneTraits<F>::count) {
+            const F ratio = load_row<F>(field + i + lane) / load_row<F>(steps + lane);
+            const F v = min(max(ratio, load_row<F>(least + lane)), load_row<F>(most + lane));
+            const F away = v + select(v < F(0), F(-0.5f), F(0.5f));
+            store_row(rounded + lane, to_float(truncate(away)) - load_row<F>(middle + lane));
         }
+        std::int8_t* to = static_cast<std::int8_t*>(harmonics) + i;
+        for (std::int32_t lane = 0; lane < count; ++lane) to[lane] = std::int8_t(std::int32_t(rounded[lane]));
     }
 };
 

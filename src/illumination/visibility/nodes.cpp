@@ -17,8 +17,14 @@ VisibilityNodes make_nodes(const CellGrid& grid, int coefficients, const Visibil
 }
 
 kernel::KeepKernel keep_kernel(VisibilityNodes& nodes, const float* field) {
-    kernel::KeepKernel keep{field, nodes.harmonics.data(), kernel::Stored(nodes.storage), nodes.coefficients, {}};
-    for (int c = 0; c < max_coefficients; ++c) keep.steps[c] = nodes.step(c);
+    kernel::KeepKernel keep{
+        field, nodes.harmonics.data(), kernel::Stored(nodes.storage), nodes.coefficients, {}, {}, {}, {}};
+    for (int i = 0; i < kernel::KeepKernel::width; ++i) {
+        const int c = i % nodes.coefficients;
+        keep.steps[i] = nodes.step(c);
+        keep.least[i] = c == 0 ? 0 : -127, keep.most[i] = c == 0 ? 255 : 127;
+        keep.middle[i] = c == 0 ? float(kernel::StoredHarmonics::middle) : 0;
+    }
     return keep;
 }
 

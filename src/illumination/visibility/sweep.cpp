@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/line_allocator.h"
 #include "core/threads.h"
 #include "illumination/visibility/gpu_pass.h"
 #include "illumination/visibility/launch.h"
@@ -13,11 +14,11 @@ namespace {
 /// What travels from plane to plane: two planes of nodes with a halo of one, where all light arrives.
 class SweepPlanes {
 public:
-    SweepPlanes(int nu, int nv, int directions) : row_(nu + 2), directions_(directions) {
+    SweepPlanes(int nu, int nv, int packs) : row_(nu + 2), packs_(packs) {
         const std::size_t nodes = std::size_t(row_) * std::size_t(nv + 2);
         for (Plane& plane : planes_) {
             plane.density.assign(nodes, 0);
-            plane.light.assign(nodes * std::size_t(directions), 1);
+            plane.light.assign(nodes * std::size_t(packs) * kernel::SweepPack::width, 1);
             plane.state.assign(nodes, kernel::clear | kernel::empty);
         }
     }
@@ -31,16 +32,17 @@ public:
                 last.state.data(),
                 next.state.data(),
                 row_,
-                directions_};
+                packs_};
     }
 
 private:
     struct Plane {
-        std::vector<float> density, light;
+        std::vector<float> density;
+        LineVector<float> light;
         std::vector<std::uint8_t> state;
     };
     Plane planes_[2];
-    int row_, directions_;
+    int row_, packs_;
 };
 
 }  // namespace
@@ -51,13 +53,13 @@ void grid_pass(const SweepPass& pass, const DirectionBatch& of, const std::funct
     const int nu = grid.count[axes.u], nv = grid.count[axes.v], steps = grid.count[axes.major];
     const SweepPacks packs(batch, nu + 2, pass.start);
     const BatchHarmonics harmonics(pass.directions, batch, pass.field.coefficients);
-    SweepPlanes planes(nu, nv, packs.lanes());
+    SweepPlanes planes(nu, nv, packs.count());
     const auto run = kernel::visibility_functions_for(pass.device.isa).sweep_row;
     for (int k = 0; k < steps; ++k) {
         const std::size_t plane = std::size_t(axes.sign > 0 ? steps - 1 - k : k) * pass.stride(axes.major);
         const kernel::SweepKernel kernel{packs.data(), harmonics.view(), planes.view(k)};
         const auto rows = [&](std::int64_t first, std::int64_t end) {
-            std::vector<float> scratch(std::size_t(kernel::project_together) * std::size_t(packs.lanes()));
+            LineVector<float> scratch(std::size_t(kernel::sweep_together) * std::size_t(packs.lanes()));
             for (auto v = first; v < end; ++v) {
                 const std::size_t node = plane + std::size_t(v) * pass.stride(axes.v);
                 run(kernel, {std::int32_t((v + 1) * planes.row() + 1), nu, pass.density.data() + node,

@@ -18,7 +18,7 @@ inline SweepLattice lattice_of(VisibilityTraversal traversal) {
 
 /// V_lm of every node over the given directions (grid axes, unit, towards the light), each weighing 4π / N.
 /// V starts `start` node edges from a node (on a cube of that half edge; ½: at the border of its own). Cost: nodes ×
-/// directions × some 3 ns of one core. Throws Error{interrupted} when cancelled.
+/// directions × some 1 ns of one core. Throws Error{interrupted} when cancelled.
 ShField sweep_visibility(const Device& device, const Density& density, const std::vector<Vec3>& directions,
                          int coefficients, double start, SweepLattice lattice, Progress& progress);
 

@@ -90,15 +90,17 @@ SweepPacks::SweepPacks(std::span<const SweepDirection> directions, int row, doub
     numbers_.reserve(count);  // packs point into it
     for (std::size_t p = 0; p < count; ++p) {
         const std::size_t first = p * SweepPack::width;
-        add(directions.subspan(first, std::min<std::size_t>(SweepPack::width, directions.size() - first)), row, start);
+        add(directions.subspan(first, std::min<std::size_t>(SweepPack::width, directions.size() - first)), row,
+            int(count), start);
     }
 }
 
-void SweepPacks::add(std::span<const SweepDirection> directions, int row, double start) {
+void SweepPacks::add(std::span<const SweepDirection> directions, int row, int packs, double start) {
     Numbers& numbers = numbers_.emplace_back();
     numbers = {};
     SweepPack pack{};
     pack.weights = numbers.weights[0];
+    pack.is_even = start == 0.25;
     pack.before = numbers.before, pack.outer = numbers.outer, pack.inner = numbers.inner;
     for (int v = -1; v <= 1; ++v)
         for (int u = -1; u <= 1; ++u) {
@@ -108,7 +110,9 @@ void SweepPacks::add(std::span<const SweepDirection> directions, int row, double
                 weights[i] = float(share(u, directions[i].du) * share(v, directions[i].dv));
                 largest = std::max(largest, weights[i]);
             }
-            if (largest > 0) pack.offset[pack.taps++] = v * row + u;
+            if (largest == 0) continue;
+            pack.offset[pack.taps] = v * row + u;
+            pack.light[pack.taps++] = SweepPack::width * (v * row * packs + u);
         }
     for (std::size_t i = 0; i < directions.size(); ++i) {
         const double length = directions[i].length;

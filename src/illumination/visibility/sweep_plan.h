@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/host_array.h"
+#include "core/line_allocator.h"
 #include "illumination/visibility/sweep_kernel.h"
 #include "illumination/visibility/swept_places.h"
 
@@ -55,7 +56,8 @@ public:
     kernel::Harmonics view() const { return {of_direction_.data(), sum_.data(), count_, coefficients_}; }
 
 private:
-    std::vector<float> of_direction_, sum_;
+    LineVector<float> of_direction_;
+    std::vector<float> sum_;
     int count_, coefficients_;
 };
 
@@ -67,16 +69,17 @@ public:
     /// What the packs point into.
     void add_to(HostArrays& arrays) const { arrays.add(numbers_); }
     const kernel::SweepPack* data() const { return packs_.data(); }
-    int lanes() const { return int(packs_.size()) * kernel::SweepPack::width; }
+    int count() const { return int(packs_.size()); }
+    int lanes() const { return count() * kernel::SweepPack::width; }
 
 private:
-    void add(std::span<const SweepDirection> directions, int row, double start);
+    void add(std::span<const SweepDirection> directions, int row, int packs, double start);
 
     struct Numbers {
         float weights[kernel::SweepPack::max_taps][kernel::SweepPack::width];
         float before[kernel::SweepPack::width], outer[kernel::SweepPack::width], inner[kernel::SweepPack::width];
     };
-    std::vector<Numbers> numbers_;
+    LineVector<Numbers> numbers_;
     std::vector<kernel::SweepPack> packs_;
 };
 

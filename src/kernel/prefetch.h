@@ -1,0 +1,14 @@
+// Asking for memory before it is needed.
+#pragma once
+#include "kernel/lanes.h"
+
+namespace chiaro::kernel {
+
+/// For what will be written soon.
+CHIARO_INLINE void prefetch([[maybe_unused]] float* to) {
+#ifndef __CUDA_ARCH__
+    __builtin_prefetch(to, 1);
+#endif
+}
+
+}  // namespace chiaro::kernel
