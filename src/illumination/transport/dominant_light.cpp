@@ -10,7 +10,7 @@ namespace chiaro {
 DominantLightKernels::DominantLightKernels(const SweptMedium& medium, const DominantLight& dominant)
     : share{}, faces{}, shine{} {
     const SweepGroup group = sweep_groups({dominant.direction})[0];
-    const SweepBatch ray = sweep_batches({dominant.direction}, group, 1, 1, medium.opaque)[0];
+    const SweepBatch ray = sweep_batches({dominant.direction}, group, 1, 1)[0];
     const kernel::CellPlaces places = cell_places(medium.lattices.along_x, medium.lattices.along_y);
     share.cells.places = faces.cells.places = shine.places = places;
     share.cells.open = faces.cells.open = std::sqrt(4 * std::numbers::pi);
@@ -30,8 +30,14 @@ void add_dominant_light(const Device& device, const SweptMedium& medium, const D
     const ShField field = sweep_visibility(device, density, {dominant.direction}, dominant_coefficients, dominant_start,
                                            SweepLattice::sheared, progress);
     const std::vector<std::int32_t> ids = opaque.ids_with_halo();
-    SunPlaces places{
-        field.node(0), density.data(), opaque.clear_cells(), ids.data(), OpaqueCells::numbers(light.faces), {}, {}};
+    SunPlaces places{field.node(0),
+                     density.data(),
+                     opaque.clear_cells(),
+                     ids.data(),
+                     opaque.around().data(),
+                     OpaqueCells::numbers(light.faces),
+                     {},
+                     {}};
     for (int c = 0; c < 3; ++c) {
         places.light[c] = light.light[c].data();
         for (int axis = 0; axis < 3; ++axis) places.moment[c][axis] = light.moment[c][axis].data();

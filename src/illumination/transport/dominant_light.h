@@ -26,6 +26,7 @@ struct SunPlaces {
     const float *visibility, *depth;
     const std::uint8_t* clear;
     const std::int32_t* ids;
+    const std::uint32_t* around;
     float* faces;
     float *light[3], *moment[3][3];
 };
@@ -37,7 +38,7 @@ void shine(Executor& executor, const SweptMedium& medium, const DominantLight& d
     auto mean = executor.template array<double>(cells);
     DominantLightKernels kernels(medium, dominant);
     kernels.share.cells.visibility = kernels.faces.cells.visibility = places.visibility;
-    kernels.share.cells.clear = kernels.faces.cells.clear = places.clear;
+    kernels.share.clear = places.clear, kernels.faces.around = places.around;
     kernels.share.depth = places.depth, kernels.share.ids = places.ids;
     kernels.share.mean = mean.data(), kernels.shine.mean = mean.data();
     kernels.faces.nodes = executor.input(medium.opaque.nodes()), kernels.faces.faces = places.faces;

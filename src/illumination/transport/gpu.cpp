@@ -59,8 +59,8 @@ GpuTransport::GpuTransport(const Device& device, const SweptMedium& medium)
     HostArrays arrays;
     medium.opaque.add_to(arrays), arrays.add(ids);
     tables_ = std::make_unique<cuda::Views>(*stream_, std::move(arrays));
-    clear_ = medium.opaque.clear_cells(), ids_ = ids.data();
-    tables_->to_device_pointers(clear_, ids_, reflect_.open, reflect_.reflectance, cover_.covers);
+    clear_ = medium.opaque.clear_cells(), ids_ = ids.data(), around_ = medium.opaque.around().data();
+    tables_->to_device_pointers(clear_, ids_, around_, reflect_.open, reflect_.reflectance, cover_.covers);
     for (Numbers* zero :
          {&extinction_, &albedo_, &emission_, &moment_, &first_light_, &first_moment_, &source_, &mean_, &first_faces_})
         zero->zero();  // beside the cells, where the host's fields are zero
@@ -109,15 +109,8 @@ kernel::SweptCells GpuTransport::cells_of(const SweepAxes& axes) const {
     cells.in_halo =
         places_of(axes, cells.steps, {opaque.stride(0), opaque.stride(1), opaque.stride(2)}, opaque.bit_index(0, 0, 0));
     cells.extinction = field(extinction_, lattice.along_y());
-    cells.ids = ids_;
-    cells.opaque = {nullptr,
-                    0,
-                    std::int32_t(opaque.count()),
-                    std::int32_t(opaque.listed()),
-                    clear_,
-                    opaque.stride(axes.u),
-                    emission_.data(),
-                    nullptr};
+    cells.ids = ids_, cells.around = around_;
+    cells.opaque = {nullptr, 0, std::int32_t(opaque.count()), std::int32_t(opaque.listed()), emission_.data(), nullptr};
     cells.pitch = pitch_of(medium_, axes);
     return cells;
 }
@@ -192,7 +185,7 @@ void GpuTransport::find_first(const FirstDirections& first, Progress& progress) 
     std::vector<std::vector<FirstBatch>> batches(groups.size());
     for (std::size_t g = 0; g < groups.size(); ++g)
         for (SweepBatch& batch : sweep_batches(first.directions, groups[g], FirstBatch::Kernel::max_rays,
-                                               pitch_of(medium_, groups[g].axes), medium_.opaque))
+                                               pitch_of(medium_, groups[g].axes)))
             batches[g].emplace_back(std::move(batch), first.directions, first.incident);
     const Numbers parts = fields(sums * int(groups.size()));
     const auto side = [&](std::size_t g, const FirstBatch& batch, bool is_first) {
@@ -214,7 +207,7 @@ void GpuTransport::find_first(const FirstDirections& first, Progress& progress) 
 void GpuTransport::add_dominant_light(const Device& device, const DominantLight& dominant, Progress& progress) {
     const GpuField seen = sweep_on_gpu(device, medium_.grid.extinction, {dominant.direction}, dominant_coefficients,
                                        dominant_start, SweepLattice::sheared, progress);
-    SunPlaces places{seen.data(), seen.density(), clear_, ids_, first_faces_.data(), {}, {}};
+    SunPlaces places{seen.data(), seen.density(), clear_, ids_, around_, first_faces_.data(), {}, {}};
     for (int c = 0; c < 3; ++c) {
         places.light[c] = field(first_light_, c);
         for (int axis = 0; axis < 3; ++axis) places.moment[c][axis] = field(first_moment_, 3 * c + axis);
@@ -252,7 +245,7 @@ void GpuTransport::scatter(const std::vector<Vec3>& directions, const Then& then
     std::vector<std::vector<SourceBatch>> batches(groups.size());
     for (std::size_t g = 0; g < groups.size(); ++g)
         for (SweepBatch& batch : sweep_batches(directions, groups[g], SourceBatch::Kernel::max_rays,
-                                               channels * pitch_of(medium_, groups[g].axes), medium_.opaque))
+                                               channels * pitch_of(medium_, groups[g].axes)))
             batches[g].emplace_back(std::move(batch), directions, groups[g].axes);
     const auto side = [&](std::size_t g, const SourceBatch& batch, bool is_first) {
         const SweepAxes& axes = groups[g].axes;

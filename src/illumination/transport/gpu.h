@@ -84,6 +84,7 @@ private:
     Numbers change_, change_sums_;
     std::unique_ptr<cuda::Views> tables_;  ///< what these point into:
     const std::uint8_t* clear_ = nullptr;
+    const std::uint32_t* around_ = nullptr;
     const std::int32_t* ids_ = nullptr;
     kernel::ReflectKernel reflect_;
     kernel::CoverKernel cover_;

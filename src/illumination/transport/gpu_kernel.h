@@ -10,21 +10,18 @@ struct SweptCells {
     std::int32_t nu, nv, steps;
     SweptPlaces in_field, in_halo;
     const float* extinction;
-    const std::int32_t* ids;      ///< of opaque cells, else below 0; with a halo, as `opaque.clear`
-    OpaqueRow opaque;             ///< of the first cell with its halo
+    const std::int32_t* ids;      ///< of opaque cells, else below 0; with a halo of one
+    const std::uint32_t* around;  ///< of these
+    OpaqueRow opaque;             ///< without cells
     float* planes[2];             ///< what travels, with a halo of one
     std::int32_t pitch, numbers;  ///< of a row; rows of one v
     std::int32_t behind;          ///< the first batch of the group, planes: its sums in this one are there
 
     CHIARO_INLINE SweepPlane plane(std::int32_t k) const { return {planes[k & 1], planes[(k + 1) & 1], pitch}; }
     CHIARO_INLINE std::int32_t place(std::int32_t v) const { return (v + 1) * pitch * numbers + 1; }
-    CHIARO_INLINE std::int32_t id(std::int32_t k, std::int32_t v, std::int32_t u) const {
-        return ids[in_halo.at(k, v, u)];
-    }
-    CHIARO_INLINE OpaqueRow opaque_in(std::int32_t k, std::int32_t v) const {
-        OpaqueRow row = opaque;
-        row.clear += in_halo.at(k, v, 0);
-        return row;
+    CHIARO_INLINE OpaqueCell cell(std::int32_t k, std::int32_t v, std::int32_t u) const {
+        const std::int32_t id = ids[in_halo.at(k, v, u)];
+        return {u, id, id < 0 ? 0 : around[id]};
     }
 };
 
@@ -38,9 +35,9 @@ struct FirstSide {
         FirstSweepKernel here = kernel;
         here.plane = cells.plane(k);
         const std::int64_t at = cells.in_field.at(k, v, 0);
-        FirstSweepRow row{cells.place(v), cells.nu, cells.extinction + at, {}, cells.opaque_in(k, v)};
+        FirstSweepRow row{cells.place(v), cells.nu, cells.extinction + at, {}, cells.opaque};
         for (std::int32_t s = 0; s < FirstSweepKernel::sums; ++s) row.sums[s] = sums[s] + at;
-        here.at(row, u, cells.id(k, v, u));
+        here.at(row, cells.cell(k, v, u));
     }
 };
 
@@ -54,10 +51,10 @@ struct SourceSide {
         SourceSweepKernel here = kernel;
         here.plane = cells.plane(k);
         const std::int64_t at = cells.in_field.at(k, v, 0);
-        SourceRow row{cells.place(v), cells.nu, cells.extinction + at, {}, {}, cells.opaque_in(k, v)};
+        SourceRow row{cells.place(v), cells.nu, cells.extinction + at, {}, {}, cells.opaque};
         for (std::int32_t c = 0; c < SourceSweepKernel::channels; ++c) row.source[c] = source[c] + at;
         for (std::int32_t s = 0; s < SourceSweepKernel::sums; ++s) row.sums[s] = sums[s] + at;
-        here.at(row, u, cells.id(k, v, u));
+        here.at(row, cells.cell(k, v, u));
     }
 };
 

@@ -27,6 +27,21 @@ OpaqueCells::OpaqueCells(const LightGrid& grid, float threshold, const Device& d
     find_shown(grid.extinction.grid);
     find_reflectance(grid, device);
     find_behind(grid.extinction.grid);
+    around_.reserve(listed());
+    for (std::size_t node : nodes_) around_.push_back(around(node));
+    for (std::size_t node : behind_) around_.push_back(around(node));
+}
+
+/// Of a node and its 26 neighbours, as kernel::OpaqueCell has them.
+std::uint32_t OpaqueCells::around(std::size_t node) const {
+    const std::size_t nx = std::size_t(count_[0]), ny = std::size_t(count_[1]);
+    const std::uint8_t* own = clear_.data() + bit_index(int(node % nx), int(node / nx % ny), int(node / nx / ny));
+    std::uint32_t bits = 0;
+    int bit = 0;
+    for (int k = -1; k <= 1; ++k)
+        for (int j = -1; j <= 1; ++j)
+            for (int i = -1; i <= 1; ++i) bits |= std::uint32_t(own[k * stride(2) + j * stride(1) + i]) << bit++;
+    return bits;
 }
 
 void OpaqueCells::find_shown(const CellGrid& cells) {
@@ -107,7 +122,8 @@ OpaqueCells::Rows OpaqueCells::list_rows(bool along_y) const {
         for (int a = 0; a < inner; ++a) {
             const std::size_t first = along_y ? a * slice + b : b * slice + std::size_t(a) * nx;
             for (int i = 0; i < length && !ids_.empty(); ++i)
-                if (const std::int32_t id = ids_[first + i * step]; id >= 0) rows.cells.push_back({i, id});
+                if (const std::int32_t id = ids_[first + i * step]; id >= 0)
+                    rows.cells.push_back({i, id, around_[std::size_t(id)]});
             rows.starts.push_back(std::int32_t(rows.cells.size()));
         }
     return rows;

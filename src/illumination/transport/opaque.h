@@ -54,6 +54,9 @@ public:
         return axis == 0 ? 1 : axis == 1 ? count_[0] + 2 : std::int64_t(count_[0] + 2) * (count_[1] + 2);
     }
 
+    /// Which cells around each listed one are clear (kernel::OpaqueCell).
+    const std::vector<std::uint32_t>& around() const { return around_; }
+
     /// A field's worth of them, [cell][face][4], as kernels have it.
     static float* numbers(std::vector<Faces>& faces) { return reinterpret_cast<float*>(faces.data()); }
     static const float* numbers(const std::vector<Faces>& faces) {
@@ -74,6 +77,7 @@ public:
     /// What kernels read.
     void add_to(HostArrays& arrays) const {
         arrays.add(open_), arrays.add(reflectance_), arrays.add(covers_), arrays.add(clear_);
+        arrays.add(around_);
     }
     /// Each cell's id, or -1, with the halo.
     std::vector<std::int32_t> ids_with_halo() const;
@@ -88,6 +92,7 @@ private:
     void find_shown(const CellGrid& cells);
     void find_reflectance(const LightGrid& grid, const Device& device);
     void find_behind(const CellGrid& grid);
+    std::uint32_t around(std::size_t node) const;
     struct Rows {
         std::vector<kernel::OpaqueCell> cells;
         std::vector<std::int32_t> starts;  ///< of rows (y, z), or (z, x) of those along y
@@ -108,6 +113,7 @@ private:
     std::vector<kernel::OpaqueCover> covers_;
     std::vector<std::uint8_t> bits_;   ///< bit o: a ray towards octant o finds a face in the open; with the halo
     std::vector<std::uint8_t> clear_;  ///< with the halo
+    std::vector<std::uint32_t> around_;
     Lazy<Rows> along_x_, along_y_;
 };
 

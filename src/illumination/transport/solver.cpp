@@ -162,8 +162,7 @@ void TransportSolver::State::sweep(const std::vector<Vec3>& directions, const Sw
     const int nu = lattice.count()[axes.u], nv = lattice.count()[axes.v];
     TravellingPlanes planes(nu, nv, Kernel::channels * Kernel::max_rays);
     bool is_first = true;
-    for (SweepBatch& rays :
-         sweep_batches(directions, group, Kernel::max_rays, Kernel::channels * planes.field(), opaque)) {
+    for (SweepBatch& rays : sweep_batches(directions, group, Kernel::max_rays, Kernel::channels * planes.field())) {
         const SourceBatch batch(std::move(rays), directions, axes);
         planes.start(Kernel::channels * batch.count(), 0);
         Kernel kernel = batch.kernel(directions.size(), is_first);

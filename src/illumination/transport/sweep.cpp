@@ -31,13 +31,13 @@ kernel::SweepRay ray_of(const SweepDirection& d, int row) {
     return ray;
 }
 
-kernel::OctantRays octant_rays(const SweepDirection& d, const SweepAxes& axes, int octant, const OpaqueCells& opaque) {
+kernel::OctantRays octant_rays(const SweepDirection& d, const SweepAxes& axes, int octant) {
+    constexpr int bits[]{1, 3, 9}, own = 13;  // of kernel::OpaqueCell::around
     const Taps taps(d);
     kernel::OctantRays rays{};
     rays.octant = octant;
     for (int tap = 0; tap < 4; ++tap)
-        rays.back[tap] = axes.sign * opaque.stride(axes.major) + taps.v[tap] * opaque.stride(axes.v) +
-                         taps.u[tap] * opaque.stride(axes.u);
+        rays.back[tap] = own + axes.sign * bits[axes.major] + taps.v[tap] * bits[axes.v] + taps.u[tap] * bits[axes.u];
     return rays;
 }
 
@@ -45,8 +45,8 @@ kernel::OctantRays octant_rays(const SweepDirection& d, const SweepAxes& axes, i
 
 TravellingPlanes::TravellingPlanes(int nu, int nv, int max_fields)
     : nv_(nv),
-      row_((nu + 15) / 16 * 16 + 2 * margin),
-      numbers_(std::size_t(row_) * std::size_t(nv + 2 + aside) * std::size_t(max_fields)) {}
+      row_((nu + 15) / 16 * 16 + margin),
+      numbers_(std::size_t(row_) * std::size_t(nv + 2 + aside) * std::size_t(max_fields) + margin) {}
 
 void TravellingPlanes::start(int fields, float outside) {
     fields_ = fields, outside_ = outside, upwards_ = false;
@@ -84,7 +84,7 @@ void SweepBatch::weigh(const std::vector<float>& weights) {
 }
 
 std::vector<SweepBatch> sweep_batches(const std::vector<Vec3>& directions, const SweepGroup& group, int most,
-                                      int of_ray, const OpaqueCells& opaque) {
+                                      int of_ray) {
     std::vector<SweepDirection> sorted = group.directions;
     const auto octant = [&](const SweepDirection& d) { return octant_of(directions[std::size_t(d.index)]); };
     std::stable_sort(sorted.begin(), sorted.end(),
@@ -101,7 +101,7 @@ std::vector<SweepBatch> sweep_batches(const std::vector<Vec3>& directions, const
             batch.rays.push_back(ray_of(d, of_ray * int(end - first)));
             batch.cosines.push_back({float(std::abs(w.x)), float(std::abs(w.y)), float(std::abs(w.z))});
             if (batch.octants.empty() || batch.octants.back().octant != octant(d)) {
-                batch.octants.push_back(octant_rays(d, group.axes, octant(d), opaque));
+                batch.octants.push_back(octant_rays(d, group.axes, octant(d)));
                 batch.octants.back().first = std::int32_t(i - first);
             }
             batch.octants.back().end = std::int32_t(i - first) + 1;

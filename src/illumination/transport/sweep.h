@@ -28,8 +28,8 @@ struct BothWays {
 inline int side_of(const SweepAxes& axes) { return 2 * axes.major + (axes.sign < 0); }
 
 /// What travels from plane to plane: for each ray or channel one number a cell, with a halo of one that holds what
-/// comes from outside. Each plane overwrites the one before, two rows aside, from that end on: so both fit into the
-/// cache.
+/// comes from outside. Rows begin on a cache line; the halo after one may be the first number before the next. Each
+/// plane overwrites the one before, two rows aside, from that end on: so both fit into the cache.
 class TravellingPlanes {
 public:
     TravellingPlanes(int nu, int nv, int max_fields);
@@ -45,7 +45,7 @@ public:
     bool runs_upwards() const { return upwards_; }
 
 private:
-    static constexpr int margin = 8, aside = 2;
+    static constexpr int margin = 16, aside = 2;
     void renew(int row);
     int nv_, row_, fields_ = 0;
     float outside_ = 0;
@@ -68,7 +68,7 @@ struct SweepBatch {
 
 /// A group in batches of much the same size, at most `most` each. A row of a plane holds `of_ray` numbers for each ray.
 std::vector<SweepBatch> sweep_batches(const std::vector<Vec3>& directions, const SweepGroup& group, int most,
-                                      int of_ray, const OpaqueCells& opaque);
+                                      int of_ray);
 
 /// A row of a plane: where it lies in its lattice, and which opaque cells it holds.
 struct SweptRow {
@@ -87,7 +87,7 @@ inline void ask_for(const kernel::OpaqueRow& row, const std::vector<kernel::Octa
     for (const kernel::OpaqueCell& cell : std::span(row.cells, std::size_t(row.count))) {
         if (cell.id < row.shown) ask_for(row.arriving + std::ptrdiff_t(cell.id) * 24, 24);
         for (const kernel::OctantRays& rays : octants)
-            if (row.emission) ask_for(row.seen_from(rays, cell), 4);
+            if (row.emission) ask_for(row.seen_from(rays, cell.id), 4);
     }
 }
 
@@ -118,8 +118,7 @@ void for_each_row(const Lattice& lattice, const SweepAxes& axes, const OpaqueCel
                                   at(k, v),
                                   i + 1 < rows ? at(k, v + step) : at(k + 1, v),
                                   {opaque.data(), std::int32_t(opaque.size()), std::int32_t(cells.count()),
-                                   std::int32_t(cells.listed()), cells.clear_cells() + cells.bit_index(x, y, z),
-                                   cells.stride(axes.u), emission, arriving}});
+                                   std::int32_t(cells.listed()), emission, arriving}});
         }
     }
 }

@@ -18,9 +18,15 @@ struct OctantRays {
     static constexpr std::int32_t patterns = 16;
     std::int32_t first, end;  ///< rays
     std::int32_t octant;      ///< signs of the directions, towards the light: 1: -x, 2: -y, 4: -z
-    std::int64_t back[4];     ///< the four cells, in the bytes that say where cells are clear
+    std::int32_t back[4];     ///< the four cells, as bits of OpaqueCell::around
     /// [pattern][axis]: Σ |cos| × what a ray weighs, of those that count.
     float open[patterns][3];
+
+    CHIARO_INLINE std::int32_t pattern(std::uint32_t around) const {
+        std::uint32_t clear = 0;
+        for (std::int32_t tap = 0; tap < 4; ++tap) clear |= (around >> back[tap] & 1) << tap;
+        return std::int32_t(clear);
+    }
 };
 
 inline constexpr float least_open = 0.1f;
@@ -36,6 +42,7 @@ struct SweepPlane {
 /// A cell that lets nothing through and shows something of itself.
 struct OpaqueCell {
     std::int32_t u, id;
+    std::uint32_t around;  ///< bit 13 + dx + 3 dy + 9 dz: the cell there is clear
 };
 
 /// The opaque cells of a row. Such a cell takes light on each of its open faces and answers on them: `emission`
@@ -46,25 +53,30 @@ struct OpaqueRow {
     std::int32_t count;
     std::int32_t shown,
         listed;  ///< how many ids; those from `shown` on have no face in the open, on which light arrives
-    const std::uint8_t* clear;  ///< of the row's first cell: 0 where a cell is opaque, else 1
-    std::int64_t stride;        ///< from one cell to the next, in `clear`
     const float* emission;
     float* arriving;
 
-    /// Which of the four cells that the rays come from are clear.
-    CHIARO_INLINE std::int32_t pattern(const OctantRays& rays, OpaqueCell cell) const {
-        const std::uint8_t* own = clear + cell.u * stride;
-        return own[rays.back[0]] | own[rays.back[1]] << 1 | own[rays.back[2]] << 2 | own[rays.back[3]] << 3;
+    CHIARO_INLINE const float* seen_from(const OctantRays& rays, std::int32_t id) const {
+        return emission + (std::int64_t(rays.octant) * listed + id) * 4;
     }
-    CHIARO_INLINE const float* seen_from(const OctantRays& rays, OpaqueCell cell) const {
-        return emission + (std::int64_t(rays.octant) * listed + cell.id) * 4;
+};
+
+/// The three faces of opaque cells that look to an octant.
+struct FacesTowards {
+    float* first[3];
+
+    CHIARO_INLINE FacesTowards(const OpaqueRow& row, const OctantRays& rays) {
+        for (std::int32_t axis = 0; axis < 3; ++axis)
+            first[axis] = row.arriving + 4 * (2 * axis + (rays.octant >> axis & 1));
     }
-    /// `light` [axis][channel], on the three faces that look to the octant.
-    CHIARO_INLINE void add(const OctantRays& rays, OpaqueCell cell, const float* light, const float* open) const {
+    /// `light` [axis][4]: of three channels; the fourth is Σ cos, `open`.
+    CHIARO_INLINE void add(OpaqueCell cell, const float* light, const float (&open)[3]) const {
         for (std::int32_t axis = 0; axis < 3; ++axis) {
-            float* face = arriving + std::int64_t(cell.id) * 24 + 4 * (2 * axis + (rays.octant >> axis & 1));
-            for (std::int32_t c = 0; c < 3; ++c) face[c] = face[c] + light[4 * axis + c];
-            face[3] = face[3] + open[axis];
+            float* face = first[axis] + std::int64_t(cell.id) * 24;
+            const float added[4]{light[4 * axis], light[4 * axis + 1], light[4 * axis + 2], open[axis]};
+            float sums[4];
+            for (std::int32_t c = 0; c < 4; ++c) sums[c] = face[c] + added[c];
+            for (std::int32_t c = 0; c < 4; ++c) face[c] = sums[c];
         }
     }
 };
@@ -81,13 +93,29 @@ CHIARO_INLINE F exp2_of_step(F x) {
     return float_of(bits_of(series) + (bits_of(shifted) << Int<F>(23)));
 }
 
-/// Σ w I' of the four cells one plane back.
+/// The four cells one plane back, and what each weighs.
 template <class F>
-CHIARO_INLINE F light_before(const SweepRay& ray, const float* before) {
-    F light = load_row<F>(before + ray.offset[0]) * F(ray.weight[0]);
-    for (std::int32_t tap = 1; tap < 4; ++tap)
-        light = mad(load_row<F>(before + ray.offset[tap]), F(ray.weight[tap]), light);
-    return light;
+struct FourBefore {
+    std::int32_t offset[4];
+    F weight[4];
+
+    CHIARO_INLINE explicit FourBefore(const SweepRay& ray) {
+        for (std::int32_t tap = 0; tap < 4; ++tap) offset[tap] = ray.offset[tap], weight[tap] = F(ray.weight[tap]);
+    }
+    /// Σ w I.
+    CHIARO_INLINE F light(const float* before) const {
+        F sum = load_row<F>(before + offset[0]) * weight[0];
+        for (std::int32_t tap = 1; tap < 4; ++tap) sum = mad(load_row<F>(before + offset[tap]), weight[tap], sum);
+        return sum;
+    }
+};
+
+/// Packs of sixteen cells that are taken together, so that what belongs to a ray is read once for both; where a pack
+/// is two vectors it is already.
+template <class F>
+constexpr std::int32_t packs_together() {
+    return LaneTraits<F>::count == 16 && !requires(F f) { f.lo; }
+    ? 2 : 1;
 }
 
 /// Whether any of sixteen cells stops light: decided for all of them, so that every instruction set does the same.
@@ -123,76 +151,93 @@ struct FirstSweepKernel {
 
     template <class F>
     CHIARO_INLINE void operator()(const FirstSweepRow& row) const {
-        for (std::int32_t u = 0; u < row.count; u += width) {
+        constexpr std::int32_t packs = packs_together<F>();
+        std::int32_t u = 0;
+        for (; packs > 1 && u + width < row.count; u += packs * width)
+            take<F, packs>(row, u, is_occupied<F>(row.extinction + u) || is_occupied<F>(row.extinction + u + width));
+        for (; u < row.count; u += width) {
             const bool matter = is_occupied<F>(row.extinction + u);
-            for (std::int32_t lane = 0; lane < width; lane += LaneTraits<F>::count) take<F>(row, u + lane, matter);
+            for (std::int32_t lane = 0; lane < width; lane += LaneTraits<F>::count) take<F, 1>(row, u + lane, matter);
         }
-        for (std::int32_t i = 0; i < row.opaque.count; ++i)
-            for (std::int32_t o = 0; o < octant_count; ++o) meet<F>(row, row.opaque.cells[i], octants[o]);
+        for (std::int32_t o = 0; o < octant_count && row.opaque.count > 0; ++o)
+            meet<F>(row, row.opaque.cells, row.opaque.count, octants[o]);
         for (std::int32_t r = 0; r < count; ++r) plane.here[r * plane.field + row.first + row.count] = 1;
     }
-    /// One cell, as a thread of a GPU takes it; `id` among the opaque ones, below 0: it is none.
-    CHIARO_INLINE void at(const FirstSweepRow& row, std::int32_t u, std::int32_t id) const {
-        take<float>(row, u, is_occupied<float>(row.extinction + u / width * width));
-        for (std::int32_t o = 0; id >= 0 && o < octant_count; ++o) meet<float>(row, {u, id}, octants[o]);
+    /// One cell, as a thread of a GPU takes it; its id is below 0 where it is not opaque.
+    CHIARO_INLINE void at(const FirstSweepRow& row, OpaqueCell cell) const {
+        take<float, 1>(row, cell.u, is_occupied<float>(row.extinction + cell.u / width * width));
+        for (std::int32_t o = 0; cell.id >= 0 && o < octant_count; ++o) meet<float>(row, &cell, 1, octants[o]);
     }
 
 private:
-    template <class F>
+    template <class F, std::int32_t packs>
     CHIARO_INLINE void take(const FirstSweepRow& row, std::int32_t u, bool matter) const {
-        float mean[max_rays * LaneTraits<F>::count];
         if (matter)
-            pass<F, true>(row, u, mean);
+            pass<F, packs, true>(row, u);
         else
-            pass<F, false>(row, u, mean);
-        add<F>(row, u, mean);
+            pass<F, packs, false>(row, u);
     }
-    template <class F, bool matter>
-    CHIARO_INLINE void pass(const FirstSweepRow& row, std::int32_t u, float* mean) const {
-        const F extinction = load_row<F>(row.extinction + u);
-        for (std::int32_t r = 0; r < count; ++r) {
-            const std::int64_t at = r * plane.field + row.first + u;
-            const F in = light_before<F>(rays[r], plane.before + at);
-            F left = in;
-            if constexpr (matter) left = in * exp2_of_step(extinction * F(rays[r].edges));
-            const F out = left + F(no_light);
-            store_row(plane.here + at, out);
-            store_row(mean + r * LaneTraits<F>::count, in + out);
+    /// Where there is no matter T is 1, so that it makes no difference whether it is found.
+    template <class F, std::int32_t packs, bool matter>
+    CHIARO_INLINE void pass(const FirstSweepRow& row, std::int32_t u) const {
+        F extinction[packs], j[packs][sums];
+        for (std::int32_t p = 0; p < packs; ++p) {
+            extinction[p] = load_row<F>(row.extinction + u + p * width);
+            for (std::int32_t s = 0; s < sums; ++s)
+                j[p][s] = is_first ? F(0) : load_row<F>(row.sums[s] + u + p * width);
         }
-    }
-    template <class F>
-    CHIARO_INLINE void add(const FirstSweepRow& row, std::int32_t u, const float* mean) const {
-        for (std::int32_t s = 0; s < sums; s += 3) {
-            F a(0), b(0), c(0);
-            if (!is_first)
-                a = load_row<F>(row.sums[s] + u), b = load_row<F>(row.sums[s + 1] + u),
-                c = load_row<F>(row.sums[s + 2] + u);
-            for (std::int32_t r = 0; r < count; ++r) {
-                const F light = load_row<F>(mean + r * LaneTraits<F>::count);
-                const float* shares = basis + 8 * r + s;
-                a = mad(light, F(shares[0]), a), b = mad(light, F(shares[1]), b), c = mad(light, F(shares[2]), c);
+        const float* before = plane.before + row.first + u;
+        float* here = plane.here + row.first + u;
+        const float* shares = basis;
+        const std::int32_t ray_count = count;
+        const std::int64_t field = plane.field;
+        for (std::int32_t r = 0; r < ray_count; ++r, before += field, here += field, shares += 8) {
+            const FourBefore<F> four(rays[r]);
+            F in[packs], out[packs];
+            for (std::int32_t p = 0; p < packs; ++p) {
+                in[p] = four.light(before + p * width);
+                F left = in[p];
+                if constexpr (matter) left = left * exp2_of_step(extinction[p] * F(rays[r].edges));
+                out[p] = left + F(no_light);
             }
-            store_row(row.sums[s] + u, a), store_row(row.sums[s + 1] + u, b), store_row(row.sums[s + 2] + u, c);
+            for (std::int32_t p = 0; p < packs; ++p) {
+                store_row(here + p * width, out[p]);
+                in[p] = in[p] + out[p];
+            }
+            for (std::int32_t s = 0; s < sums; ++s) {
+                const F share(shares[s]);
+                for (std::int32_t p = 0; p < packs; ++p) j[p][s] = mad(in[p], share, j[p][s]);
+            }
         }
+        for (std::int32_t p = 0; p < packs; ++p)
+            for (std::int32_t s = 0; s < sums; ++s) store_row(row.sums[s] + u + p * width, j[p][s]);
     }
-    /// No light comes from opaque cells: what arrived at this one is what the clear ones sent.
+    /// No light comes from opaque cells: what arrived at these is what the clear ones sent.
     template <class F>
-    CHIARO_INLINE void meet(const FirstSweepRow& row, OpaqueCell cell, const OctantRays& from) const {
-        float* here = plane.here + row.first + cell.u;
-        const std::int32_t pattern = row.opaque.pattern(from, cell);
-        if (pattern != 0 && cell.id < row.opaque.shown) {
-            float light[width];
-            for (std::int32_t lane = 0; lane < width; lane += LaneTraits<F>::count) {
-                F sum(0);
-                for (std::int32_t r = from.first; r < from.end; ++r) {
-                    const float in = here[r * plane.field] * per_share[pattern * max_rays + r];
-                    sum = mad(F(in), load_row<F>(on_faces + r * width + lane), sum);
+    CHIARO_INLINE void meet(const FirstSweepRow& row, const OpaqueCell* cells, std::int32_t cell_count,
+                            const OctantRays& from) const {
+        const FacesTowards faces(row.opaque, from);
+        const std::int32_t first = from.first, end = from.end, shown = row.opaque.shown;
+        const std::int64_t field = plane.field;
+        float* const here_first = plane.here + row.first;
+        for (std::int32_t i = 0; i < cell_count; ++i) {
+            const OpaqueCell cell = cells[i];
+            float* here = here_first + cell.u;
+            const std::int32_t pattern = from.pattern(cell.around);
+            if (pattern != 0 && cell.id < shown) {
+                float light[width];
+                for (std::int32_t lane = 0; lane < width; lane += LaneTraits<F>::count) {
+                    F sum(0);
+                    for (std::int32_t r = first; r < end; ++r) {
+                        const float in = here[r * field] * per_share[pattern * max_rays + r];
+                        sum = mad(F(in), load_row<F>(on_faces + r * width + lane), sum);
+                    }
+                    store_row(light + lane, sum);
                 }
-                store_row(light + lane, sum);
+                faces.add(cell, light, from.open[pattern]);
             }
-            row.opaque.add(from, cell, light, from.open[pattern]);
+            for (std::int32_t r = first; r < end; ++r) here[r * field] = 0;
         }
-        for (std::int32_t r = from.first; r < from.end; ++r) here[r * plane.field] = 0;
     }
 };
 
@@ -219,88 +264,119 @@ struct SourceSweepKernel {
 
     template <class F>
     CHIARO_INLINE void operator()(const SourceRow& row) const {
-        for (std::int32_t u = 0; u < row.count; u += width) {
+        constexpr std::int32_t packs = packs_together<F>();
+        for (std::int32_t u = 0; u < row.count;) {
             const bool matter = is_occupied<F>(row.extinction + u);
-            for (std::int32_t lane = 0; lane < width; lane += LaneTraits<F>::count) take<F>(row, u + lane, matter);
+            if (packs > 1 && u + width < row.count && is_occupied<F>(row.extinction + u + width) == matter) {
+                take<F, packs>(row, u, matter);
+                u += packs * width;
+                continue;
+            }
+            for (std::int32_t lane = 0; lane < width; lane += LaneTraits<F>::count) take<F, 1>(row, u + lane, matter);
+            u += width;
         }
-        for (std::int32_t i = 0; i < row.opaque.count; ++i)
-            for (std::int32_t o = 0; o < octant_count; ++o) meet(row, row.opaque.cells[i], octants[o]);
+        for (std::int32_t o = 0; o < octant_count && row.opaque.count > 0; ++o)
+            meet(row, row.opaque.cells, row.opaque.count, octants[o]);
         for (std::int32_t p = 0; p < count * channels; ++p) plane.here[p * plane.field + row.first + row.count] = 0;
     }
-    /// One cell, as a thread of a GPU takes it; `id` among the opaque ones, below 0: it is none.
-    CHIARO_INLINE void at(const SourceRow& row, std::int32_t u, std::int32_t id) const {
-        take<float>(row, u, is_occupied<float>(row.extinction + u / width * width));
-        for (std::int32_t o = 0; id >= 0 && o < octant_count; ++o) meet(row, {u, id}, octants[o]);
+    /// One cell, as a thread of a GPU takes it; its id is below 0 where it is not opaque.
+    CHIARO_INLINE void at(const SourceRow& row, OpaqueCell cell) const {
+        take<float, 1>(row, cell.u, is_occupied<float>(row.extinction + cell.u / width * width));
+        for (std::int32_t o = 0; cell.id >= 0 && o < octant_count; ++o) meet(row, &cell, 1, octants[o]);
     }
 
 private:
-    template <class F>
+    template <class F, std::int32_t packs>
     CHIARO_INLINE void take(const SourceRow& row, std::int32_t u, bool matter) const {
         if (matter)
-            pass<F, true>(row, u);
+            pass<F, packs, true>(row, u);
         else
-            pass<F, false>(row, u);
+            pass<F, packs, false>(row, u);
     }
-    template <class F, bool matter>
+    template <class F, std::int32_t packs, bool matter>
     CHIARO_INLINE void pass(const SourceRow& row, std::int32_t u) const {
-        float clear[max_rays * LaneTraits<F>::count];
-        if constexpr (matter) {
-            const F extinction = load_row<F>(row.extinction + u);
-            for (std::int32_t r = 0; r < count; ++r)
-                store_row(clear + r * LaneTraits<F>::count, exp2_of_step(extinction * F(rays[r].edges)));
-        }
-        F bright[max_rays];
-        for (std::int32_t c = 0; c < channels; ++c) {
-            const F source = load_row<F>(row.source[c] + u) + F(no_light);
-            F sum(0);
-            for (std::int32_t r = 0; r < count; ++r) {
-                const std::int64_t at = (r * channels + c) * plane.field + row.first + u;
-                const F in = light_before<F>(rays[r], plane.before + at);
-                F out;
-                if constexpr (matter)
-                    out = mad(load_row<F>(clear + r * LaneTraits<F>::count), in - source, source);
-                else
-                    out = in + F(no_light);
-                store_row(plane.here + at, out);
-                const F both = in + out;
-                sum = sum + both;
-                bright[r] = c == 0 ? F(luminance[0]) * both : mad(F(luminance[c]), both, bright[r]);
+        F extinction[packs], source[packs][channels], j[packs][sums];
+        for (std::int32_t p = 0; p < packs; ++p) {
+            if constexpr (matter) {
+                extinction[p] = load_row<F>(row.extinction + u + p * width);
+                for (std::int32_t c = 0; c < channels; ++c)
+                    source[p][c] = load_row<F>(row.source[c] + u + p * width) + F(no_light);
             }
-            add(row.sums[c] + u, sum);
+            for (std::int32_t s = 0; s < sums; ++s) j[p][s] = F(0);
         }
-        for (std::int32_t axis = 0; axis < 2; ++axis) {
-            F sum(0);
-            for (std::int32_t r = 0; r < count; ++r) sum = mad(F(cosine[cosines * r + 3 + axis]), bright[r], sum);
-            add(row.sums[channels + axis] + u, sum);
+        const float* before = plane.before + row.first + u;
+        float* here = plane.here + row.first + u;
+        const std::int32_t ray_count = count;
+        const std::int64_t field = plane.field;
+        for (std::int32_t r = 0; r < ray_count; ++r) {
+            const FourBefore<F> four(rays[r]);
+            F clear[packs], bright[packs];
+            if constexpr (matter)
+                for (std::int32_t p = 0; p < packs; ++p) clear[p] = exp2_of_step(extinction[p] * F(rays[r].edges));
+            for (std::int32_t c = 0; c < channels; ++c, before += field, here += field) {
+                F in[packs], out[packs];
+                for (std::int32_t p = 0; p < packs; ++p) {
+                    in[p] = four.light(before + p * width);
+                    if constexpr (matter)
+                        out[p] = mad(clear[p], in[p] - source[p][c], source[p][c]);
+                    else
+                        out[p] = in[p] + F(no_light);
+                }
+                for (std::int32_t p = 0; p < packs; ++p) {
+                    store_row(here + p * width, out[p]);
+                    const F both = in[p] + out[p];
+                    j[p][c] = j[p][c] + both;
+                    bright[p] = c == 0 ? F(luminance[0]) * both : mad(F(luminance[c]), both, bright[p]);
+                }
+            }
+            for (std::int32_t axis = 0; axis < 2; ++axis) {
+                const F along(cosine[cosines * r + 3 + axis]);
+                for (std::int32_t p = 0; p < packs; ++p)
+                    j[p][channels + axis] = mad(along, bright[p], j[p][channels + axis]);
+            }
         }
+        for (std::int32_t p = 0; p < packs; ++p)
+            for (std::int32_t s = 0; s < sums; ++s) add(row.sums[s] + u + p * width, j[p][s]);
     }
     template <class F>
     CHIARO_INLINE void add(float* to, F sum) const {
         sum = sum * F(weight);
         store_row(to, is_first ? sum : sum + load_row<F>(to));
     }
-    /// Only light from clear cells arrives: opaque ones beside this one may shine on the other side of a wall.
-    CHIARO_INLINE void meet(const SourceRow& row, OpaqueCell cell, const OctantRays& from) const {
-        const std::int32_t pattern = row.opaque.pattern(from, cell);
-        const float* emission = row.opaque.seen_from(from, cell);
-        float light[12]{};
-        for (std::int32_t r = from.first; r < from.end; ++r) {
-            float* here = plane.here + r * channels * plane.field + row.first + cell.u;
-            if (pattern != 0 && cell.id < row.opaque.shown) arrive(row, cell, r, pattern, here, light);
-            for (std::int32_t c = 0; c < channels; ++c) here[c * plane.field] = emission[c];
+    /// Only light from clear cells arrives: opaque ones beside these may shine on the other side of a wall.
+    CHIARO_INLINE void meet(const SourceRow& row, const OpaqueCell* cells, std::int32_t cell_count,
+                            const OctantRays& from) const {
+        const FacesTowards faces(row.opaque, from);
+        const std::int32_t first = from.first, end = from.end, shown = row.opaque.shown;
+        const std::int64_t field = plane.field, ray = channels * field;
+        const std::int64_t start = first * ray + row.first;
+        const float* const emission = row.opaque.seen_from(from, 0);
+        for (std::int32_t i = 0; i < cell_count; ++i) {
+            const OpaqueCell cell = cells[i];
+            const std::int32_t pattern = from.pattern(cell.around);
+            const float* seen = emission + std::int64_t(cell.id) * 4;
+            const float red = seen[0], green = seen[1], blue = seen[2];
+            float* here = plane.here + start + cell.u;
+            if (pattern != 0 && cell.id < shown) {
+                float light[12]{};
+                const float* before = plane.before + start + cell.u;
+                const float* at = here;
+                for (std::int32_t r = first; r < end; ++r, before += ray, at += ray)
+                    arrive(r, pattern, before, at, light);
+                faces.add(cell, light, from.open[pattern]);
+            }
+            for (std::int32_t r = first; r < end; ++r, here += ray)
+                here[0] = red, here[field] = green, here[2 * field] = blue;
         }
-        if (pattern != 0 && cell.id < row.opaque.shown) row.opaque.add(from, cell, light, from.open[pattern]);
     }
-    CHIARO_INLINE void arrive(const SourceRow& row, OpaqueCell cell, std::int32_t r, std::int32_t pattern,
-                              const float* here, float* light) const {
-        const float* before = plane.before + r * channels * plane.field + row.first + cell.u;
+    CHIARO_INLINE void arrive(std::int32_t r, std::int32_t pattern, const float* before, const float* here,
+                              float (&light)[12]) const {
         const float* weights = open_weight + (r * OctantRays::patterns + pattern) * 4;
-        for (std::int32_t c = 0; c < channels; ++c) {
-            float in = here[c * plane.field];
+        for (std::int32_t c = 0; c < channels; ++c, before += plane.field, here += plane.field) {
+            float in = *here;
             if (pattern != OctantRays::patterns - 1) {
-                in = before[c * plane.field + rays[r].offset[0]] * weights[0];
-                for (std::int32_t tap = 1; tap < 4; ++tap)
-                    in = mad(before[c * plane.field + rays[r].offset[tap]], weights[tap], in);
+                in = before[rays[r].offset[0]] * weights[0];
+                for (std::int32_t tap = 1; tap < 4; ++tap) in = mad(before[rays[r].offset[tap]], weights[tap], in);
             }
             for (std::int32_t axis = 0; axis < 3; ++axis)
                 light[4 * axis + c] = mad(in, cosine[cosines * r + axis], light[4 * axis + c]);

@@ -35,7 +35,7 @@ public:
         std::fill(arriving.begin(), arriving.end(), 0.0f);
         TravellingPlanes planes(lattice.count()[group.axes.u], lattice.count()[group.axes.v], Kernel::max_rays);
         bool is_first = true;
-        for (SweepBatch& batch : sweep_batches(directions_, group, Kernel::max_rays, planes.field(), medium_.opaque)) {
+        for (SweepBatch& batch : sweep_batches(directions_, group, Kernel::max_rays, planes.field())) {
             sweep(group.axes, FirstBatch(std::move(batch), directions_, incident_), is_first, planes, sums, arriving);
             is_first = false;
         }
