@@ -1,4 +1,5 @@
 // Multiple scattering by iterated sweeps: what each part costs, and how soon an edit is lit.
+#include <chiaro/io.h>
 #include <chiaro/samples.h>
 #include <chiaro/session.h>
 #include <fmt/format.h>
@@ -9,6 +10,7 @@
 #include "illumination/transport/transport.h"
 #include "illumination/transport/uncollided_light.h"
 #include "rows.h"
+#include "turntable.h"
 
 namespace chiaro::bench {
 namespace {
@@ -41,17 +43,31 @@ struct Edited {
     std::vector<double> wall, cpu;  ///< ms, of each frame
 };
 
+/// What is drawn whenever there is better light: a picture as one sees it, or one that costs next to nothing.
+struct Picture {
+    std::string row;
+    int width, height;
+};
+const Picture frame{"/frame", 1024, 768}, speck{"/light", 16, 12};
+constexpr const char* head = "head_ct_512.nrrd";
+
 /// A session whose scene is edited back and forth; frames are drawn as they come.
 class EditedSession {
 public:
-    EditedSession(const Setup& setup, const std::string& sample, int grid)
+    /// `name`: of a sample, or of a file.
+    EditedSession(const Setup& setup, const std::string& name, int grid, const Picture& picture)
         : session_(setup.device), progress_(setup.progress) {
-        session_.show(make_sample(sample, setup.quick ? 48 : 256), progress_);
-        scene_.transfer.points = sample_transfer_function(sample);
+        if (name == head) {
+            session_.show(read_volume((setup.data / head).string(), {}, progress_), progress_);
+        } else {
+            session_.show(make_sample(name, setup.quick ? 48 : 256), progress_);
+            scene_.transfer.points = sample_transfer_function(name);
+        }
         scene_.illumination.method = Method::transport;
         scene_.illumination.transport.grid = grid;
         scene_.illumination.transport.error = 0.003;  // some iterations after the first four
-        if (setup.quick) scene_.width = 64, scene_.height = 48;
+        scene_.width = picture.width, scene_.height = picture.height;
+        if (setup.quick) scene_.width = std::min(scene_.width, 64), scene_.height = std::min(scene_.height, 48);
         edit();
     }
     Edited edit() {
@@ -127,8 +143,12 @@ std::vector<Row> measure_update(const Setup& setup, const std::string& name, con
 
 /// The same as one sees it: from an edit to a frame lit by a grid half as fine, to one of the grid asked for, and what
 /// a frame of one more iteration takes.
-std::vector<Row> measure_frames(const Setup& setup, const std::string& name, const std::string& sample, int grid) {
-    EditedSession session(setup, sample, grid);
+std::vector<Row> measure_frames(const Setup& setup, const std::string& name, const std::string& sample, int grid,
+                                const Picture& picture) {
+    std::error_code unreadable;
+    if (sample == head && (setup.data.empty() || !std::filesystem::exists(setup.data / head, unreadable)))
+        return {{name + picture.row, "wall ms", {}, {}, {}, no_data}};
+    EditedSession session(setup, sample, grid, picture);
     Series wall[3], cpu[3];
     std::size_t frames = 0;
     for (int run = -1; run < setup.runs; ++run) {
@@ -143,17 +163,26 @@ std::vector<Row> measure_frames(const Setup& setup, const std::string& name, con
         add(wall, edited.wall), add(cpu, edited.cpu);
     }
     const auto row = [&](const std::string& what, int i, const std::string& note) {
-        return Row{name + what, "wall ms", spread_of(wall[i]),
-                   {},          {},        fmt::format("{:.0f} core-ms; {}", spread_of(cpu[i]).median, note)};
+        return Row{name + picture.row + what,
+                   "wall ms",
+                   spread_of(wall[i]),
+                   {},
+                   {},
+                   fmt::format("{:.0f} core-ms; {}", spread_of(cpu[i]).median, note)};
     };
-    return {row("/frame-coarse", 0, "from the edit; grid half as fine, detail from before"),
-            row("/frame", 1, "from the edit"), row("/frame-refinement", 2, fmt::format("each of {} more", frames))};
+    return {row("-coarse", 0, "from the edit; grid half as fine, detail from before"), row("", 1, "from the edit"),
+            row("-refinement", 2, fmt::format("each of {} more", frames))};
 }
 
 }  // namespace
 
 std::vector<Case> transport_cases(const Setup& setup) {
     std::vector<Case> cases;
+    const auto add_frames = [&](const std::string& name, const std::string& sample, int grid, const Picture& picture) {
+        const std::string row = name + picture.row;
+        cases.push_back({{row + "-coarse", row, row + "-refinement"},
+                         [=, &setup] { return measure_frames(setup, name, sample, grid, picture); }});
+    };
     const auto grids = setup.quick ? std::vector{16} : std::vector{64, 128};
     for (const std::string sample : {"shells", "cornell"})
         for (int grid : grids) {
@@ -162,9 +191,10 @@ std::vector<Case> transport_cases(const Setup& setup) {
                              [=, &setup] { return measure_sweeps(setup, name, sample, grid); }});
             cases.push_back({{name + "/edit", name + "/refinement"},
                              [=, &setup] { return measure_update(setup, name, sample, grid); }});
-            cases.push_back({{name + "/frame-coarse", name + "/frame", name + "/frame-refinement"},
-                             [=, &setup] { return measure_frames(setup, name, sample, grid); }});
+            for (const Picture& picture : {frame, speck}) add_frames(name, sample, grid, picture);
         }
+    for (const Picture& picture : {frame, speck})
+        if (!setup.quick) add_frames("transport/head_ct_512/64", head, 64, picture);
     return cases;
 }
 

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "classify/medium.h"
+#include "core/threads.h"
 #include "cuda/executor.h"
 #include "illumination/transport/matter_kernel.h"
 #include "illumination/visibility/surface_share.h"
@@ -81,8 +82,10 @@ TransportMedium::TransportMedium(LightGrid light_grid, const Geometry& volume, b
       boundary_albedo(colours_at(grid.albedo, grid.boundary_cells, device)),
       geometry(volume),
       counts_bounces(counted) {
-    for (std::size_t node = 0; node < weight.size(); ++node)
-        weight[node] = std::max(float(-std::expm1(-grid.extinction.data()[node])), 1e-3f);
+    const float* depth = grid.extinction.data();
+    parallel_for(device.threads, std::int64_t(weight.size()), 4096, [&](std::int64_t node, std::int64_t end) {
+        for (; node < end; ++node) weight[std::size_t(node)] = std::max(float(-std::expm1(-depth[node])), 1e-3f);
+    });
 }
 
 const Colour& TransportMedium::albedo() const {

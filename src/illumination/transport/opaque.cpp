@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/threads.h"
+
 namespace chiaro {
 
 double half_space_reflectance(double albedo) {
@@ -136,11 +138,13 @@ std::span<const kernel::OpaqueCell> OpaqueCells::row(const Lattice& lattice, int
     return std::span(rows.cells).subspan(std::size_t(first), std::size_t(end - first));
 }
 
-void OpaqueCells::reflect(const std::vector<Faces>& radiance, LatticeField& emission) const {
+void OpaqueCells::reflect(const std::vector<Faces>& radiance, int threads, LatticeField& emission) const {
     emission.assign(listed() * octants * 4, 0);
     const kernel::ReflectKernel reflect = reflect_kernel(numbers(radiance), emission.data());
     const kernel::CoverKernel cover = cover_kernel(emission.data());
-    for (std::size_t i = 0; i < count() * octants; ++i) reflect(std::int64_t(i));
+    parallel_for(threads, std::int64_t(count() * octants), 8192, [&](std::int64_t i, std::int64_t end) {
+        for (; i < end; ++i) reflect(i);
+    });
     for (std::size_t i = 0; i < covers(); ++i) cover(std::int64_t(i));
 }
 

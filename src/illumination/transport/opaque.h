@@ -64,7 +64,7 @@ public:
     }
 
     /// What each cell sends back of the light on its faces, as a ray towards an octant finds it: [octant][cell][4].
-    void reflect(const std::vector<Faces>& radiance, LatticeField& emission) const;
+    void reflect(const std::vector<Faces>& radiance, int threads, LatticeField& emission) const;
     /// That, from and to elsewhere: first for each octant of each cell, then for each of the covers.
     kernel::ReflectKernel reflect_kernel(const float* faces, float* emission) const {
         return {open_.data(), reinterpret_cast<const float*>(reflectance_.data()), faces, std::int64_t(listed()),

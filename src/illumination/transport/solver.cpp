@@ -97,7 +97,7 @@ void TransportSolver::State::prepare() {
     for (int side = 0; side < 6; ++side)
         for (LatticeField& field : sums[side])
             field = (side < 2 ? medium.lattices.along_y : medium.lattices.along_x).field();
-    opaque.reflect(faces, emission);
+    opaque.reflect(faces, device.threads, emission);
     turn_source();
 }
 
@@ -233,8 +233,11 @@ void TransportSolver::State::update_faces(const LatticeField& arriving, float sh
                                   OpaqueCells::numbers(faces),
                                   OpaqueCells::numbers(mean_faces),
                                   share};
-    for (std::size_t face = 0; face < opaque.count() * OpaqueCells::faces; ++face) meet(std::int64_t(face));
-    opaque.reflect(faces, emission);
+    parallel_for(device.threads, std::int64_t(opaque.count() * OpaqueCells::faces), 4096,
+                 [&](std::int64_t face, std::int64_t end) {
+                     for (; face < end; ++face) meet(face);
+                 });
+    opaque.reflect(faces, device.threads, emission);
 }
 
 void TransportSolver::State::turn_source() {
@@ -269,7 +272,7 @@ void TransportSolver::State::start_from(const TransportNodes& warm) {
     faces = shine_on(std::move(faces));
     for (int c = 0; c < 3; ++c) kernel.albedo[c] = matter->albedo()[c].data(), kernel.source[c] = source[c].data();
     for (std::int64_t cell = 0; cell < kernel.places.count(); ++cell) kernel(cell);
-    opaque.reflect(faces, emission);
+    opaque.reflect(faces, device.threads, emission);
     turn_source();
 }
 

@@ -80,8 +80,7 @@ void SweepBatch::weigh(const std::vector<float>& weights) {
             for (int r = of.first; r < of.end; ++r)
                 for (int axis = 0; axis < 3; ++axis)
                     if (open_share(r, pattern) >= kernel::least_open)
-                        of.open[pattern][4 * axis + 3] +=
-                            weights[std::size_t(r)] * cosines[std::size_t(r)][std::size_t(axis)];
+                        of.open[pattern][axis] += weights[std::size_t(r)] * cosines[std::size_t(r)][std::size_t(axis)];
 }
 
 std::vector<SweepBatch> sweep_batches(const std::vector<Vec3>& directions, const SweepGroup& group, int most,

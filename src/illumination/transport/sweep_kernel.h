@@ -19,8 +19,8 @@ struct OctantRays {
     std::int32_t first, end;  ///< rays
     std::int32_t octant;      ///< signs of the directions, towards the light: 1: -x, 2: -y, 4: -z
     std::int32_t back[4];     ///< the four cells, as bits of OpaqueCell::around
-    /// [pattern][axis][4], padded to 16: last, Σ |cos| × what a ray weighs, of those that count; else 0.
-    float open[patterns][16];
+    /// [pattern][axis]: Σ |cos| × what a ray weighs, of those that count.
+    float open[patterns][3];
 
     CHIARO_INLINE std::int32_t pattern(std::uint32_t around) const {
         std::uint32_t clear = 0;
@@ -69,12 +69,13 @@ struct FacesTowards {
         for (std::int32_t axis = 0; axis < 3; ++axis)
             first[axis] = row.arriving + 4 * (2 * axis + (rays.octant >> axis & 1));
     }
-    /// `light` [axis][4]: of three channels, and Σ cos.
-    CHIARO_INLINE void add(OpaqueCell cell, const float* light) const {
+    /// `light` [axis][4]: of three channels; the fourth is Σ cos, `open`.
+    CHIARO_INLINE void add(OpaqueCell cell, const float* light, const float (&open)[3]) const {
         for (std::int32_t axis = 0; axis < 3; ++axis) {
             float* face = first[axis] + std::int64_t(cell.id) * 24;
+            const float added[4]{light[4 * axis], light[4 * axis + 1], light[4 * axis + 2], open[axis]};
             float sums[4];
-            for (std::int32_t c = 0; c < 4; ++c) sums[c] = face[c] + light[4 * axis + c];
+            for (std::int32_t c = 0; c < 4; ++c) sums[c] = face[c] + added[c];
             for (std::int32_t c = 0; c < 4; ++c) face[c] = sums[c];
         }
     }
@@ -226,14 +227,14 @@ private:
             if (pattern != 0 && cell.id < shown) {
                 float light[width];
                 for (std::int32_t lane = 0; lane < width; lane += LaneTraits<F>::count) {
-                    F sum = load_row<F>(from.open[pattern] + lane);
+                    F sum(0);
                     for (std::int32_t r = first; r < end; ++r) {
                         const float in = here[r * field] * per_share[pattern * max_rays + r];
                         sum = mad(F(in), load_row<F>(on_faces + r * width + lane), sum);
                     }
                     store_row(light + lane, sum);
                 }
-                faces.add(cell, light);
+                faces.add(cell, light, from.open[pattern]);
             }
             for (std::int32_t r = first; r < end; ++r) here[r * field] = 0;
         }
@@ -357,13 +358,12 @@ private:
             const float red = seen[0], green = seen[1], blue = seen[2];
             float* here = plane.here + start + cell.u;
             if (pattern != 0 && cell.id < shown) {
-                float light[12];
-                for (std::int32_t n = 0; n < 12; ++n) light[n] = from.open[pattern][n];
+                float light[12]{};
                 const float* before = plane.before + start + cell.u;
                 const float* at = here;
                 for (std::int32_t r = first; r < end; ++r, before += ray, at += ray)
                     arrive(r, pattern, before, at, light);
-                faces.add(cell, light);
+                faces.add(cell, light, from.open[pattern]);
             }
             for (std::int32_t r = first; r < end; ++r, here += ray)
                 here[0] = red, here[field] = green, here[2 * field] = blue;

@@ -146,7 +146,9 @@ UncollidedLight uncollided_light(const Device& device, const SweptMedium& medium
                                   OpaqueCells::numbers(light.faces),
                                   nullptr,
                                   0};
-    for (std::size_t face = 0; face < face_count; ++face) meet(std::int64_t(face));
+    parallel_for(device.threads, std::int64_t(face_count), 4096, [&](std::int64_t face, std::int64_t end) {
+        for (; face < end; ++face) meet(face);
+    });
     add_up(device, medium.lattices, groups, sums, light);
     if (first.incident.dominant) add_dominant_light(device, medium, *first.incident.dominant, progress, light);
     return light;

@@ -6,6 +6,7 @@
 #include "cuda/device_cache.h"
 #include "illumination/visibility/density.h"
 #include "illumination/visibility/launch_gpu.h"
+#include "illumination/visibility/launch_values.h"
 #include "illumination/visibility/sub_voxel_integral.h"
 #include "volume/device_view.h"
 #include "volume/label_view.h"
@@ -50,7 +51,8 @@ public:
         : grid_(grid),
           matter_(matter),
           view_(view_of<Voxel>(medium.volume.data())),
-          centres_(cell_centres(medium, grid)) {}
+          centres_(cell_centres(medium, grid)),
+          find_values_(kernel::value_row_for<Voxel>(medium.volume.data().device.isa)) {}
 
     const CellGrid& grid() const { return grid_; }
     const kernel::VolumeView<Voxel>& view() const { return view_; }
@@ -79,12 +81,18 @@ public:
         const auto level = [&, x0 = x0, y0 = y0, z0 = z0](int x, int y, int z) {
             return levels.data() + (z - z0 + 1) * slice + (y - y0 + 1) * row + x - x0 + 1;
         };
+        constexpr int whole = (row + 15) / 16 * 16;
+        float places[row + 16], values[whole];
+        for (int i = 0; i < row + 16; ++i) places[i] = float(centres_.along(0, x0 - 1 + i));
         for (int z = z0 - 1; z <= cells[2].second; ++z)
             for (int y = y0 - 1; y <= cells[1].second; ++y) {
                 const int asked = pieces_beside(pieces, y - y0, z - z0), middle = x0 + BlockPieces::width;
-                const int first = asked & 1 ? x0 - 1 : middle - 1, last = asked & 2 ? cells[0].second : middle;
-                for (int x = first; asked && x <= std::min(last, cells[0].second); ++x)
-                    *level(x, y, z) = sub_voxel.level_of(value_at(x, y, z));
+                if (!asked) continue;
+                const int first = asked & 1 ? x0 - 1 : middle - 1,
+                          last = std::min(asked & 2 ? cells[0].second : middle, cells[0].second);
+                find_values_(view_, {places + (first - x0 + 1), float(centres_.along(1, y)),
+                                     float(centres_.along(2, z)), last - first + 1, values});
+                for (int x = first; x <= last; ++x) *level(x, y, z) = sub_voxel.level_of(values[x - first]);
             }
         const InTile in{tile, cells};
         for_each_piece(cells, pieces, [&](int x, int end, int y, int z) {
@@ -95,10 +103,6 @@ public:
     }
 
 private:
-    float value_at(int x, int y, int z) const {
-        const auto at = view_.clamp(centres_.of(x, y, z));
-        return view_.value(view_.locate(at, view_.voxel(at)));
-    }
     /// Which of the two pieces along x a row of the block, or one beside it, belongs to or is a neighbour of.
     static int pieces_beside(const BlockPieces& pieces, int y, int z) {
         const auto bits = [&](int j, int k) {
@@ -120,6 +124,7 @@ private:
     const BlockMap& matter_;
     const kernel::VolumeView<Voxel> view_;
     const kernel::CellCentres centres_;
+    const kernel::FindValues<Voxel> find_values_;
 };
 
 /// With pointers of the GPU's into `arrays`; `swap_pointers(views, depth)` names them.
