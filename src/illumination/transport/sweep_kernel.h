@@ -113,7 +113,7 @@ struct FourBefore {
 /// Packs of sixteen cells that are taken together, so that what belongs to a ray is read once for both; where a pack
 /// is two vectors it is already.
 template <class F>
-constexpr std::int32_t packs_together() {
+CHIARO_INLINE constexpr std::int32_t packs_together() {
     return LaneTraits<F>::count == 16 && !requires(F f) { f.lo; }
     ? 2 : 1;
 }
