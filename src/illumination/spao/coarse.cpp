@@ -106,6 +106,7 @@ void CoarseGrid::hold(int first_slice, int slices) {
     };
     open_ = VoxelBuffer(), weight_ = VoxelBuffer();
     open_ = buffer(open_row());
+    if (small_pages_) open_.use_small_pages();
     if (octants_ > 1) weight_ = buffer(std::size_t(corners_[0]));
 }
 

@@ -52,7 +52,8 @@ public:
     /// From now on only so many slices of corners are held.
     void hold(int first_slice, int slices);
     void free_cells() { opacity_ = VoxelBuffer(); }
-    void use_small_pages() { opacity_.use_small_pages(); }
+    /// Where few blocks hold matter: for cells, and corners that are held from now on.
+    void use_small_pages() { opacity_.use_small_pages(), small_pages_ = true; }
     /// To be written.
     std::uint16_t* written_cells() { return as_shorts(opacity_); }
     std::uint16_t* corner_weights() { return as_shorts(weight_); }
@@ -91,6 +92,7 @@ private:
     int first_slice_ = 0, slices_ = 0;  ///< of corners, held
     VoxelBuffer opacity_, weight_;
     VoxelBuffer open_;  ///< [z][y][octant][x]
+    bool small_pages_ = false;
     BlockMap needed_{{0, 0, 0}};
 };
 

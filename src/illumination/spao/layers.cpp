@@ -90,6 +90,7 @@ private:
     void find_coarse() {
         const int octants = octants_of(settings_.model), grids = coarse_grids(settings_);
         coarse_.emplace_back(grid().count, octants);
+        if (is_sparse()) coarse_[0].use_small_pages();
         if (grids > 1) coarse_.emplace_back(coarse_[0].shape().count, octants);
         for (int first = 0; first < layers_; first += together_) {
             const int end = std::min(first + together_, layers_);

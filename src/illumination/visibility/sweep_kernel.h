@@ -12,11 +12,11 @@ namespace chiaro::kernel {
 /// Sixteen directions of one major axis and sign. Their points one plane back lie between a few nodes: the taps.
 struct SweepPack {
     static constexpr std::int32_t width = 16, max_taps = 9;
-    std::int32_t taps;
-    std::int32_t offset[max_taps];        ///< of a tap from the node, in nodes of a plane with its halo
-    std::int32_t light[max_taps];         ///< the same in numbers of light
-    const float* weights;                 ///< [tap][direction], bilinear
+    std::int8_t taps;
     bool is_even;                         ///< outer and inner are the same
+    std::int8_t rows[max_taps];           ///< of a tap from the node
+    std::int32_t offset[max_taps];        ///< the same in nodes of a plane with its halo
+    const float* weights;                 ///< [tap][direction], bilinear
     const float *before, *outer, *inner;  ///< node edges × -log2 e: half a step before the plane, then to where V
                                           ///< starts, then to the node
 };
@@ -32,6 +32,10 @@ struct SweepPlanes {
     std::int32_t row;    ///< nodes from one row to the next
     std::int32_t packs;  ///< of directions
 
+    /// Numbers of light from a node's to a tap's.
+    CHIARO_INLINE std::int32_t light_of_tap(const SweepPack& pack, std::int32_t tap) const {
+        return SweepPack::width * (pack.offset[tap] + pack.rows[tap] * row * (packs - 1));
+    }
     /// Where a pack's light of a node lies.
     CHIARO_INLINE std::int64_t light_at(std::int32_t node, std::int32_t pack) const {
         return std::int64_t(SweepPack::width) * (node + (std::int64_t(node / row) * (packs - 1) + pack) * row);
@@ -80,7 +84,7 @@ struct SweepKernel {
             planes.light[here] = 1;
             return true;
         }
-        const Taps<float, 0> taps(packs[p], lane);
+        const Taps<float, 0> taps(packs[p], planes, lane);
         const bool matter = !(around & empty);
         pass(taps, density, matter ? arriving<true>(taps, node, here) : arriving<false>(taps, node, here), seen,
              planes.light + here);
@@ -196,14 +200,14 @@ private:
         bool is_even;
         F weights[most], before, outer, inner;
 
-        CHIARO_INLINE Taps(const SweepPack& pack, std::int32_t lane)
+        CHIARO_INLINE Taps(const SweepPack& pack, const SweepPlanes& planes, std::int32_t lane)
             : number(pack.taps),
               is_even(pack.is_even),
               before(load_row<F>(pack.before + lane)),
               outer(load_row<F>(pack.outer + lane)),
               inner(load_row<F>(pack.inner + lane)) {
             for (std::int32_t tap = 0; tap < count(); ++tap) {
-                offset[tap] = pack.offset[tap], light[tap] = pack.light[tap];
+                offset[tap] = pack.offset[tap], light[tap] = planes.light_of_tap(pack, tap);
                 weights[tap] = load_row<F>(pack.weights + tap * SweepPack::width + lane);
             }
         }
@@ -213,7 +217,7 @@ private:
     template <class F, std::int32_t known_taps>
     CHIARO_INLINE void follow_all(std::int32_t p, const NodeList* lists) const {
         for (std::int32_t lane = 0; lane < SweepPack::width; lane += LaneTraits<F>::count) {
-            const Taps<F, known_taps> taps(packs[p], lane);
+            const Taps<F, known_taps> taps(packs[p], planes, lane);
             follow<0>(taps, p, lane, lists[0]);
             follow<matter_before>(taps, p, lane, lists[matter_before]);
             follow<matter_here>(taps, p, lane, lists[matter_here]);

@@ -90,12 +90,11 @@ SweepPacks::SweepPacks(std::span<const SweepDirection> directions, int row, doub
     numbers_.reserve(count);  // packs point into it
     for (std::size_t p = 0; p < count; ++p) {
         const std::size_t first = p * SweepPack::width;
-        add(directions.subspan(first, std::min<std::size_t>(SweepPack::width, directions.size() - first)), row,
-            int(count), start);
+        add(directions.subspan(first, std::min<std::size_t>(SweepPack::width, directions.size() - first)), row, start);
     }
 }
 
-void SweepPacks::add(std::span<const SweepDirection> directions, int row, int packs, double start) {
+void SweepPacks::add(std::span<const SweepDirection> directions, int row, double start) {
     Numbers& numbers = numbers_.emplace_back();
     numbers = {};
     SweepPack pack{};
@@ -111,8 +110,8 @@ void SweepPacks::add(std::span<const SweepDirection> directions, int row, int pa
                 largest = std::max(largest, weights[i]);
             }
             if (largest == 0) continue;
-            pack.offset[pack.taps] = v * row + u;
-            pack.light[pack.taps++] = SweepPack::width * (v * row * packs + u);
+            pack.rows[pack.taps] = std::int8_t(v);
+            pack.offset[pack.taps++] = v * row + u;
         }
     for (std::size_t i = 0; i < directions.size(); ++i) {
         const double length = directions[i].length;

@@ -73,7 +73,7 @@ public:
     int lanes() const { return count() * kernel::SweepPack::width; }
 
 private:
-    void add(std::span<const SweepDirection> directions, int row, int packs, double start);
+    void add(std::span<const SweepDirection> directions, int row, double start);
 
     struct Numbers {
         float weights[kernel::SweepPack::max_taps][kernel::SweepPack::width];
