@@ -52,8 +52,8 @@ public:
     /// From now on only so many slices of corners are held.
     void hold(int first_slice, int slices);
     void free_cells() { opacity_ = VoxelBuffer(); }
-    /// Where few blocks hold matter: for cells, and corners that are held from now on.
-    void use_small_pages() { opacity_.use_small_pages(), small_pages_ = true; }
+    /// Where few blocks hold matter.
+    void use_small_pages() { opacity_.use_small_pages(), open_.use_small_pages(), small_pages_ = true; }
     /// To be written.
     std::uint16_t* written_cells() { return as_shorts(opacity_); }
     std::uint16_t* corner_weights() { return as_shorts(weight_); }

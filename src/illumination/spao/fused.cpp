@@ -26,7 +26,9 @@ kernel::SpaoOutput output_of_cells(const RowsOf<std::uint16_t>& access, const Bl
             x.second - x.first,
             y.second - y.first,
             z.second - z.first,
-            blocks.pieces_of(block).bits};
+            blocks.pieces_of(block).bits,
+            access.held - z.first % access.held,
+            access.held};
 }
 
 kernel::SpaoBlock spao_block(const SpaoSettings& settings, bool goes_on) {

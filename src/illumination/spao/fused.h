@@ -17,7 +17,7 @@ kernel::SpaoBlock spao_block(const SpaoSettings& settings, bool goes_on);
 inline std::string name_of_cells(int grid) { return "spao cells of " + std::to_string(1 << grid); }
 
 kernel::SpaoTile& tile_of_thread();
-/// Where the cells of a block go: slices next to each other, whose number held is one of whole blocks, or all.
+/// Where the cells of a block go.
 kernel::SpaoOutput output_of_cells(const RowsOf<std::uint16_t>& access, const BlockMap& blocks, std::size_t block);
 
 /// Fills the cells of the given blocks; `settings` ask for no look-up that moves with the normal. Memory: two bytes a

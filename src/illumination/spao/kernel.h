@@ -149,6 +149,11 @@ struct SpaoOutput {
     std::int64_t row, slice;
     std::int32_t nx, ny, nz;
     const std::uint8_t (*pieces)[SpaoTile::edge / 4];
+    std::int32_t wrap = SpaoTile::edge, ring = 0;  ///< from slice `wrap` on they go so many slices further in front
+
+    CHIARO_INLINE std::int64_t place(std::int32_t x, std::int32_t y, std::int32_t z) const {
+        return (z < wrap ? z : z - ring) * slice + y * row + x;
+    }
 };
 
 template <bool at_cells, class F, int width, class Coarse>
@@ -167,7 +172,7 @@ CHIARO_INLINE void find_piece(const SpaoBlock& b, const SpaoPiece<Coarse>& p, co
 template <bool at_cells, class F, int width, class Coarse>
 CHIARO_INLINE void spao_piece(const SpaoBlock& b, const SpaoPiece<Coarse>& p, const SpaoOutput& to, std::int32_t z) {
     std::uint16_t out[8][width];
-    const std::int64_t at = z * to.slice + p.y * to.row + p.x;
+    const std::int64_t at = to.place(p.x, p.y, z);
     const std::int64_t of_weight = z * b.weight_slice + p.y * b.weight_row + p.x;
     find_piece<at_cells, F, width>(b, p, b.weight ? b.weight + of_weight : nullptr, out);
     const std::int32_t count = min(to.nx - p.x, width);

@@ -31,7 +31,7 @@ public:
           // Surfaces' opacities take longer to find than to keep.
           keeps_opacity_(together_ >= layers_ || medium.shape.mode == Mode::iso),
           opacity_(grid().count, keeps_opacity_ ? grid().count[2] : together_ * block_edge + 3 * margin),
-          access_(grid().count, (together_ + 1) * block_edge),
+          access_(grid().count, together_ * block_edge + 2 * margin),
           displaced_(grid()),
           fill_(opacity_filler(medium, maps_, opacity_.rows())),
           normal_offset_(
@@ -90,8 +90,9 @@ private:
     void find_coarse() {
         const int octants = octants_of(settings_.model), grids = coarse_grids(settings_);
         coarse_.emplace_back(grid().count, octants);
-        if (is_sparse()) coarse_[0].use_small_pages();
         if (grids > 1) coarse_.emplace_back(coarse_[0].shape().count, octants);
+        for (CoarseGrid& grid : coarse_)
+            if (is_sparse()) grid.use_small_pages();
         for (int first = 0; first < layers_; first += together_) {
             const int end = std::min(first + together_, layers_);
             fill_up_to(end * block_edge);
