@@ -47,11 +47,7 @@ TransferFunction bone() {
 
 TransferFunction transfer_of(const std::string& name) {
     if (name == "cthead") return bone();
-    for (const SceneText& text : scene_texts())
-        if (text.name == name) {
-            std::vector<std::string> unknown;
-            return *parse_scene(text.json, {}, {}, unknown).transfer.points;
-        }
+    if (const auto of_scene = scene_function(name)) return *of_scene;
     return sample_transfer_function(name);
 }
 
@@ -103,9 +99,9 @@ std::optional<LitSubject> find_lit_subject(const Device& device, const std::file
                                            const std::string& name, int samples, int crops, Progress& progress) {
     for (const Crop& crop : all_crops) {
         if (name != crop.name) continue;
-        std::error_code unreadable;
-        if (data.empty() || !std::filesystem::exists(data / crop.file, unreadable)) return std::nullopt;
-        const Volume whole = read_volume((data / crop.file).string(), ReadOptions{}, progress);
+        const auto file = real_file(data, crop.file);
+        if (!file) return std::nullopt;
+        const Volume whole = read_volume(file->string(), ReadOptions{}, progress);
         return lit(device, cropped(whole, crop.first, crops), name, progress);
     }
     return lit(device, make_sample(name, samples), name, progress);

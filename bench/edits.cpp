@@ -1,8 +1,6 @@
 #include "edits.h"
 
-#include <chiaro/image.h>
 #include <chiaro/io.h>
-#include <chiaro/render.h>
 #include <chiaro/samples.h>
 #include <fmt/format.h>
 
@@ -15,15 +13,6 @@ namespace chiaro::bench {
 namespace {
 
 constexpr int times = 20;
-
-TransferFunction scene_function(const std::string& name) {
-    for (const SceneText& text : scene_texts())
-        if (text.name == name) {
-            std::vector<std::string> unknown;
-            return *parse_scene(text.json, {}, {}, unknown).transfer.points;
-        }
-    throw Error(ErrorCode::internal, "no scene " + name);
-}
 
 }  // namespace
 
@@ -49,20 +38,19 @@ TransferFunction edited(const TransferFunction& tf, int i) {
     }
 }
 
-std::optional<Edited> edited_volume(const Setup& setup, const std::string& name, int size) {
+std::optional<EditedVolume> edited_volume(const Setup& setup, const std::string& name, int size) {
     if (name == "head_ct_512") {
-        const auto file = setup.data / "head_ct_512.nrrd";
-        if (setup.data.empty() || !std::filesystem::exists(file)) return {};
-        const Volume volume = read_volume(file.string(), {}, setup.progress);
-        const Statistics statistics = measure(volume);
-        return Edited{name, size, upload(setup.device, volume), preset("ct-bone", statistics)};
+        const auto file = real_file(setup.data, "head_ct_512.nrrd");
+        if (!file) return {};
+        const Volume volume = read_volume(file->string(), {}, setup.progress);
+        return EditedVolume{upload(setup.device, volume), preset("ct-bone", measure(volume))};
     }
-    const bool is_fog = name == "fog";
-    return Edited{name, size, upload(setup.device, make_sample("shells", size)),
-                  is_fog ? scene_function(fmt::format("shells{}-fog", size)) : sample_transfer_function("shells")};
+    return EditedVolume{
+        upload(setup.device, make_sample("shells", size)),
+        name == "fog" ? scene_function(fmt::format("shells{}-fog", size)).value() : sample_transfer_function("shells")};
 }
 
-std::vector<Row> measure_edits(const std::string& row, const Edited& subject,
+std::vector<Row> measure_edits(const std::string& row, const EditedVolume& subject,
                                const std::function<void(const Medium&)>& light) {
     Series wall, cpu;
     for (int i = -1; i < times; ++i) {

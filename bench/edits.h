@@ -11,17 +11,15 @@ namespace chiaro::bench {
 TransferFunction edited(const TransferFunction& tf, int i);
 
 /// A volume and the function that is edited.
-struct Edited {
-    std::string name;  ///< "shells", "shells256-fog", "head_ct_512"
-    int size;          ///< voxels along an edge
+struct EditedVolume {
     DeviceVolume volume;
     TransferFunction tf;
 };
-/// None without the data.
-std::optional<Edited> edited_volume(const Setup& setup, const std::string& name, int size);
+/// "shells", or "fog" of its shape, of so many voxels along an edge; "head_ct_512": none without the data.
+std::optional<EditedVolume> edited_volume(const Setup& setup, const std::string& name, int size);
 
 /// light(medium): all that follows. One row: wall time, the worst of twenty as its greatest, core-ms in its note.
-std::vector<Row> measure_edits(const std::string& row, const Edited& subject,
+std::vector<Row> measure_edits(const std::string& row, const EditedVolume& subject,
                                const std::function<void(const Medium&)>& light);
 
 }  // namespace chiaro::bench

@@ -74,12 +74,10 @@ std::vector<Row> measure_visibility(const Setup& setup, const std::string& name,
 
 /// Histograms, codebook and identifiers of a head of 256 classes.
 std::vector<Row> measure_histograms(const Setup& setup, const std::string& name) {
-    const auto file = setup.data / "head_unc.nii.gz";
-    std::error_code unreadable;
-    if (!setup.quick && (setup.data.empty() || !std::filesystem::exists(file, unreadable)))
-        return {{name, "s", {}, {}, {}, "skipped: no data (CHIARO_DATA_DIR)"}};
+    const auto file = real_file(setup.data, "head_unc.nii.gz");
+    if (!setup.quick && !file) return {{name, "s", {}, {}, {}, no_data}};
     const DeviceVolume volume =
-        upload(setup.device, setup.quick ? make_sample("shells", 32) : read_volume(file.string(), {}, setup.progress));
+        upload(setup.device, setup.quick ? make_sample("shells", 32) : read_volume(file->string(), {}, setup.progress));
     IlluminationSettings settings{.method = Method::histogram};
     settings.histogram.radius = setup.quick ? 4 : 16, settings.histogram.clusters = setup.quick ? 64 : 2048;
     settings.histogram.packed_bins = 64, settings.histogram.cache = "none";

@@ -33,9 +33,9 @@ constexpr Subject cornell{"cornell", "", 128}, head_256{"head-256", "head_unc.ni
 /// Nothing where the data is missing. Quick: the middle of a sample, small.
 std::optional<Volume> volume_of(const Setup& setup, const Subject& subject) {
     if (!*subject.file) return make_sample(subject.name, setup.quick ? 32 : subject.size);
-    std::error_code unreadable;
-    if (setup.data.empty() || !std::filesystem::exists(setup.data / subject.file, unreadable)) return std::nullopt;
-    return read_volume((setup.data / subject.file).string(), {}, setup.progress);
+    const auto file = real_file(setup.data, subject.file);
+    if (!file) return std::nullopt;
+    return read_volume(file->string(), {}, setup.progress);
 }
 
 Row one(const std::string& name, const std::string& unit, double value, const std::string& note = {}) {

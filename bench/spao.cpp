@@ -13,6 +13,7 @@
 #include "classify/medium.h"
 #include "edits.h"
 #include "illumination/access.h"
+#include "illumination/soon_lit.h"
 #include "illumination/spao/means.h"
 #include "rows.h"
 #include "turntable.h"
@@ -206,17 +207,18 @@ std::vector<Row> measure_rays(const Setup& setup, const std::string& name, Subje
 /// are shown in.
 std::vector<Row> measure_updates(const Setup& setup, const std::string& name, const std::string& volume, int size,
                                  bool is_soon) {
-    std::optional<Edited> subject = edited_volume(setup, volume, size);
+    std::optional<EditedVolume> subject = edited_volume(setup, volume, size);
     if (!subject) return {{name, "wall ms", {}, {}, {}, no_data}};
     IlluminationSettings settings;
     settings.method = Method::spao;
-    if (is_soon) {
-        subject->volume = every_other_voxel(subject->volume, setup.progress);
-        settings.spao.levels -= 1;
-    }
+    if (is_soon) subject->volume = every_other_voxel(subject->volume, setup.progress);
     return measure_edits(name, *subject, [&](const Medium& medium) {
-        illuminate(
-            setup.device, medium, Prepared(), Lighting(), settings, [](const IlluminationField&) {}, setup.progress);
+        if (is_soon)
+            light_of_every_other_voxel(setup.device, medium, Lighting(), settings, setup.progress);
+        else
+            illuminate(
+                setup.device, medium, Prepared(), Lighting(), settings, [](const IlluminationField&) {},
+                setup.progress);
     });
 }
 

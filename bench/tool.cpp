@@ -86,11 +86,10 @@ std::vector<Row> measure_scene_memory(const Setup& setup, const std::string& nam
 
 /// A real scan as it is rendered by default.
 std::vector<Row> measure_scan_memory(const Setup& setup, const std::string& name) {
-    const auto file = setup.data / "head_ct_512.nrrd";
-    std::error_code unreadable;
-    if (setup.data.empty() || !std::filesystem::exists(file, unreadable)) return {{name, "MiB", {}, {}, {}, no_data}};
-    const double bytes = double(read_volume(file.string(), {}, setup.progress).voxels.size());
-    return peak_row(setup, name, TemporaryFolder(), {file.string()}, bytes);
+    const auto file = real_file(setup.data, "head_ct_512.nrrd");
+    if (!file) return {{name, "MiB", {}, {}, {}, no_data}};
+    const double bytes = double(read_volume(file->string(), {}, setup.progress).voxels.size());
+    return peak_row(setup, name, TemporaryFolder(), {file->string()}, bytes);
 }
 
 }  // namespace

@@ -145,9 +145,7 @@ std::vector<Row> measure_update(const Setup& setup, const std::string& name, con
 /// a frame of one more iteration takes.
 std::vector<Row> measure_frames(const Setup& setup, const std::string& name, const std::string& sample, int grid,
                                 const Picture& picture) {
-    std::error_code unreadable;
-    if (sample == head && (setup.data.empty() || !std::filesystem::exists(setup.data / head, unreadable)))
-        return {{name + picture.row, "wall ms", {}, {}, {}, no_data}};
+    if (sample == head && !real_file(setup.data, head)) return {{name + picture.row, "wall ms", {}, {}, {}, no_data}};
     EditedSession session(setup, sample, grid, picture);
     Series wall[3], cpu[3];
     std::size_t frames = 0;

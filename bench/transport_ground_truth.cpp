@@ -70,11 +70,7 @@ TransferFunction tidy_cornell(const TransferFunction& cornell) {
 TransferFunction transfer_of(const std::string& name, const Volume& volume) {
     if (name == "head") return bone();
     if (name == "carp") return preset("micro-ct", measure(volume));
-    for (const SceneText& text : scene_texts())
-        if (text.name == name) {
-            std::vector<std::string> unknown;
-            return *parse_scene(text.json, {}, {}, unknown).transfer.points;
-        }
+    if (const auto of_scene = scene_function(name)) return *of_scene;
     const TransferFunction tf = sample_transfer_function(name);
     return name == "cornell" ? tidy_cornell(tf) : tf;
 }
@@ -127,11 +123,10 @@ std::optional<ScatteringSubject> find_scattering_subject(const Device& device, c
     constexpr int sample_size = 128;
     for (const Recipe& recipe : recipes()) {
         if (name != recipe.name) continue;
-        const std::filesystem::path file = *recipe.file ? data / recipe.file : "";
-        std::error_code unreadable;
-        if (*recipe.file && (data.empty() || !std::filesystem::exists(file, unreadable))) return std::nullopt;
+        const auto file = *recipe.file ? real_file(data, recipe.file) : std::filesystem::path();
+        if (!file) return std::nullopt;
         Volume volume =
-            *recipe.file ? read_volume(file.string(), ReadOptions{}, progress) : make_sample(name, sample_size);
+            *recipe.file ? read_volume(file->string(), ReadOptions{}, progress) : make_sample(name, sample_size);
         if (name == "cornell") volume = tidy_cornell(volume);
         ScatteringSubject subject{.name = name, .device = device, .paint = painted(transfer_of(name, volume))};
         subject.scene.camera = recipe.camera;

@@ -13,17 +13,34 @@ bool is_there(const std::string& volume, const std::filesystem::path& data) {
     return !data.empty() && std::filesystem::exists(volume, unreadable);
 }
 
-}  // namespace
-
-std::optional<Scene> find_scene(const Setup& setup, const std::string& name) {
+/// Nothing where no scene has the name. File names are those of the folder.
+std::optional<Scene> scene_named(const std::string& name, const std::filesystem::path& data) {
     for (const SceneText& text : scene_texts()) {
         if (text.name != name) continue;
         std::vector<std::string> unknown;
-        Scene scene = parse_scene(text.json, setup.data, setup.data, unknown);
-        if (setup.quick) scene.width /= 4, scene.height /= 4;
-        return is_there(scene.volume, setup.data) ? std::optional(scene) : std::nullopt;
+        return parse_scene(text.json, data, data, unknown);
     }
-    throw Error(ErrorCode::internal, "no scene '" + name + "' in bench/scenes");
+    return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<std::filesystem::path> real_file(const std::filesystem::path& data, const std::string& file) {
+    std::error_code unreadable;
+    if (data.empty() || !std::filesystem::exists(data / file, unreadable)) return std::nullopt;
+    return data / file;
+}
+
+std::optional<TransferFunction> scene_function(const std::string& name) {
+    const std::optional<Scene> scene = scene_named(name, {});
+    return scene ? scene->transfer.points : std::nullopt;
+}
+
+std::optional<Scene> find_scene(const Setup& setup, const std::string& name) {
+    std::optional<Scene> scene = scene_named(name, setup.data);
+    if (!scene) throw Error(ErrorCode::internal, "no scene '" + name + "' in bench/scenes");
+    if (setup.quick) scene->width /= 4, scene->height /= 4;
+    return is_there(scene->volume, setup.data) ? scene : std::nullopt;
 }
 
 CameraSettings turned(CameraSettings camera, int frame) {

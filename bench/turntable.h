@@ -17,6 +17,12 @@ struct SceneText {
 };
 std::vector<SceneText> scene_texts();
 
+/// A file of the folder of real volumes; nothing when it is not there.
+std::optional<std::filesystem::path> real_file(const std::filesystem::path& data, const std::string& file);
+
+/// The transfer function of the scene of that name; nothing when there is none.
+std::optional<TransferFunction> scene_function(const std::string& name);
+
 /// A scene by its name; nothing when its volume is not there.
 std::optional<Scene> find_scene(const Setup& setup, const std::string& name);
 

@@ -43,22 +43,14 @@ std::vector<SweptSubject> subjects(const Setup& setup) {
     std::vector<SweptSubject> list;
     const auto add = [&](const std::string& name, const std::string& file, const TransferFunction& tf,
                          const std::string& sample) {
-        std::error_code unreadable;
-        const bool is_there = !setup.data.empty() && std::filesystem::exists(setup.data / file, unreadable);
-        SweptSubject subject{is_there ? name : sample, {}};
-        subject.scene.volume =
-            is_there ? (setup.data / file).string() : fmt::format("sample:{}:{}", sample, setup.quick ? 48 : 256);
-        subject.scene.transfer.points = is_there ? tf : sample_transfer_function(sample);
+        const auto found = real_file(setup.data, file);
+        SweptSubject subject{found ? name : sample, {}};
+        subject.scene.volume = found ? found->string() : fmt::format("sample:{}:{}", sample, setup.quick ? 48 : 256);
+        subject.scene.transfer.points = found ? tf : sample_transfer_function(sample);
         if (setup.quick) subject.scene.width = 256, subject.scene.height = 192;
         list.push_back(subject);
     };
-    TransferFunction engine;
-    for (const SceneText& text : scene_texts())
-        if (text.name == std::string("engine")) {
-            std::vector<std::string> unknown;
-            engine = *parse_scene(text.json, {}, {}, unknown).transfer.points;
-        }
-    add("engine", "engine.nrrd", engine, "cornell");
+    add("engine", "engine.nrrd", *scene_function("engine"), "cornell");
     add("carp", "carp.nii.gz", carp_transfer(), "shells");
     return list;
 }

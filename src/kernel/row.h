@@ -14,7 +14,7 @@ struct ShortsOf<float> {
 template <class F>
 using Shorts = typename ShortsOf<F>::type;
 
-CHIARO_INLINE std::uint16_t loaded_as(const std::uint16_t* from, std::uint16_t*) { return *from; }
+CHIARO_INLINE void load(const std::uint16_t* from, std::uint16_t& shorts) { shorts = *from; }
 CHIARO_INLINE void store(std::uint16_t shorts, std::uint16_t* to) { *to = shorts; }
 /// The mean of each pair, rounded up.
 CHIARO_INLINE std::uint16_t mean_of(std::uint16_t a, std::uint16_t b) { return std::uint16_t((a + b + 1) >> 1); }
@@ -44,12 +44,11 @@ CHIARO_INLINE void store_vector(V v, std::uint16_t* to) {
 }
 
 template <int N>
-CHIARO_INLINE Pack<std::uint16_t, N> loaded_as(const std::uint16_t* from, Pack<std::uint16_t, N>*) {
-    using Half = Pack<std::uint16_t, N / 2>;
+CHIARO_INLINE void load(const std::uint16_t* from, Pack<std::uint16_t, N>& shorts) {
     if constexpr (is_native<std::uint16_t, N>)
-        return load_vector<typename Pack<std::uint16_t, N>::V>(from);
+        shorts.v = load_vector<typename Pack<std::uint16_t, N>::V>(from);
     else
-        return {loaded_as(from, static_cast<Half*>(nullptr)), loaded_as(from + N / 2, static_cast<Half*>(nullptr))};
+        load(from, shorts.lo), load(from + N / 2, shorts.hi);
 }
 template <int N>
 CHIARO_INLINE void store(Pack<std::uint16_t, N> shorts, std::uint16_t* to) {
@@ -158,7 +157,9 @@ struct ShortsOf<Lanes> {
 
 template <class F>
 CHIARO_INLINE Shorts<F> load_shorts(const std::uint16_t* from) {
-    return loaded_as(from, static_cast<Shorts<F>*>(nullptr));
+    Shorts<F> shorts;
+    load(from, shorts);
+    return shorts;
 }
 /// As numbers.
 template <class F>

@@ -14,11 +14,11 @@
 #include "classify/labels/labelled.h"
 #include "classify/medium.h"
 #include "core/threads.h"
+#include "illumination/soon_lit.h"
 #include "render/appearance.h"
 #include "render/kept.h"
 #include "render/refine.h"
 #include "render/shared_labels.h"
-#include "render/soon_lit.h"
 #include "volume/every_other.h"
 
 namespace chiaro {

@@ -18,6 +18,21 @@ CHIARO_INLINE bool is_asked(const std::uint8_t (*pieces)[BlockPlace::edge / Bloc
     return pieces[z / BlockPlace::height][y / BlockPlace::height] >> (x / BlockPlace::width) & 1;
 }
 
+/// Whether any piece of a slice of a block is.
+CHIARO_INLINE bool any_asked(const std::uint8_t (*pieces)[BlockPlace::edge / BlockPlace::height], std::int32_t z) {
+    for (std::int32_t y = 0; y < BlockPlace::edge / BlockPlace::height; ++y)
+        if (pieces[z / BlockPlace::height][y]) return true;
+    return false;
+}
+/// A piece's cells of a row, from its cell x of `nx` on; the last may be cut.
+CHIARO_INLINE void store_piece(const std::uint16_t (&found)[BlockPlace::width], std::int32_t x, std::int32_t nx,
+                               std::uint16_t* to) {
+    if (x + BlockPlace::width <= nx)
+        __builtin_memcpy(to, found, sizeof found);
+    else
+        for (std::int32_t i = x; i < nx; ++i) to[i - x] = found[i - x];
+}
+
 /// One of the items of blocks side by side, `size` each.
 struct BlockShare {
     std::uint32_t block;

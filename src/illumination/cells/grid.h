@@ -64,11 +64,6 @@ struct CellValues {
         return reinterpret_cast<const std::uint16_t*>(buffer.on_gpu(stream));
     }
 
-    /// Gives back the memory of the slices in front of z, which read as 0 from then on.
-    void discard_slices_before(int z) {
-        if (z > 0) buffer.discard_before(grid.index(0, 0, z) * sizeof(std::uint16_t));
-    }
-
     static constexpr std::size_t spare = 8;  ///< look-ups read two cells at a time
 };
 

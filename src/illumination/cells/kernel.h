@@ -61,23 +61,6 @@ struct NormalOffsetBlock {
     std::uint16_t* out;
     std::int64_t row, slice;
     std::int32_t nx, ny, nz;
-
-    /// Whether slices of the tile from a block's z on, four of them, are read.
-    CHIARO_INLINE bool is_layer_asked(int layer) const {
-        for (int y = 0; y < NormalOffsetTile::edge / 4; ++y)
-            if (pieces[layer][y]) return true;
-        return false;
-    }
-    /// 16 cells of a row.
-    template <class F>
-    CHIARO_INLINE void piece(const float* scaled, const float* alpha, int x, std::uint16_t* to) const {
-        std::uint16_t found[16];
-        for (int i = 0; i < 16; i += LaneTraits<F>::count) store_shares(displaced<F>(scaled + i, alpha + i), found + i);
-        if (x + 16 <= nx)
-            __builtin_memcpy(to + x, found, sizeof found);
-        else
-            for (int i = x; i < nx; ++i) to[i] = found[i - x];
-    }
 };
 
 /// `numbers` holds two tiles and a piece more. Four slices of the block at a time, where they are asked for.
@@ -89,7 +72,7 @@ CHIARO_INLINE void normal_offset_block(const NormalOffsetBlock& b, float* number
     const auto share = [](const std::uint16_t* from) CHIARO_INLINE_LAMBDA { return load_row<F>(from) / F(65535); };
     int converted = 0, scaled_end = 0;  // slices of the tile
     for (int first = 0; first < b.nz; first += 4) {
-        if (!b.is_layer_asked(first / 4)) continue;
+        if (!any_asked(b.pieces, first)) continue;
         const int end = min(first + 4, b.nz);
         for (converted = max(converted, first); converted < end + 4; ++converted)
             for (int i = converted * slice; i < (converted + 1) * slice; i += lanes)
@@ -99,10 +82,13 @@ CHIARO_INLINE void normal_offset_block(const NormalOffsetBlock& b, float* number
                 store_row(scaled_access + i, scaled(share(b.access + i), alpha + i, b.normal_factor));
         for (int z = first; z < end; ++z)
             for (int y = 0; y < b.ny; ++y)
-                for (int x = 0; x < b.nx; x += 16) {
+                for (int x = 0; x < b.nx; x += BlockPlace::width) {
                     if (!is_asked(b.pieces, x, y, z)) continue;
                     const int at = (z + 2) * slice + (y + 2) * row + 2 + x;
-                    b.piece<F>(scaled_access + at, alpha + at, x, b.out + z * b.slice + y * b.row);
+                    std::uint16_t found[BlockPlace::width];
+                    for (int i = 0; i < BlockPlace::width; i += lanes)
+                        store_shares(displaced<F>(scaled_access + at + i, alpha + at + i), found + i);
+                    store_piece(found, x, b.nx, b.out + z * b.slice + y * b.row + x);
                 }
     }
 }

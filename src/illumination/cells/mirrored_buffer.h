@@ -26,7 +26,6 @@ public:
     const std::byte* address() const { return here_.data(); }
     std::size_t size() const { return here_.size(); }
     /// As of a VoxelBuffer; of numbers that no GPU knows.
-    void discard_before(std::size_t end) { here_.discard_before(end); }
     void use_small_pages() { here_.use_small_pages(); }
 
     /// The GPU's copy, made when first asked for.

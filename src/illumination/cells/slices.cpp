@@ -2,10 +2,13 @@
 
 #include <cstring>
 
+#include "illumination/cells/kernel.h"
+
 namespace chiaro {
 namespace {
 
-constexpr int halo = 2, row_cells = block_edge + 2 * halo;
+using Tile = kernel::NormalOffsetTile;
+constexpr int halo = Tile::halo, row_cells = Tile::row;
 
 /// A row that reaches beyond the grid's first or last cell.
 void load_cut_row(const std::uint16_t* row, int nx, int x0, Beyond beyond, std::uint16_t* to) {

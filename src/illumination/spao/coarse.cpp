@@ -28,11 +28,6 @@ CoarseShape::CoarseShape(const std::array<int, 3>& finer) {
     }
 }
 
-std::pair<int, int> CoarseShape::blocks_read(int axis, int finer_block) const {
-    const int last = corners[axis] / block_edge - 1;
-    return {std::min(finer_block / 2, last), std::min((finer_block * half_block + half_block) / block_edge, last)};
-}
-
 BlockMap CoarseShape::needed_by(const BlockMap& finer) const {
     BlockMap needed(corners);
     needed.pieces.resize(needed.holds.size());

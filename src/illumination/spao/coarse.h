@@ -20,8 +20,6 @@ struct CoarseShape {
     explicit CoarseShape(const std::array<int, 3>& finer);
     std::size_t cells_held() const { return std::size_t(count[0]) * count[1] * count[2]; }
     std::size_t corners_held() const { return std::size_t(corners[0]) * corners[1] * corners[2]; }
-    /// First and last block of corners, along an axis, that a block of the next finer grid reads.
-    std::pair<int, int> blocks_read(int axis, int finer_block) const;
     /// The blocks of corners, and pieces of them, that those of the next finer grid read.
     BlockMap needed_by(const BlockMap& finer) const;
 

@@ -13,6 +13,8 @@ using Cells = std::array<int, 3>;
 }  // namespace
 
 kernel::SpaoTile& tile_of_thread() {
+    using Loaded = kernel::NormalOffsetTile;  // as load_tile has it
+    static_assert(kernel::SpaoTile::halo == Loaded::halo && kernel::SpaoTile::size == Loaded::size);
     thread_local const auto tile = std::make_unique<kernel::SpaoTile>();
     return *tile;
 }

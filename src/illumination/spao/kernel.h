@@ -175,12 +175,7 @@ CHIARO_INLINE void spao_piece(const SpaoBlock& b, const SpaoPiece<Coarse>& p, co
     const std::int64_t at = to.place(p.x, p.y, z);
     const std::int64_t of_weight = z * b.weight_slice + p.y * b.weight_row + p.x;
     find_piece<at_cells, F, width>(b, p, b.weight ? b.weight + of_weight : nullptr, out);
-    const std::int32_t count = min(to.nx - p.x, width);
-    for (std::int32_t s = 0; s < (at_cells ? 1 : b.octants); ++s)
-        if (count == width)
-            __builtin_memcpy(to.at[s] + at, out[s], sizeof out[s]);
-        else
-            for (std::int32_t x = 0; x < count; ++x) to.at[s][at + x] = out[s][x];
+    for (std::int32_t s = 0; s < (at_cells ? 1 : b.octants); ++s) store_piece(out[s], p.x, to.nx, to.at[s] + at);
 }
 
 template <bool at_cells, class F>
@@ -188,6 +183,7 @@ CHIARO_INLINE void spao_block(const SpaoBlock& b, const SpaoOutput& to) {
     constexpr int halo = SpaoTile::halo;
     CoarsePlanes planes;
     for (std::int32_t z = 0; z < to.nz; ++z) {
+        if (!any_asked(to.pieces, z)) continue;
         if (b.goes_on) planes.load<at_cells, F>(b.coarse, b.octants, z, to.ny);
         for (std::int32_t y = 0; y < to.ny; ++y)
             for (std::int32_t x = 0; x < to.nx; x += SpaoTile::piece) {

@@ -1,4 +1,4 @@
-#include "render/soon_lit.h"
+#include "illumination/soon_lit.h"
 
 #include "illumination/field.h"
 
