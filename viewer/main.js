@@ -235,12 +235,14 @@ let keeping = 0, keptSteps = -1;
 /** The server keeps the state and its steps, for a reload, and for the server that comes after it. */
 const keepThere = () => {
   clearTimeout(keeping);
-  keeping = setTimeout(() => {
-    if (!app.volume || store.dragging) return;
-    const undo = keptSteps === store.steps ? {} : { undo: { ...store.history(), film: store.state.film } };
-    keptSteps = store.steps;
-    link.ask("keep", { scene: app.scene(), ...undo }).catch(() => (keptSteps = -1));
-  }, 300);
+  keeping = setTimeout(tellToKeep, 300);
+};
+const tellToKeep = () => {
+  keeping = 0;
+  if (!app.volume || store.dragging) return;
+  const undo = keptSteps === store.steps ? {} : { undo: { ...store.history(), film: store.state.film } };
+  keptSteps = store.steps;
+  link.ask("keep", { scene: app.scene(), ...undo }).catch(() => (keptSteps = -1));
 };
 app.shown = (header) => {
   // What the camera fits is found once: from then on the state has it.
@@ -259,8 +261,18 @@ function remember() {
 let kept = 0;
 const keep = () => {
   clearTimeout(kept);
-  kept = setTimeout(() => sessionStorage.setItem("state", JSON.stringify({ file: app.volume.file, state: store.state, history: store.history() })), 500);
+  kept = setTimeout(keepNow, 500);
 };
+const keepNow = () => {
+  kept = 0;
+  sessionStorage.setItem("state", JSON.stringify({ file: app.volume.file, state: store.state, history: store.history() }));
+};
+/** A page that goes away loses no step that waited for its moment. */
+addEventListener("pagehide", () => {
+  clearTimeout(kept), clearTimeout(keeping);
+  if (kept) keepNow();
+  if (keeping) tellToKeep();
+});
 app.resized = () => {
   store.redraw();
   changed({ moving: false });

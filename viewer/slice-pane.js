@@ -73,7 +73,7 @@ export function makePane(app, slices, i) {
     app.marks?.drawPane(i, v, lines);
     const wanted = request(), key = keyOf(wanted);
     if (key === asked || !app.link.open) return;
-    asked = key;
+    asked = canvas.dataset.asked = key;
     fetch({ ...wanted, lossless: false });
     clearTimeout(resting);
     resting = setTimeout(() => fetch({ ...wanted, lossless: true }), 200);

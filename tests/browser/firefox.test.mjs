@@ -6,6 +6,7 @@ import { existsSync, mkdtempSync, readdirSync, readFileSync, rmSync } from "node
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
+import { patience } from "./page.mjs";
 import { serve, skip as none } from "./served.mjs";
 import { eventually } from "./visit.mjs";
 import { nrrd } from "./volume_file.mjs";
@@ -20,13 +21,14 @@ before(async () => {
   const { default: puppeteer } = await import("puppeteer-core");
   folder = mkdtempSync(join(tmpdir(), "chiaro-firefox-"));
   server = await serve(folder, "sample:ball:32");
-  browser = await puppeteer.launch({ browser: "firefox", executablePath, headless: true, extraPrefsFirefox: { "browser.download.dir": folder, "browser.download.folderList": 2, "browser.download.always_ask_before_handling_new_types": false } });
+  browser = await puppeteer.launch({ browser: "firefox", executablePath, headless: true, timeout: patience, protocolTimeout: patience, extraPrefsFirefox: { "browser.download.dir": folder, "browser.download.folderList": 2, "browser.download.always_ask_before_handling_new_types": false } });
   page = await browser.newPage();
+  page.setDefaultTimeout(patience);
   page.on("pageerror", (error) => faults.push(String(error.stack ?? error)));
   await page.setViewport({ width: 1100, height: 700 });
   await page.goto(server.url);
   await final();
-}, { timeout: 120000 });
+});
 after(async () => {
   if (skip) return;
   await browser.close();
@@ -36,7 +38,7 @@ after(async () => {
 const final = () => page.waitForFunction(() => {
   const { stage, n } = document.querySelector("#stage canvas").dataset;
   return stage === "final" && Number(n) === chiaro.link.n && !chiaro.store.dragging;
-}, { timeout: 60000, polling: 30 });
+}, { polling: 30 });
 const get = (what) => page.evaluate(what);
 /** Until what the page tells is another. */
 const changes = async (what, act, says) => {
@@ -84,7 +86,7 @@ test("Firefox: fingers turn and pinch", { skip }, async () => {
 
 test("Firefox: slices, measuring, a film", { skip }, async () => {
   await page.keyboard.press("s");
-  await page.waitForFunction(() => [...document.querySelectorAll(".pane:not([hidden]) canvas")].filter((c) => c.dataset.drawn === "final").length === 3, { timeout: 30000 });
+  await page.waitForFunction(() => [...document.querySelectorAll(".pane:not([hidden]) canvas")].filter((c) => c.dataset.drawn === "final").length === 3);
   const [x, y] = await middle(".pane:not([hidden]) .slice-picture");
   await changes(() => chiaro.slices.at(), () => page.mouse.click(x + 30, y + 20), "the crosshair");
   await changes(() => chiaro.slices.at(), () => page.mouse.wheel({ deltaY: 100 }), "the next slice");
@@ -105,7 +107,7 @@ test("Firefox: slices, measuring, a film", { skip }, async () => {
   await page.keyboard.press("k");
   await page.waitForFunction(() => chiaro.store.state.film.keys.length === 2);
   await page.evaluate(() => chiaro.film.play());
-  await page.waitForFunction(() => chiaro.film.now > 0.1, { timeout: 20000 });
+  await page.waitForFunction(() => chiaro.film.now > 0.1);
   await page.evaluate(() => (chiaro.film.play(), chiaro.toggleFilm()));
   await final();
 });
@@ -115,7 +117,7 @@ test("Firefox: the picture is saved, and carries its scene", { skip }, async () 
   await page.click("#bar .primary");
   await page.waitForSelector(".popover form");
   await page.click(".popover button.primary");
-  await eventually(() => saved().length === 1 && !readdirSync(folder).some((name) => name.endsWith(".part")), "a picture is there", 30000);
+  await eventually(() => saved().length === 1 && !readdirSync(folder).some((name) => name.endsWith(".part")), "a picture is there");
   const bytes = readFileSync(join(folder, saved()[0]));
   assert.equal(bytes.toString("latin1", 1, 4), "PNG");
   assert.ok(bytes.includes("transfer_function") || bytes.includes("chiaro"));
@@ -126,7 +128,7 @@ test("Firefox: killed and started again, it goes on; then a file is dropped", { 
   await server.end("SIGKILL");
   await page.waitForSelector(".banner button");
   server = await serve(folder, "sample:ball:32", server.port);
-  await page.waitForFunction(() => chiaro.link.open || (document.querySelector(".banner button")?.click(), false), { timeout: 30000, polling: 300 });
+  await page.waitForFunction(() => chiaro.link.open || (document.querySelector(".banner button")?.click(), false), { polling: 300 });
   await final();
   assert.equal(await get(azimuth), was);
   const bytes = readFileSync(nrrd(folder, "dropped.nrrd")).toString("base64");
@@ -135,7 +137,7 @@ test("Firefox: killed and started again, it goes on; then a file is dropped", { 
     transfer.items.add(new File([Uint8Array.from(atob(data), (c) => c.charCodeAt(0))], "dropped.nrrd"));
     for (const kind of ["dragover", "drop"]) document.querySelector("#stage").dispatchEvent(new DragEvent(kind, { bubbles: true, cancelable: true, dataTransfer: transfer }));
   }, bytes);
-  await page.waitForFunction(() => document.querySelector(".file b")?.textContent === "dropped.nrrd", { timeout: 30000 });
+  await page.waitForFunction(() => document.querySelector(".file b")?.textContent === "dropped.nrrd");
   await final();
   assert.deepEqual(faults.filter((fault) => !/WebSocket|NetworkError|ws:\/\//.test(fault)), []);
 });

@@ -9,7 +9,7 @@ for (let i = 0; i < Number(times); ++i) {
     chiaro.shown = (header) => ((window.first ??= performance.now()), header.stage === "final" && (window.last ??= performance.now()), shown(header));
   }));
   const { page } = await openPage({ newPage: () => context.newPage() }, url);
-  await page.waitForFunction(() => window.last, null, { timeout: 60000 });
+  await page.waitForFunction(() => window.last);
   const seen = await page.evaluate(() => [performance.getEntriesByName("first-paint")[0]?.startTime ?? NaN, window.first, window.last]);
   Object.values(rows).forEach((row, k) => row.push(seen[k]));
   await browser.close();

@@ -6,9 +6,23 @@ const executablePath = [process.env.CHROMIUM, "/usr/bin/chromium", "/usr/bin/chr
   (path) => path && existsSync(path),
 );
 
-/** Chromium; or Firefox over WebDriver BiDi, where CHIARO_FIREFOX names the program. */
+/** How long is waited for what must come, in milliseconds: only what hangs takes as long, however busy the machine. */
+export const patience = 180000;
+
+/** Chromium; or Firefox over WebDriver BiDi, where CHIARO_FIREFOX names the program. Pages wait with patience. */
 export const firefox = process.env.CHIARO_FIREFOX;
-export const launch = () => (firefox ? playwright._bidiFirefox.launch({ executablePath: firefox }) : playwright.chromium.launch({ executablePath, args: ["--no-sandbox"] }));
+export async function launch() {
+  const browser = firefox ? await playwright._bidiFirefox.launch({ executablePath: firefox, timeout: patience }) : await playwright.chromium.launch({ executablePath, args: ["--no-sandbox"], timeout: patience });
+  for (const name of ["newPage", "newContext"]) {
+    const make = browser[name].bind(browser);
+    browser[name] = async (...given) => {
+      const made = await make(...given);
+      made.setDefaultTimeout(patience);
+      return made;
+    };
+  }
+  return browser;
+}
 
 /** Waits for the frame in which the page shows what was done to it. */
 export const drawn = (page) =>

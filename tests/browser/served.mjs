@@ -55,7 +55,7 @@ export function servedVisits(volume) {
   async function visit(act, { url = all.server.url, allowed = /$^/, page: own = options } = {}) {
     const { page, faults } = await openPage(all.browser, url, own);
     try {
-      await final(page, 60000);
+      await final(page);
       await act(page);
       assert.deepEqual(faults.filter((fault) => !allowed.test(fault)), []);
     } finally {

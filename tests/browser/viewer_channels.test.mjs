@@ -78,9 +78,8 @@ test("channels: a reload, and a scene that is loaded, give them back; slices add
   await settled(page, () => row(page, 0).locator(".swatch").fill("#00ff00"));
   await settled(page, () => row(page, 1).locator(".tool").click());
   const was = await scene(page);
-  await page.waitForTimeout(700); // what the tab keeps
   await page.reload();
-  await final(page, 60000);
+  await final(page);
   await page.waitForSelector(".channel");
   assert.deepEqual((await scene(page)).channels, was.channels);
   await page.keyboard.press("s");

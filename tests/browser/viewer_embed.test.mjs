@@ -40,23 +40,23 @@ async function open(address, act) {
     await page.close();
   }
 }
-const heard = (page, type) => page.waitForFunction((t) => window.heard.find((m) => m.type === t), type, { timeout: 30000, polling: 30 }).then((found) => found.jsonValue());
+const heard = (page, type) => page.waitForFunction((t) => window.heard.find((m) => m.type === t), type, { polling: 30 }).then((found) => found.jsonValue());
 const ask = async (page, message) => {
   await page.evaluate((m) => window.say(m), message);
-  return page.waitForFunction((id) => window.answered(id), message.id, { timeout: 30000, polling: 30 }).then((found) => found.jsonValue());
+  return page.waitForFunction((id) => window.answered(id), message.id, { polling: 30 }).then((found) => found.jsonValue());
 };
 
 test("within a page of an origin that was named: ready, scene, picture, picked; bad messages get a sentence", { skip }, () => open(outer.friend, async (page) => {
   const ready = await heard(page, "ready"), inner = page.frame("inner");
   assert.deepEqual([ready.volume.name, ready.volume.dimensions, ready.origin], ["sample:ball:32", [32, 32, 32], new URL(outer.viewer.url).origin]);
-  await final(inner, 60000);
+  await final(inner);
   assert.deepEqual(await inner.evaluate(() => ["#bar", "#panel", ".tools"].map((one) => document.querySelector(one).checkVisibility())), [false, false, false]);
   assert.deepEqual(await inner.evaluate(() => chiaro.frame.size()), [600, 400]);
   // The page around drives it: what it leaves out stays, and it is a step.
   const before = await state(inner), given = await ask(page, { type: "scene", id: 1, scene: { mode: "mip", camera: { azimuth_deg: -20 } } });
   assert.deepEqual([given.scene.mode, given.scene.camera.azimuth_deg, given.scene.lighting.method], ["mip", -20, "spao"]);
   assert.deepEqual((await state(inner)).tf, before.tf);
-  await final(inner, 60000);
+  await final(inner);
   assert.equal(await inner.evaluate(() => chiaro.store.next("undo") !== undefined), true);
   // The picture is what is shown.
   await page.evaluate(() => window.say({ type: "picture", id: "p" }));
@@ -81,9 +81,9 @@ test("within a page of an origin that was named: ready, scene, picture, picked; 
     assert.match((await ask(page, message)).sentence, sentence);
   // A second one beside it is a view of its own.
   await page.evaluate((src) => document.body.append(Object.assign(document.createElement("iframe"), { name: "second", src, width: 300, height: 200 })), outer.inner);
-  await page.waitForFunction(() => window.heard.filter((m) => m.type === "ready").length === 2, null, { timeout: 30000 });
+  await page.waitForFunction(() => window.heard.filter((m) => m.type === "ready").length === 2);
   const second = page.frame("second");
-  await final(second, 60000);
+  await final(second);
   assert.notEqual(await second.evaluate(() => chiaro.link.view), await inner.evaluate(() => chiaro.link.view));
   assert.equal(await inner.evaluate(() => chiaro.link.open), true);
   // The token is in no message and no address that the page around was asked for with.
@@ -109,7 +109,7 @@ test("a page of another origin can neither frame, read nor drive it", { skip }, 
   await page.evaluate((address) => (window.other = window.open(address)), `${url}&embed`);
   const viewer = await popup;
   await viewer.waitForSelector("#stage canvas");
-  await final(viewer, 60000);
+  await final(viewer);
   const { mode } = (await state(viewer)).values;
   await page.evaluate(() => window.other?.postMessage({ chiaro: 1, type: "scene", id: 1, scene: { mode: "mip" } }, "*"));
   await viewer.evaluate(() => window.postMessage({ chiaro: 1, type: "scene", id: 2, scene: { mode: "mip" } }, "*")); // its own window is no page around it
@@ -136,8 +136,8 @@ test("a link opens the same state, and asks for the token", { skip }, () => all.
     await other.waitForSelector("#wrong:has-text('A token is 32')");
     await other.fill("#token", all.server.url);
     await other.keyboard.press("Enter");
-    await other.waitForFunction(() => window.chiaro?.store.state.values.mode === "mip", null, { timeout: 30000 });
-    await final(other, 60000);
+    await other.waitForFunction(() => window.chiaro?.store.state.values.mode === "mip");
+    await final(other);
     const now = await state(other);
     assert.deepEqual([now.values, now.tf, now.camera["camera.azimuth_deg"]], [was.values, was.tf, was.camera["camera.azimuth_deg"]]);
     assert.ok(!other.url().includes("#"), "what was in the address is not applied twice");
@@ -146,7 +146,7 @@ test("a link opens the same state, and asks for the token", { skip }, () => all.
   });
   // What is no state opens the volume as it is.
   await open(`${all.server.url}#state=nothing`, async (other) => {
-    await final(other, 60000);
+    await final(other);
     assert.equal(await other.locator(".file b").textContent(), "sample:ball:32");
   });
 }));

@@ -61,14 +61,14 @@ test("a draft of a slice overtakes lossless slices that are half sent, and ends 
     // Three panes come to rest, then the last one moves on. A busy machine makes its draft when they are sent already: then the way is to be slower.
     for (const last = 2; ; way.bits_per_ms /= 2) {
       const begun = await page.evaluate(() => ((window.begun = window.asked.length), chiaro.slices.setWindow(0, 200 + Math.random()), window.begun));
-      await page.waitForFunction(() => window.asked.slice(window.begun).filter((one) => one.lossless).length === 3, null, { polling: 10, timeout: 60000 });
+      await page.waitForFunction(() => window.asked.slice(window.begun).filter((one) => one.lossless).length === 3, null, { polling: 10 });
       const next = await page.evaluate(() => (window.next = window.asked.length));
       await page.locator(".pane").nth(last).focus();
       await page.keyboard.press("PageUp");
-      await page.waitForFunction((pane) => window.came.some((one) => one.number >= window.next && one.pane === pane && one.picture), last, { polling: 10, timeout: 60000 });
+      await page.waitForFunction((pane) => window.came.some((one) => one.number >= window.next && one.pane === pane && one.picture), last, { polling: 10 });
       const rested = (await page.evaluate(() => window.came)).filter((one) => one.number >= begun && one.number < next && one.lossless && one.picture);
       await shown(page); // at rest it is lossless all the same, in every pane
-      await page.waitForFunction(() => window.came.filter((one) => !one.picture).length === window.asked.length, null, { timeout: 60000 }); // and each was answered
+      await page.waitForFunction(() => window.came.filter((one) => !one.picture).length === window.asked.length); // and each was answered
       if (rested.length === 3) {
         assert.ok(way.bits_per_ms > 30, "the draft always came last");
         continue;

@@ -23,7 +23,7 @@ const written = (page) => eventually(async () => {
     const { scene, undo } = JSON.parse(readFileSync(file, "utf8"));
     return (scene.transfer_function.opacity_scale ?? 1) === scale && undo?.undo?.design?.length === n && undo.undo.camera.length === turns;
   });
-}, "the state is on disk", 30000);
+}, "the state is on disk");
 const lost = { allowed: /WebSocket|ERR_CONNECTION|failed/ };
 
 test("killed with -9 in the middle of an edit and started again: page, reload and steps go on where they were", { skip }, async () => {
@@ -42,16 +42,16 @@ test("killed with -9 in the middle of an edit and started again: page, reload an
     own = await serve(all.folder, "sample:ball:48", own.port);
     await page.mouse.up({ button: "right" });
     await page.keyboard.press("Control+z");
-    await page.waitForFunction(() => chiaro.link.open || (document.querySelector(".banner button")?.click(), false), null, { timeout: 30000, polling: 300 });
-    await final(page, 60000);
+    await page.waitForFunction(() => chiaro.link.open || (document.querySelector(".banner button")?.click(), false), null, { polling: 300 });
+    await final(page);
     assert.deepEqual((await state(page)).values, was.values);
     // And again, reloaded before it comes back: another browser's tab would have no more than the server has.
     await written(page);
     await own.end("SIGKILL");
     own = await serve(all.folder, "sample:ball:48", own.port);
-    await page.evaluate(() => sessionStorage.removeItem("state"));
+    await page.evaluate(() => addEventListener("pagehide", () => sessionStorage.removeItem("state")));
     await page.reload();
-    await final(page, 60000);
+    await final(page);
     const now = await state(page);
     assert.deepEqual([now.values.mode, now.tf.scale, now.camera["camera.azimuth_deg"]], ["mip", was.tf.scale, was.camera["camera.azimuth_deg"]]);
     assert.equal(await pixels(page), seen);
@@ -75,15 +75,15 @@ test("what was sent is there again after a kill, and gone after a clean end", { 
   try {
     await page.waitForSelector("h1:has-text('Open a volume')");
     await page.evaluate((data) => chiaro.sendVolume([{ file: new File([Uint8Array.from(atob(data), (c) => c.charCodeAt(0))], "sent.nrrd"), name: "sent.nrrd" }]), bytes);
-    await final(page, 60000);
+    await final(page);
     await settled(page, () => page.keyboard.press("]"));
     await written(page);
     const was = await state(page);
     await own.end("SIGKILL");
     own = await serve(all.folder, "", own.port);
-    await page.evaluate(() => sessionStorage.removeItem("state"));
+    await page.evaluate(() => addEventListener("pagehide", () => sessionStorage.removeItem("state")));
     await page.reload();
-    await final(page, 60000);
+    await final(page);
     assert.equal(await page.locator(".file b").textContent(), "sent.nrrd");
     assert.equal((await state(page)).tf.scale, was.tf.scale);
     await settled(page, () => page.keyboard.press("Control+z"));

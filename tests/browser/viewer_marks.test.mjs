@@ -142,7 +142,6 @@ test("marks are kept in the scene, in undo and over a reload; the tool reads the
   await page.evaluate((text) => chiaro.take(new File([text], "scene.json")), scene);
   await count(page, 2);
   assert.equal(await savedScene(page), scene, "the same bytes");
-  await page.waitForTimeout(600);
   await page.reload();
   await count(page, 2);
   await page.waitForSelector(".mark-row");

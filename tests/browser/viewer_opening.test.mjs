@@ -41,7 +41,7 @@ test("a file that is dropped is sent, opened, and gone when the server ends", { 
   const bytes = readFileSync(nrrd(all.folder, "dropped.nrrd"));
   await empty(async (page) => {
     await drop(page, [["dropped.nrrd", bytes]]);
-    await final(page, 60000);
+    await final(page);
     assert.equal(await page.locator(".file b").textContent(), "dropped.nrrd");
     assert.deepEqual(sent().map((file) => readFileSync(file).equals(bytes)), [true]);
     // Another one takes its place; what is no volume leaves it.
@@ -63,7 +63,7 @@ test("a folder is chosen by a button: its header is opened", { skip }, () => emp
   const chooser = page.waitForEvent("filechooser");
   await page.click("button:has-text('Choose a folder')");
   await (await chooser).setFiles(folder);
-  await final(page, 60000);
+  await final(page);
   assert.equal(await page.locator(".file b").textContent(), "scan.mhd");
   assert.deepEqual(sent().map((file) => file.split("/").at(-1)).sort(), ["raw-scan.raw", "scan.mhd"]);
 }));
@@ -72,7 +72,7 @@ test("a folder of DICOM", { skip: skip || (process.env.CHIARO_DATA_DIR ? false :
   const chooser = page.waitForEvent("filechooser");
   await page.click("button:has-text('Choose a folder')");
   await (await chooser).setFiles(join(process.env.CHIARO_DATA_DIR, "volumes", "t1_slab_dicom"));
-  await final(page, 120000);
+  await final(page);
   assert.match(await page.locator(".file span").textContent(), /×/);
 }));
 
@@ -105,7 +105,7 @@ for (const colorScheme of ["dark", "light"])
   test(`the page without a volume in the ${colorScheme} theme: samples, recent volumes with their pictures, by keys`, { skip }, () => empty(async (page) => {
     await page.click("button:has-text('Try a sample')");
     await page.click(".item:has-text('ball')");
-    await final(page, 60000);
+    await final(page);
     await page.waitForFunction(() => JSON.parse(localStorage.getItem("recent") ?? "[]").length === 1);
     await page.evaluate(() => (sessionStorage.clear(), chiaro.states.empty()));
     await page.waitForSelector(".recent img");
@@ -115,6 +115,6 @@ for (const colorScheme of ["dark", "light"])
     await page.locator(".recent button").focus();
     await page.keyboard.press("Enter");
     await page.waitForFunction(() => !document.querySelector(".state"));
-    await final(page, 60000);
+    await final(page);
     assert.equal(await page.locator(".file b").textContent(), "sample:ball");
   }, { page: { ...options, colorScheme } }));

@@ -54,14 +54,14 @@ test("each method gives another picture, and so does a turned probe", { skip }, 
   const seen = new Map();
   await page.evaluate(() => chiaro.store.set("near", (s) => ({ values: { ...s.values, "histogram:lighting.radius": 3 } }))); // which is found quickly
   for (const method of ["none", "spao", "visibility", "histogram"]) {
-    if ((await page.locator(`[data-method=${method}]`).getAttribute("aria-checked")) === "false") await settled(page, () => page.click(`[data-method=${method}]`), 120000);
+    if ((await page.locator(`[data-method=${method}]`).getAttribute("aria-checked")) === "false") await settled(page, () => page.click(`[data-method=${method}]`));
     seen.set(await pixels(page), method);
   }
   assert.equal(seen.size, 4, [...seen.values()].join(", "));
-  await settled(page, () => page.click("[data-method=visibility]"), 120000);
-  await settled(page, () => page.click("[role=radio][aria-label=Windows]"), 60000);
+  await settled(page, () => page.click("[data-method=visibility]"));
+  await settled(page, () => page.click("[role=radio][aria-label=Windows]"));
   const was = await pixels(page);
-  await settled(page, () => drag(page, page.locator(".ball"), 30, 0), 60000);
+  await settled(page, () => drag(page, page.locator(".ball"), 30, 0));
   assert.notEqual(await pixels(page), was);
 }));
 
@@ -131,9 +131,9 @@ test("killed and started again, it shows the same picture", { skip }, async () =
       await own.end();
       await page.waitForSelector(".banner:has-text('Connection lost')");
       own = await serve("sample:cornell:48", own.port);
-      await page.waitForFunction(() => chiaro.link.open || (document.querySelector(".banner button")?.click(), false), null, { timeout: 30000, polling: 300 });
+      await page.waitForFunction(() => chiaro.link.open || (document.querySelector(".banner button")?.click(), false), null, { polling: 300 });
       await page.waitForTimeout(300);
-      await final(page, 60000);
+      await final(page);
       assert.equal(await pixels(page), was);
     }, { url: own.url, allowed: /WebSocket|ERR_CONNECTION/ });
   } finally {
@@ -162,10 +162,10 @@ test("a walk: start empty, open, edit, light, clip, save", { skip }, async () =>
     await page.click("button:has-text('Try a sample')");
     await page.click(".item:has-text('shells')");
     await page.mouse.move(200, 200); // resting on a chip or look would be a preview
-    await final(page, 120000);
+    await final(page);
     const seen = [await pixels(page)];
-    const step = async (act, timeout = 60000) => {
-      await settled(page, act, timeout);
+    const step = async (act) => {
+      await settled(page, act);
       seen.push(await pixels(page));
     };
     await step(() => drag(page, page.locator("#stage"), 80, 30)); // orbit

@@ -22,7 +22,6 @@ test("a nearest slice shows and tells the file's own numbers", { skip }, () => o
     const { s, w, h } = chiaro.slices.panes[0].view();
     chiaro.store.set("one", (state) => ({ camera: { ...state.camera, "slices.zoom": s * (state.camera["slices.zoom"] ?? 1), "slices.centre": [-20 + 20 + (w % 2 ? 0 : 0.5), -15 + 15 + (h % 2 ? 0 : 0.5), 30] } }), "camera");
   });
-  await page.waitForTimeout(400);
   await shown(page);
   const k = Math.round((await voxel(page))[2]), [x0, y0] = await place(page, 0, [0, 0, k]), box = await page.locator(".slice-picture").first().boundingBox();
   const grey = await page.evaluate(([x, y, w, h]) => [...document.querySelector(".pane .slice-picture > canvas").getContext("2d").getImageData(x, y, w, h).data].filter((_, i) => i % 4 === 0), [Math.floor(x0 - box.x), Math.floor(y0 - box.y), n[0], n[1]]);
@@ -143,14 +142,12 @@ test("slices come back with a scene and after a reload, in the colours of the vo
   await page.mouse.click(...(await place(page, 0, [31, 8, 10])));
   await page.evaluate(() => chiaro.slices.put("Colours", "colors", "transfer"));
   const grey = () => page.evaluate(() => [...document.querySelector(".pane .slice-picture > canvas").getContext("2d").getImageData(0, 0, 400, 200).data].every((v, i, all) => i % 4 || (v === all[i + 1] && v === all[i + 2])));
-  await page.waitForTimeout(500);
   await shown(page);
   assert.equal(await grey(), false);
   const where = await at(page), scene = JSON.parse(await savedScene(page));
   near(scene.slices.at, where);
   assert.equal(scene.slices.colors, "transfer");
   assert.deepEqual([scene.slices.layout, scene.marks], ["linked", undefined]);
-  await page.waitForTimeout(600); // the server is told what to restore
   await page.reload();
   await shown(page);
   near(await at(page), where);

@@ -1,26 +1,26 @@
 // What a test does on the viewer's page.
 import assert from "node:assert/strict";
-import { drawn } from "./page.mjs";
+import { drawn, patience } from "./page.mjs";
 
 /** Waits until the picture is final and answers the page's newest state. */
-export const final = (page, timeout = 30000) =>
+export const final = (page) =>
   page.waitForFunction(() => {
     const { stage, n } = document.querySelector("#stage canvas").dataset;
     return stage === "final" && Number(n) === chiaro.link.n && !chiaro.store.dragging;
-  }, null, { timeout, polling: 30 });
+  }, null, { polling: 30 });
 
 /** Lets `act` happen and waits for the final picture of a newer state. */
-export async function settled(page, act, timeout = 30000) {
+export async function settled(page, act) {
   const before = await page.evaluate(() => chiaro.link.n);
   await act();
-  await page.waitForFunction((n) => chiaro.link.n > n, before, { timeout: 5000, polling: 20 });
+  await page.waitForFunction((n) => chiaro.link.n > n, before, { polling: 20 });
   await drawn(page); // what follows by itself is sent in the next frame
-  await final(page, timeout);
+  await final(page);
 }
 
 /** Waits until `holds` answers true: for what comes when it comes. */
-export async function eventually(holds, says, timeout = 10000) {
-  const end = Date.now() + timeout;
+export async function eventually(holds, says) {
+  const end = Date.now() + patience;
   while (!(await holds())) {
     assert.ok(Date.now() < end, says);
     await new Promise((go) => setTimeout(go, 30));

@@ -1,6 +1,7 @@
 // A volume whose numbers tell where they lie, as a file: for tests of page and program together.
 import { writeFileSync } from "node:fs";
 import { join } from "node:path";
+import { drawn } from "./page.mjs";
 import { serve } from "./served.mjs";
 
 export const dimensions = [40, 30, 20];
@@ -27,7 +28,10 @@ export async function onVolume(all, volume, act, options = {}) {
 export const onFile = (all, name, act, more = {}, options = {}) => onVolume(all, nrrd(all.folder, name, more), act, options);
 
 /** Waits until so many slices are drawn as they rest. */
-export const shown = (page, count = 3) => page.waitForFunction((c) => [...document.querySelectorAll(".pane:not([hidden]) .slice-picture > canvas")].filter((one) => one.dataset.drawn === "final").length === c, count, { polling: 30 });
+export async function shown(page, count = 3) {
+  await drawn(page); // what was changed is asked for in the next frame
+  await page.waitForFunction((c) => [...document.querySelectorAll(".pane:not([hidden]) .slice-picture > canvas")].filter(({ dataset }) => dataset.drawn === "final" && dataset.key === dataset.asked).length === c, count, { polling: 30 });
+}
 export async function slices(page) {
   await page.evaluate(() => chiaro.toggleSlices());
   await shown(page);
