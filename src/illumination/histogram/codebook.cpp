@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <numeric>
 
 #include "core/threads.h"
 #include "cuda/run.h"
@@ -25,21 +24,18 @@ void Codebook::list_neighbours(const Device& device) {
     const kernel::CodebookView codebook = view();
     parallel_for(device.threads, count(), 32, [&](std::int64_t first, std::int64_t end) {
         std::vector<std::int32_t> difference(std::size_t(count()), 0);
-        std::vector<std::uint16_t> order;
+        std::vector<std::uint64_t> order;  // by difference, then by number
         for (auto w = first; w < end; ++w) {
             kernels.differences_to(codebook, codewords_.data() + w * bins_, difference.data());
-            order.resize(std::size_t(count()));
-            std::iota(order.begin(), order.end(), std::uint16_t(0));
-            order.erase(order.begin() + w);
-            const auto nearer = [&](std::uint16_t a, std::uint16_t b) {
-                return difference[a] != difference[b] ? difference[a] < difference[b] : a < b;
-            };
-            std::nth_element(order.begin(), order.begin() + listed_, order.end(), nearer);
-            std::sort(order.begin(), order.begin() + listed_, nearer);
+            order.clear();
+            for (int other = 0; other < count(); ++other)
+                if (other != w) order.push_back(std::uint64_t(difference[std::size_t(other)]) << 16 | unsigned(other));
+            std::nth_element(order.begin(), order.begin() + listed_, order.end());
+            std::sort(order.begin(), order.begin() + listed_);
             for (int i = 0; i < listed_; ++i) {
                 const std::size_t at = std::size_t(w) * std::size_t(listed_) + std::size_t(i);
-                neighbours[at] = order[std::size_t(i)];
-                distances[at] = kernel::distance_of(codebook, difference[order[std::size_t(i)]]);
+                neighbours[at] = std::uint16_t(order[std::size_t(i)]);
+                distances[at] = kernel::distance_of(codebook, std::int32_t(order[std::size_t(i)] >> 16));
             }
         }
     });

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
-#include <span>
 
 #include "core/threads.h"
 #include "illumination/histogram/gpu_vectors.h"
@@ -25,12 +24,13 @@ public:
           training_(training),
           progress_(progress),
           codeword_of_(count_, 0),
-          difference_(count_, 0) {
+          difference_(count_, 0),
+          summed_of_(count_, no_codeword) {
         cuda::try_gpu(device, [&] { gpu_.emplace(device, vectors, bins); });
     }
 
     Codebook train() {
-        codewords_ = means({0, count_});
+        codewords_ = means({std::int64_t(count_)});
         assign();
         while (true) {
             refine();
@@ -68,57 +68,52 @@ private:
                                                            : double(packed_one)));
     }
 
-    /// In the order of their words the vectors of word w are [begin[w], begin[w + 1]).
-    std::vector<std::size_t> begins() const {
-        std::vector<std::size_t> begin(codewords() + 1, 0);
-        for (std::uint16_t w : codeword_of_) ++begin[w + 1u];
-        std::partial_sum(begin.begin(), begin.end(), begin.begin());
-        return begin;
-    }
-    std::vector<std::uint32_t> in_order(const std::vector<std::size_t>& begin) const {
-        std::vector<std::uint32_t> order(count_);
-        std::vector<std::size_t> next = begin;
-        for (std::size_t i = 0; i < count_; ++i) order[next[codeword_of_[i]]++] = std::uint32_t(i);
-        return order;
+    /// How many vectors each word has.
+    std::vector<std::int64_t> members() const {
+        std::vector<std::int64_t> members(codewords());
+        for (std::uint16_t w : codeword_of_) ++members[w];
+        return members;
     }
 
     /// Rounded; a word without members keeps its place empty (see fill_empty).
-    std::vector<PackedHistogram> means(const std::vector<std::size_t>& begin) const {
-        const std::size_t n = begin.size() - 1;
+    std::vector<PackedHistogram> means(const std::vector<std::int64_t>& members) {
+        const std::size_t n = members.size();
         std::vector<std::int64_t> sums(n * bins_);
-        if (!try_gpu([&] { gpu_->add_up(codeword_of_, sums); })) {
-            const auto order = in_order(begin);
-            parallel_for(device_.threads, std::int64_t(n), 16, [&](std::int64_t first, std::int64_t end) {
-                for (auto w = std::size_t(first); w < std::size_t(end); ++w)
-                    add_up({order.begin() + std::ptrdiff_t(begin[w]), order.begin() + std::ptrdiff_t(begin[w + 1])},
-                           sums.data() + w * bins_);
-            });
-        }
+        if (!try_gpu([&] { gpu_->add_up(codeword_of_, sums); })) move_members(n), sums = sums_;
         std::vector<PackedHistogram> means(n * bins_);
         for (std::size_t w = 0; w < n; ++w)
-            if (const auto members = std::int64_t(begin[w + 1] - begin[w]))
+            if (members[w] > 0)
                 for (std::size_t k = w * bins_; k < (w + 1) * bins_; ++k)
-                    means[k] = PackedHistogram((sums[k] + members / 2) / members);
+                    means[k] = PackedHistogram((sums[k] + members[w] / 2) / members[w]);
         return means;
     }
-    void add_up(std::span<const std::uint32_t> members, std::int64_t* sum) const {
-        const PackedHistogram* const all = vectors_.data();
-        std::vector<std::int32_t> part(bins_);  // of as many members as fit
-        for (std::size_t i = 0; i < members.size();) {
-            std::fill(part.begin(), part.end(), 0);
-            for (const std::size_t last = std::min(i + 65535, members.size()); i < last; ++i)
-                for (std::size_t k = 0; k < bins_; ++k) part[k] += all[members[i] * bins_ + k];
-            for (std::size_t k = 0; k < bins_; ++k) sum[k] += part[k];
-        }
+    /// Brings the sums of `n` words to what they are now: only vectors of another word than before count. (Most stay:
+    /// adding up all took a tenth of the whole preprocessing.)
+    void move_members(std::size_t n) {
+        constexpr std::size_t part = 16;  // bins at a time
+        sums_.resize(n * bins_);
+        parallel_for(device_.threads, std::int64_t(bins_ / part), 1, [&](std::int64_t p, std::int64_t) {
+            const std::size_t first = std::size_t(p) * part;
+            const PackedHistogram* vector = vectors_.data() + first;
+            for (std::size_t i = 0; i < count_; ++i, vector += bins_) {
+                if (summed_of_[i] == codeword_of_[i]) continue;
+                std::int64_t* const to = sums_.data() + codeword_of_[i] * bins_ + first;
+                for (std::size_t k = 0; k < part; ++k) to[k] += vector[k];
+                if (summed_of_[i] == no_codeword) continue;
+                std::int64_t* const from = sums_.data() + summed_of_[i] * bins_ + first;
+                for (std::size_t k = 0; k < part; ++k) from[k] -= vector[k];
+            }
+        });
+        summed_of_ = codeword_of_;
     }
 
     void refine() {
         for (int step = 0; step < max_steps && distortion_ > 0; ++step) {
             const double before = distortion_;
             kept_codewords_ = codewords_, kept_of_ = codeword_of_, kept_difference_ = difference_;
-            const auto begin = begins();
-            codewords_ = means(begin);
-            fill_empty(begin);
+            const auto members = this->members();
+            codewords_ = means(members);
+            fill_empty(members);
             assign();
             if (distortion_ > before) {
                 codewords_ = kept_codewords_, codeword_of_ = kept_of_, difference_ = kept_difference_,
@@ -131,10 +126,10 @@ private:
     }
 
     /// A word without members takes the vector farthest from its own word that no other took.
-    void fill_empty(const std::vector<std::size_t>& begin) {
+    void fill_empty(const std::vector<std::int64_t>& members) {
         std::vector<std::size_t> empty;
-        for (std::size_t w = 0; w + 1 < begin.size(); ++w)
-            if (begin[w] == begin[w + 1]) empty.push_back(w);
+        for (std::size_t w = 0; w < members.size(); ++w)
+            if (members[w] == 0) empty.push_back(w);
         const auto farthest = picked(farthest_vectors(empty.size()));
         for (std::size_t i = 0; i < empty.size(); ++i)
             std::copy_n(farthest.data() + i * bins_, bins_, codewords_.data() + empty[i] * bins_);
@@ -193,6 +188,9 @@ private:
     std::vector<PackedHistogram> codewords_;
     std::vector<std::uint16_t> codeword_of_;
     std::vector<std::int32_t> difference_;
+    static constexpr std::uint16_t no_codeword = 65535;
+    std::vector<std::int64_t> sums_;               ///< of the vectors of each word ...
+    std::vector<std::uint16_t> summed_of_;         ///< ... as they were then
     std::vector<PackedHistogram> kept_codewords_;  ///< what they were before a step
     std::vector<std::uint16_t> kept_of_;
     std::vector<std::int32_t> kept_difference_;

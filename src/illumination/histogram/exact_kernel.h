@@ -38,6 +38,23 @@ CHIARO_INLINE void count_row(const std::uint16_t* place, const float* weight, st
     for (; k < count; ++k) counts[place[k]] += weight[k];
 }
 
+/// The fours of a row of `count` cells among which some are not behind the plane between the halves: [first, end).
+struct FoursAhead {
+    std::int32_t first, end;
+
+    /// The plane meets the row where `across` + x `along` is 0; x = `from` at its first cell. Rounding is far below the
+    /// two cells to spare.
+    CHIARO_INLINE FoursAhead(float across, float along, std::int32_t from, std::int32_t count) : first(0), end(count) {
+        constexpr float most = 4 * BallView::max_reach;
+        if (along == 0) return;
+        const float meets = min(max(-across / along, -most), most) - float(from);
+        if (along > 0)
+            first = max(std::int32_t(meets) - 2, 0) / 4 * 4;
+        else
+            end = min(count, max(std::int32_t(meets) + 6, 0) / 4 * 4);
+    }
+};
+
 /// Adds the cells of the ball on the gradient's side, or where `whole` all, to `counts`, [4][places]. Cells in the
 /// plane between the halves count half.
 CHIARO_INLINE void count_ball(const BallView& ball, const CellNeighbours& cell, const float* gradient, bool whole,
@@ -58,11 +75,12 @@ CHIARO_INLINE void count_ball(const BallView& ball, const CellNeighbours& cell, 
             count_row(places_there, middle + from, count, places, counts);
             continue;
         }
-        for (std::int32_t k = 0; k < count; ++k) {
+        const FoursAhead fours(across, gradient[0], from, count);
+        for (std::int32_t k = fours.first; k < fours.end; ++k) {
             const float ahead = mad(float(from + k), gradient[0], across);
             weights[k] = middle[from + k] * (ahead > 0 ? 1.0f : ahead < 0 ? 0.0f : 0.5f);
         }
-        count_row(places_there, weights, count, places, counts);
+        count_row(places_there + fours.first, weights + fours.first, fours.end - fours.first, places, counts);
     }
 }
 

@@ -43,7 +43,7 @@ std::size_t carve_workspace(Block& b, const FastWorkspaceSize& room, std::byte* 
     const auto ints = [&](int count) { return reinterpret_cast<std::int32_t*>(vectors(count)); };
     const auto floats = [&](int count) { return reinterpret_cast<float*>(vectors(count)); };
     const int rows = room.planes * room.rows;
-    b.columns = ints(room.depths * wide * wide), b.rows = ints(room.depths * n * wide), b.row_sum = ints(n);
+    b.columns = ints(room.depths * wide * wide), b.rows = ints(room.depths * n * wide);
     b.mass = floats(n * n * n), b.blur = floats(n * n * n);
     b.plane = floats(room.planes * 3 * n * n), b.line = floats(4 * n * rows),
     b.near_bins = floats(2 * rows * room.cells);

@@ -74,7 +74,8 @@ struct SumRows : FastBatch {
         const FastBlock& b = blocks[its.block];
         const int z = its.i / row(), i = its.i % row();
         running_sums<float>(b.rows + z * rows() * row() + i, row(), nodes, box.half_y, [&](int y, std::int32_t sum) {
-            add_weighted<float>(b, box, sum, (z * nodes + y) * row() + i);
+            const int at = (z * nodes + y) * row() + i;
+            add_weighted(box.mass, box.blur, sum, b.mass + at, b.blur + at);
         });
     }
 };

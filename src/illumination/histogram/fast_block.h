@@ -35,7 +35,6 @@ struct FastBlock {
 
     // Room, vectors of `bins` numbers; on a GPU of columns and rows for each plane of nodes:
     std::int32_t *columns, *rows;  ///< (nodes + 2 reach)² and nodes (nodes + 2 reach)
-    std::int32_t* row_sum;         ///< nodes
     float *mass, *blur;            ///< nodes³
     // On a GPU for each plane of a slab, of that for each row, of that for each cell:
     float* plane;      ///< 3 nodes²

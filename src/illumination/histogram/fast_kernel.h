@@ -7,18 +7,23 @@
 
 namespace chiaro::kernel {
 
-/// Adds (or takes away) a coarse cell to a column: each of its eight cells has up to two neighbouring packed bins.
+/// Adds a cell, `times` of them, to a column: it has up to two neighbouring packed bins.
+CHIARO_INLINE void add_cell(std::uint32_t code, std::int32_t times, std::int32_t* column) {
+    std::int32_t* const bin = column + (code & 0xff);
+    bin[0] += times * std::int32_t(code >> 8 & 0x1ff);
+    if (code >> 17) bin[1] += times * std::int32_t(code >> 17);
+}
+/// Adds (or takes away) a coarse cell, which is eight cells; where nothing is, these are all the same.
 template <int sign>
 CHIARO_INLINE void add_coarse_cell(const FastBlock& b, int x, int y, int z, std::int32_t* column) {
     const std::uint32_t* cell = b.tile + 2 * x + std::int64_t(2 * y) * b.tile_row + std::int64_t(2 * z) * b.tile_slice;
-    for (int k = 0; k < 2; ++k)
-        for (int j = 0; j < 2; ++j)
-            for (int i = 0; i < 2; ++i) {
-                const std::uint32_t code = cell[i + j * b.tile_row + k * b.tile_slice];
-                std::int32_t* const bin = column + (code & 0xff);
-                bin[0] += sign * std::int32_t(code >> 8 & 0x1ff);
-                if (code >> 17) bin[1] += sign * std::int32_t(code >> 17);
-            }
+    std::uint32_t code[8], differ = 0;
+    for (int i = 0; i < 8; ++i) {
+        code[i] = cell[(i & 1) + (i >> 1 & 1) * b.tile_row + (i >> 2) * b.tile_slice];
+        differ |= code[i] ^ code[0];
+    }
+    if (differ == 0) return add_cell(code[0], 8 * sign, column);
+    for (int i = 0; i < 8; ++i) add_cell(code[i], sign, column);
 }
 
 template <class F>
@@ -78,37 +83,52 @@ CHIARO_INLINE void sum_row(const Columns& columns, const FastBox& box, int bins,
                     [&](int i, Int<F> sum) CHIARO_INLINE_LAMBDA { store_counts(out + i * bins, sum); });
 }
 
-/// A box's sums, weighted into both filters; `at`: their place.
+/// A box's sums, weighted into both filters.
 template <class F>
-CHIARO_INLINE void add_weighted(const FastBlock& b, const FastBox& box, Int<F> sum, int at) {
-    store_row(b.mass + at, mad(F(box.mass), to_float(sum), load_row<F>(b.mass + at)));
-    store_row(b.blur + at, mad(F(box.blur), to_float(sum), load_row<F>(b.blur + at)));
+CHIARO_INLINE void add_weighted(F mass, F blur, Int<F> sum, float* to_mass, float* to_blur) {
+    store_row(to_mass, mad(mass, to_float(sum), load_row<F>(to_mass)));
+    store_row(to_blur, mad(blur, to_float(sum), load_row<F>(to_blur)));
+}
+/// Of a row of nodes, whose vectors begin at `from` and go to `at`.
+template <class F>
+CHIARO_INLINE void add_row(const FastBlock& b, const FastBox& box, const std::int32_t* from, int at) {
+    const F mass(box.mass), blur(box.blur);
+    float *const to_mass = b.mass + at, *const to_blur = b.blur + at;
+    const int bins = b.bins;
+    running_sums<F>(from, bins, FastBlock::nodes, box.half_x, [&](int i, Int<F> sum) CHIARO_INLINE_LAMBDA {
+        add_weighted(mass, blur, sum, to_mass + i * bins, to_blur + i * bins);
+    });
 }
 
+/// sums += ahead - behind
 template <class F>
-CHIARO_INLINE void add_to_row(const std::int32_t* counts, int n, std::int32_t* sums) {
+CHIARO_INLINE void move_sums(const std::int32_t* ahead, const std::int32_t* behind, int n, std::int32_t* sums) {
     for (int i = 0; i < n; i += LaneTraits<F>::count)
-        store_counts(sums + i, load_counts<F>(sums + i) + load_counts<F>(counts + i));
+        store_counts(sums + i, load_counts<F>(sums + i) + load_counts<F>(ahead + i) - load_counts<F>(behind + i));
 }
 
-/// One plane of nodes: box sums of the columns over x and y.
+/// One plane of nodes: sums over boxes [from, end) of the columns, along y and then along x. Row by row, so that what
+/// all boxes add to stays in the first cache; `b.rows` holds a row of sums for each box.
 template <class F>
-CHIARO_INLINE void add_box_plane(const FastBlock& b, const Columns& columns, const FastBox& box, int z) {
-    constexpr int nodes = FastBlock::nodes, lanes = LaneTraits<F>::count;
-    const int row = nodes * b.bins;
-    for (int y = 0; y < nodes + 2 * box.half_y; ++y)
-        for (int g = 0; g < b.bins; g += lanes) sum_row<F>(columns, box, b.bins, y, g, b.columns, b.rows);
-    // Running sums along y for whole rows, as these lie in the cache.
-    for (int i = 0; i < row; ++i) b.row_sum[i] = 0;
-    for (int y = 0; y < 2 * box.half_y; ++y) add_to_row<F>(b.rows + y * row, row, b.row_sum);
-    for (int y = 0; y < nodes; ++y) {
-        const std::int32_t *const ahead = b.rows + (y + 2 * box.half_y) * row, *const behind = b.rows + y * row;
-        for (int i = 0; i < row; i += lanes) {
-            const Int<F> sum = load_counts<F>(b.row_sum + i) + load_counts<F>(ahead + i);
-            add_weighted<F>(b, box, sum, (z * nodes + y) * row + i);
-            store_counts(b.row_sum + i, sum - load_counts<F>(behind + i));
+CHIARO_INLINE void add_plane(const FastBlock& b, const Columns& columns, int from, int end, int z) {
+    static_assert(FastBlock::max_boxes <= FastBlock::nodes);  // the room of `rows`
+    const int bins = b.bins, width = columns.width() * bins;
+    const auto row_of_columns = [&](int y) CHIARO_INLINE_LAMBDA { return b.columns + y * width; };
+    for (int i = 0; i < (end - from) * width; ++i) b.rows[i] = 0;
+    for (int n = from; n < end; ++n)
+        for (int y = -b.box[n].half_y; y <= b.box[n].half_y; ++y)
+            for (int i = 0; i < width; ++i) b.rows[(n - from) * width + i] += row_of_columns(columns.reach_y + y)[i];
+    for (int y = 0; y < FastBlock::nodes; ++y)
+        for (int n = from; n < end; ++n) {
+            const FastBox box = b.box[n];
+            std::int32_t* const sums = b.rows + (n - from) * width;
+            for (int g = 0; g < bins; g += LaneTraits<F>::count)
+                add_row<F>(b, box, sums + (columns.reach_x - box.half_x) * bins + g,
+                           (z * FastBlock::nodes + y) * FastBlock::nodes * bins + g);
+            const int here = columns.reach_y + y;
+            if (y + 1 < FastBlock::nodes)
+                move_sums<F>(row_of_columns(here + 1 + box.half_y), row_of_columns(here - box.half_y), width, sums);
         }
-    }
 }
 
 /// use(columns, from, end) for the boxes of each half_z, which lie next to each other.
@@ -135,7 +155,7 @@ CHIARO_INLINE void fast_sums(const FastBlock& b) {
             for (int y = 0; y < columns.height(); ++y)
                 for (int x = 0; x < columns.width(); ++x, column += b.bins)
                     z == 0 ? fill_column(b, columns, x, y, z, column) : move_column(b, columns, x, y, z, column);
-            for (int n = from; n < end; ++n) add_box_plane<F>(b, columns, b.box[n], z);
+            add_plane<F>(b, columns, from, end, z);
         }
     });
 }

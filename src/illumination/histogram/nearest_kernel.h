@@ -6,33 +6,40 @@
 
 namespace chiaro::kernel {
 
-/// Squared distance (L2), sum (L1) or largest (Lmax) of the differences of two vectors; or some number above
-/// `enough` where it is more than that.
+/// Squared distance (L2), sum (L1) or largest (Lmax) of the differences of two vectors.
 template <CodebookMetric metric>
-CHIARO_INLINE std::int32_t difference(const std::int16_t* a, const std::int16_t* b, int bins,
-                                      std::int32_t enough = 0x7fffffff) {
+CHIARO_INLINE std::int32_t difference(const std::int16_t* a, const std::int16_t* b, int bins) {
     std::int32_t sum = 0;
-    if constexpr (metric == CodebookMetric::l2) {
-        const auto add_square = [&](std::int16_t u, std::int16_t v) CHIARO_INLINE_LAMBDA {
-            const std::int16_t d = std::int16_t(u - v);
-            sum += std::int32_t(d) * std::int32_t(d);
-        };
-        const int half = bins / 32 * 16;  // adding up costs as much as some bins: once on the way is enough
-        for_both(a, b, 0, half, add_square);
-        if (sum > enough) return sum;
-        for_both(a, b, half, bins, add_square);
-    } else {
-        std::int16_t largest = 0;
-        for_both(a, b, 0, bins, [&](std::int16_t u, std::int16_t v) CHIARO_INLINE_LAMBDA {
-            const std::int16_t d = std::int16_t(u - v), size = std::int16_t(d < 0 ? -d : d);
-            if constexpr (metric == CodebookMetric::l1)
-                sum += size;
-            else
-                largest = size > largest ? size : largest;
-        });
-        if constexpr (metric == CodebookMetric::lmax) sum = largest;
+    std::int16_t largest = 0;
+    for_both(a, b, 0, bins, [&](std::int16_t u, std::int16_t v) CHIARO_INLINE_LAMBDA {
+        const std::int16_t d = std::int16_t(u - v), size = std::int16_t(d < 0 ? -d : d);
+        if constexpr (metric == CodebookMetric::l2) sum += std::int32_t(d) * std::int32_t(d);
+        if constexpr (metric == CodebookMetric::l1) sum += size;
+        if constexpr (metric == CodebookMetric::lmax) largest = size > largest ? size : largest;
+    });
+    return metric == CodebookMetric::lmax ? largest : sum;
+}
+/// Of a vector and four words.
+template <CodebookMetric metric>
+CHIARO_INLINE void differences(const CodebookView& codebook, const std::int16_t* x, const std::int32_t (&codeword)[4],
+                               std::int32_t (&found)[4]) {
+    const std::int16_t* to[4];
+    for (int i = 0; i < 4; ++i) to[i] = codebook.codewords + std::int64_t(codeword[i]) * codebook.bins;
+    if constexpr (metric == CodebookMetric::l2)
+        square_distances(x, to, codebook.bins, found);
+    else
+        for (int i = 0; i < 4; ++i) found[i] = difference<metric>(x, to[i], codebook.bins);
+}
+
+/// use(word, difference)
+template <CodebookMetric metric, class Use>
+CHIARO_INLINE void for_each_codeword(const CodebookView& codebook, const std::int16_t* x, Use&& use) {
+    for (std::int32_t first = 0; first < codebook.count; first += 4) {
+        std::int32_t c[4], d[4];
+        for (int k = 0; k < 4; ++k) c[k] = min(first + k, codebook.count - 1);
+        differences<metric>(codebook, x, c, d);
+        for (int k = 0; k < 4 && first + k < codebook.count; ++k) use(first + k, d[k]);
     }
-    return sum;
 }
 
 /// What obeys the triangle inequality.
@@ -62,15 +69,17 @@ CHIARO_INLINE FoundCodeword near_codeword(const CodebookView& codebook, const st
         const float* const away = codebook.distances + std::int64_t(start) * codebook.listed;
         std::int32_t i = 0;
         bool is_far_off = false;
-        for (; i < codebook.listed && away[i] <= reach && !is_far_off; ++i) {
-            const std::int32_t c = near[i];
-            const std::int32_t d =
-                difference<metric>(x, codebook.codewords + std::int64_t(c) * codebook.bins, codebook.bins, least);
-            if (d > least || (d == least && c > best)) continue;
-            best = c, least = d;
-            const float to_best = distance_of<metric>(d);
-            reach = (from_start + to_best) * 1.00001f + 0.01f;
-            is_far_off = to_best < 0.7f * from_start;  // its own neighbours are fewer
+        for (; i < codebook.listed && away[i] <= reach && !is_far_off; i += 4) {
+            std::int32_t c[4], d[4];
+            for (int k = 0; k < 4; ++k) c[k] = near[min(i + k, codebook.listed - 1)];
+            differences<metric>(codebook, x, c, d);
+            for (int k = 0; k < 4; ++k) {
+                if (d[k] > least || (d[k] == least && c[k] >= best)) continue;
+                best = c[k], least = d[k];
+                const float to_best = distance_of<metric>(d[k]);
+                reach = (from_start + to_best) * 1.00001f + 0.01f;
+                is_far_off = to_best < 0.7f * from_start;  // its own neighbours are fewer
+            }
         }
         if (!is_far_off) return {best, least, i < codebook.listed || codebook.listed == codebook.count - 1};
     }
@@ -78,12 +87,10 @@ CHIARO_INLINE FoundCodeword near_codeword(const CodebookView& codebook, const st
 /// The nearest of all words, `found` being one.
 template <CodebookMetric metric>
 CHIARO_INLINE FoundCodeword codeword_of_all(const CodebookView& codebook, const std::int16_t* x, FoundCodeword found) {
-    for (std::int32_t c = 0; c < codebook.count; ++c) {
-        const std::int32_t d = difference<metric>(x, codebook.codewords + std::int64_t(c) * codebook.bins,
-                                                  codebook.bins, found.difference);
+    for_each_codeword<metric>(codebook, x, [&](std::int32_t c, std::int32_t d) CHIARO_INLINE_LAMBDA {
         if (d < found.difference || (d == found.difference && c < found.codeword))
             found.codeword = c, found.difference = d;
-    }
+    });
     return {found.codeword, found.difference, true};
 }
 template <CodebookMetric metric>
@@ -158,8 +165,10 @@ CHIARO_INLINE void assign_each(const CodebookView& codebook, const std::int16_t*
 
 /// Differences of one word to all.
 CHIARO_INLINE void differences_to(const CodebookView& codebook, const std::int16_t* x, std::int32_t* out) {
-    for (std::int32_t c = 0; c < codebook.count; ++c)
-        out[c] = difference_of(codebook, x, codebook.codewords + std::int64_t(c) * codebook.bins);
+    by_metric(codebook, [&](auto of) CHIARO_INLINE_LAMBDA {
+        for_each_codeword<decltype(of)::value>(
+            codebook, x, [&](std::int32_t c, std::int32_t d) CHIARO_INLINE_LAMBDA { out[c] = d; });
+    });
 }
 
 }  // namespace chiaro::kernel
