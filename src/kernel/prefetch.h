@@ -11,4 +11,11 @@ CHIARO_INLINE void prefetch([[maybe_unused]] float* to) {
 #endif
 }
 
+/// For what will be read soon.
+CHIARO_INLINE void prefetch_read([[maybe_unused]] const void* from) {
+#ifndef __CUDA_ARCH__
+    __builtin_prefetch(from);
+#endif
+}
+
 }  // namespace chiaro::kernel

@@ -4,6 +4,7 @@
 #include "illumination/histogram/ball_view.h"
 #include "illumination/histogram/bin_grid.h"
 #include "illumination/histogram/codebook_view.h"
+#include "kernel/prefetch.h"
 
 namespace chiaro::kernel {
 
@@ -55,6 +56,18 @@ struct FoursAhead {
     }
 };
 
+CHIARO_INLINE bool is_inside(const CellNeighbours& cell, const BallRow& row) {
+    return row.dy >= -cell.before[1] && row.dy <= cell.behind[1] && row.dz >= -cell.before[2] &&
+           row.dz <= cell.behind[2];
+}
+/// Rows of a ball lie too far apart for the processor to guess the next one.
+inline constexpr std::int32_t rows_ahead = 8;
+CHIARO_INLINE void ask_for(const CellNeighbours& cell, const BallRow& row) {
+    if (!is_inside(cell, row)) return;
+    const std::uint16_t* const middle = cell.here + row.dz * cell.slice + row.dy * cell.row;
+    prefetch_read(middle - min(row.reach, cell.before[0])), prefetch_read(middle + min(row.reach, cell.behind[0]));
+}
+
 /// Adds the cells of the ball on the gradient's side, or where `whole` all, to `counts`, [4][places]. Cells in the
 /// plane between the halves count half.
 CHIARO_INLINE void count_ball(const BallView& ball, const CellNeighbours& cell, const float* gradient, bool whole,
@@ -64,8 +77,8 @@ CHIARO_INLINE void count_ball(const BallView& ball, const CellNeighbours& cell, 
     for (std::int32_t i = 0; i < ball.rows; middle += ball.row[i++].reach + 1) {
         const BallRow row = ball.row[i];
         middle += row.reach;
-        if (row.dy < -cell.before[1] || row.dy > cell.behind[1]) continue;
-        if (row.dz < -cell.before[2] || row.dz > cell.behind[2]) continue;
+        ask_for(cell, ball.row[min(i + rows_ahead, ball.rows - 1)]);
+        if (!is_inside(cell, row)) continue;
         const float across = mad(float(row.dz), gradient[2], float(row.dy) * gradient[1]);
         const float ends = abs(gradient[0]) * float(row.reach);
         if (!whole && across + ends < 0) continue;  // all of it lies behind

@@ -138,16 +138,29 @@ CHIARO_INLINE bool is_same(const CodebookView& codebook, const std::int16_t* bes
     return beside && difference<CodebookMetric::lmax>(x, beside, codebook.bins) == 0;
 }
 
-/// Identifiers of a row of cells, two histograms each. A cell's guesses are the words of the one before; the first
-/// one's are in `words`.
+/// The nearer of two words, or the first.
+CHIARO_INLINE std::int32_t nearer(const CodebookView& codebook, const std::int16_t* x, std::int32_t a, std::int32_t b) {
+    if (a == b) return a;
+    return by_metric(codebook, [&](auto of) CHIARO_INLINE_LAMBDA {
+        std::int32_t found[4];
+        differences<decltype(of)::value>(codebook, x, {a, b, a, b}, found);
+        return found[1] < found[0] ? b : a;
+    });
+}
+
+/// Identifiers of a row of cells, two histograms each. A cell's guesses are the words of the one before and of the one
+/// in the row `above` (null: unknown); the first one's are in `codewords`.
 CHIARO_INLINE void assign_row(const CodebookView& codebook, const std::int16_t* histograms, std::int32_t count,
-                              std::uint16_t* codewords) {
+                              const std::uint16_t* above, std::uint16_t* codewords) {
     for (int side = 0; side < 2; ++side) {
         std::int32_t codeword = codewords[side];
         const std::int16_t* before = nullptr;
         for (int i = 0; i < count; ++i) {
             const std::int16_t* x = histograms + (2 * i + side) * codebook.bins;
-            if (!is_same(codebook, before, x)) codeword = nearest_codeword(codebook, x, codeword).codeword;
+            if (!is_same(codebook, before, x)) {
+                if (above) codeword = nearer(codebook, x, codeword, above[2 * i + side]);
+                codeword = nearest_codeword(codebook, x, codeword).codeword;
+            }
             codewords[2 * i + side] = std::uint16_t(codeword);
             before = x;
         }
