@@ -1,5 +1,7 @@
 // Numbers that lie next to each other in memory: one, or sixteen at a time.
 #pragma once
+#include <utility>
+
 #include "kernel/lanes.h"
 
 namespace chiaro::kernel {
@@ -184,6 +186,25 @@ CHIARO_INLINE F load_row(const float* from) {
         return lanes;
     }
 }
+/// a0 b0 a1 b1 ...
+CHIARO_INLINE void load_interleaved(const float* from, float& a, float& b) { a = from[0], b = from[1]; }
+#ifdef CHIARO_SIMD
+inline namespace CHIARO_ISA {
+template <int N>
+CHIARO_INLINE void load_interleaved(const float* from, Pack<float, N>& a, Pack<float, N>& b) {
+    if constexpr (is_native<float, N>) {
+        const auto low = load_row<Pack<float, N>>(from).v, high = load_row<Pack<float, N>>(from + N).v;
+        [&]<int... i>(std::integer_sequence<int, i...>) CHIARO_INLINE_LAMBDA {
+            a = Pack<float, N>(__builtin_shufflevector(low, high, (2 * i)...));
+            b = Pack<float, N>(__builtin_shufflevector(low, high, (2 * i + 1)...));
+        }
+        (std::make_integer_sequence<int, N>());
+    } else {
+        load_interleaved(from, a.lo, b.lo), load_interleaved(from + N, a.hi, b.hi);
+    }
+}
+}  // namespace CHIARO_ISA
+#endif
 template <class F>
 CHIARO_INLINE void store_row(float* to, F lanes) {
     if constexpr (requires { lanes.lo; }) {

@@ -10,6 +10,13 @@ namespace {
 using Block = kernel::FastBlock;
 static_assert(Block::edge == block_edge);
 
+void add_near(Block& block, int dx, int dy, int dz, float weight) {
+    kernel::NearCells& near = block.near;
+    const int i = near.count++;
+    near.x[i] = float(dx), near.y[i] = float(dy), near.z[i] = float(dz), near.weight[i] = weight;
+    near.distance[i] = dx + dy * block.tile_row + dz * block.tile_slice;
+}
+
 }  // namespace
 
 FastShape::FastShape(const Packing& packing, int radius) {
@@ -26,9 +33,7 @@ FastShape::FastShape(const Packing& packing, int radius) {
     for (const Ball::Row& row : ball.rows)
         for (int dx = -row.reach; dx <= row.reach; ++dx)
             if (const int square = row.dy * row.dy + row.dz * row.dz + dx * dx; square > 0 && square <= near_square)
-                block.near[block.near_count++] = {float(dx), float(row.dy), float(row.dz),
-                                                  2 * ball.weight[std::size_t(square)] / Packing::whole,
-                                                  dx + row.dy * block.tile_row + row.dz * block.tile_slice};
+                add_near(block, dx, row.dy, row.dz, 2 * ball.weight[std::size_t(square)] / Packing::whole);
 }
 
 std::size_t carve_workspace(Block& b, const FastWorkspaceSize& room, std::byte* memory) {
@@ -46,7 +51,8 @@ std::size_t carve_workspace(Block& b, const FastWorkspaceSize& room, std::byte* 
     b.columns = ints(room.depths * wide * wide), b.rows = ints(room.depths * n * wide);
     b.mass = floats(n * n * n), b.blur = floats(n * n * n);
     b.plane = floats(room.planes * 3 * n * n), b.line = floats(4 * n * rows),
-    b.near_bins = floats(2 * rows * room.cells);
+    b.near_bins =
+        reinterpret_cast<float*>(take(std::size_t(rows * room.cells) * std::size_t(Block::near_numbers(b.bins))));
     b.tile = reinterpret_cast<std::uint32_t*>(take(std::size_t(b.tile_size())));
     return bytes;
 }

@@ -28,7 +28,9 @@ protected:
     }
     CHIARO_INLINE float* plane_of(const FastBlock& b, int plane) const { return b.plane + plane * 3 * nodes * row(); }
     CHIARO_INLINE float* line_of(const FastBlock& b, int line) const { return b.line + line * 4 * row(); }
-    CHIARO_INLINE float* near_of(const FastBlock& b, int cell) const { return b.near_bins + cell * 2 * slab.bins; }
+    CHIARO_INLINE float* near_of(const FastBlock& b, int cell) const {
+        return b.near_bins + cell * FastBlock::near_numbers(slab.bins);
+    }
 };
 
 struct LoadTile : FastBatch {
@@ -110,7 +112,7 @@ struct CountNear : FastBatch {
         const Float3 n = slab.grid.normal(cell.at[0], cell.at[1], cell.at[2]);
         float* const normal = normals + 3 * item;
         normal[0] = n.x, normal[1] = n.y, normal[2] = n.z;
-        count_near(b, in_tile(b, cell.x, cell.y, cell.z), normal, near_of(b, cell.i));
+        count_near<float>(b, in_tile(b, cell.x, cell.y, cell.z), normal, near_of(b, cell.i));
     }
 };
 

@@ -9,17 +9,19 @@ struct FastBox {
     std::int32_t half_x, half_y, half_z;
     float mass, blur;
 };
-/// A cell that is counted by itself.
-struct NearCell {
-    float x, y, z, weight;
-    std::int32_t distance;  ///< in the tile
+/// Cells that are counted by themselves.
+struct NearCells {
+    static constexpr int most = 32;
+    float x[most], y[most], z[most], weight[most];
+    std::int32_t distance[most];  ///< in the tile
+    std::int32_t count;
 };
 
 /// Coarse cells are 2³ cells. Nodes are the centres of coarse cells, from two before the block to two behind it.
 struct FastBlock {
     static constexpr int edge = 32;  ///< cells
     static constexpr int nodes = edge / 2 + 4;
-    static constexpr int max_near = 32, max_boxes = 15;
+    static constexpr int max_near = NearCells::most, max_boxes = 15;
 
     std::int32_t bins;   ///< of a vector, a multiple of 16
     std::int32_t reach;  ///< coarse cells that the tile has around the nodes
@@ -30,8 +32,8 @@ struct FastBlock {
     std::int32_t fine_first;  ///< the block's first cell along each axis of the tile
 
     FastBox box[max_boxes];  ///< with the same half_z one after the other
-    NearCell near[max_near];
-    std::int32_t boxes, near_count;
+    NearCells near;
+    std::int32_t boxes;
 
     // Room, vectors of `bins` numbers; on a GPU of columns and rows for each plane of nodes:
     std::int32_t *columns, *rows;  ///< (nodes + 2 reach)² and nodes (nodes + 2 reach)
@@ -39,8 +41,9 @@ struct FastBlock {
     // On a GPU for each plane of a slab, of that for each row, of that for each cell:
     float* plane;      ///< 3 nodes²
     float* line;       ///< 4 nodes
-    float* near_bins;  ///< 2
+    float* near_bins;  ///< near_numbers(bins): two a bin, and room behind the last
 
+    static constexpr int near_numbers(int bins) { return 2 * bins + 16; }
     int tile_size() const { return tile_row * tile_slice; }
 };
 

@@ -210,24 +210,35 @@ CHIARO_INLINE void fast_plane(const FastBlock& b, int fine_z) {
         interpolate_planes<F>(b, between(fine_z), i, b.plane);
 }
 
-/// Counts the cells near one cell by their true side of it: forward, then backward.
+/// Counts the cells near one cell by their true side of it: of each packed bin forward, then backward. First what each
+/// adds, then the adding: one after the other they would wait for each other.
+template <class F>
 CHIARO_INLINE void count_near(const FastBlock& b, const std::uint32_t* cell, const float* n, float* near) {
-    float *const forward = near, *const backward = near + b.bins;
-    for (int k = 0; k < 2 * b.bins; ++k) near[k] = 0;
-    float to_forward[FastBlock::max_near];
-    for (int i = 0; i < b.near_count; ++i) {
-        const NearCell& c = b.near[i];
-        const float ahead = mad(c.x, n[0], mad(c.y, n[1], c.z * n[2]));
-        to_forward[i] = ahead > 0 ? c.weight : ahead < 0 ? 0 : 0.5f * c.weight;
+    using Four = typename NumbersOf<F>::Four;
+    for (int k = 0; k < FastBlock::near_numbers(b.bins); ++k) near[k] = 0;
+    float forward[FastBlock::max_near], shares[FastBlock::max_near][4];
+    const NearCells& c = b.near;
+    for (int i = 0; i < FastBlock::max_near; ++i) {
+        const float ahead = mad(c.x[i], n[0], mad(c.y[i], n[1], c.z[i] * n[2]));
+        forward[i] = c.weight[i] * (ahead > 0 ? 1.0f : ahead < 0 ? 0.0f : 0.5f);
     }
-    for (int i = 0; i < b.near_count; ++i) {
-        const std::uint32_t code = cell[b.near[i].distance];
-        const float f = to_forward[i], r = b.near[i].weight - f;
-        const int bin = int(code & 0xff);
-        const float first = float(code >> 8 & 0x1ff), second = float(code >> 17);
-        forward[bin] += first * f, backward[bin] += first * r;
-        if (code >> 17) forward[bin + 1] += second * f, backward[bin + 1] += second * r;
+    for (int i = 0; i < c.count; ++i) {
+        const std::uint32_t code = cell[c.distance[i]];
+        const float f = forward[i], r = c.weight[i] - f, first = float(code >> 8 & 0x1ff), second = float(code >> 17);
+        shares[i][0] = first * f, shares[i][1] = first * r, shares[i][2] = second * f, shares[i][3] = second * r;
     }
+    float* bins = near;
+    Four there(0), more;  // neighbours share a bin more often than not: it stays in a register
+    for (int i = 0; i < c.count; ++i) {
+        if (float* const here = near + 2 * (cell[c.distance[i]] & 0xff); here != bins) {
+            store(there, bins);
+            load(here, there);
+            bins = here;
+        }
+        load(shares[i], more);
+        there = there + more;
+    }
+    store(there, bins);
 }
 
 template <class F>
@@ -250,8 +261,10 @@ CHIARO_INLINE void finish_bins(const FastBlock& b, const float* line, Between x,
                          mad(F(n[1]), blend(s, dy, t, dy + bins), F(n[2]) * blend(s, dz, t, dz + bins)));
     const F q = moment / max(mass, F(1e-12f));
     const F half = min(max(moment * mad(F(2) * q, q, F(1.5f)), F(0) - mass), mass);
-    store_histogram(mass + half + load_row<F>(near + k), histograms + k);
-    store_histogram(mass - half + load_row<F>(near + bins + k), histograms + bins + k);
+    F forward, backward;
+    load_interleaved(near + 2 * k, forward, backward);
+    store_histogram(mass + half + forward, histograms + k);
+    store_histogram(mass - half + backward, histograms + bins + k);
 }
 
 CHIARO_INLINE const std::uint32_t* in_tile(const FastBlock& b, int fine_x, int fine_y, int fine_z) {
@@ -268,7 +281,7 @@ CHIARO_INLINE void fast_cells(const FastBlock& b, int fine_y, int fine_z, int co
         interpolate_rows<F>(b.bins, b.plane, between(fine_y), i, b.line);
     for (int x = 0; x < count; x += step, histograms += 2 * b.bins) {
         const float* n = normals + 3 * x;
-        count_near(b, in_tile(b, x, fine_y, fine_z), n, b.near_bins);
+        count_near<F>(b, in_tile(b, x, fine_y, fine_z), n, b.near_bins);
         for (int k = 0; k < b.bins; k += lanes) finish_bins<F>(b, b.line, between(x), n, b.near_bins, k, histograms);
     }
 }
