@@ -14,7 +14,7 @@ struct HistogramFunctions {
     void (*fast_cells)(const FastBlock&, int fine_y, int fine_z, int count, int step, const float* normals,
                        std::int16_t* histograms);
     void (*assign_row)(const CodebookView&, const std::int16_t* histograms, std::int32_t count,
-                       const std::uint16_t* above, std::uint16_t* codewords);
+                       const std::uint16_t* above, const std::uint16_t* behind, std::uint16_t* codewords);
     void (*assign_each)(const CodebookView&, const std::int16_t* histograms, std::int32_t count,
                         std::uint16_t* codewords, std::int32_t* differences);
     void (*differences_to)(const CodebookView&, const std::int16_t* histogram, std::int32_t* differences);

@@ -27,15 +27,17 @@ void assign(const Device& device, const HistogramData& data, HistogramPath path,
                      const auto [x, y, z] = blocks.cells(std::size_t(b), grid.count);
                      const int step = out.subsample, count = (x.second - x.first + step - 1) / step;
                      CodewordPair guess{0, 0};
-                     const auto row = [&, first = y.first, x = x.first / step](int j, int k,
-                                                                               const PackedHistogram* histograms) {
+                     const auto row = [&, x = x.first / step, y0 = y.first, z0 = z.first](
+                                          int j, int k, const PackedHistogram* histograms) {
                          progress.check();  // a block takes a while
                          const std::size_t at =
                              (std::size_t(k / step) * out.nodes[1] + std::size_t(j / step)) * out.nodes[0] + x;
                          CodewordPair* to = out.pairs().data() + at;
                          *to = guess;
-                         const std::uint16_t* above = j > first ? &(to - out.nodes[0])->forward : nullptr;
-                         kernels.assign_row(codebook.view(), histograms, count, above, &to->forward);
+                         const std::ptrdiff_t width = out.nodes[0], slice = width * out.nodes[1];
+                         const std::uint16_t *above = j > y0 ? &(to - width)->forward : nullptr,
+                                             *behind = k > z0 ? &(to - slice)->forward : nullptr;
+                         kernels.assign_row(codebook.view(), histograms, count, above, behind, &to->forward);
                          guess = *to;
                      };
                      source->find(

@@ -18,7 +18,8 @@ HistogramFunctions histogram_functions() {
             fast_cells<NativeLanes>(block, fine_y, fine_z, count, step, normals, histograms);
         },
         [](const CodebookView& codebook, const std::int16_t* histograms, std::int32_t count, const std::uint16_t* above,
-           std::uint16_t* codewords) { assign_row(codebook, histograms, count, above, codewords); },
+           const std::uint16_t* behind,
+           std::uint16_t* codewords) { assign_row(codebook, histograms, count, above, behind, codewords); },
         [](const CodebookView& codebook, const std::int16_t* histograms, std::int32_t count, std::uint16_t* codewords,
            std::int32_t* differences) { assign_each(codebook, histograms, count, codewords, differences); },
         [](const CodebookView& codebook, const std::int16_t* histogram, std::int32_t* differences) {

@@ -58,9 +58,8 @@ struct FoundCodeword {
 /// only where d(s, c) <= d(x, s) + d(x, best) for a word s (triangle inequality), so the neighbours of a good guess s
 /// are tried in order until they are too far. Where the list of neighbours ends before that any word may be nearer.
 template <CodebookMetric metric>
-CHIARO_INLINE FoundCodeword near_codeword(const CodebookView& codebook, const std::int16_t* x, std::int32_t guess) {
-    std::int32_t best = guess,
-                 least = difference<metric>(x, codebook.codewords + std::int64_t(guess) * codebook.bins, codebook.bins);
+CHIARO_INLINE FoundCodeword near_codeword(const CodebookView& codebook, const std::int16_t* x, FoundCodeword guess) {
+    std::int32_t best = guess.codeword, least = guess.difference;
     for (;;) {
         const std::int32_t start = best;
         const float from_start = distance_of<metric>(least);
@@ -84,6 +83,16 @@ CHIARO_INLINE FoundCodeword near_codeword(const CodebookView& codebook, const st
         if (!is_far_off) return {best, least, i < codebook.listed || codebook.listed == codebook.count - 1};
     }
 }
+/// The nearest of four guesses, of equals the first.
+template <CodebookMetric metric>
+CHIARO_INLINE FoundCodeword best_of(const CodebookView& codebook, const std::int16_t* x,
+                                    const std::int32_t (&guess)[4]) {
+    std::int32_t found[4], best = 0;
+    differences<metric>(codebook, x, guess, found);
+    for (int i = 1; i < 4; ++i)
+        if (found[i] < found[best]) best = i;
+    return {guess[best], found[best], false};
+}
 /// The nearest of all words, `found` being one.
 template <CodebookMetric metric>
 CHIARO_INLINE FoundCodeword codeword_of_all(const CodebookView& codebook, const std::int16_t* x, FoundCodeword found) {
@@ -94,7 +103,7 @@ CHIARO_INLINE FoundCodeword codeword_of_all(const CodebookView& codebook, const 
     return {found.codeword, found.difference, true};
 }
 template <CodebookMetric metric>
-CHIARO_INLINE FoundCodeword nearest_codeword(const CodebookView& codebook, const std::int16_t* x, std::int32_t guess) {
+CHIARO_INLINE FoundCodeword nearest_codeword(const CodebookView& codebook, const std::int16_t* x, FoundCodeword guess) {
     const FoundCodeword near = near_codeword<metric>(codebook, x, guess);
     return near.is_nearest ? near : codeword_of_all<metric>(codebook, x, near);
 }
@@ -114,9 +123,13 @@ CHIARO_INLINE std::int32_t difference_of(const CodebookView& codebook, const std
     return by_metric(
         codebook, [&](auto of) CHIARO_INLINE_LAMBDA { return difference<decltype(of)::value>(a, b, codebook.bins); });
 }
+CHIARO_INLINE FoundCodeword guessed(const CodebookView& codebook, const std::int16_t* x, std::int32_t guess) {
+    return {guess, difference_of(codebook, x, codebook.codewords + std::int64_t(guess) * codebook.bins), false};
+}
 CHIARO_INLINE FoundCodeword near_codeword(const CodebookView& codebook, const std::int16_t* x, std::int32_t guess) {
-    return by_metric(
-        codebook, [&](auto of) CHIARO_INLINE_LAMBDA { return near_codeword<decltype(of)::value>(codebook, x, guess); });
+    return by_metric(codebook, [&](auto of) CHIARO_INLINE_LAMBDA {
+        return near_codeword<decltype(of)::value>(codebook, x, guessed(codebook, x, guess));
+    });
 }
 CHIARO_INLINE FoundCodeword codeword_of_all(const CodebookView& codebook, const std::int16_t* x, FoundCodeword found) {
     return by_metric(codebook, [&](auto of) CHIARO_INLINE_LAMBDA {
@@ -125,7 +138,14 @@ CHIARO_INLINE FoundCodeword codeword_of_all(const CodebookView& codebook, const 
 }
 CHIARO_INLINE FoundCodeword nearest_codeword(const CodebookView& codebook, const std::int16_t* x, std::int32_t guess) {
     return by_metric(codebook, [&](auto of) CHIARO_INLINE_LAMBDA {
-        return nearest_codeword<decltype(of)::value>(codebook, x, guess);
+        return nearest_codeword<decltype(of)::value>(codebook, x, guessed(codebook, x, guess));
+    });
+}
+CHIARO_INLINE FoundCodeword nearest_codeword(const CodebookView& codebook, const std::int16_t* x,
+                                             const std::int32_t (&guess)[4]) {
+    return by_metric(codebook, [&](auto of) CHIARO_INLINE_LAMBDA {
+        constexpr CodebookMetric metric = decltype(of)::value;
+        return nearest_codeword<metric>(codebook, x, best_of<metric>(codebook, x, guess));
     });
 }
 CHIARO_INLINE float distance_of(const CodebookView& codebook, std::int32_t difference) {
@@ -135,32 +155,26 @@ CHIARO_INLINE float distance_of(const CodebookView& codebook, std::int32_t diffe
 
 /// Whether `x` is what lies `beside` it (null: nothing does), so that its word is too.
 CHIARO_INLINE bool is_same(const CodebookView& codebook, const std::int16_t* beside, const std::int16_t* x) {
-    return beside && difference<CodebookMetric::lmax>(x, beside, codebook.bins) == 0;
+    if (!beside) return false;
+    std::int16_t differ = 0;
+    for_both(x, beside, 0, codebook.bins,
+             [&](std::int16_t u, std::int16_t v) CHIARO_INLINE_LAMBDA { differ = std::int16_t(differ | (u ^ v)); });
+    return differ == 0;
 }
 
-/// The nearer of two words, or the first.
-CHIARO_INLINE std::int32_t nearer(const CodebookView& codebook, const std::int16_t* x, std::int32_t a, std::int32_t b) {
-    if (a == b) return a;
-    return by_metric(codebook, [&](auto of) CHIARO_INLINE_LAMBDA {
-        std::int32_t found[4];
-        differences<decltype(of)::value>(codebook, x, {a, b, a, b}, found);
-        return found[1] < found[0] ? b : a;
-    });
-}
-
-/// Identifiers of a row of cells, two histograms each. A cell's guesses are the words of the one before and of the one
-/// in the row `above` (null: unknown); the first one's are in `codewords`.
+/// Identifiers of a row of cells, two histograms each. A cell's guesses are the words of the one before and of those in
+/// the rows `above` and `behind` (null: unknown); the first one's are in `codewords`.
 CHIARO_INLINE void assign_row(const CodebookView& codebook, const std::int16_t* histograms, std::int32_t count,
-                              const std::uint16_t* above, std::uint16_t* codewords) {
+                              const std::uint16_t* above, const std::uint16_t* behind, std::uint16_t* codewords) {
     for (int side = 0; side < 2; ++side) {
         std::int32_t codeword = codewords[side];
         const std::int16_t* before = nullptr;
         for (int i = 0; i < count; ++i) {
             const std::int16_t* x = histograms + (2 * i + side) * codebook.bins;
-            if (!is_same(codebook, before, x)) {
-                if (above) codeword = nearer(codebook, x, codeword, above[2 * i + side]);
-                codeword = nearest_codeword(codebook, x, codeword).codeword;
-            }
+            const std::int32_t of_above = above ? above[2 * i + side] : codeword,
+                               of_behind = behind ? behind[2 * i + side] : codeword;
+            if (!is_same(codebook, before, x))
+                codeword = nearest_codeword(codebook, x, {codeword, of_above, of_behind, codeword}).codeword;
             codewords[2 * i + side] = std::uint16_t(codeword);
             before = x;
         }
