@@ -50,7 +50,7 @@ struct FoursAhead {
         if (along == 0) return;
         const float meets = min(max(-across / along, -most), most) - float(from);
         if (along > 0)
-            first = max(std::int32_t(meets) - 2, 0) / 4 * 4;
+            first = min(count, max(std::int32_t(meets) - 2, 0) / 4 * 4);
         else
             end = min(count, max(std::int32_t(meets) + 6, 0) / 4 * 4);
     }
