@@ -1,6 +1,6 @@
 // Two vectors of 16-bit numbers side by side.
 #pragma once
-#include "kernel/lanes.h"
+#include "kernel/row.h"
 
 namespace chiaro::kernel {
 
@@ -26,51 +26,55 @@ CHIARO_INLINE void for_both(const std::int16_t* a, const std::int16_t* b, int fi
 #ifdef CHIARO_SIMD
 inline namespace CHIARO_ISA {
 
+/// The squares of neighbours, added up.
+CHIARO_INLINE __m128i native_squares(__m128i d) { return _mm_madd_epi16(d, d); }
+#if defined(__AVX2__)
+CHIARO_INLINE __m256i native_squares(__m256i d) { return _mm256_madd_epi16(d, d); }
+#endif
+#if defined(__AVX512F__)
+CHIARO_INLINE __m512i native_squares(__m512i d) { return _mm512_madd_epi16(d, d); }
+#endif
+
+/// From number k on, as many as fill whole vectors (V and its Register are as wide); answers where it stopped.
+template <class V, class Register, class Words>
+CHIARO_INLINE int add_squares(const std::int16_t* x, const std::int16_t* const (&to)[4], int k, int count,
+                              Words (&sums)[4]) {
+    constexpr int lanes = sizeof(V) / sizeof(std::int16_t);
+    const auto load = [&](const std::int16_t* from) CHIARO_INLINE_LAMBDA {
+        return load_vector<V>(reinterpret_cast<const std::uint16_t*>(from + k));
+    };
+    for (; k + lanes <= count; k += lanes) {
+        const V here = load(x);
+        for (int i = 0; i < 4; ++i) sums[i] += Words(native_squares(Register(here - load(to[i]))));
+    }
+    return k;
+}
+
 // Four at a time: adding up the lanes of one takes as long as thirty of its numbers.
 CHIARO_INLINE void square_distances(const std::int16_t* x, const std::int16_t* const (&to)[4], int count,
                                     std::int32_t (&sums)[4]) {
     int k = 0;
-#if defined(__AVX512F__)
-    const auto load_wide = [&](const std::int16_t* from) CHIARO_INLINE_LAMBDA { return _mm512_loadu_si512(from + k); };
-    __m512i wide[4] = {};
-    for (; k + 32 <= count; k += 32) {
-        const __m512i here = load_wide(x);
-        for (int i = 0; i < 4; ++i) {
-            const __m512i d = _mm512_sub_epi16(here, load_wide(to[i]));
-            wide[i] = _mm512_add_epi32(wide[i], _mm512_madd_epi16(d, d));
-        }
-    }
-#endif
 #if defined(__AVX2__)
-    const auto load = [&](const std::int16_t* from) CHIARO_INLINE_LAMBDA {
-        return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from + k));
-    };
-    __m256i all[4] = {};
+    typedef VectorOf<std::int32_t, 8>::type Words;
+    Words all[4] = {};
 #if defined(__AVX512F__)
+    typedef VectorOf<std::int32_t, 16>::type WideWords;
+    WideWords wide[4] = {};
+    k = add_squares<VectorOf<std::uint16_t, 32>::type, __m512i>(x, to, k, count, wide);
     for (int i = 0; i < 4; ++i)
-        all[i] = _mm256_add_epi32(_mm512_castsi512_si256(wide[i]), _mm512_extracti64x4_epi64(wide[i], 1));
+        all[i] =
+            Words(_mm512_castsi512_si256(__m512i(wide[i]))) + Words(_mm512_extracti64x4_epi64(__m512i(wide[i]), 1));
 #endif
-    for (; k < count; k += 16) {
-        const __m256i here = load(x);
-        for (int i = 0; i < 4; ++i) {
-            const __m256i d = _mm256_sub_epi16(here, load(to[i]));
-            all[i] = _mm256_add_epi32(all[i], _mm256_madd_epi16(d, d));
-        }
-    }
-    const __m256i pairs = _mm256_hadd_epi32(_mm256_hadd_epi32(all[0], all[1]), _mm256_hadd_epi32(all[2], all[3]));
+    add_squares<NativeShorts16, __m256i>(x, to, k, count, all);
+    const __m256i pairs = _mm256_hadd_epi32(_mm256_hadd_epi32(__m256i(all[0]), __m256i(all[1])),
+                                            _mm256_hadd_epi32(__m256i(all[2]), __m256i(all[3])));
     const __m128i whole = _mm_add_epi32(_mm256_castsi256_si128(pairs), _mm256_extracti128_si256(pairs, 1));
 #else
-    const auto load = [&](const std::int16_t* from)
-                          CHIARO_INLINE_LAMBDA { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(from + k)); };
-    __m128i all[4] = {};
-    for (; k < count; k += 8) {
-        const __m128i here = load(x);
-        for (int i = 0; i < 4; ++i) {
-            const __m128i d = _mm_sub_epi16(here, load(to[i]));
-            all[i] = _mm_add_epi32(all[i], _mm_madd_epi16(d, d));
-        }
-    }
-    const __m128i whole = _mm_hadd_epi32(_mm_hadd_epi32(all[0], all[1]), _mm_hadd_epi32(all[2], all[3]));
+    typedef VectorOf<std::int32_t, 4>::type Words;
+    Words all[4] = {};
+    add_squares<NativeShorts8, __m128i>(x, to, k, count, all);
+    const __m128i whole = _mm_hadd_epi32(_mm_hadd_epi32(__m128i(all[0]), __m128i(all[1])),
+                                         _mm_hadd_epi32(__m128i(all[2]), __m128i(all[3])));
 #endif
     _mm_storeu_si128(reinterpret_cast<__m128i*>(sums), whole);
 }

@@ -75,7 +75,7 @@ async function orbit(page, seconds, half = () => {}) {
   }
   const rested = await page.evaluate(() => performance.now());
   await page.mouse.up();
-  await final(page, 60000);
+  await final(page);
   return rested;
 }
 
@@ -99,7 +99,7 @@ async function measure(browser, url, name, way, asked, seconds) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 800 } });
   await context.addInitScript(watch);
   const { page, faults } = await openPage({ newPage: () => context.newPage() }, address.href);
-  await final(page, 120000);
+  await final(page);
   await orbit(page, 3);
   await clear(page);
   way.longest_queue_ms = 0;
@@ -116,9 +116,9 @@ async function measure(browser, url, name, way, asked, seconds) {
     await page.mouse.move(476, 400);
     await page.mouse.down();
     await page.mouse.move(476 + x, 400 + x / 3, { steps: 12 });
-    await page.waitForFunction((n) => seen.pairs.length >= n, [120, -90, 60].indexOf(x) + 1, { timeout: 20000 });
+    await page.waitForFunction((n) => seen.pairs.length >= n, [120, -90, 60].indexOf(x) + 1);
     await page.mouse.up();
-    await final(page, 60000);
+    await final(page);
   }
   row("SSIM of drafts, least", Math.min(...(await page.evaluate(similar))).toFixed(3), ">= 0.85");
   // The rate falls to half in the middle.
@@ -133,7 +133,7 @@ async function measure(browser, url, name, way, asked, seconds) {
   way.bits_per_ms = whole;
   // Slices, scrolled; the play bar.
   await page.evaluate(() => chiaro.toggleSlices());
-  await page.waitForFunction(() => document.querySelector(".pane:not([hidden]) canvas")?.dataset.drawn === "final", null, { timeout: 30000 });
+  await page.waitForFunction(() => document.querySelector(".pane:not([hidden]) canvas")?.dataset.drawn === "final");
   await page.mouse.move(240, 200);
   await clear(page);
   const began = Date.now();
@@ -142,7 +142,7 @@ async function measure(browser, url, name, way, asked, seconds) {
   row("slices a second; 95 % of their times, ms", `${(slice.length / 5).toFixed(1)}; ${quantile(slice.map(([a, b]) => b - a), 0.95).toFixed(0)}`, `>= ${asked.rate}; <= ${asked.age}`);
   await page.evaluate(() => chiaro.toggleSlices());
   await page.evaluate(() => chiaro.toggleFilm().then(() => document.querySelectorAll("#film .film-bar > .plain")[2].click()));
-  await final(page, 60000);
+  await final(page);
   await clear(page);
   await page.evaluate(() => chiaro.film.play());
   await page.waitForTimeout(5000);

@@ -6,7 +6,7 @@ import { join } from "node:path";
 import { test } from "node:test";
 import { desktop, phone, visits } from "./mocked.mjs";
 import { chiaro, serve, servedVisits, skip } from "./served.mjs";
-import { drag, eventually, faint, final, pixels, settled, state } from "./visit.mjs";
+import { drag, eventually, faint, final, pixels, reconnected, settled, state } from "./visit.mjs";
 
 const all = servedVisits("sample:ball:24"), visit = visits();
 const keys = (page) => page.evaluate(() => (chiaro.store.state.film?.keys ?? []).map((key) => key.at));
@@ -207,7 +207,7 @@ test("writing goes on after a reload and after kill -9 where it was", { skip }, 
     assert.equal(statSync(first).mtimeMs, made);
     const download = page.waitForEvent("download");
     own = await serve(all.folder, "sample:ball:24", own.port);
-    await page.waitForFunction(() => chiaro.link.open || (document.querySelector(".banner button")?.click(), false), null, { polling: 300 });
+    await reconnected(page);
     const files = untar(readFileSync(await (await download).path()));
     assert.deepEqual(files.map(([name]) => name), Array.from({ length: 201 }, (_, i) => `frame-${String(i).padStart(5, "0")}.png`));
     assert.ok(files[0][1].equals(bytes), "the first frame is the one made first");

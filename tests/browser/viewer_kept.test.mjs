@@ -5,7 +5,7 @@ import { join } from "node:path";
 import { test } from "node:test";
 import { openPage } from "./page.mjs";
 import { options, serve, servedVisits, skip } from "./served.mjs";
-import { drag, eventually, final, pixels, settled, state } from "./visit.mjs";
+import { drag, eventually, final, pixels, reconnected, settled, state } from "./visit.mjs";
 import { nrrd } from "./volume_file.mjs";
 
 const all = servedVisits();
@@ -42,7 +42,7 @@ test("killed with -9 in the middle of an edit and started again: page, reload an
     own = await serve(all.folder, "sample:ball:48", own.port);
     await page.mouse.up({ button: "right" });
     await page.keyboard.press("Control+z");
-    await page.waitForFunction(() => chiaro.link.open || (document.querySelector(".banner button")?.click(), false), null, { polling: 300 });
+    await reconnected(page);
     await final(page);
     assert.deepEqual((await state(page)).values, was.values);
     // And again, reloaded before it comes back: another browser's tab would have no more than the server has.

@@ -6,7 +6,7 @@ import { join } from "node:path";
 import { test } from "node:test";
 import { openPage } from "./page.mjs";
 import { chiaro, options, serve as serveIn, servedVisits, skip, token } from "./served.mjs";
-import { drag, final, pixels, settled, state } from "./visit.mjs";
+import { drag, final, pixels, reconnected, settled, state } from "./visit.mjs";
 
 const all = servedVisits(), { folder, visit } = all, serve = (volume, port) => serveIn(folder, volume, port);
 
@@ -131,7 +131,7 @@ test("killed and started again, it shows the same picture", { skip }, async () =
       await own.end();
       await page.waitForSelector(".banner:has-text('Connection lost')");
       own = await serve("sample:cornell:48", own.port);
-      await page.waitForFunction(() => chiaro.link.open || (document.querySelector(".banner button")?.click(), false), null, { polling: 300 });
+      await reconnected(page);
       await page.waitForTimeout(300);
       await final(page);
       assert.equal(await pixels(page), was);

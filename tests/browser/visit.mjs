@@ -27,6 +27,10 @@ export async function eventually(holds, says) {
   }
 }
 
+/** Waits until the page has its server again, and asks for that. */
+export const reconnected = (page) =>
+  page.waitForFunction(() => chiaro.link.open || (document.querySelector(".banner button")?.click(), false), null, { polling: 300 });
+
 /** A number that tells pictures apart: of every pixel of the canvas. */
 export const pixels = (page) =>
   page.evaluate(() => {

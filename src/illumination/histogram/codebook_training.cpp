@@ -78,8 +78,8 @@ private:
     /// Rounded; a word without members keeps its place empty (see fill_empty).
     std::vector<PackedHistogram> means(const std::vector<std::int64_t>& members) {
         const std::size_t n = members.size();
-        std::vector<std::int64_t> sums(n * bins_);
-        if (!try_gpu([&] { gpu_->add_up(codeword_of_, sums); })) move_members(n), sums = sums_;
+        std::vector<std::int64_t> of_gpu(gpu_ ? n * bins_ : 0);
+        const auto& sums = try_gpu([&] { gpu_->add_up(codeword_of_, of_gpu); }) ? of_gpu : moved_sums(n);
         std::vector<PackedHistogram> means(n * bins_);
         for (std::size_t w = 0; w < n; ++w)
             if (members[w] > 0)
@@ -87,9 +87,9 @@ private:
                     means[k] = PackedHistogram((sums[k] + members[w] / 2) / members[w]);
         return means;
     }
-    /// Brings the sums of `n` words to what they are now: only vectors of another word than before count. (Most stay:
-    /// adding up all took a tenth of the whole preprocessing.)
-    void move_members(std::size_t n) {
+    /// The sums of `n` words, from those before: only vectors of another word than then count. (Most stay: adding up
+    /// all took a tenth of the whole preprocessing.)
+    const std::vector<std::int64_t>& moved_sums(std::size_t n) {
         constexpr std::size_t part = 16;  // bins at a time
         sums_.resize(n * bins_);
         parallel_for(device_.threads, std::int64_t(bins_ / part), 1, [&](std::int64_t p, std::int64_t) {
@@ -105,6 +105,7 @@ private:
             }
         });
         summed_of_ = codeword_of_;
+        return sums_;
     }
 
     void refine() {

@@ -21,7 +21,7 @@ struct NearCells {
 struct FastBlock {
     static constexpr int edge = 32;  ///< cells
     static constexpr int nodes = edge / 2 + 4;
-    static constexpr int max_near = NearCells::most, max_boxes = 15;
+    static constexpr int max_boxes = 15;
 
     std::int32_t bins;   ///< of a vector, a multiple of 16
     std::int32_t reach;  ///< coarse cells that the tile has around the nodes

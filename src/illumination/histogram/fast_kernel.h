@@ -216,9 +216,9 @@ template <class F>
 CHIARO_INLINE void count_near(const FastBlock& b, const std::uint32_t* cell, const float* n, float* near) {
     using Four = typename NumbersOf<F>::Four;
     for (int k = 0; k < FastBlock::near_numbers(b.bins); ++k) near[k] = 0;
-    float forward[FastBlock::max_near], shares[FastBlock::max_near][4];
+    float forward[NearCells::most], shares[NearCells::most][4];
     const NearCells& c = b.near;
-    for (int i = 0; i < FastBlock::max_near; ++i) {
+    for (int i = 0; i < NearCells::most; ++i) {
         const float ahead = mad(c.x[i], n[0], mad(c.y[i], n[1], c.z[i] * n[2]));
         forward[i] = c.weight[i] * (ahead > 0 ? 1.0f : ahead < 0 ? 0.0f : 0.5f);
     }
