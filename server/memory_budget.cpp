@@ -44,9 +44,9 @@ void average(const Volume& from, Volume& to) {
                 }
 }
 
-/// Bricks beside the voxels that were read, and the light of the default method.
+/// Bricks beside the voxels that were read, the coefficients of their spline, and the light of the default method.
 double needed_beyond(const Volume& volume) {
-    return brick_bytes(volume) + light_bytes({.method = Method::spao}, double(volume.voxel_count()));
+    return 2 * brick_bytes(volume) + light_bytes({.method = Method::spao}, double(volume.voxel_count()));
 }
 
 constexpr double transport_cell_bytes = 55 * sizeof(float);  ///< of a light grid's cell (src/illumination/transport)

@@ -7,8 +7,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 using namespace chiaro;
 
@@ -21,7 +23,64 @@ std::vector<T> voxels_in(const BrickSource& source, int level, const VoxelBox& b
     return voxels;
 }
 
+/// 70 × 40 × 50 numbers in chunks of 16 × 24 × 50, of which one cannot be had.
+class OwnChunks final : public ChunkReader {
+public:
+    static constexpr std::array<int, 3> size{70, 40, 50}, chunk{16, 24, 50}, lost{4, 1, 0};
+    static std::uint16_t at(int x, int y, int z) { return std::uint16_t((z * size[1] + y) * size[0] + x); }
+
+    explicit OwnChunks(std::atomic<int>& decoded) : decoded_(decoded) {
+        header_.dimensions = size, header_.type = VoxelType::u16, header_.source = "own";
+    }
+    const Volume& header() const override { return header_; }
+    const std::vector<ChunkedLevel>& levels() const override { return levels_; }
+    void decode(int, const std::array<int, 3>& c, const std::function<void(std::span<const std::byte>)>& use) override {
+        ++decoded_;
+        if (c == lost) throw Error(ErrorCode::input, "own: a chunk is lost");
+        std::vector<std::uint16_t> voxels(levels_[0].chunk_voxels(), 9999);
+        std::size_t i = 0;
+        for (int z = 0; z < chunk[2]; ++z)
+            for (int y = 0; y < chunk[1]; ++y)
+                for (int x = 0; x < chunk[0]; ++x, ++i)
+                    if (c[0] * chunk[0] + x < size[0] && c[1] * chunk[1] + y < size[1])
+                        voxels[i] = at(c[0] * chunk[0] + x, c[1] * chunk[1] + y, z);
+        use(std::as_bytes(std::span(voxels)));
+    }
+
+private:
+    Volume header_;
+    std::vector<ChunkedLevel> levels_{{size, chunk, {}}};
+    std::atomic<int>& decoded_;
+};
+
 }  // namespace
+
+TEST(BrickSource, ChunksMayBeAProgramsOwn) {
+    std::atomic<int> decoded = 0;
+    const auto source = source_of_chunks(std::make_unique<OwnChunks>(decoded));
+    ASSERT_EQ(source->levels().size(), 2u);
+    EXPECT_EQ(source->levels()[1].dimensions, (std::array<int, 3>{35, 20, 25}));
+    const VoxelBox box{{10, 20, 3}, {30, 18, 40}};
+    std::vector<std::vector<std::uint16_t>> read(4);
+    {
+        std::vector<std::jthread> threads;
+        for (auto& of_thread : read)
+            threads.emplace_back([&] { of_thread = voxels_in<std::uint16_t>(*source, 0, box); });
+    }
+    EXPECT_EQ(decoded, 6) << "each chunk once, for all threads: three along x, two along y";
+    for (const auto& of_thread : read) {
+        std::size_t i = 0;
+        for (int z = 3; z < 43; ++z)
+            for (int y = 20; y < 38; ++y)
+                for (int x = 10; x < 40; ++x, ++i) ASSERT_EQ(of_thread[i], OwnChunks::at(x, y, z));
+    }
+    const auto coarse = voxels_in<std::uint16_t>(*source, 1, {{1, 2, 3}, {5, 1, 2}});
+    for (int i = 0; i < 10; ++i) EXPECT_EQ(coarse[std::size_t(i)], OwnChunks::at(3 + 2 * (i % 5), 5, 7 + 2 * (i / 5)));
+    EXPECT_EQ(decoded, 6);
+    for (int times = 0; times < 2; ++times)
+        EXPECT_THROW(voxels_in<std::uint16_t>(*source, 0, {{66, 39, 0}, {1, 1, 1}}), Error);
+    EXPECT_EQ(decoded, 7) << "what cannot be decoded is not tried again";
+}
 
 TEST(BrickSource, LevelsOfASampleAreTheSampleAtHalfTheSize) {
     const auto source = open_sample("shells", 200);

@@ -34,11 +34,17 @@ struct HttpAnswer {
     bool is_silent = false;  ///< nothing is ever said
 };
 
+/// The way to a server: all its answers share it.
+struct HttpLink {
+    int round_trip_ms = 0;
+    double bytes_per_second = 0;  ///< 0: as many as there are
+};
+
 class HttpServer {
 public:
     using Handler = std::function<HttpAnswer(const HttpRequest&)>;
-    explicit HttpServer(Handler handler)
-        : handler_(std::move(handler)), listening_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    explicit HttpServer(Handler handler, HttpLink link = {})
+        : handler_(std::move(handler)), link_(link), listening_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
         sockaddr_in address{};
         address.sin_family = AF_INET, address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
         socklen_t size = sizeof address;
@@ -112,18 +118,35 @@ private:
             char none = 0;
             return recv(connection, &none, 1, 0) < 0;  // until the other end gives up
         }
-        std::this_thread::sleep_for(std::chrono::milliseconds(answer.late_ms));
+        std::this_thread::sleep_for(std::chrono::milliseconds(answer.late_ms + link_.round_trip_ms));
         std::string all = fmt::format("HTTP/1.1 {} Said\r\nContent-Length: {}\r\n", answer.status, answer.body.size());
         for (const auto& header : answer.headers) all += header + "\r\n";
         all += "\r\n" + answer.body.substr(0, answer.cut_at.value_or(answer.body.size()));
         for (std::size_t sent = 0; sent < all.size();) {
-            const ssize_t n = send(connection, all.data() + sent, all.size() - sent, MSG_NOSIGNAL);
+            const std::size_t part =
+                link_.bytes_per_second > 0 ? std::min<std::size_t>(all.size() - sent, 16384) : all.size() - sent;
+            wait_for_link(part);
+            const ssize_t n = send(connection, all.data() + sent, part, MSG_NOSIGNAL);
             if (n <= 0) return false;
             sent += std::size_t(n);
         }
         bytes_ += answer.body.size();
         if (answer.cut_at) shutdown(connection, SHUT_RDWR);
         return !answer.cut_at;
+    }
+
+    /// Until so many bytes are through.
+    void wait_for_link(std::size_t bytes) {
+        if (link_.bytes_per_second <= 0) return;
+        std::chrono::steady_clock::time_point through;
+        {
+            const std::lock_guard lock(mutex_);
+            const std::chrono::duration<double> takes(double(bytes) / link_.bytes_per_second);
+            link_free_ = std::max(link_free_, std::chrono::steady_clock::now()) +
+                         std::chrono::duration_cast<std::chrono::steady_clock::duration>(takes);
+            through = link_free_;
+        }
+        std::this_thread::sleep_until(through);
     }
 
     static HttpRequest parsed(const std::string& head) {
@@ -141,6 +164,8 @@ private:
     }
 
     Handler handler_;
+    const HttpLink link_;
+    std::chrono::steady_clock::time_point link_free_{};
     int listening_, port_ = 0;
     std::atomic<bool> is_over_{false};
     std::atomic<std::uint64_t> bytes_{0};

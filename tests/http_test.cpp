@@ -273,6 +273,31 @@ TEST_F(HttpTool, AHundredGigabytesShowAPictureAfterFewBytes) {
                 double(before_first) / 1e6, double(server->bytes()) / 1e6, double(seen) / 1e6, level);
 }
 
+// 50 ms away, by 100 Mbit/s: few questions follow one another before there is a picture.
+TEST_F(HttpTool, ASlowLinkShowsAPictureAfterFewBytes) {
+    const auto began = std::chrono::steady_clock::now();
+    const auto since = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(); };
+    std::atomic<std::uint64_t> before_first{0};
+    std::atomic<double> first_after{0};
+    std::unique_ptr<HttpServer> server;
+    server = std::make_unique<HttpServer>(
+        [&](const HttpRequest& request) {
+            if (server && !std::filesystem::exists(folder / "first.png"))
+                before_first = server->bytes(), first_after = since();
+            return Huge::answer(request);
+        },
+        HttpLink{.round_trip_ms = 50, .bytes_per_second = 12.5e6});
+    const Said said =
+        tool(fmt::format("render {} --memory 2G --size 256x192 --first-picture first.png -o last.png --stats last.json",
+                         server->url("huge.zarr")));
+    ASSERT_EQ(said.code, 0) << said.err;
+    EXPECT_LT(before_first, 50e6);
+    EXPECT_LE(1 << json("last.json")["paging"]["level"].get<int>(), 32) << said.err;
+    EXPECT_TRUE(json("last.json")["paging"]["faults"].empty());
+    std::printf("%.1f MB and %.2f s before the first picture, %.0f MB and %.1f s in all\n", double(before_first) / 1e6,
+                double(first_after), double(server->bytes()) / 1e6, since());
+}
+
 TEST_F(HttpTool, InfoTellsAndMisuseIsToldInASentence) {
     const HttpServer server([](const HttpRequest& request) { return Huge::answer(request); });
     const Said info = tool("info --json --memory 2G " + server.url("huge.zarr"));

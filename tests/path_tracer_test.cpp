@@ -1,5 +1,6 @@
 // The path tracer: noise, surfaces, what it draws, equality over instruction sets and threads, when it stops.
 #include <chiaro/error.h>
+#include <chiaro/samples.h>
 #include <chiaro/text.h>
 
 #include <algorithm>
@@ -31,6 +32,49 @@ TEST(PathTracer, NoiseFallsWithTheRootOfThePaths) {
             squares += std::pow(difference / 64, 2) / double(3 * few->sums().size());
     }
     EXPECT_NEAR(std::sqrt(squares / 2) / few->statistics().noise, 1, 0.1);
+}
+
+// No path is so bright that its pixel stands out, though none is cut off: those that few directions bring much light to
+// are drawn where the light is.
+TEST(PathTracer, NoPixelIsFarFromTheTruth) {
+    constexpr int few = 256, many = 4096;
+    for (const std::string probe : {"studio", "sky"}) {
+        const Volume volume = make_sample("tubes", 64);
+        Subject subject;
+        subject.tf = sample_transfer_function("tubes");
+        subject.lighting.loaded_probe = builtin_probe(probe);
+        subject.width = 64, subject.height = 48;
+        const auto truth = subject.traced(volume, many);
+        subject.options.seed = 5;
+        const auto found = subject.traced(volume, few);
+        const auto mean = [](const PixelSum& p, int paths) {
+            return std::array{p.r / paths, p.g / paths, p.b / paths};
+        };
+        // Of a pixel's mean, over the three channels.
+        const auto error_of = [&](const PixelSum& p, int paths) {
+            const auto [r, g, b] = mean(p, paths);
+            return std::max(0.0, p.squares / paths - (r * r + g * g + b * b) / 3) / paths;
+        };
+        int covered = 0, beyond = 0;
+        double sum = 0, worst = 0;
+        for (std::size_t i = 0; i < truth->sums().size(); ++i) {
+            const PixelSum &a = truth->sums()[i], &b = found->sums()[i];
+            if (a.a / many < 0.5) continue;
+            ++covered;
+            const auto of_truth = mean(a, many), of_found = mean(b, few);
+            double squares = 0;
+            for (std::size_t c = 0; c < 3; ++c)
+                squares += std::pow(of_found[c] - of_truth[c], 2) / 3, sum += of_truth[c] / 3;
+            worst = std::max(worst, std::sqrt(squares));
+            beyond += squares > 64 * (error_of(a, many) + error_of(b, few));
+        }
+        ASSERT_GT(covered, 300);
+        EXPECT_LT(worst, 10 * sum / covered) << probe;
+        EXPECT_LT(beyond, 0.001 * covered) << probe;
+        if (std::getenv("CHIARO_SHOW"))
+            std::printf("%s: %d pixels, worst %.3f of the mean, %d beyond 8 errors\n", probe.c_str(), covered,
+                        worst / (sum / covered), beyond);
+    }
 }
 
 // Lambert: on a convex surface nothing stands in the way of light, so E = ρ; in half the light by the side it faces.

@@ -92,14 +92,24 @@ std::string zarr_chunk(const ZarrLayout& layout, const Sizes& place, const std::
 
 inline std::string zarr_list(const Sizes& sizes) { return fmt::format("[{}]", fmt::join(sizes, ", ")); }
 
+/// What the specifications ask for, or writers write: readers may insist on it.
+inline std::string zarr_configuration(const std::string& codec, int version, std::size_t value_bytes) {
+    if (codec != "blosc") return codec == "lz4" ? R"("acceleration": 1)" : R"("level": 3)";
+    const std::string more = version == 2 ? "" : fmt::format(R"(, "typesize": {})", value_bytes);
+    return fmt::format(R"("cname": "zstd", "clevel": 5, "blocksize": 0, "shuffle": {}{})",
+                       version == 2 ? "1" : R"("shuffle")", more);
+}
+
 template <class T>
 std::string zarr_metadata(const ZarrLayout& layout) {
+    const std::string& codec = layout.codec;
+    const std::string configuration = zarr_configuration(codec, layout.version, sizeof(T));
     if (layout.version == 2)
         return fmt::format(
             R"({{"zarr_format": 2, "shape": {}, "chunks": {}, "dtype": "{}", "compressor": {}, "fill_value": {}, )"
             R"("order": "{}", "filters": null, "dimension_separator": "{}"}})",
             zarr_list(layout.shape), zarr_list(layout.chunk), zarr_type<T>(2, layout.is_big_endian),
-            layout.codec.empty() ? "null" : fmt::format(R"({{"id": "{}"}})", layout.codec), layout.fill,
+            codec.empty() ? "null" : fmt::format(R"({{"id": "{}", {}}})", codec, configuration), layout.fill,
             layout.order.empty() ? "C" : "F", layout.separator);
     std::string codecs;
     if (!layout.order.empty())
@@ -107,7 +117,9 @@ std::string zarr_metadata(const ZarrLayout& layout) {
             fmt::format(R"({{"name": "transpose", "configuration": {{"order": {}}}}}, )", zarr_list(layout.order));
     codecs += fmt::format(R"({{"name": "bytes", "configuration": {{"endian": "{}"}}}})",
                           layout.is_big_endian ? "big" : "little");
-    if (!layout.codec.empty()) codecs += fmt::format(R"(, {{"name": "{}", "configuration": {{}}}})", layout.codec);
+    if (!codec.empty())
+        codecs += fmt::format(R"(, {{"name": "{}", "configuration": {{{}{}}}}})", codec, configuration,
+                              codec == "zstd" ? R"(, "checksum": false)" : "");
     if (layout.has_checksum) codecs += R"(, {"name": "crc32c"})";
     if (!layout.shard.empty())
         codecs = fmt::format(

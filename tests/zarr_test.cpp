@@ -103,6 +103,19 @@ std::string dataset(const std::string& path, const std::string& scale, const std
 const std::string zyx = axis("z", "space", "micrometer") + ", " + axis("y", "space", "micrometer") + ", " +
                         axis("x", "space", "micrometer");
 
+/// Left for another reader, with its numbers (browser/stores.test.mjs).
+template <class T>
+void keep(const Folder& store, const std::string& name) {
+    const char* where = std::getenv("CHIARO_KEEP_STORES");
+    if (!where) return;
+    const fs::path to = fs::path(where) / (zarr_type<T>(3, false) + " " + name);
+    fs::create_directories(to);
+    fs::copy(store / "a", to / "a", fs::copy_options::recursive);
+    const auto numbers = values<T>();
+    std::ofstream(to / "numbers", std::ios::binary)
+        .write(reinterpret_cast<const char*>(numbers.data()), std::streamsize(numbers.size() * sizeof(T)));
+}
+
 template <class T>
 class ZarrOf : public ::testing::Test {};
 using Types = ::testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t,
@@ -120,6 +133,9 @@ TYPED_TEST(ZarrOf, HoldsTheSameHoweverItIsStored) {
         ASSERT_EQ(volume.dimensions, (std::array{6, 7, 5})) << name;
         ASSERT_EQ(voxels_of<TypeParam>(volume), values<TypeParam>()) << name;
         EXPECT_EQ(volume.format, "OME-Zarr");
+        std::string file_name = name;
+        std::ranges::replace(file_name, '/', '_');
+        keep<TypeParam>(folder, file_name);
     }
 }
 

@@ -6,7 +6,10 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace chiaro {
@@ -62,6 +65,36 @@ private:
     Volume header_;
     std::vector<SourceLevel> levels_;
 };
+
+/// A level that is kept in chunks, side by side from voxel (0, 0, 0) on.
+struct ChunkedLevel {
+    std::array<int, 3> dimensions{0, 0, 0}, chunk{1, 1, 1};  ///< x, y, z; chunks reach beyond the far border
+    Geometry geometry;
+
+    std::uint64_t chunk_voxels() const { return std::uint64_t(chunk[0]) * std::uint64_t(chunk[1]) * chunk[2]; }
+    std::array<int, 3> chunks() const {
+        std::array<int, 3> count{};
+        for (std::size_t axis = 0; axis < 3; ++axis) count[axis] = (dimensions[axis] - 1) / chunk[axis] + 1;
+        return count;
+    }
+};
+
+/// Who decodes the chunks of a volume. A program with a storage of its own derives from this.
+class ChunkReader {
+public:
+    CHIARO_EXPORT virtual ~ChunkReader();
+    virtual const Volume& header() const = 0;                     ///< of level 0; of any type
+    virtual const std::vector<ChunkedLevel>& levels() const = 0;  ///< finest first
+    virtual bool is_far() const { return false; }                 ///< as BrickSource::is_far
+    /// Calls `use` with the chunk's voxels, x fastest, of the header's type; of those beyond the far border with
+    /// anything. May be called from several threads at a time. Throws Error{input} where it cannot be decoded.
+    virtual void decode(int level, const std::array<int, 3>& chunk,
+                        const std::function<void(std::span<const std::byte>)>& use) = 0;
+};
+/// The reader's levels, and coarser ones of every second voxel of its coarsest and so on. Chunks that were decoded last
+/// are kept, up to 256 MiB; each is decoded once however many threads ask for it, one that cannot be is not tried
+/// again.
+CHIARO_EXPORT std::shared_ptr<const BrickSource> source_of_chunks(std::unique_ptr<ChunkReader> reader);
 
 /// A level as a volume in memory. Throws Error{interrupted} when cancelled, and as `read`. Reported as "read".
 CHIARO_EXPORT Volume read_level(const BrickSource& source, int level, Progress& progress);

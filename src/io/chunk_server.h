@@ -11,22 +11,22 @@
 
 namespace chiaro {
 
-class ChunkServer {
+class ChunkServer final : public ChunkReader {
 public:
     /// Starts the first program. Throws as decode_isolated, for what is not kept in chunks, too.
     ChunkServer(DecodeRequest request, ReadOptions options);
     ChunkServer(const ChunkServer&) = delete;
     ChunkServer& operator=(const ChunkServer&) = delete;
-    ~ChunkServer();
+    ~ChunkServer() override;
 
-    const Volume& header() const { return header_; }  ///< of level 0, of the file's own type
-    const std::vector<ChunkedLevel>& levels() const { return levels_; }
-    bool is_on_server() const { return request_.is_on_server(); }
+    const Volume& header() const override { return header_; }  ///< of the file's own type
+    const std::vector<ChunkedLevel>& levels() const override { return levels_; }
+    bool is_far() const override { return request_.is_on_server(); }
 
-    /// Calls `use` with the chunk's voxels, x fastest, of the header's type. May be called from several threads at a
-    /// time; each waits for a program that has nothing else to do. Throws Error{input} where the chunk cannot be
-    /// decoded. A program that crashed or hung is started again for whoever asks next, `max_restarts` times in all.
-    void decode(int level, const std::array<int, 3>& chunk, const std::function<void(std::span<const std::byte>)>& use);
+    /// Each thread waits for a program that has nothing else to do. One that crashed or hung is started again for
+    /// whoever asks next, `max_restarts` times in all.
+    void decode(int level, const std::array<int, 3>& chunk,
+                const std::function<void(std::span<const std::byte>)>& use) override;
     static constexpr int max_restarts = 4;
 
 private:

@@ -37,16 +37,16 @@ Share share_of(int first, int size, int lattice_first, int stride, std::int64_t 
 
 class ChunkSource final : public BrickSource {
 public:
-    ChunkSource(Volume header, std::unique_ptr<ChunkServer> server, std::vector<SourceLevel> levels,
+    ChunkSource(Volume header, std::unique_ptr<ChunkReader> reader, std::vector<SourceLevel> levels,
                 std::vector<Stored> stored)
         : BrickSource(std::move(header), std::move(levels)),
-          server_(std::move(server)),
+          reader_(std::move(reader)),
           stored_(std::move(stored)),
           cache_(cache_bytes) {}
 
     void read(int level, const VoxelBox& box, std::byte* to) const override {
         const auto& [file_level, lattice] = stored_[std::size_t(level)];
-        const ChunkedLevel& grid = server_->levels()[std::size_t(file_level)];
+        const ChunkedLevel& grid = reader_->levels()[std::size_t(file_level)];
         std::array<int, 3> begin{}, end{};
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const std::int64_t first = lattice.first[axis] + std::int64_t(box.first[axis]) * lattice.stride[axis];
@@ -61,7 +61,7 @@ public:
     std::array<int, 3> piece(int level) const override {
         constexpr int least = 32;
         const auto& [file_level, lattice] = stored_[std::size_t(level)];
-        const ChunkedLevel& grid = server_->levels()[std::size_t(file_level)];
+        const ChunkedLevel& grid = reader_->levels()[std::size_t(file_level)];
         std::array<int, 3> size{};
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const int a_chunk = std::max(1, grid.chunk[axis] / lattice.stride[axis]);
@@ -76,12 +76,12 @@ public:
         return bytes;
     }
 
-    bool is_far() const override { return server_->is_on_server(); }
+    bool is_far() const override { return reader_->is_far(); }
 
 private:
     void copy_share(int file_level, const Lattice& lattice, const std::array<int, 3>& chunk, const VoxelBox& box,
                     std::byte* to) const {
-        const ChunkedLevel& grid = server_->levels()[std::size_t(file_level)];
+        const ChunkedLevel& grid = reader_->levels()[std::size_t(file_level)];
         std::array<Share, 3> shares;
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const std::int64_t begin = std::int64_t(chunk[axis]) * grid.chunk[axis];
@@ -118,13 +118,13 @@ private:
 
     /// With numbers as the source has them.
     VoxelBuffer decoded(int file_level, const std::array<int, 3>& chunk) const {
-        const std::uint64_t count = server_->levels()[std::size_t(file_level)].chunk_voxels();
+        const std::uint64_t count = reader_->levels()[std::size_t(file_level)].chunk_voxels();
         VoxelBuffer kept(count * size_of(header().type));
-        server_->decode(file_level, chunk, [&](std::span<const std::byte> voxels) {
-            if (server_->header().type == header().type)
+        reader_->decode(file_level, chunk, [&](std::span<const std::byte> voxels) {
+            if (reader_->header().type == header().type)
                 std::memcpy(kept.data(), voxels.data(), kept.size());
             else
-                with_voxel_type(server_->header().type, [&](auto zero) {
+                with_voxel_type(reader_->header().type, [&](auto zero) {
                     const auto* from = reinterpret_cast<const decltype(zero)*>(voxels.data());
                     std::transform(from, from + count, reinterpret_cast<float*>(kept.data()),
                                    [](auto v) { return float(v); });
@@ -133,19 +133,16 @@ private:
         return kept;
     }
 
-    std::unique_ptr<ChunkServer> server_;
+    std::unique_ptr<ChunkReader> reader_;
     std::vector<Stored> stored_;
     mutable ChunkCache cache_;
 };
 
-}  // namespace
-
-std::shared_ptr<const BrickSource> open_chunk_source(const DecodeRequest& request, const ReadOptions& options,
-                                                     const std::function<void(Volume&)>& finish) {
-    auto server = std::make_unique<ChunkServer>(request, options);
+std::shared_ptr<const BrickSource> source_of_reader(std::unique_ptr<ChunkReader> reader,
+                                                    const std::function<void(Volume&)>& finish) {
     std::vector<SourceLevel> levels;
     std::vector<Stored> stored;
-    for (const ChunkedLevel& level : server->levels()) {
+    for (const ChunkedLevel& level : reader->levels()) {
         const int longest = *std::max_element(level.dimensions.begin(), level.dimensions.end());
         if (!levels.empty() && longest < least_level_edge) break;
         stored.push_back({int(levels.size()), {}});
@@ -157,11 +154,24 @@ std::shared_ptr<const BrickSource> open_chunk_source(const DecodeRequest& reques
         levels.push_back(coarser[i].level);
         stored.push_back({coarsest, coarser[i].lattice});
     }
-    Volume header = kept_header(server->header());
-    if (const int components = server->header().components; components > 1)
+    Volume header = kept_header(reader->header());
+    if (const int components = reader->header().components; components > 1)
         header.notes.push_back(fmt::format("by bricks the first of {} values a voxel is shown", components));
-    finish(header);
-    return std::make_shared<ChunkSource>(std::move(header), std::move(server), std::move(levels), std::move(stored));
+    if (finish) finish(header);
+    return std::make_shared<ChunkSource>(std::move(header), std::move(reader), std::move(levels), std::move(stored));
+}
+
+}  // namespace
+
+ChunkReader::~ChunkReader() = default;
+
+std::shared_ptr<const BrickSource> source_of_chunks(std::unique_ptr<ChunkReader> reader) {
+    return source_of_reader(std::move(reader), {});
+}
+
+std::shared_ptr<const BrickSource> open_chunk_source(const DecodeRequest& request, const ReadOptions& options,
+                                                     const std::function<void(Volume&)>& finish) {
+    return source_of_reader(std::make_unique<ChunkServer>(request, options), finish);
 }
 
 }  // namespace chiaro

@@ -15,7 +15,7 @@
 // (io/http_relay.h), "unless TAG " stands before a request, TAG being the ETag of what is there already, or "-"; the
 // answer may then be "same", and that of a part has its ETag behind SIZE, or "-" where none is strong.
 #pragma once
-#include <chiaro/volume.h>
+#include <chiaro/brick_source.h>
 
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
@@ -28,19 +28,6 @@ struct VoxelsInFile {
     std::filesystem::path path;
     std::uint64_t offset = 0;  ///< bytes before the first
     bool big_endian = false;
-};
-
-/// One resolution of what is kept in chunks: boxes of voxels, each of which is decoded as a whole.
-struct ChunkedLevel {
-    std::array<int, 3> dimensions{0, 0, 0}, chunk{1, 1, 1};  ///< x, y, z; chunks reach beyond the far border
-    Geometry geometry;
-
-    std::uint64_t chunk_voxels() const { return std::uint64_t(chunk[0]) * std::uint64_t(chunk[1]) * chunk[2]; }
-    std::array<int, 3> chunks() const {
-        std::array<int, 3> count{};
-        for (std::size_t axis = 0; axis < 3; ++axis) count[axis] = (dimensions[axis] - 1) / chunk[axis] + 1;
-        return count;
-    }
 };
 
 /// Bytes of the largest chunk that is decoded.

@@ -36,8 +36,8 @@ inline kernel::VolumeView<kernel::Paged> view_of<kernel::Paged>(const DeviceVolu
             grid_of(pages.coarse.data()),
             float3(pages.per_voxel),
             float3(pages.shift),
-            {pages.slots.data(), seen, reinterpret_cast<const std::uint8_t*>(pages.codes.data()), pages.bricks[0],
-             pages.bricks[1]},
+            {reinterpret_cast<const std::uint32_t*>(pages.slots.data()), seen,
+             reinterpret_cast<const std::uint8_t*>(pages.codes.data()), pages.bricks[0], pages.bricks[1]},
             pages.first_coarse,
             volume.bricks.data(),
             std::int32_t(size_of(volume.stored))};

@@ -1,6 +1,8 @@
 // A level of which only some bricks are in memory, as a kernel sees it. A table says in which slot each brick lies;
 // where one is absent, a coarser volume that is there as a whole stands for it.
 #pragma once
+#include <limits>
+
 #include "volume/occupancy.h"
 #include "volume/view.h"
 
@@ -13,32 +15,23 @@ struct Paged {};
 template <class F>
 struct LaneArray {
     std::int32_t at[LaneTraits<F>::count];
-    LaneArray() = default;
     explicit CHIARO_INLINE LaneArray(Int<F> lanes) { __builtin_memcpy(at, &lanes, sizeof at); }
-    CHIARO_INLINE Int<F> lanes() const {
-        Int<F> lanes;
-        __builtin_memcpy(&lanes, at, sizeof at);
-        return lanes;
-    }
 };
-
-template <class F>
-CHIARO_INLINE Int<F> gather_int(const std::int32_t* p, Int<F> index) {
-    const LaneArray<F> i(index);
-    LaneArray<F> found;
-    for (int lane = 0; lane < LaneTraits<F>::count; ++lane) found.at[lane] = p[std::uint32_t(i.at[lane])];
-    return found.lanes();
-}
 
 /// Which bricks are there, what their cells hold, and which of them rays come through.
 struct BrickTable {
     static constexpr std::int32_t absent = -1;                                ///< below: that is empty
     static constexpr std::int32_t cells = 1 << 3 * (brick_bits - cell_bits);  ///< in a brick
-    const std::int32_t*
-        slots;           ///< of each brick: its slot; `absent`; or -1 - r, it and all less than r away being empty
-    std::uint8_t* seen;  ///< of each brick: set where a ray comes through
+    /// Of each brick, signed: its slot; `absent`; or -1 - r, it and all less than r away being empty.
+    const std::uint32_t* slots;
+    std::uint8_t* seen;         ///< of each brick: set where a ray comes through
     const std::uint8_t* codes;  ///< of each slot's cells, as OccupancyView::cells
     std::int32_t bricks_x, bricks_y;
+
+    template <class F>
+    CHIARO_INLINE Int<F> slot_of(Int<F> brick) const {
+        return gather_word(slots, typename GatherIndex<F>::type(brick));
+    }
 
     /// Cubes end with their brick, but where bricks are empty. What is absent may be occupied.
     template <class F>
@@ -49,7 +42,7 @@ struct BrickTable {
         const LaneArray<F> bricks(brick), asks(select(wanted, I(1), I(0)));
         for (int lane = 0; lane < LaneTraits<F>::count; ++lane)
             if (asks.at[lane]) __atomic_store_n(seen + bricks.at[lane], std::uint8_t(1), __ATOMIC_RELAXED);
-        const I slot = gather_int<F>(slots, brick);
+        const I slot = slot_of<F>(brick);
         const Mask<F> is_there = slot >= I(0);
         constexpr int bits = brick_bits - cell_bits;
         const auto cell_of = [](I voxel) CHIARO_INLINE_LAMBDA { return (voxel >> I(cell_bits)) & I((1 << bits) - 1); };
@@ -79,7 +72,7 @@ struct VolumeView<Paged> : GridOfVolume {
     template <class F>
     CHIARO_NOINLINE Location<F> locate(const Vec3<F>& p, const VoxelIndex<F>& i) const {
         using I = Int<F>;
-        const I slots = gather_int<F>(table.slots, brick_of<F>(i, table.bricks_x, table.bricks_y));
+        const I slots = table.slot_of<F>(brick_of<F>(i, table.bricks_x, table.bricks_y));
         const Mask<F> is_absent = slots < I(0);
         I index = slots * I(brick_voxels) + place_in_brick(i);
         Vec3<F> t{p.x - to_float(i.x), p.y - to_float(i.y), p.z - to_float(i.z)};
@@ -109,9 +102,12 @@ struct VolumeView<Paged> : GridOfVolume {
     template <class F>
     CHIARO_NOINLINE Vec3<F> gradient(const Location<F>& at) const {
         const Vec3<F> g = as_stored([&](const auto& stored) CHIARO_INLINE_LAMBDA { return stored.differences(at); });
+        // Behind all slots, as unsigned numbers, of which the coarse volume's first is even.
         using I = Int<F>;
-        const VoxelIndex<F> i = voxel(at.p);
-        const Mask<F> is_absent = gather_int<F>(table.slots, brick_of<F>(i, table.bricks_x, table.bricks_y)) < I(0);
+        I index;
+        __builtin_memcpy(&index, &at.index, sizeof index);
+        const Mask<F> is_absent =
+            ((index >> I(1)) & I(std::numeric_limits<std::int32_t>::max())) >= I(std::int32_t(first_coarse >> 1));
         if (!any(is_absent)) return g;
         const Float3 s = coarse_per_voxel;
         return {select(is_absent, F(s.x) * g.x, g.x), select(is_absent, F(s.y) * g.y, g.y),
