@@ -1,5 +1,5 @@
 // A series through time is played: each moment is read and classified while the one before is lit and drawn, as
-// `chiaro view` does it.
+// `chiaro view` does it. Every moment is measured five times over, alone and played: its median counts.
 #include <chiaro/io.h>
 #include <chiaro/samples.h>
 #include <fmt/format.h>
@@ -40,13 +40,23 @@ std::string write_series(const TemporaryFolder& folder, int size) {
     return folder / "beat_{t:03}.nrrd";
 }
 
-/// What each moment takes, in milliseconds of the clock.
+/// What each moment takes, in milliseconds of the clock. Nothing is played while the first is read: it is left out.
 struct Times {
     Series read, classify, light, frame;  ///< one after the other, each alone
     Series wait;                          ///< played: for the moment to be ready
     Series shown;                         ///< played: from when it is wanted until its picture is there
-    Series beyond;                        ///< what that is more than to classify, light and draw it
 };
+
+/// Of each moment the median of all passes.
+Series medians(const std::vector<Times>& passes, Series Times::*series) {
+    Series of_moments;
+    for (std::size_t t = 0; t < (passes[0].*series).size(); ++t) {
+        Series one;
+        for (const Times& pass : passes) one.push_back((pass.*series)[t]);
+        of_moments.push_back(spread_of(one).median);
+    }
+    return of_moments;
+}
 
 class Player {
 public:
@@ -60,22 +70,11 @@ public:
         first_.render(scene_, progress_);
     }
 
-    Times play() {
+    /// Each moment alone, then all of them played.
+    Times pass() {
         Times times;
-        Series alone_ms(1);  // of the first, which is there
-        for (int t = 1; t < moments; ++t) alone_ms.push_back(alone(t, times));
-        std::optional<Session> shown;
-        std::future<Session> next = prepare(1);
-        for (int t = 1; t < moments; ++t) {
-            const Clock clock = Clock::wall();
-            shown.emplace(next.get());
-            const double waited = clock.ms();
-            if (t + 1 < moments) next = prepare(t + 1);
-            shown->render(at(t), progress_);
-            if (t == 1) continue;  // nothing was shown while it was read
-            times.wait.push_back(waited), times.shown.push_back(clock.ms());
-            times.beyond.push_back(times.shown.back() - alone_ms[std::size_t(t)]);
-        }
+        for (int t = 2; t < moments; ++t) alone(t, times);
+        play(times);
         return times;
     }
 
@@ -97,8 +96,7 @@ private:
         return std::async(std::launch::async, [this, t] { return classified(t); });
     }
 
-    /// Returns what it takes to classify, light and draw it.
-    double alone(int t, Times& times) {
+    void alone(int t, Times& times) {
         Session session = first_.share_volume();
         Volume volume;
         times.read.push_back(1e3 * wall_seconds([&] { volume = read_volume(at(t), progress_); }));
@@ -108,7 +106,19 @@ private:
                                  }));
         times.light.push_back(1e3 * wall_seconds([&] { session.find_light(at(t), progress_); }));
         times.frame.push_back(1e3 * wall_seconds([&] { session.render(at(t), progress_); }));
-        return times.classify.back() + times.light.back() + times.frame.back();
+    }
+
+    void play(Times& times) {
+        std::optional<Session> shown;
+        std::future<Session> next = prepare(1);
+        for (int t = 1; t < moments; ++t) {
+            const Clock clock = Clock::wall();
+            shown.emplace(next.get());
+            const double waited = clock.ms();
+            if (t + 1 < moments) next = prepare(t + 1);
+            shown->render(at(t), progress_);
+            if (t > 1) times.wait.push_back(waited), times.shown.push_back(clock.ms());
+        }
     }
 
     Progress& progress_;
@@ -118,11 +128,21 @@ private:
 };
 
 std::vector<Row> measure(const Setup& setup) {
-    const Times times = Player(setup).play();
-    return {row_of("moments/read", times.read),           row_of("moments/classify", times.classify),
-            row_of("moments/light", times.light),         row_of("moments/frame", times.frame),
-            row_of("moments/wait", times.wait),           row_of("moments/shown", times.shown),
-            row_of("moments/beyond", times.beyond, asked)};
+    Player player(setup);
+    std::vector<Times> passes;
+    for (int i = 0; i < (setup.quick ? 1 : 5); ++i) passes.push_back(player.pass());
+    const auto found = [&](Series Times::*series) { return medians(passes, series); };
+    const Series classify = found(&Times::classify), light = found(&Times::light), frame = found(&Times::frame),
+                 shown = found(&Times::shown);
+    Series beyond;
+    for (std::size_t t = 0; t < shown.size(); ++t) beyond.push_back(shown[t] - classify[t] - light[t] - frame[t]);
+    return {row_of("moments/read", found(&Times::read)),
+            row_of("moments/classify", classify),
+            row_of("moments/light", light),
+            row_of("moments/frame", frame),
+            row_of("moments/wait", found(&Times::wait)),
+            row_of("moments/shown", shown),
+            row_of("moments/beyond", beyond, asked)};
 }
 
 }  // namespace

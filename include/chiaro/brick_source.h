@@ -37,9 +37,9 @@ struct VoxelBox {
 
 /// The one door for voxels of a volume that need not fit in memory. Level 0 is the volume itself; those behind it are
 /// coarser. Never changes; may be read from several threads at a time.
-class BrickSource {
+class CHIARO_EXPORT BrickSource {
 public:
-    CHIARO_EXPORT virtual ~BrickSource();
+    virtual ~BrickSource();
     BrickSource(const BrickSource&) = delete;
     BrickSource& operator=(const BrickSource&) = delete;
 
@@ -51,15 +51,15 @@ public:
     virtual void read(int level, const VoxelBox& box, std::byte* to) const = 0;
     /// What of a level is read at the least cost: boxes of this size, side by side from voxel (0, 0, 0) on. Slices,
     /// where a source knows no better.
-    CHIARO_EXPORT virtual std::array<int, 3> piece(int level) const;
+    virtual std::array<int, 3> piece(int level) const;
     /// Has it keep no more than so many bytes of what it decoded last, from now on; returns how many it may take. None,
     /// where a source keeps nothing.
-    CHIARO_EXPORT virtual std::size_t keep_decoded(std::size_t max_bytes) const;
+    virtual std::size_t keep_decoded(std::size_t max_bytes) const;
     /// Whether voxels come over a network, so that few are to be read before there is a picture.
-    CHIARO_EXPORT virtual bool is_far() const;
+    virtual bool is_far() const;
 
 protected:
-    CHIARO_EXPORT BrickSource(Volume header, std::vector<SourceLevel> levels);
+    BrickSource(Volume header, std::vector<SourceLevel> levels);
 
 private:
     Volume header_;
@@ -80,9 +80,9 @@ struct ChunkedLevel {
 };
 
 /// Who decodes the chunks of a volume. A program with a storage of its own derives from this.
-class ChunkReader {
+class CHIARO_EXPORT ChunkReader {
 public:
-    CHIARO_EXPORT virtual ~ChunkReader();
+    virtual ~ChunkReader();
     virtual const Volume& header() const = 0;                     ///< of level 0; of any type
     virtual const std::vector<ChunkedLevel>& levels() const = 0;  ///< finest first
     virtual bool is_far() const { return false; }                 ///< as BrickSource::is_far

@@ -97,7 +97,7 @@ class Session(HasSettings):
         self._forget()
         self.__dict__["_shown"] = None
         if volume._first is None:
-            self._session.show(volume._native, report)
+            volume._show_in(self._session, report)
         else:
             native = self._session.show_moment(self._scene._native, volume._first()._native, volume._native, report)
             self.__dict__["_scene"] = Scene._of(native, self._scene._volume)
@@ -126,7 +126,7 @@ class Session(HasSettings):
             self._show(report)
             self._forget()
             pixels = self._session.render(self._scene._native, report, None)
-        for note in self._session.notes():
+        for note in [*self._session.notes(), *(self.paging or {}).get("faults", [])]:
             log.warning(note)
         image = self._image(np.asarray(pixels), newest=True)
         if depth:
@@ -171,6 +171,8 @@ class Session(HasSettings):
             "stages": stages,
             "samples": done["samples"],
         }
+        if self.paging:
+            told["paging"] = self.paging
         if done["paths"]:
             told["paths"] = {"samples": done["paths"], "noise": done["noise"], "relative_noise": done["relative_noise"]}
         return told
@@ -212,6 +214,12 @@ class Session(HasSettings):
             thread.join()
 
     # --- what is known
+    @property
+    def paging(self) -> dict[str, Any] | None:
+        """Of the last picture of a lazy volume: the level that was drawn, why no finer one, bricks read, faults. None where the
+        volume is in memory as a whole."""
+        return self._session.paging()  # type: ignore[no-any-return]
+
     @property
     def transfer_function(self) -> TransferFunction:
         """The one that the scene's pictures take: its points, a preset, or what is guessed from the data."""

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import logging
 import os
-from typing import Any, Callable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any, Callable, Iterator, Sequence
 
 import numpy as np
 
 from . import _arrays, _channels, _chiaro, _progress
+
+if TYPE_CHECKING:
+    from .lazy import LazyVolume
 
 log = logging.getLogger("chiaro")
 
@@ -151,7 +154,40 @@ class Volume:
 
         return _of.volume_of(source, **more)
 
+    @staticmethod
+    def lazy(source: Any, *place: Any, **more: Any) -> "LazyVolume":
+        """A volume that need not fit in memory: what pictures show is read when they show it, as fine as their pixels are.
+
+        ``source``
+            an array (z, y, x) of dask, zarr, h5py, numpy.memmap or whatever has ``shape``, ``dtype`` and slicing, of integers or
+            floats; a list of ever smaller arrays of the same volume, finest first; or the name of a file, folder, store or
+            sample that is read by bricks (docs/any-size.md). Without smaller arrays coarser levels are every second voxel and
+            so on: the first picture then reads all chunks once.
+        ``spacing``, ``origin``, ``direction``, ``frame``, ``name``, ``affine``
+            as for Volume, of arrays.
+        ``memory``
+            bytes, or a size such as '4G', that pictures may take, light included; None: half of what is free. What fits as a
+            whole is read as a whole.
+        ``finest_level``
+            no finer level is drawn.
+        ``exact``
+            all voxels are read once for the range of values and for what is empty; else a coarse level tells.
+
+        Raises TypeError and ValueError as Volume, InputError for files. A part that cannot be read is a note, and a coarser level in
+        the picture. Sessions tell in ``paging`` which level was drawn."""
+        from .lazy import LazyVolume
+
+        return LazyVolume(source, *place, **more)
+
     # --- the voxels
+    @property
+    def _head(self) -> Any:
+        """What is known without the voxels."""
+        return self._native
+
+    def _show_in(self, session: Any, report: Any) -> None:
+        session.show(self._native, report)
+
     @property
     def array(self) -> np.ndarray[Any, Any]:
         """The stored numbers, (z, y, x), the same memory, not to be written through this view."""
@@ -180,40 +216,40 @@ class Volume:
 
     @property
     def dtype(self) -> np.dtype[Any]:
-        return np.dtype(str(self._native.type))
+        return np.dtype(str(self._head.type))
 
     @property
     def slope(self) -> float:
         """value = slope × stored number + intercept"""
-        return float(self._native.slope)
+        return float(self._head.slope)
 
     @property
     def intercept(self) -> float:
-        return float(self._native.intercept)
+        return float(self._head.intercept)
 
     # --- its place
     @property
     def spacing(self) -> tuple[float, float, float]:
         """Distance of the voxels in mm along z, y, x."""
-        s = self._native.spacing
+        s = self._head.spacing
         return (s[0], s[1], s[2]) if self._transposed else (s[2], s[1], s[0])
 
     @property
     def origin(self) -> tuple[float, float, float]:
         """World x, y, z of the first voxel, mm."""
-        o = self._native.origin
+        o = self._head.origin
         return (o[0], o[1], o[2])
 
     @property
     def direction(self) -> np.ndarray[Any, Any]:
         """3 × 3, its columns the world's directions of the index axes x, y, z."""
-        columns = np.array(self._native.direction).T
+        columns = np.array(self._head.direction).T
         return columns[:, ::-1].copy() if self._transposed else columns
 
     @property
     def frame(self) -> str | None:
         """'RAS', 'LPS' or None."""
-        return self._native.frame or None
+        return self._head.frame or None
 
     @property
     def affine(self) -> np.ndarray[Any, Any]:
@@ -226,32 +262,32 @@ class Volume:
     # --- what it is
     @property
     def name(self) -> str:
-        return str(self._native.source)
+        return str(self._head.source)
 
     @property
     def format(self) -> str:
-        return str(self._native.format)
+        return str(self._head.format)
 
     @property
     def modality(self) -> str:
         """'CT', 'MR', ... where the file says so, else ''."""
-        return str(self._native.modality)
+        return str(self._head.modality)
 
     @property
     def moments(self) -> dict[str, Any]:
         """Of what changes with time: count, shown (which of them this is, from 0), times and their unit."""
-        return dict(self._native.moments)
+        return dict(self._head.moments)
 
     @property
     def channels(self) -> list[dict[str, Any]]:
         """Name and color (sRGB, or None) of each of several values a voxel."""
-        told = list(self._native.channels) or [("", None)] * int(self._native.components)
+        told = list(self._head.channels) or [("", None)] * int(self._head.components)
         return [{"name": name, "color": color} for name, color in told] if len(told) > 1 else []
 
     @property
     def has_own_colors(self) -> bool:
         """Whether the values of a voxel are its colour."""
-        return bool(self._native.has_own_colors)
+        return bool(self._head.has_own_colors)
 
     @property
     def notes(self) -> list[str]:

@@ -70,12 +70,19 @@ struct VolumeHandle {
     std::shared_ptr<const Volume> volume;
 };
 
+/// A volume that is read by bricks.
+struct SourceHandle {
+    std::shared_ptr<const BrickSource> source;
+};
+
+Volume without_voxels(const Volume& volume);
 py::object value_of(const Scene& scene, const std::string& name);
 Array<std::uint8_t> array_of(const Image& image);
 Array<float> array_of(const Frame& frame);
 Image image_of(py::buffer pixels);
 
 void add_volume(py::module_& module);
+void add_lazy(py::module_& module);
 void add_scene(py::module_& module);
 void add_appearance(py::module_& module);
 void add_images(py::module_& module);

@@ -24,6 +24,7 @@ PYBIND11_MODULE(_chiaro, module) {
     pybind11::register_exception_translator(translate);
     module.attr("version") = CHIARO_VERSION;
     add_volume(module);
+    add_lazy(module);
     add_images(module);
     add_appearance(module);
     add_scene(module);

@@ -32,6 +32,27 @@ public:
     void show(const VolumeHandle& volume, py::object report) {
         use({report}, [&](Progress& progress, News&) { session_.show(*volume.volume, progress); });
     }
+    /// Whole where it fits in so many bytes (0: in half of what is free), else by bricks.
+    void show_source(const SourceHandle& handle, double memory, int finest_level, bool exact, py::object report) {
+        use({report}, [&](Progress& progress, News&) {
+            const PagingSettings paging{std::uint64_t(memory), finest_level, exact};
+            if (fits(*handle.source, paging))
+                session_.show(read_level(*handle.source, 0, progress), progress);
+            else
+                session_.show(handle.source, paging, progress);
+        });
+    }
+    /// As the tool's --stats has it; None: the volume is there as a whole.
+    py::object paging() const {
+        const auto found = session_.paging();
+        if (!found) return py::none();
+        py::dict told;
+        told["level"] = found->level, told["levels"] = found->levels;
+        told["dimensions"] = found->dimensions, told["stopped_by"] = found->stopped_by;
+        told["light_level"] = found->light_level, told["bricks"] = found->bricks;
+        told["bricks_read"] = found->bricks_read, told["faults"] = found->faults;
+        return told;
+    }
     /// A later moment: what its values mean, and what the scene's camera fits, is the first one's.
     Scene show_moment(Scene scene, const VolumeHandle& first, const VolumeHandle& volume, py::object report) {
         use({report}, [&](Progress& progress, News&) {
@@ -149,6 +170,8 @@ void add_session(py::module_& module) {
         .def(py::init<const std::string&, int, const std::string&>())
         .def("show_moment", &SessionHandle::show_moment)
         .def("show", &S::show)
+        .def("show_source", &S::show_source)
+        .def("paging", &S::paging)
         .def("expect_one_look", &S::expect_one_look)
         .def("render", &S::render)
         .def("preview", &S::preview)

@@ -31,13 +31,7 @@ VolumeHandle borrow(py::buffer array, const std::string& type, std::tuple<int, i
 /// The same voxels with another header: nothing is copied.
 std::shared_ptr<Volume> with_same_voxels(const VolumeHandle& handle) {
     const Volume& v = *handle.volume;
-    auto copy = std::make_shared<Volume>();
-    copy->dimensions = v.dimensions, copy->type = v.type, copy->components = v.components;
-    copy->has_own_colors = v.has_own_colors, copy->component_infos = v.component_infos;
-    copy->slope = v.slope, copy->intercept = v.intercept, copy->geometry = v.geometry;
-    copy->source = v.source, copy->format = v.format, copy->modality = v.modality;
-    copy->moments = v.moments;
-    copy->notes = v.notes, copy->key_values = v.key_values;
+    auto copy = std::make_shared<Volume>(without_voxels(v));
     copy->voxels = VoxelBuffer::borrow(v.voxels.data(), v.voxels.size(), handle.volume);
     return copy;
 }
@@ -140,6 +134,17 @@ void write(const VolumeHandle& handle, const std::string& path, const std::strin
 }
 
 }  // namespace
+
+Volume without_voxels(const Volume& v) {
+    Volume copy;
+    copy.dimensions = v.dimensions, copy.type = v.type, copy.components = v.components;
+    copy.has_own_colors = v.has_own_colors, copy.component_infos = v.component_infos;
+    copy.slope = v.slope, copy.intercept = v.intercept, copy.geometry = v.geometry;
+    copy.source = v.source, copy.format = v.format, copy.modality = v.modality;
+    copy.moments = v.moments;
+    copy.notes = v.notes, copy.key_values = v.key_values;
+    return copy;
+}
 
 void add_volume(py::module_& module) {
     using Handle = VolumeHandle;
