@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 
 #include "core/byte_size.h"
 
@@ -19,15 +18,6 @@ std::uint64_t memory_from(const std::string& text) {
         throw Error(ErrorCode::usage,
                     fmt::format("--memory {}: must be a size such as 4G or 512M, 16M at least", text));
     return *bytes;
-}
-
-/// A file that is no header of another, and fits however its numbers are stored, need not be looked at.
-bool is_small(const std::string& volume, const PagingSettings& paging) {
-    constexpr std::uintmax_t longest_header = 1 << 20;
-    std::error_code error;
-    const auto bytes = std::filesystem::is_regular_file(volume, error) ? std::filesystem::file_size(volume, error) : 0;
-    return paging.finest_level == 0 && bytes > longest_header &&
-           whole_volume_bytes({1, 1, 1}, VoxelType::u8) * double(bytes) <= paging.budget_bytes();
 }
 
 constexpr const char* group = "Memory";
@@ -60,17 +50,16 @@ PagingSettings paging_of(const PagingOptions& o) {
 
 std::shared_ptr<const BrickSource> paged_volume(const Scene& scene, const PagingSettings& paging) {
     if (!scene.channels.empty()) return nullptr;
-    if (scene.stated.spacing_mm || scene.volume == "-" || !moment_files(scene.volume).empty() ||
-        is_small(scene.volume, paging))
-        return {};
+    if (scene.stated.spacing_mm || scene.volume == "-" || !moment_files(scene.volume).empty()) return {};
     auto source = open_brick_source(scene.volume, scene.read);
     if (!source) {
         if (paging.finest_level > 0)
             throw Error(
                 ErrorCode::usage,
-                fmt::format("--level {}: {} is read as a whole; samples are not, nor OME-Zarr, HDF5, and raw, NRRD, "
-                            "MetaImage, NIfTI and VTK files whose voxels are not compressed",
-                            paging.finest_level, scene.volume));
+                fmt::format(
+                    "--level {}: {} is read as a whole; samples are not, nor OME-Zarr, HDF5, TIFF, and raw, NRRD, "
+                    "MetaImage, NIfTI and VTK files whose voxels are not compressed",
+                    paging.finest_level, scene.volume));
         return {};
     }
     if (fits(*source, paging)) return {};

@@ -1,8 +1,8 @@
 // TIFF: folders of slices and files of pages, whatever libtiff can write.
 #include "tiff_files.h"
+#include "tiff_pages.h"
 
 #include <chiaro/error.h>
-#include <tiffio.h>
 
 using namespace chiaro;
 using namespace volume_files;
@@ -26,15 +26,6 @@ void expect_refused(const std::string& name, const std::string& part) {
     EXPECT_NE(sentence.find(part), std::string::npos) << sentence;
 }
 
-/// How a page of 40 x 33 pixels is stored.
-struct Storage {
-    int compression = COMPRESSION_NONE;
-    bool tiled = false, planes = false;
-    int samples = 1, predictor = 1;
-    const char* mode = "w";  ///< w8: BigTIFF; wb: big endian
-    int alpha = 0;           ///< what the last sample is, as EXTRASAMPLES has it
-};
-
 constexpr int width = 40, height = 33;
 
 template <class T>
@@ -42,50 +33,9 @@ T value_at(int x, int y, int z, int sample) {
     return T(x + 3 * y + 50 * z + 7 * sample);
 }
 
-/// Written by libtiff: pages of value_at.
 template <class T>
-void write_pages(const std::string& name, const Storage& storage, int pages) {
-    TIFF* file = TIFFOpen(name.c_str(), storage.mode);
-    for (int z = 0; z < pages; ++z) {
-        TIFFSetField(file, TIFFTAG_IMAGEWIDTH, width);
-        TIFFSetField(file, TIFFTAG_IMAGELENGTH, height);
-        TIFFSetField(file, TIFFTAG_BITSPERSAMPLE, 8 * sizeof(T));
-        TIFFSetField(file, TIFFTAG_SAMPLESPERPIXEL, storage.samples);
-        TIFFSetField(file, TIFFTAG_SAMPLEFORMAT,
-                     std::is_floating_point_v<T> ? SAMPLEFORMAT_IEEEFP
-                     : std::is_signed_v<T>       ? SAMPLEFORMAT_INT
-                                                 : SAMPLEFORMAT_UINT);
-        TIFFSetField(file, TIFFTAG_PHOTOMETRIC, storage.samples > 2 ? PHOTOMETRIC_RGB : PHOTOMETRIC_MINISBLACK);
-        TIFFSetField(file, TIFFTAG_PLANARCONFIG, storage.planes ? PLANARCONFIG_SEPARATE : PLANARCONFIG_CONTIG);
-        const std::uint16_t extra[] = {std::uint16_t(storage.alpha)};
-        if (storage.alpha) TIFFSetField(file, TIFFTAG_EXTRASAMPLES, 1, extra);
-        TIFFSetField(file, TIFFTAG_COMPRESSION, storage.compression);
-        if (storage.predictor > 1) TIFFSetField(file, TIFFTAG_PREDICTOR, storage.predictor);
-        const int chunk_width = storage.tiled ? 16 : width, chunk_height = storage.tiled ? 32 : 8;
-        if (storage.tiled) {
-            TIFFSetField(file, TIFFTAG_TILEWIDTH, chunk_width);
-            TIFFSetField(file, TIFFTAG_TILELENGTH, chunk_height);
-        } else {
-            TIFFSetField(file, TIFFTAG_ROWSPERSTRIP, chunk_height);
-        }
-        std::uint32_t index = 0;
-        for (int plane = 0; plane < (storage.planes ? storage.samples : 1); ++plane)
-            for (int top = 0; top < height; top += chunk_height)
-                for (int left = 0; left < width; left += chunk_width) {
-                    std::vector<T> chunk;
-                    const int rows = storage.tiled ? chunk_height : std::min(chunk_height, height - top);
-                    for (int y = top; y < top + rows; ++y)
-                        for (int x = left; x < left + chunk_width; ++x)
-                            for (int s = 0; s < (storage.planes ? 1 : storage.samples); ++s)
-                                chunk.push_back(value_at<T>(x, y, z, storage.planes ? plane : s));
-                    const auto size = tmsize_t(chunk.size() * sizeof(T));
-                    storage.tiled ? TIFFWriteEncodedTile(file, index, chunk.data(), size)
-                                  : TIFFWriteEncodedStrip(file, index, chunk.data(), size);
-                    ++index;
-                }
-        TIFFWriteDirectory(file);
-    }
-    TIFFClose(file);
+void write_pages(const std::string& name, const TiffStorage& storage, int pages) {
+    write_tiff<T>(name, storage, {width, height, pages}, value_at<T>);
 }
 
 template <class T>

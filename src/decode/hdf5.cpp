@@ -1,6 +1,7 @@
 // HDF5: libhdf5 reads the values; whether they can be trusted is decided here.
 #include "decode/byte_source.h"
 #include "decode/hdf5_dataset.h"
+#include "decode/limits.h"
 #include "decode/payload.h"
 #include "decode/readers.h"
 #include "volume/validate.h"
@@ -11,11 +12,14 @@
 #include <functional>
 #include <optional>
 #include <set>
+#include <span>
 
 namespace chiaro::decode {
 namespace {
 
-/// Which of the filters makes the checksums of chunks; 32: none does.
+constexpr unsigned no_filter = 32;
+
+/// Which of the filters makes the checksums of chunks; `no_filter`: none does.
 unsigned checksum_filter(hid_t made) {
     for (int i = 0; i < H5Pget_nfilters(made); ++i) {
         unsigned flags = 0;
@@ -23,7 +27,7 @@ unsigned checksum_filter(hid_t made) {
         if (H5Pget_filter2(made, unsigned(i), &flags, &values, nullptr, 0, nullptr, nullptr) == H5Z_FILTER_FLETCHER32)
             return unsigned(i);
     }
-    return 32;
+    return no_filter;
 }
 
 /// A chunk that says of itself that it was stored without the checksum that all others have.
@@ -48,12 +52,12 @@ bool next_chunk(std::vector<hsize_t>& at, const std::vector<hsize_t>& chunk, con
     return false;
 }
 
-/// Whether a chunk was written for a place of the array, which is checked then.
+/// Whether a chunk was written for a place of the array, which is checked then, its checksum where `filter` makes them.
 bool check_chunk(hid_t dataset, const std::vector<hsize_t>& at, std::uint64_t file_size, unsigned filter) {
     hsize_t bytes = 0;  // an error, where none is there
     if (H5Dget_chunk_storage_size(dataset, at.data(), &bytes) < 0) bytes = 0;
     if (bytes > file_size) refuse("has a chunk that is larger than the file: its index is damaged");
-    if (bytes > 0 && filter < 32) check_checksum(dataset, at, bytes, filter);
+    if (bytes > 0 && filter < no_filter) check_checksum(dataset, at, bytes, filter);
     return bytes > 0;
 }
 
@@ -75,10 +79,9 @@ Places places_in_index(hid_t dataset, hid_t space, hsize_t stored, const Hdf5Sha
 /// meant for another one: a bit flipped in the index, which has no checksum of its own, makes voxels vanish. Asked are
 /// all places; where only a few chunks are stored those that the index has, for to find one of them takes a walk
 /// through the index. Returns those places.
-std::optional<Places> check_chunks(hid_t dataset, hid_t made, std::uint64_t file_size, const Hdf5Shape& shape,
-                                   Volume& volume, Output& output) {
+std::optional<Places> check_chunks(hid_t dataset, hid_t made, std::uint64_t file_size, unsigned filter,
+                                   const Hdf5Shape& shape, Volume& volume, Output& output) {
     constexpr hsize_t few = 1024;
-    const unsigned filter = checksum_filter(made);
     const std::vector<hsize_t> chunk = chunk_of(made, shape);
     std::uint64_t expected = 1, written = 0, asked = 0;
     for (std::size_t axis = 0; axis < chunk.size(); ++axis)
@@ -105,13 +108,17 @@ std::optional<Places> check_chunks(hid_t dataset, hid_t made, std::uint64_t file
     return places;
 }
 
-/// Returns the places of chunks where few are stored: elsewhere is the fill value.
-std::optional<Places> check_stored(hid_t dataset, std::uint64_t file_size, std::uint64_t bytes, const Hdf5Shape& shape,
+/// Returns the places of chunks where few are stored: elsewhere is the fill value. To look for their checksums is to
+/// read all of them.
+std::optional<Places> check_stored(hid_t dataset, std::uint64_t file_size, bool with_checksums, const Hdf5Shape& shape,
                                    Volume& volume, Output& output) {
+    const std::uint64_t bytes = check_header(volume);
     const Hdf5Id made(H5Dget_create_plist(dataset), H5Pclose), type(H5Dget_type(dataset), H5Tclose);
     const std::uint64_t stored = H5Dget_storage_size(dataset);
     if (stored == 0) refuse("has a dataset whose values were never written");
-    if (H5Pget_layout(made) == H5D_CHUNKED) return check_chunks(dataset, made, file_size, shape, volume, output);
+    if (H5Pget_layout(made) == H5D_CHUNKED)
+        return check_chunks(dataset, made, file_size, with_checksums ? checksum_filter(made) : no_filter, shape, volume,
+                            output);
     check_capacity(bytes / size_of(volume.type) * H5Tget_size(type), stored);
     return {};
 }
@@ -176,21 +183,27 @@ void fill(hid_t dataset, const Hdf5Shape& shape, std::optional<hsize_t> channel,
 class Hdf5Chunks final : public ChunkedFile {
 public:
     Hdf5Chunks(Hdf5Volume volume, std::uint64_t file_size, Output& output)
-        : file_(std::move(volume.file)), dataset_(std::move(volume.dataset)), shape_(std::move(volume.shape)) {
+        : file_(std::move(volume.file)),
+          dataset_(std::move(volume.dataset)),
+          shape_(std::move(volume.shape)),
+          file_size_(file_size) {
         header_ = std::move(volume.header);
-        check_stored(dataset_, file_size, check_header(header_), shape_, header_, output);
+        check_stored(dataset_, file_size, false, shape_, header_, output);
         const Hdf5Id made(H5Dget_create_plist(dataset_), H5Pclose);
         ChunkedLevel level{header_.dimensions, {64, 64, 64}, header_.geometry};
-        std::uint64_t bytes = size_of(header_.type);
+        std::uint64_t bytes = level.chunk_voxels() * size_of(header_.type);
         if (H5Pget_layout(made) == H5D_CHUNKED) {
-            const std::vector<hsize_t> chunk = chunk_of(made, shape_);
-            for (const hsize_t edge : chunk) bytes *= std::min<hsize_t>(edge, largest_chunk_bytes + 1);
-            if (bytes > largest_chunk_bytes)
-                refuse(fmt::format("has chunks of more than {} MiB", largest_chunk_bytes >> 20));
+            filter_ = checksum_filter(made);
+            chunk_ = chunk_of(made, shape_);
+            bytes = size_of(header_.type);
+            for (const hsize_t edge : chunk_)
+                if (__builtin_mul_overflow(bytes, edge, &bytes) || bytes > largest_chunk_bytes)
+                    refuse(fmt::format("has chunks of more than {} MiB", largest_chunk_bytes >> 20));
             level.chunk = {1, 1, 1};
             for (std::size_t i = 0; i < shape_.axes.size(); ++i)
-                level.chunk[i] = int(chunk[shape_.axes[shape_.axes.size() - 1 - i]]);
+                level.chunk[i] = int(chunk_[shape_.axes[shape_.axes.size() - 1 - i]]);
         }
+        limit_own_memory((std::uint64_t(96) << 20) + 4 * bytes);
         levels_ = {level};
     }
 
@@ -208,18 +221,29 @@ public:
         }
         if (shape_.channels) start[*shape_.channels] = hsize_t(component);
         if (shape_.time) start[*shape_.time] = shape_.moment;
+        const bool is_written = is_there(std::span(start).first(rank));
         const Hdf5Id space(H5Dget_space(dataset_), H5Sclose),
             memory(H5Screate_simple(int(rank), pitch.data(), nullptr), H5Sclose);
         if (H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) < 0 ||
             H5Sselect_hyperslab(memory, H5S_SELECT_SET, corner.data(), nullptr, count.data(), nullptr) < 0 ||
             H5Dread(dataset_, hdf5_memory_type(header_.type), memory, space, H5P_DEFAULT, to.data()) < 0)
             refuse("holds values that are damaged or missing");
-        return true;
+        return is_written;
     }
 
 private:
+    /// Whether the chunk of this element was written, which is checked.
+    bool is_there(std::span<const hsize_t> element) const {
+        std::vector<hsize_t> at(chunk_.size());
+        for (std::size_t axis = 0; axis < at.size(); ++axis) at[axis] = element[axis] - element[axis] % chunk_[axis];
+        return at.empty() || check_chunk(dataset_, at, file_size_, filter_);
+    }
+
     Hdf5Id file_, dataset_;
     Hdf5Shape shape_;
+    std::uint64_t file_size_;
+    std::vector<hsize_t> chunk_;  ///< elements of one along each axis; empty: there are none
+    unsigned filter_ = no_filter;
 };
 
 std::unique_ptr<ChunkedFile> open_chunks(const std::filesystem::path& path, const std::string& part, Output& output) {
@@ -231,8 +255,7 @@ std::unique_ptr<ChunkedFile> open_chunks(const std::filesystem::path& path, cons
 Volume read_hdf5(const std::filesystem::path& path, const std::string& part, Output& output) {
     Hdf5Volume opened = open_hdf5_volume(path, part, output);
     Volume& volume = opened.header;
-    const auto few =
-        check_stored(opened.dataset, regular_file_size(path), check_header(volume), opened.shape, volume, output);
+    const auto few = check_stored(opened.dataset, regular_file_size(path), true, opened.shape, volume, output);
     output.allocate(volume);
     const bool are_planes = opened.shape.channels && !opened.shape.is_interleaved() && volume.components > 1;
     if (few && !are_planes && !opened.shape.time)

@@ -64,6 +64,8 @@ Request parsed(const std::string& line, const ChunkedFile& file) {
 }  // namespace
 
 void serve(ChunkedFile& file, unsigned cpu_seconds, Output& output) {
+    Volume alone;
+    if (file.header().moments.count == 1) output.choose_moment(1, alone);
     output.succeed(file.header(), file.levels());
     std::string received, line;
     std::span<std::byte> window;

@@ -1,184 +1,19 @@
 // TIFF: libtiff decodes the pages; which of them make a volume, and their place, is decided here.
 #include "decode/byte_source.h"
+#include "decode/limits.h"
 #include "decode/payload.h"
 #include "decode/readers.h"
-#include "decode/text.h"
-#include "decode/tiff_layout.h"
-#include "decode/tiff_page.h"
+#include "decode/tiff_slices.h"
 #include "volume/validate.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
-#include <map>
 
 namespace chiaro::decode {
 namespace {
 
 using Path = std::filesystem::path;
-
-struct Slice {
-    Path path;
-    std::uint64_t directory = 0;  ///< where the page's directory lies in the file
-    TiffPage page;
-};
-
-/// Runs of digits compare as numbers: slice2 comes before slice10.
-bool before_naturally(const std::string& a, const std::string& b) {
-    const auto digit = [](char c) { return c >= '0' && c <= '9'; };
-    std::size_t i = 0, j = 0;
-    while (i < a.size() && j < b.size()) {
-        if (!digit(a[i]) || !digit(b[j])) {
-            if (a[i] != b[j]) return a[i] < b[j];
-            ++i, ++j;
-            continue;
-        }
-        const auto number_at = [&](const std::string& text, std::size_t& at) {
-            while (at < text.size() && text[at] == '0') ++at;
-            const std::size_t first = at;
-            while (at < text.size() && digit(text[at])) ++at;
-            return text.substr(first, at - first);
-        };
-        const std::string m = number_at(a, i), n = number_at(b, j);
-        if (m.size() != n.size()) return m.size() < n.size();
-        if (m != n) return m < n;
-    }
-    return a.size() - i < b.size() - j || (a.size() - i == b.size() - j && a < b);
-}
-
-std::vector<Path> slices_in(const Path& folder) {
-    std::vector<Path> files;
-    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-        const std::string ending = lower(entry.path().extension().string());
-        if (entry.is_regular_file() && (ending == ".tif" || ending == ".tiff")) files.push_back(entry.path());
-    }
-    std::sort(files.begin(), files.end(),
-              [](auto& a, auto& b) { return before_naturally(a.filename().string(), b.filename().string()); });
-    return files;
-}
-
-/// To libtiff a file that was cut in the link to its next page ends there.
-void check_last_link(const Path& path, TIFF* file, std::uint64_t size) {
-    const bool big = TIFFIsBigTIFF(file);
-    const auto number_at = [&](std::uint64_t offset, std::size_t bytes) {
-        if (offset > size || bytes > size - offset) refuse("is cut in the link to its next page");
-        std::array<std::byte, 8> stored{};
-        open_plain(path, offset)->read(std::span(stored).first(bytes));
-        std::uint64_t number = 0;
-        for (std::size_t i = 0; i < bytes; ++i)
-            number |= std::uint64_t(stored[TIFFIsBigEndian(file) ? bytes - 1 - i : i]) << 8 * i;
-        return number;
-    };
-    const std::uint64_t directory = TIFFCurrentDirOffset(file), count_bytes = big ? 8 : 2;
-    const std::uint64_t entries = number_at(directory, count_bytes);
-    if (entries > size) refuse("is cut in the link to its next page");
-    number_at(directory + count_bytes + entries * (big ? 20 : 12), big ? 8 : 4);
-}
-
-/// The full pages of a file; thumbnails and masks are no slices.
-std::vector<Slice> pages_of(const Path& path, bool first_only, Output& output) {
-    const auto size = regular_file_size(path);
-    const TiffFile file = open_tiff(path);
-    std::vector<Slice> pages;
-    for (bool more = true; more;) {
-        std::uint32_t kind = 0;
-        TIFFGetFieldDefaulted(file.get(), TIFFTAG_SUBFILETYPE, &kind);
-        if ((kind & (FILETYPE_REDUCEDIMAGE | FILETYPE_MASK)) == 0)
-            pages.push_back({path, TIFFCurrentDirOffset(file.get()), scan_page(file.get(), size)});
-        if (pages.size() > 4 * 65535) refuse("has more than 262140 pages");
-        output.progress(0.1);
-        more = !(first_only && !pages.empty());
-        if (more && TIFFLastDirectory(file.get())) check_last_link(path, file.get(), size), more = false;
-        if (more) next_page(file.get());
-    }
-    if (pages.empty()) refuse("has no page that is a whole picture");
-    return pages;
-}
-
-std::vector<Slice> slices_of(const Path& path, Volume& volume, Output& output) {
-    if (!std::filesystem::is_directory(path)) return pages_of(path, false, output);
-    const auto files = slices_in(path);
-    if (files.size() == 1) return pages_of(files[0], false, output);
-    std::vector<Slice> slices;
-    for (const auto& file : files) {
-        output.at(file.filename().string());
-        try {
-            slices.push_back(pages_of(file, true, output)[0]);
-        } catch (const Error& error) {
-            refuse(fmt::format("'{}' {}", file.filename().string(), error.what()));
-        }
-    }
-    if (slices.empty()) refuse("the folder holds no TIFF file");
-    volume.key_values["first file"] = files.front().filename().string();
-    volume.key_values["last file"] = files.back().filename().string();
-    return slices;
-}
-
-/// The pages of the files that a description names, in its order; `slices` where they all lie in one or are not all
-/// there, which is told.
-std::vector<Slice> planes_in_files(std::vector<Slice> slices, const TiffLayout& layout, Volume& volume,
-                                   Output& output) {
-    std::map<std::string, std::vector<Slice>> files;
-    for (const TiffPlane& plane : layout.planes) files[plane.file];
-    const Path& told_in = slices[0].path;
-    if (files.size() < 2) return slices;
-    for (auto& [name, pages] : files) {
-        const Path file = confined(told_in, name);
-        if (!std::filesystem::is_regular_file(file)) {
-            volume.notes.push_back(fmt::format(
-                "its description names pages in {} files, of which '{}' is not there; the others are left out",
-                files.size(), name));
-            return slices;
-        }
-        output.at(name);
-        try {
-            pages = pages_of(file, false, output);
-        } catch (const Error& error) {
-            refuse(fmt::format("'{}' {}", name, error.what()));
-        }
-    }
-    std::vector<Slice> planes(std::size_t(layout.images()));
-    for (const TiffPlane& plane : layout.planes) {
-        const auto& pages = files[plane.file];
-        if (plane.page >= pages.size())
-            refuse(fmt::format("names page {} of '{}', which has {}", plane.page, plane.file, pages.size()));
-        planes[plane.place] = pages[plane.page];
-    }
-    const auto missing = std::ranges::count_if(planes, [](const Slice& s) { return s.path.empty(); });
-    if (missing > 0)
-        refuse(fmt::format("its description says where {} of {} pages lie", planes.size() - std::size_t(missing),
-                           planes.size()));
-    volume.key_values["files"] = std::to_string(files.size());
-    return planes;
-}
-
-/// Keeps the kind of which there are most, and names what is left out.
-void keep_one_kind(std::vector<Slice>& slices, Volume& volume) {
-    const auto count = [&](const Slice& like) {
-        return std::count_if(slices.begin(), slices.end(), [&](auto& s) { return s.page.same_kind(like.page); });
-    };
-    std::vector<Slice> kinds;  // one of each
-    for (const auto& slice : slices)
-        if (std::none_of(kinds.begin(), kinds.end(), [&](auto& k) { return k.page.same_kind(slice.page); }))
-            kinds.push_back(slice);
-    if (kinds.size() == 1) return;
-    const TiffPage kept =
-        std::max_element(kinds.begin(), kinds.end(), [&](auto& a, auto& b) { return count(a) < count(b); })->page;
-    std::string names;
-    std::size_t left_out = 0;
-    for (std::size_t i = 0; i < slices.size(); ++i) {
-        if (slices[i].page.same_kind(kept)) continue;
-        const bool in_folder = slices.front().path != slices.back().path;
-        if (++left_out <= 5)
-            names += (names.empty() ? "" : ", ") +
-                     (in_folder ? slices[i].path.filename().string() : fmt::format("page {}", i + 1));
-    }
-    std::erase_if(slices, [&](auto& s) { return !s.page.same_kind(kept); });
-    volume.notes.push_back(fmt::format("{} pictures of another size or type than {} x {} {} are left out: {}{}",
-                                       left_out, kept.columns, kept.rows, name_of(kept.type), names,
-                                       left_out > 5 ? ", ..." : ""));
-}
 
 /// Spacing from the description, else from the resolution tags; slices as far apart as columns where nothing else is
 /// stated. Files of slices carry no anatomy.
@@ -300,57 +135,26 @@ void set_infos(const Slice& first, const TiffLayout& layout, Volume& volume) {
     volume.component_infos = std::move(infos);
 }
 
-/// One value of each pixel, between those of other channels.
-void fill_from_run(const Run& run, const Slice& first, std::size_t page, int channel, std::span<std::byte> to,
-                   Volume& volume, Output& output) {
-    const std::size_t size = first.page.bytes(), value = size_of(volume.type), count = size / value;
-    std::vector<std::byte> plane(size);
-    fill_from_bytes(*open_plain(first.path, run.offset + page * size), run.big_endian, volume.type, plane, output);
-    for (std::size_t i = 0; i < count; ++i)
-        std::copy_n(plane.data() + i * value, value,
-                    to.data() + (i * std::size_t(volume.components) + std::size_t(channel)) * value);
-}
+/// A volume but for its voxels, and where these are.
+struct TiffStack {
+    Volume header;
+    std::vector<Slice> slices;
+    ChosenPages chosen;
+    std::optional<Run> run;
 
-void fill(const std::vector<Slice>& slices, const ChosenPages& chosen, const std::optional<Run>& run, Volume& volume,
-          Output& output) {
-    TiffFile file;
-    const Path* opened = nullptr;
-    const std::size_t size = slices[0].page.bytes() * std::size_t(volume.components);
-    for (std::size_t i = 0; i < chosen.pages.size(); ++i) {
-        const std::size_t z = i / std::size_t(chosen.channels), page = chosen.pages[i];
-        const int channel = int(i % std::size_t(chosen.channels));
-        const std::span<std::byte> to(volume.voxels.data() + z * size, size);
-        output.progress(0.2 + 0.8 * double(i) / double(chosen.pages.size()));
-        if (run) {
-            fill_from_run(*run, slices[0], page, channel, to, volume, output);
-            continue;
-        }
-        const Slice& slice = slices[page];
-        output.at(slice.path.filename().string());
-        if (!opened || *opened != slice.path) file = open_tiff(slice.path);
-        opened = &slice.path;
-        try {
-            if (!TIFFSetSubDirectory(file.get(), slice.directory)) refuse("has a page that cannot be found again");
-            const TiffPage found = scan_page(file.get(), regular_file_size(slice.path));
-            if (!found.same_kind(slice.page)) refuse("has a page that changed while it was read");
-            read_page(file.get(), found, to, channel * found.values, volume.components);
-        } catch (const Error& error) {
-            refuse(fmt::format("'{}' {}", slice.path.filename().string(), error.what()));
-        }
-    }
-}
+    const TiffPage& page() const { return slices[0].page; }
+};
 
-}  // namespace
-
-Volume read_tiff(const Path& path, const std::string&, Output& output) {
-    Volume volume;
+TiffStack open_stack(const Path& path, Output& output) {
+    TiffStack stack;
+    auto& [volume, slices, chosen, run] = stack;
     volume.format = "TIFF";
-    auto slices = slices_of(path, volume, output);
+    slices = slices_of(path, volume, output);
     keep_one_kind(slices, volume);
-    const bool is_stack = slices.front().path != slices.back().path;
+    const bool is_folder = slices.front().path != slices.back().path;
     const TiffLayout layout =
-        is_stack ? TiffLayout{}
-                 : layout_from(slices[0].page.description, std::int64_t(slices.size()), slices[0].page.samples);
+        is_folder ? TiffLayout{}
+                  : layout_from(slices[0].page.description, std::int64_t(slices.size()), slices[0].page.samples);
     if (!layout.planes.empty()) {
         slices = planes_in_files(std::move(slices), layout, volume, output);
         keep_one_kind(slices, volume);
@@ -358,8 +162,8 @@ Volume read_tiff(const Path& path, const std::string&, Output& output) {
     const TiffPage& page = slices[0].page;
     if (!layout.metadata_file.empty())
         volume.notes.push_back("what its pages are is told in '" + layout.metadata_file + "', which is not read");
-    const auto run = run_of(slices[0], layout, slices.size());
-    const auto chosen = choose_pages(layout, page, slices.size(), run.has_value(), output, volume);
+    run = run_of(slices[0], layout, slices.size());
+    chosen = choose_pages(layout, page, slices.size(), run.has_value(), output, volume);
     const auto depth = std::int64_t(chosen.pages.size()) / chosen.channels;
     volume.type = page.type;
     volume.components = page.values * chosen.channels;
@@ -372,12 +176,126 @@ Volume read_tiff(const Path& path, const std::string&, Output& output) {
     set_spacing(page, layout, volume);
     note_guessed_sizes(slices, volume);
     note_colors(page, volume);
+    return stack;
+}
+
+/// Pixels of one page after the other.
+class TiffReader {
+public:
+    TiffReader(const TiffStack& stack, Output& output) : stack_(stack), output_(output) {}
+
+    /// Of the page of one channel of a slice. Throws Error{input}.
+    void read(std::size_t slice, int channel, const PixelBox& box, const PixelTarget& target) {
+        const ChosenPages& chosen = stack_.chosen;
+        const std::size_t page = chosen.pages[slice * std::size_t(chosen.channels) + std::size_t(channel)];
+        if (stack_.run) return read_run(page, box, target);
+        const Slice& wanted = stack_.slices[page];
+        try {
+            if (current_ != &wanted) go_to(wanted);
+            read_pixels(file_.get(), page_, box, target);
+        } catch (const Error& error) {
+            refuse(fmt::format("'{}' {}", wanted.path.filename().string(), error.what()));
+        }
+    }
+
+private:
+    void go_to(const Slice& slice) {
+        output_.at(slice.path.filename().string());
+        if (!current_ || current_->path != slice.path) file_ = open_tiff(slice.path);
+        current_ = nullptr;
+        if (!TIFFSetSubDirectory(file_.get(), slice.directory)) refuse("has a page that cannot be found again");
+        page_ = scan_page(file_.get(), regular_file_size(slice.path));
+        if (!page_.same_kind(slice.page)) refuse("has a page that changed while it was read");
+        current_ = &slice;
+    }
+
+    void read_run(std::size_t page, const PixelBox& box, const PixelTarget& target) {
+        const TiffPage& first = stack_.page();
+        const std::size_t row_bytes = first.bytes() / std::size_t(first.rows);
+        rows_.resize(row_bytes * std::size_t(box.rows));
+        const std::uint64_t at = stack_.run->offset + page * first.bytes() + std::size_t(box.row) * row_bytes;
+        fill_from_bytes(*open_plain(stack_.slices[0].path, at), stack_.run->big_endian, first.type, rows_, output_);
+        put_pixels(first, {0, box.row, first.columns, box.rows}, rows_.data(), 1, 0, box, target);
+    }
+
+    const TiffStack& stack_;
+    Output& output_;
+    TiffFile file_;
+    const Slice* current_ = nullptr;  ///< the page that the file is at
+    TiffPage page_;
+    std::vector<std::byte> rows_;
+};
+
+/// A stack by the strips or tiles of its pages, or by as many as make a box that is worth to be asked for.
+class TiffChunks final : public ChunkedFile {
+public:
+    TiffChunks(const Path& path, Output& output) : stack_(open_stack(path, output)), reader_(stack_, output) {
+        header_ = std::move(stack_.header);
+        check_header(header_);
+        const TiffPage& page = stack_.page();
+        PixelBox box{.columns = page.columns, .rows = 1};
+        std::uint64_t bytes = 0;
+        if (!stack_.run) {
+            const TiffFile file = open_tiff(stack_.slices[0].path);
+            if (!TIFFSetSubDirectory(file.get(), stack_.slices[0].directory)) refuse("has a page that is damaged");
+            box = strip_of(file.get(), page);
+            bytes = strip_bytes(file.get());
+        }
+        const auto grown = [](int edge, int all) {
+            return edge * std::min((least - 1) / edge + 1, (all - 1) / edge + 1);
+        };
+        const ChunkedLevel level{
+            header_.dimensions, {grown(box.columns, page.columns), grown(box.rows, page.rows), 1}, header_.geometry};
+        bytes = std::max(bytes, level.chunk_voxels() * size_of(header_.type));
+        if (bytes > largest_chunk_bytes)
+            refuse(fmt::format("has strips or tiles of more than {} MiB", largest_chunk_bytes >> 20));
+        limit_own_memory((std::uint64_t(96) << 20) + 4 * bytes);
+        levels_ = {level};
+    }
+
+    bool read(int, const std::array<int, 3>& chunk, int component, std::span<std::byte> to) override {
+        const auto& [width, height, depth] = levels_[0].chunk;
+        const TiffPage& page = stack_.page();
+        PixelBox box{chunk[0] * width, chunk[1] * height, width, height};
+        box.columns = std::min(width, page.columns - box.column);
+        box.rows = std::min(height, page.rows - box.row);
+        reader_.read(std::size_t(chunk[2]), component / page.values, box,
+                     {.to = to.data(), .first = component % page.values, .line = std::size_t(width)});
+        return true;
+    }
+
+private:
+    static constexpr int least = 32;  // columns and rows of a chunk
+
+    TiffStack stack_;
+    TiffReader reader_;
+};
+
+std::unique_ptr<ChunkedFile> open_tiff_chunks(const Path& path, const std::string&, Output& output) {
+    return std::make_unique<TiffChunks>(path, output);
+}
+
+}  // namespace
+
+Volume read_tiff(const Path& path, const std::string&, Output& output) {
+    TiffStack stack = open_stack(path, output);
+    Volume& volume = stack.header;
     output.allocate(volume);
-    fill(slices, chosen, run, volume, output);
-    return volume;
+    const TiffPage& page = stack.page();
+    TiffReader reader(stack, output);
+    const auto [columns, rows, depth] = volume.dimensions;
+    const auto pixel = std::size_t(volume.components), line = pixel * std::size_t(columns);
+    for (int z = 0; z < depth; ++z)
+        for (int channel = 0; channel < stack.chosen.channels; ++channel) {
+            const std::size_t value = std::size_t(z) * std::size_t(rows) * line + std::size_t(channel * page.values);
+            output.progress(0.2 + 0.8 * double(z) / double(depth));
+            reader.read(std::size_t(z), channel, {0, 0, columns, rows},
+                        {volume.voxels.data() + value * size_of(volume.type), 0, page.values, pixel, line});
+        }
+    return std::move(volume);
 }
 
 Reader find_reader(std::string_view format) { return format == "tiff" ? read_tiff : nullptr; }
-ChunkedOpener find_chunked_opener(std::string_view) { return nullptr; }
+ChunkedOpener find_chunked_opener(std::string_view format) { return format == "tiff" ? open_tiff_chunks : nullptr; }
 
 }  // namespace chiaro::decode

@@ -124,69 +124,6 @@ void take_resolution(TIFF* file, TiffPage& page) {
     page.unit_mm = unit == RESUNIT_INCH ? 25.4 : unit == RESUNIT_CENTIMETER ? 10 : 0;
 }
 
-/// Where the pixels of a strip or tile go.
-struct Chunk {
-    std::uint32_t index = 0, column = 0, row = 0, columns = 0, rows = 0;  ///< size as stored, beyond the page too
-    int plane = 0;                                                        ///< where samples lie in planes
-};
-
-/// All pixels of the page as stored: (row, column, sample).
-class Pixels {
-public:
-    Pixels(TIFF* file, const TiffPage& page)
-        : file_(file),
-          page_(page),
-          planes_(tag<std::uint16_t>(file, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG) == PLANARCONFIG_SEPARATE),
-          bytes_(page.bytes() * std::size_t(page.samples)),
-          packed_(std::size_t(TIFFIsTiled(file) ? TIFFTileSize(file) : TIFFStripSize(file))) {
-        const auto width = std::uint32_t(page.columns), height = std::uint32_t(page.rows);
-        Chunk chunk{.columns = width, .rows = tag<std::uint32_t>(file, TIFFTAG_ROWSPERSTRIP, height)};
-        if (TIFFIsTiled(file)) {
-            chunk.columns = tag<std::uint32_t>(file, TIFFTAG_TILEWIDTH, 0);
-            chunk.rows = tag<std::uint32_t>(file, TIFFTAG_TILELENGTH, 0);
-        }
-        chunk.rows = TIFFIsTiled(file) ? chunk.rows : std::min(chunk.rows, height);
-        if (chunk.rows == 0 || chunk.columns == 0) refuse("has strips or tiles of no size");
-        for (; chunk.plane < (planes_ ? page.samples : 1); ++chunk.plane)
-            for (chunk.row = 0; chunk.row < height; chunk.row += chunk.rows)
-                for (chunk.column = 0; chunk.column < width; chunk.column += chunk.columns, ++chunk.index) take(chunk);
-    }
-    const std::byte* data() const { return bytes_.data(); }
-
-private:
-    void take(const Chunk& chunk) {
-        const std::size_t value = size_of(page_.type), pixel = planes_ ? value : value * std::size_t(page_.samples);
-        const auto rows = std::min(chunk.rows, std::uint32_t(page_.rows) - chunk.row),
-                   columns = std::min(chunk.columns, std::uint32_t(page_.columns) - chunk.column);
-        const std::size_t needed = pixel * chunk.columns * (TIFFIsTiled(file_) ? chunk.rows : rows);
-        if (chunk.index >= chunks_of(file_) || needed > packed_.size())
-            refuse("has fewer strips or tiles than its size needs");
-        last_complaint.clear();
-        const tmsize_t got = TIFFIsTiled(file_)
-                                 ? TIFFReadEncodedTile(file_, chunk.index, packed_.data(), tmsize_t(needed))
-                                 : TIFFReadEncodedStrip(file_, chunk.index, packed_.data(), tmsize_t(needed));
-        if (got < 0 || std::size_t(got) < needed || !last_complaint.empty())
-            refuse("holds pixels that are damaged or missing" + because());
-        for (std::uint32_t row = 0; row < rows; ++row) {
-            const std::byte* from = packed_.data() + pixel * chunk.columns * row;
-            const std::size_t at = std::size_t(chunk.row + row) * std::size_t(page_.columns) + chunk.column;
-            std::byte* to = bytes_.data() + at * value * std::size_t(page_.samples);
-            if (pixel == value * std::size_t(page_.samples)) {
-                std::memcpy(to, from, pixel * columns);
-                continue;
-            }
-            to += value * std::size_t(chunk.plane);
-            for (std::uint32_t i = 0; i < columns; ++i)
-                std::memcpy(to + i * value * std::size_t(page_.samples), from + i * value, value);
-        }
-    }
-
-    TIFF* file_;
-    const TiffPage& page_;
-    bool planes_;
-    std::vector<std::byte> bytes_, packed_;
-};
-
 template <class T>
 T value_of(T stored, TiffColor color) {
     if constexpr (std::is_unsigned_v<T>)
@@ -254,16 +191,71 @@ TiffPage scan_page(TIFF* file, std::uint64_t file_size) {
     return page;
 }
 
-void read_page(TIFF* file, const TiffPage& page, std::span<std::byte> to, int first, int stride) {
-    const Pixels pixels(file, page);
+PixelBox strip_of(TIFF* file, const TiffPage& page) {
+    const auto width = std::uint32_t(page.columns), height = std::uint32_t(page.rows);
+    const bool is_tiled = TIFFIsTiled(file);
+    const auto columns = is_tiled ? tag<std::uint32_t>(file, TIFFTAG_TILEWIDTH, 0) : width,
+               rows = is_tiled ? tag<std::uint32_t>(file, TIFFTAG_TILELENGTH, 0)
+                               : std::min(tag<std::uint32_t>(file, TIFFTAG_ROWSPERSTRIP, height), height);
+    if (rows == 0 || columns == 0) refuse("has strips or tiles of no size");
+    constexpr std::uint32_t most = 1 << 24;  // of which no product overflows
+    if (rows > most || columns > most) refuse(fmt::format("has tiles of {} x {} pixels", columns, rows));
+    return {.columns = int(columns), .rows = int(rows)};
+}
+
+std::uint64_t strip_bytes(TIFF* file) {
+    return std::uint64_t(std::max<tmsize_t>(TIFFIsTiled(file) ? TIFFTileSize(file) : TIFFStripSize(file), 0));
+}
+
+void put_pixels(const TiffPage& page, const PixelBox& stored, const std::byte* from, int samples, int sample,
+                const PixelBox& box, const PixelTarget& target) {
+    const int left = std::max(stored.column, box.column), top = std::max(stored.row, box.row),
+              right = std::min(stored.column + stored.columns, box.column + box.columns),
+              bottom = std::min(stored.row + stored.rows, box.row + box.rows);
+    const int begin = std::max(target.first, sample), end = std::min(target.first + target.count, sample + samples);
     with_voxel_type(page.type, [&](auto zero) {
         using T = decltype(zero);
-        const auto* from = reinterpret_cast<const T*>(pixels.data());
-        auto* pixel = reinterpret_cast<T*>(to.data()) + first;
-        const std::size_t count = page.bytes() / sizeof(T);
-        for (std::size_t i = 0; i < count; ++i, from += page.samples, pixel += stride)
-            for (int v = 0; v < page.values; ++v) pixel[v] = value_of(from[v], page.color);
+        for (int row = top; row < bottom; ++row) {
+            const std::size_t at = std::size_t(row - stored.row) * std::size_t(stored.columns);
+            const T* pixel =
+                reinterpret_cast<const T*>(from) + (at + std::size_t(left - stored.column)) * std::size_t(samples);
+            T* to = reinterpret_cast<T*>(target.to) + std::size_t(row - box.row) * target.line +
+                    std::size_t(left - box.column) * target.pixel;
+            for (int column = left; column < right; ++column, pixel += samples, to += target.pixel)
+                for (int v = begin; v < end; ++v) to[v - target.first] = value_of(pixel[v - sample], page.color);
+        }
     });
+}
+
+void read_pixels(TIFF* file, const TiffPage& page, const PixelBox& box, const PixelTarget& target) {
+    const bool are_planes =
+                   tag<std::uint16_t>(file, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG) == PLANARCONFIG_SEPARATE,
+               is_tiled = TIFFIsTiled(file);
+    const PixelBox size = strip_of(file, page);
+    const std::uint32_t across = std::uint32_t((page.columns - 1) / size.columns + 1),
+                        down = std::uint32_t((page.rows - 1) / size.rows + 1);
+    const std::size_t pixel_bytes = size_of(page.type) * std::size_t(are_planes ? 1 : page.samples);
+    std::vector<std::byte> packed(strip_bytes(file));
+    PixelBox strip = size;
+    const auto take = [&](int plane) {
+        const int rows = is_tiled ? size.rows : std::min(size.rows, page.rows - strip.row);
+        const std::uint32_t index = (std::uint32_t(plane) * down + std::uint32_t(strip.row / size.rows)) * across +
+                                    std::uint32_t(strip.column / size.columns);
+        const std::size_t needed = pixel_bytes * std::size_t(size.columns) * std::size_t(rows);
+        if (index >= chunks_of(file) || needed > packed.size()) refuse("has fewer strips or tiles than its size needs");
+        last_complaint.clear();
+        const tmsize_t got = is_tiled ? TIFFReadEncodedTile(file, index, packed.data(), tmsize_t(needed))
+                                      : TIFFReadEncodedStrip(file, index, packed.data(), tmsize_t(needed));
+        if (got < 0 || std::size_t(got) < needed || !last_complaint.empty())
+            refuse("holds pixels that are damaged or missing" + because());
+        put_pixels(page, strip, packed.data(), are_planes ? 1 : page.samples, plane, box, target);
+    };
+    const int first_plane = are_planes ? target.first : 0, end_plane = are_planes ? target.first + target.count : 1;
+    for (int plane = first_plane; plane < end_plane; ++plane)
+        for (strip.row = box.row / size.rows * size.rows; strip.row < box.row + box.rows; strip.row += size.rows)
+            for (strip.column = box.column / size.columns * size.columns; strip.column < box.column + box.columns;
+                 strip.column += size.columns)
+                take(plane);
 }
 
 }  // namespace chiaro::decode

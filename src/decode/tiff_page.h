@@ -4,9 +4,9 @@
 #include <tiffio.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <span>
 #include <string>
 
 namespace chiaro::decode {
@@ -47,8 +47,32 @@ struct TiffPage {
 /// colours other than grey, palette and RGB; and where the file is too short for its strips or tiles.
 TiffPage scan_page(TIFF* file, std::uint64_t file_size);
 
-/// Decodes the current page: the values of a pixel go to the places from `first` on of the `stride` that a pixel of
-/// `to` has. Values that grow from white are turned around. Throws Error{input} for damaged or missing data.
-void read_page(TIFF* file, const TiffPage& page, std::span<std::byte> to, int first, int stride);
+/// Some columns and rows of a page.
+struct PixelBox {
+    int column = 0, row = 0, columns = 0, rows = 0;
+};
+
+/// Which values of a pixel are kept, and where they go. Distances are counted in values.
+struct PixelTarget {
+    std::byte* to = nullptr;
+    int first = 0, count = 1;         ///< of the pixel's
+    std::size_t pixel = 1, line = 0;  ///< from one to the next in `to`
+};
+
+/// The strips or tiles of the current page: columns and rows of one. Throws Error{input} where they have no size.
+PixelBox strip_of(TIFF* file, const TiffPage& page);
+
+/// Bytes of one as decoded, all samples of its pixels included.
+std::uint64_t strip_bytes(TIFF* file);
+
+/// Puts those of the pixels of `stored` that lie in the box into their places. From `from` on they lie row by row, of
+/// each pixel `samples` values, the first of which is that of number `sample`. Values that grow from white are turned
+/// around.
+void put_pixels(const TiffPage& page, const PixelBox& stored, const std::byte* from, int samples, int sample,
+                const PixelBox& box, const PixelTarget& target);
+
+/// Decodes a box of the current page, and no strip or tile outside of it. Throws Error{input} for damaged or missing
+/// data.
+void read_pixels(TIFF* file, const TiffPage& page, const PixelBox& box, const PixelTarget& target);
 
 }  // namespace chiaro::decode

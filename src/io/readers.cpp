@@ -334,7 +334,8 @@ std::shared_ptr<const BrickSource> open_brick_source(const std::string& name, co
         bool is_chunked;  ///< decoded chunk by chunk; else the voxels lie as they are
     };
     constexpr Way ways[] = {{"NRRD", "nrrd", false}, {"MetaImage", "meta", false}, {"NIfTI", "nifti", false},
-                            {"VTK", "vtk", false},   {"HDF5", "hdf5", true},       {"OME-Zarr", "zarr", true}};
+                            {"VTK", "vtk", false},   {"HDF5", "hdf5", true},       {"OME-Zarr", "zarr", true},
+                            {"TIFF", "tiff", true}};
     const auto way = std::ranges::find_if(ways, [&](const Way& w) { return reader && reader->info.name == w.name; });
     if (way == std::end(ways) || (options.time > 0 && !way->is_chunked)) return {};
     const DecodeRequest request{way->format, candidate.name,           candidate.name, candidate.part,
