@@ -181,6 +181,50 @@ TEST(ChunkFormats, MomentsChannelsAndFoldersOfTiffAreReadByBricks) {
     EXPECT_FALSE(open_brick_source((folder / "a.h5").string(), {.time = 1})) << "there is one moment";
 }
 
+TEST(ChunkFormats, Hdf5OfAnyChunksIsReadByBricksAsItIsAsAWhole) {
+    const Folder folder;
+    const std::vector<hsize_t> sizes{45, 50, 70};
+    const auto numbers = ramp<std::uint16_t>(45 * 50 * 70, 9);
+    const std::string name = (folder / "a.h5").string();
+    for (const auto& chunk : {std::array<hsize_t, 3>{8, 8, 8}, {1, 20, 30}, {9, 33, 5}, {45, 50, 70}})
+        for (const bool with_checksum : {false, true}) {
+            const hid_t made = H5Pcreate(H5P_DATASET_CREATE);
+            H5Pset_chunk(made, 3, chunk.data()), H5Pset_deflate(made, 1);
+            if (with_checksum) H5Pset_fletcher32(made);
+            Hdf5(name).dataset("v", sizes, numbers, made);
+            H5Pclose(made);
+            expect_voxels(name);
+        }
+    const hid_t made = H5Pcreate(H5P_DATASET_CREATE);  // moments before, channels behind
+    const hsize_t chunk[] = {2, 8, 9, 16, 2};
+    H5Pset_chunk(made, 5, chunk), H5Pset_fletcher32(made);
+    Hdf5(name)
+        .dataset("v", {3, 21, 23, 20, 3}, ramp<std::uint16_t>(3 * 21 * 23 * 20 * 3), made)
+        .text("axistags", axistags("tzyxc"));
+    H5Pclose(made);
+    for (const int time : {0, 1, 2}) expect_voxels(name, {.time = time});
+}
+
+// Of 4 x 4 x 4 chunks of 8³ two were written, which one that is asked for has together.
+TEST(ChunkFormats, ChunksThatWereNeverWrittenHoldTheFillValue) {
+    const Folder folder;
+    const hid_t made = H5Pcreate(H5P_DATASET_CREATE);
+    const hsize_t chunk[] = {8, 8, 8}, sizes[] = {64, 64, 64};
+    const std::uint16_t fill = 77;
+    H5Pset_chunk(made, 3, chunk), H5Pset_fill_value(made, H5T_NATIVE_UINT16, &fill);
+    {
+        const Hdf5 file(folder / "a.h5");
+        const hid_t space = H5Screate_simple(3, sizes, nullptr),
+                    data = H5Dcreate2(file.file(), "v", H5T_NATIVE_UINT16, space, H5P_DEFAULT, made, H5P_DEFAULT);
+        const auto numbers = ramp<std::uint16_t>(512, 1000);
+        for (const hsize_t z : {8, 24}) {
+            const hsize_t at[] = {z, 16, 0};
+            H5Dwrite_chunk(data, H5P_DEFAULT, 0, at, 1024, numbers.data());
+        }
+    }
+    expect_voxels((folder / "a.h5").string());
+}
+
 TEST_F(Chunks, OnlyWhatIsAskedForIsDecodedAndOnce) {
     write_stack((folder / "tiles.tif").string(),
                 {.compression = COMPRESSION_LZW, .tiled = true, .columns = 64, .rows = 64}, voxels, {n, n, n});
@@ -190,7 +234,7 @@ TEST_F(Chunks, OnlyWhatIsAskedForIsDecodedAndOnce) {
     const struct {
         const char* file;
         std::size_t chunks, of_a_quarter, around_a_voxel;  ///< of all; of level 2; of a box of 35³ at the corner
-    } cases[] = {{"tiles.tif", 4 * 128, 4 * 32, 35}, {"strips.tif", 4 * 128, 4 * 32, 35}, {"chunks.h5", 96, 96, 6}};
+    } cases[] = {{"tiles.tif", 4 * 128, 4 * 32, 35}, {"strips.tif", 4 * 128, 4 * 32, 35}, {"chunks.h5", 48, 48, 4}};
     for (const auto& [file, chunks, of_a_quarter, around_a_voxel] : cases) {
         SCOPED_TRACE(file);
         const auto fresh = [&] {

@@ -32,6 +32,11 @@ void place(const ChunkedLevel& level, const std::array<int, 3>& chunk, int compo
 
 }  // namespace
 
+int grown_edge(int edge, int border) {
+    constexpr int least = 32;
+    return edge * std::min((least - 1) / edge + 1, (border - 1) / edge + 1);
+}
+
 Volume read_whole(ChunkedFile& file, Output& output) {
     const ChunkedLevel& level = file.levels().front();
     const Volume& header = file.header();

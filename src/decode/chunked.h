@@ -23,6 +23,9 @@ protected:
     std::vector<ChunkedLevel> levels_;
 };
 
+/// An edge of as many chunks side by side as make 32 voxels, or reach the far border: what is worth to be asked for.
+int grown_edge(int edge, int border);
+
 /// The whole of level 0, with its voxels in `output`'s memory file.
 Volume read_whole(ChunkedFile& file, Output& output);
 

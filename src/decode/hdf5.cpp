@@ -45,10 +45,11 @@ std::vector<hsize_t> chunk_of(hid_t made, const Hdf5Shape& shape) {
     return chunk;
 }
 
-/// Goes to the next chunk; false behind the last.
-bool next_chunk(std::vector<hsize_t>& at, const std::vector<hsize_t>& chunk, const std::vector<hsize_t>& sizes) {
-    for (std::size_t axis = at.size(); axis-- > 0; at[axis] = 0)
-        if ((at[axis] += chunk[axis]) < sizes[axis]) return true;
+/// Goes to the next chunk of those from `first` on; false behind the last.
+bool next_chunk(std::vector<hsize_t>& at, const std::vector<hsize_t>& first, const std::vector<hsize_t>& chunk,
+                const std::vector<hsize_t>& end) {
+    for (std::size_t axis = at.size(); axis-- > 0; at[axis] = first[axis])
+        if ((at[axis] += chunk[axis]) < end[axis]) return true;
     return false;
 }
 
@@ -94,11 +95,12 @@ std::optional<Places> check_chunks(hid_t dataset, hid_t made, std::uint64_t file
         places = places_in_index(dataset, space, stored, shape);
         for (const auto& at : *places) written += check_chunk(dataset, at, file_size, filter);
     } else {
-        std::vector<hsize_t> at(shape.sizes.size(), 0);
+        const std::vector<hsize_t> first(shape.sizes.size(), 0);
+        std::vector<hsize_t> at = first;
         do {
             written += check_chunk(dataset, at, file_size, filter);
             if (++asked % 4096 == 0) output.progress(0);
-        } while (next_chunk(at, chunk, shape.sizes));
+        } while (next_chunk(at, first, chunk, shape.sizes));
     }
     if (stored > written)
         refuse(fmt::format("has {} chunks that lie outside of its array: its index is damaged", stored - written));
@@ -199,9 +201,7 @@ public:
             for (const hsize_t edge : chunk_)
                 if (__builtin_mul_overflow(bytes, edge, &bytes) || bytes > largest_chunk_bytes)
                     refuse(fmt::format("has chunks of more than {} MiB", largest_chunk_bytes >> 20));
-            level.chunk = {1, 1, 1};
-            for (std::size_t i = 0; i < shape_.axes.size(); ++i)
-                level.chunk[i] = int(chunk_[shape_.axes[shape_.axes.size() - 1 - i]]);
+            level.chunk = several_chunks();
         }
         limit_own_memory((std::uint64_t(96) << 20) + 4 * bytes);
         levels_ = {level};
@@ -221,7 +221,7 @@ public:
         }
         if (shape_.channels) start[*shape_.channels] = hsize_t(component);
         if (shape_.time) start[*shape_.time] = shape_.moment;
-        const bool is_written = is_there(std::span(start).first(rank));
+        const bool is_written = is_there(std::span(start).first(rank), std::span(count).first(rank));
         const Hdf5Id space(H5Dget_space(dataset_), H5Sclose),
             memory(H5Screate_simple(int(rank), pitch.data(), nullptr), H5Sclose);
         if (H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) < 0 ||
@@ -232,11 +232,37 @@ public:
     }
 
 private:
-    /// Whether the chunk of this element was written, which is checked.
-    bool is_there(std::span<const hsize_t> element) const {
-        std::vector<hsize_t> at(chunk_.size());
-        for (std::size_t axis = 0; axis < at.size(); ++axis) at[axis] = element[axis] - element[axis] % chunk_[axis];
-        return at.empty() || check_chunk(dataset_, at, file_size_, filter_);
+    /// What is decoded at a time: a chunk, or of small ones some, where coarse levels of it need them all as well.
+    std::array<int, 3> several_chunks() const {
+        constexpr int thinnest = 8;
+        constexpr std::uint64_t most = 1 << 18;  // bytes
+        std::array<int, 3> size{1, 1, 1};
+        std::uint64_t bytes = size_of(header_.type);
+        for (std::size_t i = 0; i < shape_.axes.size(); ++i) {
+            size[i] = int(chunk_[shape_.axes[shape_.axes.size() - 1 - i]]);
+            bytes *= std::uint64_t(size[i]);
+        }
+        for (std::size_t i = 0; i < 3; ++i) {
+            const int grown = grown_edge(size[i], header_.dimensions[i]);
+            const std::uint64_t then = bytes / std::uint64_t(size[i]) * std::uint64_t(grown);
+            if (size[i] >= thinnest && then <= most) size[i] = grown, bytes = then;
+        }
+        return size;
+    }
+
+    /// Whether any chunk of these elements was written, each of which is checked.
+    bool is_there(std::span<const hsize_t> start, std::span<const hsize_t> count) const {
+        if (chunk_.empty()) return true;
+        std::vector<hsize_t> first, end;
+        for (std::size_t axis = 0; axis < chunk_.size(); ++axis) {
+            first.push_back(start[axis] - start[axis] % chunk_[axis]);
+            end.push_back(start[axis] + count[axis]);
+        }
+        bool is_written = false;
+        std::vector<hsize_t> at = first;
+        do is_written |= check_chunk(dataset_, at, file_size_, filter_);
+        while (next_chunk(at, first, chunk_, end));
+        return is_written;
     }
 
     Hdf5Id file_, dataset_;

@@ -241,11 +241,9 @@ public:
             box = strip_of(file.get(), page);
             bytes = strip_bytes(file.get());
         }
-        const auto grown = [](int edge, int all) {
-            return edge * std::min((least - 1) / edge + 1, (all - 1) / edge + 1);
-        };
-        const ChunkedLevel level{
-            header_.dimensions, {grown(box.columns, page.columns), grown(box.rows, page.rows), 1}, header_.geometry};
+        const ChunkedLevel level{header_.dimensions,
+                                 {grown_edge(box.columns, page.columns), grown_edge(box.rows, page.rows), 1},
+                                 header_.geometry};
         bytes = std::max(bytes, level.chunk_voxels() * size_of(header_.type));
         if (bytes > largest_chunk_bytes)
             refuse(fmt::format("has strips or tiles of more than {} MiB", largest_chunk_bytes >> 20));
@@ -265,8 +263,6 @@ public:
     }
 
 private:
-    static constexpr int least = 32;  // columns and rows of a chunk
-
     TiffStack stack_;
     TiffReader reader_;
 };

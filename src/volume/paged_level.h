@@ -3,6 +3,7 @@
 #include <chiaro/brick_source.h>
 
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -49,6 +50,7 @@ public:
 
 private:
     std::array<int, 3> place_of(std::int64_t brick) const;
+    std::vector<std::size_t> by_pieces(std::span<const std::int64_t> bricks) const;
     void fill(std::int64_t brick, std::int32_t slot);
     bool code(std::int32_t slot);
     void take_free();
