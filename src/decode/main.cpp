@@ -29,7 +29,7 @@ using namespace chiaro;
 
 /// Goes on as the program for one format, with the same arguments and open files. Returns only where there is none.
 void become_program_for(const std::string& format, char** argv) {
-    for (const char* known : {"dicom", "tiff", "hdf5", "zarr"})
+    for (const char* known : {"dicom", "tiff", "hdf5", "zarr", "vdb"})
         if (format == known) {
             const auto self = std::filesystem::read_symlink("/proc/self/exe");
             execv((self.string() + "-" + format).c_str(), argv);
@@ -43,11 +43,12 @@ std::uintmax_t size_of(const char* path) {
     return std::filesystem::is_regular_file(path, none) ? std::filesystem::file_size(path, none) : UINTMAX_MAX;
 }
 
-/// A Zarr store alone is all that its reader sees; of one on a server there is nothing here to see.
+/// A Zarr store or an OpenVDB file alone is all that its reader sees; of a store on a server there is nothing here to
+/// see.
 decode::Limits limits_of(const std::string& format, const std::string& path, std::uint64_t max_bytes,
                          unsigned cpu_seconds, bool serves) {
     decode::Limits limits{max_bytes, cpu_seconds, serves};
-    if (format != "zarr") return limits;
+    if (format != "zarr" && format != "vdb") return limits;
     limits.permissions.reads_all = false;
     if (wire::is_url(path))
         limits.last_descriptor = wire::fetch_descriptor;
@@ -73,7 +74,9 @@ int main(int argc, char** argv) {
     decode::limit_this_process(limits_of(format, argv[2], max_bytes, cpu_seconds, serves));
     decode::Output output(max_bytes, int(std::strtol(argv[6], nullptr, 10)));
     try {
-        if (!reader) decode::refuse("the program chiaro-decode-" + format + " is missing beside chiaro-decode");
+        if (!reader)
+            decode::refuse("the program chiaro-decode-" + format + " is missing beside chiaro-decode" +
+                           (format == "vdb" ? ", which is built where libopenvdb is found" : ""));
         if (serves) {
             const decode::ChunkedOpener open = decode::find_chunked_opener(format);
             if (!open) decode::refuse(decode::not_in_chunks);

@@ -44,5 +44,8 @@ Volume read_hdf5(const std::filesystem::path& path, const std::string& part, Out
 /// OME-Zarr of versions 0.4 and 0.5, or one Zarr array, in a folder (`part`: the path of an image or an array in it,
 /// and a channel behind '@'; empty: what the folder is).
 Volume read_zarr(const std::filesystem::path& path, const std::string& part, Output& output);
+/// A grid of an OpenVDB file (`part`: its name, with or without a '/' before it; empty: the first of floats or
+/// doubles).
+Volume read_vdb(const std::filesystem::path& path, const std::string& part, Output& output);
 
 }  // namespace chiaro::decode

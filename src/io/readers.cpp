@@ -215,7 +215,16 @@ std::vector<Reader> readers() {
              return c.ends_with({".h5", ".hdf5", ".hdf", ".vtkhdf"}) || c.has_at(0, "\x89HDF\r\n\x1a\n");
          },
          decoded_as("hdf5")},
+        {{"OpenVDB", ".vdb", "grids of floats or doubles; file.vdb#name for another than the first"},
+         [](auto& c) { return c.ends_with({".vdb"}) || c.has_at(0, " BDV"); },
+         decoded_as("vdb")},
     };
+}
+
+/// Whether a name may go on behind the file's with that of a part.
+bool has_parts(const Reader& reader) {
+    return std::ranges::any_of(std::array{"HDF5", "OME-Zarr", "OpenVDB"},
+                               [&](const char* name) { return reader.info.name == name; });
 }
 
 /// Raw is listed once but tried twice: before the others where its layout is stated, after them by its name alone.
@@ -295,9 +304,10 @@ Volume read_volume(const std::string& name, const ReadOptions& options, Progress
         for (const auto& format : list_formats()) known += (known.empty() ? "" : ", ") + format.name;
         throw Error(ErrorCode::input, "cannot read '" + one_line(name) + "': it is none of " + known);
     }
-    if (!candidate.part.empty() && reader->info.name != "HDF5" && reader->info.name != "OME-Zarr")
-        throw Error(ErrorCode::input,
-                    "cannot read '" + name + "': only HDF5 files and Zarr stores hold datasets with a path");
+    if (!candidate.part.empty() && !has_parts(*reader))
+        throw Error(ErrorCode::input, "cannot read '" + name +
+                                          "': only HDF5 files and Zarr stores hold datasets with a path, and only "
+                                          "OpenVDB files grids with a name");
     Volume volume = reader->read(candidate, options, progress);
     volume.source = name;
     if (options.rescale && volume.slope == 1 && volume.intercept == 0)
@@ -335,7 +345,7 @@ std::shared_ptr<const BrickSource> open_brick_source(const std::string& name, co
     };
     constexpr Way ways[] = {{"NRRD", "nrrd", false}, {"MetaImage", "meta", false}, {"NIfTI", "nifti", false},
                             {"VTK", "vtk", false},   {"HDF5", "hdf5", true},       {"OME-Zarr", "zarr", true},
-                            {"TIFF", "tiff", true}};
+                            {"TIFF", "tiff", true},  {"OpenVDB", "vdb", true}};
     const auto way = std::ranges::find_if(ways, [&](const Way& w) { return reader && reader->info.name == w.name; });
     if (way == std::end(ways) || (options.time > 0 && !way->is_chunked)) return {};
     const DecodeRequest request{way->format, candidate.name,           candidate.name, candidate.part,
