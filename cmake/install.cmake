@@ -6,6 +6,9 @@ install(TARGETS chiaro_shared EXPORT chiaro-targets LIBRARY COMPONENT library NA
 install(TARGETS chiaro EXPORT chiaro-static-targets ARCHIVE COMPONENT development)
 install(TARGETS chiaro-cli RUNTIME COMPONENT tool)
 install(TARGETS ${CHIARO_DECODERS} RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/chiaro COMPONENT tool)
+if(TARGET chiaro-decode-vdb)  # for itself, as libopenvdb is larger than all the rest
+  install(TARGETS chiaro-decode-vdb RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/chiaro COMPONENT openvdb)
+endif()
 install(DIRECTORY include/chiaro DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
 install(EXPORT chiaro-targets NAMESPACE chiaro:: DESTINATION ${package_dir} COMPONENT development)
 install(EXPORT chiaro-static-targets NAMESPACE chiaro:: DESTINATION ${package_dir} COMPONENT development)

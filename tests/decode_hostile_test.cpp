@@ -2,6 +2,7 @@
 #include "hdf5_files.h"
 #include "hostile_headers.h"
 #include "tiff_files.h"
+#include "vdb_bytes.h"
 #include "vtk_files.h"
 
 #include <chiaro/error.h>
@@ -33,21 +34,26 @@ std::vector<std::pair<std::string, std::string>> valid_files() {
     const auto nifti = Nifti(2, 8);
     const Folder folder;
     const Vti packed{.format = "binary", .compressor = "vtkZLibDataCompressor", .compress = deflated_block};
-    return {{"good.nrrd", nrrd_good + "\n" + voxels},
-            {"packed.nrrd", nrrd_start + "sizes: 4 3 2\nencoding: gzip\n\n" + deflated(voxels)},
-            {"text.nrrd", nrrd_start + "sizes: 2 1 1\nencoding: ascii\n\n1 2"},
-            {"good.mha", meta_good + "ElementDataFile = LOCAL\n" + voxels},
-            {"packed.mha", meta_good + "CompressedData = True\nElementDataFile = LOCAL\n" + deflated(voxels, 15)},
-            {"good.nii", nifti.bytes() + voxels},
-            {"good.nii.gz", deflated(nifti.bytes() + voxels)},
-            {"good.dcm", Dicom{}.bytes()},
-            {"good.tif", tiff_file({TiffImage{}, TiffImage{}})},
-            {"good.vti", Vti{}.bytes()},
-            {"packed.vti", packed.bytes()},
-            {"good.vtk", vtk_file()},
-            {"good.h5", hdf5_file(folder, false)},
-            {"packed.h5", hdf5_file(folder, true)},
-            {"good_4x3x2_uint8.raw", voxels}};
+    std::vector<std::pair<std::string, std::string>> files{
+        {"good.nrrd", nrrd_good + "\n" + voxels},
+        {"packed.nrrd", nrrd_start + "sizes: 4 3 2\nencoding: gzip\n\n" + deflated(voxels)},
+        {"text.nrrd", nrrd_start + "sizes: 2 1 1\nencoding: ascii\n\n1 2"},
+        {"good.mha", meta_good + "ElementDataFile = LOCAL\n" + voxels},
+        {"packed.mha", meta_good + "CompressedData = True\nElementDataFile = LOCAL\n" + deflated(voxels, 15)},
+        {"good.nii", nifti.bytes() + voxels},
+        {"good.nii.gz", deflated(nifti.bytes() + voxels)},
+        {"good.dcm", Dicom{}.bytes()},
+        {"good.tif", tiff_file({TiffImage{}, TiffImage{}})},
+        {"good.vti", Vti{}.bytes()},
+        {"packed.vti", packed.bytes()},
+        {"good.vtk", vtk_file()},
+        {"good.h5", hdf5_file(folder, false)},
+        {"packed.h5", hdf5_file(folder, true)},
+        {"good_4x3x2_uint8.raw", voxels}};
+    if (fs::exists(built("chiaro-decode-vdb")))
+        for (const std::uint32_t version : {220, 224})
+            files.emplace_back(fmt::format("good{}.vdb", version), VdbBytes{version}.bytes());
+    return files;
 }
 
 struct Hostile {
@@ -154,7 +160,7 @@ TEST(Hostile, GarbageUnderEveryName) {
     std::string garbage(5000, '\0');
     for (char& c : garbage) c = char(random());
     for (const std::string ending : {".nrrd", ".nhdr", ".mha", ".mhd", ".nii", ".nii.gz", ".hdr", ".dcm", ".tif",
-                                     ".vti", ".vtk", ".h5", ".raw", ".xyz"})
+                                     ".vti", ".vtk", ".h5", ".vdb", ".raw", ".xyz"})
         expect_refused(folder.write("garbage" + ending, garbage));
     for (const auto& [name, bytes] : valid_files())
         if (name != "good_4x3x2_uint8.raw") expect_refused(folder.write("magic" + name, bytes.substr(0, 8) + garbage));
@@ -244,6 +250,27 @@ TEST(Hostile, ADecoderThatHangsOrDiesIsOneSentence) {
           std::string("while :; do printf xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx >&4; done"),
           fmt::format("echo '{}' >&4", volume)})
         decoder(script);
+}
+
+TEST(Hostile, WithoutTheProgramForAFormatASentenceNamesIt) {
+    const Folder folder;
+    fs::copy(built("chiaro-decode"), folder / "chiaro-decode");
+    setenv("CHIARO_DECODE", (folder / "chiaro-decode").c_str(), 1);
+    const std::string grid = folder.write("a.vdb", VdbBytes().bytes()),
+                      good = folder.write("good.nrrd", nrrd_good + "\n" + voxels);
+    Progress progress;
+    EXPECT_NO_THROW(read_volume(good, {}, progress));
+    try {
+        read_volume(grid, {}, progress);
+        ADD_FAILURE();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::input);
+        EXPECT_NE(std::string(error.what())
+                      .find("chiaro-decode-vdb is missing beside chiaro-decode: it is built where "
+                            "libopenvdb is found"),
+                  std::string::npos)
+            << error.what();
+    }
 }
 
 TEST(Hostile, ChangedBytesAreOneSentenceAtMost) {

@@ -32,7 +32,11 @@ std::vector<Case> all_cases() {
     return cases;
 }
 
-Volume read_through_helper(const std::string& path) { return volume_files::read(path); }
+Volume read_through_helper(const std::string& path) {
+    chiaro::ReadOptions options;
+    options.max_bytes = permitted_bytes(path, 0);
+    return volume_files::read(path, options);
+}
 
 /// Four at a time: most of the time passes in helper programs.
 std::vector<Judgement> judgements_of(const std::vector<Case>& cases) {
@@ -93,7 +97,8 @@ TEST(HostileCorpus, EveryFileIsReadExactlyOrRefusedInOneSentence) {
         list.erase(name);
     }
     for (const auto& [name, word] : list)
-        if (!renews) ADD_FAILURE() << name << " is listed but no longer made";
+        if (!renews && (reads_vdb() || name.find(".vdb ") == name.npos))
+            ADD_FAILURE() << name << " is listed but no longer made";
     if (renews) std::ofstream(list_file) << renewed;
 }
 

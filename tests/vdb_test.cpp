@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <random>
 
 #include "tool_case.h"
 #include "vdb_bytes.h"
@@ -194,6 +195,96 @@ TEST_F(Vdb, WhatIsNotReadIsNamed) {
     flat->setTransform(small);
     write_vdb(path, {flat});
     expect_refused_with(path, "spacing");
+}
+
+TEST_F(Vdb, FilesOfEveryVersionAreReadAsTheLibraryReadsThem) {
+    openvdb::initialize();
+    for (const std::uint32_t version : {220, 221, 222, 223, 224})
+        for (const bool is_packed : {false, true}) {
+            SCOPED_TRACE(fmt::format("{} {}", version, is_packed));
+            folder.write("a.vdb", VdbBytes{.version = version, .is_packed = is_packed}.bytes());
+            const Volume volume = read(path);
+            const auto stored = volume_files::read_vdb<FloatGrid>(path, "density");
+            expect_same_voxels(volume, *stored);
+            expect_same_place(volume, *stored, 0);
+            const auto values = volume.as<float>();
+            ASSERT_EQ(volume.dimensions, (std::array{8, 8, 16}));
+            EXPECT_EQ(values[0], 512);
+            EXPECT_EQ(values[7 + 8 * (6 + 8 * 5)], 512 + 7 * 64 + 6 * 8 + 5);
+            EXPECT_EQ(values[8 * 8 * 8], 3.5F);
+            EXPECT_EQ(volume.geometry.origin_mm, (Vec3{1 + 0.5 * 128, -2 + 2 * 8, 3.5}));
+            const auto bricks = open_brick_source(path, {});
+            ASSERT_TRUE(bricks);
+            Progress progress;
+            const Volume by_bricks = read_level(*bricks, 0, progress);
+            EXPECT_EQ(std::memcmp(by_bricks.voxels.data(), volume.voxels.data(), volume.voxels.size()), 0);
+        }
+    for (const std::uint32_t version : {219, 225}) {
+        folder.write("a.vdb", VdbBytes{.version = version}.bytes());
+        expect_refused_with(path, "220 to 224 are read");
+    }
+}
+
+TEST_F(Vdb, DamagedFilesAreOneSentence) {
+    const auto grid = some_grid<FloatGrid>("density", 0.5);
+    std::mt19937 random(5);
+    for (const bool is_half : {false, true})
+        for (const std::uint32_t packed : packed_by) {
+            grid->setSaveFloatAsHalf(is_half);
+            write_vdb(path, {grid, some_grid<DoubleGrid>("other", 0)}, packed);
+            const std::string whole = content_of(path);
+            for (int i = 0; i < 12; ++i)
+                expect_refused_with(folder.write("cut.vdb", whole.substr(0, random() % whole.size())), "cut.vdb");
+            for (int i = 0; i < 25; ++i) {
+                std::string changed = whole;
+                // Half of the time where values are, which is most of the file only where nothing packs them.
+                for (int k = 0; k < 2; ++k) {
+                    const std::size_t at =
+                        i % 2 ? whole.size() / 4 + random() % (whole.size() / 2) : random() % whole.size();
+                    changed[at] = char(random());
+                }
+                try {
+                    read(folder.write("changed.vdb", changed), {.max_bytes = 16 << 20});  // a bit makes a box large
+                } catch (const Error& error) {
+                    EXPECT_EQ(error.code(), ErrorCode::input);
+                    EXPECT_EQ(std::string(error.what()).find("crashed"), std::string::npos) << error.what();
+                }
+            }
+        }
+}
+
+TEST_F(Vdb, HugeClaimsAreOneSentence) {
+    const VdbBytes good;
+    const std::string whole = good.bytes();
+    for (const auto& [part, at] : good.places())
+        for (const std::uint32_t claim : {0x7fffffffU, 0x80000000U, 0xffffffffU}) {
+            if (part == "background") continue;
+            std::string bytes = whole;
+            bytes.replace(at, 4, bytes_of(claim));
+            folder.write("a.vdb", bytes);
+            try {
+                const Volume volume = read(path, {.max_bytes = 16 << 20});
+                EXPECT_TRUE(part == "origin" || part == "node" || part == "low node" || part == "leaf mask" ||
+                            part == "leaf" || part == "map")
+                    << part;
+            } catch (const Error& error) {
+                EXPECT_EQ(error.code(), ErrorCode::input) << part;
+                EXPECT_EQ(std::string(error.what()).find("crashed"), std::string::npos) << part << error.what();
+            }
+        }
+    VdbBytes far;
+    far.node = {2147479552, -2147483648, 4096};
+    folder.write("a.vdb", far.bytes());
+    EXPECT_EQ(read(path).dimensions, (std::array{8, 8, 16}));
+    far.node = {4, 0, 0};
+    folder.write("a.vdb", far.bytes());
+    expect_refused_with(path, "has a node at 4, 0, 0 where none can be");
+    for (const double length : {0.0, 1e300, std::nan("")}) {
+        folder.write("a.vdb", VdbBytes{.voxel_size = {1, length, 1}}.bytes());
+        expect_refused_with(path, "a.vdb");
+    }
+    folder.write("a.vdb", VdbBytes{.map = "HomeMadeMap"}.bytes());
+    expect_refused_with(path, "whose transform is a 'HomeMadeMap'");
 }
 
 TEST_F(Vdb, BricksAreThoseOfTheWholeVolume) {

@@ -27,6 +27,9 @@ namespace {
 
 using namespace chiaro;
 
+constexpr const char* missing_vdb =
+    ": it is built where libopenvdb is found, packages have it as chiaro-openvdb, and the Python package has none";
+
 /// Goes on as the program for one format, with the same arguments and open files. Returns only where there is none.
 void become_program_for(const std::string& format, char** argv) {
     for (const char* known : {"dicom", "tiff", "hdf5", "zarr", "vdb"})
@@ -76,7 +79,7 @@ int main(int argc, char** argv) {
     try {
         if (!reader)
             decode::refuse("the program chiaro-decode-" + format + " is missing beside chiaro-decode" +
-                           (format == "vdb" ? ", which is built where libopenvdb is found" : ""));
+                           (format == "vdb" ? missing_vdb : ""));
         if (serves) {
             const decode::ChunkedOpener open = decode::find_chunked_opener(format);
             if (!open) decode::refuse(decode::not_in_chunks);

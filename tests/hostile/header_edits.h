@@ -11,7 +11,7 @@ struct BinaryField {
 };
 
 /// Where the seed's format has numbers as bytes: the fields of NIfTI, tags and links of TIFF, lengths of DICOM, sizes
-/// and addresses of HDF5, checksummed lengths of PNG; of others the words at the start.
+/// and addresses of HDF5, checksummed lengths of PNG, parts of OpenVDB; of others the words at the start.
 std::vector<BinaryField> binary_fields(const Seed& seed);
 
 /// A field of a text header: all of it, and its value.

@@ -6,6 +6,8 @@
 #include <cstring>
 #include <string_view>
 
+#include "vdb_bytes.h"
+
 namespace hostile {
 namespace {
 
@@ -96,6 +98,16 @@ std::vector<BinaryField> hdf5_fields(const std::string& bytes) {
             const std::uint64_t value = number_at(bytes, at, size);
             if (value != 0 && value <= 4 * bytes.size()) fields.push_back({at, size});
         }
+    return fields;
+}
+
+/// What stands at the beginning of each part.
+std::vector<BinaryField> vdb_fields() {
+    std::vector<BinaryField> fields;
+    for (const auto& [part, at] : volume_files::VdbBytes().places()) {
+        for (const std::size_t size : {std::size_t(4), std::size_t(8)})
+            fields.push_back({at, size, part == "background"});
+    }
     return fields;
 }
 
@@ -203,6 +215,7 @@ std::vector<BinaryField> binary_fields(const Seed& seed) {
     if (seed.format == "tiff") return tiff_fields(bytes);
     if (seed.format == "dicom") return dicom_fields(bytes);
     if (seed.format == "hdf5") return hdf5_fields(bytes);
+    if (seed.format == "vdb") return vdb_fields();
     if (bytes.starts_with("\x89PNG")) return png_fields(bytes);
     return first_words(bytes);
 }

@@ -123,6 +123,11 @@ std::string fault_of(const Error& error, const fs::path& opened) {
 
 }  // namespace
 
+std::uint64_t permitted_bytes(const std::string& path, std::uint64_t others) {
+    constexpr std::uint64_t of_sparse = std::uint64_t(16) << 20;
+    return path.ends_with(".vdb") ? of_sparse : others;
+}
+
 Judgement judgement_of(const Seed& seed, const std::string& bytes, const fs::path& folder,
                        const VolumeReader& read_volume, const VolumeUser& use) {
     fs::create_directories(folder);

@@ -21,6 +21,10 @@ struct Judgement {
 /// Reads volumes in some way: through the helper program, or here. A program of its own may end without an exception.
 using VolumeReader = std::function<chiaro::Volume(const std::string& path)>;
 
+/// What a volume may take: `others`, but little where it is sparse, as a bit that is flipped makes its box as large as
+/// is permitted.
+std::uint64_t permitted_bytes(const std::string& path, std::uint64_t others);
+
 /// Does what the program would do next with what was read.
 using VolumeUser = std::function<void(chiaro::Volume&&)>;
 

@@ -61,7 +61,7 @@ struct Counts {
 chiaro::Volume read_through_helper(const std::string& path) {
     chiaro::Progress progress;
     chiaro::ReadOptions options;
-    options.max_bytes = std::uint64_t(1) << 30;  // several run at a time
+    options.max_bytes = permitted_bytes(path, std::uint64_t(1) << 30);  // several run at a time
     return chiaro::read_volume(path, options, progress);
 }
 

@@ -30,6 +30,9 @@ struct Seed {
 
 const std::vector<Seed>& seeds();
 
+/// Whether this build has a decoder of OpenVDB's files; without one there are no seeds of it.
+bool reads_vdb();
+
 /// The volume that the seed of Kind::cache belongs to.
 const chiaro::DeviceVolume& cached_volume();
 
