@@ -1,9 +1,9 @@
 #include "decode/vdb_tree.h"
 
 #include <openvdb/io/Compression.h>
+#include <zlib.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <map>
 
 namespace chiaro::decode {
@@ -140,11 +140,11 @@ void VdbTree<T>::read_node(const VdbPlace& origin, std::vector<Leaf>& leaves) {
     }
 }
 
-/// Where the values of a node end that begin here; leaves the stream here.
+/// Where those of a node are that begin here; leaves the stream here.
 template <class T>
 template <class Mask>
-std::uint64_t VdbTree<T>::end_of_values(const Mask& mask, std::size_t count) {
-    const std::uint64_t begin = stream_.position();
+VdbBlock VdbTree<T>::values_here(const Mask& mask, std::size_t count) {
+    const std::uint64_t here = stream_.position();
     if (version_ >= vdb_of_masks) {
         const auto kind = stream_.number<std::uint8_t>();
         if (kind >= std::size(inactive_values)) refuse(fmt::format("has a node of the unknown kind {}", kind));
@@ -153,34 +153,49 @@ std::uint64_t VdbTree<T>::end_of_values(const Mask& mask, std::size_t count) {
         constexpr unsigned all_values = 6;
         if ((compression_ & io::COMPRESS_ACTIVE_MASK) && kind != all_values) count = mask.countOn();
     }
-    const std::int64_t bytes = std::int64_t(count * (grid_.is_half ? 2 : sizeof(T)));
-    std::int64_t stored = bytes;
+    VdbBlock block{.values = count * (grid_.is_half ? 2 : sizeof(T))};
+    std::uint64_t bytes = block.values;
     if ((compression_ & (io::COMPRESS_ZIP | io::COMPRESS_BLOSC)) && !(grid_.is_half && count == 0)) {
         constexpr std::int64_t overhead = 64;
-        stored = stream_.number<std::int64_t>();
-        if (stored <= 0 ? stored != -bytes : stored > bytes + overhead)
-            refuse(fmt::format("has a node of {} bytes where {} are expected", stored, bytes));
-        if (stored > 0 && (compression_ & io::COMPRESS_BLOSC)) {
-            const auto header = stream_.number<std::array<std::uint32_t, 4>>();
-            if (stored < std::int64_t(sizeof header) || header[1] != std::uint64_t(bytes) ||
-                header[3] != std::uint64_t(stored))
-                refuse("has a node whose compressed values state another size");
-            stored -= sizeof header;
-        }
+        const auto stored = stream_.number<std::int64_t>(), expected = std::int64_t(bytes);
+        if (stored <= 0 ? stored != -expected : stored > expected + overhead)
+            refuse(fmt::format("has a node of {} bytes where {} are expected", stored, expected));
+        block.is_packed = stored > 0;
+        if (block.is_packed) bytes = std::uint64_t(stored);
     }
-    const std::uint64_t end = stream_.position() + std::uint64_t(std::abs(stored));
-    stream_.go_to(end);  // which is there
-    stream_.go_to(begin);
-    return end;
+    block.begin = stream_.position();
+    block.end = block.begin + bytes;
+    if (block.is_packed && (compression_ & io::COMPRESS_BLOSC)) {
+        const auto header = stream_.number<std::array<std::uint32_t, 4>>();
+        if (bytes < sizeof header || header[1] != block.values || header[3] != bytes)
+            refuse("has a node whose compressed values state another size");
+    }
+    stream_.go_to(block.end);  // which is there
+    stream_.go_to(here);
+    return block;
+}
+
+/// The library does not look at checksums.
+template <class T>
+void VdbTree<T>::check_zlib(const VdbBlock& block) {
+    const std::uint64_t here = stream_.position();
+    std::vector<Bytef> packed(block.end - block.begin), values(block.values);
+    stream_.go_to(block.begin);
+    stream_.read(reinterpret_cast<char*>(packed.data()), std::streamsize(packed.size()));
+    uLongf size = values.size();
+    if (uncompress(values.data(), &size, packed.data(), packed.size()) != Z_OK || size != values.size())
+        refuse("has a node whose compressed values are damaged");
+    stream_.go_to(here);
 }
 
 template <class T>
 template <class Mask>
 void VdbTree<T>::read_values(const Mask& mask, std::span<T> to) {
-    const std::uint64_t end = end_of_values(mask, to.size());
+    const VdbBlock block = values_here(mask, to.size());
+    if (block.is_packed && !(compression_ & io::COMPRESS_BLOSC)) check_zlib(block);
     by_library("values",
                [&] { io::readCompressedValues(stream_, to.data(), openvdb::Index(to.size()), mask, grid_.is_half); });
-    if (stream_.position() != end) refuse("has a node whose values do not end where they should");
+    if (stream_.position() != block.end) refuse("has a node whose values do not end where they should");
 }
 
 /// What stands before a leaf's values.
@@ -224,7 +239,7 @@ void VdbTree<T>::find_leaves() {
     each_leaf([&](Leaf& leaf) {
         leaf.position = stream_.position();
         begin_leaf(leaf.origin, mask);
-        stream_.go_to(end_of_values(mask, leaf_size));
+        stream_.go_to(values_here(mask, leaf_size).end);
     });
     std::ranges::sort(leaves_, {}, &Leaf::origin);
 }

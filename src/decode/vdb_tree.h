@@ -33,6 +33,12 @@ struct VdbWindow {
     T* voxels;
 };
 
+/// Where the values of a node lie in the file, and how many bytes they are.
+struct VdbBlock {
+    std::uint64_t begin = 0, end = 0, values = 0;
+    bool is_packed = false;
+};
+
 template <class T>
 class VdbTree {
 public:
@@ -75,7 +81,8 @@ private:
     template <unsigned log2>
     void read_node(const VdbPlace& origin, std::vector<Leaf>& leaves);
     template <class Mask>
-    std::uint64_t end_of_values(const Mask& mask, std::size_t count);
+    VdbBlock values_here(const Mask& mask, std::size_t count);
+    void check_zlib(const VdbBlock& block);
     template <class Mask>
     void read_values(const Mask& mask, std::span<T> to);
     void begin_leaf(const VdbPlace& origin, LeafMask& mask);
