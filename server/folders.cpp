@@ -31,7 +31,7 @@ const char* kind_of(const fs::path& file) {
     if (is_among({".vp", ".itf", ".tfi"})) return "transfer";
     if (is_among({".hdr", ".exr"})) return "probe";
     if (is_among({".nrrd", ".nhdr", ".mha", ".mhd", ".nii", ".gz", ".dcm", ".tif", ".tiff", ".vtk", ".vti", ".pvti",
-                  ".pvd", ".vtkhdf", ".h5", ".hdf5", ".raw"}))
+                  ".pvd", ".vtkhdf", ".h5", ".hdf5", ".vdb", ".raw"}))
         return "volume";
     return nullptr;
 }

@@ -34,7 +34,7 @@ public:
     }
     const Volume& header() const override { return header_; }
     const std::vector<ChunkedLevel>& levels() const override { return levels_; }
-    void decode(int, const std::array<int, 3>& c, const std::function<void(std::span<const std::byte>)>& use) override {
+    void decode(int, const std::array<int, 3>& c, const Use& use) override {
         ++decoded_;
         if (c == lost) throw Error(ErrorCode::input, "own: a chunk is lost");
         std::vector<std::uint16_t> voxels(levels_[0].chunk_voxels(), 9999);
@@ -44,7 +44,7 @@ public:
                 for (int x = 0; x < chunk[0]; ++x, ++i)
                     if (c[0] * chunk[0] + x < size[0] && c[1] * chunk[1] + y < size[1])
                         voxels[i] = at(c[0] * chunk[0] + x, c[1] * chunk[1] + y, z);
-        use(std::as_bytes(std::span(voxels)));
+        use(std::as_bytes(std::span(voxels)), true);
     }
 
 private:

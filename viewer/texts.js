@@ -50,7 +50,7 @@ export const words = {
   probes: { white: "White", sky: "Sky", studio: "Studio", windows: "Windows", "three-point": "Three-point" },
   tools: { orbit: "Orbit", adjust: "Adjust: drag what you see", light: "Light", cut: "Cut", measure: "Measure", fit: "Fit", panel: "Panel" },
   states: {
-    open: "Open a volume", formats: "A file of this computer, or one on the computer that runs Chiaro: NRRD, NIfTI, MetaImage, DICOM folder, TIFF stack, VTK, HDF5, OME-Zarr or raw.",
+    open: "Open a volume", formats: "A file of this computer, or one on the computer that runs Chiaro: NRRD, NIfTI, MetaImage, DICOM folder, TIFF stack, VTK, HDF5, OME-Zarr, OpenVDB or raw.",
     choose: "On the server", sample: "Try a sample", send: "Choose a file", sendFolder: "Choose a folder", dropHere: "Or drop a file or a folder of slices anywhere on the page.", recent: "Recent",
     sending: (name) => `Sending ${name}`, files: (n) => `${n} files`, nothingSent: "There is no file in it.", notSent: (name) => `${name} could not be sent: the connection broke.`, notTaken: (size) => `${size} could not be taken`, reading: (name) => `Reading ${name}`, cancel: "Cancel",
     left: (seconds) => `about ${seconds} s left`,

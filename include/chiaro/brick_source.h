@@ -86,10 +86,11 @@ public:
     virtual const Volume& header() const = 0;                     ///< of level 0; of any type
     virtual const std::vector<ChunkedLevel>& levels() const = 0;  ///< finest first
     virtual bool is_far() const { return false; }                 ///< as BrickSource::is_far
+    /// Of a chunk that was never written all voxels hold one value, the same in all such chunks of a level.
+    using Use = std::function<void(std::span<const std::byte> voxels, bool was_written)>;
     /// Calls `use` with the chunk's voxels, x fastest, of the header's type; of those beyond the far border with
     /// anything. May be called from several threads at a time. Throws Error{input} where it cannot be decoded.
-    virtual void decode(int level, const std::array<int, 3>& chunk,
-                        const std::function<void(std::span<const std::byte>)>& use) = 0;
+    virtual void decode(int level, const std::array<int, 3>& chunk, const Use& use) = 0;
 };
 /// The reader's levels, and coarser ones of every second voxel of its coarsest and so on. Chunks that were decoded last
 /// are kept, up to 256 MiB; each is decoded once however many threads ask for it, one that cannot be is not tried

@@ -53,11 +53,11 @@ struct ReadOptions {
 CHIARO_EXPORT Volume read_volume(const std::string& name, const ReadOptions& options, Progress& progress);
 /// What `read_volume` reads whole, piece by piece: samples (up to 16384 voxels an axis, where read_volume makes at most
 /// 4096), raw files, NRRD, MetaImage, NIfTI-1/2 and legacy VTK whose voxels lie in one file as they are, OME-Zarr,
-/// HDF5 and TIFF. Levels: of a sample, the same sample at half the size, and so on; of OME-Zarr its own; else every
-/// second voxel, and so on, of axes whose voxels are not twice as wide as others already. Of numbers wider than 16 bits
-/// floats are kept; of several values a voxel, the first. Headers and chunks are decoded by isolated helper programs;
-/// the bytes of other voxels, in which nothing can be wrong but their number, are read by this process. Null for what
-/// can be read as a whole only. Throws as read_volume.
+/// HDF5, TIFF and OpenVDB. Levels: of a sample, the same sample at half the size, and so on; of OME-Zarr its own; else
+/// every second voxel, and so on, of axes whose voxels are not twice as wide as others already. Of numbers wider than
+/// 16 bits floats are kept; of several values a voxel, the first. Headers and chunks are decoded by isolated helper
+/// programs; the bytes of other voxels, in which nothing can be wrong but their number, are read by this process. Null
+/// for what can be read as a whole only. Throws as read_volume.
 CHIARO_EXPORT std::shared_ptr<const BrickSource> open_brick_source(const std::string& name, const ReadOptions& options);
 
 /// A volume's name `file:/part` or `file#part` as file and /part, where there is such a file and none of the whole

@@ -126,13 +126,17 @@ public:
         std::array<std::int64_t, 3> first;
         for (std::size_t axis = 0; axis < 3; ++axis) first[axis] = std::int64_t(chunk[axis]) * level.chunk[axis];
         const auto window = volume_.window(first, level.chunk, to.data());
-        const bool has_tiles = volume_.tree().put_tiles(window);
-        return volume_.tree().put_leaves(window) || has_tiles;
+        const bool is_empty = volume_.tree().is_empty(window);
+        if (!is_empty || background_at_ != to.data()) volume_.tree().put_tiles(window);
+        if (!is_empty) volume_.tree().put_leaves(window);
+        background_at_ = is_empty ? to.data() : nullptr;
+        return !is_empty;
     }
 
 private:
     std::unique_ptr<OpenVdb> file_;
     VdbVolume<T> volume_;
+    const std::byte* background_at_ = nullptr;  ///< where a chunk of nothing else was put last
 };
 
 std::unique_ptr<ChunkedFile> open_vdb(const std::filesystem::path& path, const std::string& part, Output&) {

@@ -37,9 +37,9 @@ bool overlap(const VdbPlace& origin, int edge, const VdbWindow<T>& window, VdbPl
 
 /// `value(x, y, z)` of a cube of voxels, as far as they lie in the window.
 template <class T, class Value>
-bool put_cube(const VdbPlace& origin, int edge, const VdbWindow<T>& window, const Value& value) {
+void put_cube(const VdbPlace& origin, int edge, const VdbWindow<T>& window, const Value& value) {
     VdbPlace begin, end;
-    if (!overlap(origin, edge, window, begin, end)) return false;
+    if (!overlap(origin, edge, window, begin, end)) return;
     for (int z = begin[2]; z < end[2]; ++z)
         for (int y = begin[1]; y < end[1]; ++y) {
             const std::int64_t line =
@@ -47,7 +47,6 @@ bool put_cube(const VdbPlace& origin, int edge, const VdbWindow<T>& window, cons
             T* row = window.voxels + line * window.size[0] + (origin[0] - window.first[0]);
             for (int x = begin[0]; x < end[0]; ++x) row[x] = value(x, y, z);
         }
-    return true;
 }
 
 /// How many values of their own a node's inactive voxels have, and whether a mask chooses between two, by the library's
@@ -244,33 +243,46 @@ void VdbTree<T>::find_leaves() {
     std::ranges::sort(leaves_, {}, &Leaf::origin);
 }
 
+/// Of those that have been found.
 template <class T>
-bool VdbTree<T>::put_leaves(const VdbWindow<T>& window) {
+template <class Use>
+void VdbTree<T>::each_leaf_in(const VdbWindow<T>& window, const Use& use) const {
     VdbPlace first, last;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         constexpr std::int64_t most = INT32_MAX;
         first[axis] = int(window.first[axis]) & -leaf_edge;
         last[axis] = int(std::min(window.first[axis] + window.size[axis] - 1, most));
     }
-    bool is_any = false;
     for (std::int64_t x = first[0]; x <= last[0]; x += leaf_edge)
         for (std::int64_t y = first[1]; y <= last[1]; y += leaf_edge) {
             auto leaf = std::ranges::lower_bound(leaves_, VdbPlace{int(x), int(y), first[2]}, {}, &Leaf::origin);
             for (; leaf != leaves_.end() && leaf->origin[0] == x && leaf->origin[1] == y && leaf->origin[2] <= last[2];
-                 ++leaf) {
-                stream_.go_to(leaf->position);
-                put_leaf(leaf->origin, window);
-                is_any = true;
-            }
+                 ++leaf)
+                use(*leaf);
         }
-    return is_any;
 }
 
 template <class T>
-bool VdbTree<T>::put_tiles(const VdbWindow<T>& window) const {
+void VdbTree<T>::put_leaves(const VdbWindow<T>& window) {
+    each_leaf_in(window, [&](const Leaf& leaf) {
+        stream_.go_to(leaf.position);
+        put_leaf(leaf.origin, window);
+    });
+}
+
+template <class T>
+bool VdbTree<T>::is_empty(const VdbWindow<T>& window) const {
+    bool is = true;
+    each_leaf_in(window, [&](const Leaf&) { is = false; });
+    VdbPlace begin, end;
+    for (const Tiles& node : tiles_) is &= !overlap(node.origin, node.entries * node.tile_edge, window, begin, end);
+    return is;
+}
+
+template <class T>
+void VdbTree<T>::put_tiles(const VdbWindow<T>& window) const {
     const std::size_t count = std::size_t(window.size[0]) * std::size_t(window.size[1]) * std::size_t(window.size[2]);
     std::fill_n(window.voxels, count, background_);
-    bool is_any = false;
     for (const Tiles& node : tiles_) {
         VdbPlace begin, end;
         if (!overlap(node.origin, node.entries * node.tile_edge, window, begin, end)) continue;
@@ -279,11 +291,9 @@ bool VdbTree<T>::put_tiles(const VdbWindow<T>& window) const {
             for (int y = 0; y < node.entries; ++y)
                 for (int z = 0; z < node.entries; ++z, ++i)
                     if (const T value = node.values[i]; !is_background(value))
-                        is_any |=
-                            put_cube(moved(node.origin, x * node.tile_edge, y * node.tile_edge, z * node.tile_edge),
-                                     node.tile_edge, window, [&](int, int, int) { return value; });
+                        put_cube(moved(node.origin, x * node.tile_edge, y * node.tile_edge, z * node.tile_edge),
+                                 node.tile_edge, window, [&](int, int, int) { return value; });
     }
-    return is_any;
 }
 
 template class VdbTree<float>;

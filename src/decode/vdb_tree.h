@@ -50,16 +50,18 @@ public:
     /// Of what is active.
     const VdbBox& box() const { return box_; }
 
-    /// The voxels of a window that lie in no leaf. True where any of them is another than the background.
-    bool put_tiles(const VdbWindow<T>& window) const;
+    /// The voxels of a window that lie in no leaf.
+    void put_tiles(const VdbWindow<T>& window) const;
     /// All leaves' voxels; `progress` is told the byte of the file that is come to. Throws Error{input} where their
     /// values do not end with the grid.
     void put_all_leaves(const VdbWindow<T>& window, const std::function<void(std::uint64_t)>& progress);
 
     /// Finds where the values of leaves lie, without decompressing them; throws as put_all_leaves.
     void find_leaves();
-    /// Those that lie in the window. True where one does.
-    bool put_leaves(const VdbWindow<T>& window);
+    /// Those that lie in the window.
+    void put_leaves(const VdbWindow<T>& window);
+    /// Whether all of a window is known to be the background: no leaf lies in it, nor a node with other values.
+    bool is_empty(const VdbWindow<T>& window) const;
 
 private:
     static constexpr int leaf_edge = 8, leaf_size = 512, root_edge = 4096;
@@ -89,6 +91,8 @@ private:
     void put_leaf(const VdbPlace& origin, const VdbWindow<T>& window);
     template <class Use>
     void each_leaf(const Use& use);
+    template <class Use>
+    void each_leaf_in(const VdbWindow<T>& window, const Use& use) const;
     bool is_background(T value) const { return std::memcmp(&value, &background_, sizeof value) == 0; }
 
     VdbStream& stream_;

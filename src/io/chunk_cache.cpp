@@ -4,7 +4,7 @@
 
 namespace chiaro {
 
-ChunkCache::Chunk ChunkCache::get(std::uint64_t key, const std::function<VoxelBuffer()>& decode) {
+ChunkCache::Chunk ChunkCache::get(std::uint64_t key, const std::function<Chunk()>& decode) {
     std::unique_lock lock(mutex_);
     for (;;) {
         const auto found = entries_.find(key);
@@ -25,7 +25,7 @@ ChunkCache::Chunk ChunkCache::get(std::uint64_t key, const std::function<VoxelBu
         changed_.notify_all();
     };
     try {
-        Chunk chunk = std::make_shared<const VoxelBuffer>(decode());
+        Chunk chunk = decode();
         end_with([&] { keep(entries_.at(key), key, chunk); });
         return chunk;
     } catch (const Error& error) {

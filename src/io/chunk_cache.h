@@ -21,7 +21,7 @@ public:
     void keep_at_most(std::size_t bytes);
 
     /// The chunk of this key, made by `decode` where it is not there. Throws what that throws.
-    Chunk get(std::uint64_t key, const std::function<VoxelBuffer()>& decode);
+    Chunk get(std::uint64_t key, const std::function<Chunk()>& decode);
 
 private:
     struct Entry {

@@ -219,7 +219,7 @@ bool ChunkServer::is_fetcher_lost(int number) {
 }
 
 void ChunkServer::decode(int level, const std::array<int, 3>& chunk,
-                         const std::function<void(std::span<const std::byte>)>& use) {
+                         const std::function<void(std::span<const std::byte>, bool)>& use) {
     std::unique_ptr<Helper> helper = take_free();
     ReadOptions options = options_;
     if (!request_.is_on_server()) options.seconds = options.stall_seconds;  // for one chunk
@@ -227,8 +227,9 @@ void ChunkServer::decode(int level, const std::array<int, 3>& chunk,
         if (!helper) helper = started();
         helper->ask(fmt::format("{} {} {} {}\n", level, chunk[0], chunk[1], chunk[2]));
         Progress progress;
-        next_answer(helper->process(), request_, options, progress);
-        use(helper->window().first(levels_[std::size_t(level)].chunk_voxels() * size_of(header_.type)));
+        const auto answer = next_answer(helper->process(), request_, options, progress);
+        const std::size_t bytes = levels_[std::size_t(level)].chunk_voxels() * size_of(header_.type);
+        use(helper->window().first(bytes), answer.value("chunk", nlohmann::json(true)) != false);
     } catch (const HelperLost& error) {
         helper.reset();
         count_loss(error.what());

@@ -25,8 +25,7 @@ public:
 
     /// Each thread waits for a program that has nothing else to do. One that crashed or hung is started again for
     /// whoever asks next, `max_restarts` times in all.
-    void decode(int level, const std::array<int, 3>& chunk,
-                const std::function<void(std::span<const std::byte>)>& use) override;
+    void decode(int level, const std::array<int, 3>& chunk, const Use& use) override;
     static constexpr int max_restarts = 4;
 
 private:

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <mutex>
 
 #include "io/chunk_cache.h"
 #include "io/lattice.h"
@@ -42,7 +43,8 @@ public:
         : BrickSource(std::move(header), std::move(levels)),
           reader_(std::move(reader)),
           stored_(std::move(stored)),
-          cache_(cache_bytes) {}
+          cache_(cache_bytes),
+          unwritten_(reader_->levels().size()) {}
 
     void read(int level, const VoxelBox& box, std::byte* to) const override {
         const auto& [file_level, lattice] = stored_[std::size_t(level)];
@@ -116,26 +118,41 @@ private:
         return key;
     }
 
-    /// With numbers as the source has them.
-    VoxelBuffer decoded(int file_level, const std::array<int, 3>& chunk) const {
-        const std::uint64_t count = reader_->levels()[std::size_t(file_level)].chunk_voxels();
-        VoxelBuffer kept(count * size_of(header().type));
-        reader_->decode(file_level, chunk, [&](std::span<const std::byte> voxels) {
-            if (reader_->header().type == header().type)
-                std::memcpy(kept.data(), voxels.data(), kept.size());
-            else
-                with_voxel_type(reader_->header().type, [&](auto zero) {
-                    const auto* from = reinterpret_cast<const decltype(zero)*>(voxels.data());
-                    std::transform(from, from + count, reinterpret_cast<float*>(kept.data()),
-                                   [](auto v) { return float(v); });
-                });
+    /// With numbers as the source has them. All that were never written are the same one: much of what is sparse.
+    ChunkCache::Chunk decoded(int file_level, const std::array<int, 3>& chunk) const {
+        ChunkCache::Chunk kept;
+        reader_->decode(file_level, chunk, [&](std::span<const std::byte> voxels, bool was_written) {
+            if (was_written) {
+                kept = copied(voxels);
+                return;
+            }
+            const std::lock_guard lock(unwritten_mutex_);
+            ChunkCache::Chunk& unwritten = unwritten_[std::size_t(file_level)];
+            if (!unwritten) unwritten = copied(voxels);
+            kept = unwritten;
         });
         return kept;
+    }
+
+    ChunkCache::Chunk copied(std::span<const std::byte> voxels) const {
+        const std::size_t count = voxels.size() / size_of(reader_->header().type);
+        VoxelBuffer kept(count * size_of(header().type));
+        if (reader_->header().type == header().type)
+            std::memcpy(kept.data(), voxels.data(), kept.size());
+        else
+            with_voxel_type(reader_->header().type, [&](auto zero) {
+                const auto* from = reinterpret_cast<const decltype(zero)*>(voxels.data());
+                std::transform(from, from + count, reinterpret_cast<float*>(kept.data()),
+                               [](auto v) { return float(v); });
+            });
+        return std::make_shared<const VoxelBuffer>(std::move(kept));
     }
 
     std::unique_ptr<ChunkReader> reader_;
     std::vector<Stored> stored_;
     mutable ChunkCache cache_;
+    mutable std::mutex unwritten_mutex_;
+    mutable std::vector<ChunkCache::Chunk> unwritten_;  ///< of each of the file's levels
 };
 
 std::shared_ptr<const BrickSource> source_of_reader(std::unique_ptr<ChunkReader> reader,
