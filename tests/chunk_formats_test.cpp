@@ -174,6 +174,9 @@ TEST(ChunkFormats, MomentsChannelsAndFoldersOfTiffAreReadByBricks) {
     const auto source = open_brick_source(name, {.time = 1});
     EXPECT_EQ(source->header().moments.count, 2);
     EXPECT_EQ(voxels_in<std::uint16_t>(*source, 0, {{1, 0, 2}, {1, 1, 1}})[0], 1001);
+    const std::string ome = folder.write("c/c1.tif", ome_file());  // its channels lie in two files
+    folder.write("c/c2.tif", tiff_file({pages[5]}));
+    expect_voxels(ome);
     for (int i = 0; i < 3; ++i) folder.write(fmt::format("b/s{}.tif", 9 + i), tiff_file({pages[std::size_t(i) + 1]}));
     expect_voxels((folder / "b").string());
     EXPECT_FALSE(open_brick_source((folder / "b").string(), {.time = 1}));

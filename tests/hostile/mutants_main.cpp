@@ -1,12 +1,14 @@
-// chiaro-mutants [COUNT [SEED [FORMAT...]]] [--kind cut|bytes|header] [--jobs N] [--only NUMBER]
+// chiaro-mutants [COUNT [SEED [FORMAT...]]] [--kind cut|bytes|header] [--read whole|bricks] [--jobs N] [--only NUMBER]
 //
 // Damages files of each format (all) COUNT times and watches what becomes of them: each is read, and a volume shown, as
 // the program does it, in a process of its own. Ends with a table, and with 1 after a finding (hostile/trial.h).
+// --read bricks: level 0 of the volumes that can be read so, each chunk by itself.
 // A mutant is made from format, SEED and number alone: --only makes one, keeps its files and tells what became of it.
 #include "hostile/series.h"
 #include "hostile/show.h"
 #include "hostile/trial.h"
 
+#include <chiaro/brick_source.h>
 #include <chiaro/io.h>
 #include <fmt/format.h>
 #include <sys/wait.h>
@@ -58,10 +60,16 @@ struct Counts {
     }
 };
 
+bool by_bricks = false;  ///< what can be read so
+
 chiaro::Volume read_through_helper(const std::string& path) {
     chiaro::Progress progress;
     chiaro::ReadOptions options;
     options.max_bytes = permitted_bytes(path, std::uint64_t(1) << 30);  // several run at a time
+    if (by_bricks)
+        if (const auto source = chiaro::open_brick_source(path, options))
+            if (const auto [nx, ny, nz] = source->header().dimensions; 4. * nx * ny * nz <= double(options.max_bytes))
+                return chiaro::read_level(*source, 0, progress);
     return chiaro::read_volume(path, options, progress);
 }
 
@@ -207,6 +215,7 @@ bool run_one(const Series& series, std::uint64_t number) {
 
 bool take_option(Plan& plan, const std::string& name, const std::string& value) {
     if (name == "--jobs") return (plan.jobs = std::strtoull(value.c_str(), nullptr, 10)) > 0;
+    if (name == "--read") return (by_bricks = value == "bricks") || value == "whole";
     if (name == "--only") return plan.only = std::strtoull(value.c_str(), nullptr, 10), true;
     const auto kind = std::find(std::begin(damage_names), std::end(damage_names), value);
     if (name != "--kind" || kind == std::end(damage_names)) return false;
@@ -241,10 +250,12 @@ bool take_arguments(Plan& plan, int argc, char** argv) {
 int main(int argc, char** argv) {
     Plan plan;
     if (!take_arguments(plan, argc, argv)) {
-        fmt::print(stderr,
-                   "chiaro-mutants [COUNT [SEED [FORMAT...]]] [--kind cut|bytes|header] [--jobs N] [--only NUMBER]\n"
-                   "formats: {}; --only takes one of them\n",
-                   fmt::join(formats(), " "));
+        fmt::print(
+            stderr,
+            "chiaro-mutants [COUNT [SEED [FORMAT...]]] [--kind cut|bytes|header] [--read whole|bricks] [--jobs N] "
+            "[--only NUMBER]\n"
+            "formats: {}; --only takes one of them\n",
+            fmt::join(formats(), " "));
         return 2;
     }
     if (plan.only) return run_one(plan.series[0], *plan.only) ? 0 : 1;
