@@ -32,8 +32,8 @@ double brick_bytes(const Volume& volume);
 /// numbers that the type has not, it is rounded. Cost: one pass.
 Volume halved(const Volume& volume);
 
-/// Halves a volume until its bricks, as many of a spline's coefficients and the light of the default method fit too, at least `least` times; what was done
-/// is its first and last size.
+/// Halves a volume until its bricks, as many of a spline's coefficients and the light of the default method fit too, at
+/// least `least` times; what was done is its first and last size.
 struct Fitted {
     std::array<int, 3> from, to;
     double free;  ///< bytes
