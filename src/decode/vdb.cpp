@@ -16,8 +16,8 @@
 namespace chiaro::decode {
 namespace {
 
-/// libopenvdb logs by log4cplus, which starts threads as soon as it is loaded. The limits of this process are those of
-/// its one thread, so they have to end before: true where they have.
+/// libopenvdb logs by log4cplus, which starts threads as soon as it is loaded. The filter of system calls holds for the
+/// thread that sets it, so the others have to end before. True where they have.
 bool end_threads_of_libraries() {
     if (void* end = dlsym(RTLD_DEFAULT, "_ZN9log4cplus18shutdownThreadPoolEv")) reinterpret_cast<void (*)()>(end)();
 #if defined(__SANITIZE_THREAD__)  // which has one of its own
@@ -33,7 +33,6 @@ bool end_threads_of_libraries() {
 #endif
 }
 
-/// main() has what reads before it limits this process.
 bool is_alone() {
     static const bool is = end_threads_of_libraries();
     return is;
@@ -156,7 +155,13 @@ Volume read_vdb(const std::filesystem::path& path, const std::string& part, Outp
     return std::move(file.header);
 }
 
-Reader find_reader(std::string_view format) { return format == "vdb" && (is_alone(), true) ? read_vdb : nullptr; }
+/// main() asks before it limits this process.
+Reader find_reader(std::string_view format) {
+    if (format != "vdb") return nullptr;
+    is_alone();
+    return read_vdb;
+}
+
 ChunkedOpener find_chunked_opener(std::string_view format) { return format == "vdb" ? open_vdb : nullptr; }
 
 }  // namespace chiaro::decode
