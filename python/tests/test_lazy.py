@@ -33,7 +33,7 @@ class Counting:
 
 def picture(volume, **settings):
     session = chiaro.Session(volume, **{**PICTURE, **settings})
-    return session.image().pixels, session.paging
+    return np.asarray(session.image()), session.paging
 
 
 @pytest.mark.parametrize("chunks", [None, (64, 64, 64), (100, 30, 256)])
