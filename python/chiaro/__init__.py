@@ -10,7 +10,7 @@ from __future__ import annotations
 from ._chiaro import version as __version__
 from ._progress import set_progress
 from .errors import Error, InputError, Interrupted, OutputError, UsageError
-from .film import save_video, turntable
+from .film import animate, save_video, turntable
 from .image import Image, read_image
 from .light import Difference, Field, compare, compare_methods, illuminate, reference
 from .probe import Probe, list_probes
@@ -22,7 +22,7 @@ from .volume import Volume, read, sample, samples, write
 
 __all__ = [
     "Difference", "Error", "Field", "Image", "InputError", "Interrupted", "OutputError", "Probe", "Scene", "Session",
-    "TransferFunction", "UsageError", "View", "Volume", "compare", "compare_methods", "illuminate", "list_presets", "list_probes",
+    "TransferFunction", "UsageError", "View", "Volume", "animate", "compare", "compare_methods", "illuminate", "list_presets", "list_probes",
     "read", "read_image", "reference", "render", "sample", "samples", "save_video", "set_progress", "turntable", "view", "write",
     "__version__",
 ]

@@ -86,6 +86,7 @@ void add_lazy(py::module_& module);
 void add_scene(py::module_& module);
 void add_appearance(py::module_& module);
 void add_images(py::module_& module);
+void add_film(py::module_& module);
 void add_session(py::module_& module);
 void add_view(py::module_& module);
 

@@ -28,6 +28,7 @@ PYBIND11_MODULE(_chiaro, module) {
     add_images(module);
     add_appearance(module);
     add_scene(module);
+    add_film(module);
     add_session(module);
     add_view(module);
 }
