@@ -35,7 +35,7 @@ set(slow Transport.AHalfSpace* Transport.ThickCells* TransportEdit.ATurned* Tran
          Reference.Centre* Reference.OnAn* Reference.Surfaces* Reference.Threads* ReferenceVisibility.OnAn* ReferenceVisibility.Through* ReferenceVisibility.BandZero*
          ReferenceVisibility.Threads* Transport.AFurnace* Transport.LightThrough* Transport.AnIso* Sweep.ATurned* Visibility.AnOpen* LightError.IsWhat* LightError.Notices* LightError.Refuses*
          OneLook.Pictures* TransportSession.Warm* TransportSession.FindsLight* TransportSession.ACancelled* Channels.AreTheSumOf* Labelled.OneChannel* Labelled.AChange*
-         PathTracer.Noise* Spao.Filters* Spao.WhereASurface* EveryMode/1.* EveryMode/2.* HistogramLight.IsTheSame* HistogramLight.Effects* HistogramLight.Glows*
+         PathTracer.Noise* PathTracer.NoPixel* Spao.Filters* Spao.WhereASurface* EveryMode/1.* EveryMode/2.* HistogramLight.IsTheSame* HistogramLight.Effects* HistogramLight.Glows*
          HistogramLight.ShowsInEvery* HistogramLight.Bleeds* HistogramLight.KeepsThe* HistogramLight.IsPrepared* HistogramLight.Without* HistogramLight.CanBe* *Tool.*)
 list(JOIN slow : slow)
 set(small_tests ${CHIARO_DEVICE_TESTS})
