@@ -173,7 +173,7 @@ class LazyVolume(Volume):
         return self._small_level().histogram()
 
     def changed(self) -> None:
-        """To be called after what it reads was changed: from now on all is read again."""
+        """Raises ValueError: what was read is kept."""
         raise ValueError(f"{self.name} keeps what it has read: make another with Volume.lazy")
 
     def _show_in(self, session: Any, report: Any) -> None:
