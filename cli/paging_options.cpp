@@ -58,8 +58,7 @@ std::shared_ptr<const BrickSource> paged_volume(const Scene& scene, const Paging
                 ErrorCode::usage,
                 fmt::format(
                     "--level {}: {} is read as a whole; samples are not, nor OME-Zarr, HDF5, TIFF, OpenVDB, and raw, "
-                    "NRRD, "
-                    "MetaImage, NIfTI and VTK files whose voxels are not compressed",
+                    "NRRD, MetaImage, NIfTI and VTK files whose voxels are not compressed",
                     paging.finest_level, scene.volume));
         return {};
     }
