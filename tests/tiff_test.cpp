@@ -1,4 +1,5 @@
 // TIFF: folders of slices and files of pages, whatever libtiff can write.
+#include "refusal.h"
 #include "tiff_files.h"
 #include "tiff_pages.h"
 
@@ -8,23 +9,6 @@ using namespace chiaro;
 using namespace volume_files;
 
 namespace {
-
-std::string refusal(const std::string& name) {
-    try {
-        read(name);
-    } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ErrorCode::input);
-        EXPECT_EQ(std::string(error.what()).find("crashed"), std::string::npos) << error.what();
-        return error.what();
-    }
-    ADD_FAILURE() << name << " was accepted";
-    return {};
-}
-
-void expect_refused(const std::string& name, const std::string& part) {
-    const std::string sentence = refusal(name);
-    EXPECT_NE(sentence.find(part), std::string::npos) << sentence;
-}
 
 constexpr int width = 40, height = 33;
 

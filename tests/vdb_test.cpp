@@ -8,6 +8,7 @@
 #include <cmath>
 #include <random>
 
+#include "refusal.h"
 #include "tool_case.h"
 #include "vdb_bytes.h"
 
@@ -18,23 +19,6 @@ using openvdb::DoubleGrid, openvdb::FloatGrid, openvdb::math::Transform;
 namespace {
 
 std::string vdb_notes(const Volume& volume) { return fmt::format("{}", fmt::join(volume.notes, "; ")); }
-
-std::string vdb_refusal(const std::string& name) {
-    try {
-        read(name);
-    } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ErrorCode::input);
-        EXPECT_EQ(std::string(error.what()).find("crashed"), std::string::npos) << error.what();
-        return error.what();
-    }
-    ADD_FAILURE() << name << " was accepted";
-    return {};
-}
-
-void expect_refused_with(const std::string& name, const std::string& part) {
-    const std::string sentence = vdb_refusal(name);
-    EXPECT_NE(sentence.find(part), std::string::npos) << sentence;
-}
 
 template <class GridT>
 void expect_same_voxels(const Volume& volume, const GridT& grid) {
@@ -162,39 +146,39 @@ TEST_F(Vdb, OneOfSeveralGridsIsChosenByName) {
     const Volume of_shared = read(path + "#shared");
     expect_same_voxels(of_shared, *first);
     EXPECT_EQ(of_shared.geometry.spacing_mm, (Vec3{2, 2, 2}));
-    expect_refused_with(path + "#v", "holds in its grid 'v' vectors");
-    expect_refused_with(path + "#heat", "holds no grid 'heat', but v (vectors), density[0]");
+    expect_refused(path + "#v", "holds in its grid 'v' vectors");
+    expect_refused(path + "#heat", "holds no grid 'heat', but v (vectors), density[0]");
 }
 
 TEST_F(Vdb, WhatIsNotReadIsNamed) {
     write_vdb(path, {openvdb::tools::createLevelSetSphere<FloatGrid>(3, openvdb::Vec3f(0), 0.5F)});
-    expect_refused_with(path, "a level set");
+    expect_refused(path, "a level set");
     const auto grid = some_grid<FloatGrid>("density", 0);
     grid->setTransform(Transform::createFrustumTransform(openvdb::BBoxd({0, 0, 0}, {9, 9, 9}), 0.5, 10));
     write_vdb(path, {grid});
-    expect_refused_with(path, "whose transform is a frustum");
+    expect_refused(path, "whose transform is a frustum");
     write_vdb(path, {FloatGrid::create(1)});
-    expect_refused_with(path, "in which no voxel is active");
+    expect_refused(path, "in which no voxel is active");
     const auto wide = FloatGrid::create(0);
     wide->tree().setValue(Coord(0), 1), wide->tree().setValue(Coord(100000, 0, 0), 1);
     write_vdb(path, {wide});
-    expect_refused_with(path, "states 100001 x 1 x 1 voxels");
+    expect_refused(path, "states 100001 x 1 x 1 voxels");
     const auto large = FloatGrid::create(0);
     large->tree().setValue(Coord(0), 1), large->tree().setValue(Coord(60000, 60000, 60000), 1);
     write_vdb(path, {large});
-    expect_refused_with(path, "MiB");
+    expect_refused(path, "MiB");
     const auto integers = openvdb::Int32Grid::create();
     integers->setName("labels"), integers->tree().setValue(Coord(1), 3);
     write_vdb(path, {integers});
-    expect_refused_with(path, "holds no grid of floats, but labels (integers)");
+    expect_refused(path, "holds no grid of floats, but labels (integers)");
     write_vdb(path, {});
-    expect_refused_with(path, "states 0 grids");
+    expect_refused(path, "states 0 grids");
     const auto small = Transform::createLinearTransform(1);
     small->preScale(openvdb::Vec3d(1, 1e-8, 1));
     const auto flat = some_grid<FloatGrid>("density", 0);
     flat->setTransform(small);
     write_vdb(path, {flat});
-    expect_refused_with(path, "spacing");
+    expect_refused(path, "spacing");
 }
 
 TEST_F(Vdb, FilesOfEveryVersionAreReadAsTheLibraryReadsThem) {
@@ -221,7 +205,7 @@ TEST_F(Vdb, FilesOfEveryVersionAreReadAsTheLibraryReadsThem) {
         }
     for (const std::uint32_t version : {219, 225}) {
         folder.write("a.vdb", VdbBytes{.version = version}.bytes());
-        expect_refused_with(path, "220 to 224 are read");
+        expect_refused(path, "220 to 224 are read");
     }
 }
 
@@ -234,7 +218,7 @@ TEST_F(Vdb, DamagedFilesAreOneSentence) {
             write_vdb(path, {grid, some_grid<DoubleGrid>("other", 0)}, packed);
             const std::string whole = content_of(path);
             for (int i = 0; i < 6; ++i)
-                expect_refused_with(folder.write("cut.vdb", whole.substr(0, random() % whole.size())), "cut.vdb");
+                expect_refused(folder.write("cut.vdb", whole.substr(0, random() % whole.size())), "cut.vdb");
             for (int i = 0; i < 12; ++i) {
                 std::string changed = whole;
                 // Half of the time where values are, which is most of the file only where nothing packs them.
@@ -278,13 +262,13 @@ TEST_F(Vdb, HugeClaimsAreOneSentence) {
     EXPECT_EQ(read(path).dimensions, (std::array{8, 8, 16}));
     far.node = {4, 0, 0};
     folder.write("a.vdb", far.bytes());
-    expect_refused_with(path, "has a node at 4, 0, 0 where none can be");
+    expect_refused(path, "has a node at 4, 0, 0 where none can be");
     for (const double length : {0.0, 1e300, std::nan("")}) {
         folder.write("a.vdb", VdbBytes{.voxel_size = {1, length, 1}}.bytes());
-        expect_refused_with(path, "a.vdb");
+        expect_refused(path, "a.vdb");
     }
     folder.write("a.vdb", VdbBytes{.map = "HomeMadeMap"}.bytes());
-    expect_refused_with(path, "whose transform is a 'HomeMadeMap'");
+    expect_refused(path, "whose transform is a 'HomeMadeMap'");
 }
 
 TEST_F(Vdb, BricksAreThoseOfTheWholeVolume) {
