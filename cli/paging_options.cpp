@@ -48,36 +48,4 @@ PagingSettings paging_of(const PagingOptions& o) {
     return {.memory_bytes = o.memory.empty() ? 0 : memory_from(o.memory), .finest_level = o.level, .exact = o.exact};
 }
 
-std::shared_ptr<const BrickSource> paged_volume(const Scene& scene, const PagingSettings& paging) {
-    if (!scene.channels.empty()) return nullptr;
-    if (scene.stated.spacing_mm || scene.volume == "-" || !moment_files(scene.volume).empty()) return {};
-    auto source = open_brick_source(scene.volume, scene.read);
-    if (!source) {
-        if (paging.finest_level > 0)
-            throw Error(
-                ErrorCode::usage,
-                fmt::format(
-                    "--level {}: {} is read as a whole; samples are not, nor OME-Zarr, HDF5, TIFF, OpenVDB, and raw, "
-                    "NRRD, MetaImage, NIfTI and VTK files whose voxels are not compressed",
-                    paging.finest_level, scene.volume));
-        return {};
-    }
-    if (fits(*source, paging)) return {};
-    const int levels = int(source->levels().size());
-    if (paging.finest_level >= levels)
-        throw Error(ErrorCode::usage,
-                    fmt::format("--level {}: {} has levels 0 to {}", paging.finest_level, scene.volume, levels - 1));
-    const auto& stated = scene.stated.dimensions;
-    if (stated && *stated != source->header().dimensions) return {};  // read_volume says so
-    return source;
-}
-
-int small_level(const BrickSource& source, int edge) {
-    const auto& levels = source.levels();
-    const auto is_small = [edge](const SourceLevel& level) {
-        return *std::max_element(level.dimensions.begin(), level.dimensions.end()) <= edge;
-    };
-    return int(std::find_if(levels.begin(), levels.end() - 1, is_small) - levels.begin());
-}
-
 }  // namespace chiaro::cli

@@ -18,10 +18,4 @@ void add_memory_option(CLI::App& app, PagingOptions& options);
 void add_paging_options(CLI::App& app, PagingOptions& options);
 /// Throws Error{usage} for what is no size, or no level.
 PagingSettings paging_of(const PagingOptions& options);
-/// The scene's volume where it is to be read by bricks; null: as a whole.
-std::shared_ptr<const BrickSource> paged_volume(const Scene& scene, const PagingSettings& paging);
-
-/// The finest level that is read in no time: of 256 voxels along its longest axis at most.
-int small_level(const BrickSource& source, int edge = 256);
-
 }  // namespace chiaro::cli

@@ -196,7 +196,7 @@ Command render_command(CLI::App& tool) {
                 if (!o->source.volume.empty() || !o->source.scene.empty() || o->frames || o->flags.any())
                     throw Error(ErrorCode::usage,
                                 "--film says all of the pictures itself: it goes with --output alone");
-                render_film(o->film, o->source.data.string(), o->output, o->common);
+                render_film(o->film, o->source.data.string(), o->output, paging_of(o->paging), o->common);
             }};
 }
 

@@ -5,6 +5,7 @@
 #include <chiaro/video.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 
 #include "command.h"
@@ -43,7 +44,7 @@ bool is_there(const std::filesystem::path& path, const std::string& scene) {
 }  // namespace
 
 void render_film(const std::string& file, const std::string& data, const std::string& output,
-                 const CommonOptions& common) {
+                 const PagingSettings& paging, const CommonOptions& common) {
     std::vector<std::string> unknown;
     Film film = read_film(file, data, unknown);
     if (!common.quiet)
@@ -52,15 +53,16 @@ void render_film(const std::string& file, const std::string& data, const std::st
     Job job(common);
     Session session(device_of(common));
     Stats stats;
-    show(film.keys.front().scene, session, stats, job, common, true);
+    const bool is_of_moments =
+        std::ranges::any_of(film.keys, [](const Keyframe& key) { return key.scene.read.time > 0; });
+    show(film.keys.front().scene, session, stats, job, common, true, is_of_moments ? nullptr : &paging);
     int moment = film.keys.front().scene.read.time;
     // What the camera fits is found once, for all keys that do not say it.
     const CameraSettings fitted = session.fit_all_around(film.keys.front().scene, job.progress);
     for (Keyframe& key : film.keys)
         if (key.scene.camera.fit == Fit::visible && !key.scene.camera.fit_centre)
             key.scene.camera.fit_centre = fitted.fit_centre, key.scene.camera.fit_radius_mm = fitted.fit_radius_mm;
-    const Geometry geometry = session.volume().geometry();
-    const auto dimensions = session.volume().dimensions();
+    const auto [dimensions, geometry] = session.finest();
     const auto render = [&](const Scene& scene) -> const Image& {
         if (scene.read.time != moment) show_moment(scene, session, stats, job);
         moment = scene.read.time;

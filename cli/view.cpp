@@ -10,6 +10,7 @@
 
 #include "command.h"
 #include "interrupt.h"
+#include "paging_options.h"
 #include "scene_source.h"
 #include "server/serve.h"
 
@@ -24,6 +25,7 @@ struct ViewOptions {
     double max_upload = 4;  // GiB
     std::string base_path = "/";
     std::vector<std::string> embed_from;
+    PagingOptions paging;
     SettingFlags flags;
     CommonOptions common;
 };
@@ -117,6 +119,7 @@ void run(const ViewOptions& o) {
     options.keep_views = true;
     options.base_path = o.base_path, options.embed_from = o.embed_from;
     options.device = device_of(o.common);
+    options.paging = paging_of(o.paging);
     ProgressBar bar(o.common.progress, o.common.quiet);
     options.report = bar.report();
     options.read_in = [&](double seconds) {
@@ -148,6 +151,7 @@ Command view_command(CLI::App& tool) {
     app->add_option("--max-upload", o->max_upload, "largest volume that a page may send, in GiB; 0: none [4]")
         ->type_name("GIB");
     app->add_flag("--no-open", o->no_open, "only prints the address");
+    add_paging_options(*app, o->paging);
     add_common_options(*app, o->common);
     o->flags.add_to(*app);
     return {app, [o] { run(*o); }};

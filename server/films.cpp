@@ -70,11 +70,11 @@ Film View::film_of(const Json& request) const {
 Json View::film_frame(const Json& request) {
     const Film film = film_of(request);
     const double seconds = number_in(request, "seconds", 0, 1e6);
-    const DeviceVolume& volume = shown()->session.volume();
+    const SourceLevel grid = shown()->session.finest();
     const int count = frame_count(film);
     const int frame =
         int(std::clamp(std::floor((seconds - film.keys.front().seconds) * film.fps + 1e-6), 0.0, count - 1.0));
-    const Scene scene = frame_of(film, volume.geometry(), volume.dimensions(), frame);
+    const Scene scene = frame_of(film, grid.geometry, grid.dimensions, frame);
     return {{"scene", Json::parse(to_json(scene))}, {"frame", frame}, {"frames", count}};
 }
 
@@ -93,7 +93,7 @@ std::string View::film_text(const Film& film) const {
 /// Renders the frames that are not there yet.
 void View::render_film(const Film& film, const fs::path& folder, Progress& progress) {
     const auto loaded = shown();
-    const DeviceVolume& volume = loaded->session.volume();
+    const SourceLevel grid = loaded->session.finest();
     int moment = 0;
     std::optional<Session> session(loaded->session.share_volume());
     const int count = frame_count(film);
@@ -105,7 +105,7 @@ void View::render_film(const Film& film, const fs::path& folder, Progress& progr
         Progress quiet([&](std::string_view, double) {
             if (progress.cancelled()) quiet.cancel();
         });
-        const Scene scene = frame_of(film, volume.geometry(), volume.dimensions(), frame);
+        const Scene scene = frame_of(film, grid.geometry, grid.dimensions, frame);
         if (scene.read.time != moment) session.emplace(session_at(*loaded, scene, quiet));
         moment = scene.read.time;
         write_png(session->render(scene, quiet), file, {{"chiaro", to_json(scene)}});

@@ -302,8 +302,11 @@ void RenderWorker::refine_cast(const FrameRequest& wanted, Progress& progress) {
     }
     if (wanted.preview && (is_dark || is_whole_)) return;
     has_own_light_ = true;
-    if (is_dark || !is_whole_) {
-        const auto coarse = [&](const Image& image) { send(wanted, image, "light", 1, true); };
+    if (is_dark || !is_whole_ || session_->source()) {
+        const auto coarse = [&](const Image& image) {  // light, or level of a volume by bricks
+            const bool is_coarse_light = session_->light().is_coarse();
+            send(wanted, image, is_coarse_light ? "light" : "full", 1, is_coarse_light);
+        };
         const Image& image = session_->render(once, progress, coarse);
         if (is_dark) learn_light();
         note_frame(wanted, once);
@@ -327,10 +330,11 @@ void RenderWorker::learn_light() {
 }
 
 void RenderWorker::note_frame(const FrameRequest& wanted, const Scene& scene) {
-    const DeviceVolume& volume = session_->volume();
+    const SourceLevel finest = session_->finest();
     LastFrame seen{wanted.n,
                    session_->medium(),
-                   make_camera(session_->camera(), volume.geometry(), volume.dimensions()),
+                   finest.geometry,
+                   make_camera(session_->camera(), finest.geometry, finest.dimensions),
                    with_samples(scene, 1).sampling,
                    wanted.scene.width,
                    wanted.scene.height};

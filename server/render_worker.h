@@ -35,6 +35,7 @@ struct FrameRequest {
 struct LastFrame {
     std::int64_t n;
     Medium medium;
+    Geometry finest;  ///< in whose voxels places are told
     Camera camera;
     RaySettings rays;
     int width, height;

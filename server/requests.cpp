@@ -89,7 +89,7 @@ Json View::pick(const Json& request) {
     return {{"hit", true},
             {"n", seen->n},
             {"value", found->value},
-            {"voxel", json_of(found->p_voxel)},
+            {"voxel", json_of(seen->finest.voxel_from_world(found->world_mm))},
             {"world_mm", json_of(found->world_mm)},
             {"opacity", found->opacity},
             {"rgb", found->rgb},

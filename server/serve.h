@@ -2,6 +2,7 @@
 #pragma once
 #include <chiaro/progress.h>
 #include <chiaro/scene.h>
+#include <chiaro/session.h>
 #include <chiaro/volume.h>
 
 #include <cstdint>
@@ -32,6 +33,7 @@ struct ViewerOptions {
     bool keep_views = false;                        ///< on disk, for a server that is killed
     std::uint64_t max_upload = default_max_upload;  ///< bytes of a volume that a page sends
     Device device;
+    PagingSettings paging{};                   ///< how volumes that do not fit are read
     Progress::Report report = {};              ///< hears of reading the first volume
     std::function<void(double)> read_in = {};  ///< is told the seconds it took; both from another thread
 };

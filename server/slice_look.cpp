@@ -34,16 +34,22 @@ SliceTone tone_of(const Json& request, const Scene& scene, const Session& sessio
 
 }  // namespace
 
-Image SliceLook::drawn(const DeviceVolume& volume, const SlicePlane& plane, SliceSampling sampling) const {
+Slice Values::slice(const SlicePlane& plane, SliceSampling sampling, bool finest, Progress& progress) const {
+    if (source) return chiaro::slice(*source, volume, plane, sampling, finest, progress);
+    return chiaro::slice(volume, plane, sampling);
+}
+
+Image SliceLook::drawn(const Values& values, const SlicePlane& plane, SliceSampling sampling,
+                       Progress& progress) const {
     Image image;
     if (channels.empty()) {
-        image = develop(slice(volume, plane, sampling), tone);
+        image = develop(values.slice(plane, sampling, false, progress), tone);
     } else {
         std::vector<SliceChannel> filled = channels;
         for (std::size_t i = 0; i < filled.size(); ++i) filled[i].slice = slice(volumes[i], plane, sampling);
         image = develop(filled);
     }
-    if (labels) lay_over(image, slice(*labels, volume, plane), looks, opacity);
+    if (labels) lay_over(image, slice(*labels, values.volume, plane), looks, opacity);
     return image;
 }
 

@@ -10,6 +10,15 @@
 
 namespace chiaro::server {
 
+/// A channel's values: in memory, or read where they are asked for.
+struct Values {
+    DeviceVolume volume;
+    std::shared_ptr<const BrickSource> source;  ///< of a volume by bricks, of which `volume` is a level; null: is whole
+
+    /// As chiaro::slice.
+    Slice slice(const SlicePlane& plane, SliceSampling sampling, bool finest, Progress& progress) const;
+};
+
 struct SliceLook {
     SliceTone tone;
     std::vector<SliceChannel> channels;  ///< several, in the place of the tone; without their values
@@ -18,7 +27,7 @@ struct SliceLook {
     std::vector<Label> looks;
     double opacity = 0;  ///< of labels
 
-    Image drawn(const DeviceVolume& volume, const SlicePlane& plane, SliceSampling sampling) const;
+    Image drawn(const Values& values, const SlicePlane& plane, SliceSampling sampling, Progress& progress) const;
 };
 
 /// Of a request (PROTOCOL.md, `slice`) and its part of a scene. Channels are seen from where their transfer functions

@@ -43,10 +43,11 @@ SliceSampling sampling_in(const Json& request) {
     return sampling;
 }
 
-/// The channel whose values are meant; the first where nothing is said.
-DeviceVolume channel_in(const Json& request, const Session& session) {
+/// Of the channel that is meant; the first where nothing is said.
+Values values_in(const Json& request, const Session& session) {
     const std::vector<DeviceVolume> all = session.volumes();
-    return all[request.contains("channel") ? std::size_t(whole_in(request, "channel", 0, int(all.size()) - 1)) : 0];
+    return {all[request.contains("channel") ? std::size_t(whole_in(request, "channel", 0, int(all.size()) - 1)) : 0],
+            session.source()};
 }
 
 Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(); }
@@ -74,9 +75,9 @@ Region region_in(const Json& request) {
 }
 
 /// About how many voxels a region holds.
-double voxels_in(const Region& region, const DeviceVolume& volume) {
-    const Geometry& g = volume.geometry();
-    const auto [nx, ny, nz] = volume.dimensions();
+double voxels_in(const Region& region, const SourceLevel& grid) {
+    const Geometry& g = grid.geometry;
+    const auto [nx, ny, nz] = grid.dimensions;
     const double count = double(nx) * ny * nz;
     if (const auto* ball = std::get_if<BallRegion>(&region))
         return std::min(count, 4.2 * std::pow(ball->radius_mm, 3) / (g.spacing_mm.x * g.spacing_mm.y * g.spacing_mm.z));
@@ -114,18 +115,18 @@ Json View::slice(const Json& request, Progress& progress) {
     const auto loaded = opened(shown());
     const SlicePlane plane = plane_in(request);
     const Session session = render_worker_.share_shown(*loaded);
-    const DeviceVolume volume = channel_in(request, session);
+    const Values values = values_in(request, session);
     if (flag_in(request, "values", false)) {
         if (plane.width * plane.height > max_values)
             throw Error(ErrorCode::usage, fmt::format("size: at most {} values at a time", max_values));
-        Json values = Json::array();
-        for (const double value : chiaro::slice(volume, plane, sampling_in(request)).values)
-            values.push_back(number_or_null(value));
-        return {{"values", std::move(values)}};
+        Json numbers = Json::array();
+        for (const double value : values.slice(plane, sampling_in(request), true, progress).values)
+            numbers.push_back(number_or_null(value));
+        return {{"values", std::move(numbers)}};
     }
     const SliceLook look = slice_look(request, slice_scene(request), session, progress);
     const Json header{{"n", request["id"]}, {"kind", "slice"}, {"stage", "final"}};
-    const auto drawn = [&](const SlicePlane& of) { return look.drawn(volume, of, sampling_in(request)); };
+    const auto drawn = [&](const SlicePlane& of) { return look.drawn(values, of, sampling_in(request), progress); };
     PictureKind kind{{}, {}, !flag_in(request, "lossless", false)};
     if (request.contains("pane")) kind.pane = whole_in(request, "pane", 0, max_panes - 1);
     if (!kind.is_draft) {
@@ -182,8 +183,10 @@ Json View::snap(const Json& request, Progress&) {
     const Vec3 at = vector_in(request, "at");
     std::optional<Vec3> normal;
     if (request.contains("normal") && !request["normal"].is_null()) normal = vector_in(request, "normal");
-    const auto on = snap_to_surface(channel_in(request, render_worker_.share_shown(*loaded)), at,
-                                    number_in(request, "reach_mm", 0, farthest_mm), normal);
+    const auto [volume, source] = values_in(request, render_worker_.share_shown(*loaded));
+    const double reach_mm = number_in(request, "reach_mm", 0, farthest_mm);
+    const auto on =
+        source ? snap_to_surface(*source, volume, at, reach_mm, normal) : snap_to_surface(volume, at, reach_mm, normal);
     if (!on) return {{"hit", false}};
     return {{"hit", true}, {"at", json_of(*on)}};
 }
@@ -191,10 +194,12 @@ Json View::snap(const Json& request, Progress&) {
 /// The values of a ball or box.
 Json View::region(const Json& request, Progress& progress) {
     const auto loaded = opened(shown());
-    const DeviceVolume volume = channel_in(request, render_worker_.share_shown(*loaded));
+    const Session session = render_worker_.share_shown(*loaded);
+    const auto [volume, source] = values_in(request, session);
     const Region region = region_in(request);
-    check_memory(24 * voxels_in(region, volume));
-    const RegionValues told = chiaro::measure(volume, region, progress);
+    check_memory(24 * voxels_in(region, session.finest()));
+    const RegionValues told =
+        source ? chiaro::measure(*source, volume, region, progress) : chiaro::measure(volume, region, progress);
     Json percentiles = Json::object();
     for (std::size_t i = 0; i < told.shares.size(); ++i)
         percentiles[fmt::format("{}", std::lround(100 * told.shares[i]))] = told.percentiles[i];

@@ -40,11 +40,13 @@ Json sections_told(const Geometry& geometry) {
     return list;
 }
 
-Json told(const Volume& volume) {
-    const Statistics statistics = measure(volume);
-    const Guess guessed = guess(volume, statistics);
+/// `measured`: the voxels that its values are told of.
+Json told(const Volume& volume, const Volume& measured) {
+    const Statistics statistics = measure(measured);
+    const Guess guessed = guess(measured, statistics);
     Json json = Json::parse(info_of(volume, statistics, guessed).dump(-1, ' ', false, Json::error_handler_t::replace));
-    json["histogram512"] = finer_histogram(volume, statistics.min, statistics.max);
+    json["statistics"] = &volume == &measured ? "exact" : "sampled";
+    json["histogram512"] = finer_histogram(measured, statistics.min, statistics.max);
     json["unit"] = guessed.modality == "CT" ? "HU" : "";
     json["bytes"] = volume.voxels.size();
     const std::string name = std::filesystem::path(volume.source).filename().string();
@@ -52,6 +54,8 @@ Json told(const Volume& volume) {
     json["name"] = name.empty() ? volume.source : name;
     return json;
 }
+
+Json told(const Volume& volume) { return told(volume, volume); }
 
 /// What is to be known of each channel's values; of the first it is told already.
 Json told_channels(const std::vector<Volume>& channels, const Json& first) {
@@ -88,7 +92,25 @@ void check_sample(const std::string& name) {
     check_memory(10 * size * size * size);
 }
 
-std::shared_ptr<const Loaded> read(const Scene& scene, Device device, int halvings, Progress& progress) {
+std::shared_ptr<const Loaded> page(const Scene& scene, const std::shared_ptr<const BrickSource>& source, Device device,
+                                   const PagingSettings& paging, int halvings, Progress& progress) {
+    auto loaded = std::make_shared<Loaded>(Loaded{scene, Session(device), {}, halvings});
+    loaded->session.show(source, paging, progress);
+    loaded->told = told(source->header(), read_level(*source, small_level(*source), progress));
+    loaded->told["bytes"] = loaded->session.volume().bytes();
+    for (const SourceLevel& level : source->levels()) loaded->told["levels"].push_back(level.dimensions);
+    loaded->told["spacing_stated"] = states_spacing(source->header());
+    loaded->told["reduced"] = nullptr;
+    loaded->told["exact"] = loaded->session.volume().is_exact();
+    return loaded;
+}
+
+std::shared_ptr<const Loaded> read(const Scene& scene, Device device, PagingSettings paging, int halvings,
+                                   Progress& progress) {
+    if (paging.memory_bytes == 0) paging.memory_bytes = std::max<std::uint64_t>(1, std::uint64_t(0.5 * free_memory()));
+    paging.memory_bytes >>= 3 * std::min(halvings, 8);
+    const auto source = paged_volume(scene, paging);
+    if (source && source->header().moments.count == 1) return page(scene, source, device, paging, halvings, progress);
     check_sample(scene.volume);
     Scene reading = scene;  // which shows how far it is and can be cancelled
     reading.read.time = 0;
@@ -162,7 +184,7 @@ std::shared_ptr<const Loaded> Volumes::load(const Scene& scene, Progress& progre
     };
     try {
         const bool is_held = held_ && held_->source == scene.volume;
-        loaded = is_held ? take(scene, device_, *held_, told) : read(scene, device_, halvings, told);
+        loaded = is_held ? take(scene, device_, *held_, told) : read(scene, device_, paging_, halvings, told);
     } catch (...) {
         done();
         throw;

@@ -24,11 +24,12 @@ struct Loaded {
 class Volumes {
 public:
     /// `held`: what scenes of a volume of this name show, without reading it.
-    explicit Volumes(Device device, std::shared_ptr<const Volume> held = nullptr)
-        : device_(device), held_(std::move(held)) {}
+    explicit Volumes(Device device, std::shared_ptr<const Volume> held = nullptr, PagingSettings paging = {})
+        : device_(device), held_(std::move(held)), paging_(paging) {}
 
     /// The scene's volume: the one in memory, or read now; where another thread is reading it that is waited for.
-    /// It is halved so often, or oftener where it would not fit (memory_budget.h). Throws as read_volume.
+    /// Where it would not fit it is read by bricks; what cannot be is halved (memory_budget.h). `halvings`: it is
+    /// halved so often at least; by bricks, that much less memory is taken. Throws as read_volume.
     std::shared_ptr<const Loaded> load(const Scene& scene, Progress& progress, int halvings = 0);
     /// If it is in memory.
     std::shared_ptr<const Loaded> find(const Scene& scene) const;
@@ -44,6 +45,7 @@ private:
 
     Device device_;
     std::shared_ptr<const Volume> held_;
+    PagingSettings paging_;
     mutable std::mutex mutex_;
     std::condition_variable changed_;
     std::map<std::string, Entry> entries_;

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -56,6 +57,106 @@ TEST_F(PagedSession, ShowsWhatAWholeOneDoes) {
     EXPECT_EQ(picture(paged), picture(whole)) << "after a turn, with bricks of the last picture";
     scene.transfer.opacity_scale = 0.1;
     EXPECT_EQ(picture(paged), picture(whole)) << "after an edit";
+}
+
+/// Of what has been read drafts are drawn, by all sessions that share the volume.
+TEST_F(PagedSession, DraftsShowWhatHasBeenRead) {
+    Session paged(Device::cpu(2));
+    paged.show(open_sample("shells", 224), {.memory_bytes = 36 * mebibyte}, progress);
+    const auto draft = [&](Session& session) { return std::vector(session.preview(scene, progress).pixels); };
+    const auto coarse = draft(paged), fine = picture(paged);
+    EXPECT_NE(coarse, fine) << "nothing had been read";
+    EXPECT_EQ(draft(paged), fine);
+    Session other = paged.share_volume();
+    EXPECT_EQ(draft(other), fine);
+    EXPECT_FALSE(other.paging()) << "of renders alone";
+    const std::size_t bricks_read = paged.paging()->bricks_read;
+    EXPECT_EQ(picture(other), fine);
+    EXPECT_LT(double(other.paging()->bricks_read), 1.2 * double(bricks_read)) << "what is there is not read again";
+    EXPECT_EQ(other.finest().dimensions, (std::array{224, 224, 224}));
+    EXPECT_TRUE(other.source());
+    scene.camera.zoom = 0.3;  // whose voxels would be far smaller than pixels
+    Session whole(Device::cpu(2));
+    whole.show(read_level(*paged.source(), 1, progress), progress);
+    const auto far = draft(paged);
+    scene.transfer.opacity_scale = 0.2;
+    EXPECT_NE(draft(paged), far);
+}
+
+TEST_F(PagedSession, LabelsAreSeenOnTheWholeLevel) {
+    scene.volume = "sample:torso:224";
+    Session session(Device::cpu(2));
+    session.show(open_sample("torso", 224), {.memory_bytes = 36 * mebibyte}, progress);
+    const auto unlabelled = picture(session);
+    scene.labels.source = "sample:organs:64";
+    EXPECT_NE(picture(session), unlabelled);
+    EXPECT_NE(session.paging()->stopped_by.find("labels"), std::string::npos) << session.paging()->stopped_by;
+}
+
+/// On the way to the finest level each coarser one is shown.
+TEST_F(PagedSession, ComesToItsLevelStepByStep) {
+    Session paged(Device::cpu(2)), at_once(Device::cpu(2));
+    const PagingSettings settings{.memory_bytes = 24 * mebibyte};
+    for (Session* session : {&paged, &at_once}) session->show(open_sample("shells", 288), settings, progress);
+    std::vector<std::vector<std::uint8_t>> shown;
+    const auto keep = [&](const Image& image) { shown.push_back(image.pixels); };
+    const std::vector<std::uint8_t> last = paged.render(scene, progress, keep).pixels;
+    ASSERT_EQ(paged.paging()->light_level, 2) << "else there is no step between";
+    ASSERT_EQ(paged.paging()->level, 0);
+    ASSERT_EQ(shown.size(), 1u);
+    EXPECT_EQ(picture(at_once), last) << "the way makes no difference";
+    Session level_one(Device::cpu(2));
+    level_one.show(open_sample("shells", 288), {.memory_bytes = settings.memory_bytes, .finest_level = 1}, progress);
+    EXPECT_EQ(picture(level_one), shown.front());
+    shown.clear();
+    scene.camera.azimuth_deg = 50;
+    paged.render(scene, progress, keep);
+    EXPECT_TRUE(shown.empty()) << "it is on its level already";
+}
+
+namespace {
+
+/// Cancels after so many bricks of the finest level.
+class Cancelling : public BrickSource {
+public:
+    Cancelling(std::shared_ptr<const BrickSource> source, Progress& progress, int after)
+        : BrickSource(header_of(*source), source->levels()), source_(source), progress_(progress), left_(after) {}
+    void read(int level, const VoxelBox& box, std::byte* to) const override {
+        source_->read(level, box, to);
+        if (level == 0) ++reads;
+        if (level == 0 && --left_ == 0) progress_.cancel();
+    }
+    mutable std::atomic<int> reads{0};
+
+private:
+    static Volume header_of(const BrickSource& source) {
+        Volume header;
+        header.dimensions = source.header().dimensions, header.geometry = source.header().geometry;
+        header.type = source.header().type, header.source = source.header().source;
+        return header;
+    }
+
+    std::shared_ptr<const BrickSource> source_;
+    Progress& progress_;
+    mutable std::atomic<int> left_;
+};
+
+}  // namespace
+
+TEST_F(PagedSession, WhatWasReadBeforeACancelIsNotReadAgain) {
+    const PagingSettings settings{.memory_bytes = 36 * mebibyte};
+    Session plain(Device::cpu(2)), cancelled(Device::cpu(2));
+    plain.show(open_sample("shells", 224), settings, progress);
+    const auto expected = picture(plain);
+    const int all = int(plain.paging()->bricks_read);
+    ASSERT_GT(all, 12);
+    Progress first;
+    const auto source = std::make_shared<Cancelling>(open_sample("shells", 224), first, 8);
+    cancelled.show(source, settings, progress);
+    EXPECT_THROW(cancelled.render(scene, first), Error);
+    EXPECT_LT(source->reads, 8 + 2) << "of two threads";
+    EXPECT_EQ(picture(cancelled), expected);
+    EXPECT_LE(source->reads, all + 2) << "what two threads had begun";
 }
 
 TEST_F(PagedSession, StopsWhereAVoxelIsAPixelWhereThereIsNoRoomAndWhereAllIsNeeded) {
@@ -154,6 +255,24 @@ TEST_F(BricksTool, RendersByBricksAndTellsTheLevel) {
     ASSERT_EQ(tool("render sample:tubes:256 -o b.png --memory 8G --zoom 5" + look).code, 0);
     EXPECT_EQ(tool("compare a.png b.png --fail-above max=0").code, 0);
     EXPECT_TRUE(std::filesystem::exists(folder / "f.png"));
+}
+
+TEST_F(BricksTool, FilmsByBricksAreThoseOfTheWhole) {
+    const std::string look =
+        R"("sampling": {"interpolation": "linear"}, "lighting": {"method": "none"}, "image": {"size": [90, 70]})";
+    const auto key = [&](int azimuth) {
+        return fmt::format(R"({{"at": {0}, "scene": {{"volume": {{"file": "sample:tubes:256"}}, {1},
+            "camera": {{"azimuth": {0}, "fit_scale": 0.2, "fit": "volume"}}}}}})",
+                           azimuth, look);
+    };
+    std::ofstream(folder / "film.json") << fmt::format(
+        R"({{"film": 1, "fps": 0.1, "size": [90, 70], "keys": [{}, {}]}})", key(0), key(20));
+    for (const std::string memory : {"40M", "8G"}) {
+        const Said said = tool(fmt::format("render --film film.json -o {0}-{{frame:02}}.png --memory {0}", memory));
+        ASSERT_EQ(said.code, 0) << said.err;
+    }
+    for (const char* frame : {"00", "02"})
+        EXPECT_EQ(tool(fmt::format("compare 40M-{0}.png 8G-{0}.png --fail-above max=0", frame)).code, 0) << frame;
 }
 
 TEST_F(BricksTool, ALevelAloneIsTheSampleOfItsSize) {

@@ -19,7 +19,8 @@ inline constexpr const char* test_token = "00112233445566778899aabbccddeeff";
 /// A server of a small ball, in a folder of its own.
 class Server {
 public:
-    explicit Server(const std::string& volume = "sample:ball:32", bool keep_views = false) {
+    explicit Server(const std::string& volume = "sample:ball:32", bool keep_views = false,
+                    const PagingSettings& paging = {}) {
         setenv("CHIARO_VIEW_TOKEN", test_token, 1);
         std::string name = (fs::temp_directory_path() / "chiaro-server-test-XXXXXX").string();
         folder = mkdtemp(name.data());
@@ -27,7 +28,7 @@ public:
         options.folders = {folder};
         options.port = 0;
         options.device = Device::cpu(2);
-        options.keep_views = keep_views;
+        options.keep_views = keep_views, options.paging = paging;
         if (!volume.empty()) options.scene = scene_of_volume(volume);
         viewer.emplace(options);
         port = viewer->port();

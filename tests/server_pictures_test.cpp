@@ -313,13 +313,13 @@ TEST(ServerImages, MeasuresHowFarTheLightIsFromTheReference) {
     EXPECT_NE(none["sentence"].get<std::string>().find("not measured"), std::string::npos) << none;
 }
 
-/// What would not fit is told before it is tried; a volume is halved until it fits.
+/// What would not fit is told before it is tried; a volume that cannot be read by bricks is halved until it fits.
 TEST(ServerImages, WhatDoesNotFitIsHalvedOrRefused) {
     setenv("CHIARO_VIEW_MEMORY", "4", 1);  // MiB
     {
         const Server server("");
         const fs::path file = server.folder / "shells.nrrd";
-        write_nrrd(make_sample("shells", 96), file, NrrdEncoding::raw);  // .9 MB; with bricks and light 6.4
+        write_nrrd(make_sample("shells", 96), file, NrrdEncoding::gzip);  // .9 MB; with bricks and light 6.4
         Page page = server.page();
         const Json told = page.ask({{"type", "open"}, {"volume", file.string()}});
         ASSERT_EQ(told["type"], "answer") << told;

@@ -4,8 +4,8 @@ import { method, read, sceneOf } from "./scene.js";
 import { words } from "./texts.js";
 
 /** Shares of the ring that the stages end at. */
-const ends = { draft: 0.15, full: 0.25, light: 0.6, accumulate: 1, final: 1 };
-const starts = { draft: 0, full: 0.15, light: 0.25, accumulate: 0.6, final: 1 };
+const ends = { draft: 0.15, full: 0.25, light: 0.6, reading: 0.9, accumulate: 1, final: 1 };
+const starts = { draft: 0, full: 0.15, light: 0.25, reading: 0.25, accumulate: 0.6, final: 1 };
 
 export function makeFrame(app) {
   const canvas = el("canvas", { role: "img", "aria-label": words.picture });
@@ -41,7 +41,7 @@ export function makeFrame(app) {
   function tellStage(stage, fraction, left) {
     turn(last.n, starts[stage] + (ends[stage] - starts[stage]) * fraction);
     const light = method(app.store.state), done = stage === "final" || (stage === "full" && last.preview);
-    const name = done ? words.pill.final : stage === "light" ? words.pill.light : stage === "accumulate" ? words.pill.picture : words.pill.draft;
+    const name = done ? words.pill.final : stage === "light" ? words.pill.light : stage === "accumulate" ? words.pill.picture : stage === "reading" ? words.pill.reading : words.pill.draft;
     what.textContent = name;
     said.textContent = done ? name : "";
     more.textContent = done ? seconds(last.seconds) : fraction ? percent(Math.round(fraction * 100) / 100) : "";
@@ -78,6 +78,6 @@ export function makeFrame(app) {
     app.popover(pill, el("div", {}, el("h2", {}, words.pill.stages), el("dl", {}, ...rows.flatMap(([k, v]) => [el("dt", {}, k), el("dd", {}, v)])), ...(last?.notes ?? []).map((note) => el("p", {}, el("small", {}, note)))));
   }
 
-  return { canvas, pill, said, show, forget, progress: (m) => last && m.n === app.link.n && last.stage !== "final" && tellStage(last.stage === "light" || /light|level|visib|histogram|direction|cluster/i.test(m.stage) ? "light" : "accumulate", m.fraction, m.remaining_s),
+  return { canvas, pill, said, show, forget, progress: (m) => last && m.n === app.link.n && last.stage !== "final" && tellStage(m.stage === "bricks" ? "reading" : last.stage === "light" || /light|level|visib|histogram|direction|cluster/i.test(m.stage) ? "light" : "accumulate", m.fraction, m.remaining_s),
     reset: () => (last = null), get last() { return last; }, size };
 }

@@ -97,6 +97,9 @@ public:
 /// again.
 CHIARO_EXPORT std::shared_ptr<const BrickSource> source_of_chunks(std::unique_ptr<ChunkReader> reader);
 
+/// The finest level of at most so many voxels along its longest axis, or the coarsest: 256 are read in no time.
+CHIARO_EXPORT int small_level(const BrickSource& source, int edge = 256);
+
 /// A level as a volume in memory. Throws Error{interrupted} when cancelled, and as `read`. Reported as "read".
 CHIARO_EXPORT Volume read_level(const BrickSource& source, int level, Progress& progress);
 

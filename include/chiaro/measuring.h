@@ -1,5 +1,6 @@
 // Numbers from a volume: values of a region, places on its surfaces, and how often values and gradients come together.
 #pragma once
+#include <chiaro/brick_source.h>
 #include <chiaro/export.h>
 #include <chiaro/medium.h>
 #include <chiaro/progress.h>
@@ -37,6 +38,10 @@ struct RegionValues {
 /// Throws Error{usage} for a region that is empty or not finite, Error{interrupted} when cancelled. Cost: some 10 ns
 /// and 8 bytes a voxel in it.
 CHIARO_EXPORT RegionValues measure(const DeviceVolume& volume, const Region& region, Progress& progress);
+/// The same of the finest level of a volume by bricks, of which the region's voxels are read. `whole`: a level that is
+/// in memory (Session::volume). Throws as BrickSource::read, too. Memory: some 10 bytes a voxel of the region's box.
+CHIARO_EXPORT RegionValues measure(const BrickSource& source, const DeviceVolume& whole, const Region& region,
+                                   Progress& progress);
 
 /// The place nearest to `p_mm`, at most `reach_mm` away, where the value is half way between what lies on either side
 /// of the nearest edge; within the plane of this normal through `p_mm`, where one is given. Nothing where there is no
@@ -44,6 +49,9 @@ CHIARO_EXPORT RegionValues measure(const DeviceVolume& volume, const Region& reg
 /// some microseconds a voxel within reach, of which at most 24 an axis are looked at.
 CHIARO_EXPORT std::optional<Vec3> snap_to_surface(const DeviceVolume& volume, Vec3 p_mm, double reach_mm,
                                                   std::optional<Vec3> normal = std::nullopt);
+/// The same on the finest level of a volume by bricks, as above.
+CHIARO_EXPORT std::optional<Vec3> snap_to_surface(const BrickSource& source, const DeviceVolume& whole, Vec3 p_mm,
+                                                  double reach_mm, std::optional<Vec3> normal = std::nullopt);
 
 /// How many voxels have a value and, there, a gradient of a magnitude: what transfer functions of both are drawn over.
 struct GradientHistogram {

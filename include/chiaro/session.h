@@ -27,6 +27,9 @@ struct PagingSettings {
 };
 /// Whether its pictures, light included, fit in the budget as a whole, and nothing coarser was asked for.
 CHIARO_EXPORT bool fits(const BrickSource& source, const PagingSettings& settings);
+/// The scene's volume where it is to be read by bricks; null: as a whole, as channels and moments in files of their own
+/// are. Throws Error{usage} for a level that it has not, and as open_brick_source.
+CHIARO_EXPORT std::shared_ptr<const BrickSource> paged_volume(const Scene& scene, const PagingSettings& settings);
 
 /// What the last picture of such a volume was drawn from.
 struct PagingReport {
@@ -81,10 +84,12 @@ public:
 
     /// `preview` is handed the picture with each coarse light that comes before the finest (visibility, and each
     /// iteration of transport), while that is still being found; and with each pass of paths (reference). The first of
-    /// coarse light is a draft: where the scene's interpolation is automatic it is linear there.
+    /// coarse light is a draft: where the scene's interpolation is automatic it is linear there. Of a volume that is
+    /// read by bricks, with each coarser level on the way to the one that is drawn, too.
     CHIARO_EXPORT const Image& render(const Scene& scene, Progress& progress, const Preview& preview = {});
     /// What can be shown at once. Of the reference's radiance one path a pixel. Where the scene's interpolation is
-    /// automatic it is linear here. What render keeps stays kept.
+    /// automatic it is linear here. Of a volume that is read by bricks: what has been read. What render keeps stays
+    /// kept.
     CHIARO_EXPORT const Image& preview(const Scene& scene, Progress& progress, DraftLight light = DraftLight::last);
     /// Whether DraftLight::soon is another light than DraftLight::own: ambient occlusion (spao) in a volume of one
     /// value, of 320³ voxels or more.
@@ -115,7 +120,12 @@ public:
     /// Of the last render or field, in order; a stage whose kept result served took 0. What a stage consists of follows
     /// it.
     CHIARO_EXPORT const std::vector<Stage>& stages() const;
-    CHIARO_EXPORT const DeviceVolume& volume() const;         ///< shown; of several channels the first
+    /// What is shown: of several channels the first, of a volume that is read by bricks the level that is there whole.
+    CHIARO_EXPORT const DeviceVolume& volume() const;
+    CHIARO_EXPORT SourceLevel
+    finest() const;  ///< the grid of what is shown: of a volume by bricks, of its finest level
+    CHIARO_EXPORT std::shared_ptr<const BrickSource> source()
+        const;                                                ///< of a volume by bricks; null: it is there whole
     CHIARO_EXPORT std::vector<DeviceVolume> volumes() const;  ///< of all its channels
     CHIARO_EXPORT const Medium& medium() const;               ///< of the last render or preview
     CHIARO_EXPORT const IlluminationField& light() const;     ///< of the last render

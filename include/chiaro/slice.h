@@ -1,5 +1,6 @@
 // Plane sections of a volume: its values at the pixels of a picture that lies in the world.
 #pragma once
+#include <chiaro/brick_source.h>
 #include <chiaro/export.h>
 #include <chiaro/labels.h>
 #include <chiaro/medium.h>
@@ -38,6 +39,12 @@ struct Slice {
 /// outermost value holds. Cost: some 20 ns a pixel and core. Throws Error{usage} for a plane without pixels or with
 /// more than 2^26, or numbers that are not finite.
 CHIARO_EXPORT Slice slice(const DeviceVolume& volume, const SlicePlane& plane, SliceSampling sampling);
+
+/// The same of a volume by bricks, of which only what the plane passes is read, in pieces of at most 16 million voxels:
+/// the coarsest level whose voxels are no larger than a pixel, or with `finest` level 0. `whole`: a level that is in
+/// memory (Session::volume), for the range of values. Throws as BrickSource::read, Error{interrupted} when cancelled.
+CHIARO_EXPORT Slice slice(const BrickSource& source, const DeviceVolume& whole, const SlicePlane& plane,
+                          SliceSampling sampling, bool finest, Progress& progress);
 
 /// The numbers of labels (LabelVolume::numbers) at the pixels' centres: those of the nearest voxels; 0 outside. The
 /// labels lie in the volume as place_labels has it, and as it throws. Cost: as above.

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -40,6 +41,7 @@ std::string needs_whole_level(const Scene& scene, const Medium::Data& medium) {
     if (method == Method::histogram) return "light is found by local histograms";
     if (scene.sampling.classification == Classification::preintegrated) return "steps are pre-integrated";
     if (medium.volume.data().factor) return "opacity goes by gradient";
+    if (medium.volume.data().mixture) return "labels lie in it";
     if (scene.lighting.floor.show) return "a floor is looked for";
     if (scene.clip.largest) return "the largest piece is looked for";
     if (scene.interpolation != Interpolation::linear) return "values are not linear between voxels";
@@ -70,6 +72,12 @@ double least_pixel_mm(const Medium::Data& medium, const Camera& camera, int heig
                 nearest = std::max(depth - radius_mm, 0.0);
             }
     return std::isfinite(nearest) ? a_pixel * nearest : 0;
+}
+
+/// By which rays tell where they come through; pictures are the same.
+RaySettings telling(RaySettings rays) {
+    rays.skip_empty = true;
+    return rays;
 }
 
 }  // namespace
@@ -138,10 +146,12 @@ DeviceVolume Refiner::with_exact_range(const DeviceVolume& whole, Progress& prog
     return whole;
 }
 
-int Refiner::wanted_level(const Medium::Data& medium, const Camera& camera, const Scene& scene) const {
+int Refiner::wanted_level(const Drawing& drawing) const {
+    const Camera& camera = drawing.camera;
+    const Scene& scene = drawing.scene;
     const double half_width =
         camera.half_width > 0 ? camera.half_width : camera.half_height * scene.width / scene.height;
-    const double pixel_mm = least_pixel_mm(medium, camera, scene.height, half_width);
+    const double pixel_mm = least_pixel_mm(drawing.medium.data(), camera, scene.height, half_width);
     const auto is_fine = [&](int level) {
         for (int axis = 0; axis < 3; ++axis) {
             const double spacing = source_->levels()[std::size_t(level)].geometry.spacing_mm[axis];
@@ -185,15 +195,14 @@ bool Refiner::open(int level, const Medium& medium) {
 
 /// Casts rays until they miss nothing; without light, which hides no brick, while they may miss many. False where there
 /// is no room.
-bool Refiner::read_what_is_seen(const Device& device, const IlluminationField& field, const Lighting& lighting,
-                                const Camera& camera, const RaySettings& rays, DeviceFrame& frame,
-                                RenderStatistics& statistics, Progress& progress) {
+bool Refiner::draw(int level, const Drawing& d, Progress& progress) {
+    if (!open(level, d.medium)) return false;
     const Lighting plain{.shading = Shading::none};
     constexpr std::size_t few = 16;  // of so many one is missing
     for (bool is_lit = level_->bricks_there() > 0;;) {
         level_->forget_seen();
-        statistics = raycast(device, medium_, is_lit ? field : IlluminationField(), is_lit ? lighting : plain, camera,
-                             rays, frame, progress);
+        d.statistics = raycast(d.device, medium_, is_lit ? d.field : IlluminationField(), is_lit ? d.lighting : plain,
+                               d.camera, telling(d.scene.sampling), d.frame, progress);
         progress.check();
         const std::vector<std::int64_t> missing = level_->missing();
         if (!missing.empty() && !level_->read(missing, progress)) return false;
@@ -202,41 +211,52 @@ bool Refiner::read_what_is_seen(const Device& device, const IlluminationField& f
     }
 }
 
-void Refiner::tell(int level, std::string stopped_by) {
-    report_ = {.level = level,
-               .levels = int(source_->levels().size()),
-               .light_level = whole_level_,
-               .dimensions = source_->levels()[std::size_t(level)].dimensions,
-               .stopped_by = std::move(stopped_by),
-               .bricks = level_ && level < whole_level_ ? level_->bricks_there() : 0,
-               .bricks_read = level_ && level < whole_level_ ? level_->bricks_read() : 0,
-               .faults = {}};
-    if (level_ && level < whole_level_) {
-        report_.faults = level_->faults();
-        if (const std::size_t lost = level_->bricks_lost(); lost > report_.faults.size())
-            report_.faults.push_back(std::to_string(lost) + " bricks cannot be read: a coarser level stands for them");
-    }
+PagingReport Refiner::report(int level, std::string stopped_by) const {
+    PagingReport report{.level = level,
+                        .levels = int(source_->levels().size()),
+                        .light_level = whole_level_,
+                        .dimensions = source_->levels()[std::size_t(level)].dimensions,
+                        .stopped_by = std::move(stopped_by),
+                        .bricks = 0,
+                        .bricks_read = 0,
+                        .faults = {}};
+    if (!level_ || level == whole_level_) return report;
+    report.bricks = level_->bricks_there(), report.bricks_read = level_->bricks_read();
+    report.faults = level_->faults();
+    if (const std::size_t lost = level_->bricks_lost(); lost > report.faults.size())
+        report.faults.push_back(std::to_string(lost) + " bricks cannot be read: a coarser level stands for them");
+    return report;
 }
 
-bool Refiner::render(const Device& device, const Medium& medium, const IlluminationField& field,
-                     const Lighting& lighting, const Camera& camera, const Scene& scene, DeviceFrame& frame,
-                     RenderStatistics& statistics, Progress& progress) {
-    const int wanted = wanted_level(medium.data(), camera, scene);
-    const std::string whole = wanted < whole_level_ ? needs_whole_level(scene, medium.data()) : "";
+PagingReport Refiner::render(const Drawing& drawing, Progress& progress, const std::function<void()>& coarser) {
+    const int wanted = wanted_level(drawing);
     std::string stopped_by = wanted > finest_level_ ? "pixels" : finest_level_ > 0 ? "level" : "volume";
-    if (!whole.empty()) stopped_by = whole;
-    RaySettings rays = scene.sampling;
-    rays.skip_empty = true;  // by which they tell where they come through; pictures are the same
-    for (int level = whole.empty() ? wanted : whole_level_; level < whole_level_; ++level) {
-        if (open(level, medium) &&
-            read_what_is_seen(device, field, lighting, camera, rays, frame, statistics, progress)) {
-            tell(level, stopped_by);
-            return true;
-        }
-        stopped_by = "memory";
+    if (wanted == whole_level_) return report(wanted, std::move(stopped_by));
+    if (std::string whole = needs_whole_level(drawing.scene, drawing.medium.data()); !whole.empty())
+        return report(whole_level_, std::move(whole));
+    std::unique_lock lock(drawing_, std::defer_lock);
+    while (!lock.try_lock_for(std::chrono::milliseconds(20))) progress.check();
+    int level = wanted;
+    if (coarser) {
+        level = level_ && level_->level() >= wanted ? level_->level() : std::max(wanted, whole_level_ - 1);
+        bool has_room = true;
+        for (; level > wanted && (has_room = draw(level, drawing, progress)); --level) coarser();
+        if (!has_room) ++level, stopped_by = "memory";
     }
-    tell(whole_level_, stopped_by);
-    return false;
+    for (; level < whole_level_ && !draw(level, drawing, progress); ++level) stopped_by = "memory";
+    return report(level, std::move(stopped_by));
+}
+
+bool Refiner::draw_what_is_there(const Drawing& d, Progress& progress) {
+    const std::unique_lock lock(drawing_, std::try_to_lock);
+    if (!lock || !level_) return false;
+    // A draft has fewer pixels than the picture whose voxels are there; finer ones would take too many steps.
+    constexpr int finer = 2;
+    if (level_->level() + finer < wanted_level(d) || !needs_whole_level(d.scene, d.medium.data()).empty()) return false;
+    open(level_->level(), d.medium);
+    d.statistics =
+        raycast(d.device, medium_, d.field, d.lighting, d.camera, telling(d.scene.sampling), d.frame, progress);
+    return true;
 }
 
 }  // namespace chiaro

@@ -1,6 +1,8 @@
 #include <chiaro/error.h>
+#include <chiaro/io.h>
 #include <chiaro/samples.h>
 #include <chiaro/scene.h>
+#include <chiaro/session.h>
 #include <chiaro/text.h>
 #include <fmt/format.h>
 
@@ -89,6 +91,30 @@ std::vector<Volume> read_channels(const Scene& scene, Progress& progress) {
         all.push_back(std::move(volume));
     }
     return all;
+}
+
+std::shared_ptr<const BrickSource> paged_volume(const Scene& scene, const PagingSettings& settings) {
+    if (!scene.channels.empty()) return nullptr;
+    if (scene.stated.spacing_mm || scene.volume == "-" || !moment_files(scene.volume).empty()) return {};
+    auto source = open_brick_source(scene.volume, scene.read);
+    if (!source) {
+        if (settings.finest_level > 0)
+            throw Error(
+                ErrorCode::usage,
+                fmt::format(
+                    "--level {}: {} is read as a whole; samples are not, nor OME-Zarr, HDF5, TIFF, OpenVDB, and raw, "
+                    "NRRD, MetaImage, NIfTI and VTK files whose voxels are not compressed",
+                    settings.finest_level, scene.volume));
+        return {};
+    }
+    if (fits(*source, settings)) return {};
+    const int levels = int(source->levels().size());
+    if (settings.finest_level >= levels)
+        throw Error(ErrorCode::usage,
+                    fmt::format("--level {}: {} has levels 0 to {}", settings.finest_level, scene.volume, levels - 1));
+    const auto& stated = scene.stated.dimensions;
+    if (stated && *stated != source->header().dimensions) return {};  // read_volume says so
+    return source;
 }
 
 LabelVolume read_labels(const Scene& scene, Progress& progress) {

@@ -39,7 +39,7 @@ void Session::show_moment(const Volume& volume, Progress& progress) {
 void Session::show(std::shared_ptr<const BrickSource> source, const PagingSettings& settings, Progress& progress) {
     const Device& given = state_->device;
     state_ = std::make_unique<State>(given.has_gpu() ? Device::cpu(given.threads, given.isa) : given);
-    state_->refiner.emplace(source, settings);
+    state_->refiner = std::make_shared<Refiner>(source, settings);
     Volume volume = read_level(*source, state_->refiner->whole_level(), progress);
     Refiner& refiner = *state_->refiner;
     state_->show(volume, progress, [&](const Device& device) {
@@ -53,7 +53,7 @@ Session Session::share_volume() const {
     Session other(state_->device);
     State& s = *other.state_;
     s.subject = state_->subject;
-    s.upload.result = state_->upload.result;
+    s.upload.result = state_->upload.result, s.refiner = state_->refiner;
     s.others = state_->others, s.own_color = state_->own_color;
     s.shared_labels = state_->shared_labels;
     s.upload.inputs = {0};
@@ -83,9 +83,13 @@ const Image& Session::render(const Scene& given, Progress& progress, const Previ
                 cast.render_statistics.paths = paths;
                 preview(develop(better, scene.output));
             };
-            if (s.refiner && s.refiner->render(s.device, medium, s.illuminate.result, lighting, camera, scene, frame,
-                                               cast.render_statistics, progress))
-                return;
+            if (s.refiner) {
+                const auto show = [&] { preview(develop(frame, scene.output)); };
+                s.paging = s.refiner->render(
+                    {s.device, medium, s.illuminate.result, lighting, camera, scene, frame, cast.render_statistics},
+                    progress, preview ? std::function<void()>(show) : nullptr);
+                if (s.paging->level != s.refiner->whole_level()) return;
+            }
             cast.render_statistics =
                 is_path_traced(scene.illumination)
                     ? trace_paths(s.device, medium, lighting, camera, scene.sampling, scene.illumination, frame,
@@ -122,6 +126,8 @@ const Image& Session::preview(const Scene& given, Progress& progress, DraftLight
     s.timed("raycast", [&] {
         IlluminationSettings settings = scene.illumination;
         settings.reference.rays = 1;
+        const Drawing drawing{s.device, medium, field, lighting, camera, scene, frame, s.previewed.render_statistics};
+        if (s.refiner && s.refiner->draw_what_is_there(drawing, progress)) return progress.check();
         s.previewed.render_statistics =
             is_path_traced(settings)
                 ? trace_paths(s.device, medium, lighting, camera, scene.sampling, settings, frame, progress)
@@ -219,8 +225,12 @@ const Frame& Session::frame_with_depth(Progress& progress) {
     return frame.read();
 }
 const std::vector<Stage>& Session::stages() const { return state_->stages; }
-std::optional<PagingReport> Session::paging() const {
-    return state_->refiner ? std::optional(state_->refiner->report()) : std::nullopt;
+std::optional<PagingReport> Session::paging() const { return state_->paging; }
+SourceLevel Session::finest() const {
+    return state_->refiner ? state_->refiner->finest() : SourceLevel{volume().dimensions(), volume().geometry()};
+}
+std::shared_ptr<const BrickSource> Session::source() const {
+    return state_->refiner ? state_->refiner->source() : nullptr;
 }
 RenderStatistics Session::render_statistics() const { return state_->raycast.result.render_statistics; }
 std::size_t Session::light_bytes() const { return state_->prepare.result.bytes() + state_->illuminate.result.bytes(); }
@@ -229,8 +239,8 @@ std::vector<std::string> Session::notes() const {
     if (const auto& labels = state_->labels.result)
         for (const std::string& note : labels->notes) notes.push_back("labels: " + note);
     if (std::string note = state_->device.note(); !note.empty()) notes.push_back(std::move(note));
-    if (const auto& refiner = state_->refiner) {
-        const std::vector<std::string> told = notes_of(refiner->report());
+    if (const auto& paging = state_->paging) {
+        const std::vector<std::string> told = notes_of(*paging);
         notes.insert(notes.end(), told.begin(), told.end());
     }
     return notes;

@@ -28,9 +28,10 @@ struct Session::State {
 
     Device device;
     Subject subject;
-    std::optional<Refiner> refiner;  // of a volume that is read by bricks; `upload` has its whole level
-    std::vector<Stage> shown;        // what it took to show the volume, until a render has told it
-    std::vector<Stage> stages;       // of the last render
+    std::shared_ptr<Refiner> refiner;    // of a volume that is read by bricks; `upload` has its whole level
+    std::optional<PagingReport> paging;  // of the last render of one
+    std::vector<Stage> shown;            // what it took to show the volume, until a render has told it
+    std::vector<Stage> stages;           // of the last render
     Version last_version = 0;
     bool one_look = false, gave_back = false;  // voxels that the one look cannot show
 

@@ -70,6 +70,12 @@ BrickSource::BrickSource(Volume header, std::vector<SourceLevel> levels)
     : header_(std::move(header)), levels_(std::move(levels)) {}
 BrickSource::~BrickSource() = default;
 
+int small_level(const BrickSource& source, int edge) {
+    const auto& levels = source.levels();
+    const auto is_small = [edge](const SourceLevel& level) { return std::ranges::max(level.dimensions) <= edge; };
+    return int(std::find_if(levels.begin(), levels.end() - 1, is_small) - levels.begin());
+}
+
 Volume read_level(const BrickSource& source, int level, Progress& progress) {
     Volume volume = volume_of(source, level);
     const std::array<int, 3> n = volume.dimensions, piece = source.piece(level);

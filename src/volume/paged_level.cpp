@@ -182,8 +182,7 @@ bool PagedLevel::read(const std::vector<std::int64_t>& bricks, Progress& progres
         std::vector<std::int32_t> entries(count, absent);
         const std::vector<std::size_t> order = by_pieces(std::span(bricks).subspan(done, count));
         std::atomic<std::size_t> next{0};
-        parallel_for(data_->device.threads, std::int64_t(count), 1, [&](std::int64_t, std::int64_t) {
-            if (progress.cancelled()) return;
+        const auto fill_next = [&](std::int64_t, std::int64_t) {
             const std::size_t i = order[next++];
             const std::int64_t brick = bricks[done + i];
             try {
@@ -191,7 +190,7 @@ bool PagedLevel::read(const std::vector<std::int64_t>& bricks, Progress& progres
                 const bool shows = code(slots[i]);
                 entries[i] = shows || keep_empty_ ? slots[i] : empty;
             } catch (const Error& error) {
-                if (error.code() == ErrorCode::interrupted) throw;
+                if (error.code() == ErrorCode::interrupted) return;
                 is_lost_[std::size_t(brick)] = 1;
                 const std::lock_guard lock(telling);
                 ++lost_;
@@ -199,8 +198,8 @@ bool PagedLevel::read(const std::vector<std::int64_t>& bricks, Progress& progres
                     std::find(faults_.begin(), faults_.end(), error.what()) == faults_.end())
                     faults_.push_back(error.what());
             }
-        });
-        progress.check();
+        };
+        parallel_for(data_->device.threads, std::int64_t(count), 1, "bricks", progress, fill_next);
         free_.resize(free_.size() - count);
         for (std::size_t i = 0; i < count; ++i) {
             const std::int64_t brick = bricks[done + i];
@@ -209,10 +208,10 @@ bool PagedLevel::read(const std::vector<std::int64_t>& bricks, Progress& progres
                 brick_of_[std::size_t(slots[i])] = brick;
             else
                 free_.push_back(slots[i]);
+            bricks_read_ += entries[i] != absent || is_lost_[std::size_t(brick)];
         }
-        bricks_read_ += count;
+        progress.check();
         done += count;
-        progress.report("bricks", double(done) / double(bricks.size()));
     }
     return true;
 }

@@ -40,7 +40,7 @@ public:
     std::vector<std::int64_t> missing() const;
     /// Reads bricks, letting go of others that were not seen. False where there is no room for all. Which are there in
     /// the end depends on no number of threads. Those that cannot be read are left out, and told in `faults`. Throws
-    /// Error{interrupted} when cancelled. Reported as "bricks".
+    /// Error{interrupted} when cancelled; what was read by then stays. Reported as "bricks".
     bool read(const std::vector<std::int64_t>& bricks, Progress& progress);
 
     std::size_t bricks_read() const { return bricks_read_; }  ///< since it was made

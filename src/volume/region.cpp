@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/threads.h"
+#include "volume/part.h"
 #include "volume/reader.h"
 
 namespace chiaro {
@@ -110,20 +111,39 @@ void summarize(std::vector<double>& values, RegionValues& told) {
 
 }  // namespace
 
-RegionValues measure(const DeviceVolume& volume, const Region& region, Progress& progress) {
-    const DeviceVolume::Data& data = volume.data();
-    const VoxelRegion own = std::visit([&](const auto& shape) { return in_voxels(data.geometry, shape); }, region);
+namespace {
+
+VoxelRegion in_voxels(const Geometry& geometry, const Region& region) {
+    const VoxelRegion own = std::visit([&](const auto& shape) { return in_voxels(geometry, shape); }, region);
     for (int axis = 0; axis < 3; ++axis)
         if (!std::isfinite(own.low[axis]) || !std::isfinite(own.high[axis]))
             throw Error(ErrorCode::usage, "region: must be of finite numbers");
+    return own;
+}
+
+[[noreturn]] void refuse_empty() { throw Error(ErrorCode::usage, "region: no voxel's centre lies in it"); }
+
+}  // namespace
+
+RegionValues measure(const DeviceVolume& volume, const Region& region, Progress& progress) {
+    const DeviceVolume::Data& data = volume.data();
+    const VoxelRegion own = in_voxels(data.geometry, region);
     std::vector<double> values = values_in(data, own, progress);
-    if (values.empty()) throw Error(ErrorCode::usage, "region: no voxel's centre lies in it");
+    if (values.empty()) refuse_empty();
     RegionValues told;
     told.count = values.size();
     told.volume_mm3 = double(values.size()) * voxel_mm3(data.geometry);
     told.exact_mm3 = own.exact_mm3;
     summarize(values, told);
     return told;
+}
+
+RegionValues measure(const BrickSource& source, const DeviceVolume& whole, const Region& region, Progress& progress) {
+    const SourceLevel& finest = source.levels().front();
+    const VoxelRegion own = in_voxels(finest.geometry, region);
+    const VoxelBox box = box_around(finest, own.low, own.high);
+    if (voxels_in(box) == 0) refuse_empty();
+    return measure(part_of(source, 0, box, whole), region, progress);
 }
 
 }  // namespace chiaro

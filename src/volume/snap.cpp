@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "volume/part.h"
 #include "volume/reader.h"
 
 namespace chiaro {
@@ -122,6 +123,23 @@ std::optional<Vec3> snap_to_surface(const DeviceVolume& volume, Vec3 p_mm, doubl
     const DeviceVolume::Data& data = volume.data();
     return with_stored_voxel(data,
                              [&](auto voxel) { return Edges<decltype(voxel)>(data, normal).snap(p_mm, reach_mm); });
+}
+
+std::optional<Vec3> snap_to_surface(const BrickSource& source, const DeviceVolume& whole, Vec3 p_mm, double reach_mm,
+                                    std::optional<Vec3> normal) {
+    const SourceLevel& finest = source.levels().front();
+    // A foot that is followed lies within reach; lines and means of gradients go on from there.
+    const double unit_mm = finest.geometry.smallest_spacing_mm(), far = std::min(reach_mm / unit_mm, max_voxels);
+    const double around_mm = (2 * far + line_half + 4) * unit_mm;
+    const Vec3 p = finest.geometry.voxel_from_world(p_mm);
+    Vec3 low = p, high = p;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double voxels = around_mm / finest.geometry.spacing_mm[axis];
+        low[axis] -= voxels, high[axis] += voxels;
+    }
+    const VoxelBox box = box_around(finest, low, high);
+    if (!(voxels_in(box) > 0)) return {};
+    return snap_to_surface(part_of(source, 0, box, whole), p_mm, reach_mm, normal);
 }
 
 }  // namespace chiaro
