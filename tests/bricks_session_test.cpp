@@ -83,6 +83,24 @@ TEST_F(PagedSession, DraftsShowWhatHasBeenRead) {
     EXPECT_NE(draft(paged), far);
 }
 
+/// Bricks that were read and let go since they were empty are asked for again only where an edit may show them.
+TEST_F(PagedSession, AnEditReadsWhatItMayShow) {
+    Session paged(Device::cpu(2)), whole(Device::cpu(2));
+    paged.show(open_sample("shells", 224), {.memory_bytes = 36 * mebibyte}, progress);
+    whole.show(make_sample("shells", 224), progress);
+    TransferFunction tf = paged.resolve({});
+    const auto show = [&](double from, double opacity) {
+        tf.points = {{from, {1, 0.8, 0.5}, 0}, {from + 4, {1, 0.8, 0.5}, opacity}, {255, {1, 0.8, 0.5}, opacity}};
+        scene.transfer.points = tf;
+        EXPECT_EQ(picture(paged), picture(whole)) << from << " " << opacity;
+        return paged.paging()->bricks_read;
+    };
+    const std::size_t first = show(100, 0.9);
+    EXPECT_EQ(show(101, 0.9), first) << "what is empty still is";
+    show(20, 0.01);
+    EXPECT_GT(show(100, 0.01), first) << "nothing hides what lies behind";
+}
+
 TEST_F(PagedSession, LabelsAreSeenOnTheWholeLevel) {
     scene.volume = "sample:torso:224";
     Session session(Device::cpu(2));
@@ -109,9 +127,14 @@ TEST_F(PagedSession, ComesToItsLevelStepByStep) {
     level_one.show(open_sample("shells", 288), {.memory_bytes = settings.memory_bytes, .finest_level = 1}, progress);
     EXPECT_EQ(picture(level_one), shown.front());
     shown.clear();
-    scene.camera.azimuth_deg = 50;
+    scene.camera.azimuth_deg = 90;
     paged.render(scene, progress, keep);
-    EXPECT_TRUE(shown.empty()) << "it is on its level already";
+    ASSERT_EQ(shown.size(), 1u) << "what was there of its level, before the rest was read";
+    EXPECT_NE(picture(paged), shown.front());
+    shown.clear();
+    scene.camera.azimuth_deg += 1e-6;
+    paged.render(scene, progress, keep);
+    EXPECT_TRUE(shown.empty()) << "nothing was missing";
 }
 
 namespace {

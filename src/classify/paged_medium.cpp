@@ -94,14 +94,14 @@ Medium paged_medium(PagedLevel& level, const Medium& whole, const BrickRanges* e
     const bool is_iso = looks.shape.mode == Mode::iso;
     const auto is_visible = std::make_shared<const RangeTest>(
         is_iso ? crossed_range(looks.volume.data(), looks.shape.iso) : visible_range(data->table));
-    const auto coder = [is_visible](const CellRanges& ranges, std::uint8_t* codes) {
-        return code_cells(ranges, *is_visible, codes);
-    };
+    const BrickLooks of_bricks{
+        [is_visible](const CellRanges& ranges, std::uint8_t* codes) { return code_cells(ranges, *is_visible, codes); },
+        [is_visible](float low, float high) { return (*is_visible)(low, high); }, is_iso};
     if (exact && level.level() == 0) {
         const auto shows = [&](std::int64_t b) {
             return (*is_visible)(exact->low[std::size_t(b)], exact->high[std::size_t(b)]);
         };
-        level.classify(coder, shows, is_iso);
+        level.classify(of_bricks, shows);
         return Medium(std::move(data));
     }
     const ShownCells shown(looks);
@@ -111,7 +111,7 @@ Medium paged_medium(PagedLevel& level, const Medium& whole, const BrickRanges* e
         return shown.any(
             {cells[0][std::size_t(b % nx)], cells[1][std::size_t(b / nx % ny)], cells[2][std::size_t(b / nx / ny)]});
     };
-    level.classify(coder, may_show, is_iso);
+    level.classify(of_bricks, may_show);
     return Medium(std::move(data));
 }
 

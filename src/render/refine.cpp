@@ -194,17 +194,20 @@ bool Refiner::open(int level, const Medium& medium) {
 }
 
 /// Casts rays until they miss nothing; without light, which hides no brick, while they may miss many. False where there
-/// is no room.
-bool Refiner::draw(int level, const Drawing& d, Progress& progress) {
+/// is no room. `incomplete` is called with a first picture of which much is missing.
+bool Refiner::draw(int level, const Drawing& d, Progress& progress, const std::function<void()>& incomplete) {
     if (!open(level, d.medium)) return false;
     const Lighting plain{.shading = Shading::none};
     constexpr std::size_t few = 16;  // of so many one is missing
-    for (bool is_lit = level_->bricks_there() > 0;;) {
+    bool is_lit = level_->bricks_there() > 0;
+    for (bool is_first = true;; is_first = false) {
         level_->forget_seen();
         d.statistics = raycast(d.device, medium_, is_lit ? d.field : IlluminationField(), is_lit ? d.lighting : plain,
                                d.camera, telling(d.scene.sampling), d.frame, progress);
         progress.check();
         const std::vector<std::int64_t> missing = level_->missing();
+        const bool misses_many = few * missing.size() > level_->bricks_there();
+        if (incomplete && is_first && is_lit && misses_many) incomplete();
         if (!missing.empty() && !level_->read(missing, progress)) return false;
         if (missing.empty() && is_lit) return true;
         is_lit = few * missing.size() <= level_->bricks_there();
@@ -240,10 +243,10 @@ PagingReport Refiner::render(const Drawing& drawing, Progress& progress, const s
     if (coarser) {
         level = level_ && level_->level() >= wanted ? level_->level() : std::max(wanted, whole_level_ - 1);
         bool has_room = true;
-        for (; level > wanted && (has_room = draw(level, drawing, progress)); --level) coarser();
+        for (; level > wanted && (has_room = draw(level, drawing, progress, coarser)); --level) coarser();
         if (!has_room) ++level, stopped_by = "memory";
     }
-    for (; level < whole_level_ && !draw(level, drawing, progress); ++level) stopped_by = "memory";
+    for (; level < whole_level_ && !draw(level, drawing, progress, coarser); ++level) stopped_by = "memory";
     return report(level, std::move(stopped_by));
 }
 

@@ -41,8 +41,9 @@ public:
 
     /// Draws the finest level that the picture asks for and the budget allows. `report.level` is the whole level where
     /// that is it, or where the scene's settings ask for all voxels: then the frame is still to be drawn. `coarser` is
-    /// called with each coarser level's picture in the frame, from the level that was drawn last on. Waits for other
-    /// sessions. Throws Error{interrupted} when cancelled: what was read by then stays.
+    /// called with each coarser level's picture in the frame, from the level that was drawn last on, and with what is
+    /// there of a level of which much is missing. Waits for other sessions. Throws Error{interrupted} when cancelled:
+    /// what was read by then stays.
     PagingReport render(const Drawing& drawing, Progress& progress, const std::function<void()>& coarser = {});
     /// Draws at once, of what has been read. False where that would look no better than the whole level, or another
     /// session is drawing: then the frame is still to be drawn.
@@ -54,7 +55,7 @@ private:
     int wanted_level(const Drawing& drawing) const;
     std::int32_t room_at(int level, const DeviceVolume& whole) const;
     bool open(int level, const Medium& medium);
-    bool draw(int level, const Drawing& drawing, Progress& progress);
+    bool draw(int level, const Drawing& drawing, Progress& progress, const std::function<void()>& incomplete);
     PagingReport report(int level, std::string stopped_by) const;
 
     std::shared_ptr<const BrickSource> source_;

@@ -105,7 +105,8 @@ CellRanges PagedLevel::ranges_of(std::int32_t slot) const {
 }
 
 bool PagedLevel::code(std::int32_t slot) {
-    return coder_(ranges_of(slot), reinterpret_cast<std::uint8_t*>(pages_->codes.data()) + std::size_t(slot) * cells);
+    return looks_.code(ranges_of(slot),
+                       reinterpret_cast<std::uint8_t*>(pages_->codes.data()) + std::size_t(slot) * cells);
 }
 
 void PagedLevel::fill(std::int64_t brick, std::int32_t slot) {
@@ -126,14 +127,16 @@ void PagedLevel::fill(std::int64_t brick, std::int32_t slot) {
     });
 }
 
-void PagedLevel::classify(CellCoder coder, const std::function<bool(std::int64_t)>& may_show, bool keep_empty) {
-    coder_ = std::move(coder);
-    keep_empty_ = keep_empty;
+void PagedLevel::classify(BrickLooks looks, const std::function<bool(std::int64_t)>& may_show) {
+    looks_ = std::move(looks);
     auto& slots = pages_->slots;
     parallel_for(data_->device.threads, std::int64_t(slots.size()), 1 << 14, [&](std::int64_t b, std::int64_t end) {
         for (; b < end; ++b)
             if (slots[std::size_t(b)] < 0) slots[std::size_t(b)] = may_show(b) ? absent : empty;
     });
+    for (const auto& [brick, range] : let_go_)
+        if (std::int32_t& slot = slots[std::size_t(brick)]; slot == absent && !looks_.shows(range[0], range[1]))
+            slot = empty;
     for (std::size_t slot = 0; slot < brick_of_.size(); ++slot)
         if (brick_of_[slot] >= 0) code(std::int32_t(slot));
 }
@@ -188,7 +191,7 @@ bool PagedLevel::read(const std::vector<std::int64_t>& bricks, Progress& progres
             try {
                 fill(brick, slots[i]);
                 const bool shows = code(slots[i]);
-                entries[i] = shows || keep_empty_ ? slots[i] : empty;
+                entries[i] = shows || looks_.keep_empty ? slots[i] : empty;
             } catch (const Error& error) {
                 if (error.code() == ErrorCode::interrupted) return;
                 is_lost_[std::size_t(brick)] = 1;
@@ -208,6 +211,10 @@ bool PagedLevel::read(const std::vector<std::int64_t>& bricks, Progress& progres
                 brick_of_[std::size_t(slots[i])] = brick;
             else
                 free_.push_back(slots[i]);
+            if (entries[i] == empty) {
+                const CellRanges ranges = ranges_of(slots[i]);
+                let_go_[brick] = {std::ranges::min(ranges.low), std::ranges::max(ranges.high)};
+            }
             bricks_read_ += entries[i] != absent || is_lost_[std::size_t(brick)];
         }
         progress.check();

@@ -5,14 +5,22 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "volume/level_pages.h"
 
 namespace chiaro {
 
-/// From a range of stored values per cell of a brick to the cells' codes; false where none is occupied.
-using CellCoder = std::function<bool(const CellRanges& ranges, std::uint8_t* codes)>;
+/// What of a brick a medium shows.
+struct BrickLooks {
+    /// From a range of stored values per cell to the cells' codes; false where none is occupied.
+    std::function<bool(const CellRanges& ranges, std::uint8_t* codes)> code;
+    /// Whether a cell of such values would be occupied.
+    std::function<bool(float low, float high)> shows;
+    /// Bricks that were read stay though they are empty, for what looks at voxels there.
+    bool keep_empty = false;
+};
 
 class PagedLevel {
 public:
@@ -31,9 +39,9 @@ public:
     const DeviceVolume& volume() const { return volume_; }
     const LevelPages& pages() const { return *pages_; }
 
-    /// From now on `coder` tells what is empty; bricks that are absent are where `may_show` says that nothing shows.
-    /// `keep_empty`: bricks that were read stay though they are empty, for what looks at voxels there.
-    void classify(CellCoder coder, const std::function<bool(std::int64_t brick)>& may_show, bool keep_empty);
+    /// From now on `looks` tell what is empty. Bricks that are absent are, where `may_show` says that nothing shows,
+    /// and where they were read before and the range of their values says so.
+    void classify(BrickLooks looks, const std::function<bool(std::int64_t brick)>& may_show);
 
     void forget_seen();
     /// Bricks that were seen and are absent, in order.
@@ -65,8 +73,8 @@ private:
     std::vector<std::int64_t> brick_of_;  // each slot's; -1: free
     std::vector<std::int32_t> free_;
     std::vector<std::uint8_t> is_lost_;
-    CellCoder coder_;
-    bool keep_empty_ = false;
+    BrickLooks looks_;
+    std::unordered_map<std::int64_t, std::array<float, 2>> let_go_;  // read and found empty: the range of their values
     std::size_t bricks_read_ = 0, lost_ = 0;
     std::vector<std::string> faults_;
 };
