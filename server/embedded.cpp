@@ -20,7 +20,7 @@ struct ViewServer::State {
     server::ViewerOptions options_of(const ViewSettings& settings) {
         server::ViewerOptions options;
         options.scene = settings.scene;
-        options.volume = settings.volume;
+        options.volume = settings.volume, options.source = settings.source, options.paging = settings.paging;
         options.folders = settings.folders;
         if (options.folders.empty()) options.folders = {std::filesystem::current_path()};
         options.host = settings.host, options.port = settings.port;

@@ -58,7 +58,7 @@ public:
         : kept_(options.keep_views ? views_folder() : std::filesystem::path()),
           uploads_(options.max_upload, kept_.volumes()),
           films_(options.keep_views && !views_folder().empty() ? user_cache() / "films" : store_.fresh("")),
-          context_{Volumes(options.device, options.volume, options.paging),
+          context_{Volumes(options.device, {options.volume, options.source}, options.paging),
                    Folders(options.folders, hidden_folders()),
                    store_,
                    uploads_,

@@ -29,6 +29,7 @@ struct ViewerOptions {
     std::string token{};  ///< "": the user's own at this port
     /// What the first scene shows, where that is in memory; its voxels stay as they are.
     std::shared_ptr<const Volume> volume{};
+    std::shared_ptr<const BrickSource> source{};    ///< the same, where it is read by bricks
     std::function<void(const Scene&)> changed{};    ///< hears of each state of a page; from another thread
     bool keep_views = false;                        ///< on disk, for a server that is killed
     std::uint64_t max_upload = default_max_upload;  ///< bytes of a volume that a page sends

@@ -96,19 +96,28 @@ std::shared_ptr<const Loaded> page(const Scene& scene, const std::shared_ptr<con
                                    const PagingSettings& paging, int halvings, Progress& progress) {
     auto loaded = std::make_shared<Loaded>(Loaded{scene, Session(device), {}, halvings});
     loaded->session.show(source, paging, progress);
-    loaded->told = told(source->header(), read_level(*source, small_level(*source), progress));
+    // Of the level that has been read, or of one that takes no time.
+    const auto& levels = source->levels();
+    const auto read = std::ranges::find(levels, loaded->session.volume().dimensions(), &SourceLevel::dimensions);
+    const int level = std::max(small_level(*source), int(read - levels.begin()));
+    loaded->told = told(source->header(), read_level(*source, level, progress));
     loaded->told["bytes"] = loaded->session.volume().bytes();
-    for (const SourceLevel& level : source->levels()) loaded->told["levels"].push_back(level.dimensions);
+    for (const SourceLevel& one : levels) loaded->told["levels"].push_back(one.dimensions);
     loaded->told["spacing_stated"] = states_spacing(source->header());
     loaded->told["reduced"] = nullptr;
     loaded->told["exact"] = loaded->session.volume().is_exact();
     return loaded;
 }
 
-std::shared_ptr<const Loaded> read(const Scene& scene, Device device, PagingSettings paging, int halvings,
-                                   Progress& progress) {
+/// An eighth for each halving.
+PagingSettings with_budget(PagingSettings paging, int halvings) {
     if (paging.memory_bytes == 0) paging.memory_bytes = std::max<std::uint64_t>(1, std::uint64_t(0.5 * free_memory()));
     paging.memory_bytes >>= 3 * std::min(halvings, 8);
+    return paging;
+}
+
+std::shared_ptr<const Loaded> read(const Scene& scene, Device device, const PagingSettings& paging, int halvings,
+                                   Progress& progress) {
     const auto source = paged_volume(scene, paging);
     if (source && source->header().moments.count == 1) return page(scene, source, device, paging, halvings, progress);
     check_sample(scene.volume);
@@ -183,8 +192,15 @@ std::shared_ptr<const Loaded> Volumes::load(const Scene& scene, Progress& progre
         changed_.notify_all();
     };
     try {
-        const bool is_held = held_ && held_->source == scene.volume;
-        loaded = is_held ? take(scene, device_, *held_, told) : read(scene, device_, paging_, halvings, told);
+        const PagingSettings paging = with_budget(paging_, halvings);
+        if (!held_.is_of(scene.volume))
+            loaded = read(scene, device_, paging, halvings, told);
+        else if (held_.source && !fits(*held_.source, paging))
+            loaded = page(scene, held_.source, device_, paging, halvings, told);
+        else if (held_.volume)
+            loaded = take(scene, device_, *held_.volume, told);
+        else
+            loaded = take(scene, device_, read_level(*held_.source, 0, told), told);
     } catch (...) {
         done();
         throw;

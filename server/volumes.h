@@ -21,10 +21,18 @@ struct Loaded {
     int moments() const { return told.contains("moments") ? told["moments"]["count"].get<int>() : 1; }
 };
 
+/// What scenes of a volume of its name show, without looking for a file.
+struct HeldVolume {
+    std::shared_ptr<const Volume> volume;
+    std::shared_ptr<const BrickSource> source;  ///< of one that is read by bricks
+    bool is_of(const std::string& name) const {
+        return (volume && volume->source == name) || (source && source->header().source == name);
+    }
+};
+
 class Volumes {
 public:
-    /// `held`: what scenes of a volume of this name show, without reading it.
-    explicit Volumes(Device device, std::shared_ptr<const Volume> held = nullptr, PagingSettings paging = {})
+    explicit Volumes(Device device, HeldVolume held = {}, PagingSettings paging = {})
         : device_(device), held_(std::move(held)), paging_(paging) {}
 
     /// The scene's volume: the one in memory, or read now; where another thread is reading it that is waited for.
@@ -44,7 +52,7 @@ private:
     };
 
     Device device_;
-    std::shared_ptr<const Volume> held_;
+    HeldVolume held_;
     PagingSettings paging_;
     mutable std::mutex mutex_;
     std::condition_variable changed_;

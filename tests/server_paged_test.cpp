@@ -1,4 +1,5 @@
 // The viewer on a volume that does not fit: opened by bricks, refined where it is looked at, measured voxel by voxel.
+#include <chiaro/view.h>
 #include <gtest/gtest.h>
 
 #include "server_case.h"
@@ -104,4 +105,24 @@ TEST(ServerPaged, TheMemoryThatIsFreeDecides) {
         EXPECT_TRUE(page.of_stage(1, "final"));
     }
     unsetenv("CHIARO_VIEW_MEMORY");
+}
+
+/// A program that has a source of bricks shows it, by a name of its own.
+TEST(ServerPaged, OfAProgramWithASourceOfItsOwn) {
+    ViewSettings settings;
+    settings.scene = scene_of_volume("sample:shells:224");
+    settings.source = open_sample("shells", 224);
+    settings.paging = little;
+    settings.device = Device::cpu(2);
+    ViewServer server(settings);
+    const std::string url = server.url();
+    Page page(server.port(), url.substr(url.find("token=") + 6, 32), "view-one", "");
+    const auto told = page.find(
+        [](const Message& m) { return !m.is_frame && m.json.contains("volume") && m.json["volume"].is_object(); });
+    ASSERT_TRUE(told);
+    EXPECT_EQ(told->json["volume"]["statistics"], "sampled");
+    page.send(state(1, near(told->json["scene"]), 80, 60));
+    const auto last = page.of_stage(1, "final");
+    ASSERT_TRUE(last);
+    EXPECT_NE(last->json["notes"].dump().find("level 0 of 0 to 2 is drawn"), std::string::npos) << last->json;
 }

@@ -3,6 +3,7 @@
 #include <chiaro/device.h>
 #include <chiaro/export.h>
 #include <chiaro/scene.h>
+#include <chiaro/session.h>
 #include <chiaro/volume.h>
 
 #include <filesystem>
@@ -18,6 +19,9 @@ struct ViewSettings {
     Scene scene;  ///< what is shown first
     /// Its volume, where that is in memory: of the name `scene.volume`. The voxels stay as they are. None: it is read.
     std::shared_ptr<const Volume> volume;
+    /// Its volume, where it is read by bricks, or whole where it fits: of the name `scene.volume`. Not both.
+    std::shared_ptr<const BrickSource> source;
+    PagingSettings paging;                       ///< how volumes that do not fit are read
     std::vector<std::filesystem::path> folders;  ///< whose files pages may open; none: the current one
     std::string host = "127.0.0.1";
     int port = 0;                 ///< 0: any that is free

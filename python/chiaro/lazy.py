@@ -176,5 +176,8 @@ class LazyVolume(Volume):
         """Raises ValueError: what was read is kept."""
         raise ValueError(f"{self.name} keeps what it has read: make another with Volume.lazy")
 
+    def _view_of(self) -> tuple[Any, ...]:
+        return None, self._source, self._memory, self._finest, self._exact
+
     def _show_in(self, session: Any, report: Any) -> None:
         session.show_source(self._source, self._memory, self._finest, self._exact, report)

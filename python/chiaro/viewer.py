@@ -54,7 +54,7 @@ class View(HasSettings):
             volume = Session(scene, **device).volume
         state["_volume"] = volume
         state["_server"] = _chiaro.ViewServer(
-            scene._native, volume._native, _folders(scene), host, port, base_path, origins, int(device.get("threads", 0)), _heard(weakref.ref(self))
+            scene._native, *volume._view_of(), _folders(scene), host, port, base_path, origins, int(device.get("threads", 0)), _heard(weakref.ref(self))
         )
         state["_public"] = public
         _open.add(self)

@@ -188,6 +188,9 @@ class Volume:
     def _show_in(self, session: Any, report: Any) -> None:
         session.show(self._native, report)
 
+    def _view_of(self) -> tuple[Any, ...]:
+        return self._native, None, 0, 0, False
+
     @property
     def array(self) -> np.ndarray[Any, Any]:
         """The stored numbers, (z, y, x), the same memory, not to be written through this view."""

@@ -9,14 +9,17 @@ namespace {
 /// Kept with what it hears by, which is called from a thread of the server's.
 class ViewHandle {
 public:
-    ViewHandle(const Scene& scene, const VolumeHandle* volume, const std::vector<std::string>& folders,
-               const std::string& host, int port, const std::string& base_path,
-               const std::vector<std::string>& embed_from, int threads, py::object changed)
+    ViewHandle(const Scene& scene, const VolumeHandle* volume, const SourceHandle* source, double memory,
+               int finest_level, bool exact, const std::vector<std::string>& folders, const std::string& host, int port,
+               const std::string& base_path, const std::vector<std::string>& embed_from, int threads,
+               py::object changed)
         : changed_(kept(std::move(changed))) {
         refuse_after_fork();
         ViewSettings settings;
         settings.scene = scene;
         if (volume) settings.volume = volume->volume;
+        if (source) settings.source = source->source;
+        settings.paging = {std::uint64_t(memory), finest_level, exact};
         for (const std::string& folder : folders) settings.folders.emplace_back(folder);
         settings.host = host, settings.port = port;
         settings.base_path = base_path, settings.embed_from = embed_from;
@@ -64,8 +67,9 @@ private:
 
 void add_view(py::module_& module) {
     py::class_<ViewHandle>(module, "ViewServer")
-        .def(py::init<const Scene&, const VolumeHandle*, const std::vector<std::string>&, const std::string&, int,
-                      const std::string&, const std::vector<std::string>&, int, py::object>())
+        .def(py::init<const Scene&, const VolumeHandle*, const SourceHandle*, double, int, bool,
+                      const std::vector<std::string>&, const std::string&, int, const std::string&,
+                      const std::vector<std::string>&, int, py::object>())
         .def_property_readonly("port", &ViewHandle::port)
         .def_property_readonly("url", &ViewHandle::url)
         .def("path_of_one_visit", &ViewHandle::path_of_one_visit)

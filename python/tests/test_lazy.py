@@ -1,5 +1,6 @@
 """Volumes that are read where pictures show them."""
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -119,6 +120,23 @@ def test_a_part_that_cannot_be_read_is_a_note(shells, caplog):
     _, paging = picture(lazy, size=(640, 480), zoom=2)
     assert paging["level"] == 0 and any("OSError: the disk is gone" in fault for fault in paging["faults"])
     assert any("broken: reading a part of it fails" in record.getMessage() for record in caplog.records)
+
+
+def test_the_viewer_reads_what_is_looked_at(shells):
+    counted = Counting(shells, (64, 64, 64))
+    coarse = Counting(shells[1::2, 1::2, 1::2], (64, 64, 64))
+    lazy = chiaro.Volume.lazy([counted, coarse], memory="32M", name="seen")
+    view = chiaro.view(lazy, threads=1, **PICTURE)
+    try:
+        until = time.time() + 60
+        while coarse.read == 0 and time.time() < until:
+            time.sleep(0.05)
+        assert coarse.read > 0 and counted.read == 0  # the whole level is a coarse one
+        view.camera.azimuth = 70
+        np.testing.assert_array_equal(np.asarray(view.snapshot()), picture(lazy, azimuth=70)[0])
+        assert view.scene.volume is lazy
+    finally:
+        view.stop()
 
 
 def test_misuse_is_a_sentence(shells):
