@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <limits>
 
@@ -99,6 +100,32 @@ TEST_F(PagedSession, AnEditReadsWhatItMayShow) {
     EXPECT_EQ(show(101, 0.9), first) << "what is empty still is";
     show(20, 0.01);
     EXPECT_GT(show(100, 0.01), first) << "nothing hides what lies behind";
+}
+
+/// Soon lit by every other voxel of the level that is there whole: as near to its own light as a volume is that is
+/// whole.
+TEST_F(PagedSession, AnEditIsLitSoon) {
+    scene.illumination.method = Method::spao;
+    scene.camera.zoom = 5;
+    scene.width = 320, scene.height = 240;
+    const auto apart = [&](Session& session) {
+        const std::vector<std::uint8_t> soon = session.preview(scene, progress, DraftLight::soon).pixels,
+                                        own = session.preview(scene, progress, DraftLight::own).pixels;
+        double sum = 0;
+        for (std::size_t i = 0; i < own.size(); ++i) sum += std::abs(own[i] - soon[i]);
+        return sum / double(own.size());
+    };
+    Session paged(Device::cpu(2)), whole(Device::cpu(2));
+    paged.show(open_sample("shells", 656), {.memory_bytes = 500 * mebibyte}, progress);
+    whole.show(make_sample("shells", 328), progress);
+    ASSERT_EQ(paged.volume().dimensions(), whole.volume().dimensions());
+    ASSERT_TRUE(paged.is_lit_soon(scene));
+    picture(paged);
+    ASSERT_EQ(paged.paging()->level, 0);
+    scene.transfer.opacity_scale = 0.5;
+    const double by_bricks = apart(paged);
+    EXPECT_GT(by_bricks, 0) << "another light";
+    EXPECT_LT(by_bricks, apart(whole)) << "in 255ths";
 }
 
 TEST_F(PagedSession, LabelsAreSeenOnTheWholeLevel) {

@@ -41,7 +41,7 @@ export function makeMenus(app) {
   function about(anchor) {
     const v = app.volume, w = words.about;
     if (!v) return;
-    const rows = [[w.dimensions, v.dimensions.join(" × ")], [w.type, v.type], [w.spacing, `${v.spacing_mm.map((s) => short(s)).join(" × ")} ${v.spacing_stated === false ? w.unitless : "mm"}`], [w.range, `${short(v.range[0])} ${words.to} ${short(v.range[1])} ${v.unit ?? ""}${v.statistics === "sampled" ? ` (${w.sampled})` : ""}`],
+    const rows = [[w.dimensions, v.dimensions.join(" × ")], [w.type, v.type], [w.spacing, `${v.spacing_mm.map((s) => short(s)).join(" × ")} ${v.spacing_stated === false ? w.unitless : "mm"}`], [w.range, [short(v.range[0]), words.to, short(v.range[1]), v.unit, v.statistics === "sampled" && w.sampled].filter(Boolean).join(" ")],
       [w.percentiles, ["1", "50", "99", "99.9"].map((p) => short(v.percentiles[p])).join(", ")], [w.frame, v.world === "unknown" ? w.unknown : v.world], [w.guess, v.modality_guess]];
     if (v.levels) rows.push([w.bricks, w.levels(v.levels)]);
     if (v.nonfinite) rows.push([w.nonfinite, String(v.nonfinite)]);

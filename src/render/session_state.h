@@ -343,7 +343,7 @@ struct Session::State {
     }
 
     bool is_lit_soon(const Scene& scene) const {
-        const bool is_one_value = !refiner && others.empty() && scene.channels.empty() && !labels_of(scene);
+        const bool is_one_value = others.empty() && scene.channels.empty() && !labels_of(scene);
         return is_one_value && is_soon_lit(upload.result, scene.illumination);
     }
     /// Of every other voxel.
