@@ -117,14 +117,14 @@ struct Budgets {
     Budgets(const PagingSettings& asked, int halvings) : whole(asked) {
         // Of a file of 29 GB the level that is read before there is a picture then has 384³ voxels and takes .9 s; with
         // half of 21 GB it had 768³ and took 13 s.
-        constexpr double most_unasked = 0x1p32;
+        constexpr double max_unasked = 0x1p32;
         const double bytes = asked.memory_bytes ? double(asked.memory_bytes) : 0.5 * free_memory();
         const auto shared = [&](double all) {
             return std::max<std::uint64_t>(1, std::uint64_t(std::ldexp(all, -3 * halvings)));
         };
         bricks = whole;
         whole.memory_bytes = shared(bytes);
-        bricks.memory_bytes = asked.memory_bytes ? whole.memory_bytes : shared(std::min(bytes, most_unasked));
+        bricks.memory_bytes = asked.memory_bytes ? whole.memory_bytes : shared(std::min(bytes, max_unasked));
     }
 };
 
