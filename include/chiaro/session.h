@@ -120,12 +120,11 @@ public:
     /// Of the last render or field, in order; a stage whose kept result served took 0. What a stage consists of follows
     /// it.
     CHIARO_EXPORT const std::vector<Stage>& stages() const;
-    /// What is shown: of several channels the first, of a volume that is read by bricks the level that is there whole.
+    /// What is shown: of several channels the first; of a volume that is read by bricks the level that is there whole,
+    /// while `finest` is the grid of level 0 and `source` where its voxels are read from (null: it is there whole).
     CHIARO_EXPORT const DeviceVolume& volume() const;
-    CHIARO_EXPORT SourceLevel
-    finest() const;  ///< the grid of what is shown: of a volume by bricks, of its finest level
-    CHIARO_EXPORT std::shared_ptr<const BrickSource> source()
-        const;                                                ///< of a volume by bricks; null: it is there whole
+    CHIARO_EXPORT SourceLevel finest() const;
+    CHIARO_EXPORT std::shared_ptr<const BrickSource> source() const;
     CHIARO_EXPORT std::vector<DeviceVolume> volumes() const;  ///< of all its channels
     CHIARO_EXPORT const Medium& medium() const;               ///< of the last render or preview
     CHIARO_EXPORT const IlluminationField& light() const;     ///< of the last render
