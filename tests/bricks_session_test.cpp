@@ -174,7 +174,7 @@ public:
     void read(int level, const VoxelBox& box, std::byte* to) const override {
         source_->read(level, box, to);
         if (level == 0) ++reads;
-        if (level == 0 && --left_ == 0) progress_.cancel();
+        if (level == 0 && --left_ <= 0) progress_.cancel();
     }
     mutable std::atomic<int> reads{0};
 
@@ -204,7 +204,7 @@ TEST_F(PagedSession, WhatWasReadBeforeACancelIsNotReadAgain) {
     const auto source = std::make_shared<Cancelling>(open_sample("shells", 224), first, 8);
     cancelled.show(source, settings, progress);
     EXPECT_THROW(cancelled.render(scene, first), Error);
-    EXPECT_LT(source->reads, 8 + 2) << "of two threads";
+    EXPECT_LE(source->reads, 8 + 2) << "of two threads";
     EXPECT_EQ(picture(cancelled), expected);
     EXPECT_LE(source->reads, all + 2) << "what two threads had begun";
 }
