@@ -52,16 +52,22 @@ private:
                                            : int(std::clamp<std::size_t>(max_span / line, 1, std::size_t(box.size[1])));
         const bool directly = as_it_is && (line == row || rows == 1);
         std::vector<Stored> read(directly ? 0 : std::size_t(rows - 1) * line + row);
-        for (int z = 0; z < box.size[2]; ++z)
+        const auto place_of_row = [&](int y, int z) {
+            const std::uint64_t first = place(2, box.first[2] + z) * std::uint64_t(ny) + place(1, box.first[1] + y);
+            return (first * std::uint64_t(nx) + place(0, box.first[0])) * sizeof(Stored);
+        };
+        const bool is_scattered = rows == 1 && box.size[1] > 1 && line * sizeof(Stored) <= largest_distance;
+        for (int z = 0; z < box.size[2]; ++z) {
+            if (is_scattered) expect_bytes(place_of_row(0, z), place_of_row(box.size[1] - 1, z) + row * sizeof(Stored));
             for (int y = 0; y < box.size[1]; y += rows) {
-                const std::uint64_t first = place(2, box.first[2] + z) * std::uint64_t(ny) + place(1, box.first[1] + y);
-                const std::uint64_t at = (first * std::uint64_t(nx) + place(0, box.first[0])) * sizeof(Stored);
+                const std::uint64_t at = place_of_row(y, z);
                 const auto now = std::size_t(std::min(rows, box.size[1] - y)), count = (now - 1) * line + row;
                 read_bytes(directly ? static_cast<void*>(out) : read.data(), count * sizeof(Stored), at);
                 if (directly) out += count;
                 for (std::size_t i = 0; i < now && !directly; ++i)
                     out = put_row(read.data() + i * line, row, step, out);
             }
+        }
     }
 
     /// Every `step`-th of them.
@@ -78,6 +84,13 @@ private:
         auto* bytes = reinterpret_cast<std::byte*>(&stored);
         std::reverse(bytes, bytes + sizeof stored);
         return stored;
+    }
+
+    /// Rows that lie so near to each other come from a disk sooner with what lies between, in one large read: of a file
+    /// of 29 GB, 3072 bytes a row, a level of every fourth voxel took 8 s rather than 39.
+    static constexpr std::size_t largest_distance = 32 << 10;
+    void expect_bytes(std::uint64_t begin, std::uint64_t end) const {
+        posix_fadvise(file_.number(), off_t(voxels_.offset + begin), off_t(end - begin), POSIX_FADV_WILLNEED);
     }
 
     void read_bytes(void* to, std::size_t bytes, std::uint64_t at) const {
