@@ -47,7 +47,8 @@ export class Store {
   end() {
     const drag = this.#drag;
     this.#drag = null;
-    if (!drag?.changed) return;
+    if (!drag) return;
+    if (!drag.changed) return this.redraw(); // what waits for the end of a drag
     this.#keep(drag.label, drag.before, drag.track);
     this.#changed(false);
   }

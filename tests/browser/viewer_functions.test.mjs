@@ -89,7 +89,10 @@ visit("by mouse: a shape is drawn, moved, pulled by its sides and removed, each 
   }
   assert.equal((await rest(page)).widgets, undefined);
   await page.keyboard.press("Control+Shift+z");
-  await shape(page).click();
+  await shape(page).hover();
+  await page.mouse.down();
+  await drawn(page); // a click lasts for longer than a frame
+  await page.mouse.up();
   await settled(page, () => page.click("text=Remove: Rectangle 1"));
   assert.deepEqual(await shapes(page), []);
 });
