@@ -98,8 +98,8 @@ std::shared_ptr<const Loaded> page(const Scene& scene, const std::shared_ptr<con
     loaded->session.show(source, paging, progress);
     // Of the level that has been read, or of one that takes no time.
     const auto& levels = source->levels();
-    const auto read = std::ranges::find(levels, loaded->session.volume().dimensions(), &SourceLevel::dimensions);
-    const int level = std::max(small_level(*source), int(read - levels.begin()));
+    const auto whole = std::ranges::find(levels, loaded->session.volume().dimensions(), &SourceLevel::dimensions);
+    const int level = std::max(small_level(*source), int(whole - levels.begin()));
     loaded->told = told(source->header(), read_level(*source, level, progress));
     loaded->told["bytes"] = loaded->session.volume().bytes();
     for (const SourceLevel& one : levels) loaded->told["levels"].push_back(one.dimensions);

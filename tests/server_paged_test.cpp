@@ -2,17 +2,24 @@
 #include <chiaro/view.h>
 #include <gtest/gtest.h>
 
+#include "server/json.h"
 #include "server_case.h"
 
 using namespace chiaro;
 using namespace chiaro::testing;
+using server::json_of;
 
 namespace {
 
 constexpr PagingSettings little{.memory_bytes = 36 << 20};
 const std::string volume = "sample:shells:224";
 
-Json as_json(Vec3 v) { return {v.x, v.y, v.z}; }
+/// The message that tells the volume.
+Json opened(Page& page) {
+    const auto told = page.find(
+        [](const Message& m) { return !m.is_frame && m.json.contains("volume") && m.json["volume"].is_object(); });
+    return told ? told->json : Json();
+}
 
 /// Of which the finest level's voxels are several pixels.
 Json near(Json scene) {
@@ -26,13 +33,10 @@ Json near(Json scene) {
 
 TEST(ServerPaged, ShowsTheFinestLevelWhereItIsLookedAt) {
     const Server server(volume, false, little);
-    Json scene;
     Page page = server.page();
-    const auto opened = page.find(
-        [](const Message& m) { return !m.is_frame && m.json.contains("volume") && m.json["volume"].is_object(); });
-    ASSERT_TRUE(opened);
-    const Json told = opened->json["volume"];
-    scene = opened->json["scene"];
+    Json message = opened(page);
+    const Json told = message["volume"], scene = message["scene"];
+    ASSERT_TRUE(told.is_object());
     EXPECT_EQ(told["dimensions"], Json({224, 224, 224}));
     EXPECT_EQ(told["statistics"], "sampled");
     EXPECT_EQ(told["levels"], Json({{224, 224, 224}, {112, 112, 112}, {56, 56, 56}}));
@@ -63,9 +67,9 @@ TEST(ServerPaged, PlacesAndValuesAreThoseOfTheFinestLevel) {
     Json scene;
     Page page = server.ready(scene);
     const Volume shells = make_sample("shells", 224);
-    const Json plane{{"centre", as_json(shells.geometry.world_from_voxel({111.5, 111.5, 100}))},
-                     {"right", as_json(shells.geometry.world_from_voxel_vector({1, 0, 0}))},
-                     {"down", as_json(shells.geometry.world_from_voxel_vector({0, 1, 0}))}};
+    const Json plane{{"centre", json_of(shells.geometry.world_from_voxel({111.5, 111.5, 100}))},
+                     {"right", json_of(shells.geometry.world_from_voxel_vector({1, 0, 0}))},
+                     {"down", json_of(shells.geometry.world_from_voxel_vector({0, 1, 0}))}};
     const Json slice = page.ask(
         {{"type", "slice"}, {"plane", plane}, {"size", {224, 224}}, {"values", true}, {"sampling", "nearest"}});
     ASSERT_EQ(slice["values"].size(), 224u * 224) << slice;
@@ -73,7 +77,7 @@ TEST(ServerPaged, PlacesAndValuesAreThoseOfTheFinestLevel) {
         ASSERT_EQ(slice["values"][i], int(shells.as<std::uint8_t>()[100 * 224 * 224 + i])) << i;
 
     const Vec3 middle = shells.geometry.world_from_voxel({140, 100, 90});
-    const Json region = page.ask({{"type", "region"}, {"shape", "ball"}, {"centre", as_json(middle)}, {"radius", 20}});
+    const Json region = page.ask({{"type", "region"}, {"shape", "ball"}, {"centre", json_of(middle)}, {"radius", 20}});
     ASSERT_EQ(region["type"], "answer") << region;
     Progress progress;
     const RegionValues values = measure(upload(Device::cpu(2), shells), BallRegion{middle, 20}, progress);
@@ -117,11 +121,10 @@ TEST(ServerPaged, OfAProgramWithASourceOfItsOwn) {
     ViewServer server(settings);
     const std::string url = server.url();
     Page page(server.port(), url.substr(url.find("token=") + 6, 32), "view-one", "");
-    const auto told = page.find(
-        [](const Message& m) { return !m.is_frame && m.json.contains("volume") && m.json["volume"].is_object(); });
-    ASSERT_TRUE(told);
-    EXPECT_EQ(told->json["volume"]["statistics"], "sampled");
-    page.send(state(1, near(told->json["scene"]), 80, 60));
+    Json message = opened(page);
+    ASSERT_TRUE(message.is_object());
+    EXPECT_EQ(message["volume"]["statistics"], "sampled");
+    page.send(state(1, near(message["scene"]), 80, 60));
     const auto last = page.of_stage(1, "final");
     ASSERT_TRUE(last);
     EXPECT_NE(last->json["notes"].dump().find("level 0 of 0 to 2 is drawn"), std::string::npos) << last->json;
