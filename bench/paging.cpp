@@ -25,7 +25,7 @@ public:
         : setup_(setup),
           source_(std::move(source)),
           coarse_(upload(setup.device, read_level(*source_, coarse_level, setup.progress))),
-          looks_(classify(setup.device, coarse_, transfer(), {}, setup.progress)),
+          looks_(classify(setup.device, coarse_, transfer(source_->header().geometry), {}, setup.progress)),
           level_(source_, 0, coarse_, room()),
           medium_(paged_medium(level_, looks_)),
           camera_(camera_of(coarse_)),
@@ -43,9 +43,15 @@ public:
             took += seconds([&] { level_.read(missing, setup_.progress); });
         }
     }
+    const Camera& camera() const { return camera_; }
     void cast() { raycast(setup_.device, medium_, {}, {}, camera_, {}, frame_, setup_.progress); }
 
-    static TransferFunction transfer() { return sample_transfer_function("shells"); }
+    /// Of the same extinction at every level.
+    static TransferFunction transfer(const Geometry& finest) {
+        TransferFunction tf = sample_transfer_function("shells");
+        tf.opacity_unit = finest.smallest_spacing_mm(), tf.opacity_unit_is_mm = true;
+        return tf;
+    }
     static Camera camera_of(const DeviceVolume& volume) {
         return make_camera(CameraSettings(), volume.geometry(), volume.dimensions());
     }
@@ -75,15 +81,15 @@ std::vector<Row> measure_frame(const Setup& setup, const std::string& name) {
     PagedFrames paged(setup, open_sample("shells", size));
     paged.read(cpu_seconds);
     const DeviceVolume volume = upload(setup.device, make_sample("shells", size));
-    const Medium whole = classify(setup.device, volume, PagedFrames::transfer(), {}, setup.progress);
-    const Camera camera = PagedFrames::camera_of(volume);
+    const Medium whole = classify(setup.device, volume, PagedFrames::transfer(volume.geometry()), {}, setup.progress);
     Frame frame = PagedFrames::frame_of(setup);
-    const auto series = in_turns(
-        setup.runs,
-        {[&] { return 1e3 * cpu_seconds([&] { paged.cast(); }); },
-         [&] {
-             return 1e3 * cpu_seconds([&] { raycast(setup.device, whole, {}, {}, camera, {}, frame, setup.progress); });
-         }});
+    const auto series = in_turns(setup.runs, {[&] { return 1e3 * cpu_seconds([&] { paged.cast(); }); },
+                                              [&] {
+                                                  return 1e3 * cpu_seconds([&] {
+                                                             raycast(setup.device, whole, {}, {}, paged.camera(), {},
+                                                                     frame, setup.progress);
+                                                         });
+                                              }});
     return {{name, "ms/frame", spread_of(series[0]), median_ratio(series[0], series[1]), "the volume as a whole",
              "at most 1.3"}};
 }

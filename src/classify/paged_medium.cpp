@@ -8,19 +8,13 @@
 namespace chiaro {
 namespace {
 
-constexpr int per_brick = brick_edge / cell_edge;
-
-/// The code of each cell of a brick. What lies beyond it is not known, so no cube leaves it.
+/// The code of each cell of a brick, as if there was nothing beyond it: rays leave its cubes with the brick.
 bool code_cells(const CellRanges& ranges, const RangeTest& is_visible, std::uint8_t* codes) {
     const std::vector<std::uint8_t> found = make_occupancy(ranges, std::cref(is_visible), 1);
     bool shows = false;
     for (int c = 0; c < kernel::BrickTable::cells; ++c) {
-        int room = per_brick;  // cells between this one and the brick's border
-        for (const int at : {c % per_brick, c / per_brick % per_brick, c / per_brick / per_brick})
-            room = std::min({room, at, per_brick - 1 - at});
-        const int code = found[std::size_t(c)], distance = code >> 1;
-        codes[c] = std::uint8_t(2 * std::min(distance, room) + (code & 1));
-        shows = shows || (code & 1);
+        codes[c] = found[std::size_t(c)];
+        shows = shows || (codes[c] & 1);
     }
     return shows;
 }

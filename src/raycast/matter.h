@@ -71,6 +71,10 @@ struct Matter {
     bool skip_empty;
     bool shows_cuts;  ///< cuts through solid matter are lit by all that lies before them
 
+    static constexpr bool is_paged = requires(const VolumeView<Voxel>& v) { v.table; };
+    template <class F>
+    using Held = std::conditional_t<is_paged, HeldBricks<F>, NoBricks>;
+
     static constexpr bool modulates = Field::modulates, adds_opacity = Field::adds_opacity;
 
     template <class F>
@@ -92,13 +96,22 @@ struct Matter {
     /// cube ends. Samples stay on the lattice.
     template <class F>
     CHIARO_INLINE Mask<F> skip_empty_cells(const Lattice<F>& lattice, Mask<F> lost, Vec3<F> p, VoxelIndex<F> voxel,
-                                           F behind, F& next, F& leave) const {
-        const Skip<F> skip = skip_from(lattice, lost, p, voxel);
+                                           F behind, F& next, F& leave, Held<F>& held) const {
+        const Skip<F> skip = skip_from(lattice, lost, p, voxel, held);
         behind = behind + skip.steps;
         const Mask<F> empty = lost & skip.empty;
         leave = select(lost & !skip.empty, behind, leave);
         next = select(empty, behind, next);
         return empty;
+    }
+
+    /// Of a place that lies in no empty cube.
+    template <class F>
+    CHIARO_INLINE auto locate(Vec3<F> p, VoxelIndex<F> voxel, const Held<F>& held) const {
+        if constexpr (is_paged)
+            return volume.locate(p, voxel, held);
+        else
+            return volume.locate(p, voxel);
     }
 
     /// Where a sample lies along its ray.
@@ -138,9 +151,10 @@ struct Matter {
 
 private:
     template <class F>
-    CHIARO_INLINE Skip<F> skip_from(const Lattice<F>& lattice, Mask<F> lost, Vec3<F> p, VoxelIndex<F> voxel) const {
-        if constexpr (requires { volume.table; }) {
-            return volume.table.template skip<F>(lost, voxel, p, lattice.ahead, lattice.steps_per_voxel);
+    CHIARO_INLINE Skip<F> skip_from(const Lattice<F>& lattice, Mask<F> lost, Vec3<F> p, VoxelIndex<F> voxel,
+                                    Held<F>& held) const {
+        if constexpr (is_paged) {
+            return volume.table.template skip<F>(lost, voxel, p, lattice.ahead, lattice.steps_per_voxel, held);
         } else {
             const Cube<F> cube = occupancy.around(voxel);
             return {cube.empty, steps_to_leave(cube, voxel, p, lattice.ahead, lattice.steps_per_voxel)};

@@ -129,6 +129,7 @@ CHIARO_NOINLINE Int<F> march_to_surfaces(const Matter& matter, const SurfacesVie
     if (!backwards) show_cut(matter, surfaces, lattice, cut, alive, ray);
     const Mask<F> seen = alive;
     alive &= lattice.first < pieces;
+    typename Matter::template Held<F> held;
     F j = lattice.first, leave(0);
     F before = shown_value(matter, surfaces, backwards ? lattice.at(exit) : lattice.entry);
     Int<F> samples = select(alive, Int<F>(1), Int<F>(0));
@@ -144,7 +145,7 @@ CHIARO_NOINLINE Int<F> march_to_surfaces(const Matter& matter, const SurfacesVie
         before = value;
         F next = j + F(1);
         const Mask<F> lost = alive & (j >= leave);
-        if (matter.skip_empty && any(lost)) matter.skip_empty_cells(lattice, lost, p, voxel, next, next, leave);
+        if (matter.skip_empty && any(lost)) matter.skip_empty_cells(lattice, lost, p, voxel, next, next, leave, held);
         alive &= (next < pieces) & (ray.transmittance > F(matter.cutoff));
         j = next;
     }

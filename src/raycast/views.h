@@ -110,7 +110,7 @@ kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, cons
                    .solid = solid_view(settings.step_voxels),
                    .surface = tables.surface ? tables.surface->view() : kernel::SurfaceView{},
                    .met_steps = float(surface_reach / settings.step_voxels),
-                   .skip_empty = settings.skip_empty,
+                   .skip_empty = settings.skip_empty || volume.pages,  // which also tells what is seen
                    .shows_cuts = shows_cuts},
         .camera = camera_view(camera, volume.geometry, frame.width, frame.height),
         .frame = {reinterpret_cast<kernel::Rgba*>(frame.rgba.data()), frame.width,

@@ -88,17 +88,19 @@ CHIARO_INLINE RgbaLanes<F> mixed_colour(const Matter& matter, Way way, const At&
 template <class F, class Matter, class Way, class Ray>
 CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& lattice, const Cut<F>& cut,
                                Mask<F> sampled, F k, F cut_end, Vec3<F> p, VoxelIndex<F> voxel,
-                               const CellTint<F>& tints, EndValue<F>& known, MetSurface<F>& met, Ray& ray) {
+                               const CellTint<F>& tints, const typename Matter::template Held<F>& held,
+                               EndValue<F>& known, MetSurface<F>& met, Ray& ray) {
+    const bool by_ends = way.classification == Classification::preintegrated;
     Classified<F> c;
-    if (way.classification == Classification::preintegrated) {
+    if (by_ends) {
         c = classify_step(matter, lattice, way.backwards, sampled, k, known);
         p = matter.volume.clamp(lattice.position(k)), voxel = matter.volume.voxel(p);
     }
-    const auto at = matter.volume.locate(p, voxel);
+    const auto at = by_ends ? matter.volume.locate(p, voxel) : matter.locate(p, voxel, held);
     if (way.mixed) {
         c = {mixed_colour<F>(matter, way, at), F(0)};
     } else {
-        if (way.classification != Classification::preintegrated) c.value = matter.volume.value(at);
+        if (!by_ends) c.value = matter.volume.value(at);
         if (way.classification == Classification::post) c.colour = matter.table.at(c.value);
         if (way.classification == Classification::pre)
             c.colour = matter.table.interpolated(matter.volume.corners(at), at.t);
@@ -180,6 +182,7 @@ CHIARO_INLINE Int<F> march_volume(const Matter& matter, Way way, const Lattice<F
     if (const Mask<F> open = alive & cut.open; any(open)) cut_end = solid_behind(matter, lattice, open);
     EndValue<F> known;
     CellTint<F> tints;
+    typename Matter::template Held<F> held;
     MetSurface<F> met;
     Int<F> samples(0);
     while (any(alive)) {
@@ -192,7 +195,7 @@ CHIARO_INLINE Int<F> march_volume(const Matter& matter, Way way, const Lattice<F
         if (matter.skip_empty) {
             const Mask<F> lost = alive & (j >= leave);
             if (any(lost)) {
-                Mask<F> empty = matter.skip_empty_cells(lattice, lost, p, voxel, by_ends ? j : next, next, leave);
+                Mask<F> empty = matter.skip_empty_cells(lattice, lost, p, voxel, by_ends ? j : next, next, leave, held);
                 if (by_ends) empty = empty & (next > j), next = max(next, j + F(1));
                 sampled = alive & !empty;
                 if constexpr (Way::may_be_labelled)
@@ -205,7 +208,7 @@ CHIARO_INLINE Int<F> march_volume(const Matter& matter, Way way, const Lattice<F
             }
         }
         samples += select(sampled, Int<F>(1), Int<F>(0));
-        take_sample(matter, way, lattice, cut, sampled, k, cut_end, p, voxel, tints, known, met, ray);
+        take_sample(matter, way, lattice, cut, sampled, k, cut_end, p, voxel, tints, held, known, met, ray);
         j = next;
         alive &= (j < lattice.end) & (ray.transmittance > F(matter.cutoff));
     }

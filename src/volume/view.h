@@ -19,6 +19,10 @@ struct Location {
 
 template <class Voxel>
 struct VolumeView;
+/// What rays hold of the bricks that they are in (paged_view.h): nothing, where all are in memory.
+template <class F>
+struct HeldBricks;
+struct NoBricks {};
 template <class F, class Voxel>
 static CHIARO_NOINLINE Vec3<F> mean_gradient(const VolumeView<Voxel>& volume, const Vec3<F>& p);
 
