@@ -39,6 +39,12 @@ export function svg(tag, attributes = {}, ...children) {
   return made;
 }
 
+/** Sets a property, or else an attribute, where it is another: the page would be laid out anew otherwise. */
+export function renew(node, key, text) {
+  if (key in node) node[key] === text || (node[key] = text);
+  else if (node.getAttribute(key) !== text) node.setAttribute(key, text);
+}
+
 /** An icon of 16 pixels, stroke 1.5. @param {keyof paths} name */
 export const icon = (name) => svg("svg", { viewBox: "0 0 16 16", class: "icon", "aria-hidden": "true" }, svg("path", { d: paths[name] }));
 

@@ -48,8 +48,12 @@ export function makeFrame(app) {
     if (left > 10) more.textContent += `, ${words.states.left(Math.round(left))}`;
     const grid = light === "visibility" && stage === "light" ? words.pill.grid(read(app.store.state, "visibility:lighting.subsample") * (last.light?.coarse ? 2 : 1)) : "";
     far.textContent = last.preview ? words.pill.preview : done && light !== "none" ? distance() : grid;
+    schedule();
+  }
+  /** Measures when nothing else was asked for during a second. */
+  function schedule() {
     clearTimeout(timer);
-    if (stage === "final" && !last.preview && light !== "none" && light !== "reference") timer = setTimeout(measure, 1000);
+    if (last?.stage === "final" && !last.preview && !["none", "reference"].includes(method(app.store.state))) timer = setTimeout(measure, 1000);
   }
   const distance = () => (method(app.store.state) === "reference" ? "" : Number.isFinite(measured?.percent) ? `${measured.percent > 5 ? "△ " : ""}${words.pill.fromReference(percent(measured.percent / 100))}` : words.pill.notMeasured);
 
@@ -62,12 +66,15 @@ export function makeFrame(app) {
     if (answer && last?.stage === "final") (measured = answer), (far.textContent = distance());
   }
 
-  /** An edit: what was measured holds no more. */
-  const forget = () => {
+  const stop = () => {
     clearTimeout(timer);
     if (measuring) app.link.cancel(measuring);
-    measured = measuring = null;
+    measuring = null;
   };
+  /** An edit: what was measured holds no more. */
+  const forget = () => (stop(), (measured = null));
+  /** Something is wanted at once, with all the server has. */
+  const postpone = () => (stop(), schedule());
 
   function tell() {
     const rows = (last?.verbs ?? []).map((v) => [v.name, seconds(v.seconds)]);
@@ -78,6 +85,6 @@ export function makeFrame(app) {
     app.popover(pill, el("div", {}, el("h2", {}, words.pill.stages), el("dl", {}, ...rows.flatMap(([k, v]) => [el("dt", {}, k), el("dd", {}, v)])), ...(last?.notes ?? []).map((note) => el("p", {}, el("small", {}, note)))));
   }
 
-  return { canvas, pill, said, show, forget, progress: (m) => last && m.n === app.link.n && last.stage !== "final" && tellStage(m.stage === "bricks" ? "reading" : last.stage === "light" || /light|level|visib|histogram|direction|cluster/i.test(m.stage) ? "light" : "accumulate", m.fraction, m.remaining_s),
+  return { canvas, pill, said, show, forget, postpone, progress: (m) => last && m.n === app.link.n && last.stage !== "final" && tellStage(m.stage === "bricks" ? "reading" : last.stage === "light" || /light|level|visib|histogram|direction|cluster/i.test(m.stage) ? "light" : "accumulate", m.fraction, m.remaining_s),
     reset: () => (last = null), get last() { return last; }, size };
 }

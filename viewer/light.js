@@ -87,7 +87,7 @@ export function makeLight(app) {
     if (shownFor !== `${now}|${effects()}`) build(now);
     rows.forEach((row) => row.show());
     section.querySelector(".fold")?.show();
-  });
+  }, { camera: false });
   /** A step that needs an eighth of the memory for light, where the method has one. */
   function coarser() {
     const grid = placed(app.hello.settings, "accuracy", method(store.state)).find((s) => s.label === "Grid");

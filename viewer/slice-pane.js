@@ -1,7 +1,7 @@
 // One slice: its picture from the server, the crosshair, letters, ruler and slider, and what the pointer does there.
 import { barOf, frame, write } from "./captions.js";
 import { add } from "./camera.js";
-import { clamp, download, el, icon, short, svg } from "./dom.js";
+import { clamp, download, el, icon, renew, short, svg } from "./dom.js";
 import { newestOnly } from "./link.js";
 import { read, sceneOf, transferOf } from "./scene.js";
 import { letterOf, pixelToWorld, voxelOf, worldToPixel } from "./slice-geometry.js";
@@ -16,7 +16,7 @@ export function makePane(app, slices, i) {
   const slider = el("input.slice-slider", { type: "range", oninput: () => slices.scroll(i, Number(slider.value) - position().index) });
   const picture = el("div.slice-picture", {}, canvas, lines, el("div.slice-head", {}, name, place), grow, ...letters, side, rule, said);
   const root = el("section.pane", { tabIndex: 0, hidden: true, role: "group" }, picture, slider);
-  const view = () => slices.viewOf(i, picture.clientWidth, picture.clientHeight);
+  const size = () => [picture.clientWidth, picture.clientHeight], view = () => slices.viewOf(i, ...size());
   const local = (event) => [event.clientX - picture.getBoundingClientRect().left, event.clientY - picture.getBoundingClientRect().top];
 
   /** Which slice of how many; of an oblique one steps from the volume's centre. */
@@ -43,37 +43,39 @@ export function makePane(app, slices, i) {
     canvas.dataset.key = keyOf(request);
   });
   const keyOf = ({ lossless, ...request }) => JSON.stringify(request);
-  function request(ratio = devicePixelRatio) {
-    const v = view(), size = [v.w, v.h].map((n) => clamp(Math.round(n * ratio), 1, 4096)), [low, high] = slices.window();
+  function request(v, ratio = devicePixelRatio) {
+    const size = [v.w, v.h].map((n) => clamp(Math.round(n * ratio), 1, 4096)), [low, high] = slices.window();
     const colours = slices.get("colors") === "transfer" ? { transfer_function: transferOf(store.state.tf), ...(store.state.threshold ? { threshold: store.state.threshold } : {}) } : {};
     const scene = store.state.channels || read(store.state, "labels.file") ? sceneOf(store.state) : {};
     const several = scene.channels ? { channels: scene.channels } : {}, labels = scene.labels?.file ? { labels: scene.labels, label_opacity: slices.get("labels") } : {};
     return { plane: { centre: v.middle, right: v.section.right.map((c) => (c * v.s) / ratio), down: v.section.down.map((c) => (c * v.s) / ratio) }, size, sampling: slices.get("sampling"), window: [(low + high) / 2, high - low], ...colours, ...several, ...labels };
   }
 
-  function show() {
-    const now = slices.section(i), v = view(), { index, low, high } = position(), world = app.volume.world, right = letterOf(now.right, world), down = letterOf(now.down, world);
-    root.setAttribute("aria-label", w.slice(slices.nameOf(i)));
-    name.textContent = slices.nameOf(i);
+  /** With its picture of so many pixels. */
+  function show(pixels) {
+    const now = slices.section(i), v = slices.viewOf(i, ...pixels), { index, low, high } = position(), world = app.volume.world, right = letterOf(now.right, world), down = letterOf(now.down, world);
+    renew(root, "aria-label", w.slice(slices.nameOf(i)));
+    renew(name, "textContent", slices.nameOf(i));
     name.style.color = slices.colourOf(now);
-    place.textContent = now.axis === null ? `${short(index * Math.hypot(...now.step), 3)} mm` : w.of(index + 1, high + 1);
+    renew(place, "textContent", now.axis === null ? `${short(index * Math.hypot(...now.step), 3)} mm` : w.of(index + 1, high + 1));
     const enlarged = root.classList.contains("large");
-    grow.title = enlarged ? w.back : w.enlarge;
-    grow.setAttribute("aria-label", `${enlarged ? w.back : w.enlarge}: ${slices.nameOf(i)}`);
-    Object.assign(slider, { min: String(low), max: String(high), step: "1", value: String(index) });
-    slider.setAttribute("aria-label", w.slice(slices.nameOf(i)));
-    slider.setAttribute("aria-valuetext", place.textContent);
+    renew(grow, "title", enlarged ? w.back : w.enlarge);
+    renew(grow, "aria-label", `${enlarged ? w.back : w.enlarge}: ${slices.nameOf(i)}`);
+    for (const [key, number] of Object.entries({ min: low, max: high, step: 1, value: index })) renew(slider, key, String(number));
+    renew(slider, "aria-label", w.slice(slices.nameOf(i)));
+    renew(slider, "aria-valuetext", place.textContent);
     const opposite = (d) => letterOf(d.map((c) => -c), world);
-    [opposite(now.right), opposite(now.down), right, down].forEach((text, k) => (letters[k].textContent = text));
-    side.textContent = world !== "unknown" && /[LR]/.test(right[0]) ? w.sides[slices.get("side")][0] : "";
+    [opposite(now.right), opposite(now.down), right, down].forEach((text, k) => renew(letters[k], "textContent", text));
+    renew(side, "textContent", world !== "unknown" && /[LR]/.test(right[0]) ? w.sides[slices.get("side")][0] : "");
     const bar = barOf(app, v.s);
     rule.style.width = `${bar.pixels}px`;
-    rule.firstChild.textContent = bar.text;
+    renew(rule.firstChild, "textContent", bar.text);
     crosshair(v);
     app.marks?.drawPane(i, v, lines);
-    const wanted = request(), key = keyOf(wanted);
+    const wanted = request(v), key = keyOf(wanted);
     if (key === asked || !app.link.open) return;
     asked = canvas.dataset.asked = key;
+    app.frame.postpone();
     fetch({ ...wanted, lossless: false });
     clearTimeout(resting);
     resting = setTimeout(() => fetch({ ...wanted, lossless: true }), 200);
@@ -88,7 +90,7 @@ export function makePane(app, slices, i) {
   async function figure() {
     const v = view(), ratio = Math.min(2, 4096 / Math.max(v.w, v.h)), made = new OffscreenCanvas(Math.round(v.w * ratio), Math.round(v.h * ratio)), g = made.getContext("2d");
     let data;
-    await app.link.ask("slice", { ...request(ratio), lossless: true }, (_, blob) => blob && (data = blob));
+    await app.link.ask("slice", { ...request(v, ratio), lossless: true }, (_, blob) => blob && (data = blob));
     const bitmap = await createImageBitmap(data, { colorSpaceConversion: "none" });
     g.drawImage(bitmap, 0, 0, made.width, made.height);
     bitmap.close();
@@ -193,5 +195,5 @@ export function makePane(app, slices, i) {
     event.preventDefault();
   });
   new ResizeObserver(() => root.hidden || store.redraw()).observe(picture);
-  return { root, picture, show, view, figure, forget: () => (asked = "") };
+  return { root, picture, show, size, view, figure, forget: () => (asked = "") };
 }

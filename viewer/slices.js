@@ -95,8 +95,9 @@ export async function makeSlices(app, area) {
       pane.root.hidden = now === "volume" || (i === 3 && (!plane() || now !== "oblique"));
       pane.root.classList.toggle("large", large[i] === now);
       pane.root.style.order = String(large[i] === now ? -2 : 2 * i);
-      if (!pane.root.hidden) pane.show();
     });
+    const shown = panes.filter((pane) => !pane.root.hidden), sizes = shown.map((pane) => pane.size());  // laid out once
+    shown.forEach((pane, i) => pane.show(sizes[i]));
     rows.root.hidden = now === "volume";
     if (!rows.root.hidden) rows.show();
     outlines();

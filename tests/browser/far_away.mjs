@@ -91,6 +91,37 @@ function latencies({ moves, sends, frames }, from, to) {
 const seenBy = (page) => page.evaluate(() => ({ moves: seen.moves, sends: seen.sends, frames: seen.frames, slice: seen.slice ?? [], film: seen.film_frame ?? [] }));
 const clear = (page) => page.evaluate(() => Object.assign(seen, { moves: [], sends: [], frames: [], slice: [], film_frame: [] }));
 
+/** Scrolls slices for five seconds, a wheel's notch every so many milliseconds: the time of each slice that came. */
+async function scrolled(page, every_ms, prepare = async () => {}) {
+  await page.evaluate(() => chiaro.toggleSlices());
+  await page.waitForFunction(() => document.querySelector(".pane:not([hidden]) canvas")?.dataset.drawn === "final");
+  await prepare();
+  await page.mouse.move(240, 200);
+  await clear(page);
+  const began = Date.now();
+  for (; Date.now() - began < 5000; await new Promise((go) => setTimeout(go, every_ms))) page.mouse.wheel(0, 100 * (Math.floor((Date.now() - began) / 1500) % 2 ? -1 : 1)).catch(() => {});
+  return (await seenBy(page)).slice.map(([asked, came]) => came - asked);
+}
+
+/** A slice of 512 x 512 pixels, with no way between. */
+async function measureNear(browser, url) {
+  const context = await browser.newContext({ viewport: { width: 1280, height: 800 } });
+  await context.addInitScript(watch);
+  const { page, faults } = await openPage({ newPage: () => context.newPage() }, url);
+  await final(page);
+  const size = () => page.evaluate(() => { const { width, height } = document.querySelector(".pane.large canvas"); return [width, height]; });
+  const slice = await scrolled(page, 8, async () => {
+    await page.locator(".pane .tool").first().click();
+    await page.waitForTimeout(1000);
+    const [width, height] = await size(), seen = page.viewportSize();
+    await page.setViewportSize({ width: seen.width + 512 - width, height: seen.height + 512 - height });
+    await page.waitForTimeout(1000);
+  });
+  console.log(`| loopback | slices of ${(await size()).join(" x ")} a second; 95 % of their times, ms | ${(slice.length / 5).toFixed(1)}; ${quantile(slice, 0.95).toFixed(0)} | >= 30 |`);
+  if (faults.length) console.log(`| loopback | faults | ${faults.join("; ")} | none |`);
+  await context.close();
+}
+
 /** Prints rows of a table of one way. */
 async function measure(browser, url, name, way, asked, seconds) {
   const slow = await relay(Number(new URL(url).port), way), address = new URL(url);
@@ -132,14 +163,8 @@ async function measure(browser, url, name, way, asked, seconds) {
   row("longest queue, ms", way.longest_queue_ms.toFixed(0), "<= 1000");
   way.bits_per_ms = whole;
   // Slices, scrolled; the play bar.
-  await page.evaluate(() => chiaro.toggleSlices());
-  await page.waitForFunction(() => document.querySelector(".pane:not([hidden]) canvas")?.dataset.drawn === "final");
-  await page.mouse.move(240, 200);
-  await clear(page);
-  const began = Date.now();
-  for (; Date.now() - began < 5000; await new Promise((go) => setTimeout(go, 30))) await page.mouse.wheel(0, 100 * (Math.floor((Date.now() - began) / 1500) % 2 ? -1 : 1));
-  const { slice } = await seenBy(page);
-  row("slices a second; 95 % of their times, ms", `${(slice.length / 5).toFixed(1)}; ${quantile(slice.map(([a, b]) => b - a), 0.95).toFixed(0)}`, `>= ${asked.rate}; <= ${asked.age}`);
+  const slice = await scrolled(page, 30);
+  row("slices a second; 95 % of their times, ms", `${(slice.length / 5).toFixed(1)}; ${quantile(slice, 0.95).toFixed(0)}`, `>= ${asked.rate}; <= ${asked.age}`);
   await page.evaluate(() => chiaro.toggleSlices());
   await page.evaluate(() => chiaro.toggleFilm().then(() => document.querySelectorAll("#film .film-bar > .plain")[2].click()));
   await final(page);
@@ -155,6 +180,7 @@ async function measure(browser, url, name, way, asked, seconds) {
 
 const [url, seconds = "10", only = ""] = process.argv.slice(2), browser = await launch();
 console.log("| way | what | measured | asked |\n| --- | --- | ---: | --- |");
+if ("loopback".includes(only)) await measureNear(browser, url);
 for (const jitter_ms of [0, 40])
   for (const [name, way, asked] of [
     ["50 ms, 5 Mbit/s", { round_trip_ms: 50, bits_per_ms: 5000 }, { rate: 15, age: 150, width: 640, rest: 2000 }],
