@@ -47,7 +47,7 @@ export function makeFrame(app) {
     more.textContent = done ? seconds(last.seconds) : fraction ? percent(Math.round(fraction * 100) / 100) : "";
     if (left > 10) more.textContent += `, ${words.states.left(Math.round(left))}`;
     const grid = light === "visibility" && stage === "light" ? words.pill.grid(read(app.store.state, "visibility:lighting.subsample") * (last.light?.coarse ? 2 : 1)) : "";
-    far.textContent = last.preview ? words.pill.preview : done && light !== "none" ? distance() : grid;
+    far.textContent = last.preview ? [words.pill.preview, app.store.preview?.name].filter(Boolean).join(": ") : done && light !== "none" ? distance() : grid;
     schedule();
   }
   /** Measures when nothing else was asked for during a second. */

@@ -190,6 +190,7 @@ export function makeGestures(app, stage) {
   }
   function rest(x, y) {
     hideSeen();
+    if (app.marks?.draft) return; // whose number stands there
     timer = setTimeout(async () => {
       const asked = timer, found = await pick(x, y).catch(() => null);
       if (found?.hit && asked === timer && !pointers.size) showSeen(x, y, found);

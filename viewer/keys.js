@@ -5,7 +5,7 @@ const springs = { o: "orbit", a: "adjust", l: "light", c: "cut", m: "measure" };
 
 export function makeKeys(app) {
   const { store } = app, held = new Map();
-  const inText = (target) => /^(input|select|textarea)$/i.test(target.tagName) && !["checkbox", "color"].includes(target.type);
+  const inText = (target) => /^(input|select|textarea)$/i.test(target.tagName) && !["checkbox", "color", "range"].includes(target.type);
   const mode = (name) => store.set(words.modes[name][0], (s) => ({ values: { ...s.values, mode: name }, ...(name === "iso" && !s.iso.length ? { iso: [{ value: app.firstSurface() }] } : {}) }));
   app.mode = mode;
 

@@ -285,7 +285,9 @@ app.open = async (what, called = what.volume ?? what.scene) => {
   try {
     const { volume, scene } = await asked;
     app.states.hush(); // what was said was about another volume
+    if (app.volume && store.steps) left.set(app.volume.file, { state: store.state, history: store.history(), at: Date.now() });
     open(volume, scene);
+    offerLeft(left.get(volume.file));
   } catch (error) {
     app.states.clear();
     if (error.code === "interrupted") app.volume || app.states.empty();
@@ -365,6 +367,13 @@ function offerEarlier({ view, seconds }) {
     if (answer) take(answer.scene);
   };
   app.states.say(w.earlier(ago(seconds)), { acts: [[w.takeUp, takeUp]], role: "alert" });
+}
+/** Volumes that this page showed before, as they were left. */
+const left = new Map();
+function offerLeft(before) {
+  if (!before) return;
+  const w = words.states, takeUp = () => (app.states.hush(), store.restore(before.state, before.history));
+  app.states.say(w.leftAgo(ago((Date.now() - before.at) / 1000)), { acts: [[w.takeUp, takeUp]], role: "alert" });
 }
 const ago = (seconds) => (seconds < 5400 ? `${Math.max(1, Math.round(seconds / 60))} min` : seconds < 129600 ? `${Math.round(seconds / 3600)} h` : `${Math.round(seconds / 86400)} days`);
 /** Opens the page's own volume again, all settings kept: the server came back with another or none, or it is to be smaller. */

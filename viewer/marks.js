@@ -186,8 +186,8 @@ export async function makeMarks(app) {
       });
       handle.addEventListener("pointerup", async () => {
         const mark = list()[i()], on = surface(), p = point();
-        // A click on a point while measuring: the next mark begins there too.
-        if (!far) return void (ui.tool === "measure" && place(p, { mm: 0 }));
+        // A click on a point while a mark is being placed: that goes on there. It begins no other: a click is a small drag, too.
+        if (!far) return void (draft && place(p, { mm: 0 }));
         if (!mark || !reach || isRegion(mark) || mark.kind === "text") return;
         const answer = await app.link.ask("snap", { at: p, reach_mm: reach * on.mm(p), normal: on.normal }).catch(() => null);
         if (answer?.hit && list()[i()] === mark) store.amend({ marks: list().map((m) => (m === mark ? { ...m, points: moved(answer.at) } : m)) });

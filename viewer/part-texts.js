@@ -47,3 +47,8 @@ export const gradientWords = {
   sides: { value: ["from value", "to value"], magnitude: ["from gradient", "to gradient"] }, sideOf: (name, side) => `${name}, ${side}`, point: "Point of the opacity by gradient", per: (unit, length) => (unit ? `${unit}/${length}` : `per ${length}`), voxel: "voxel",
   says: (shapes, curve) => [shapes ? `${shapes} ${shapes === 1 ? "shape" : "shapes"}` : "", curve ? "a curve" : ""].filter(Boolean).join(", "),
 };
+
+export const openWords = {
+  path: "Path", pathHint: "Path of a file or folder, or sample:NAME",
+  otherFolders: "The folders that Chiaro was started in or with (--data), and that of its file. A file of another folder can be sent, or opened by chiaro view FILE.",
+};

@@ -43,7 +43,7 @@ export function makeLooks(app) {
     clearTimeout(resting);
     resting = setTimeout(async () => {
       const tf = await functionOf(preset).catch(() => null), asked = resting;
-      if (tf && asked === resting) store.show({ tf });
+      if (tf && asked === resting) store.show({ tf, name: label(preset) });
     }, 300);
   }
   const leave = () => (clearTimeout(resting), (resting = 0), store.show(null));

@@ -71,19 +71,23 @@ export function numberField(app, o) {
   const id = `f${++ids}`;
   const input = el("input.number", { id, inputMode: "decimal", "aria-label": o.label, autocomplete: "off", spellcheck: false });
   const wrong = el("div.wrong", { role: "alert", hidden: true });
-  const range = () => `${short(o.least ?? o.low)} ${words.to} ${short(o.most ?? o.high)}${o.unit ? " " + o.unit : ""}`;
+  const ends = () => o.ends?.() ?? [o.least ?? o.low, o.most ?? o.high];
+  const range = () => `${ends().map((end) => short(end)).join(` ${words.to} `)}${o.unit ? " " + o.unit : ""}`;
+  let refused = ""; // what the value was then
   const say = (bad) => {
     wrong.hidden = !bad;
+    refused = o.text();
     input.setAttribute("aria-invalid", String(bad));
     if (bad) wrong.textContent = words.outOfRange(range());
   };
   const take = () => {
     if (input.value === o.text()) return say(false);
-    const value = typed(input.value), least = o.least ?? o.low, most = o.most ?? o.high;
+    const value = typed(input.value), [least, most] = ends();
     // What was typed stays with the range below it; the last good value stays in force.
     if (!(value >= least && value <= most)) return say(true);
     say(false);
     o.change(value);
+    setText(input, o.text()); // which may be the nearest that is possible
   };
   input.addEventListener("change", take);
   input.addEventListener("keydown", (event) => {
@@ -92,9 +96,13 @@ export function numberField(app, o) {
     const steps = { ArrowUp: 1, ArrowDown: -1, PageUp: 10, PageDown: -10 }[event.key];
     if (!steps || !o.step) return;
     event.preventDefault();
-    o.change(clamp(rounded(stepped(o.now(), steps * (event.shiftKey ? 10 : 1), o), o), o.least ?? o.low, o.most ?? o.high));
+    o.change(clamp(rounded(stepped(o.now(), steps * (event.shiftKey ? 10 : 1), o), o), ...ends()));
   });
-  return { input, wrong, show: () => document.activeElement !== input && wrong.hidden && setText(input, o.text()) };
+  const show = () => {
+    if (!wrong.hidden && o.text() !== refused) say(false), setText(input, o.text());
+    if (document.activeElement !== input && wrong.hidden) setText(input, o.text());
+  };
+  return { input, wrong, show };
 }
 
 /** Label, track and number. o: {label, low, high, step, log, unit, tip, value(), change(v), start, two, track}. */
@@ -108,6 +116,7 @@ export function sliderRow(app, o) {
   const fields = (o.two ? [0, 1] : [0]).map((which) => numberField(app, {
     ...o, label: o.two ? `${o.label}, ${which ? "to" : "from"}` : o.label, now: () => [o.value()].flat()[which], text: () => text([o.value()].flat()[which]),
     change: (v) => o.change(o.two ? [o.value()].flat().map((x, i) => (i === which ? v : x)) : o.parse ? o.parse(v) : v),
+    ends: o.two && (() => [which ? o.value()[0] : o.least ?? o.low, which ? o.most ?? o.high : o.value()[1]]),
   }));
   const number = el("div.field", {}, fields[0].input, ...(o.two ? [el("span.unit", {}, words.to), fields[1].input] : []), o.unit && !o.two ? el("span.unit", {}, o.unit) : null);
   const dot = el("i.dot", { hidden: true, title: "changed" });

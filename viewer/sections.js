@@ -12,7 +12,7 @@ export function fold(title, says, rows, kind = "", at = "div") {
     body.hidden = !body.hidden;
     head.setAttribute("aria-expanded", String(!body.hidden));
     made.classList.toggle("open", !body.hidden);
-    if (!body.hidden) head.scrollIntoView({ block: "nearest" });
+    if (!body.hidden) made.scrollIntoView({ block: "nearest" }), head.scrollIntoView({ block: "nearest" });
   } }, icon("right"), el("h2", {}, title), told);
   const made = Object.assign(el(at, {}, head, body), { show: () => {
     told.textContent = says();
@@ -72,7 +72,8 @@ export function makeSections(app) {
   function camera() {
     const framed = app.volume.world !== "unknown", names = framed ? words.views : words.axisViews;
     const views = el("div.buttons", {}, ...Object.entries(names).map(([key, name]) => el("button", { onclick: () => app.turnTo(key) }, name)));
-    const copy = el("div.buttons", {}, el("button", { onclick: () => app.copy(JSON.stringify(app.scene().camera, null, 1)) }, words.copy));
+    const begin = () => store.set(words.startView, (s) => ({ camera: Object.fromEntries(Object.entries(s.camera).filter(([key]) => key.startsWith("slices."))) }), "camera");
+    const copy = el("div.buttons", {}, el("button", { onclick: begin }, words.startView), el("button", { title: words.copyCamera, onclick: () => app.copy(JSON.stringify(app.scene().camera, null, 1)) }, words.copy));
     return fold(words.camera, () => `${words.choices[get("camera.projection")] ?? words.perspective} ${short(get("camera.view_angle_deg"), 3)}°`, [...placed(app.hello.settings, "camera").map((s) => settingRow(app, s)), views, copy], "", "section.section.s-camera");
   }
 

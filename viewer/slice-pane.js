@@ -189,7 +189,7 @@ export function makePane(app, slices, i) {
     if (zoom) slices.zoomBy(zoom, v.middle);
     else if (steps) slices.scroll(i, steps * (event.shiftKey ? 10 : 1));
     else if (event.key === "Home" || event.key === "End") slices.scroll(i, position()[event.key === "Home" ? "low" : "high"] - position().index);
-    else if (event.key === "Enter") slices.enlarge(i);
+    else if (event.key === "Enter" || (event.key === "Escape" && root.classList.contains("large"))) slices.enlarge(i);
     else if (dx || dy) event.shiftKey ? panBy(v, -20 * dx, -20 * dy) : slices.moveTo(add(add(slices.at(), v.section.right, dx * step), v.section.down, dy * step));
     else return;
     event.preventDefault();

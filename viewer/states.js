@@ -61,23 +61,6 @@ export function makeStates(app, stage) {
   const sendFile = () => el("input", { type: "file", multiple: true, onchange: (e) => e.target.files.length && app.sendVolume(chosen(e.target.files)) }).click();
   const sendFolder = () => el("input", { type: "file", webkitdirectory: true, onchange: (e) => e.target.files.length && app.sendVolume(chosen(e.target.files)) }).click();
   const chosen = (files) => [...files].map((file) => ({ file, name: file.webkitRelativePath || file.name }));
-  /** The folders of the computer that runs Chiaro; `take` gets the file that is chosen. */
-  async function choose(take = app.openEntry) {
-    const list = el("div.list"), head = el("h2", {}, w.open), box = el("dialog", { "aria-label": w.open }, head, list, el("div.buttons", {}, el("button", { onclick: () => box.close() }, w.cancel)));
-    const go = async (path) => {
-      const answer = await app.link.ask("folder", { path }).catch(app.fault);
-      if (!answer) return;
-      head.textContent = answer.path || w.open;
-      const up = answer.path ? [el("button.item", { onclick: () => go(answer.parent ?? "") }, "…")] : [];
-      list.replaceChildren(...up, ...answer.entries.map((e) => el("button.item", { onclick: () => (e.kind === "folder" ? go(e.path) : (box.close(), take(e))) }, e.name + (e.kind === "folder" ? " ›" : ""), el("span", {}, e.kind === "folder" ? "" : e.bytes ? bytes(e.bytes) : ""))));
-      list.querySelector("button")?.focus();
-    };
-    box.className = "popover";
-    box.style.cssText = "left:50%;top:96px;transform:translateX(-50%)";
-    box.addEventListener("close", () => box.remove());
-    document.body.append(box);
-    box.showModal();
-    go("");
-  }
+  const choose = async (take = app.openEntry) => (await import("./choosing.js")).chooseFile(app, take);
   return { empty, reading, failed, clear, say, hush, choose, sendFile, sendFolder, get blocking() { return shown !== null; } };
 }

@@ -113,11 +113,12 @@ export class Mock {
     const own = this.reply(message);
     if (own !== undefined) return own && peer.send(JSON.stringify({ re: message.id ?? null, ...own }));
     const answer = (fields) => peer.send(JSON.stringify({ type: "answer", re: message.id, ...fields }));
-    const frame = (header, data) => setTimeout(() => {
+    const frame = (header, data) => new Promise((sent) => setTimeout(() => {
       const head = Buffer.from(JSON.stringify(header)), size = Buffer.alloc(4);
       size.writeUInt32LE(head.length);
       peer.send(Buffer.concat([Buffer.from("CHF1"), size, head, data]));
-    }, this.delay(header));
+      sent();
+    }, this.delay(header)));
     const state = this.#states.get(view) ?? scene;
     switch (message.type) {
       case "state": {
@@ -138,15 +139,15 @@ export class Mock {
         const f = functionAt(state.transfer_function.points, value);
         return answer(r < 1 ? { hit: true, value, world_mm: [32, 32, 32], voxel: [32, 32, 32], opacity: f.opacity, rgb: f.rgb, share: 1, depth_mm: 100 } : { hit: false });
       }
-      case "look": frame({ n: message.id, kind: "look", type: "png", size: message.size }, picture(message.scene, ...message.size)); return setTimeout(() => answer({}), 5);
+      case "look": await frame({ n: message.id, kind: "look", type: "png", size: message.size }, picture(message.scene, ...message.size)); return answer({});
       case "slice":
         if (message.values) return answer({ values: Array(message.size[0] * message.size[1]).fill(42) });
-        frame({ n: message.id, kind: "slice", type: "png", size: message.size }, png(1, 1, Buffer.from([90, 90, 90, 255])));
-        return setTimeout(() => answer({}), 5);
-      case "gradients": frame({ n: message.id, kind: "gradients", type: "png", size: [64, 32] }, arches()); return setTimeout(() => answer({ values: volume.range, steepest: 40 }), 5);
+        await frame({ n: message.id, kind: "slice", type: "png", size: message.size }, png(1, 1, Buffer.from([90, 90, 90, 255])));
+        return answer({});
+      case "gradients": await frame({ n: message.id, kind: "gradients", type: "png", size: [64, 32] }, arches()); return answer({ values: volume.range, steepest: 40 });
       case "snap": return answer({ hit: false });
       case "region": return answer({ count: 8, mean: 42, deviation: 2, min: 40, max: 45, percentiles: { 1: 40, 5: 40, 25: 41, 50: 42, 75: 43, 95: 44, 99: 45 }, histogram: Array(64).fill(1), volume_mm3: 8, exact_mm3: 7.5 });
-      case "probe": frame({ n: message.id, kind: "probe", type: "png", size: [128, 64] }, sky(message.probe.preset ?? "own")); return setTimeout(() => answer({}), 5);
+      case "probe": await frame({ n: message.id, kind: "probe", type: "png", size: [128, 64] }, sky(message.probe.preset ?? "own")); return answer({});
       case "resolve": return answer({ transfer_function: message.transfer_function.preset ? transfer(message.transfer_function.preset) : message.transfer_function });
       case "cache": return answer({ folder: "/home/me/.cache/chiaro", bytes: this.heard.some((m) => m.type === "cache" && m.clear) ? 0 : 12e6 });
       case "measure": return answer({ percent: 1.8, points: 1024, interval: [1.6, 2.0], largest: 22 });
