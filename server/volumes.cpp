@@ -48,7 +48,8 @@ Json told(const Volume& volume, const Volume& measured) {
     json["statistics"] = &volume == &measured ? "exact" : "sampled";
     json["histogram512"] = finer_histogram(measured, statistics.min, statistics.max);
     const bool reaches_air = statistics.min <= -900;  // what only seems to be CT has no unit
-    json["unit"] = guessed.modality == "CT" && (volume.modality == "CT" || reaches_air) && statistics.hu_zero == 0 ? "HU" : "";
+    json["unit"] =
+        guessed.modality == "CT" && (volume.modality == "CT" || reaches_air) && statistics.hu_zero == 0 ? "HU" : "";
     json["bytes"] = volume.voxels.size();
     const std::string name = std::filesystem::path(volume.source).filename().string();
     json["sections"] = sections_told(volume.geometry);
