@@ -1,7 +1,7 @@
 // The orientation cross and the scale bar.
 import { dot, namedView } from "./camera.js";
 import { scaleBar } from "./captions.js";
-import { el, svg } from "./dom.js";
+import { el, renew, svg } from "./dom.js";
 import { words } from "./texts.js";
 
 const colours = ["#f07b6d", "#8dc063", "#7aa7f0"];
@@ -20,6 +20,7 @@ export function makeCross(app, stage) {
   app.turnTo = (view) => app.gestures.fly(namedView(view, app.volume.world));
   app.store.watch(() => {
     if (!app.volume) return;
+    const height = stage.clientHeight; // before anything is written: else the page is laid out twice
     const view = app.view(), mid = 36, length = letters.length > 3 ? 24 : 26;
     let paths = "";
     letters.forEach(([, axis], i) => {
@@ -29,9 +30,9 @@ export function makeCross(app, stage) {
       button.style.cssText = `left:${x}px;top:${y}px;--own:${colour};z-index:${depth > 0 ? 0 : 1};${depth > 0.1 ? "opacity:.75" : ""}`;
     });
     lines.innerHTML = paths;
-    const bar = scaleBar(app, view, stage.clientHeight);
+    const bar = scaleBar(app, view, height);
     scale.style.width = `${bar.pixels}px`;
-    text.textContent = bar.text;
+    renew(text, "textContent", bar.text);
     scale.title = view.perspective ? "Holds at the centre" : "";
   });
   stage.append(cross, scale);
