@@ -47,9 +47,9 @@ Json told(const Volume& volume, const Volume& measured) {
     Json json = Json::parse(info_of(volume, statistics, guessed).dump(-1, ' ', false, Json::error_handler_t::replace));
     json["statistics"] = &volume == &measured ? "exact" : "sampled";
     json["histogram512"] = finer_histogram(measured, statistics.min, statistics.max);
-    const bool reaches_air = statistics.min <= -900;  // what only seems to be CT has no unit
-    json["unit"] =
-        guessed.modality == "CT" && (volume.modality == "CT" || reaches_air) && statistics.hu_zero == 0 ? "HU" : "";
+    // What only seems to be CT has no unit, unless its values are those of HU: then it is shown as bone.
+    const bool is_ct = volume.modality == "CT" || guessed.preset == "ct-bone";
+    json["unit"] = is_ct && statistics.hu_zero == 0 ? "HU" : "";
     json["bytes"] = volume.voxels.size();
     const std::string name = std::filesystem::path(volume.source).filename().string();
     json["sections"] = sections_told(volume.geometry);
