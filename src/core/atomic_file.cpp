@@ -77,13 +77,15 @@ void AtomicFile::commit() {
 }
 
 void AtomicFile::commit_unflushed() {
-    if (temporary_.empty())  // nothing can take another file's name but a rename
-        take_name([&] {
-            const std::string nameless = "/proc/self/fd/" + std::to_string(descriptor_);
-            return linkat(AT_FDCWD, nameless.c_str(), AT_FDCWD, temporary_.c_str(), AT_SYMLINK_FOLLOW) == 0;
-        });
+    const auto link_to = [&](const std::filesystem::path& name) {
+        const std::string nameless = "/proc/self/fd/" + std::to_string(descriptor_);
+        return linkat(AT_FDCWD, nameless.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0;
+    };
+    const bool has_name = temporary_.empty() && link_to(path_);
+    if (!has_name && temporary_.empty())  // nothing can take another file's name but a rename
+        take_name([&] { return link_to(temporary_); });
     if (close(std::exchange(descriptor_, -1)) != 0) fail(errno);
-    if (rename(temporary_.c_str(), path_.c_str()) != 0) fail(errno);
+    if (!has_name && rename(temporary_.c_str(), path_.c_str()) != 0) fail(errno);
     temporary_.clear();
 }
 

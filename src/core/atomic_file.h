@@ -8,9 +8,9 @@
 namespace chiaro {
 
 /// Collects bytes in a file without a name in the folder of `path` (where the file system has none, in one beside
-/// `path`) and renames it over `path` on commit, so that neither a full disk nor an interruption leaves half a file,
-/// and even being killed leaves nothing, but for the instant between name and rename. Every member throws
-/// Error{output}, naming the path and the reason.
+/// `path`), which takes the name on commit, so that neither a full disk nor an interruption leaves half a file. Even
+/// being killed leaves nothing, but where another file had that name, for the instant between a temporary name and the
+/// rename. Every member throws Error{output}, naming the path and the reason.
 class AtomicFile {
 public:
     /// `mode` is what umask takes from.

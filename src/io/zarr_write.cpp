@@ -101,8 +101,9 @@ private:
             write_text(folder_ / unfinished, told.dump() + "\n");
         }
         for (std::size_t level = 0; level < levels_.size(); ++level) {
-            fs::create_directory(folder_ / std::to_string(level));
-            write_text(folder_ / std::to_string(level) / "zarr.json", array(level).dump(1) + "\n");
+            const fs::path header = folder_ / std::to_string(level) / "zarr.json";
+            fs::create_directory(header.parent_path());
+            if (!fs::exists(header)) write_text(header, array(level).dump(1) + "\n");
         }
     }
 
