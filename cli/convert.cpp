@@ -19,7 +19,7 @@ namespace {
 
 struct ConvertOptions {
     std::string input, to;                     // to: empty, as the ending of OUT says
-    std::string encoding, levels_by = "mean";  // encoding: empty, gzip of NRRD and zstd of Zarr
+    std::string encoding, levels_by = "mean";  // encoding: empty, the usual one of the format
     std::filesystem::path output;
     SettingFlags flags;
     CommonOptions common;
@@ -42,7 +42,7 @@ Scene scene_of(const ConvertOptions& o) {
 /// Brick by brick, where the input can be read so.
 void convert_to_zarr(const ConvertOptions& o) {
     ZarrSettings settings;
-    choose("encoding", o.encoding, settings.encoding);
+    if (!o.encoding.empty()) choose("encoding", o.encoding, settings.encoding.emplace());
     choose("levels-by", o.levels_by, settings.levels_by);
     const Scene scene = scene_of(o);
     Job job(o.common);
@@ -115,8 +115,9 @@ Command convert_command(CLI::App& tool) {
                     "volume, as for render; or transfer function: FILE or FILE#NAME, a preset or a colour map");
     app->add_option("OUT", o->output,
                     "what to write: .nrrd or .zarr for a volume, .json or .paraview.json for a transfer function");
-    app->add_option("--encoding", o->encoding, "of NRRD raw or gzip [gzip], of OME-Zarr raw or zstd [zstd]")
-        ->type_name("raw|gzip|zstd");
+    app->add_option("--encoding", o->encoding,
+                    "of NRRD raw or gzip [gzip], of OME-Zarr raw, zstd or blosc [zstd of 8 bits, else blosc]")
+        ->type_name("raw|gzip|zstd|blosc");
     app->add_option("--levels-by", o->levels_by, "what coarser voxels of an OME-Zarr are of finer ones [mean]")
         ->type_name("mean|max");
     app->add_option("--to", o->to, "format of a .json [by its ending]")->type_name("chiaro|paraview");

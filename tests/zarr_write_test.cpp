@@ -114,7 +114,7 @@ void expect_pyramid(const Volume& volume, const ZarrSettings& settings) {
 
 TEST(ZarrWrite, LevelsAreMeansOrMaximaOfTheFiner) {
     for (const auto by : {LevelsBy::mean, LevelsBy::max})
-        for (const auto encoding : {ZarrEncoding::raw, ZarrEncoding::zstd}) {
+        for (const auto encoding : {ZarrEncoding::raw, ZarrEncoding::zstd, ZarrEncoding::blosc}) {
             const ZarrSettings settings{encoding, by};
             expect_pyramid<std::uint8_t>(
                 volume_of<std::uint8_t>({131, 70, 67}, [](int x, int y, int z) { return x * y + z * 7; }), settings);
@@ -127,6 +127,21 @@ TEST(ZarrWrite, LevelsAreMeansOrMaximaOfTheFiner) {
                     [](int x, int y, int z) { return (x / 9 + y / 9 + z / 9) % 3 ? std::sin(float(x * y - z)) : NAN; }),
                 settings);
         }
+}
+
+TEST(ZarrWrite, TheUsualEncodingIsByTheWidthOfTheNumbers) {
+    const auto codec = [](Volume volume) {
+        const Folder folder;
+        write_zarr(*source_of(std::move(volume)), folder / "a.zarr", {}, none);
+        return nlohmann::json::parse(
+            content_of(folder / "a.zarr/0/zarr.json"))["codecs"][0]["configuration"]["codecs"][1];
+    };
+    const auto zero = [](int, int, int) { return 0; };
+    EXPECT_EQ(codec(volume_of<std::uint8_t>({9, 9, 9}, zero))["name"], "zstd");
+    EXPECT_EQ(codec(volume_of<std::int16_t>({9, 9, 9}, zero))["configuration"]["shuffle"], "bitshuffle");
+    EXPECT_EQ(
+        codec(volume_of<float>({9, 9, 9}, zero))["configuration"],
+        nlohmann::json::parse(R"({"cname": "lz4", "clevel": 9, "shuffle": "shuffle", "typesize": 4, "blocksize": 0})"));
 }
 
 TEST(ZarrWrite, GeometryAndValuesAreThoseOfTheInput) {

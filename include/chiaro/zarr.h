@@ -7,20 +7,22 @@
 #include <array>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string_view>
 
 namespace chiaro {
 
-enum class ZarrEncoding { raw, zstd };
+/// How chunks are packed: not at all; by zstd; by blosc, which is LZ4 after a shuffle of bits or bytes.
+enum class ZarrEncoding { raw, zstd, blosc };
 /// What a voxel of a coarser level is of those that it stands for.
 enum class LevelsBy { mean, max };
 
 struct ZarrSettings {
-    ZarrEncoding encoding = ZarrEncoding::zstd;
+    std::optional<ZarrEncoding> encoding;  ///< not set: zstd of 8 bits, blosc of wider numbers
     LevelsBy levels_by = LevelsBy::mean;
 };
 
-constexpr auto names_of(ZarrEncoding) { return std::to_array<std::string_view>({"raw", "zstd"}); }
+constexpr auto names_of(ZarrEncoding) { return std::to_array<std::string_view>({"raw", "zstd", "blosc"}); }
 constexpr auto names_of(LevelsBy) { return std::to_array<std::string_view>({"mean", "max"}); }
 
 /// Writes OME-Zarr 0.5: level 0 of the source, and levels of half the voxels an axis (of axes whose voxels are not

@@ -1,11 +1,13 @@
 #include "io/zarr_shard.h"
 
+#include <blosc.h>
 #include <chiaro/error.h>
 #include <zstd.h>
 
 #include <algorithm>
 #include <cstring>
 #include <memory>
+#include <mutex>
 
 #include "core/crc32c.h"
 #include "core/threads.h"
@@ -42,6 +44,15 @@ std::size_t zstd_packed(const std::vector<std::byte>& raw, std::byte* to, std::s
     return bytes;
 }
 
+std::size_t blosc_packed(const std::vector<std::byte>& raw, std::size_t voxel_bytes, std::byte* to, std::size_t most) {
+    constexpr int threads = 1;
+    const int bytes = blosc_compress_ctx(ShardEncoder::blosc_level, int(ShardEncoder::shuffle_of(voxel_bytes)),
+                                         voxel_bytes, raw.size(), raw.data(), to, most, ShardEncoder::blosc_compressor,
+                                         ShardEncoder::blosc_block, threads);
+    if (bytes <= 0) throw Error(ErrorCode::internal, "a chunk cannot be packed");
+    return std::size_t(bytes);
+}
+
 }  // namespace
 
 ShardEncoder::ShardEncoder(VoxelType type, ZarrEncoding encoding, const ChunkPlace& shard)
@@ -49,7 +60,9 @@ ShardEncoder::ShardEncoder(VoxelType type, ZarrEncoding encoding, const ChunkPla
       encoding_(encoding),
       raw_bytes_(voxel_bytes_ * zarr_chunk_edge * zarr_chunk_edge * zarr_chunk_edge) {
     for (std::size_t axis = 0; axis < 3; ++axis) chunks_[axis] = shard[axis] / zarr_chunk_edge;
-    max_chunk_bytes_ = encoding == ZarrEncoding::raw ? raw_bytes_ : ZSTD_compressBound(raw_bytes_);
+    max_chunk_bytes_ = encoding == ZarrEncoding::raw    ? raw_bytes_
+                       : encoding == ZarrEncoding::zstd ? ZSTD_compressBound(raw_bytes_)
+                                                        : raw_bytes_ + BLOSC_MAX_OVERHEAD;
 }
 
 std::size_t ShardEncoder::max_bytes() const {
@@ -59,12 +72,8 @@ std::size_t ShardEncoder::max_bytes() const {
 std::size_t ShardEncoder::encode(const Block& block, std::byte* to) const {
     ChunkPlace there{};
     for (std::size_t axis = 0; axis < 3; ++axis) there[axis] = (block.box.size[axis] - 1) / zarr_chunk_edge + 1;
-    const std::size_t slot = max_chunk_bytes_ + checksum_bytes;
     std::vector<std::size_t> sizes(product(there));
-    parallel_for(usable_threads(), std::int64_t(sizes.size()), 1, [&](std::int64_t i, std::int64_t) {
-        const ChunkPlace at{int(i) % there[0], int(i) / there[0] % there[1], int(i) / there[0] / there[1]};
-        sizes[std::size_t(i)] = encode_chunk(block, at, to + std::size_t(i) * slot);
-    });
+    const std::size_t size = place_chunks(block, there, sizes, to);
     std::vector<std::byte> index(product(chunks_) * 2 * sizeof(std::uint64_t) + checksum_bytes);
     std::byte* entry = index.data();
     std::size_t offset = 0, number = 0;
@@ -72,15 +81,36 @@ std::size_t ShardEncoder::encode(const Block& block, std::byte* to) const {
         for (int y = 0; y < chunks_[1]; ++y)
             for (int x = 0; x < chunks_[0]; ++x) {
                 const bool is_inside = x < there[0] && y < there[1] && z < there[2];
-                const std::size_t bytes = is_inside ? sizes[number] : 0;
+                const std::size_t bytes = is_inside ? sizes[number++] : 0;
                 entry = put_number<std::uint64_t>(is_inside ? offset : not_there, entry);
                 entry = put_number<std::uint64_t>(is_inside ? bytes : not_there, entry);
-                if (is_inside) std::memmove(to + offset, to + number++ * slot, bytes);
                 offset += bytes;
             }
     put_checksum(index.data(), index.size() - checksum_bytes);
-    std::ranges::copy(index, to + offset);
-    return offset + index.size();
+    std::ranges::copy(index, to + size);
+    return size + index.size();
+}
+
+/// One behind the other in the order of their places, whichever is packed first: one that comes before its turn waits
+/// where it would lie if none were packed, which is behind all that are placed.
+std::size_t ShardEncoder::place_chunks(const Block& block, const ChunkPlace& there, std::vector<std::size_t>& sizes,
+                                       std::byte* to) const {
+    const std::size_t most = max_chunk_bytes_ + checksum_bytes;
+    std::mutex mutex;
+    std::size_t next = 0, end = 0;
+    parallel_for(usable_threads(), std::int64_t(sizes.size()), 1, [&](std::int64_t i, std::int64_t) {
+        const ChunkPlace at{int(i) % there[0], int(i) / there[0] % there[1], int(i) / there[0] / there[1]};
+        thread_local std::vector<std::byte> packed;
+        packed.resize(most);
+        const std::size_t number = std::size_t(i), size = encode_chunk(block, at, packed.data());
+        const std::lock_guard lock(mutex);
+        sizes[number] = size;
+        std::memcpy(to + (number == next ? end : number * most), packed.data(), size);
+        if (number != next) return;
+        for (end += size, ++next; next < sizes.size() && sizes[next] > 0; end += sizes[next++])
+            std::memmove(to + end, to + next * most, sizes[next]);
+    });
+    return end;
 }
 
 std::size_t ShardEncoder::encode_chunk(const Block& block, const ChunkPlace& at, std::byte* to) const {
@@ -91,7 +121,8 @@ std::size_t ShardEncoder::encode_chunk(const Block& block, const ChunkPlace& at,
     thread_local std::vector<std::byte> raw;
     raw.resize(raw_bytes_);
     gather(block, at, raw.data());
-    return put_checksum(to, zstd_packed(raw, to, max_chunk_bytes_));
+    return put_checksum(to, encoding_ == ZarrEncoding::zstd ? zstd_packed(raw, to, max_chunk_bytes_)
+                                                            : blosc_packed(raw, voxel_bytes_, to, max_chunk_bytes_));
 }
 
 /// Zeros where the chunk reaches over the border.

@@ -15,8 +15,18 @@ public:
     std::size_t encode(const Block& block, std::byte* to) const;
 
     static constexpr int zstd_level = 1;
+    // Of a head's CT of 16 bits this packs as well as zstd does (.30), in two fifths of its time; shuffled by bytes
+    // .32. Floats are shuffled by bytes (an MRI's .23, by bits .30). Level 9 looks for more: .30 where 5 leaves .31.
+    static constexpr const char* blosc_compressor = "lz4";
+    static constexpr int blosc_level = 9, blosc_block = 0;  // 0: as blosc thinks best
+    enum class Shuffle { bytes = 1, bits = 2 };
+    static constexpr Shuffle shuffle_of(std::size_t voxel_bytes) {
+        return voxel_bytes <= 2 ? Shuffle::bits : Shuffle::bytes;
+    }
 
 private:
+    std::size_t place_chunks(const Block& block, const std::array<int, 3>& there, std::vector<std::size_t>& sizes,
+                             std::byte* to) const;
     std::size_t encode_chunk(const Block& block, const ChunkPlace& at, std::byte* to) const;
     void gather(const Block& block, const ChunkPlace& at, std::byte* to) const;
 

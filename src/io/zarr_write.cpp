@@ -36,6 +36,10 @@ ChunkPlace shard_of(const ChunkPlace& dimensions) {
     return shard;
 }
 
+/// 8 bits are packed better by zstd (to two thirds of what blosc makes of an MRI of a brain), wider numbers as well by
+/// blosc, in half the time.
+ZarrEncoding usual_encoding(VoxelType type) { return size_of(type) == 1 ? ZarrEncoding::zstd : ZarrEncoding::blosc; }
+
 void write_text(const fs::path& path, const std::string& text) {
     AtomicFile file(path);
     file.write(std::as_bytes(std::span(text)));
@@ -48,11 +52,12 @@ public:
         : source_(source),
           type_(source.header().type),
           folder_(std::move(folder)),
-          settings_(settings),
+          encoding_(settings.encoding.value_or(usual_encoding(type_))),
+          levels_by_(settings.levels_by),
           progress_(progress),
           levels_(pyramid_of({source.header().dimensions, source.header().geometry})),
           shard_(shard_of(levels_[0].dimensions)),
-          encoder_(type_, settings.encoding, shard_),
+          encoder_(type_, encoding_, shard_),
           files_(encoder_.max_bytes()),
           blocks_(levels_.size()),
           done_(levels_.size()) {}
@@ -73,8 +78,8 @@ private:
         json told{{"volume", header.source},
                   {"dimensions", header.dimensions},
                   {"type", int(type_)},
-                  {"encoding", int(settings_.encoding)},
-                  {"levels_by", int(settings_.levels_by)}};
+                  {"encoding", int(encoding_)},
+                  {"levels_by", int(levels_by_)}};
         std::error_code none;
         const std::string file = split_volume_name(header.source).first;
         if (fs::is_regular_file(file, none)) {
@@ -115,9 +120,11 @@ private:
                                                                {VoxelType::f32, "float32"}};
         const json little{{"name", "bytes"}, {"configuration", {{"endian", "little"}}}}, sum{{"name", "crc32c"}};
         json codecs{little};
-        if (settings_.encoding == ZarrEncoding::zstd)
+        if (encoding_ == ZarrEncoding::zstd)
             codecs.push_back(
                 {{"name", "zstd"}, {"configuration", {{"level", ShardEncoder::zstd_level}, {"checksum", false}}}});
+        else if (encoding_ == ZarrEncoding::blosc)
+            codecs.push_back({{"name", "blosc"}, {"configuration", blosc()}});
         codecs.push_back(sum);
         const json sharding{{"chunk_shape", {zarr_chunk_edge, zarr_chunk_edge, zarr_chunk_edge}},
                             {"codecs", codecs},
@@ -133,6 +140,15 @@ private:
                 {"codecs", {{{"name", "sharding_indexed"}, {"configuration", sharding}}}},
                 {"dimension_names", {"z", "y", "x"}},
                 {"attributes", json::object()}};
+    }
+
+    json blosc() const {
+        const std::size_t bytes = size_of(type_);
+        return {{"cname", ShardEncoder::blosc_compressor},
+                {"clevel", ShardEncoder::blosc_level},
+                {"shuffle", ShardEncoder::shuffle_of(bytes) == ShardEncoder::Shuffle::bits ? "bitshuffle" : "shuffle"},
+                {"typesize", bytes},
+                {"blocksize", ShardEncoder::blosc_block}};
     }
 
     json group() const {
@@ -165,7 +181,7 @@ private:
                     {"multiscales",
                      {{{"name", header.source.substr(header.source.rfind('/') + 1)},
                        {"axes", axes},
-                       {"type", settings_.levels_by == LevelsBy::mean ? "mean" : "max"},
+                       {"type", levels_by_ == LevelsBy::mean ? "mean" : "max"},
                        {"datasets", datasets}}}}}},
                   {"chiaro", own}}}};
     }
@@ -222,7 +238,7 @@ private:
             finer.size[axis] = block.box.size[axis] * factor[axis];
         }
         for_each_shard(level - 1, finer, [&](const ChunkPlace& child) {
-            put_coarser(shard(level - 1, child), type_, factor, settings_.levels_by, usable_threads(), block);
+            put_coarser(shard(level - 1, child), type_, factor, levels_by_, usable_threads(), block);
         });
     }
 
@@ -249,7 +265,8 @@ private:
     const BrickSource& source_;
     const VoxelType type_;
     const fs::path folder_;
-    const ZarrSettings settings_;
+    const ZarrEncoding encoding_;
+    const LevelsBy levels_by_;
     Progress& progress_;
     const std::vector<PyramidLevel> levels_;
     const ChunkPlace shard_;

@@ -43,7 +43,7 @@ test("zarrita reads the stores that zarr_test writes", { skip: !existsSync(join(
   }
 });
 
-for (const encoding of ["raw", "zstd"])
+for (const encoding of ["raw", "zstd", "blosc"])
   test(`zarrita reads what chiaro convert makes, ${encoding}`, async () => {
     const [nx, ny, nz] = [140, 70, 66], numbers = new Uint16Array(nx * ny * nz), file = join(folder, `${encoding}_${nx}x${ny}x${nz}_uint16.raw`);
     for (let i = 0; i < numbers.length; i++) numbers[i] = (i * 40503) & 0xffff;
