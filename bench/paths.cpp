@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "path_noise.h"
 #include "pathtrace/tracer.h"
 #include "turntable.h"
 
@@ -100,6 +101,7 @@ std::vector<Case> path_cases(const Setup& setup) {
         };
         cases.push_back({{name}, rows});
     }
+    add_noise_cases(setup, cases);
     return cases;
 }
 

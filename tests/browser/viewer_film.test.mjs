@@ -72,10 +72,8 @@ test("two keys make a film; its frames are those of chiaro render --film, to the
 }));
 
 test("play shows what is between; leaving it shows the page's own state; a key is gone to", { skip }, () => all.visit(async (page) => {
-  await page.keyboard.press("k");
+  await settled(page, () => page.keyboard.press("k")); // the strip takes its place
   await count(page, 1);
-  await page.waitForTimeout(300); // the strip takes its place
-  await final(page);
   const first = await pixels(page), was = await state(page);
   await settled(page, () => drag(page, page.locator("#stage"), 120, 0));
   const own = await pixels(page);
@@ -95,10 +93,8 @@ test("play shows what is between; leaving it shows the page's own state; a key i
   await page.locator(".film-head").focus();
   await page.keyboard.press("Home");
   await page.waitForFunction(() => chiaro.film.now === 0);
-  await page.click("#film button[aria-label=Close]");
-  await menu(page, "Film");
-  await page.waitForTimeout(300);
-  await final(page);
+  await settled(page, () => page.click("#film button[aria-label=Close]"));
+  await settled(page, () => menu(page, "Film"));
   assert.equal(await pixels(page), own, "the page's own state");
   await page.locator(".film-key").first().focus();
   await settled(page, () => page.keyboard.press("Enter"));
