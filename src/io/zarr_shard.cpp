@@ -92,7 +92,7 @@ std::size_t ShardEncoder::encode(const Block& block, std::byte* to) const {
 }
 
 /// One behind the other in the order of their places, whichever is packed first: one that comes before its turn waits
-/// where it would lie if none were packed, which is behind all that are placed.
+/// where it would lie if none were packed, which is behind all that are placed. There those that are not packed stay.
 std::size_t ShardEncoder::place_chunks(const Block& block, const ChunkPlace& there, std::vector<std::size_t>& sizes,
                                        std::byte* to) const {
     const std::size_t most = max_chunk_bytes_ + checksum_bytes;
@@ -100,17 +100,23 @@ std::size_t ShardEncoder::place_chunks(const Block& block, const ChunkPlace& the
     std::size_t next = 0, end = 0;
     parallel_for(usable_threads(), std::int64_t(sizes.size()), 1, [&](std::int64_t i, std::int64_t) {
         const ChunkPlace at{int(i) % there[0], int(i) / there[0] % there[1], int(i) / there[0] / there[1]};
+        const std::size_t number = std::size_t(i);
+        std::byte* const place = to + number * most;
+        if (encoding_ == ZarrEncoding::raw) {
+            sizes[number] = encode_chunk(block, at, place);
+            return;
+        }
         thread_local std::vector<std::byte> packed;
         packed.resize(most);
-        const std::size_t number = std::size_t(i), size = encode_chunk(block, at, packed.data());
+        const std::size_t size = encode_chunk(block, at, packed.data());
         const std::lock_guard lock(mutex);
         sizes[number] = size;
-        std::memcpy(to + (number == next ? end : number * most), packed.data(), size);
+        std::memcpy(number == next ? to + end : place, packed.data(), size);
         if (number != next) return;
         for (end += size, ++next; next < sizes.size() && sizes[next] > 0; end += sizes[next++])
             std::memmove(to + end, to + next * most, sizes[next]);
     });
-    return end;
+    return encoding_ == ZarrEncoding::raw ? sizes.size() * most : end;
 }
 
 std::size_t ShardEncoder::encode_chunk(const Block& block, const ChunkPlace& at, std::byte* to) const {
