@@ -1,5 +1,5 @@
 // A series through time is played: each moment is read and classified while the one before is lit and drawn, as
-// `chiaro view` does it. Every moment is measured nine times over, alone and played in turns: its median counts.
+// `chiaro view` does it. Each is measured nine times over, played and at once again alone: its median counts.
 #include <chiaro/io.h>
 #include <chiaro/samples.h>
 #include <fmt/format.h>
@@ -45,7 +45,7 @@ struct Times {
     Series read, classify, light, frame;  ///< one after the other, each alone
     Series wait;                          ///< played: for the moment to be ready
     Series shown;                         ///< played: from when it is wanted until its picture is there
-    Series beyond;                        ///< shown, less what the same moment took alone a little before
+    Series beyond;                        ///< shown, less what the same moment took alone right after
 };
 
 /// Of each moment the median of all passes.
@@ -71,13 +71,24 @@ public:
         first_.render(scene_, progress_);
     }
 
-    /// Each moment alone, then all of them played.
+    /// All are played; each is shown again alone before the next is wanted, when that is ready.
     Times pass() {
         Times times;
-        for (int t = 2; t < moments; ++t) alone(t, times);
-        play(times);
-        for (std::size_t t = 0; t < times.shown.size(); ++t)
-            times.beyond.push_back(times.shown[t] - times.classify[t] - times.light[t] - times.frame[t]);
+        std::optional<Session> shown;
+        std::future<Session> next = prepare(1);
+        for (int t = 1; t < moments; ++t) {
+            const Clock clock = Clock::wall();
+            shown.emplace(next.get());
+            const double waited = clock.ms();
+            if (t + 1 < moments) next = prepare(t + 1);
+            shown->render(at(t), progress_);
+            const double took = clock.ms();
+            if (next.valid()) next.wait();
+            if (t == 1) continue;
+            times.wait.push_back(waited), times.shown.push_back(took);
+            alone(t, times);
+            times.beyond.push_back(took - times.classify.back() - times.light.back() - times.frame.back());
+        }
         return times;
     }
 
@@ -109,19 +120,6 @@ private:
                                  }));
         times.light.push_back(1e3 * wall_seconds([&] { session.find_light(at(t), progress_); }));
         times.frame.push_back(1e3 * wall_seconds([&] { session.render(at(t), progress_); }));
-    }
-
-    void play(Times& times) {
-        std::optional<Session> shown;
-        std::future<Session> next = prepare(1);
-        for (int t = 1; t < moments; ++t) {
-            const Clock clock = Clock::wall();
-            shown.emplace(next.get());
-            const double waited = clock.ms();
-            if (t + 1 < moments) next = prepare(t + 1);
-            shown->render(at(t), progress_);
-            if (t > 1) times.wait.push_back(waited), times.shown.push_back(clock.ms());
-        }
     }
 
     Progress& progress_;
