@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "path_noise.h"
 #include "pathtrace/tracer.h"
 #include "turntable.h"
 
@@ -30,7 +29,7 @@ public:
         PathOptions options = path_options(settings);
         options.surfaces = surfaces;
         Lighting lighting;
-        if (probe != "white") lighting.loaded_probe = builtin_probe(probe);
+        lighting.loaded_probe = builtin_probe(probe);
         return PathTracer(device_, medium_, lighting, camera_, {}, options, width_, height_);
     }
     void add(PathTracer& tracer, int samples) const {
@@ -147,7 +146,8 @@ std::optional<Scene> scene_of(const Setup& setup, const std::string& name) {
 
 }  // namespace
 
-void add_noise_cases(const Setup& setup, std::vector<Case>& cases) {
+std::vector<Case> path_noise_cases(const Setup& setup) {
+    std::vector<Case> cases;
     for (const std::string volume : {"tubes", "cornell", "brain"}) {
         const auto scene = scene_of(setup, volume);
         const Shared<Shown> shown([&setup, scene] { return Shown(setup, *scene); });
@@ -160,13 +160,14 @@ void add_noise_cases(const Setup& setup, std::vector<Case>& cases) {
                              }});
         };
         for (const std::string probe : {"sky", "studio"}) {
-            const std::string name = fmt::format("paths/{}/{}", volume, probe);
+            const std::string name = fmt::format("path-noise/{}/{}", volume, probe);
             add({name + "/worst", name + "/outliers"},
                 [&setup, shown, name, probe] { return outliers(setup, *shown, name, probe); });
         }
-        if (const std::string name = fmt::format("paths/{}/two-percent", volume); volume != "cornell")
+        if (const std::string name = fmt::format("path-noise/{}/two-percent", volume); volume != "cornell")
             add({name}, [&setup, shown, name] { return with_surfaces(setup, *shown, name); });
     }
+    return cases;
 }
 
 }  // namespace chiaro::bench

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <memory>
 
-#include "path_noise.h"
 #include "pathtrace/tracer.h"
 #include "turntable.h"
 
@@ -101,7 +100,6 @@ std::vector<Case> path_cases(const Setup& setup) {
         };
         cases.push_back({{name}, rows});
     }
-    add_noise_cases(setup, cases);
     return cases;
 }
 

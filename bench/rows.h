@@ -65,6 +65,7 @@ std::vector<Case> transport_error_cases(const Setup& setup);
 std::vector<Case> transport_strip_cases(const Setup& setup);
 std::vector<Case> transport_cases(const Setup& setup);
 std::vector<Case> path_cases(const Setup& setup);
+std::vector<Case> path_noise_cases(const Setup& setup);
 std::vector<Case> histogram_cases(const Setup& setup);
 std::vector<Case> gpu_cases(const Setup& setup);
 std::vector<Case> cancel_cases(const Setup& setup);

@@ -81,11 +81,10 @@ void AtomicFile::commit_unflushed() {
         const std::string nameless = "/proc/self/fd/" + std::to_string(descriptor_);
         return linkat(AT_FDCWD, nameless.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0;
     };
-    const bool has_name = temporary_.empty() && link_to(path_);
-    if (!has_name && temporary_.empty())  // nothing can take another file's name but a rename
+    if (temporary_.empty() && !link_to(path_))  // nothing can take another file's name but a rename
         take_name([&] { return link_to(temporary_); });
     if (close(std::exchange(descriptor_, -1)) != 0) fail(errno);
-    if (!has_name && rename(temporary_.c_str(), path_.c_str()) != 0) fail(errno);
+    if (!temporary_.empty() && rename(temporary_.c_str(), path_.c_str()) != 0) fail(errno);
     temporary_.clear();
 }
 

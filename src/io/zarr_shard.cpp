@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cstring>
 #include <memory>
-#include <mutex>
 
 #include "core/crc32c.h"
 #include "core/threads.h"
@@ -72,8 +71,12 @@ std::size_t ShardEncoder::max_bytes() const {
 std::size_t ShardEncoder::encode(const Block& block, std::byte* to) const {
     ChunkPlace there{};
     for (std::size_t axis = 0; axis < 3; ++axis) there[axis] = (block.box.size[axis] - 1) / zarr_chunk_edge + 1;
+    const std::size_t slot = max_chunk_bytes_ + checksum_bytes;
     std::vector<std::size_t> sizes(product(there));
-    const std::size_t size = place_chunks(block, there, sizes, to);
+    parallel_for(usable_threads(), std::int64_t(sizes.size()), 1, [&](std::int64_t i, std::int64_t) {
+        const ChunkPlace at{int(i) % there[0], int(i) / there[0] % there[1], int(i) / there[0] / there[1]};
+        sizes[std::size_t(i)] = encode_chunk(block, at, to + std::size_t(i) * slot);
+    });
     std::vector<std::byte> index(product(chunks_) * 2 * sizeof(std::uint64_t) + checksum_bytes);
     std::byte* entry = index.data();
     std::size_t offset = 0, number = 0;
@@ -81,42 +84,15 @@ std::size_t ShardEncoder::encode(const Block& block, std::byte* to) const {
         for (int y = 0; y < chunks_[1]; ++y)
             for (int x = 0; x < chunks_[0]; ++x) {
                 const bool is_inside = x < there[0] && y < there[1] && z < there[2];
-                const std::size_t bytes = is_inside ? sizes[number++] : 0;
+                const std::size_t bytes = is_inside ? sizes[number] : 0;
                 entry = put_number<std::uint64_t>(is_inside ? offset : not_there, entry);
                 entry = put_number<std::uint64_t>(is_inside ? bytes : not_there, entry);
+                if (is_inside) std::memmove(to + offset, to + number++ * slot, bytes);
                 offset += bytes;
             }
     put_checksum(index.data(), index.size() - checksum_bytes);
-    std::ranges::copy(index, to + size);
-    return size + index.size();
-}
-
-/// One behind the other in the order of their places, whichever is packed first: one that comes before its turn waits
-/// where it would lie if none were packed, which is behind all that are placed. There those that are not packed stay.
-std::size_t ShardEncoder::place_chunks(const Block& block, const ChunkPlace& there, std::vector<std::size_t>& sizes,
-                                       std::byte* to) const {
-    const std::size_t most = max_chunk_bytes_ + checksum_bytes;
-    std::mutex mutex;
-    std::size_t next = 0, end = 0;
-    parallel_for(usable_threads(), std::int64_t(sizes.size()), 1, [&](std::int64_t i, std::int64_t) {
-        const ChunkPlace at{int(i) % there[0], int(i) / there[0] % there[1], int(i) / there[0] / there[1]};
-        const std::size_t number = std::size_t(i);
-        std::byte* const place = to + number * most;
-        if (encoding_ == ZarrEncoding::raw) {
-            sizes[number] = encode_chunk(block, at, place);
-            return;
-        }
-        thread_local std::vector<std::byte> packed;
-        packed.resize(most);
-        const std::size_t size = encode_chunk(block, at, packed.data());
-        const std::lock_guard lock(mutex);
-        sizes[number] = size;
-        std::memcpy(number == next ? to + end : place, packed.data(), size);
-        if (number != next) return;
-        for (end += size, ++next; next < sizes.size() && sizes[next] > 0; end += sizes[next++])
-            std::memmove(to + end, to + next * most, sizes[next]);
-    });
-    return encoding_ == ZarrEncoding::raw ? sizes.size() * most : end;
+    std::ranges::copy(index, to + offset);
+    return offset + index.size();
 }
 
 std::size_t ShardEncoder::encode_chunk(const Block& block, const ChunkPlace& at, std::byte* to) const {

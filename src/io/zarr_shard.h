@@ -25,8 +25,6 @@ public:
     }
 
 private:
-    std::size_t place_chunks(const Block& block, const std::array<int, 3>& there, std::vector<std::size_t>& sizes,
-                             std::byte* to) const;
     std::size_t encode_chunk(const Block& block, const ChunkPlace& at, std::byte* to) const;
     void gather(const Block& block, const ChunkPlace& at, std::byte* to) const;
 
