@@ -5,7 +5,7 @@
 namespace chiaro::kernel {
 
 /// For what will be written soon.
-CHIARO_INLINE void prefetch([[maybe_unused]] float* to) {
+CHIARO_INLINE void prefetch([[maybe_unused]] void* to) {
 #ifndef __CUDA_ARCH__
     __builtin_prefetch(to, 1);
 #endif

@@ -7,6 +7,7 @@
 #include "illumination/spao/spao.h"
 #include "illumination/transport/solver.h"
 #include "illumination/visibility/sweep.h"
+#include "illumination/visibility/visibility.h"
 
 using namespace chiaro;
 using namespace chiaro::testing;
@@ -71,10 +72,22 @@ TEST_F(Gpus, SweepFewerDirectionsSideBySideWhereRoomIsLittle) {
             return sweep_visibility(device, density, fibonacci_directions(520), 4, 0.5, lattice, progress);
         };
         const ShField expected = swept(cpu());
+        const auto kept = [&](const Device& device) {  // added up in steps
+            const VisibilitySettings settings{
+                .bands = 2,
+                .directions = 520,
+                .traversal = lattice == SweepLattice::grid ? VisibilityTraversal::sweep : VisibilityTraversal::sheared};
+            StageTimer timer;
+            const auto lent = std::shared_ptr<const Density>(std::shared_ptr<const Density>(), &density);
+            const VisibilityNodes nodes = visibility_nodes(device, lent, settings, timer, progress);
+            return std::vector(nodes.harmonics.data(), nodes.harmonics.data() + nodes.harmonics.size());
+        };
+        const std::vector<std::byte> expected_bytes = kept(cpu());
         std::size_t most = 0, least = 1000;
         for (const std::size_t mib : {2, 5, 100}) {
             cuda_emulated::gpu().memory_bytes = cuda_emulated::gpu().held_bytes + (mib << 20);
             const GpuCounts found = counts_of([&] { expect_equal(swept(gpu), expected); });
+            EXPECT_TRUE(kept(gpu) == expected_bytes) << mib;
             most = std::max(most, found.launches), least = std::min(least, found.launches);
             cuda_emulated::gpu().memory_bytes = std::size_t(4) << 30;
         }

@@ -80,6 +80,7 @@ void refine_transport(const Device& device, const Medium::Data& medium, const Li
         keep(*first, true);
         found.now.half = half;
     }
+    if (surfaces != SurfaceModel::none) matter->seen(device, timer, progress);  // before the solver takes its memory
     const auto fine = start(matter, first ? &*first : before ? &before->fine : nullptr);
     iterate(*fine, first_iterations);
     found.now.fine = fine;

@@ -28,24 +28,34 @@ void assemble_on_gpu(const Device& device, const BlockMap& blocks, int halvings,
     out.buffer.keep(device.stream, made.data());
 }
 
-GpuField::GpuField(const Device& device, const Density& density, int coefficients)
-    : stream_(device.stream),
-      grid_(density.grid),
-      coefficients_(coefficients),
-      density_(density.on_gpu(*stream_)),
-      field_(*stream_, density.grid.size() * std::size_t(coefficients)) {
-    field_.zero();
+GpuField::GpuField(const Device& device, const Density& density, int coefficients, bool in_steps)
+    : stream_(device.stream), grid_(density.grid), coefficients_(coefficients), density_(density.on_gpu(*stream_)) {
+    if (in_steps)
+        steps_.emplace(*stream_, size()).zero();
+    else
+        field_.emplace(*stream_, size()).zero();
 }
 
 void GpuField::fetch(ShField& field) const {
-    stream_->download(field.buffer.data(), field_.data(), field_.size() * sizeof(float));
+    stream_->download(field.buffer.data(), data(), size() * sizeof(float));
     stream_->wait();
+}
+
+void GpuField::add(const float* parts, std::int32_t count) const {
+    const auto numbers = std::int64_t(size());
+    if (is_in_steps())
+        kernel::run_on_gpu(
+            *stream_, numbers,
+            kernel::AddStepParts{add_steps_kernel(coefficients_), steps_->data(), parts, numbers, count});
+    else
+        kernel::run_on_gpu(*stream_, numbers, kernel::AddParts{data(), parts, numbers, count});
 }
 
 VisibilityNodes GpuField::keep(const VisibilitySettings& settings) const {
     VisibilityNodes nodes = make_nodes(grid_, coefficients_, settings);
     const cuda::Array<std::byte> harmonics(*stream_, nodes.harmonics.size());
-    kernel::KeepKernel keep = keep_kernel(nodes, field_.data());
+    kernel::KeepKernel keep = keep_kernel(nodes, is_in_steps() ? nullptr : data());
+    if (is_in_steps()) keep.sums = steps_->data();
     keep.harmonics = harmonics.data();
     kernel::keep_all_nodes(*stream_, keep, std::int64_t(grid_.size()));
     stream_->download(nodes.harmonics.data(), harmonics.data(), nodes.harmonics.size());

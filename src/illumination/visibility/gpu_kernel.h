@@ -1,6 +1,7 @@
 // Sweeps as a GPU's threads do them: batches of directions side by side, plane by plane; first a thread for each node
 // (or point of a lattice) and direction, which takes the light there, then one for each node and coefficient.
 #pragma once
+#include "illumination/visibility/node_kernel.h"
 #include "illumination/visibility/sheared_kernel.h"
 #include "illumination/visibility/sweep_kernel.h"
 #include "illumination/visibility/swept_places.h"
@@ -174,6 +175,19 @@ struct AddParts {
         float sum = field[i];
         for (std::int32_t p = 0; p < count; ++p) sum += parts[p * numbers + i];
         field[i] = sum;
+    }
+};
+
+struct AddStepParts {
+    AddSteps add;
+    std::uint16_t* sums;
+    const float* parts;
+    std::int64_t numbers;
+    std::int32_t count;
+
+    CHIARO_INLINE void operator()(std::int64_t i) const {
+        const float per_unit = add.per_unit[i % add.coefficients];
+        for (std::int32_t p = 0; p < count; ++p) AddSteps::add(parts[p * numbers + i] * per_unit, sums + i);
     }
 };
 

@@ -181,8 +181,8 @@ void pass_planes(const GpuField& field, std::span<Side> sides, const cuda::Array
     }
 }
 
-/// make_side(tables, views) of each batch. Each adds to numbers of its own, but for the first; these are added up in
-/// the order of batches, as the CPU adds them.
+/// make_side(tables, views) of each batch. Each adds to numbers of its own, but for the first where these are floats;
+/// they are added up in the order of batches, as the CPU adds them.
 template <class Tables, class MakeSide>
 void sweep(const GpuField& field, const std::vector<Vec3>& directions, double start, Progress& progress,
            const MakeSide& make_side) {
@@ -200,23 +200,21 @@ void sweep(const GpuField& field, const std::vector<Vec3>& directions, double st
     const std::size_t together = extent.together(field, sides.size());
     const cuda::Array<Side> there(stream, together);
     const cuda::Array<float> planes(stream, together * extent.room);
-    cuda::Array<float> parts(stream, std::max<std::size_t>(1, (together - 1) * field.size()));
+    const std::size_t in_place = field.is_in_steps() ? 0 : 1;  // sides that add to the field itself
+    cuda::Array<float> parts(stream, std::max<std::size_t>(1, (together - in_place) * field.size()));
     for (std::size_t first = 0; first < sides.size(); first += together) {
         const std::size_t count = std::min(together, sides.size() - first);
         for (std::size_t i = 0; i < count; ++i) {
             Side& side = sides[first + i];
             side.take(planes.data() + i * extent.room);
-            side.nodes.field = i == 0 ? field.data() : parts.data() + (i - 1) * field.size();
+            side.nodes.field = i < in_place ? field.data() : parts.data() + (i - in_place) * field.size();
         }
         parts.zero();
         pass_planes<Side>(field, std::span(sides).subspan(first, count), there, [&](double share) {
             progress.report("visibility", (double(first) + share * double(count)) / double(sides.size()));
             progress.check();
         });
-        if (count > 1)
-            kernel::run_on_gpu(
-                stream, std::int64_t(field.size()),
-                kernel::AddParts{field.data(), parts.data(), std::int64_t(field.size()), std::int32_t(count - 1)});
+        if (count > in_place) field.add(parts.data(), std::int32_t(count - in_place));
         progress.check();
     }
     stream.wait();

@@ -10,6 +10,9 @@ VisibilityFunctions visibility_functions() {
         [](const KeepKernel& kernel, std::int64_t first, std::int32_t count) {
             kernel.operator()<NativeLanes>(first, count);
         },
+        [](const AddSteps& kernel, float* parts, std::int32_t count, std::uint16_t* to, std::int64_t stride) {
+            kernel.operator()<NativeLanes>(parts, count, to, stride);
+        },
         [](const LightKernel& kernel, std::int64_t first, std::int32_t count) { kernel(first, count); },
     };
 }

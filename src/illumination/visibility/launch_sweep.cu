@@ -11,6 +11,7 @@ template void run_on_gpu(cuda::Stream&, std::int64_t, const StartSides<ShearedSi
 template void run_on_gpu(cuda::Stream&, std::int64_t, const TravelSides<ShearedSide>&);
 template void run_on_gpu(cuda::Stream&, std::int64_t, const ProjectSides<ShearedSide>&);
 template void run_on_gpu(cuda::Stream&, std::int64_t, const AddParts&);
+template void run_on_gpu(cuda::Stream&, std::int64_t, const AddStepParts&);
 template void run_on_gpu(cuda::Stream&, std::int64_t, const SpreadKernel&);
 
 }  // namespace chiaro::kernel

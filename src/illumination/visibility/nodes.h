@@ -29,8 +29,13 @@ VisibilityNodes make_nodes(const CellGrid& grid, int coefficients, const Visibil
 /// What fills them from the field.
 kernel::KeepKernel keep_kernel(VisibilityNodes& nodes, const float* field);
 
+/// What adds to sums in steps.
+kernel::AddSteps add_steps_kernel(int coefficients);
+
 /// The field to be kept. Throws Error{interrupted}.
 VisibilityNodes keep_nodes(const Device& device, const ShField& field, const VisibilitySettings& settings,
                            Progress& progress);
+/// The same of sums in steps, in 8 bits: their memory is given back while that of what is kept is taken.
+VisibilityNodes keep_nodes(const Device& device, ShSteps steps, const VisibilitySettings& settings, Progress& progress);
 
 }  // namespace chiaro

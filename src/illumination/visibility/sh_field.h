@@ -20,4 +20,17 @@ struct ShField {
     }
 };
 
+/// The same while a sweep adds it up for what is kept in 8 bits: in whole steps (kernel::AddSteps), in half the memory.
+struct ShSteps {
+    CellGrid grid;
+    int coefficients;  ///< 4 or 16
+    VoxelBuffer buffer;
+
+    ShSteps(const CellGrid& nodes, int per_node)
+        : grid(nodes), coefficients(per_node), buffer(nodes.size() * std::size_t(per_node) * sizeof(std::uint16_t)) {}
+    std::uint16_t* node(std::size_t index) {
+        return reinterpret_cast<std::uint16_t*>(buffer.data()) + index * std::size_t(coefficients);
+    }
+};
+
 }  // namespace chiaro

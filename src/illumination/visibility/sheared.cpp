@@ -69,7 +69,7 @@ void sheared_pass(const SweepPass& pass, const DirectionBatch& of, const std::fu
     const auto& [axes, batch] = of;
     const CellGrid& grid = pass.density.grid;
     const int nu = grid.count[axes.u], nv = grid.count[axes.v], steps = grid.count[axes.major];
-    const BatchHarmonics harmonics(pass.directions, batch, pass.field.coefficients);
+    const BatchHarmonics harmonics(pass.directions, batch, pass.to.coefficients());
     const auto run = kernel::visibility_functions_for(pass.device.isa).sheared_row;
     ShearedPlanes planes(nu, nv, int(batch.size()));
     const std::vector<kernel::ShearedDirection> rays = sheared_rays(batch, steps, planes.row(), pass.start);
@@ -83,11 +83,16 @@ void sheared_pass(const SweepPass& pass, const DirectionBatch& of, const std::fu
         const kernel::ShearedKernel kernel{rays.data() + k * batch.size(), harmonics.view(), planes.view(k)};
         const auto rows = [&](std::int64_t first, std::int64_t end) {
             std::vector<float> scratch(batch.size() * kernel::ShearedKernel::width);
+            RowAdder adder(pass, nu);
             for (auto r = first; r < end; ++r) {
                 const int j = int(r) - 1;
-                float* field = j < 0 ? nullptr : pass.field.node(plane + std::size_t(j) * pass.stride(axes.v));
-                run(kernel,
-                    {j, nu, field, std::int64_t(pass.stride(axes.u)) * pass.field.coefficients, scratch.data()});
+                const auto row = [&](float* to, std::int64_t stride) {
+                    run(kernel, {j, nu, to, stride, scratch.data()});
+                };
+                if (j < 0)
+                    row(nullptr, 0);
+                else
+                    adder(plane + std::size_t(j) * pass.stride(axes.v), pass.stride(axes.u), row);
             }
         };
         parallel_for(pass.device.threads, nv + 1, std::max(1, nv / (4 * pass.device.threads)), rows);

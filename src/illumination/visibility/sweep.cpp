@@ -47,12 +47,19 @@ private:
 
 }  // namespace
 
+RowAdder::RowAdder(const SweepPass& pass, int count)
+    : to_(pass.to),
+      count_(count),
+      parts_(to_.steps ? std::size_t(count) * std::size_t(to_.coefficients()) : 0, 0),
+      kernel_(add_steps_kernel(to_.coefficients())),
+      add_(kernel::visibility_functions_for(pass.device.isa).add_steps) {}
+
 void grid_pass(const SweepPass& pass, const DirectionBatch& of, const std::function<void(double)>& tell) {
     const auto& [axes, batch] = of;
     const CellGrid& grid = pass.density.grid;
     const int nu = grid.count[axes.u], nv = grid.count[axes.v], steps = grid.count[axes.major];
     const SweepPacks packs(batch, nu + 2, pass.start);
-    const BatchHarmonics harmonics(pass.directions, batch, pass.field.coefficients);
+    const BatchHarmonics harmonics(pass.directions, batch, pass.to.coefficients());
     SweepPlanes planes(nu, nv, packs.count());
     const auto run = kernel::visibility_functions_for(pass.device.isa).sweep_row;
     for (int k = 0; k < steps; ++k) {
@@ -60,17 +67,37 @@ void grid_pass(const SweepPass& pass, const DirectionBatch& of, const std::funct
         const kernel::SweepKernel kernel{packs.data(), harmonics.view(), planes.view(k)};
         const auto rows = [&](std::int64_t first, std::int64_t end) {
             LineVector<float> scratch(std::size_t(kernel::sweep_together) * std::size_t(packs.lanes()));
+            RowAdder adder(pass, nu);
             for (auto v = first; v < end; ++v) {
-                const std::size_t node = plane + std::size_t(v) * pass.stride(axes.v);
-                run(kernel, {std::int32_t((v + 1) * planes.row() + 1), nu, pass.density.data() + node,
-                             std::int64_t(pass.stride(axes.u)), pass.field.node(node),
-                             std::int64_t(pass.stride(axes.u)) * pass.field.coefficients, scratch.data()});
+                const std::size_t node = plane + std::size_t(v) * pass.stride(axes.v), stride = pass.stride(axes.u);
+                adder(node, stride, [&](float* to, std::int64_t to_stride) {
+                    run(kernel, {std::int32_t((v + 1) * planes.row() + 1), nu, pass.density.data() + node,
+                                 std::int64_t(stride), to, to_stride, scratch.data()});
+                });
             }
         };
         parallel_for(pass.device.threads, nv, std::max(1, nv / (4 * pass.device.threads)), rows);
         tell(double(k + 1) / steps);
     }
 }
+
+namespace {
+
+void pass_all(const SweepPass& pass, SweepLattice lattice, Progress& progress) {
+    const auto pass_batch = lattice == SweepLattice::grid ? grid_pass : sheared_pass;
+    const std::vector<SweepGroup> groups = sweep_groups(pass.directions);
+    std::size_t done = 0;
+    for (const DirectionBatch& batch : direction_batches(groups)) {
+        const double count = double(batch.directions.size());
+        pass_batch(pass, batch, [&](double share) {
+            progress.report("visibility", (double(done) + share * count) / double(pass.directions.size()));
+            progress.check();
+        });
+        done += batch.directions.size();
+    }
+}
+
+}  // namespace
 
 ShField sweep_visibility(const Device& device, const Density& density, const std::vector<Vec3>& directions,
                          int coefficients, double start, SweepLattice lattice, Progress& progress) {
@@ -79,24 +106,20 @@ ShField sweep_visibility(const Device& device, const Density& density, const std
         sweep_on_gpu(device, density, directions, coefficients, start, lattice, progress).fetch(field);
     };
     if (cuda::try_gpu(device, on_gpu)) return field;
-    const SweepPass pass{device, density, directions, start, field};
-    const auto pass_batch = lattice == SweepLattice::grid ? grid_pass : sheared_pass;
-    const std::vector<SweepGroup> groups = sweep_groups(directions);
-    std::size_t done = 0;
-    for (const DirectionBatch& batch : direction_batches(groups)) {
-        const double count = double(batch.directions.size());
-        pass_batch(pass, batch, [&](double share) {
-            progress.report("visibility", (double(done) + share * count) / double(directions.size()));
-            progress.check();
-        });
-        done += batch.directions.size();
-    }
+    pass_all({device, density, directions, start, {.floats = &field}}, lattice, progress);
     return field;
 }
 
+ShSteps sweep_in_steps(const Device& device, const Density& density, const std::vector<Vec3>& directions,
+                       int coefficients, double start, SweepLattice lattice, Progress& progress) {
+    ShSteps steps(density.grid, coefficients);
+    pass_all({device, density, directions, start, {.steps = &steps}}, lattice, progress);
+    return steps;
+}
+
 GpuField sweep_on_gpu(const Device& device, const Density& density, const std::vector<Vec3>& directions,
-                      int coefficients, double start, SweepLattice lattice, Progress& progress) {
-    GpuField field(device, density, coefficients);
+                      int coefficients, double start, SweepLattice lattice, Progress& progress, bool in_steps) {
+    GpuField field(device, density, coefficients, in_steps);
     const auto sweep = lattice == SweepLattice::grid ? grid_sweep_on_gpu : sheared_sweep_on_gpu;
     sweep(field, directions, start, progress);
     return field;

@@ -21,9 +21,12 @@ inline SweepLattice lattice_of(VisibilityTraversal traversal) {
 /// directions × some 1 ns of one core. Throws Error{interrupted} when cancelled.
 ShField sweep_visibility(const Device& device, const Density& density, const std::vector<Vec3>& directions,
                          int coefficients, double start, SweepLattice lattice, Progress& progress);
+/// The same by the CPU, in steps.
+ShSteps sweep_in_steps(const Device& device, const Density& density, const std::vector<Vec3>& directions,
+                       int coefficients, double start, SweepLattice lattice, Progress& progress);
 
-/// On the device's GPU, where the field stays.
+/// On the device's GPU, where the field stays: floats, or steps, which can be kept in 8 bits alone.
 GpuField sweep_on_gpu(const Device& device, const Density& density, const std::vector<Vec3>& directions,
-                      int coefficients, double start, SweepLattice lattice, Progress& progress);
+                      int coefficients, double start, SweepLattice lattice, Progress& progress, bool in_steps = false);
 
 }  // namespace chiaro

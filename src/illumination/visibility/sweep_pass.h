@@ -2,23 +2,53 @@
 #pragma once
 #include <functional>
 
+#include "core/line_allocator.h"
 #include "illumination/visibility/sheared_kernel.h"
 #include "illumination/visibility/sweep.h"
 #include "illumination/visibility/sweep_plan.h"
 
 namespace chiaro {
 
+/// Numbers that a pass adds to: one of the two.
+struct SweptNumbers {
+    ShField* floats = nullptr;
+    ShSteps* steps = nullptr;
+    int coefficients() const { return floats ? floats->coefficients : steps->coefficients; }
+};
+
 struct SweepPass {
     const Device& device;
     const Density& density;
     const std::vector<Vec3>& directions;  ///< all of them
     double start;
-    ShField& field;  ///< to be added to
+    SweptNumbers to;
 
     std::size_t stride(int axis) const {
         const auto& n = density.grid.count;
         return axis == 0 ? 1 : axis == 1 ? std::size_t(n[0]) : std::size_t(n[0]) * n[1];
     }
+};
+
+/// Rows of so many nodes, one after the other, to be added to by a kernel that adds floats.
+class RowAdder {
+public:
+    RowAdder(const SweepPass& pass, int count);
+    /// add(numbers of the row's first node, stride from one node to the next).
+    template <class Add>
+    void operator()(std::size_t node, std::size_t node_stride, const Add& add) {
+        const int coefficients = to_.coefficients();
+        const auto stride = std::int64_t(node_stride) * coefficients;
+        if (to_.floats) return add(to_.floats->node(node), stride);
+        add(parts_.data(), std::int64_t(coefficients));
+        add_(kernel_, parts_.data(), count_, to_.steps->node(node), stride);
+    }
+
+private:
+    const SweptNumbers to_;
+    const int count_;
+    LineVector<float> parts_;  ///< 0 between rows
+    kernel::AddSteps kernel_;
+    void (*const add_)(const kernel::AddSteps&, float*, std::int32_t, std::uint16_t*, std::int64_t);
 };
 
 /// Adds what arrives from the batch; `tell` hears of the share of planes done after each, and may throw.

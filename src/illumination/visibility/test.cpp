@@ -13,6 +13,7 @@
 #include "illumination/sh/directions.h"
 #include "illumination/visibility/lit_nodes.h"
 #include "illumination/visibility/sweep.h"
+#include "illumination/visibility/visibility.h"
 
 using namespace chiaro;
 using chiaro::testing::tested_device;
@@ -219,6 +220,37 @@ TEST(Nodes, AreKeptWithinHalfAStep) {
             }
         }
     }
+}
+
+/// What pictures keep is added up in 16 bits: sums of floats come to the same but where they lie half way between two
+/// steps of 8 bits.
+TEST(Nodes, SumsInStepsAreThoseOfFloats) {
+    const auto d = std::make_shared<const Density>(clumps(37, 22, 29));
+    Progress progress;
+    for (const VisibilityTraversal traversal : {VisibilityTraversal::sweep, VisibilityTraversal::sheared})
+        for (const int bands : {2, 4}) {
+            const VisibilitySettings settings{.bands = bands, .directions = 400, .traversal = traversal};
+            StageTimer timer;
+            const ShField floats = find_visibility(tested_device(), *d, settings, timer, progress);
+            const VisibilityNodes expected = keep_nodes(tested_device(), floats, settings, progress),
+                                  found = visibility_nodes(tested_device(), d, settings, timer, progress);
+            ASSERT_EQ(found.harmonics.size(), expected.harmonics.size());
+            std::size_t others = 0;
+            for (std::size_t i = 0; i < found.harmonics.size(); ++i) {
+                const int away = std::abs(int(std::int8_t(found.harmonics.data()[i])) -
+                                          int(std::int8_t(expected.harmonics.data()[i])));
+                ASSERT_LE(away, 1);
+                others += std::size_t(away);
+            }
+            EXPECT_GT(others, 0u);
+            EXPECT_LT(double(others), 0.02 * double(found.harmonics.size()));
+            for (const int threads : {1, 3})
+                for (const Isa isa : available_isas()) {
+                    const VisibilityNodes again =
+                        visibility_nodes(Device::cpu(threads, isa), d, settings, timer, progress);
+                    EXPECT_EQ(std::memcmp(again.harmonics.data(), found.harmonics.data(), found.harmonics.size()), 0);
+                }
+        }
 }
 
 TEST(Nodes, AllLightOfAWhiteProbeArrivesInEmptySpace) {

@@ -19,14 +19,15 @@ bool is_walk(const VisibilitySettings& settings) {
     return settings.traversal == VisibilityTraversal::hierarchical || settings.traversal == VisibilityTraversal::full;
 }
 
-/// By rays or by sweeps: walk_visibility and sweep_visibility, or those whose field stays on the GPU.
-template <class Walk, class Sweep>
-auto traverse(const Walk& walk, const Sweep& sweep, const Device& device, const Density& density,
-              const VisibilitySettings& settings, StageTimer& timer, Progress& progress) {
-    const double start = 0.5 / settings.subsample;
-    if (is_walk(settings)) return walk(device, density, settings, start, timer, progress);
+/// V starts so many node edges from a node.
+double start_of(const VisibilitySettings& settings) { return 0.5 / settings.subsample; }
+
+/// By sweep_visibility or another that is asked the same.
+template <class Sweep>
+auto swept_by(const Sweep& sweep, const Device& device, const Density& density, const VisibilitySettings& settings,
+              StageTimer& timer, Progress& progress) {
     return timer("visibility", [&] {
-        return sweep(device, density, directions_of(settings), settings.bands * settings.bands, start,
+        return sweep(device, density, directions_of(settings), settings.bands * settings.bands, start_of(settings),
                      lattice_of(settings.traversal), progress);
     });
 }
@@ -36,13 +37,22 @@ auto traverse(const Walk& walk, const Sweep& sweep, const Device& device, const 
 VisibilityNodes visibility_nodes(const Device& device, std::shared_ptr<const Density> density,
                                  const VisibilitySettings& settings, StageTimer& timer, Progress& progress) {
     std::optional<VisibilityNodes> nodes;
+    const bool in_steps = !is_walk(settings) && settings.storage == ShStorage::u8;
+    const auto keep = [&](auto field) {
+        nodes.emplace(timer("keep", [&] { return keep_nodes(device, std::move(field), settings, progress); }));
+    };
     const auto on_gpu = [&] {
-        const GpuField field = traverse(walk_on_gpu, sweep_on_gpu, device, *density, settings, timer, progress);
+        const auto sweep = [&](auto&&... asked) { return sweep_on_gpu(asked..., in_steps); };
+        const GpuField field = is_walk(settings)
+                                   ? walk_on_gpu(device, *density, settings, start_of(settings), timer, progress)
+                                   : swept_by(sweep, device, *density, settings, timer, progress);
         nodes.emplace(timer("keep", [&] { return field.keep(settings); }));
     };
     if (!cuda::try_gpu(device, on_gpu)) {
-        const ShField field = find_visibility(device, *density, settings, timer, progress);
-        nodes.emplace(timer("keep", [&] { return keep_nodes(device, field, settings, progress); }));
+        if (in_steps)
+            keep(swept_by(sweep_in_steps, device, *density, settings, timer, progress));
+        else
+            keep(find_visibility(device, *density, settings, timer, progress));
     }
     nodes->density = std::move(density);
     return *std::move(nodes);
@@ -50,7 +60,8 @@ VisibilityNodes visibility_nodes(const Device& device, std::shared_ptr<const Den
 
 ShField find_visibility(const Device& device, const Density& density, const VisibilitySettings& settings,
                         StageTimer& timer, Progress& progress) {
-    return traverse(walk_visibility, sweep_visibility, device, density, settings, timer, progress);
+    if (is_walk(settings)) return walk_visibility(device, density, settings, start_of(settings), timer, progress);
+    return swept_by(sweep_visibility, device, density, settings, timer, progress);
 }
 
 void refine_visibility(const Device& device, const Medium::Data& medium, const VisibilitySettings& settings,
