@@ -69,6 +69,17 @@ TEST_F(Isolation, WhatFetchesSeesNoFileAndStartsNothing) {
     }
 }
 
+TEST_F(Isolation, VoxelsAreReadFromTheFolderOfTheFileAlone) {
+    for (const std::string deed : {"place elsewhere", "place above"}) {
+        const std::string said = after(deed);
+        EXPECT_NE(said.find("none of its"), said.npos) << said;
+    }
+    for (const std::string deed : {"place beyond the end", "place far beyond"}) {
+        const std::string said = after(deed);
+        EXPECT_NE(said.find("more voxels than there are"), said.npos) << said;
+    }
+}
+
 TEST_F(Isolation, MemoryIsLimited) {
 #if !defined(__SANITIZE_ADDRESS__)  // which cannot be: it maps terabytes
     for (const std::string deed : {"take memory", "take one piece"}) {

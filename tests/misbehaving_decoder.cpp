@@ -110,6 +110,15 @@ const std::map<std::string, void (*)()> ends{
      }},
     {"take one piece", [] { std::vector<char> all(std::size_t(1) << 40); }}};
 
+/// What it says of where its 64³ bytes lie, in the place of voxels.
+const std::map<std::string, VoxelsInFile (*)(const char* file)> places{
+    {"place elsewhere", [](const char*) { return VoxelsInFile{"/proc/self/exe"}; }},
+    {"place above", [](const char* file) { return VoxelsInFile{std::filesystem::path(file).parent_path() / ".."}; }},
+    {"place beyond the end", [](const char* file) { return VoxelsInFile{file}; }},
+    {"place far beyond", [](const char* file) {
+         return VoxelsInFile{file, ~std::uint64_t(0)};
+     }}};
+
 /// Serves chunks of 32³ voxels, each of which holds the number of its chunk; at the last one it does what is said.
 int serve(const std::string& deed, decode::Output& output) {
     Volume header;
@@ -146,6 +155,12 @@ int main(int argc, char** argv) {
     try {
         if (serves) return serve(deed, output);
         if (const auto end = ends.find(deed); end != ends.end()) end->second();
+        if (const auto place = places.find(deed); place != places.end()) {
+            const Volume header = {.dimensions = {64, 64, 64}};
+            output.lie_at(header, place->second(argv[2]));
+            output.succeed(header);
+            return 0;
+        }
         const int result = deeds.at(deed)(argv[2]);
         output.fail(result < 0 ? "could not " + deed + ": " + std::strerror(errno) : "DID " + deed);
     } catch (const std::bad_alloc&) {

@@ -2,8 +2,8 @@
 //
 //   chiaro-decode FORMAT PATH PART MAX_BYTES CPU_SECONDS MOMENT [serve]
 //
-// With 0 for MAX_BYTES it tells where the voxels lie, of those that lie in one file as they are. With `serve` it
-// decodes chunks, one for each line of its standard input, each within CPU_SECONDS.
+// Of voxels that lie in one file as they are it tells the place; with 0 for MAX_BYTES it refuses all others. With
+// `serve` it decodes chunks, one for each line of its standard input, each within CPU_SECONDS.
 //
 // Started by the library (io/helper.cpp), which hands over a memory file for the voxels and a pipe for messages
 // (io/wire.h). Formats that need a library have a program each, chiaro-decode-dicom and so on, which this one becomes:

@@ -45,14 +45,25 @@ void set_even_times(Moments& moments, double first, double step, const std::stri
     for (int i = 0; i < moments.count; ++i) moments.times.push_back(first + i * step);
 }
 
-void Output::allocate(Volume& volume) {
+std::uint64_t Output::checked_room(const Volume& volume) const {
     const std::uint64_t bytes = check_header(volume);
-    if (asks_for_place()) refuse(not_in_place);
     const auto& n = volume.dimensions;
     if (bytes > max_bytes_)
         throw TooLarge(ErrorCode::input,
                        fmt::format("its {} x {} x {} voxels take {} MiB, but at most {} MiB may be used", n[0], n[1],
                                    n[2], bytes >> 20, max_bytes_ >> 20));
+    return bytes;
+}
+
+void Output::lie_at(const Volume& volume, VoxelsInFile place) {
+    if (!asks_for_place()) checked_room(volume);
+    place_ = std::move(place);
+}
+
+void Output::allocate(Volume& volume) {
+    check_header(volume);
+    if (asks_for_place()) refuse(not_in_place);
+    const std::uint64_t bytes = checked_room(volume);
     if (is_aside_) {
         volume.voxels = VoxelBuffer(bytes);
         return;

@@ -41,8 +41,11 @@ public:
     }
 
     bool asks_for_place() const { return max_bytes_ == 0; }
-    /// Told with the header, in the place of voxels.
-    void lie_at(VoxelsInFile place) { place_ = std::move(place); }
+    /// Whether voxels that lie in one file as they are may stay there, for the library to read.
+    bool takes_place() const { return !is_aside_; }
+    /// Told with the header, in the place of voxels. Throws as allocate.
+    void lie_at(const Volume& volume, VoxelsInFile place);
+    const std::optional<VoxelsInFile>& place() const { return place_; }
     /// Gives `volume` its voxels, mapped from the memory file. Throws Error{input} for a header that makes no sense or
     /// takes more than the permitted bytes; the caller has already made sure that its file can hold that much.
     void allocate(Volume& volume);
@@ -58,6 +61,7 @@ public:
     void fail(const std::string& sentence, bool is_too_large = false);
 
 private:
+    std::uint64_t checked_room(const Volume& volume) const;
     bool may_report();
 
     std::uint64_t max_bytes_;

@@ -10,6 +10,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace chiaro::decode {
 namespace {
@@ -130,6 +131,18 @@ void check_end(ByteSource& source, Volume& volume) {
     if (source.read(extra) != 0) volume.notes.push_back(more_behind);
 }
 
+/// Where they lie, if in one file as they are and all of them.
+std::optional<VoxelsInFile> place_of(const Payload& payload, std::uint64_t bytes) {
+    const MomentAxis& moments = payload.moments;
+    if (payload.encoding != Encoding::raw || payload.files.size() != 1 || payload.files[0] == standard_input ||
+        (moments.count > 1 && moments.run != bytes))
+        return {};
+    const std::uint64_t before = moments.count > 1 ? moments.wanted * bytes : 0;
+    const std::uint64_t offset = payload.offset + payload.skip + before, size = regular_file_size(payload.files[0]);
+    if (size < offset || size - offset < bytes) return {};
+    return VoxelsInFile{payload.files[0], offset, payload.big_endian};
+}
+
 }  // namespace
 
 void read_voxels(const Payload& payload, Volume& volume, Output& output) {
@@ -141,13 +154,12 @@ void read_voxels(const Payload& payload, Volume& volume, Output& output) {
     if (payload.files.empty() || stated % (payload.files.size() * size_of(volume.type)) != 0)
         refuse(fmt::format("has {} data files, which {} slices cannot be shared among", payload.files.size(), n[2]));
     check_capacity(stated, capacity_of(payload, volume.type));
-    if (output.asks_for_place()) {
-        const MomentAxis& moments = payload.moments;
-        if (payload.encoding != Encoding::raw || payload.files.size() != 1 || volume.components != 1 ||
-            (moments.count > 1 && moments.run != bytes))
-            refuse(not_in_place);
-        const std::uint64_t before = moments.count > 1 ? moments.wanted * bytes : 0;
-        return output.lie_at({payload.files[0], payload.offset + payload.skip + before, payload.big_endian});
+    if (const auto place = place_of(payload, bytes);
+        place && output.takes_place() && (!output.asks_for_place() || volume.components == 1)) {
+        output.lie_at(volume, *place);
+        if (payload.volumes == 1 && !payload.more_may_follow)
+            check_end(*open_plain(place->path, place->offset + bytes), volume);
+        return;
     }
     output.allocate(volume);
     if (payload.moments.count > 1 && payload.encoding == Encoding::text && payload.files.size() > 1)

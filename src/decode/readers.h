@@ -1,6 +1,6 @@
 // The formats that the helper programs decode. Each reader returns the whole header with the voxels in `output`'s
-// memory file, keeps the stored type and the file's own world frame, and throws Error{input} for everything wrong with
-// the file.
+// memory file, or tells their place; it keeps the stored type and the file's own world frame, and throws Error{input}
+// for everything wrong with the file.
 #pragma once
 #include "decode/chunked.h"
 #include "decode/output.h"

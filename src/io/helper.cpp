@@ -5,6 +5,7 @@
 #include "io/fetcher.h"
 #include "io/helper_process.h"
 #include "io/memory.h"
+#include "io/raw.h"
 #include "io/spill.h"
 #include "io/wire.h"
 #include "volume/validate.h"
@@ -19,6 +20,7 @@
 #include <csignal>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <tuple>
 
 namespace chiaro {
 namespace {
@@ -121,12 +123,12 @@ struct Place {
     std::uint64_t max_bytes;
 };
 
-Volume checked_volume(const nlohmann::json& header, const Place& place) {
-    Volume volume = wire::header_from_json(header);
-    const std::uint64_t bytes = check_header(volume);
-    volume.voxels = map_voxels(place.file, place.in_memory, bytes);
+/// With the bytes of its voxels, which are not there yet.
+std::pair<Volume, std::uint64_t> checked_header(const nlohmann::json& answer) {
+    Volume volume = wire::header_from_json(answer.at("volume"));
     for (auto& note : volume.notes) note = one_line(note);
-    return volume;
+    const std::uint64_t bytes = check_header(volume);
+    return {std::move(volume), bytes};
 }
 
 /// What the helper answers. It is gone then, so that nobody else writes into the voxels any more.
@@ -143,21 +145,44 @@ nlohmann::json ask(const Place& place, const DecodeRequest& request, const ReadO
     return next_answer(helper, request, options, progress);
 }
 
+/// Whatever the helper says, no other file is opened than the user's and those that it may name: in its folder or
+/// below.
+void check_folder(const std::filesystem::path& named, const std::filesystem::path& path) {
+    const auto folder = std::filesystem::canonical(named.has_parent_path() ? named.parent_path() : ".");
+    const auto file = std::filesystem::canonical(path);
+    const bool is_inside = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end()).first == folder.end();
+    if (!(is_inside || file == std::filesystem::canonical(named)) || !std::filesystem::is_regular_file(file))
+        throw Error(ErrorCode::input, "the decoder named a file that is none of its");
+}
+
+VoxelsInFile checked_place(const nlohmann::json& answer, const DecodeRequest& request, std::uint64_t bytes) {
+    VoxelsInFile place = wire::place_from_json(answer.at("place"));
+    check_folder(request.path, place.path);
+    const auto size = std::filesystem::file_size(place.path);
+    if (size < place.offset || size - place.offset < bytes)
+        throw Error(ErrorCode::input, "the decoder stated more voxels than there are");
+    return place;
+}
+
 Volume decode_into(const Place& place, const DecodeRequest& request, const ReadOptions& options, Progress& progress) {
     const nlohmann::json answer = ask(place, request, options, progress);
+    Volume volume;
+    std::uint64_t bytes = 0;
+    std::optional<VoxelsInFile> in_file;
     try {
-        return checked_volume(answer.at("volume"), place);
+        std::tie(volume, bytes) = checked_header(answer);
+        if (!answer.contains("place")) {
+            volume.voxels = map_voxels(place.file, place.in_memory, bytes);
+            return volume;
+        }
+        in_file = checked_place(answer, request, bytes);
+        if (bytes > place.max_bytes) throw Error(ErrorCode::input, "the decoder stated more voxels than are permitted");
+        volume.voxels = place.in_memory ? VoxelBuffer(bytes) : make_spilled_voxels(options.spill, bytes);
     } catch (const std::exception& error) {
         refuse(request, error.what());
     }
-}
-
-/// Whatever the helper says, no other file is opened than those that the user's may name.
-void check_folder(const std::filesystem::path& named, const std::filesystem::path& path) {
-    const auto folder = std::filesystem::canonical(named).parent_path(), file = std::filesystem::canonical(path);
-    if (std::mismatch(folder.begin(), folder.end(), file.begin(), file.end()).first != folder.end() ||
-        !std::filesystem::is_regular_file(file))
-        throw Error(ErrorCode::input, "the decoder named a file that is none of its");
+    read_in_place(*in_file, volume, progress);
+    return volume;
 }
 
 }  // namespace
@@ -186,14 +211,8 @@ std::pair<Volume, VoxelsInFile> locate_isolated(const DecodeRequest& request, co
                                                 Progress& progress) {
     const nlohmann::json answer = ask({make_memory_file("no voxels"), true, 0}, request, options, progress);
     try {
-        std::pair located(wire::header_from_json(answer.at("volume")), wire::place_from_json(answer.at("place")));
-        const std::uint64_t bytes = check_header(located.first);
-        check_folder(request.path, located.second.path);
-        const auto size = std::filesystem::file_size(located.second.path);
-        if (size < located.second.offset || size - located.second.offset < bytes)
-            throw Error(ErrorCode::input, "the decoder stated more voxels than there are");
-        for (auto& note : located.first.notes) note = one_line(note);
-        return located;
+        auto [volume, bytes] = checked_header(answer);
+        return {std::move(volume), checked_place(answer, request, bytes)};
     } catch (const std::exception& error) {
         refuse(request, error.what());
     }

@@ -59,28 +59,33 @@ void swap_all(Volume& volume) {
     with_voxel_type(volume.type, [&](auto zero) {
         constexpr std::int64_t size = sizeof zero;
         std::byte* bytes = volume.voxels.data();
-        parallel_for(std::int64_t(volume.voxel_count()), 1 << 20, [=](std::int64_t first, std::int64_t last) {
-            for (auto i = first; i < last; ++i) std::reverse(bytes + i * size, bytes + (i + 1) * size);
-        });
+        parallel_for(std::int64_t(volume.voxel_count()) * volume.components, 1 << 20,
+                     [=](std::int64_t first, std::int64_t last) {
+                         for (auto i = first; i < last; ++i) std::reverse(bytes + i * size, bytes + (i + 1) * size);
+                     });
     });
 }
 
-void read_bytes(const std::filesystem::path& path, std::uint64_t offset, VoxelBuffer& to, Progress& progress) {
-    const Descriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+}  // namespace
+
+void read_in_place(const VoxelsInFile& place, Volume& volume, Progress& progress) {
+    const auto& [path, offset, big_endian] = place;
+    VoxelBuffer& to = volume.voxels;
+    const Descriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
     if (file.number() < 0) refuse(path, "it cannot be opened");
     constexpr std::size_t piece = std::size_t(16) << 20;
     for (std::size_t done = 0; done < to.size();) {
         progress.check();
         const ssize_t n =
             pread(file.number(), to.data() + done, std::min(piece, to.size() - done), off_t(offset + done));
-        if (n <= 0) refuse(path, "reading it fails half-way");
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0) refuse(path, n < 0 ? "reading it fails half-way" : was_cut);
         done += std::size_t(n);
         progress.report("read", double(done) / double(to.size()));
     }
     if (is_cut(file.number(), offset + to.size())) refuse(path, was_cut);
+    if (big_endian) swap_all(volume);
 }
-
-}  // namespace
 
 RawLayout completed_layout(RawLayout layout, const std::string& name) {
     const std::string stem = name.substr(0, name.rfind('.'));
@@ -128,8 +133,7 @@ Volume read_raw(const std::filesystem::path& path, const ReadOptions& options, P
     if (bytes > room && bytes > free_disk_bytes(options.spill))
         refuse(path, fmt::format("its voxels take {} MiB, but at most {} MiB may be used", bytes >> 20, room >> 20));
     volume.voxels = bytes > room ? make_spilled_voxels(options.spill, bytes) : VoxelBuffer(bytes);
-    read_bytes(path, layout.offset, volume.voxels, progress);
-    if (layout.big_endian) swap_all(volume);
+    read_in_place({path, layout.offset, layout.big_endian}, volume, progress);
     return std::move(volume);
 }
 

@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <string>
 
+#include "io/wire.h"
+
 namespace chiaro {
 
 /// What a name such as `head_256x256x113_uint16.raw` says, where `stated` says nothing.
@@ -22,5 +24,8 @@ RawFile examine_raw(const std::filesystem::path& path, const ReadOptions& option
 /// Reads voxels as they lie. Throws Error{input} unless the layout is complete and the file holds exactly as many
 /// bytes.
 Volume read_raw(const std::filesystem::path& path, const ReadOptions& options, Progress& progress);
+
+/// Fills the volume's voxels from where they lie in a file. Throws Error{input} where that cannot be read to their end.
+void read_in_place(const VoxelsInFile& place, Volume& volume, Progress& progress);
 
 }  // namespace chiaro
