@@ -13,8 +13,16 @@ namespace {
 constexpr std::size_t longest_header = 1 << 20;
 
 std::string beginning_of(const std::filesystem::path& path) {
-    std::string text(longest_header, '\0');
-    text.resize(open_plain(path)->read(std::as_writable_bytes(std::span(text))));
+    constexpr std::size_t piece = 1 << 14;
+    const auto source = open_plain(path);
+    std::string text;
+    const auto goes_on = [&] { return text.find("\n\n") == text.npos && text.find("\n\r\n") == text.npos; };
+    for (std::size_t got = piece; got == piece && text.size() < longest_header && goes_on();) {
+        const std::size_t before = text.size();
+        text.resize(before + piece);
+        got = source->read(std::as_writable_bytes(std::span(text).subspan(before)));
+        text.resize(before + got);
+    }
     return text;
 }
 
