@@ -8,6 +8,7 @@
 #include "io/raw.h"
 #include "io/spill.h"
 #include "io/wire.h"
+#include "volume/spare_memory.h"
 #include "volume/validate.h"
 
 #include <chiaro/error.h>
@@ -177,7 +178,7 @@ Volume decode_into(const Place& place, const DecodeRequest& request, const ReadO
         }
         in_file = checked_place(answer, request, bytes);
         if (bytes > place.max_bytes) throw Error(ErrorCode::input, "the decoder stated more voxels than are permitted");
-        volume.voxels = place.in_memory ? VoxelBuffer(bytes) : make_spilled_voxels(options.spill, bytes);
+        volume.voxels = place.in_memory ? unspecified_bytes(bytes) : make_spilled_voxels(options.spill, bytes);
     } catch (const std::exception& error) {
         refuse(request, error.what());
     }

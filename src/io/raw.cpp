@@ -6,6 +6,7 @@
 #include "io/helper_process.h"
 #include "io/memory.h"
 #include "io/spill.h"
+#include "volume/spare_memory.h"
 #include "volume/validate.h"
 
 #include <chiaro/error.h>
@@ -132,7 +133,7 @@ Volume read_raw(const std::filesystem::path& path, const ReadOptions& options, P
     const auto room = memory_within(options.max_bytes);
     if (bytes > room && bytes > free_disk_bytes(options.spill))
         refuse(path, fmt::format("its voxels take {} MiB, but at most {} MiB may be used", bytes >> 20, room >> 20));
-    volume.voxels = bytes > room ? make_spilled_voxels(options.spill, bytes) : VoxelBuffer(bytes);
+    volume.voxels = bytes > room ? make_spilled_voxels(options.spill, bytes) : unspecified_bytes(bytes);
     read_in_place({path, layout.offset, layout.big_endian}, volume, progress);
     return std::move(volume);
 }

@@ -13,6 +13,7 @@
 #include "volume/cell_ranges.h"
 #include "volume/fill_brick.h"
 #include "volume/placed.h"
+#include "volume/spare_memory.h"
 #include "volume/validate.h"
 
 namespace chiaro {
@@ -101,6 +102,19 @@ void find_range(const Device& device, const BrickRange& bricks, DeviceVolume::Da
     }
 }
 
+/// Memory for bricks, of which is zero what fill_bricks does not write. Gathers read up to three voxels behind the last
+/// one they need.
+template <class Device>
+void make_bricks(std::size_t layer_bricks, int layers, DeviceVolume::Data& data) {
+    const std::size_t voxels = layer_bricks * layers * brick_voxels, bytes = (voxels + 4) * sizeof(Device);
+    if (data.placement) {  // most bricks are others', never written, and with small pages take no memory
+        data.bricks = VoxelBuffer(bytes);
+        return data.bricks.use_small_pages();
+    }
+    data.bricks = unspecified_bytes(bytes);
+    if (data.bricks.is_borrowed()) std::fill_n(reinterpret_cast<Device*>(data.bricks.data()) + voxels, 4, Device(0));
+}
+
 /// Layer by layer, so that the source's pages can be given back behind the work.
 template <class Stored, class Device>
 void fill_bricks(const Source& source, const Conversion<Stored>& conversion, DeviceVolume::Data& data) {
@@ -112,16 +126,13 @@ void fill_bricks(const Source& source, const Conversion<Stored>& conversion, Dev
     data.cells.low.resize(std::size_t(data.cells.count[0]) * data.cells.count[1] * data.cells.count[2]);
     data.cells.high.resize(data.cells.low.size());
     const std::size_t layer_bricks = std::size_t(bricks[0]) * bricks[1];
-    // Gathers read up to three voxels behind the last one they need.
-    data.bricks = VoxelBuffer((layer_bricks * bricks[2] * brick_voxels + 4) * sizeof(Device));
+    make_bricks<Device>(layer_bricks, bricks[2], data);
     Device* out = reinterpret_cast<Device*>(data.bricks.data());
     const BoxedVoxels<Stored> voxels{volume.as<Stored>().data(), data.held};
-    // The last layer's other slices are never written, and with small pages take no memory; nor do bricks of others.
-    if (data.placement)
-        data.bricks.use_small_pages();
-    else if (const std::size_t last = (bricks[2] - 1) * layer_bricks * brick_voxels;
-             slices_read(nz, bricks[2] - 1) < brick_row)
-        data.bricks.use_small_pages(last * sizeof(Device));
+    // The last layer's other slices are zero: not written to fresh memory, of which they take none with small pages.
+    const bool is_fresh = !data.bricks.is_borrowed();
+    if (const int last = bricks[2] - 1; slices_read(nz, last) < brick_row)
+        data.bricks.use_small_pages(last * layer_bricks * brick_voxels * sizeof(Device));
     const int wide = there.end[0] - there.first[0], high = there.end[1] - there.first[1];
     for (int bz = there.first[2]; bz < there.end[2]; ++bz) {
         parallel_for(
@@ -130,7 +141,9 @@ void fill_bricks(const Source& source, const Conversion<Stored>& conversion, Dev
                 if (progress.cancelled()) return;
                 const std::array<int, 3> at{there.first[0] + int(b % wide), there.first[1] + int(b / wide), bz};
                 Device* brick = out + ((std::size_t(bz) * bricks[1] + at[1]) * bricks[0] + at[0]) * brick_voxels;
-                fill_brick(voxels, conversion, at, slices_read(nz, bz), brick);
+                const int slices = slices_read(nz, bz);
+                fill_brick(voxels, conversion, at, slices, brick);
+                if (!is_fresh) std::fill(brick + slices * brick_slice, brick + brick_voxels, Device(0));
                 fill_cells(brick, at, brick_row, data.cells);
             });
         progress.check();

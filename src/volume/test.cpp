@@ -144,6 +144,16 @@ TEST(Upload, TakesTheVolumeApartWithoutChangingTheBricks) {
     EXPECT_EQ(std::memcmp(kept.data().bricks.data(), copied.data().bricks.data(), kept.data().bricks.size()), 0);
 }
 
+TEST(Upload, LeavesNothingOfTheVolumeWhoseMemoryItTakes) {
+    const auto number = [](double x, double y, double z) { return 3 * x + 5 * y + 7 * z; };
+    const auto make = [](auto value) { return upload(tested_device(), sampled<std::uint16_t>({130, 70, 90}, value)); };
+    const DeviceVolume first = make(number);
+    make([](double, double, double) { return 65535; });
+    const DeviceVolume second = make(number);
+    ASSERT_TRUE(second.data().bricks.is_borrowed());
+    EXPECT_EQ(std::memcmp(first.data().bricks.data(), second.data().bricks.data(), first.data().bricks.size()), 0);
+}
+
 TEST(EveryOtherVoxel, IsTheUploadOfEveryOtherVoxel) {
     const auto value = [](double x, double y, double z) { return 3 * x + 5 * y + 7 * z; };
     const auto check = [&]<class T>(T) {
