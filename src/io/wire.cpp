@@ -120,11 +120,15 @@ Volume header_from_json(const json& j) {
 }
 
 nlohmann::json to_json(const VoxelsInFile& place) {
-    return {{"path", place.path.string()}, {"offset", place.offset}, {"big_endian", place.big_endian}};
+    const std::string path = place.path.string();  // bytes: it need not be UTF-8, which JSON's texts are
+    return {{"path", std::vector<std::uint8_t>(path.begin(), path.end())},
+            {"offset", place.offset},
+            {"big_endian", place.big_endian}};
 }
 
 VoxelsInFile place_from_json(const nlohmann::json& json) {
-    return {json.at("path").get<std::string>(), json.at("offset").get<std::uint64_t>(),
+    const auto path = json.at("path").get<std::vector<std::uint8_t>>();
+    return {std::string(path.begin(), path.end()), json.at("offset").get<std::uint64_t>(),
             json.at("big_endian").get<bool>()};
 }
 

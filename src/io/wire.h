@@ -3,7 +3,7 @@
 //   {"at": "file name"}     which of many files is being worked on
 //   {"error": "sentence"}   or, with "too_large": true where the voxels exceed what is permitted,
 //   {"volume": {...}}       at the end; the voxels lie in the memory file then, or, where they lie in one file as they
-//                           are, as "place": {"path", "offset", "big_endian"} says
+//                           are, as "place": {"path" (its bytes), "offset", "big_endian"} says
 // A program that serves chunks sends {"volume": {...}, "levels": [...]} first, and then, for each line "LEVEL X Y Z" of
 // its standard input, {"chunk": whether it was ever written} once the memory file holds it, or an error. One that waits
 // for a server sends {"goes_on": true} as bytes come.
