@@ -53,6 +53,7 @@ struct Cloud {
     MixtureCollisions mixed{};
 
     static constexpr bool has_normals = false, has_cuts = false;
+    static constexpr int light_candidates = 1;  ///< an even phase function makes no choice
 
     /// A new way has been taken.
     template <class F>
@@ -110,11 +111,11 @@ struct Cloud {
     template <class F>
     CHIARO_INLINE Scattered<F> scattered(const Path<F>& path, Vec3<F> direction) const {
         const F density = phase.density(dot(path.heading, direction));
-        return {density, density};
+        return {density, F(0), density};
     }
     template <class F>
-    CHIARO_INLINE Vec3<F> direction(const Path<F>& path, F u, F v) const {
-        return around(path.heading, phase.cosine(u), v);
+    CHIARO_INLINE Vec3<F> direction(const Path<F>& path, const Draw<F>& numbers) const {
+        return around(path.heading, phase.cosine(numbers.a), numbers.b);
     }
 
     template <class F>

@@ -137,6 +137,8 @@ private:
         path.scatterings = select(fresh, I(0), path.scatterings);
         path.to_light = select(fresh, I(0), path.to_light);
         path.on_surface = select(fresh, F(0), path.on_surface);
+        path.shining = select(fresh, F(0), path.shining);
+        path.colour = select<F>(fresh, {F(1), F(1), F(1)}, path.colour);
         path.throughput = select<F>(fresh, {F(1), F(1), F(1)}, path.throughput);
         path.light = select<F>(fresh, {F(0), F(0), F(0)}, path.light);
         if (start.at_points()) return begin_at(start.template point<F>(y * I(width) + x), path, fresh);
@@ -224,36 +226,51 @@ private:
         if (!probe.even) look_for_light(path, lanes & goes_on);
     }
 
-    /// Multiplies by the albedo; highlights have the colour of the light. Below a quarter a path goes on with four
-    /// times that probability (Russian roulette).
+    /// Where the albedo leaves less than a quarter a path goes on with four times that probability (Russian roulette).
     template <class F>
     CHIARO_INLINE void absorb(Path<F>& path, Mask<F> lanes) const {
         constexpr float worth = 0.25f;
-        const Vec3<F> colour = matter.colours.template at<F>(path.material);
-        Vec3<F> throughput = select(path.on_surface == F(2), path.throughput, scaled(path.throughput, colour));
-        const F most = max(throughput.x, max(throughput.y, throughput.z));
+        path.colour = select(lanes, matter.colours.template at<F>(path.material), path.colour);
+        const Vec3<F> white(F(1), F(1), F(1));
+        const Vec3<F> left = scaled(path.throughput, mad(path.shining, white - path.colour, path.colour));
+        const F most = max(left.x, max(left.y, left.z));
         const Mask<F> weak = lanes & (most < F(worth));
         if (any(weak)) {
             const Mask<F> goes_on = draw_for(weak, path).a * F(worth) < most;
             const F factor = select(goes_on, F(worth) / max(most, F(1e-30f)), F(0));
-            throughput = select(weak, factor * throughput, throughput);
+            path.throughput = select(weak, factor * path.throughput, path.throughput);
         }
-        path.throughput = select(lanes, throughput, path.throughput);
     }
 
     /// A way towards a bright part of the probe. What arrives counts f L / (p_light + p_f): the balance heuristic's
-    /// share of f L / p_light, f being the density that the path's own direction is drawn with.
+    /// share of f L / p_light, f being the density that the path's own direction is drawn with. Of several directions
+    /// one is taken, in proportion to what would arrive if all were clear, and counts for their mean (Talbot et al.
+    /// 2005).
     template <class F>
     CHIARO_INLINE void look_for_light(Path<F>& path, Mask<F> lanes) const {
         if (!any(lanes)) return;
-        const Draw<F> bin = draw_for(lanes, path), within = draw_for(lanes, path);
-        const Vec3<F> direction = probe.template towards<F>(bin, within);
-        const auto light = probe.template at<F>(direction);
-        const Scattered<F> found = scattered(path, direction);
-        lanes = lanes & (found.light > F(0));
-        if (floor.on) lanes = lanes & !falls(direction);
-        const F weight = found.light / max(found.density + light.density, F(1e-30f));
-        path.offer = select(lanes, weight * scaled(path.throughput, light.radiance), path.offer);
+        F sum(0), taken(0);
+        Vec3<F> direction = path.heading, offer(F(0), F(0), F(0));
+        for (int candidate = 0; candidate < Matter::light_candidates; ++candidate) {
+            const Draw<F> bin = draw_for(lanes, path), within = draw_for(lanes, path);
+            const F u = candidate > 0 ? draw_for(lanes, path).a : F(0);
+            const auto drawn = probe.template towards<F>(bin, within);
+            const Scattered<F> found = scattered(path, drawn.direction);
+            Mask<F> counts = lanes & (found.coloured + found.shine > F(0));
+            if (floor.on) counts = counts & !falls(drawn.direction);
+            const F weight = F(1) / max(found.density + drawn.light.density, F(1e-30f));
+            const Vec3<F> reflected = scaled(path.throughput, answer(path, found.coloured, found.shine));
+            const Vec3<F> offered = weight * scaled(reflected, drawn.light.radiance);
+            const F size = select(counts, offered.x + offered.y + offered.z, F(0));
+            sum = sum + size;
+            const Mask<F> takes = counts & (u * sum < size);
+            taken = select(takes, size, taken);
+            direction = select(takes, drawn.direction, direction);
+            offer = select(takes, offered, offer);
+        }
+        lanes = lanes & (taken > F(0));
+        const F factor = sum / (F(float(Matter::light_candidates)) * max(taken, F(1e-30f)));
+        path.offer = select(lanes, factor * offer, path.offer);
         path.transmittance = select(lanes, F(1), path.transmittance);
         path.to_light = select(lanes, Int<F>(1), path.to_light);
         set_off_towards(path, lanes, direction);
@@ -300,6 +317,7 @@ private:
         path.t = select(meets, t, path.t);
         path.normal = select(meets, Vec3<F>(floor.up), path.normal);
         path.on_surface = select(meets, F(on_floor), path.on_surface);
+        path.shining = select(meets, F(0), path.shining);
         path.material = select(meets, Int<F>(floor_material), path.material);
         path.stage = select(meets, Int<F>(collided), path.stage);
         return falling;
@@ -319,13 +337,20 @@ private:
         if (!floor.on) return found;
         const Mask<F> of_floor = path.on_surface == F(on_floor);
         const F matte = max(dot(Vec3<F>(floor.up), direction), F(0)) * F(0.318309886f);
-        return {select(of_floor, matte, found.light), select(of_floor, matte, found.density)};
+        return {select(of_floor, matte, found.coloured), select(of_floor, F(0), found.shine),
+                select(of_floor, matte, found.density)};
     }
     template <class F>
-    CHIARO_INLINE Vec3<F> direction(const Path<F>& path, F u, F v) const {
-        const Vec3<F> found = matter.direction(path, u, v);
+    CHIARO_INLINE Vec3<F> direction(const Path<F>& path, const Draw<F>& numbers) const {
+        const Vec3<F> found = matter.direction(path, numbers);
         if (!floor.on) return found;
-        return select(path.on_surface == F(on_floor), around(Vec3<F>(floor.up), sqrt(u), v), found);
+        return select(path.on_surface == F(on_floor), around(Vec3<F>(floor.up), sqrt(numbers.a), numbers.b), found);
+    }
+
+    /// What the matter makes of white light.
+    template <class F>
+    static CHIARO_INLINE Vec3<F> answer(const Path<F>& path, F coloured, F shine) {
+        return mad(coloured, path.colour, Vec3<F>(shine, shine, shine));
     }
 
     template <class F>
@@ -333,13 +358,14 @@ private:
         const Mask<F> lanes = at_stage(path, turning);
         if (!any(lanes)) return;
         const Draw<F> numbers = draw_for(lanes, path);
-        const Vec3<F> direction = this->direction(path, numbers.a, numbers.b);
+        const Vec3<F> direction = this->direction(path, numbers);
         const Scattered<F> found = scattered(path, direction);
-        const Mask<F> alike = found.light == found.density;
-        const F weight = select(alike, F(1), found.light / max(found.density, F(1e-30f)));
-        const Mask<F> goes_on = lanes & (weight > F(0));
+        const F inverse = F(1) / max(found.density, F(1e-30f));
+        const F coloured = select(found.coloured == found.density, F(1), found.coloured * inverse);
+        const Mask<F> goes_on = lanes & (found.coloured + found.shine > F(0));
         path.stage = select(lanes & !goes_on, Int<F>(ended), path.stage);
-        path.throughput = select(goes_on & !alike, weight * path.throughput, path.throughput);
+        const Vec3<F> throughput = scaled(path.throughput, answer(path, coloured, found.shine * inverse));
+        path.throughput = select(goes_on, throughput, path.throughput);
         path.density = select(goes_on, found.density, path.density);
         path.heading = select(goes_on, direction, path.heading);
         set_off_towards(path, goes_on, direction);

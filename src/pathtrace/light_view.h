@@ -48,15 +48,19 @@ struct ProbeLightView {
         const auto place = [](F share, std::int32_t n) CHIARO_INLINE_LAMBDA {
             return min(truncate(max(share, F(0)) * F(float(n))), Int<F>(n - 1));
         };
-        const Int<F> pixel = (place(down, height) * Int<F>(width) + place(across, width)) * Int<F>(3);
-        const Int<F> bin = place(down, bins_y) * Int<F>(bins_x) + place(across, bins_x);
-        return {F(gain) * Vec3<F>{gather_float(rgb, pixel), gather_float(rgb + 1, pixel), gather_float(rgb + 2, pixel)},
-                gather_float(densities, bin)};
+        return of<F>(place(down, height) * Int<F>(width) + place(across, width),
+                     place(down, bins_y) * Int<F>(bins_x) + place(across, bins_x));
     }
 
-    /// A unit direction of the world, drawn in proportion to the bins' luminance.
     template <class F>
-    CHIARO_INLINE Vec3<F> towards(const Draw<F>& bin, const Draw<F>& within) const {
+    struct Drawn {
+        Vec3<F> direction;
+        Seen<F> light;
+    };
+
+    /// A unit direction of the world, drawn in proportion to the bins' luminance, and what comes from there.
+    template <class F>
+    CHIARO_INLINE Drawn<F> towards(const Draw<F>& bin, const Draw<F>& within) const {
         const Int<F> row = rows.pick<F>(Int<F>(0), bins_y, bin.a, bin.b);
         const Int<F> column = columns.pick<F>(row * Int<F>(bins_x), bins_x, bin.c, within.a);
         const F top = gather_float(cosines, row), bottom = gather_float(cosines + 1, row);
@@ -65,7 +69,19 @@ struct ProbeLightView {
         F turns = F(0.5f) - (to_float(column) + within.c) * F(1 / float(bins_x));
         turns = select(turns < F(0), turns + F(1), turns);
         const SinCos<F> azimuth = sin_cos(turns);
-        return mad(r * azimuth.cos, Vec3<F>(axis_x), mad(r * azimuth.sin, Vec3<F>(axis_y), z * Vec3<F>(axis_z)));
+        const Vec3<F> direction =
+            mad(r * azimuth.cos, Vec3<F>(axis_x), mad(r * azimuth.sin, Vec3<F>(axis_y), z * Vec3<F>(axis_z)));
+        if (bins_x != width || bins_y != height) return {direction, at<F>(direction)};
+        const Int<F> pixel = row * Int<F>(bins_x) + column;
+        return {direction, of<F>(pixel, pixel)};
+    }
+
+private:
+    template <class F>
+    CHIARO_INLINE Seen<F> of(Int<F> pixel, Int<F> bin) const {
+        const Int<F> i = pixel * Int<F>(3);
+        return {F(gain) * Vec3<F>{gather_float(rgb, i), gather_float(rgb + 1, i), gather_float(rgb + 2, i)},
+                gather_float(densities, bin)};
     }
 };
 

@@ -17,13 +17,14 @@ enum Stage : std::int32_t {
     idle         ///< there are no more paths
 };
 
-inline constexpr float on_floor = 3;  ///< Path::on_surface
+inline constexpr float on_floor = 2;  ///< Path::on_surface
 
-/// Light that is scattered into a direction, its colour left out, and the density with which the direction is drawn;
-/// both per steradian.
+/// Light that is scattered into a direction, and the density with which the direction is drawn; all per steradian.
 template <class F>
 struct Scattered {
-    F light, density;
+    F coloured;  ///< takes the colour of the matter
+    F shine;     ///< has that of the light: a highlight's
+    F density;
 };
 
 /// Light travels in straight ways between collisions; so does the question whether a light can be seen.
@@ -40,9 +41,11 @@ struct Path {
     Vec3<F> place{F(0), F(0), F(0)};       ///< of the last collision, voxels
     Vec3<F> heading{F(0), F(0), F(1)};     ///< unit, world: away from the eye
     Vec3<F> normal{F(0), F(0), F(0)};      ///< of surfaces: unit, world, on the side the path comes from
-    F on_surface{0};     ///< the last collision: 0 a particle, 1 a matte surface, 2 its highlight, 3 the floor
+    F on_surface{0};                       ///< the last collision: 0 a particle, 1 a surface, 2 the floor
+    F shining{0};        ///< of surfaces: ρ(n·v), the share of directions that are drawn from the highlight
     F density{0};        ///< with which the heading was drawn, per steradian
     Int<F> material{0};  ///< entry in the tables of colours
+    Vec3<F> colour{F(1), F(1), F(1)};
 
     // The way it is on.
     Vec3<F> origin{F(0), F(0), F(0)}, direction{F(1), F(1), F(1)};  ///< voxels, voxels per mm

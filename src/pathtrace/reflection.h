@@ -16,36 +16,35 @@ struct ReflectionView {
     const float* reflected;     ///< ρ at μ = 0, 1/steps ... 1
     float matte;                ///< 1 / (1 - ρ̄)
 
-    /// A path that collided with a surface meets either the highlight, with the probability ρ(n·v), or the matter.
+    /// ρ(n·v): the share of a path's next directions that are drawn from the highlight.
     template <class F>
-    CHIARO_INLINE F choose(F u, Vec3<F> normal, Vec3<F> heading) const {
-        if (strength == 0) return F(1);
-        return select(u < reflected_at(F(0) - dot(normal, heading)), F(2), F(1));
+    CHIARO_INLINE F highlight(Vec3<F> normal, Vec3<F> heading) const {
+        return strength == 0 ? F(0) : reflected_at(F(0) - dot(normal, heading));
     }
 
-    /// Of what the path met, the colour left out.
+    /// f (n·l), and the density of both ways of drawing together.
     template <class F>
     CHIARO_INLINE Scattered<F> scattered(const Path<F>& path, Vec3<F> direction) const {
         const F cosine = max(dot(path.normal, direction), F(0)), even = cosine * F(inverse_pi);
-        if (strength == 0) return {even, even};
-        // A path that begins at a point has met nothing yet.
-        const F diffuse = select(path.on_surface == F(0), even, even * ((F(1) - reflected_at(cosine)) * F(matte)));
-        const Mask<F> shines = path.on_surface == F(2);
-        if (!any(shines)) return {diffuse, even};
+        const Mask<F> shines = path.shining > F(0);  // a path that begins at a point has met nothing yet
+        if (!any(shines)) return {even, F(0), even};
+        const F rest = F(1) - path.shining;
         const Vec3<F> sum = direction - path.heading;
         const Vec3<F> h = F(1) / sqrt(max(dot(sum, sum), F(1e-24f))) * sum;
         const F nh = max(dot(path.normal, h), F(0)), hv = max(F(0) - dot(h, path.heading), F(1e-6f));
         const F lobe = pow(nh, F(shininess));
-        const F seen = max(reflected_at(F(0) - dot(path.normal, path.heading)), F(1e-9f));
-        return {select(shines, F(strength * inverse_pi) * lobe * cosine / seen, diffuse),
-                select(shines, F((shininess + 2) * 0.125f * inverse_pi) * lobe * nh / hv, even)};
+        const F drawn = F((shininess + 2) * 0.125f * inverse_pi) * lobe * nh / hv;
+        return {select(shines, even * (rest * (F(1) - reflected_at(cosine)) * F(matte)), even),
+                select(shines, F(strength * inverse_pi) * lobe * cosine, F(0)),
+                select(shines, mad(rest, even, path.shining * drawn), even)};
     }
 
     /// Matte: by the cosine; the highlight: about a half vector drawn by (n·h)^(s + 1).
     template <class F>
-    CHIARO_INLINE Vec3<F> direction(const Path<F>& path, F u, F v) const {
+    CHIARO_INLINE Vec3<F> direction(const Path<F>& path, const Draw<F>& numbers) const {
+        const F u = numbers.a, v = numbers.b;
         if (strength == 0) return around(path.normal, sqrt(u), v);
-        const Mask<F> shines = path.on_surface == F(2);
+        const Mask<F> shines = numbers.c < path.shining;
         const F cosine = select(shines, pow(u, F(1 / (shininess + 2))), sqrt(u));
         const Vec3<F> drawn = around(path.normal, cosine, v);
         const Vec3<F> mirrored = path.heading - F(2) * dot(path.heading, drawn) * drawn;

@@ -12,6 +12,7 @@ template <class Voxel>
 struct Surfaces {
     static constexpr int most = 8;
     static constexpr bool has_normals = true, has_cuts = false;
+    static constexpr int light_candidates = 4;
 
     VolumeView<Voxel> volume;
     RegionsView regions;  ///< majorant 0 where no surface passes
@@ -44,7 +45,7 @@ struct Surfaces {
         for (std::int32_t i = count - 1; i >= 0 && any(inside); --i) {
             const Draw<F> numbers = draw_for(inside, path);
             const Mask<F> hit = inside & (value >= F(values[i])) & (numbers.a < F(opacities[i]));
-            if (any(hit)) collide(hit, material_of(Int<F>(i), p, numbers.c), numbers.b, cut.normal, path);
+            if (any(hit)) collide(hit, material_of(Int<F>(i), p, numbers.c), cut.normal, path);
             inside = inside & !hit;
         }
     }
@@ -98,7 +99,7 @@ struct Surfaces {
         const auto where = volume.locate(p, volume.voxel(p));
         const Vec3<F> gradient =
             surface_gradient(labels, where, volume.value(where) - surface, volume.gradient(where), outside);
-        collide(hit, material_of(path.surface, p, numbers.c), numbers.b, gradient, path);
+        collide(hit, material_of(path.surface, p, numbers.c), gradient, path);
     }
 
     template <class F>
@@ -106,8 +107,8 @@ struct Surfaces {
         return reflection.scattered(path, direction);
     }
     template <class F>
-    CHIARO_INLINE Vec3<F> direction(const Path<F>& path, F u, F v) const {
-        return reflection.direction(path, u, v);
+    CHIARO_INLINE Vec3<F> direction(const Path<F>& path, const Draw<F>& numbers) const {
+        return reflection.direction(path, numbers);
     }
 
 private:
@@ -142,7 +143,7 @@ private:
 
     /// The normal on the side the path comes from; on the way to the light there is none left.
     template <class F>
-    CHIARO_INLINE void collide(Mask<F> hit, Int<F> material, F u, Vec3<F> gradient, Path<F>& path) const {
+    CHIARO_INLINE void collide(Mask<F> hit, Int<F> material, Vec3<F> gradient, Path<F>& path) const {
         SamplePoint<F> sample{path.origin, F(0)};
         gradients.reflect(gradient, sample);
         Vec3<F> n = sample.outward;
@@ -151,7 +152,8 @@ private:
         const Mask<F> shadow = hit & (path.to_light == Int<F>(1)), real = hit & !shadow;
         path.transmittance = select(shadow, F(0), path.transmittance);
         path.normal = select(real, n, path.normal);
-        path.on_surface = select(real, reflection.choose(u, n, path.heading), path.on_surface);
+        path.on_surface = select(real, F(1), path.on_surface);
+        path.shining = select(real, reflection.highlight(n, path.heading), path.shining);
         path.material = select(real, material, path.material);
         path.stage = select(real, Int<F>(collided), select(shadow, Int<F>(escaped), path.stage));
     }

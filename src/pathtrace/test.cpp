@@ -133,7 +133,7 @@ struct DrawnLight {
     double density(Vec3 d) const { return view.at(kernel::Vec3<float>{float(d.x), float(d.y), float(d.z)}).density; }
     Vec3 direction(std::int32_t number) const {
         const auto key = kernel::random_key<float>(number, 0);
-        const auto d = view.towards(kernel::draw<float>(key, 0), kernel::draw<float>(key, 1));
+        const auto d = view.towards(kernel::draw<float>(key, 0), kernel::draw<float>(key, 1)).direction;
         return {d.x, d.y, d.z};
     }
 
