@@ -74,7 +74,7 @@ struct PathKernel {
     CHIARO_INLINE Int<F> operator()(const PathTask& task) const {
         using I = Int<F>;
         const std::int32_t columns = task.tile.x1 - task.tile.x0, count = columns * (task.tile.y1 - task.tile.y0);
-        constexpr int few = LaneTraits<F>::count / 4;
+        constexpr int few = LaneTraits<F>::count / 4, many = LaneTraits<F>::count / 2;
         Path<F> path;
         I collisions(0);
         std::int32_t next = refill(path, task, columns, 0, count);
@@ -97,7 +97,7 @@ struct PathKernel {
                 if (!any(busy)) return collisions;
                 continue;
             }
-            if (any(busy) && kernel::count(waiting) < few) continue;
+            if (any(busy) && kernel::count(waiting) < many) continue;
             scatter(path);
             arrive(path);
             turn(path);

@@ -32,9 +32,10 @@ struct SurfaceCloud : Cloud<Voxel> {
     template <class F>
     CHIARO_INLINE void travel(Path<F>& path) const {
         const Mask<F> going = at_stage(path, travelling), leaving = going & (path.held > F(0));
-        if (any(leaving)) leave_skin(leaving, path);
         const Mask<F> free = going & !leaving;
         if (any(free)) Base::travel(free, path);
+        const bool enough = kernel::count(leaving) >= LaneTraits<F>::count / 4 || !any(free);
+        if (enough && any(leaving)) leave_skin(leaving, path);
     }
 
     template <class F>
