@@ -17,7 +17,7 @@ struct SurfaceCloud : Cloud<Voxel> {
     ReflectionView reflection;
 
     static constexpr bool has_cuts = true;
-    static constexpr int light_candidates = 4;  ///< of 2, 3, 4, 6, 8 the least time to an error
+    static constexpr int light_candidates = 4;  ///< of 2, 3, 4, 6 the least time to an error on sample:tubes
 
     template <class F>
     CHIARO_INLINE void begin(Mask<F> lanes, const Cut<F>& cut, Path<F>& path) const {
