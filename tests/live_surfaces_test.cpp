@@ -148,6 +148,21 @@ TEST(LiveSurfaces, ASunCastsASharpShadow) {
     }
 }
 
+// Beyond the last nodes is nothing but light, also where these lie in matter.
+TEST(LiveSurfaces, AFaceNearTheBorderIsLitAtAnyDistanceOfNodes) {
+    constexpr double top = 60.4;  // 3.1 voxels below the border
+    const Volume volume = volume_of([](Vec3 p) { return logistic(p.z - top, 0.4); });
+    const Look look{{centre.x, centre.y, top + 40}, {0, 0, 1}, {1, 0, 0}, 10};
+    for (const int nodes : {1, 2, 4, 8})
+        for (const auto& [lighting, right] : {std::pair{matte, 1.0}, {sunny(), under_sunny(1)}}) {
+            IlluminationSettings settings = by(Method::visibility);
+            settings.visibility.subsample = nodes;
+            const double found = brightness(shown(volume, look, settings, skin(), lighting));
+            if (std::getenv("CHIARO_SHOW")) fmt::print("1:{}: {:.4f} of {:.4f}\n", nodes, found, right);
+            EXPECT_NEAR(found / right, 1, 0.03) << nodes << lighting.probe.source;
+        }
+}
+
 /// What a highlight adds to the picture of a ball: all of it, and the mean normal of what is brighter than half its
 /// brightest.
 struct Highlight {

@@ -27,6 +27,14 @@ struct GridView {
         const I x = min(truncate(p.x), I(last_x)), y = min(truncate(p.y), I(last_y)), z = min(truncate(p.z), I(last_z));
         return {z * I(slice) + y * I(row) + x, {p.x - to_float(x), p.y - to_float(y), p.z - to_float(z)}};
     }
+    /// How far a place lies beyond the outermost nodes: 0 up to them, 1 from one node edge off on.
+    template <class F>
+    CHIARO_INLINE F outside(Vec3<F> p_voxel) const {
+        const F x = beyond(p_voxel.x, nodes_per_voxel.x, shift.x, last.x),
+                y = beyond(p_voxel.y, nodes_per_voxel.y, shift.y, last.y),
+                z = beyond(p_voxel.z, nodes_per_voxel.z, shift.z, last.z);
+        return F(1) - (F(1) - x) * (F(1) - y) * (F(1) - z);
+    }
     /// Of a node and those behind it along x, y, and both, one slice on too.
     CHIARO_INLINE Distances rows(std::int32_t stride = 1) const {
         return {0, stride * row, stride * slice, stride * (slice + row)};
@@ -36,6 +44,11 @@ private:
     template <class F>
     static CHIARO_INLINE F along(F voxel, float scale, float offset, float highest) {
         return min(max(mad(voxel, F(scale), F(offset)), F(0)), F(highest));
+    }
+    template <class F>
+    static CHIARO_INLINE F beyond(F voxel, float scale, float offset, float highest) {
+        const F at = mad(voxel, F(scale), F(offset));
+        return min(max(max(F(0) - at, at - F(highest)), F(0)), F(1));
     }
 };
 

@@ -105,12 +105,14 @@ private:
                            mad(away * F(edge_voxels.z), normal.z, p.z)};
         };
         const auto of_normal = surface.locate(normal);
-        OfLanes<lanes> of{Corners<lanes>(grid.locate(off(lift_edges))),
+        const Vec3<F> read_at = off(lift_edges);
+        OfLanes<lanes> of{Corners<lanes>(grid.locate(read_at)),
                           Corners<lanes>(light.grid.locate(off(scattered.around ? scattered.lift_edges : lift_edges)))};
         __builtin_memcpy(of.entry, &of_normal.entry, sizeof of.entry);
         for (int corner = 0; corner < 4; ++corner) store_row(of.entry_weights[corner], of_normal.weights[corner]);
         store_row(of.normal[0], normal.x), store_row(of.normal[1], normal.y), store_row(of.normal[2], normal.z);
         store_row(of.wanted, select(wanted, F(1), F(0)));
+        store_row(of.outside, grid.outside(read_at));
         store_row(of.reflected, F(0));
         if (highlight.radiance) {
             const auto mirrored = highlight.locate(at_surface.p_voxel, at_surface.normal);
@@ -134,7 +136,7 @@ private:
     struct OfLanes {
         Corners<lanes> seen, around;
         std::int32_t entry[lanes];
-        float entry_weights[4][lanes], normal[3][lanes], wanted[lanes];
+        float entry_weights[4][lanes], normal[3][lanes], wanted[lanes], outside[lanes];
         std::int32_t mirrored[lanes];
         float mirrored_weights[4][lanes], reflected[lanes];
     };
@@ -147,13 +149,16 @@ private:
         of.seen.of(i, grid, nodes, node_weights);
         for (int corner = 0; corner < 4; ++corner) entry_weights[corner] = of.entry_weights[corner][i];
         const float normal[3] = {of.normal[0][i], of.normal[1][i], of.normal[2][i]};
-        const Sixteen visibility = harmonics.mix<Sixteen>(nodes, node_weights);
+        // Beyond the grid there is nothing: where its last nodes lie in matter all light arrives there.
+        const Sixteen nearest = harmonics.mix<Sixteen>(nodes, node_weights);
+        const float outside = of.outside[i] * surface.dark(nearest), all[16] = {outside / surface.mean};
+        const Sixteen visibility = Sixteen(1 - outside) * nearest + loaded<Sixteen>(all);
         const float clear = 1 - strength.shown;
         Four whole;
         float open[4], scatter[4] = {0, 0, 0, 0};
         store(surface.shine<Four>(visibility, of.entry[i], entry_weights, strength.shown, clear, whole), lit);
         store(whole, open);
-        if (sun.nodes) sun.add_to(lit, open, nodes, node_weights, normal, strength.shown, clear);
+        if (sun.nodes) sun.add_to(lit, open, nodes, node_weights, outside, normal, strength.shown, clear);
         if (scattered.around) {
             of.around.of(i, light.grid, nodes, node_weights);
             scattered.add_to<Sixteen>(scatter, nodes, node_weights, normal, surface.horizon(visibility));
