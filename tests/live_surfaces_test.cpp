@@ -159,7 +159,7 @@ TEST(LiveSurfaces, AFaceNearTheBorderIsLitAtAnyDistanceOfNodes) {
             settings.visibility.subsample = nodes;
             const double found = brightness(shown(volume, look, settings, skin(), lighting));
             if (std::getenv("CHIARO_SHOW")) fmt::print("1:{}: {:.4f} of {:.4f}\n", nodes, found, right);
-            EXPECT_NEAR(found / right, 1, 0.03) << nodes << lighting.probe.source;
+            EXPECT_NEAR(found / right, 1, 0.01) << nodes << lighting.probe.source;
         }
 }
 
