@@ -39,7 +39,7 @@ set(slow Transport.AHalfSpace* Transport.ThickCells* TransportEdit.ATurned* Tran
          HistogramLight.ShowsInEvery* HistogramLight.Bleeds* HistogramLight.KeepsThe* HistogramLight.IsPrepared* HistogramLight.Without* HistogramLight.CanBe* *Tool.*)
 list(JOIN slow : slow)
 set(small_tests ${CHIARO_DEVICE_TESTS})
-list(FILTER small_tests EXCLUDE REGEX "^(histogram|spao|transport|visibility)_error_test$|^(real_views|methods|live_surfaces|pattern|fit|transport_picture)_test$")
+list(FILTER small_tests EXCLUDE REGEX "^(histogram|spao|transport|visibility)_error_test$|^(real_views|methods|live_surfaces|live_geometry|pattern|fit|transport_picture)_test$")
 foreach(name ${small_tests})
   add_executable(${name}_emulated $<TARGET_OBJECTS:${name}> $<TARGET_OBJECTS:cuda_emulated>)
   target_link_libraries(${name}_emulated PRIVATE $<TARGET_PROPERTY:${name},LINK_LIBRARIES>)

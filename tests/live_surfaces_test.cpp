@@ -11,24 +11,6 @@ using namespace chiaro::testing;
 
 namespace {
 
-/// What an eye sees of a volume that a live method lights.
-Frame shown(const Volume& volume, const Look& look, const IlluminationSettings& settings,
-            const TransferFunction& tf = skin(), const Lighting& lighting = matte, const Shape& shape = {},
-            const RaySettings& rays = {}) {
-    const Device device = tested_device();
-    const Medium medium = classify(upload(device, volume), tf, shape);
-    IlluminationField field;
-    Progress progress;
-    illuminate(
-        device, medium, Prepared(), lighting, settings, [&](IlluminationField finer) { field = std::move(finer); },
-        progress);
-    Frame frame(look.pixels, look.pixels);
-    raycast(device, medium, field, lighting, camera_of(look), rays, frame, progress);
-    return frame;
-}
-/// What the frame shows of a grey of 1, where it covers.
-double brightness(const Frame& frame) { return mean(irradiance_of_columns(frame)); }
-
 constexpr Method live[] = {Method::visibility, Method::transport};
 
 IlluminationSettings by(Method method) { return {.method = method}; }

@@ -64,6 +64,22 @@ inline Frame seen(const Volume& volume, const Look& look, const PathOptions& opt
     return frame;
 }
 
+/// What an eye sees of a volume that a live method lights.
+inline Frame shown(const Volume& volume, const Look& look, const IlluminationSettings& settings,
+                   const TransferFunction& tf = skin(), const Lighting& lighting = matte, const Shape& shape = {},
+                   const RaySettings& rays = {}) {
+    const Device device = tested_device();
+    const Medium medium = classify(upload(device, volume), tf, shape);
+    IlluminationField field;
+    Progress progress;
+    illuminate(
+        device, medium, Prepared(), lighting, settings, [&](IlluminationField finer) { field = std::move(finer); },
+        progress);
+    Frame frame(look.pixels, look.pixels);
+    raycast(device, medium, field, lighting, camera_of(look), rays, frame, progress);
+    return frame;
+}
+
 /// The share of irradiance, by column of the picture: light over the grey.
 inline std::vector<double> irradiance_of_columns(const Frame& frame) {
     std::vector<double> columns(std::size_t(frame.width), 0);
@@ -77,6 +93,9 @@ inline double mean(const std::vector<double>& v) {
     for (const double x : v) sum += x;
     return sum / double(v.size());
 }
+
+/// What the frame shows of a grey of 1, where it covers.
+inline double brightness(const Frame& frame) { return mean(irradiance_of_columns(frame)); }
 
 /// Seen with white light that is scattered once, what arrives; of columns that are alike in the picture, one mean.
 inline double irradiance(const Volume& volume, const Look& look, const TransferFunction& tf = skin()) {

@@ -3,36 +3,12 @@
 #include <fmt/format.h>
 
 #include "illumination/probe/data.h"
-#include "surface_subject.h"
+#include "sharp_geometry.h"
 
 using namespace chiaro;
 using namespace chiaro::testing;
 
 namespace {
-
-/// What of the light from all sides reaches a place, by directions drawn with its cosine.
-template <class Sees>
-double share_seen(Vec3 normal, Vec3 along, const Sees& sees) {
-    std::mt19937 random(2);
-    std::uniform_real_distribution<double> uniform;
-    const Vec3 across = cross(normal, along);
-    constexpr int count = 40000;
-    int seen = 0;
-    for (int i = 0; i < count; ++i) {
-        const double z = std::sqrt(uniform(random)), phi = 2 * pi * uniform(random), r = std::sqrt(1 - z * z);
-        seen += sees(z * normal + r * std::cos(phi) * along + r * std::sin(phi) * across);
-    }
-    return double(seen) / count;
-}
-
-/// Whether the way from p along w leaves the volume before it has gone `t` on.
-bool leaves_before(Vec3 p, Vec3 w, double t) {
-    for (int axis = 0; axis < 3; ++axis) {
-        const double at = p[axis] + t * w[axis];
-        if (at < 0 || at > n - 1) return true;
-    }
-    return false;
-}
 
 TEST(Surfaces, ABallIsAsBrightAsItsAlbedo) {
     for (const double edge : {0.4, 0.8, 1.5, 2.0, 3.0}) {
@@ -129,35 +105,14 @@ TEST(Surfaces, BeamAndSensorMayBeSwapped) {
     }
 }
 
-// A plate leaves the floor under it what comes in from the sides; of one voxel it is not opaque.
 TEST(Surfaces, APlateShadowsTheFloor) {
     for (const double edge : {0.4, 0.8})
         for (const double thick : {2.0, 3.0, 5.0})
             for (const double gap : {2.0, 3.0, 4.0, 6.0, 10.0}) {
-                const Volume volume = volume_of([&](Vec3 p) {
-                    const double z = p.z - 20.3, plate = std::abs(z - gap - thick / 2) - thick / 2;
-                    return logistic(std::min(z, plate), edge);
-                });
-                const Vec3 floor{31.7, 31.9, 20.3};
-                const double truth =
-                    share_seen({0, 0, 1}, {1, 0, 0}, [&](Vec3 w) { return leaves_before(floor, w, gap / w.z); });
-                const Look look{floor + Vec3{0, 0, gap / 2}, {0, 0, 1}, {1, 0, 0}, 6};
-                EXPECT_NEAR(irradiance(volume, look), truth, 0.05) << edge << " " << thick << " " << gap;
+                const SharpScene under = under_plate(edge, thick, gap);
+                EXPECT_NEAR(irradiance(under.volume, under.look), under.truth, 0.05)
+                    << edge << " " << thick << " " << gap;
             }
-}
-
-/// The optical depth straight up through a volume: edges make a layer denser than a sharp one of its opacity.
-double depth_through(const Volume& volume) {
-    const auto voxels = volume.as<std::uint8_t>();
-    double depth = 0;
-    constexpr double step = 0.01;
-    for (double z = 0; z < n - 1; z += step) {
-        const int i = int(z);
-        const auto at = [&](int k) { return double(voxels[(std::size_t(k) * n + 32) * n + 32]); };
-        const double value = at(i) + (z - i) * (at(i + 1) - at(i));
-        depth -= step * std::log1p(-std::min(value / 200, 1.0) * 0.95);
-    }
-    return depth;
 }
 
 // Slots 16 deep between sharp walls keep more light at their bottom than those with soft walls: docs/theory/light.md
@@ -165,72 +120,24 @@ double depth_through(const Volume& volume) {
 TEST(Surfaces, ASlotIsDarkAtItsBottom) {
     for (const auto& [edge, missing] : {std::pair{0.4, 0.015}, {0.8, 0.05}})
         for (const double wide : {2.0, 4.0, 8.0}) {
-            constexpr double bottom = 40.3, deep = 16;
-            const Volume volume = volume_of([&](Vec3 p) {
-                const double block = p.z - bottom - deep,
-                             slot = std::max(std::abs(p.x - 31.7) - wide / 2, bottom - p.z);  // < 0 within
-                return logistic(std::max(block, -slot), edge);
-            });
-            const Vec3 floor{31.7, 31.9, bottom};
-            const double truth = share_seen({0, 0, 1}, {1, 0, 0}, [&](Vec3 w) {
-                const double t = deep / w.z;
-                return std::abs(t * w.x) < wide / 2 || leaves_before(floor, w, wide / 2 / std::abs(w.x));
-            });
-            const Look look{floor + Vec3{0, 0, deep / 2}, {0, 0, 1}, {1, 0, 0}, std::min(wide / 8, 0.25)};
-            const double found = irradiance(volume, look);
-            if (std::getenv("CHIARO_SHOW")) fmt::print("slot {} {}: {:.4f} of {:.4f}\n", edge, wide, found, truth);
-            EXPECT_NEAR(found, truth, missing) << edge << " " << wide;
+            const SharpScene bottom = bottom_of_slot(edge, wide);
+            const double found = irradiance(bottom.volume, bottom.look);
+            if (std::getenv("CHIARO_SHOW"))
+                fmt::print("slot {} {}: {:.4f} of {:.4f}\n", edge, wide, found, bottom.truth);
+            EXPECT_NEAR(found, bottom.truth, missing) << edge << " " << wide;
         }
 }
 
-// A translucent layer over a floor: held light must be let go before the layer.
+// Held light must be let go before the layer.
 TEST(Surfaces, ALayerShadesTheFloor) {
     for (const double edge : {0.4, 0.8})
         for (const double opacity : {0.3, 0.6})
             for (const double gap : {2.0, 4.0, 8.0}) {
-                const Volume volume = volume_of([&](Vec3 p) {
-                    const double z = p.z - 20.3, layer = std::abs(z - gap - 1) - 1;
-                    return std::max(logistic(z, edge), logistic(layer, edge, opacity / 0.95 * 200));
-                });
-                const Vec3 floor{31.7, 31.9, 20.3};
-                const double depth = depth_through(volume_of(
-                    [&](Vec3 p) { return logistic(std::abs(p.z - 20.3 - gap - 1) - 1, edge, opacity / 0.95 * 200); }));
-                std::mt19937 random(3);
-                std::uniform_real_distribution<double> uniform;
-                const double truth = share_seen({0, 0, 1}, {1, 0, 0}, [&](Vec3 w) {
-                    double through = 1;  // of the layer, before the border
-                    while (through > 0 && leaves_before(floor, w, (gap + 2 * through) / w.z)) through -= 0.02;
-                    return uniform(random) < std::exp(-std::max(through, 0.0) * depth / w.z);
-                });
-                const Look look{floor + Vec3{0, 0, std::min(gap / 2, 1.5)}, {0, 0, 1}, {1, 0, 0}, 6};
-                EXPECT_NEAR(irradiance(volume, look, skin(0, 200)), truth, gap < 3 ? 0.09 : 0.04)
+                const SharpScene under = under_layer(edge, opacity, gap);
+                EXPECT_NEAR(irradiance(under.volume, under.look, skin(0, 200)), under.truth, gap < 3 ? 0.09 : 0.04)
                     << edge << " " << opacity << " " << gap;
             }
 }
-
-/// Air between two walls, that goes on to the volume's border.
-struct Wedge {
-    Vec3 crease = normalized(Vec3{0.2, 0.9, 0.3}), n1, n2, along;
-
-    explicit Wedge(double degrees) {
-        const double half = degrees / 360 * pi;
-        const Vec3 up = normalized(cross(crease, Vec3{1, 0, 0})), side = cross(crease, up);
-        n1 = std::cos(half) * side + std::sin(half) * up, n2 = -std::cos(half) * side + std::sin(half) * up;
-        along = cross(crease, n1);
-        if (dot(along, up) < 0) along = -1.0 * along;
-    }
-    Volume volume(double edge, double noise) const {
-        return volume_of([&](Vec3 p) { return logistic(std::min(dot(p - centre, n1), dot(p - centre, n2)), edge); },
-                         noise);
-    }
-    double truth(double from_crease) const {
-        const Vec3 p = centre + from_crease * along;
-        return share_seen(n1, along, [&](Vec3 w) {
-            const double down = dot(w, n2);
-            return down >= 0 || leaves_before(p, w, -dot(p - centre, n2) / down);
-        });
-    }
-};
 
 /// The relative error of light on a wedge's wall: within two voxels of the crease, and beyond.
 std::pair<double, double> errors_in(const Wedge& wedge, double edge, double noise) {
