@@ -48,7 +48,7 @@ void set_even_times(Moments& moments, double first, double step, const std::stri
 std::uint64_t Output::checked_room(const Volume& volume) const {
     const std::uint64_t bytes = check_header(volume);
     const auto& n = volume.dimensions;
-    if (bytes > max_bytes_)
+    if (!asks_for_place() && bytes > max_bytes_)
         throw TooLarge(ErrorCode::input,
                        fmt::format("its {} x {} x {} voxels take {} MiB, but at most {} MiB may be used", n[0], n[1],
                                    n[2], bytes >> 20, max_bytes_ >> 20));
@@ -56,14 +56,13 @@ std::uint64_t Output::checked_room(const Volume& volume) const {
 }
 
 void Output::lie_at(const Volume& volume, VoxelsInFile place) {
-    if (!asks_for_place()) checked_room(volume);
+    checked_room(volume);
     place_ = std::move(place);
 }
 
 void Output::allocate(Volume& volume) {
-    check_header(volume);
-    if (asks_for_place()) refuse(not_in_place);
     const std::uint64_t bytes = checked_room(volume);
+    if (asks_for_place()) refuse(not_in_place);
     if (is_aside_) {
         volume.voxels = VoxelBuffer(bytes);
         return;

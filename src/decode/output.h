@@ -61,6 +61,7 @@ public:
     void fail(const std::string& sentence, bool is_too_large = false);
 
 private:
+    /// Of a header that makes sense, the bytes of its voxels, which are permitted or not asked for.
     std::uint64_t checked_room(const Volume& volume) const;
     bool may_report();
 
