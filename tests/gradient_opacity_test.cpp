@@ -1,5 +1,6 @@
 // Opacity by gradient, and over value and gradient: closed forms, the same medium for every light, and what is refused.
 #include <chiaro/error.h>
+#include <chiaro/samples.h>
 
 #include <algorithm>
 
@@ -205,6 +206,59 @@ TEST(GradientOpacity, FactorsAreWhatTheFunctionSays) {
     EXPECT_EQ(extinction_factor(tf, 15, 1), 0.7);
     EXPECT_NEAR(extinction_factor(tf, 17.5, 2), 0.7 * 0.5, 1e-12);
     EXPECT_EQ(extinction_factor(tf, 17.5, 1), 0);  // as wide as at half the height
+}
+
+/// Of what is passed, how much lies within .08 of the outermost shell of `sample:shells`, and how much of that shell is
+/// passed. Matter is what stands out of the background, whose values reach 14.
+struct PassedShell {
+    double all = 0, of_shell = 0;
+    void add(double extinction, bool is_in_shell) {
+        all += extinction;
+        if (is_in_shell) of_shell += extinction;
+    }
+};
+
+// A window of values that passes 70 % of the outermost shell passes the flanks of the others, too; a widget leaves out
+// what is steep.
+TEST(GradientOpacity, AWidgetPassesAShellThatNoWindowDoes) {
+    constexpr int size = 256, background = 14;
+    Progress progress;
+    const Volume volume = make_sample("shells", size, progress);
+    TransferFunction tf;
+    tf.points = {{background + 0.4, {1, 1, 1}, 0}, {background + 0.6, {1, 1, 1}, 1}};
+    tf.widgets = {{WidgetShape::rectangle, 32, 108, 0, 20, 1}};
+    std::array<PassedShell, 256> by_value;
+    PassedShell by_widget;
+    const auto voxels = volume.as<std::uint8_t>();
+    const auto at = [&](int x, int y, int z) { return double(voxels[std::size_t((z * size + y) * size + x)]); };
+    const auto from_middle = [](int i) { return 2.0 * i / (size - 1) - 1; };
+    for (int z = 1; z < size - 1; ++z)
+        for (int y = 1; y < size - 1; ++y)
+            for (int x = 1; x < size - 1; ++x) {
+                const double value = at(x, y, z);
+                if (value <= background) continue;
+                const Vec3 rise{at(x + 1, y, z) - at(x - 1, y, z), at(x, y + 1, z) - at(x, y - 1, z),
+                                at(x, y, z + 1) - at(x, y, z - 1)};
+                const bool is_in_shell =
+                    std::abs(length(Vec3{from_middle(x), from_middle(y), from_middle(z)}) - 0.82) < 0.08;
+                by_value[std::size_t(value)].add(1, is_in_shell);
+                by_widget.add(extinction_factor(tf, value, length(rise) / 2), is_in_shell);
+            }
+    double shell = 0, best_window = 0;
+    for (const PassedShell& one : by_value) shell += one.of_shell;
+    for (std::size_t low = 0; low < by_value.size(); ++low) {
+        PassedShell window;
+        for (std::size_t high = low; high < by_value.size(); ++high) {
+            window.all += by_value[high].all, window.of_shell += by_value[high].of_shell;
+            if (window.of_shell >= 0.7 * shell) best_window = std::max(best_window, window.of_shell / window.all);
+        }
+    }
+    const double kept = by_widget.of_shell / by_widget.all, passed = by_widget.of_shell / shell;
+    if (std::getenv("CHIARO_SHOW"))
+        std::printf("widget: %.3f of what it passes, %.3f of the shell; best window %.3f\n", kept, passed, best_window);
+    EXPECT_GE(kept, 0.9);
+    EXPECT_GE(passed, 0.7);
+    EXPECT_LT(best_window, 0.77);
 }
 
 TEST(GradientOpacity, IsKeptAndMovedWithTheWindow) {
