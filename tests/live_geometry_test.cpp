@@ -1,6 +1,6 @@
 // Light at surfaces by visibility against sharp geometry, under white light; that of the reference: surfaces_test.cpp.
-// Nodes are two voxels apart and V is read three voxels off a surface, so what is nearer is missed or in the way: the
-// bounds are what was found (docs/theory/light.md), wide where that is.
+// Nodes are two voxels apart: what is thinner or narrower than that they blur, and the bounds are what was found there
+// (docs/theory/light.md).
 #include <chiaro/render.h>
 #include <fmt/format.h>
 
@@ -27,14 +27,8 @@ void expect_near(const SharpScene& scene, double missing, const std::string& wha
 TEST(LiveGeometry, APlateShadowsTheFloor) {
     for (const double edge : {0.4, 0.8})
         for (const double thick : {2.0, 3.0, 5.0})
-            for (const double gap : {2.0, 3.0, 4.0, 6.0, 10.0}) {
-                // It reaches up to thick + gap, past the place where V is read or not.
-                const double missing = gap > 5 || thick > 4           ? 0.03
-                                       : thick + gap < 5              ? 0.45
-                                       : thick + gap < 6 || thick < 3 ? 0.15
-                                                                      : 0.03;
-                expect_near(under_plate(edge, thick, gap), missing, fmt::format("plate {} {} {}", edge, thick, gap));
-            }
+            for (const double gap : {2.0, 3.0, 4.0, 6.0, 10.0})
+                expect_near(under_plate(edge, thick, gap), 0.05, fmt::format("plate {} {} {}", edge, thick, gap));
 }
 
 TEST(LiveGeometry, ASlotIsDarkAtItsBottom) {
@@ -47,10 +41,7 @@ TEST(LiveGeometry, ALayerShadesTheFloor) {
     for (const double edge : {0.4, 0.8})
         for (const double opacity : {0.3, 0.6})
             for (const double gap : {2.0, 4.0, 8.0})
-                expect_near(under_layer(edge, opacity, gap),
-                            gap < 3   ? 0.5
-                            : gap < 5 ? 0.14
-                                      : 0.05,
+                expect_near(under_layer(edge, opacity, gap), gap < 3 ? 0.3 : 0.05,
                             fmt::format("layer {} {} {}", edge, opacity, gap), skin(0, 200));
 }
 
@@ -63,7 +54,7 @@ TEST(LiveGeometry, AWedgeIsDarkestAtItsCrease) {
                             (high - low) / 2};
             const auto columns =
                 irradiance_of_columns(shown(wedge.volume(edge, 0), look, {.method = Method::visibility}));
-            const double missing = degrees < 90 ? 0.55 : degrees < 140 ? 0.12 : 0.04;
+            const double missing = degrees < 90 ? 0.32 : degrees < 140 ? 0.1 : 0.04;
             for (const auto& [from, to] : {std::pair{0, 2}, {2, 6}, {6, 24}}) {
                 double light = 0, truth = 0;
                 for (int x = from; x < to; ++x) {

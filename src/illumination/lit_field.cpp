@@ -83,6 +83,7 @@ LitField lit_by_visibility(const std::shared_ptr<const LitNodes>& nodes, bool su
     arrays.add(lit, lit->sunlit);
     arrays.add(nodes, nodes->nodes().harmonics);
     kernel::VisibilityView view = lit->view;
+    if (view.crowded.depth) arrays.add(nodes->nodes().density->buffer.array());
     if (surfaces) view.cut_light = light_on_cuts(lighting, orbit_up, medium);
     LitField field{view, lit->main, lit, {}, surfaces, arrays};
     if (surfaces) add_highlight(field, lighting, camera, medium.volume.geometry());

@@ -48,9 +48,24 @@ Density downsampled_by_3(const Density& finer, const Device& device, Progress& p
     return out;
 }
 
-Density density_of_nodes(const Medium::Data& medium, Blocks blocks, const Device& device, Progress& progress) {
-    Density density = density_for(medium, 1 << blocks.halvings, device, progress);
-    return blocks.by_three ? downsampled_by_3(density, device, progress) : std::move(density);
+/// Of a grid's cells, and of nodes about half as wide, where voxels are smaller than those.
+struct Extinction {
+    Density cells;
+    std::shared_ptr<const Density> finer;
+};
+
+Extinction extinction_of(const Medium::Data& medium, Blocks blocks, const Device& device, Progress& progress) {
+    const auto density = [&](int halvings) { return density_for(medium, 1 << halvings, device, progress); };
+    if (blocks.halvings == 0) {
+        Density voxels = density(0);
+        if (!blocks.by_three) return {std::move(voxels), {}};
+        return {downsampled_by_3(voxels, device, progress),
+                std::make_shared<const Density>(halved(voxels, device, progress))};
+    }
+    Density half = density(blocks.halvings - 1);
+    if (blocks.by_three) half = downsampled_by_3(half, device, progress);
+    const auto finer = std::make_shared<const Density>(std::move(half));
+    return {halved(*finer, device, progress), finer};
 }
 
 /// As StoredValues, by places found once for each coordinate.
@@ -185,21 +200,14 @@ LightGrid light_grid(const Medium::Data& medium, int cells, double albedo_max, c
     const CellGrid fine = make_cell_grid(volume.dimensions, volume.geometry);
     const Blocks blocks = blocks_for(fine, cells);
     check_ghosts(volume, coarser(fine, blocks.edge()));
-    std::shared_ptr<const Density> finer;
-    if (blocks.halvings > 0)
-        finer = std::make_shared<const Density>(
-            density_of_nodes(medium, {blocks.halvings - 1, blocks.by_three}, device, progress));
-    LightGrid out{finer ? halved(*finer, device, progress) : density_of_nodes(medium, blocks, device, progress),
-                  {},
-                  medium.shape.mode == Mode::iso,
-                  {},
-                  {}};
+    auto [extinction, finer] = extinction_of(medium, blocks, device, progress);
+    LightGrid out{std::move(extinction), {}, medium.shape.mode == Mode::iso, {}, {}};
     out.finer = std::move(finer);
     if (!out.is_isosurface) out.boundary_cells = open_boundary_cells(medium, device, progress, out.extinction);
     if (!out.is_isosurface && surfaces == SurfaceModel::automatic)
         out.surface_share = shares_of_surface(medium, out.extinction, device, progress);
     const double edges = out.extinction.grid.edge_mm / volume.geometry.smallest_spacing_mm();
-    out.resolves_skins = float(std::clamp((3 - edges) / 2, 0.0, 1.0));
+    out.resolves_skins = float(std::clamp(1 - 0.4 * (edges - 1), 0.2, 1.0));
     Colouring(medium, albedo_max, blocks.edge(), device, progress).fill(out);
     return out;
 }

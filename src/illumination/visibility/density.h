@@ -18,6 +18,8 @@ struct Density {
     /// To be written, by one thread while it may lie on a GPU.
     float* numbers() { return reinterpret_cast<float*>(buffer.data()); }
     const float* data() const { return reinterpret_cast<const float*>(std::as_const(buffer).data()); }
+    /// Where they are once they have come from a GPU.
+    const float* address() const { return reinterpret_cast<const float*>(buffer.address()); }
     const float* on_gpu(cuda::Stream& stream) const { return reinterpret_cast<const float*>(buffer.on_gpu(stream)); }
 };
 

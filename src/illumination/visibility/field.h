@@ -2,6 +2,7 @@
 #pragma once
 #include "illumination/probe/highlight_view.h"
 #include "illumination/transport/field.h"
+#include "illumination/visibility/crowded_nodes.h"
 #include "illumination/visibility/stored.h"
 #include "illumination/visibility/sun_light.h"
 #include "illumination/visibility/surface_light.h"
@@ -24,6 +25,7 @@ struct VisibilityView {
     Float3 grid_x, grid_y, grid_z;  ///< axes of the grid in the world
     Float3 edge_voxels;             ///< a smallest voxel edge along them
     float lift_edges;               ///< V is read so far off a surface
+    CrowdedNodes crowded;           ///< where other matter is nearer than that
 
     ScatteredLight scattered;
     CutLight cut_light;
@@ -113,6 +115,8 @@ private:
         store_row(of.normal[0], normal.x), store_row(of.normal[1], normal.y), store_row(of.normal[2], normal.z);
         store_row(of.wanted, select(wanted, F(1), F(0)));
         store_row(of.outside, grid.outside(read_at));
+        const Vec3<F> nearer = off(crowded.lift_edges);
+        store_row(of.nearer[0], nearer.x), store_row(of.nearer[1], nearer.y), store_row(of.nearer[2], nearer.z);
         store_row(of.reflected, F(0));
         if (highlight.radiance) {
             const auto mirrored = highlight.locate(at_surface.p_voxel, at_surface.normal);
@@ -139,26 +143,53 @@ private:
         float entry_weights[4][lanes], normal[3][lanes], wanted[lanes], outside[lanes];
         std::int32_t mirrored[lanes];
         float mirrored_weights[4][lanes], reflected[lanes];
+        float nearer[3][lanes];
     };
+
+    /// What of the light gets to a place: V, and the sun's share.
+    template <class Sixteen>
+    struct Arriving {
+        Sixteen visibility;
+        float sun;
+    };
+    template <class Sixteen>
+    CHIARO_INLINE Arriving<Sixteen> arriving(const std::int64_t (&nodes)[8], const float (&weights)[8]) const {
+        return {harmonics.mix<Sixteen>(nodes, weights), sun.arriving(nodes, weights)};
+    }
+    /// Where other matter is among the nodes around the place off the surface, it is read nearer.
+    template <class Sixteen, int lanes>
+    CHIARO_INLINE Arriving<Sixteen> arriving(const OfLanes<lanes>& of, int i) const {
+        std::int64_t nodes[8];
+        float weights[8];
+        of.seen.of(i, grid, nodes, weights);
+        const Arriving<Sixteen> far = arriving<Sixteen>(nodes, weights);
+        const float share = crowded.share(surface.seen(far.visibility), nodes, weights);
+        if (!(share > 0)) return far;
+        const Vec3<float> place{of.nearer[0][i], of.nearer[1][i], of.nearer[2][i]};
+        Corners<1>(grid.locate(place)).of(0, grid, nodes, weights);
+        crowded.weigh_by_air(nodes, weights);
+        const Arriving<Sixteen> near = arriving<Sixteen>(nodes, weights);
+        return {Sixteen(1 - share) * far.visibility + Sixteen(share) * near.visibility,
+                mad(share, near.sun - far.sun, far.sun)};
+    }
     template <class F, int lanes>
     CHIARO_INLINE void shine(const OfLanes<lanes>& of, int i, float* lit, float* shown) const {
         using Four = typename NumbersOf<F>::Four;
         using Sixteen = typename NumbersOf<F>::Sixteen;
         std::int64_t nodes[8];
         float node_weights[8], entry_weights[4];
-        of.seen.of(i, grid, nodes, node_weights);
         for (int corner = 0; corner < 4; ++corner) entry_weights[corner] = of.entry_weights[corner][i];
         const float normal[3] = {of.normal[0][i], of.normal[1][i], of.normal[2][i]};
         // Beyond the grid there is nothing: where its last nodes lie in matter all light arrives there.
-        const Sixteen nearest = harmonics.mix<Sixteen>(nodes, node_weights);
-        const float outside = of.outside[i] * surface.dark(nearest), all[16] = {outside / surface.mean};
-        const Sixteen visibility = Sixteen(1 - outside) * nearest + loaded<Sixteen>(all);
+        const Arriving<Sixteen> nearest = arriving<Sixteen>(of, i);
+        const float outside = of.outside[i] * surface.dark(nearest.visibility), all[16] = {outside / surface.mean};
+        const Sixteen visibility = Sixteen(1 - outside) * nearest.visibility + loaded<Sixteen>(all);
         const float clear = 1 - strength.shown;
         Four whole;
         float open[4], scatter[4] = {0, 0, 0, 0};
         store(surface.shine<Four>(visibility, of.entry[i], entry_weights, strength.shown, clear, whole), lit);
         store(whole, open);
-        if (sun.nodes) sun.add_to(lit, open, nodes, node_weights, outside, normal, strength.shown, clear);
+        if (sun.nodes) sun.add_to(lit, open, mad(outside, 1 - nearest.sun, nearest.sun), normal, strength.shown, clear);
         if (scattered.around) {
             of.around.of(i, light.grid, nodes, node_weights);
             scattered.add_to<Sixteen>(scatter, nodes, node_weights, normal, surface.horizon(visibility));

@@ -131,7 +131,9 @@ std::shared_ptr<const LitLight> LitNodes::find(const ProbeLight& probe, const Ax
                  .grid_z = float3(rows[2]),
                  .edge_voxels = float3((1 / node_edges) * nodes_.grid.voxels_per_cell),
                  .lift_edges = float(surface_lift * node_edges),
+                 .crowded = {nullptr, float(crowded_lift * node_edges)},
                  .scattered = {}};
+    if (probe.surfaces && nodes_.density) lit->view.crowded.depth = nodes_.density->address();
     if (probe.particles) light_particles(from, table, *lit);
     if (sun)
         lit->view.sun = {lit->sunlit.data(), float3(sun->direction),

@@ -33,6 +33,8 @@ struct MainLight {
 /// beside it still shades. Tuned on tests/live_surfaces_test.cpp: at 1.25 a ball is 1 % too dark, at 2 furrows 2 % too
 /// bright.
 inline constexpr double surface_lift = 1.5;
+/// The same where other matter is nearer than that: tuned on tests/live_geometry_test.cpp.
+inline constexpr double crowded_lift = 0.75;
 
 /// E of the nodes, and what else the ray caster reads.
 struct LitLight {

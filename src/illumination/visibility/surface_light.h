@@ -34,20 +34,22 @@ struct SurfaceLight {
         return octahedral_cell(n, edge);
     }
 
+    /// Mean of V: the share of even light that arrives.
+    template <class Sixteen>
+    CHIARO_INLINE float seen(const Sixteen& visibility) const {
+        float first[16];
+        store(visibility, first);
+        return mean * first[0];
+    }
     /// Cosine of the horizon of a bulge where V is read, as low as the mean of V tells: -1 to 0.
     template <class Sixteen>
     CHIARO_INLINE float horizon(const Sixteen& visibility) const {
-        float first[16];
-        store(visibility, first);
-        return min(max(1 - 2 * mean * first[0], -1.0f), 0.0f);
+        return min(max(1 - 2 * seen(visibility), -1.0f), 0.0f);
     }
-
     /// 0 where half of everything is seen, 1 where a quarter is or less.
     template <class Sixteen>
     CHIARO_INLINE float dark(const Sixteen& visibility) const {
-        float first[16];
-        store(visibility, first);
-        return min(max(2 - 4 * mean * first[0], 0.0f), 1.0f);
+        return min(max(2 - 4 * seen(visibility), 0.0f), 1.0f);
     }
 
     /// E of three channels (and a fourth) by what the harmonics let through, and `clear` of all the light. What four
