@@ -45,6 +45,28 @@ TEST(LiveGeometry, ALayerShadesTheFloor) {
                             fmt::format("layer {} {} {}", edge, opacity, gap), skin(0, 200));
 }
 
+/// Of the voxels' values: what it changes of the light.
+TEST(LiveGeometry, NoiseChangesLittle) {
+    const auto check = [](const auto& scene, double within, const std::string& what) {
+        const double clean = found_by_visibility(scene(0.0));
+        for (const double range : {0.02, 0.05}) {
+            const double noisy = found_by_visibility(scene(range * 200));
+            if (std::getenv("CHIARO_SHOW"))
+                fmt::print("{} noise of {} %: {:.3f} of {:.3f}\n", what, 100 * range, noisy, clean);
+            EXPECT_NEAR(noisy, clean, within) << what << range;
+        }
+    };
+    for (const double edge : {0.4, 0.8, 1.5}) {
+        check(
+            [&](double noise) {
+                return SharpScene{ball(edge, 22.37, {1, 1, 1}, noise), at_ball(22.37), 1};
+            },
+            0.03, fmt::format("ball {}", edge));
+        check([&](double noise) { return under_plate(edge, 3, 4, noise); }, 0.015, fmt::format("plate {}", edge));
+        check([&](double noise) { return bottom_of_slot(edge, 8, noise); }, 0.015, fmt::format("slot {}", edge));
+    }
+}
+
 TEST(LiveGeometry, AWedgeIsDarkestAtItsCrease) {
     constexpr double low = 1, high = 13;
     for (const double edge : {0.4, 0.8, 1.5})

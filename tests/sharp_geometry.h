@@ -38,25 +38,29 @@ struct SharpScene {
 };
 
 /// A plate leaves the floor under it what comes in from the sides; of one voxel it is not opaque.
-inline SharpScene under_plate(double edge, double thick, double gap) {
+inline SharpScene under_plate(double edge, double thick, double gap, double noise = 0) {
     const Vec3 floor{31.7, 31.9, 20.3};
-    return {volume_of([&](Vec3 p) {
-                const double z = p.z - floor.z, plate = std::abs(z - gap - thick / 2) - thick / 2;
-                return logistic(std::min(z, plate), edge);
-            }),
+    return {volume_of(
+                [&](Vec3 p) {
+                    const double z = p.z - floor.z, plate = std::abs(z - gap - thick / 2) - thick / 2;
+                    return logistic(std::min(z, plate), edge);
+                },
+                noise),
             {floor + Vec3{0, 0, gap / 2}, {0, 0, 1}, {1, 0, 0}, 6},
             share_seen({0, 0, 1}, {1, 0, 0}, [&](Vec3 w) { return leaves_before(floor, w, gap / w.z); })};
 }
 
 /// A slot 16 deep.
-inline SharpScene bottom_of_slot(double edge, double wide) {
+inline SharpScene bottom_of_slot(double edge, double wide, double noise = 0) {
     constexpr double deep = 16;
     const Vec3 floor{31.7, 31.9, 40.3};
-    return {volume_of([&](Vec3 p) {
-                const double block = p.z - floor.z - deep,
-                             slot = std::max(std::abs(p.x - floor.x) - wide / 2, floor.z - p.z);  // < 0 within
-                return logistic(std::max(block, -slot), edge);
-            }),
+    return {volume_of(
+                [&](Vec3 p) {
+                    const double block = p.z - floor.z - deep,
+                                 slot = std::max(std::abs(p.x - floor.x) - wide / 2, floor.z - p.z);  // < 0 within
+                    return logistic(std::max(block, -slot), edge);
+                },
+                noise),
             {floor + Vec3{0, 0, deep / 2}, {0, 0, 1}, {1, 0, 0}, std::min(wide / 8, 0.25)},
             share_seen({0, 0, 1}, {1, 0, 0}, [&](Vec3 w) {
                 const double t = deep / w.z;

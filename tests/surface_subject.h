@@ -102,10 +102,12 @@ inline double irradiance(const Volume& volume, const Look& look, const TransferF
     return mean(irradiance_of_columns(seen(volume, look, {.bounces = 0, .surfaces = true}, 64, tf)));
 }
 
-inline Volume ball(double edge, double radius, Vec3 spacing = {1, 1, 1}) {
-    Volume volume = volume_of([&](Vec3 p) {
-        return logistic(length(Vec3{p.x * spacing.x, p.y * spacing.y, p.z * spacing.z} - centre) - radius, edge);
-    });
+inline Volume ball(double edge, double radius, Vec3 spacing = {1, 1, 1}, double noise = 0) {
+    Volume volume = volume_of(
+        [&](Vec3 p) {
+            return logistic(length(Vec3{p.x * spacing.x, p.y * spacing.y, p.z * spacing.z} - centre) - radius, edge);
+        },
+        noise);
     volume.geometry.spacing_mm = spacing;
     return volume;
 }

@@ -12,12 +12,12 @@ struct CrowdedNodes {
 
     /// 0: where V is read is nothing but air; 1: other matter is there. `seen`: the mean of V there.
     CHIARO_INLINE float share(float seen, const std::int64_t (&nodes)[8], const float (&weights)[8]) const {
-        if (!depth || seen >= most_seen) return 0;
+        if (!depth || seen >= max_seen) return 0;
         float around = 0;
         for (int i = 0; i < 8; ++i) around = mad(weights[i], depth[nodes[i]], around);
-        return min(around * 20, 1.0f) * min((most_seen - seen) * 20, 1.0f);
+        return min(around * 20, 1.0f) * min((max_seen - seen) * 20, 1.0f);
     }
-    /// Of nodes with matter a sixth of the optical depth halves the weight, or nearly. They still add up to 1.
+    /// Each sixth of an optical depth takes a node's weight to 1/e. They still add up to 1.
     CHIARO_INLINE void weigh_by_air(const std::int64_t (&nodes)[8], float (&weights)[8]) const {
         float sum = 0;
         for (int i = 0; i < 8; ++i) sum += weights[i] *= exp(-6 * min(depth[nodes[i]], 4.0f));
@@ -25,7 +25,7 @@ struct CrowdedNodes {
     }
 
 private:
-    static constexpr float most_seen = 0.47f;  ///< a free surface's softest edges leave .48
+    static constexpr float max_seen = 0.47f;  ///< a free surface's softest edges leave .48
 };
 
 }  // namespace chiaro::kernel
