@@ -156,7 +156,8 @@ private:
     CHIARO_INLINE Arriving<Sixteen> arriving(const std::int64_t (&nodes)[8], const float (&weights)[8]) const {
         return {harmonics.mix<Sixteen>(nodes, weights), sun.arriving(nodes, weights)};
     }
-    /// Where other matter is among the nodes around the place off the surface, it is read nearer.
+    /// Where other matter is among the nodes around the place off the surface, it is read nearer; and where that place
+    /// lies beyond the last nodes all light arrives: there is nothing.
     template <class Sixteen, int lanes>
     CHIARO_INLINE Arriving<Sixteen> arriving(const OfLanes<lanes>& of, int i) const {
         std::int64_t nodes[8];
@@ -169,8 +170,10 @@ private:
         Corners<1>(grid.locate(place)).of(0, grid, nodes, weights);
         crowded.weigh_by_air(nodes, weights);
         const Arriving<Sixteen> near = arriving<Sixteen>(nodes, weights);
-        return {Sixteen(1 - share) * far.visibility + Sixteen(share) * near.visibility,
-                mad(share, near.sun - far.sun, far.sun)};
+        const float outside = share * of.outside[i], of_far = 1 - share, of_near = share - outside;
+        const float all[16] = {outside / surface.mean};
+        return {(Sixteen(of_far) * far.visibility + Sixteen(of_near) * near.visibility) + loaded<Sixteen>(all),
+                of_far * far.sun + of_near * near.sun + outside};
     }
     template <class F, int lanes>
     CHIARO_INLINE void shine(const OfLanes<lanes>& of, int i, float* lit, float* shown) const {
@@ -180,19 +183,16 @@ private:
         float node_weights[8], entry_weights[4];
         for (int corner = 0; corner < 4; ++corner) entry_weights[corner] = of.entry_weights[corner][i];
         const float normal[3] = {of.normal[0][i], of.normal[1][i], of.normal[2][i]};
-        // Beyond the grid there is nothing: where its last nodes lie in matter all light arrives there.
-        const Arriving<Sixteen> nearest = arriving<Sixteen>(of, i);
-        const float outside = of.outside[i] * surface.dark(nearest.visibility), all[16] = {outside / surface.mean};
-        const Sixteen visibility = Sixteen(1 - outside) * nearest.visibility + loaded<Sixteen>(all);
+        const Arriving<Sixteen> here = arriving<Sixteen>(of, i);
         const float clear = 1 - strength.shown;
         Four whole;
         float open[4], scatter[4] = {0, 0, 0, 0};
-        store(surface.shine<Four>(visibility, of.entry[i], entry_weights, strength.shown, clear, whole), lit);
+        store(surface.shine<Four>(here.visibility, of.entry[i], entry_weights, strength.shown, clear, whole), lit);
         store(whole, open);
-        if (sun.nodes) sun.add_to(lit, open, mad(outside, 1 - nearest.sun, nearest.sun), normal, strength.shown, clear);
+        if (sun.nodes) sun.add_to(lit, open, here.sun, normal, strength.shown, clear);
         if (scattered.around) {
             of.around.of(i, light.grid, nodes, node_weights);
-            scattered.add_to<Sixteen>(scatter, nodes, node_weights, normal, surface.horizon(visibility));
+            scattered.add_to<Sixteen>(scatter, nodes, node_weights, normal, surface.horizon(here.visibility));
         }
         if (highlight.radiance) {
             for (int corner = 0; corner < 4; ++corner) entry_weights[corner] = of.mirrored_weights[corner][i];

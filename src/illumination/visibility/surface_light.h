@@ -46,12 +46,6 @@ struct SurfaceLight {
     CHIARO_INLINE float horizon(const Sixteen& visibility) const {
         return min(max(1 - 2 * seen(visibility), -1.0f), 0.0f);
     }
-    /// 0 where half of everything is seen, 1 where a quarter is or less.
-    template <class Sixteen>
-    CHIARO_INLINE float dark(const Sixteen& visibility) const {
-        return min(max(2 - 4 * seen(visibility), 0.0f), 1.0f);
-    }
-
     /// E of three channels (and a fourth) by what the harmonics let through, and `clear` of all the light. What four
     /// bands leave out is known where the surface's own horizon alone stops the light: it is added in proportion to the
     /// share of even light that arrives. `open`: E where nothing hides any of the light.
