@@ -20,6 +20,7 @@ CHIARO_INLINE void load(const std::uint16_t* from, std::uint16_t& shorts) { shor
 CHIARO_INLINE void store(std::uint16_t shorts, std::uint16_t* to) { *to = shorts; }
 /// The mean of each pair, rounded up.
 CHIARO_INLINE std::uint16_t mean_of(std::uint16_t a, std::uint16_t b) { return std::uint16_t((a + b + 1) >> 1); }
+CHIARO_INLINE bool is_zero(std::uint16_t shorts) { return shorts == 0; }
 /// Whole numbers up to 65535.
 CHIARO_INLINE float to_float(std::uint16_t shorts) { return float(shorts); }
 CHIARO_INLINE void store_whole(std::int32_t values, std::uint16_t* to) { *to = std::uint16_t(values); }
@@ -114,6 +115,19 @@ CHIARO_INLINE NativeShorts4 native_narrow(NativeInt v) { return __builtin_conver
 CHIARO_INLINE ShortLanes mean_of(ShortLanes a, ShortLanes b) {
     return map<std::uint16_t, 16>(
         [](auto u, auto v) __attribute__((always_inline)) { return native_mean(u, v); }, a, b);
+}
+template <int N>
+CHIARO_INLINE bool is_zero(Pack<std::uint16_t, N> shorts) {
+    if constexpr (sizeof shorts > 32)
+        return is_zero(shorts.lo) && is_zero(shorts.hi);
+    else if constexpr (!is_native<std::uint16_t, N>)
+        return is_zero(Pack<std::uint16_t, N / 2>(shorts.lo.v | shorts.hi.v));
+    else if constexpr (sizeof shorts == 16)
+        return _mm_testz_si128(__m128i(shorts.v), __m128i(shorts.v));
+#if defined(__AVX2__)
+    else
+        return _mm256_testz_si256(__m256i(shorts.v), __m256i(shorts.v));
+#endif
 }
 template <int N>
 CHIARO_INLINE void store_interleaved(Pack<std::uint16_t, N> a, Pack<std::uint16_t, N> b, std::uint16_t* to) {

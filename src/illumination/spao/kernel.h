@@ -82,6 +82,17 @@ CHIARO_INLINE Vec3<F> step_down_row(const std::uint16_t* opacity) {
     return {along(1), along(SpaoTile::row), along(SpaoTile::slice)};
 }
 
+/// Whether nothing lies within reach of any of these cells. (Means are rounded up: only of zeros it is 0.)
+/// is.)
+template <bool at_cells, class F>
+CHIARO_INLINE bool is_clear(const SpaoTile& tile, int at) {
+    const auto row = [&](int s) CHIARO_INLINE_LAMBDA {
+        return load_shorts<F>(octant_levels<at_cells>(tile, at, s).at[SpaoTile::shells]);
+    };
+    const auto low = mean_of(mean_of(row(0), row(1)), mean_of(row(2), row(3)));
+    return is_zero(mean_of(low, mean_of(mean_of(row(4), row(5)), mean_of(row(6), row(7)))));
+}
+
 template <int s>
 using Octant = std::integral_constant<int, s>;
 /// use(s) for each of the eight octants, as a number that the compiler knows.
@@ -89,6 +100,28 @@ template <class Use>
 CHIARO_INLINE void for_octants(Use&& use) {
     use(Octant<0>()), use(Octant<1>()), use(Octant<2>()), use(Octant<3>());
     use(Octant<4>()), use(Octant<5>()), use(Octant<6>()), use(Octant<7>());
+}
+
+/// The product so far of octant s at a corner, times the corner's weight.
+template <class F>
+CHIARO_INLINE void store_weighted(F product, const std::uint16_t* weight, std::uint16_t* to) {
+    store_whole(truncate(product * load_row<F>(weight) + F(0.5f)), to);
+}
+
+/// Of cells that are clear: what lies further out, whichever way they face.
+template <bool at_cells, bool goes_on, class F, int width, class Coarse>
+CHIARO_INLINE void clear_octants(const SpaoPiece<Coarse>& p, int x, F scale, const std::uint16_t* weight,
+                                 std::uint16_t (*out)[width]) {
+    F all(0);
+    for_octants([&](auto octant) CHIARO_INLINE_LAMBDA {
+        constexpr int s = decltype(octant)::value;
+        const F r = further_out<at_cells, goes_on>(p, x, s, scale);
+        if constexpr (at_cells)
+            all = all + r;
+        else
+            store_weighted(r, weight + x, out[s] + x);
+    });
+    if constexpr (at_cells) store_shares(min(F(0.125f) * all, F(1)), out[0] + x);
 }
 
 /// On the finest grid out[0] receives the accessibility, on a coarser one out[s] the product so far of octant s, times
@@ -99,6 +132,10 @@ CHIARO_INLINE void octants_piece(const SpaoBlock& b, const SpaoPiece<Coarse>& p,
     const bool has_second = goes_on || b.last >= 1;
     for (int x = 0; x < width; x += LaneTraits<F>::count) {
         const F scale = further_scale<at_cells, goes_on, F>(p, x);
+        if (is_clear<at_cells, F>(*b.tile, p.at + x)) {
+            clear_octants<at_cells, goes_on>(p, x, scale, weight, out);
+            continue;
+        }
         const Vec3<F> n = step_down_row<F>(b.tile->opacity + p.at + x);
         F all(0), outwards(0);
         for_octants([&](auto octant) CHIARO_INLINE_LAMBDA {
@@ -110,7 +147,7 @@ CHIARO_INLINE void octants_piece(const SpaoBlock& b, const SpaoPiece<Coarse>& p,
                 all = all + r;
                 outwards = outwards + max(side, F(0)) * r;
             } else {
-                store_whole(truncate(r * load_row<F>(weight + x) + F(0.5f)), out[s] + x);
+                store_weighted(r, weight + x, out[s] + x);
             }
         });
         if constexpr (at_cells)
