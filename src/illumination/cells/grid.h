@@ -56,7 +56,10 @@ struct CellValues {
     CellGrid grid;
     MirroredBuffer buffer;
 
-    explicit CellValues(const CellGrid& cells) : grid(cells), buffer((cells.size() + spare) * sizeof(std::uint16_t)) {}
+    explicit CellValues(const CellGrid& cells) : CellValues(cells, VoxelBuffer(bytes_of(cells))) {}
+    /// In memory of so many bytes.
+    CellValues(const CellGrid& cells, VoxelBuffer memory) : grid(cells), buffer(std::move(memory)) {}
+    static std::size_t bytes_of(const CellGrid& cells) { return (cells.size() + spare) * sizeof(std::uint16_t); }
     std::uint16_t* data() { return reinterpret_cast<std::uint16_t*>(buffer.data()); }
     const std::uint16_t* data() const { return reinterpret_cast<const std::uint16_t*>(buffer.data()); }
     const std::uint16_t* address() const { return reinterpret_cast<const std::uint16_t*>(buffer.address()); }

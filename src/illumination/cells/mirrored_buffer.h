@@ -12,6 +12,7 @@ namespace chiaro {
 class MirroredBuffer {
 public:
     explicit MirroredBuffer(std::size_t bytes) : here_(bytes) {}
+    explicit MirroredBuffer(VoxelBuffer memory) : here_(std::move(memory)) {}
 
     const std::byte* data() const {
         if (deferred_) deferred_->fetch();

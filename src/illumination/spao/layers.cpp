@@ -3,6 +3,7 @@
 #include "classify/medium.h"
 #include "illumination/cells/normal_offset.h"
 #include "illumination/cells/rank_nodes.h"
+#include "illumination/cells/spare_values.h"
 #include "illumination/spao/coarse.h"
 #include "illumination/spao/fused.h"
 
@@ -32,12 +33,11 @@ public:
           keeps_opacity_(together_ >= layers_ || medium.shape.mode == Mode::iso),
           opacity_(grid().count, keeps_opacity_ ? grid().count[2] : together_ * block_edge + 3 * margin),
           access_(grid().count, together_ * block_edge + 2 * margin),
-          displaced_(grid()),
+          displaced_(values_to_write(grid(), maps_.visible, is_sparse(), device.threads)),
           fill_(opacity_filler(medium, maps_, opacity_.rows())),
           normal_offset_(
               slice_lifter(device, access_.rows(), opacity_.rows(), normal_factor, maps_.visible, displaced_)) {
         check_ghosts(volume_, grid());
-        if (is_sparse()) displaced_.buffer.use_small_pages();
     }
 
     CellValues run() {

@@ -1,0 +1,103 @@
+#include "illumination/cells/spare_values.h"
+
+#include <mutex>
+#include <utility>
+
+#include "core/threads.h"
+
+namespace chiaro {
+namespace {
+
+/// Of what is mapped anew each page costs a fault and is filled with zeros. Larger values are given back.
+constexpr std::size_t largest_kept = (std::size_t(256) << 20) + 64;
+
+struct WrittenValues {
+    std::array<int, 3> count{0, 0, 0};
+    VoxelBuffer memory;
+    BlockMap written{{0, 0, 0}};  ///< elsewhere 0
+};
+
+class SpareValues {
+public:
+    /// What is kept for another grid is given back.
+    WrittenValues take(const std::array<int, 3>& count) {
+        const std::lock_guard lock(mutex_);
+        WrittenValues taken = std::exchange(last_, WrittenValues());
+        return taken.count == count ? std::move(taken) : WrittenValues();
+    }
+    void keep(WrittenValues values) {
+        const std::lock_guard lock(mutex_);
+        std::swap(last_, values);
+    }
+
+private:
+    std::mutex mutex_;
+    WrittenValues last_;
+};
+
+/// Never destroyed: values may go at the end of the process.
+SpareValues& spare_values() {
+    static SpareValues& spare = *new SpareValues;
+    return spare;
+}
+
+struct ValuesLease {
+    explicit ValuesLease(WrittenValues taken) : values(std::move(taken)) {}
+    ~ValuesLease() { spare_values().keep(std::move(values)); }
+    ValuesLease(const ValuesLease&) = delete;
+    ValuesLease& operator=(const ValuesLease&) = delete;
+    WrittenValues values;
+};
+
+/// A piece of a block is 0 again.
+void clear_piece(std::uint16_t* cells, const std::array<int, 3>& count, const std::array<int, 3>& first) {
+    const auto end = [&](int axis, int size) { return std::min(first[axis] + size, count[axis]); };
+    const int x1 = end(0, BlockPieces::width), y1 = end(1, BlockPieces::height), z1 = end(2, BlockPieces::height);
+    if (first[0] >= x1) return;
+    for (int z = first[2]; z < z1; ++z)
+        for (int y = first[1]; y < y1; ++y)
+            std::fill_n(cells + (std::size_t(z) * count[1] + y) * count[0] + first[0], x1 - first[0], std::uint16_t(0));
+}
+
+/// What was written of a block and will not be written again.
+void clear_rest(const WrittenValues& old, const BlockMap& written, std::size_t block) {
+    auto* cells = reinterpret_cast<std::uint16_t*>(const_cast<std::byte*>(old.memory.data()));
+    const auto [x, y, z] = old.written.at(block);
+    const BlockPieces none{};
+    const BlockPieces &was = old.written.pieces_of(block),
+                      &will = written.holds[block] ? written.pieces_of(block) : none;
+    constexpr int height = BlockPieces::height, rows = block_edge / height;
+    for (int k = 0; k < rows; ++k)
+        for (int j = 0; j < rows; ++j)
+            for (int i = 0; i < block_edge / BlockPieces::width; ++i)
+                if (was.bits[k][j] & ~will.bits[k][j] & 1 << i)
+                    clear_piece(cells, old.count,
+                                {x * block_edge + i * BlockPieces::width, y * block_edge + j * height,
+                                 z * block_edge + k * height});
+}
+
+}  // namespace
+
+CellValues values_to_write(const CellGrid& grid, const BlockMap& written, bool use_small_pages, int threads) {
+    const std::size_t bytes = CellValues::bytes_of(grid);
+    if (bytes > largest_kept) {
+        CellValues values(grid);
+        if (use_small_pages) values.buffer.use_small_pages();
+        return values;
+    }
+    WrittenValues values = spare_values().take(grid.count);
+    if (values.memory.size()) {
+        const auto blocks = values.written.held();
+        parallel_for(threads, std::int64_t(blocks.size()), 1,
+                     [&](std::int64_t i, std::int64_t) { clear_rest(values, written, blocks[std::size_t(i)]); });
+    } else {
+        values.count = grid.count;
+        values.memory = VoxelBuffer(bytes);
+        if (use_small_pages) values.memory.use_small_pages();
+    }
+    values.written = written;
+    const auto lease = std::make_shared<const ValuesLease>(std::move(values));
+    return {grid, VoxelBuffer::borrow(lease->values.memory.data(), bytes, lease)};
+}
+
+}  // namespace chiaro
