@@ -5,6 +5,8 @@
 #include <random>
 
 #include "fixtures.h"
+#include "illumination/cells/kernel.h"
+#include "illumination/field.h"
 #include "illumination/spao/means.h"
 #include "illumination/spao/spao.h"
 
@@ -351,6 +353,31 @@ TEST(Spao, CellsStayFewWhateverTheSpacing) {
     EXPECT_EQ(thick.count, (Cells{40, 30, 80}));
     EXPECT_EQ(thick.edge_mm, 0.5);
     EXPECT_EQ(make_cell_grid({40, 30, 20}, Geometry{}).is_voxel_grid, true);
+}
+
+TEST(Spao, MemoryOfAnAnswerThatWentLeavesNothingBehind) {
+    const Volume volume = testing::sampled<std::uint8_t>({70, 70, 70}, [](double x, double, double) { return 3 * x; });
+    const DeviceVolume uploaded = upload(tested_device(), volume);
+    const auto values_above = [&](double threshold) {
+        Progress progress;
+        const Medium medium = classify(uploaded, opaque_above(threshold), {});
+        std::vector<std::uint16_t> values;
+        illuminate(
+            tested_device(), medium, Prepared(), Lighting(), {.method = Method::spao},
+            [&](const IlluminationField& field) {
+                const CellValues& access = *field.data().access;
+                values.assign(access.data(), access.data() + access.grid.size());
+            },
+            progress);
+        return values;
+    };
+    const auto first = values_above(180);
+    EXPECT_NE(values_above(20), first);
+    EXPECT_EQ(values_above(180), first);
+}
+
+TEST(Spao, SharesWithoutADivisionAreThoseOfOne) {
+    for (int i = 0; i < 65536; ++i) ASSERT_EQ(kernel::share_of(float(i)), float(i) / 65535);
 }
 
 TEST(Spao, StrengthBlendsTowardsFullLight) {
