@@ -1,5 +1,7 @@
 #include "illumination/cells/spare_values.h"
 
+#include <algorithm>
+#include <memory>
 #include <mutex>
 #include <utility>
 

@@ -83,7 +83,6 @@ CHIARO_INLINE Vec3<F> step_down_row(const std::uint16_t* opacity) {
 }
 
 /// Whether nothing lies within reach of any of these cells. (Means are rounded up: only of zeros it is 0.)
-/// is.)
 template <bool at_cells, class F>
 CHIARO_INLINE bool is_clear(const SpaoTile& tile, int at) {
     const auto row = [&](int s) CHIARO_INLINE_LAMBDA {
