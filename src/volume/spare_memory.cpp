@@ -1,6 +1,7 @@
 #include "volume/spare_memory.h"
 
 #include <array>
+#include <memory>
 #include <mutex>
 #include <utility>
 
@@ -37,20 +38,27 @@ SpareMemory& spare_memory() {
 }
 
 struct Lease {
-    explicit Lease(VoxelBuffer taken) : memory(std::move(taken)) {}
-    ~Lease() { spare_memory().keep(std::move(memory)); }
+    Lease(VoxelBuffer taken, std::function<void(VoxelBuffer)> back) : memory(std::move(taken)), give(std::move(back)) {}
+    ~Lease() { give(std::move(memory)); }
     Lease(const Lease&) = delete;
     Lease& operator=(const Lease&) = delete;
     VoxelBuffer memory;
+    std::function<void(VoxelBuffer)> give;
 };
 
 }  // namespace
 
+VoxelBuffer lent(VoxelBuffer memory, std::function<void(VoxelBuffer)> back) {
+    const std::size_t bytes = memory.size();
+    const auto lease = std::make_shared<const Lease>(std::move(memory), std::move(back));
+    return VoxelBuffer::borrow(lease->memory.data(), bytes, lease);
+}
+
 VoxelBuffer unspecified_bytes(std::size_t bytes) {
     if (bytes < smallest || bytes > largest) return VoxelBuffer(bytes);
     VoxelBuffer memory = spare_memory().take(bytes);
-    const auto lease = std::make_shared<const Lease>(memory.size() ? std::move(memory) : VoxelBuffer(bytes));
-    return VoxelBuffer::borrow(lease->memory.data(), bytes, lease);
+    return lent(memory.size() ? std::move(memory) : VoxelBuffer(bytes),
+                [](VoxelBuffer back) { spare_memory().keep(std::move(back)); });
 }
 
 }  // namespace chiaro

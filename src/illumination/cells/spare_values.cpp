@@ -1,11 +1,11 @@
 #include "illumination/cells/spare_values.h"
 
 #include <algorithm>
-#include <memory>
 #include <mutex>
 #include <utility>
 
 #include "core/threads.h"
+#include "volume/spare_memory.h"
 
 namespace chiaro {
 namespace {
@@ -43,14 +43,6 @@ SpareValues& spare_values() {
     return spare;
 }
 
-struct ValuesLease {
-    explicit ValuesLease(WrittenValues taken) : values(std::move(taken)) {}
-    ~ValuesLease() { spare_values().keep(std::move(values)); }
-    ValuesLease(const ValuesLease&) = delete;
-    ValuesLease& operator=(const ValuesLease&) = delete;
-    WrittenValues values;
-};
-
 /// A piece of a block is 0 again.
 void clear_piece(std::uint16_t* cells, const std::array<int, 3>& count, const std::array<int, 3>& first) {
     const auto end = [&](int axis, int size) { return std::min(first[axis] + size, count[axis]); };
@@ -62,8 +54,8 @@ void clear_piece(std::uint16_t* cells, const std::array<int, 3>& count, const st
 }
 
 /// What was written of a block and will not be written again.
-void clear_rest(const WrittenValues& old, const BlockMap& written, std::size_t block) {
-    auto* cells = reinterpret_cast<std::uint16_t*>(const_cast<std::byte*>(old.memory.data()));
+void clear_rest(WrittenValues& old, const BlockMap& written, std::size_t block) {
+    auto* cells = reinterpret_cast<std::uint16_t*>(old.memory.data());
     const auto [x, y, z] = old.written.at(block);
     const BlockPieces none{};
     const BlockPieces &was = old.written.pieces_of(block),
@@ -93,13 +85,12 @@ CellValues values_to_write(const CellGrid& grid, const BlockMap& written, bool u
         parallel_for(threads, std::int64_t(blocks.size()), 1,
                      [&](std::int64_t i, std::int64_t) { clear_rest(values, written, blocks[std::size_t(i)]); });
     } else {
-        values.count = grid.count;
         values.memory = VoxelBuffer(bytes);
         if (use_small_pages) values.memory.use_small_pages();
     }
-    values.written = written;
-    const auto lease = std::make_shared<const ValuesLease>(std::move(values));
-    return {grid, VoxelBuffer::borrow(lease->values.memory.data(), bytes, lease)};
+    return {grid, lent(std::move(values.memory), [count = grid.count, written](VoxelBuffer back) {
+                spare_values().keep({count, std::move(back), written});
+            })};
 }
 
 }  // namespace chiaro
