@@ -85,12 +85,17 @@ export class Link {
     this.#timer = setTimeout(() => this.connect(), wait * 1000);
   }
 
+  /** Whether what is sent goes out: a socket that closes is not yet told to be lost. */
+  get #ready() {
+    return this.open && this.#socket.readyState === WebSocket.OPEN;
+  }
+
   /** A request: resolves with its answer, rejects with its error. `progress` hears of both progress and frames.
    * @returns {Promise<any> & {id: number}} */
   ask(type, fields = {}, progress = (_message, _data) => {}) {
     const id = ++this.#id;
     const answer = new Promise((done, fail) => {
-      if (!this.open) return fail({ code: "lost", sentence: "" });
+      if (!this.#ready) return fail({ code: "lost", sentence: "" });
       this.#waiting.set(id, { done, fail, progress });
       this.#socket.send(JSON.stringify({ type, id, ...fields }));
     });
@@ -111,7 +116,7 @@ export class Link {
   }
 
   #flush() {
-    if (!this.#pending || !this.open) return;
+    if (!this.#pending || !this.#ready) return;
     const { make, options } = this.#pending;
     const now = performance.now(), far = this.way > near, last = this.#inFlight.at(-1)?.[1] ?? 0, oldest = this.#inFlight[0]?.[1] ?? now;
     if (options.moving && this.#inFlight.length >= (far ? Math.min(12, 2 + Math.ceil(this.way / spacing)) : 1) && now - oldest < 1000) return;
@@ -138,7 +143,7 @@ export class Link {
   /** What comes of pictures: whole ones, or parts of them ("CHFP"), told as they come, so that the server knows how quick the way is. */
   #took(data) {
     this.#bytes += data.byteLength;
-    this.#socket.send(JSON.stringify({ type: "got", bytes: this.#bytes }));
+    if (this.#ready) this.#socket.send(JSON.stringify({ type: "got", bytes: this.#bytes }));
     const view = new DataView(data);
     if (view.getUint8(3) !== 80) return this.#frame(data);
     const [lane, whole, begin] = [4, 8, 12].map((at) => view.getUint32(at, true)), part = new Uint8Array(data, 16);

@@ -348,6 +348,7 @@ for (const colorScheme of ["dark", "light"]) {
     await page.click("[data-method=histogram]");
     assert.deepEqual(await faint(page), []);
     await page.click("button.primary");
+    await page.waitForSelector(".popover");
     assert.deepEqual(await faint(page), []);
   }, { options: { viewport: { width: 1440, height: 900 }, colorScheme } });
 }

@@ -338,6 +338,7 @@ visit("the opacity's tip tells it over a millimetre", async (page) => {
 visit("reduced motion: nothing of the page has an animation or a transition", async (page) => {
   for (const open of [() => page.click("button[aria-label=More]"), () => page.click("button.primary"), () => page.click(".says"), () => page.click(".pill")]) {
     await open();
+    await page.waitForSelector(".popover");
     const moving = await page.evaluate(() => [...document.querySelectorAll("*")].filter((e) => getComputedStyle(e).animationName !== "none" || parseFloat(getComputedStyle(e).transitionDuration) > 0).map((e) => e.className));
     assert.deepEqual(moving, []);
     await page.keyboard.press("Escape");
