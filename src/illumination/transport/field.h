@@ -23,6 +23,7 @@ struct ScatteredLight {
     const Light16* boundary_cells = nullptr;  ///< [node][4]: as the light, where particles are solid by themselves;
                                               ///< nullptr: as elsewhere
     float lift_edges = 0;                     ///< on surfaces light is read so far off
+    float hidden_lift_edges = 0;              ///< ... that see a tenth less than a free one does
     float shown = 1;                          ///< strength and exposure
     Float3 clear{0, 0, 0};                    ///< added: what strength leaves of light that nothing stops
 
@@ -35,6 +36,9 @@ struct ScatteredLight {
             e = mad(sample.solid, mean(light, light.four(boundary_cells, place)) - e, e);
         return mad(F(shown), e, Vec3<F>(clear));
     }
+
+    /// How far a surface that sees this share of even light is from seeing half of it, as all that are free do: 0 to 1.
+    static CHIARO_INLINE float hidden(float seen) { return min(max(10 * (0.5f - seen), 0.0f), 1.0f); }
 
     /// Added to E of a surface, between eight nodes: what comes from above its horizon, whose cosine is `horizon` (-1
     /// to 0), if light is alike on either side of that: J + 2 m · n / (1 - horizon).

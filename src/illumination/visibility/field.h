@@ -100,23 +100,29 @@ private:
         constexpr int lanes = LaneTraits<F>::count;
         const Vec3<F> normal{dot(Vec3<F>(grid_x), at_surface.normal), dot(Vec3<F>(grid_y), at_surface.normal),
                              dot(Vec3<F>(grid_z), at_surface.normal)};
-        const auto off = [&](float edges) {
+        const auto off = [&](float edges, const Vec3<F>& way) {
             const F away = F(edges) + at_surface.depth;
             const Vec3<F> p = at_surface.p_voxel;
-            return Vec3<F>{mad(away * F(edge_voxels.x), normal.x, p.x), mad(away * F(edge_voxels.y), normal.y, p.y),
-                           mad(away * F(edge_voxels.z), normal.z, p.z)};
+            return Vec3<F>{mad(away * F(edge_voxels.x), way.x, p.x), mad(away * F(edge_voxels.y), way.y, p.y),
+                           mad(away * F(edge_voxels.z), way.z, p.z)};
         };
         const auto of_normal = surface.locate(normal);
-        const Vec3<F> read_at = off(lift_edges);
-        OfLanes<lanes> of{Corners<lanes>(grid.locate(read_at)),
-                          Corners<lanes>(light.grid.locate(off(scattered.around ? scattered.lift_edges : lift_edges)))};
+        const Vec3<F> read_at = off(lift_edges, normal);
+        OfLanes<lanes> of{Corners<lanes>(grid.locate(read_at))};
         __builtin_memcpy(of.entry, &of_normal.entry, sizeof of.entry);
         for (int corner = 0; corner < 4; ++corner) store_row(of.entry_weights[corner], of_normal.weights[corner]);
         store_row(of.normal[0], normal.x), store_row(of.normal[1], normal.y), store_row(of.normal[2], normal.z);
         store_row(of.wanted, select(wanted, F(1), F(0)));
         store_row(of.outside, grid.outside(read_at));
-        const Vec3<F> nearer = off(crowded.lift_edges);
-        store_row(of.nearer[0], nearer.x), store_row(of.nearer[1], nearer.y), store_row(of.nearer[2], nearer.z);
+        of.nearer.keep(off(crowded.lift_edges, normal));
+        if (sun.nodes) {
+            const Vec3<F> way = sun.way_off(normal);
+            of.sun.keep(off(lift_edges, way)), of.sun_nearer.keep(off(crowded.lift_edges, way));
+        }
+        if (scattered.around) {
+            of.scattered.keep(off(scattered.lift_edges, normal));
+            of.scattered_nearer.keep(off(scattered.hidden_lift_edges, normal));
+        }
         store_row(of.reflected, F(0));
         if (highlight.radiance) {
             const auto mirrored = highlight.locate(at_surface.p_voxel, at_surface.normal);
@@ -136,14 +142,35 @@ private:
                select(wanted, {load_row<F>(e[3]), load_row<F>(e[4]), load_row<F>(e[5])}, met.shine)};
     }
 
+    /// A place of each lane, in voxel coordinates.
+    template <int lanes>
+    struct Places {
+        float at[3][lanes];
+
+        template <class F>
+        CHIARO_INLINE void keep(const Vec3<F>& p) {
+            store_row(at[0], p.x), store_row(at[1], p.y), store_row(at[2], p.z);
+        }
+        CHIARO_INLINE Vec3<float> of(int lane) const { return {at[0][lane], at[1][lane], at[2][lane]}; }
+    };
     template <int lanes>
     struct OfLanes {
-        Corners<lanes> seen, around;
+        Corners<lanes> seen;
         std::int32_t entry[lanes];
         float entry_weights[4][lanes], normal[3][lanes], wanted[lanes], outside[lanes];
         std::int32_t mirrored[lanes];
         float mirrored_weights[4][lanes], reflected[lanes];
-        float nearer[3][lanes];
+        Places<lanes> nearer, sun, sun_nearer, scattered, scattered_nearer;
+    };
+
+    /// Eight nodes around one place, and their weights.
+    struct Around {
+        std::int64_t nodes[8];
+        float weights[8];
+
+        CHIARO_INLINE Around(const GridView& grid, const Vec3<float>& place) {
+            Corners<1>(grid.locate(place)).of(0, grid, nodes, weights);
+        }
     };
 
     /// What of the light gets to a place: V, and the sun's share.
@@ -152,10 +179,6 @@ private:
         Sixteen visibility;
         float sun;
     };
-    template <class Sixteen>
-    CHIARO_INLINE Arriving<Sixteen> arriving(const std::int64_t (&nodes)[8], const float (&weights)[8]) const {
-        return {harmonics.mix<Sixteen>(nodes, weights), sun.arriving(nodes, weights)};
-    }
     /// Where other matter is among the nodes around the place off the surface, it is read nearer; and where that place
     /// lies beyond the last nodes all light arrives: there is nothing.
     template <class Sixteen, int lanes>
@@ -163,24 +186,30 @@ private:
         std::int64_t nodes[8];
         float weights[8];
         of.seen.of(i, grid, nodes, weights);
-        const Arriving<Sixteen> far = arriving<Sixteen>(nodes, weights);
-        const float share = crowded.share(surface.seen(far.visibility), nodes, weights);
-        if (!(share > 0)) return far;
-        const Vec3<float> place{of.nearer[0][i], of.nearer[1][i], of.nearer[2][i]};
-        Corners<1>(grid.locate(place)).of(0, grid, nodes, weights);
-        crowded.weigh_by_air(nodes, weights);
-        const Arriving<Sixteen> near = arriving<Sixteen>(nodes, weights);
+        const Sixteen far = harmonics.mix<Sixteen>(nodes, weights);
+        const float of_sun = sun_at(of.sun, i, false);
+        const float share = crowded.share(surface.seen(far), nodes, weights);
+        if (!(share > 0)) return {far, of_sun};
+        Around near(grid, of.nearer.of(i));
+        crowded.weigh_by_air(near.nodes, near.weights);
         const float outside = share * of.outside[i], of_far = 1 - share, of_near = share - outside;
         const float all[16] = {outside / surface.mean};
-        return {(Sixteen(of_far) * far.visibility + Sixteen(of_near) * near.visibility) + loaded<Sixteen>(all),
-                of_far * far.sun + of_near * near.sun + outside};
+        const Sixteen mixed = Sixteen(of_near) * harmonics.mix<Sixteen>(near.nodes, near.weights);
+        return {(Sixteen(of_far) * far + mixed) + loaded<Sixteen>(all),
+                of_far * of_sun + of_near * sun_at(of.sun_nearer, i, true) + outside};
+    }
+    template <int lanes>
+    CHIARO_INLINE float sun_at(const Places<lanes>& places, int i, bool by_air) const {
+        if (!sun.nodes) return 0;
+        Around around(grid, places.of(i));
+        if (by_air) crowded.weigh_by_air(around.nodes, around.weights);
+        return sun.arriving(around.nodes, around.weights);
     }
     template <class F, int lanes>
     CHIARO_INLINE void shine(const OfLanes<lanes>& of, int i, float* lit, float* shown) const {
         using Four = typename NumbersOf<F>::Four;
         using Sixteen = typename NumbersOf<F>::Sixteen;
-        std::int64_t nodes[8];
-        float node_weights[8], entry_weights[4];
+        float entry_weights[4];
         for (int corner = 0; corner < 4; ++corner) entry_weights[corner] = of.entry_weights[corner][i];
         const float normal[3] = {of.normal[0][i], of.normal[1][i], of.normal[2][i]};
         const Arriving<Sixteen> here = arriving<Sixteen>(of, i);
@@ -191,8 +220,10 @@ private:
         store(whole, open);
         if (sun.nodes) sun.add_to(lit, open, here.sun, normal, strength.shown, clear);
         if (scattered.around) {
-            of.around.of(i, light.grid, nodes, node_weights);
-            scattered.add_to<Sixteen>(scatter, nodes, node_weights, normal, surface.horizon(here.visibility));
+            const Vec3<float> far = of.scattered.of(i), nearer = of.scattered_nearer.of(i);
+            const float hidden = scattered.hidden(surface.seen(here.visibility));
+            const Around around(light.grid, far + hidden * (nearer - far));
+            scattered.add_to<Sixteen>(scatter, around.nodes, around.weights, normal, surface.horizon(here.visibility));
         }
         if (highlight.radiance) {
             for (int corner = 0; corner < 4; ++corner) entry_weights[corner] = of.mirrored_weights[corner][i];
