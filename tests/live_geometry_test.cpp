@@ -1,4 +1,5 @@
-// Light at surfaces by visibility against sharp geometry, under white light; that of the reference: surfaces_test.cpp.
+// Light at surfaces by visibility against sharp geometry, under white light and a sun; that of the reference:
+// surfaces_test.cpp.
 // Nodes are two voxels apart: what is thinner or narrower than that they blur, and the bounds are what was found there
 // (docs/theory/light.md).
 #include <chiaro/render.h>
@@ -20,6 +21,20 @@ void expect_near(const SharpScene& scene, double missing, const std::string& wha
     const double found = found_by_visibility(scene, tf);
     if (std::getenv("CHIARO_SHOW")) fmt::print("{}: {:.3f} of {:.3f}\n", what, found, scene.truth);
     EXPECT_NEAR(found, scene.truth, missing) << what;
+}
+
+/// A sun in the plane of y, so high above +x, in an even sky.
+Lighting sun_at(double elevation_degrees) {
+    constexpr int width = 360, height = 180;
+    std::vector<float> rgb(std::size_t(3) * width * height, 0.1f);
+    const int row = int(90 - elevation_degrees);
+    for (int y = row - 1; y <= row; ++y)
+        for (int x = width / 2 - 1; x <= width / 2; ++x)
+            for (std::size_t c = 0; c < 3; ++c) rgb[3 * (std::size_t(y) * width + std::size_t(x)) + c] = 3000;
+    Lighting lighting = matte;
+    lighting.loaded_probe = Probe(width, height, std::move(rgb));
+    lighting.probe.exposure = 0;
+    return lighting;
 }
 
 }  // namespace
@@ -87,4 +102,33 @@ TEST(LiveGeometry, AWedgeIsDarkestAtItsCrease) {
                 EXPECT_NEAR(light / truth, 1, missing) << edge << " " << degrees << " " << from;
             }
         }
+}
+
+/// Not where it would fall on what lies as high as light is read off the floor.
+TEST(LiveGeometry, ASunsShadowEndsWhereItsRayDoes) {
+    constexpr double wall = 42, high = 10;
+    const Vec3 floor{31.7, 31.9, 20.3};
+    const Volume volume = volume_of([&](Vec3 p) {
+        const double block = std::max(wall - p.x, p.z - floor.z - high);
+        return logistic(std::min(p.z - floor.z, block), 0.8);
+    });
+    for (const double elevation : {35.0, 50.0}) {
+        const double end = wall - high / std::tan(elevation * pi / 180);
+        const Look look{{end, floor.y, floor.z + 4}, {0, 0, 1}, {1, 0, 0}, 6};
+        for (const auto& [method, name] :
+             {std::pair{Method::visibility, "visibility"}, {Method::transport, "transport"}}) {
+            const auto columns =
+                irradiance_of_columns(shown(volume, look, {.method = method}, skin(), sun_at(elevation)));
+            const double half = (columns.front() + columns.back()) / 2;
+            EXPECT_LT(columns.back(), 0.4 * columns.front());
+            std::size_t x = 1;
+            while (x + 1 < columns.size() && columns[x] > half) ++x;
+            const double crossing = double(x) - 0.5 + (columns[x - 1] - half) / (columns[x - 1] - columns[x]),
+                         found = end + (2 * crossing / look.pixels - 1) * look.half_width;
+            if (std::getenv("CHIARO_SHOW"))
+                fmt::print("{}, sun at {}: a shadow ends at {:.2f} of {:.2f}; light {:.2f} and {:.2f}\n", name,
+                           elevation, found, end, columns.front(), columns.back());
+            EXPECT_NEAR(found, end, 0.8) << name << " " << elevation;
+        }
+    }
 }
