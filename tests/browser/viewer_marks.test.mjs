@@ -162,7 +162,10 @@ test("marks are kept in the scene, in undo and over a reload; the tool reads the
 test("a saved figure carries what was measured, where it is", { skip }, () => onFile(all, "figure.nrrd", async (page) => {
   const saved = async (tick) => {
     await page.click("button.primary");
-    await page.locator(".popover").getByLabel("Measurements").setChecked(tick);
+    const box = page.locator(".popover").getByLabel("Measurements");
+    await box.waitFor();
+    assert.equal(await box.count(), 1);
+    await box.setChecked(tick);
     const download = page.waitForEvent("download");
     await page.click(".popover button.primary");
     return [...readFileSync(await (await download).path())];
