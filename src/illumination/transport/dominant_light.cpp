@@ -14,7 +14,8 @@ DominantLightKernels::DominantLightKernels(const SweptMedium& medium, const Domi
     const kernel::CellPlaces places = cell_places(medium.lattices.along_x, medium.lattices.along_y);
     share.cells.places = faces.cells.places = shine.places = places;
     share.cells.open = faces.cells.open = std::sqrt(4 * std::numbers::pi);
-    share.shown = std::int64_t(medium.opaque.count()), share.length = group.directions[0].length;
+    share.shown = std::int64_t(medium.opaque.count()),
+    share.cells.length = faces.cells.length = group.directions[0].length;
     faces.rays = ray.octants[0];
     std::copy_n(ray.rays[0].weight, 4, faces.weight);
     for (int i = 0; i < 3; ++i) {
@@ -27,8 +28,8 @@ void add_dominant_light(const Device& device, const SweptMedium& medium, const D
                         Progress& progress, UncollidedLight& light) {
     const Density& density = medium.grid.extinction;
     const OpaqueCells& opaque = medium.opaque;
-    const ShField field = sweep_visibility(device, density, {dominant.direction}, dominant_coefficients, dominant_start,
-                                           SweepLattice::sheared, progress);
+    const ShField field = sweep_visibility(device, density, std::vector{dominant.direction}, dominant_coefficients,
+                                           dominant_start, SweepLattice::sheared, progress);
     const std::vector<std::int32_t> ids = opaque.ids_with_halo();
     SunPlaces places{field.node(0),
                      density.data(),

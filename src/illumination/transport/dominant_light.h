@@ -39,7 +39,7 @@ void shine(Executor& executor, const SweptMedium& medium, const DominantLight& d
     DominantLightKernels kernels(medium, dominant);
     kernels.share.cells.visibility = kernels.faces.cells.visibility = places.visibility;
     kernels.share.clear = places.clear, kernels.faces.around = places.around;
-    kernels.share.depth = places.depth, kernels.share.ids = places.ids;
+    kernels.share.depth = kernels.faces.depth = places.depth, kernels.share.ids = places.ids;
     kernels.share.mean = mean.data(), kernels.shine.mean = mean.data();
     kernels.faces.nodes = executor.input(medium.opaque.nodes()), kernels.faces.faces = places.faces;
     for (int c = 0; c < 3; ++c) {

@@ -205,8 +205,8 @@ void GpuTransport::find_first(const FirstDirections& first, Progress& progress) 
 }
 
 void GpuTransport::add_dominant_light(const Device& device, const DominantLight& dominant, Progress& progress) {
-    const GpuField seen = sweep_on_gpu(device, medium_.grid.extinction, {dominant.direction}, dominant_coefficients,
-                                       dominant_start, SweepLattice::sheared, progress);
+    const GpuField seen = sweep_on_gpu(device, medium_.grid.extinction, std::vector{dominant.direction},
+                                       dominant_coefficients, dominant_start, SweepLattice::sheared, progress);
     SunPlaces places{seen.data(), seen.density(), clear_, ids_, around_, first_faces_.data(), {}, {}};
     for (int c = 0; c < 3; ++c) {
         places.light[c] = field(first_light_, c);

@@ -207,7 +207,7 @@ LightGrid light_grid(const Medium::Data& medium, int cells, double albedo_max, c
     if (!out.is_isosurface && surfaces == SurfaceModel::automatic)
         out.surface_share = shares_of_surface(medium, out.extinction, device, progress);
     const double edges = out.extinction.grid.edge_mm / volume.geometry.smallest_spacing_mm();
-    out.resolves_skins = float(std::clamp(1 - 0.4 * (edges - 1), 0.2, 1.0));
+    out.resolves_skins = float(std::clamp(1 - 0.8 * (edges - 2), 0.2, 1.0));
     Colouring(medium, albedo_max, blocks.edge(), device, progress).fill(out);
     return out;
 }

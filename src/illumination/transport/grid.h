@@ -35,11 +35,11 @@ struct LightGrid {
     bool is_isosurface;                       ///< reflects its albedo (Lambert)
     std::vector<std::size_t> boundary_cells;  ///< nodes that a surface leaves mostly open (boundary_cells.h)
     std::optional<Density> surface_share;     ///< of nodes (visibility/surface_share.h); none: all are particles
-    /// How far cells resolve skins: 1 at one voxel's edge, .2 from three on, where a cell that is no opaque one is
-    /// rather a hard surface's neighbour than a layer of soft matter. Tuned on balls, tubes, menger, engine, bonsai,
-    /// brains and head_ct_512 under white: with 0 furrows of wide cells are too dark (engine 3.8 % from the reference,
-    /// head 2.2, menger 3.8; with .3 2.0, 1.4, 2.0), with more leaves and holes too bright (bonsai 2.7 %; 4.3 with .3,
-    /// 6.1 with .5).
+    /// How far cells resolve skins: 1 up to two voxel edges, .2 from three on, where a cell that is no opaque one is
+    /// rather a hard surface's neighbour than a layer of soft matter. Tuned as shown, white and sky: of two voxels
+    /// `sample:tubes` with .6 4.8 and 5.1 % from the reference, with 1 3.9 and 4.7; of wider cells with 0, .2 and .27
+    /// menger 3.8, 2.3, 2.1 and 3.5, 3.0, 3.2, an engine 3.7, 2.6, 2.5 and 4.3, 3.2, 3.1, a brain 2.1, 1.9, 2.3 and
+    /// 6.4, 5.0, 4.7, a bonsai 2.6, 4.1, 4.9 and 5.0, 6.0, 6.4.
     float resolves_skins = 0;
     /// Of nodes half as wide (of two voxels for cells of three), where there are such: what surfaces see of the light
     /// is found from it.
