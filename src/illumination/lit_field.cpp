@@ -83,7 +83,7 @@ LitField lit_by_visibility(const std::shared_ptr<const LitNodes>& nodes, bool su
     HostArrays arrays;
     arrays.add(lit, lit->light);
     arrays.add(lit, lit->surface);
-    arrays.add(lit, lit->sunlit);
+    for (const auto& sunlit : lit->sunlit) arrays.add(lit, sunlit);
     arrays.add(nodes, nodes->nodes().harmonics);
     kernel::VisibilityView view = lit->view;
     if (view.crowded.depth) arrays.add(nodes->nodes().density->buffer.array());

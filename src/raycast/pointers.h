@@ -20,9 +20,9 @@ template <class Views>
 void swap_pointers(Views& views, kernel::VisibilityView& view) {
     views.to_device_pointers(view.light.nodes);
     if (!view.surface.entries) view.harmonics.nodes = nullptr;  // not read
-    views.to_device_pointers(view.harmonics.nodes, view.surface.entries, view.crowded.depth, view.sun.nodes,
-                             view.scattered.around, view.scattered.boundary_cells, view.highlight.radiance,
-                             view.highlight.reflected);
+    views.to_device_pointers(view.harmonics.nodes, view.surface.entries, view.crowded.depth, view.scattered.around,
+                             view.scattered.boundary_cells, view.highlight.radiance, view.highlight.reflected);
+    for (kernel::SunLight& sun : view.suns) views.to_device_pointers(sun.nodes);
 }
 template <class Views>
 void swap_pointers(Views& views, kernel::HistogramView& view) {

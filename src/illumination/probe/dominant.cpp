@@ -1,6 +1,8 @@
 #include "illumination/probe/dominant.h"
 
 #include <algorithm>
+#include <bit>
+#include <span>
 
 #include "illumination/probe/data.h"
 #include "illumination/probe/light.h"
@@ -67,8 +69,9 @@ std::vector<ProbePiece> pieces_of(const std::vector<ProbeCell>& cells) {
 
 std::optional<DominantLight> take_dominant_light(std::vector<ProbePiece>& cells) {
     // A disc of 8° about the brightest piece, above the mean of the ring from 8° to 16° about it, is taken as one light
-    // of its own if it is more than a tenth of all light. Pieces are 2.8° wide, so the disc holds some 25 of them. The
-    // three numbers are as in the first version; how they were chosen is not recorded.
+    // of its own if it is more than a tenth of all light, and twice as bright as the ring: a corner of a wide lamp is
+    // not. Pieces are 2.8° wide, so the disc holds some 25 of them. The first three numbers are as in the first
+    // version; how they were chosen is not recorded.
     constexpr double near = 0.99027, around = 0.96126;  // cos 8°, cos 16°
     const auto dimmer = [](const ProbePiece& a, const ProbePiece& b) { return luminance_of(a) < luminance_of(b); };
     const Vec3 brightest = std::max_element(cells.begin(), cells.end(), dimmer)->direction;
@@ -82,22 +85,72 @@ std::optional<DominantLight> take_dominant_light(std::vector<ProbePiece>& cells)
         for (int c = 0; c < 3; ++c) ring.light[c] += cell.light[c];
     }
     DominantLight dominant{{}, {}};
+    ProbePiece disc;
     std::vector<ProbePiece> rest = cells;
     for (ProbePiece& cell : rest) {
         if (dot(cell.direction, brightest) < near) continue;
         const double more = cell.share * std::max(luminance_of(cell) - luminance_of(ring), 0.0);
         excess += more;
         dominant.direction = dominant.direction + more * cell.direction;
+        disc.share += cell.share;
         for (int c = 0; c < 3; ++c) {
             const double kept = std::min(cell.light[c], ring.light[c] / ring.share * cell.share);
             dominant.light[c] += cell.light[c] - kept;
+            disc.light[c] += cell.light[c];
             cell.light[c] = kept;
         }
     }
-    if (!(excess > 0.1 * all)) return {};
+    if (!(excess > 0.1 * all && luminance_of(disc) > 2 * luminance_of(ring))) return {};
     dominant.direction = normalized(dominant.direction);
     cells = std::move(rest);
     return dominant;
+}
+
+/// Cut in two of the same light, where it is widest, `cuts` times (Debevec 2005, "A Median Cut Algorithm for Light
+/// Probe Sampling"); a single piece becomes two halves.
+void cut_by_median(std::span<ProbePiece> pieces, int cuts, std::vector<std::vector<ProbePiece>>& parts) {
+    if (cuts == 0) {
+        parts.emplace_back(pieces.begin(), pieces.end());
+        return;
+    }
+    if (pieces.size() == 1) {
+        ProbePiece half = pieces[0];
+        for (double& channel : half.light) channel /= 2;
+        half.share /= 2;
+        for (int i = 0; i < 2; ++i) cut_by_median({&half, 1}, cuts - 1, parts);
+        return;
+    }
+    const auto light = [](const ProbePiece& piece) { return piece.share * luminance_of(piece); };
+    double all = 0;
+    Vec3 sum, squares;
+    for (const ProbePiece& piece : pieces) {
+        all += light(piece), sum = sum + light(piece) * piece.direction;
+        for (int axis = 0; axis < 3; ++axis)
+            squares[axis] += light(piece) * piece.direction[axis] * piece.direction[axis];
+    }
+    int widest = 0;
+    const auto spread = [&](int axis) { return squares[axis] - sum[axis] * sum[axis] / all; };
+    for (int axis = 1; axis < 3; ++axis)
+        if (spread(axis) > spread(widest)) widest = axis;
+    std::stable_sort(pieces.begin(), pieces.end(), [&](const ProbePiece& a, const ProbePiece& b) {
+        return a.direction[widest] < b.direction[widest];
+    });
+    std::size_t first = 0;
+    double below = 0;
+    while (first + 1 < pieces.size() && (first == 0 || below + light(pieces[first]) / 2 < all / 2))
+        below += light(pieces[first++]);
+    cut_by_median(pieces.first(first), cuts - 1, parts);
+    cut_by_median(pieces.subspan(first), cuts - 1, parts);
+}
+
+DominantLight together(const std::vector<ProbePiece>& pieces) {
+    DominantLight sum{{}, {}};
+    for (const ProbePiece& piece : pieces) {
+        sum.direction = sum.direction + piece.share * luminance_of(piece) * piece.direction;
+        for (int c = 0; c < 3; ++c) sum.light[c] += piece.light[c];
+    }
+    sum.direction = normalized(sum.direction);
+    return sum;
 }
 
 /// Where Σ light max(0, d·ω)^5 is largest: a highlight of the default exponent, (n·h)^20, is that wide about the
@@ -120,14 +173,66 @@ Vec3 find_shining(const std::vector<ProbePiece>& pieces) {
     return best;
 }
 
+/// The excess within 30° of where most light comes from over what lies around, if it is more than a seventh of all
+/// light: a studio's soft boxes. Taken out of `pieces`.
+Lamp take_lamp(std::vector<ProbePiece>& pieces, double all) {
+    constexpr double near = 0.86603, around = 0.76604;  // cos 30°, cos 40°
+    const Vec3 middle = find_shining(pieces);
+    ProbePiece ring;
+    for (const ProbePiece& piece : pieces) {
+        const double cosine = dot(piece.direction, middle);
+        if (cosine >= near || cosine < around) continue;
+        ring.share += piece.share;
+        for (int c = 0; c < 3; ++c) ring.light[c] += piece.light[c];
+    }
+    std::vector<ProbePiece> lit, rest = pieces;
+    double excess = 0;
+    for (ProbePiece& left : rest) {
+        if (dot(left.direction, middle) < near) continue;
+        ProbePiece more = left;
+        for (int c = 0; c < 3; ++c) {
+            left.light[c] = std::min(left.light[c], ring.light[c] / ring.share * left.share);
+            more.light[c] -= left.light[c];
+        }
+        if (!(luminance_of(more) > 0)) continue;
+        excess += more.share * luminance_of(more);
+        lit.push_back(more);
+    }
+    if (!(excess > all / 7)) return {};
+    pieces = std::move(rest);
+    Lamp lamp;
+    std::vector<std::vector<ProbePiece>> parts;
+    cut_by_median(lit, std::countr_zero(unsigned(lamp_parts)), parts);
+    for (std::vector<ProbePiece>& part : parts) {
+        std::vector<std::vector<ProbePiece>> rays;
+        ShadowedLight& shadowed = lamp.emplace_back(ShadowedLight{together(part), {}});
+        cut_by_median(part, std::countr_zero(unsigned(rays_per_part)), rays);
+        for (const auto& ray : rays) shadowed.rays.push_back(together(ray).direction);
+    }
+    return lamp;
+}
+
+std::vector<Lamp> find_lamps(std::vector<ProbePiece> pieces) {
+    double all = 0;
+    for (const ProbePiece& piece : pieces) all += piece.share * luminance_of(piece);
+    std::vector<Lamp> lamps;
+    while (lamps.size() < max_lamps) {
+        Lamp lamp = take_lamp(pieces, all);
+        if (lamp.empty()) break;
+        lamps.push_back(std::move(lamp));
+    }
+    return lamps;
+}
+
 }  // namespace
 
 ProbePieces pieces_of_probe(const Probe::Data& probe) {
     const std::vector<ProbeCell> cells = gather(probe.image);
-    ProbePieces pieces{pieces_of(cells), pieces_of(halved(cells)), {}, {}, {}};
+    ProbePieces pieces{pieces_of(cells), pieces_of(halved(cells)), {}, {}, {}, {}};
     pieces.shining = find_shining(pieces.all);
     pieces.rest = pieces.all;
     pieces.dominant = take_dominant_light(pieces.rest);
+    if (!pieces.dominant) pieces.lamps = find_lamps(pieces.all);
     return pieces;
 }
 
@@ -143,6 +248,20 @@ std::optional<DominantLight> dominant_light(const Lighting& lighting, Vec3 orbit
     found->direction = turned(grid_from_probe(lighting, orbit_up, geometry), found->direction);
     for (double& channel : found->light) channel *= probe_gain(lighting);
     return found;
+}
+
+std::vector<Lamp> lamps_of(const Lighting& lighting, Vec3 orbit_up, const Geometry& geometry) {
+    if (const auto sun = dominant_light(lighting, orbit_up, geometry)) return {{{*sun, {sun->direction}}}};
+    const Probe probe = lighting_probe(lighting);
+    const Axes turn = grid_from_probe(lighting, orbit_up, geometry);
+    std::vector<Lamp> lamps = probe.data().pieces().lamps;
+    for (Lamp& lamp : lamps)
+        for (auto& [light, rays] : lamp) {
+            light.direction = turned(turn, light.direction);
+            for (double& channel : light.light) channel *= probe_gain(lighting);
+            for (Vec3& ray : rays) ray = turned(turn, ray);
+        }
+    return lamps;
 }
 
 }  // namespace chiaro

@@ -1,4 +1,4 @@
-// What stands out in a probe as a light of its own, narrow enough to throw sharp shadows: a sun.
+// What stands out in a probe as a light with shadows of its own: a sun, or a lamp.
 #pragma once
 #include <chiaro/lighting.h>
 
@@ -22,6 +22,15 @@ struct DominantLight {
     bool operator==(const DominantLight&) const = default;
 };
 
+/// A light whose shadow is found along rays of its own: a sun, or a part of a lamp. Rays count alike.
+struct ShadowedLight {
+    DominantLight light;
+    std::vector<Vec3> rays;  ///< unit, towards it
+};
+/// A sun, or the parts of a lamp wider than that.
+using Lamp = std::vector<ShadowedLight>;
+inline constexpr int max_lamps = 2, lamp_parts = 4, rays_per_part = 8;
+
 /// A probe in pieces, in its own frame, as it was loaded. Kept by Probe::Data::pieces.
 struct ProbePieces {
     std::vector<ProbePiece> all;
@@ -29,6 +38,7 @@ struct ProbePieces {
     /// The brightest place where the excess within 8° over what lies around makes up a tenth of all light.
     std::optional<DominantLight> dominant;
     std::vector<ProbePiece> rest;  ///< all without it
+    std::vector<Lamp> lamps;       ///< that stand out most, where there is no dominant light
     Vec3 shining;                  ///< unit: from where a wide highlight shows most light
 };
 
@@ -40,5 +50,7 @@ Vec3 shining_direction(const Lighting& lighting, Vec3 orbit_up);
 
 /// The dominant light as `lighting` turns and exposes it, grid axes; none of most probes.
 std::optional<DominantLight> dominant_light(const Lighting& lighting, Vec3 orbit_up, const Geometry& geometry);
+/// That light alone, or lamps, at most `max_lamps`; turned and exposed likewise.
+std::vector<Lamp> lamps_of(const Lighting& lighting, Vec3 orbit_up, const Geometry& geometry);
 
 }  // namespace chiaro

@@ -123,23 +123,30 @@ double suitable_stops_of_probe(const Probe::Data& probe) {
 }
 
 LambertTable lambert_table(const Lighting& lighting, Vec3 orbit_up, const Geometry& geometry, ShWindow window,
-                           int bands, const std::optional<DominantLight>& left_out) {
+                           int bands, std::span<const Lamp> left_out) {
     const Axes turn = grid_from_probe(lighting, orbit_up, geometry), probe_from_grid = transposed(turn);
     const ShRotation rotation(turn);
-    const ShCoefficients towards = left_out ? spherical_harmonics(left_out->direction) : ShCoefficients{};
+    std::vector<std::pair<DominantLight, ShCoefficients>> lights;
+    for (const Lamp& lamp : left_out)
+        for (const ShadowedLight& part : lamp)
+            lights.emplace_back(part.light, spherical_harmonics(part.light.direction));
     const auto factors = window_factors(window, bands);
     const double gain = probe_gain(lighting);
     const Probe probe = lighting_probe(lighting);
     const LambertTable& own = probe.data().lambert();
     return tabulated([&](Vec3 normal) {
         LambertTable::Entry entry = own.at(turned(probe_from_grid, normal));
-        const double cosine = left_out ? std::max(dot(normal, left_out->direction), 0.0) : 0;
         for (std::size_t c = 0; c < 3; ++c) {
-            entry[c] = rotation(entry[c]);
-            const double less = left_out ? 4 * std::numbers::pi * cosine * left_out->light[c] : 0;
+            const auto all = rotation(entry[c]);
+            std::array<double, max_coefficients> less{};
+            for (const auto& [light, towards] : lights) {
+                const double cosine = std::max(dot(normal, light.direction), 0.0);
+                const double weight = 4 * std::numbers::pi * cosine * light.light[c];
+                for (int i = 0; i < max_coefficients; ++i) less[i] += weight * towards[i];
+            }
             for (int l = 0; l < max_bands; ++l)
                 for (int i = l * l; i < (l + 1) * (l + 1); ++i)
-                    entry[c][i] = float((gain * entry[c][i] - less * towards[i]) * factors[l]);
+                    entry[c][i] = float((gain * all[i] - less[i]) * factors[l]);
         }
         return entry;
     });

@@ -2,6 +2,8 @@
 #pragma once
 #include <chiaro/lighting.h>
 
+#include <span>
+
 #include "illumination/probe/dominant.h"
 #include "illumination/sh/rotation.h"
 
@@ -35,8 +37,8 @@ double suitable_stops_of_probe(const Probe::Data& probe);
 /// Normals and coefficients in the axes of the voxel grid; turned, exposed and windowed as in sh_light. A turned light
 /// is the probe's own table looked up at the normal turned back, its coefficients turned. Cost: some 2 ms of CPU
 /// time, 811 kB; once a probe .2 s for its own table.
-/// `left_out`: a light that is not counted.
+/// `left_out`: lights that are not counted.
 LambertTable lambert_table(const Lighting& lighting, Vec3 orbit_up, const Geometry& geometry, ShWindow window,
-                           int bands = max_bands, const std::optional<DominantLight>& left_out = {});
+                           int bands = max_bands, std::span<const Lamp> left_out = {});
 
 }  // namespace chiaro

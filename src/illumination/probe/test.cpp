@@ -236,6 +236,49 @@ ShCoefficients half_open(Vec3 normal) {
 
 }  // namespace
 
+/// A sun is one light, soft boxes are parts of as much light each, whose rays lie within them; what shines from
+/// everywhere has none.
+TEST(Lamps, AreWhatStandsOut) {
+    const auto lamps = [](const char* name, double rotation = 0) {
+        return lamps_of(lit_by(builtin_probe(name), rotation), {0, 0, 1}, {});
+    };
+    EXPECT_TRUE(lamps("white").empty());
+    ASSERT_EQ(lamps("sky").size(), 1u);
+    EXPECT_EQ(lamps("sky")[0].size(), 1u);
+    const auto studio = lamps("studio"), turned_one = lamps("studio", 70);
+    ASSERT_EQ(studio.size(), 2u);
+    const Vec3 key = orbit_direction(-25 * degree, 38 * degree, {0, 0, 1});
+    double all = 0;
+    for (const Lamp& lamp : studio) {
+        ASSERT_EQ(lamp.size(), std::size_t(lamp_parts));
+        for (const auto& [light, rays] : lamp) {
+            EXPECT_NEAR(light.light[1] / lamp[0].light.light[1], 1, 0.1);
+            EXPECT_EQ(rays.size(), std::size_t(rays_per_part));
+            all += light.light[1];
+        }
+    }
+    for (const auto& [light, rays] : studio[0])
+        for (const Vec3 ray : rays) EXPECT_GT(dot(ray, key), std::cos(33 * degree));
+    const double mean = sh_light(lit_by(builtin_probe("studio")), {0, 0, 1}, {}, ShWindow::none).mean[1];
+    EXPECT_GT(all, 0.85 * mean);
+    EXPECT_LT(all, mean);
+    const Vec3 first = studio[0][0].light.direction;
+    EXPECT_LT(length(turned_one[0][0].light.direction -
+                     orbit_direction(std::atan2(first.y, first.x) + 70 * degree, std::asin(first.z), {0, 0, 1})),
+              1e-9);
+}
+
+/// A wide lamp's brightest place is no sun.
+TEST(Lamps, HaveNoSunInTheirCorner) {
+    const Probe lamp = pictured(360, 180, [](Vec3 d) {
+        const bool in = d.x > 0 && std::abs(d.y) < 0.4 * d.x && std::abs(d.z - 0.5 * d.x) < 0.3 * d.x;
+        return in ? Rgb{9, 9, 9} : Rgb{0, 0, 0};
+    });
+    const auto found = lamps_of(lit_by(lamp), {0, 0, 1}, {});
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_EQ(found[0].size(), std::size_t(lamp_parts));
+}
+
 TEST(Lambert, GivesTheIrradianceOfTheWholeImage) {
     for (const char* name : {"sky", "studio", "windows", "three-point"}) {
         const Probe probe = builtin_probe(name);

@@ -20,7 +20,8 @@ struct VisibilityView {
     GridView grid;              ///< of the nodes that V is kept for
     StoredHarmonics harmonics;  ///< V of them
     SurfaceLight surface;       ///< of surfaces, by their own normals: all but the sun's
-    SunLight sun;
+    static constexpr std::int32_t max_suns = 2;
+    SunLight suns[max_suns];
     Strength strength;
     Float3 grid_x, grid_y, grid_z;  ///< axes of the grid in the world
     Float3 edge_voxels;             ///< a smallest voxel edge along them
@@ -115,9 +116,9 @@ private:
         store_row(of.wanted, select(wanted, F(1), F(0)));
         store_row(of.outside, grid.outside(read_at));
         of.nearer.keep(off(crowded.lift_edges, normal));
-        if (sun.nodes) {
-            const Vec3<F> way = sun.way_off(normal);
-            of.sun.keep(off(lift_edges, way)), of.sun_nearer.keep(off(crowded.lift_edges, way));
+        for (std::int32_t sun = 0; sun < max_suns && suns[sun].nodes; ++sun) {
+            const Vec3<F> way = suns[sun].way_off(normal);
+            of.sun[sun].keep(off(lift_edges, way)), of.sun_nearer[sun].keep(off(crowded.lift_edges, way));
         }
         if (scattered.around) {
             of.scattered.keep(off(scattered.lift_edges, normal));
@@ -160,7 +161,7 @@ private:
         float entry_weights[4][lanes], normal[3][lanes], wanted[lanes], outside[lanes];
         std::int32_t mirrored[lanes];
         float mirrored_weights[4][lanes], reflected[lanes];
-        Places<lanes> nearer, sun, sun_nearer, scattered, scattered_nearer;
+        Places<lanes> nearer, sun[max_suns], sun_nearer[max_suns], scattered, scattered_nearer;
     };
 
     /// Eight nodes around one place, and their weights.
@@ -177,7 +178,7 @@ private:
     template <class Sixteen>
     struct Arriving {
         Sixteen visibility;
-        float sun;
+        SunLight::Shares sun[max_suns];
     };
     /// Where other matter is among the nodes around the place off the surface, it is read nearer; and where that place
     /// lies beyond the last nodes all light arrives: there is nothing.
@@ -187,23 +188,32 @@ private:
         float weights[8];
         of.seen.of(i, grid, nodes, weights);
         const Sixteen far = harmonics.mix<Sixteen>(nodes, weights);
-        const float of_sun = sun_at(of.sun, i, false);
+        Arriving<Sixteen> arriving{far, {}};
+        suns_at(of.sun, i, false, arriving.sun);
         const float share = crowded.share(surface.seen(far), nodes, weights);
-        if (!(share > 0)) return {far, of_sun};
+        if (!(share > 0)) return arriving;
         Around near(grid, of.nearer.of(i));
         crowded.weigh_by_air(near.nodes, near.weights);
         const float outside = share * of.outside[i], of_far = 1 - share, of_near = share - outside;
         const float all[16] = {outside / surface.mean};
         const Sixteen mixed = Sixteen(of_near) * harmonics.mix<Sixteen>(near.nodes, near.weights);
-        return {(Sixteen(of_far) * far + mixed) + loaded<Sixteen>(all),
-                of_far * of_sun + of_near * sun_at(of.sun_nearer, i, true) + outside};
+        arriving.visibility = (Sixteen(of_far) * far + mixed) + loaded<Sixteen>(all);
+        SunLight::Shares sun_nearer[max_suns];
+        suns_at(of.sun_nearer, i, true, sun_nearer);
+        for (std::int32_t sun = 0; sun < max_suns; ++sun)
+            for (std::int32_t part = 0; part < suns[sun].parts; ++part)
+                arriving.sun[sun][part] = of_far * arriving.sun[sun][part] + of_near * sun_nearer[sun][part] + outside;
+        return arriving;
     }
+    /// The share of each part of each sun.
     template <int lanes>
-    CHIARO_INLINE float sun_at(const Places<lanes>& places, int i, bool by_air) const {
-        if (!sun.nodes) return 0;
-        Around around(grid, places.of(i));
-        if (by_air) crowded.weigh_by_air(around.nodes, around.weights);
-        return sun.arriving(around.nodes, around.weights);
+    CHIARO_INLINE void suns_at(const Places<lanes> (&places)[max_suns], int i, bool by_air,
+                               SunLight::Shares (&shares)[max_suns]) const {
+        for (std::int32_t sun = 0; sun < max_suns && suns[sun].nodes; ++sun) {
+            Around around(grid, places[sun].of(i));
+            if (by_air) crowded.weigh_by_air(around.nodes, around.weights);
+            suns[sun].arriving(around.nodes, around.weights, shares[sun]);
+        }
     }
     template <class F, int lanes>
     CHIARO_INLINE void shine(const OfLanes<lanes>& of, int i, float* lit, float* shown) const {
@@ -218,7 +228,8 @@ private:
         float open[4], scatter[4] = {0, 0, 0, 0};
         store(surface.shine<Four>(here.visibility, of.entry[i], entry_weights, strength.shown, clear, whole), lit);
         store(whole, open);
-        if (sun.nodes) sun.add_to(lit, open, here.sun, normal, strength.shown, clear);
+        for (std::int32_t sun = 0; sun < max_suns && suns[sun].nodes; ++sun)
+            suns[sun].add_to(lit, open, here.sun[sun], normal, strength.shown, clear);
         if (scattered.around) {
             const Vec3<float> far = of.scattered.of(i), nearer = of.scattered_nearer.of(i);
             const float hidden = scattered.hidden(surface.seen(here.visibility));

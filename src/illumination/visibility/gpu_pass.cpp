@@ -31,7 +31,7 @@ kernel::SweptNodes nodes_of(const CellGrid& grid, const SweepAxes& axes, const k
 /// What the kernels read of a batch, as it is on the host.
 class GridTables {
 public:
-    GridTables(const GpuField& field, const DirectionBatch& batch, const std::vector<Vec3>& all, double start)
+    GridTables(const GpuField& field, const DirectionBatch& batch, const SweptDirections& all, double start)
         : axes_(batch.axes),
           row_(field.grid().count[batch.axes.u] + 2),
           packs_(batch.directions, row_, start),
@@ -98,7 +98,7 @@ private:
 
 class ShearedTables {
 public:
-    ShearedTables(const GpuField& field, const DirectionBatch& batch, const std::vector<Vec3>& all, double start)
+    ShearedTables(const GpuField& field, const DirectionBatch& batch, const SweptDirections& all, double start)
         : axes_(batch.axes),
           shape_(field.grid().count[axes_.u], field.grid().count[axes_.v]),
           rays_(sheared_rays(batch.directions, field.grid().count[axes_.major], shape_.row, start)),
@@ -184,11 +184,11 @@ void pass_planes(const GpuField& field, std::span<Side> sides, const cuda::Array
 /// make_side(tables, views) of each batch. Each adds to numbers of its own, but for the first where these are floats;
 /// they are added up in the order of batches, as the CPU adds them.
 template <class Tables, class MakeSide>
-void sweep(const GpuField& field, const std::vector<Vec3>& directions, double start, Progress& progress,
+void sweep(const GpuField& field, const SweptDirections& directions, double start, Progress& progress,
            const MakeSide& make_side) {
     using Side = std::invoke_result_t<MakeSide, Tables&, cuda::Views&>;
     cuda::Stream& stream = field.stream();
-    const std::vector<SweepGroup> groups = sweep_groups(directions);
+    const std::vector<SweepGroup> groups = sweep_groups(directions.towards);
     std::vector<Tables> tables;
     for (const DirectionBatch& batch : direction_batches(groups)) tables.emplace_back(field, batch, directions, start);
     HostArrays arrays;
@@ -223,13 +223,12 @@ void sweep(const GpuField& field, const std::vector<Vec3>& directions, double st
 
 }  // namespace
 
-void grid_sweep_on_gpu(const GpuField& field, const std::vector<Vec3>& directions, double start, Progress& progress) {
+void grid_sweep_on_gpu(const GpuField& field, const SweptDirections& directions, double start, Progress& progress) {
     sweep<GridTables>(field, directions, start, progress,
                       [&](GridTables& tables, cuda::Views& views) { return tables.side(field, views); });
 }
 
-void sheared_sweep_on_gpu(const GpuField& field, const std::vector<Vec3>& directions, double start,
-                          Progress& progress) {
+void sheared_sweep_on_gpu(const GpuField& field, const SweptDirections& directions, double start, Progress& progress) {
     const HaloDensity density(field);
     sweep<ShearedTables>(field, directions, start, progress, [&](const ShearedTables& tables, cuda::Views& views) {
         return tables.side(field, density, views);

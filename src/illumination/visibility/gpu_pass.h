@@ -2,6 +2,7 @@
 // there is room for.
 #pragma once
 #include "illumination/visibility/gpu.h"
+#include "illumination/visibility/sweep_plan.h"
 
 namespace chiaro {
 
@@ -9,7 +10,7 @@ namespace chiaro {
 /// side by side, what all but one of them find (all, where the field is in steps): floats of the field once each.
 /// Together half of what is free is taken at most, unless one batch takes more: 256³ nodes of 16 coefficients need 1.3
 /// GiB at least, for the field above all.
-void grid_sweep_on_gpu(const GpuField& field, const std::vector<Vec3>& directions, double start, Progress& progress);
-void sheared_sweep_on_gpu(const GpuField& field, const std::vector<Vec3>& directions, double start, Progress& progress);
+void grid_sweep_on_gpu(const GpuField& field, const SweptDirections& directions, double start, Progress& progress);
+void sheared_sweep_on_gpu(const GpuField& field, const SweptDirections& directions, double start, Progress& progress);
 
 }  // namespace chiaro

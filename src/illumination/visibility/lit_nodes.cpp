@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include "core/srgb.h"
 #include "core/threads.h"
 #include "illumination/visibility/gpu.h"
 #include "illumination/visibility/launch.h"
@@ -70,17 +71,40 @@ void LitNodes::light_all(const kernel::LightKernel& light) const {
                  [&](std::int64_t first, std::int64_t end) { light_nodes(light, first, std::int32_t(end - first)); });
 }
 
-std::vector<std::uint8_t> LitNodes::sunlit(Vec3 direction, double node_edges) const {
+std::vector<std::uint8_t> LitNodes::sunlit(const Lamp& lamp, double node_edges) const {
+    static_assert(lamp_parts == 4);  // as many numbers a node as a sweep has at least
+    SweptDirections rays({}, {});
+    for (std::size_t part = 0; part < lamp.size(); ++part) {
+        rays.towards.insert(rays.towards.end(), lamp[part].rays.begin(), lamp[part].rays.end());
+        rays.part.resize(rays.towards.size(), int(part));
+    }
     Progress progress;
-    const ShField field =
-        sweep_visibility(device_, *nodes_.density, {direction}, 4, 0.5 / node_edges, SweepLattice::sheared, progress);
-    std::vector<std::uint8_t> share(nodes_.grid.size());
-    const double scale = 255 / std::sqrt(4 * pi);
-    parallel_for(device_.threads, std::int64_t(share.size()), 4096, [&](std::int64_t first, std::int64_t end) {
+    const ShField field = sweep_visibility(device_, *nodes_.density, rays, lamp_parts, 0.5 / node_edges,
+                                           lamp.size() == 1 ? SweepLattice::sheared : SweepLattice::grid, progress);
+    const std::size_t parts = lamp.size();
+    std::vector<std::uint8_t> share(nodes_.grid.size() * parts);
+    parallel_for(device_.threads, std::int64_t(nodes_.grid.size()), 4096, [&](std::int64_t first, std::int64_t end) {
         for (auto node = std::size_t(first); node < std::size_t(end); ++node)
-            share[node] = std::uint8_t(std::clamp(scale * field.node(node)[0], 0.0, 255.0) + 0.5);
+            for (std::size_t part = 0; part < parts; ++part)
+                share[node * parts + part] =
+                    std::uint8_t(std::clamp(255 * field.node(node)[part], 0.0f, 255.0f) + 0.5f);
     });
     return share;
+}
+
+/// As the ray caster reads it.
+kernel::SunLight view_of(const Lamp& lamp, const std::vector<std::uint8_t>& sunlit) {
+    static_assert(kernel::SunLight::max_parts == lamp_parts);
+    kernel::SunLight view{sunlit.data(), std::int32_t(lamp.size())};
+    Vec3 middle;
+    for (std::size_t i = 0; i < lamp.size(); ++i) {
+        const DominantLight& light = lamp[i].light;
+        for (int c = 0; c < 3; ++c) middle = middle + luminance_weights[c] * light.light[c] * light.direction;
+        for (int axis = 0; axis < 3; ++axis) view.direction[axis][i] = float(light.direction[axis]);
+        for (int c = 0; c < 3; ++c) view.light[c][i] = float(4 * light.light[c]);
+    }
+    view.ray = float3(lamp.size() == 1 ? lamp[0].light.direction : normalized(middle));
+    return view;
 }
 
 void LitNodes::light_particles(const ShLight& from, const LambertTable& table, LitLight& lit) const {
@@ -109,13 +133,13 @@ std::shared_ptr<const LitLight> LitNodes::find(const ProbeLight& probe, const Ax
     const ShLight from = sh_light(probe.lighting, probe.orbit_up, probe.geometry, nodes_.window, bands);
     const double node_edges = nodes_.grid.edge_mm / probe.geometry.smallest_spacing_mm();
     LambertTable table;
-    std::optional<DominantLight> sun;
+    std::vector<Lamp> lamps;
     if (probe.surfaces) {
-        sun = dominant_light(probe.lighting, probe.orbit_up, probe.geometry);
-        table = lambert_table(probe.lighting, probe.orbit_up, probe.geometry, nodes_.window, bands, sun);
+        lamps = lamps_of(probe.lighting, probe.orbit_up, probe.geometry);
+        table = lambert_table(probe.lighting, probe.orbit_up, probe.geometry, nodes_.window, bands, lamps);
     }
     auto lit = std::make_shared<LitLight>();
-    if (sun) lit->sunlit = sunlit(sun->direction, node_edges);
+    for (const Lamp& lamp : lamps) lit->sunlit.push_back(sunlit(lamp, node_edges));
     lit->surface = light_on_surfaces(nodes_, table);
     const kernel::SurfaceLight surface{lit->surface.empty() ? nullptr : lit->surface.data(), (table.edge + 1) / 2,
                                        float(nodes_.step(0) / std::sqrt(4 * pi))};
@@ -124,7 +148,7 @@ std::shared_ptr<const LitLight> LitNodes::find(const ProbeLight& probe, const Ax
                  .grid = view_of(nodes_.grid),
                  .harmonics = nodes_.view(),
                  .surface = surface,
-                 .sun = {},
+                 .suns = {},
                  .strength = {float(strength), float((1 - strength) * all / nodes_.step(0))},
                  .grid_x = float3(rows[0]),
                  .grid_y = float3(rows[1]),
@@ -135,9 +159,7 @@ std::shared_ptr<const LitLight> LitNodes::find(const ProbeLight& probe, const Ax
                  .scattered = {}};
     if (probe.surfaces && nodes_.density) lit->view.crowded.depth = nodes_.density->address();
     if (probe.particles) light_particles(from, table, *lit);
-    if (sun)
-        lit->view.sun = {lit->sunlit.data(), float3(sun->direction),
-                         float3(4 * Vec3{sun->light[0], sun->light[1], sun->light[2]})};
+    for (std::size_t i = 0; i < lamps.size(); ++i) lit->view.suns[i] = view_of(lamps[i], lit->sunlit[i]);
     lit->main = {shining_direction(probe.lighting, probe.orbit_up), from.directionality};
     return lit;
 }

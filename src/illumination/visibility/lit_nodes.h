@@ -39,8 +39,8 @@ inline constexpr double crowded_lift = 0.75;
 /// E of the nodes, and what else the ray caster reads.
 struct LitLight {
     VoxelBuffer light;
-    std::vector<kernel::NormalLight> surface;  ///< over an unfolded octahedron
-    std::vector<std::uint8_t> sunlit;          ///< of each node, where there is a sun
+    std::vector<kernel::NormalLight> surface;       ///< over an unfolded octahedron
+    std::vector<std::vector<std::uint8_t>> sunlit;  ///< of each sun or lamp: [node][part]
     kernel::VisibilityView view;
     MainLight main;
 };
@@ -50,8 +50,8 @@ public:
     LitNodes(const Device& device, VisibilityNodes nodes) : device_(device), nodes_(std::move(nodes)) {}
 
     /// What arrives of a light: the last one is kept, so that a turned camera costs nothing. Cost of another: nodes ×
-    /// 50 instructions, some 2 ms for surfaces, and nodes × some 10 ns for a sun that has moved. The view is valid as
-    /// long as the result is.
+    /// 50 instructions, some 2 ms for surfaces, and nodes × some 10 ns for a sun that has moved (50 for each lamp). The
+    /// view is valid as long as the result is.
     std::shared_ptr<const LitLight> light(const ProbeLight& probe) const;
     const VisibilityNodes& nodes() const { return nodes_; }
     std::size_t bytes() const { return nodes_.bytes() + nodes_.grid.size() * 4 * sizeof(std::uint16_t); }
@@ -70,8 +70,8 @@ private:
     std::shared_ptr<const LitLight> find(const ProbeLight& probe, const Axes& rows) const;
     void light_all(const kernel::LightKernel& light) const;
     void light_particles(const ShLight& from, const LambertTable& table, LitLight& lit) const;
-    /// T towards the sun.
-    std::vector<std::uint8_t> sunlit(Vec3 direction, double node_edges) const;
+    /// T towards each part, the mean over its rays: [node][part].
+    std::vector<std::uint8_t> sunlit(const Lamp& lamp, double node_edges) const;
 
     Device device_;
     VisibilityNodes nodes_;

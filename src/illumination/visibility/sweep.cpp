@@ -85,12 +85,12 @@ namespace {
 
 void pass_all(const SweepPass& pass, SweepLattice lattice, Progress& progress) {
     const auto pass_batch = lattice == SweepLattice::grid ? grid_pass : sheared_pass;
-    const std::vector<SweepGroup> groups = sweep_groups(pass.directions);
+    const std::vector<SweepGroup> groups = sweep_groups(pass.directions.towards);
     std::size_t done = 0;
     for (const DirectionBatch& batch : direction_batches(groups)) {
         const double count = double(batch.directions.size());
         pass_batch(pass, batch, [&](double share) {
-            progress.report("visibility", (double(done) + share * count) / double(pass.directions.size()));
+            progress.report("visibility", (double(done) + share * count) / double(pass.directions.towards.size()));
             progress.check();
         });
         done += batch.directions.size();
@@ -99,7 +99,7 @@ void pass_all(const SweepPass& pass, SweepLattice lattice, Progress& progress) {
 
 }  // namespace
 
-ShField sweep_visibility(const Device& device, const Density& density, const std::vector<Vec3>& directions,
+ShField sweep_visibility(const Device& device, const Density& density, const SweptDirections& directions,
                          int coefficients, double start, SweepLattice lattice, Progress& progress) {
     ShField field(density.grid, coefficients);
     const auto on_gpu = [&] {
@@ -110,15 +110,15 @@ ShField sweep_visibility(const Device& device, const Density& density, const std
     return field;
 }
 
-ShSteps sweep_in_steps(const Device& device, const Density& density, const std::vector<Vec3>& directions,
+ShSteps sweep_in_steps(const Device& device, const Density& density, const SweptDirections& directions,
                        int coefficients, double start, SweepLattice lattice, Progress& progress) {
     ShSteps steps(density.grid, coefficients);
     pass_all({device, density, directions, start, {.steps = &steps}}, lattice, progress);
     return steps;
 }
 
-GpuField sweep_on_gpu(const Device& device, const Density& density, const std::vector<Vec3>& directions,
-                      int coefficients, double start, SweepLattice lattice, Progress& progress, bool in_steps) {
+GpuField sweep_on_gpu(const Device& device, const Density& density, const SweptDirections& directions, int coefficients,
+                      double start, SweepLattice lattice, Progress& progress, bool in_steps) {
     GpuField field(device, density, coefficients, in_steps);
     const auto sweep = lattice == SweepLattice::grid ? grid_sweep_on_gpu : sheared_sweep_on_gpu;
     sweep(field, directions, start, progress);

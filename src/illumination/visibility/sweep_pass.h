@@ -19,7 +19,7 @@ struct SweptNumbers {
 struct SweepPass {
     const Device& device;
     const Density& density;
-    const std::vector<Vec3>& directions;  ///< all of them
+    const SweptDirections& directions;  ///< all of them
     double start;
     SweptNumbers to;
 

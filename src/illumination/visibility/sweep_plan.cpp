@@ -4,8 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "illumination/sh/basis.h"
-
 namespace chiaro {
 namespace {
 
@@ -70,16 +68,27 @@ std::vector<DirectionBatch> direction_batches(const std::vector<SweepGroup>& gro
     return batches;
 }
 
-BatchHarmonics::BatchHarmonics(const std::vector<Vec3>& all, std::span<const SweepDirection> chosen, int coefficients)
+void SweptDirections::weigh(int direction, std::array<double, max_coefficients>& weights) const {
+    if (part.empty()) {
+        const double weight = 4 * std::numbers::pi / double(towards.size());
+        weights = spherical_harmonics(towards[std::size_t(direction)]);
+        for (double& of : weights) of *= weight;
+        return;
+    }
+    const int own = part[std::size_t(direction)];
+    weights = {};
+    weights[std::size_t(own)] = 1 / double(std::count(part.begin(), part.end(), own));
+}
+
+BatchHarmonics::BatchHarmonics(const SweptDirections& all, std::span<const SweepDirection> chosen, int coefficients)
     : sum_(kernel::Harmonics::width), count_(int(chosen.size())), coefficients_(coefficients) {
-    const double weight = 4 * std::numbers::pi / double(all.size());
-    std::array<double, max_coefficients> sum{};
+    std::array<double, max_coefficients> sum{}, weights;
     for (const SweepDirection& d : chosen) {
-        const auto harmonics = spherical_harmonics(all[std::size_t(d.index)]);
+        all.weigh(d.index, weights);
         for (int c = 0; c < max_coefficients; ++c) {
             const bool used = c < coefficients;
-            of_direction_.push_back(used ? float(weight * harmonics[c]) : 0.0f);
-            sum[c] += used ? weight * harmonics[c] : 0;
+            of_direction_.push_back(used ? float(weights[c]) : 0.0f);
+            sum[c] += used ? weights[c] : 0;
         }
     }
     std::copy(sum.begin(), sum.end(), sum_.begin());

@@ -8,6 +8,7 @@
 
 #include "core/host_array.h"
 #include "core/line_allocator.h"
+#include "illumination/sh/basis.h"
 #include "illumination/visibility/sweep_kernel.h"
 #include "illumination/visibility/swept_places.h"
 
@@ -44,11 +45,22 @@ struct DirectionBatch {
 };
 std::vector<DirectionBatch> direction_batches(const std::vector<SweepGroup>& groups);
 
-/// w Y_lm of some directions, each weighing 4π / N, for the kernel.
+/// What is asked for: harmonics of V over all directions, or the mean of V over those of each part.
+struct SweptDirections {
+    std::vector<Vec3> towards;   ///< grid axes, unit, towards the light
+    std::vector<int> part = {};  ///< of each; none: harmonics are asked for
+
+    SweptDirections(std::vector<Vec3> all) : towards(std::move(all)) {}
+    SweptDirections(std::vector<Vec3> all, std::vector<int> parts) : towards(std::move(all)), part(std::move(parts)) {}
+    /// What V of the direction weighs in a number of a node.
+    void weigh(int direction, std::array<double, max_coefficients>& weights) const;
+};
+
+/// w Y_lm of some directions, each weighing 4π / N, or what they weigh in their part, for the kernel.
 class BatchHarmonics {
 public:
     /// `lanes` directions are told; those beyond `chosen` weigh nothing.
-    BatchHarmonics(const std::vector<Vec3>& all, std::span<const SweepDirection> chosen, int coefficients);
+    BatchHarmonics(const SweptDirections& all, std::span<const SweepDirection> chosen, int coefficients);
     void add_to(HostArrays& arrays) const {
         arrays.add(of_direction_);
         arrays.add(sum_);
