@@ -20,6 +20,13 @@ double luminance_of(const ProbePiece& piece) {
     return piece.share > 0 ? sum / piece.share : 0;
 }
 
+double light_of(const ProbePiece& piece) { return piece.share * luminance_of(piece); }
+double light_of(const std::vector<ProbePiece>& pieces) {
+    double all = 0;
+    for (const ProbePiece& piece : pieces) all += light_of(piece);
+    return all;
+}
+
 /// What pixels of one cell add up to; the moment is of directions by luminance.
 struct ProbeCell {
     ProbePiece sum;
@@ -67,6 +74,28 @@ std::vector<ProbePiece> pieces_of(const std::vector<ProbeCell>& cells) {
     return pieces;
 }
 
+/// What lies around a place, between two angles' cosines.
+ProbePiece ring_around(const std::vector<ProbePiece>& pieces, Vec3 middle, double near, double around) {
+    ProbePiece ring;
+    for (const ProbePiece& piece : pieces) {
+        const double cosine = dot(piece.direction, middle);
+        if (cosine >= near || cosine < around) continue;
+        ring.share += piece.share;
+        for (int c = 0; c < 3; ++c) ring.light[c] += piece.light[c];
+    }
+    return ring;
+}
+
+/// Leaves of a piece what the ring is at most, channel by channel, and returns the rest.
+ProbePiece take_excess(ProbePiece& piece, const ProbePiece& ring) {
+    ProbePiece excess = piece;
+    for (int c = 0; c < 3; ++c) {
+        piece.light[c] = std::min(piece.light[c], ring.light[c] / ring.share * piece.share);
+        excess.light[c] -= piece.light[c];
+    }
+    return excess;
+}
+
 std::optional<DominantLight> take_dominant_light(std::vector<ProbePiece>& cells) {
     // A disc of 8° about the brightest piece, above the mean of the ring from 8° to 16° about it, is taken as one light
     // of its own if it is more than a tenth of all light, and twice as bright as the ring: a corner of a wide lamp is
@@ -75,15 +104,8 @@ std::optional<DominantLight> take_dominant_light(std::vector<ProbePiece>& cells)
     constexpr double near = 0.99027, around = 0.96126;  // cos 8°, cos 16°
     const auto dimmer = [](const ProbePiece& a, const ProbePiece& b) { return luminance_of(a) < luminance_of(b); };
     const Vec3 brightest = std::max_element(cells.begin(), cells.end(), dimmer)->direction;
-    ProbePiece ring;
-    double all = 0, excess = 0;
-    for (const ProbePiece& cell : cells) {
-        const double cosine = dot(cell.direction, brightest);
-        all += cell.share * luminance_of(cell);
-        if (cosine >= near || cosine < around) continue;
-        ring.share += cell.share;
-        for (int c = 0; c < 3; ++c) ring.light[c] += cell.light[c];
-    }
+    const ProbePiece ring = ring_around(cells, brightest, near, around);
+    double excess = 0;
     DominantLight dominant{{}, {}};
     ProbePiece disc;
     std::vector<ProbePiece> rest = cells;
@@ -93,14 +115,11 @@ std::optional<DominantLight> take_dominant_light(std::vector<ProbePiece>& cells)
         excess += more;
         dominant.direction = dominant.direction + more * cell.direction;
         disc.share += cell.share;
-        for (int c = 0; c < 3; ++c) {
-            const double kept = std::min(cell.light[c], ring.light[c] / ring.share * cell.share);
-            dominant.light[c] += cell.light[c] - kept;
-            disc.light[c] += cell.light[c];
-            cell.light[c] = kept;
-        }
+        for (int c = 0; c < 3; ++c) disc.light[c] += cell.light[c];
+        const ProbePiece taken = take_excess(cell, ring);
+        for (int c = 0; c < 3; ++c) dominant.light[c] += taken.light[c];
     }
-    if (!(excess > 0.1 * all && luminance_of(disc) > 2 * luminance_of(ring))) return {};
+    if (!(excess > 0.1 * light_of(cells) && luminance_of(disc) > 2 * luminance_of(ring))) return {};
     dominant.direction = normalized(dominant.direction);
     cells = std::move(rest);
     return dominant;
@@ -120,13 +139,12 @@ void cut_by_median(std::span<ProbePiece> pieces, int cuts, std::vector<std::vect
         for (int i = 0; i < 2; ++i) cut_by_median({&half, 1}, cuts - 1, parts);
         return;
     }
-    const auto light = [](const ProbePiece& piece) { return piece.share * luminance_of(piece); };
     double all = 0;
     Vec3 sum, squares;
     for (const ProbePiece& piece : pieces) {
-        all += light(piece), sum = sum + light(piece) * piece.direction;
+        all += light_of(piece), sum = sum + light_of(piece) * piece.direction;
         for (int axis = 0; axis < 3; ++axis)
-            squares[axis] += light(piece) * piece.direction[axis] * piece.direction[axis];
+            squares[axis] += light_of(piece) * piece.direction[axis] * piece.direction[axis];
     }
     int widest = 0;
     const auto spread = [&](int axis) { return squares[axis] - sum[axis] * sum[axis] / all; };
@@ -137,8 +155,8 @@ void cut_by_median(std::span<ProbePiece> pieces, int cuts, std::vector<std::vect
     });
     std::size_t first = 0;
     double below = 0;
-    while (first + 1 < pieces.size() && (first == 0 || below + light(pieces[first]) / 2 < all / 2))
-        below += light(pieces[first++]);
+    while (first + 1 < pieces.size() && (first == 0 || below + light_of(pieces[first]) / 2 < all / 2))
+        below += light_of(pieces[first++]);
     cut_by_median(pieces.first(first), cuts - 1, parts);
     cut_by_median(pieces.subspan(first), cuts - 1, parts);
 }
@@ -146,7 +164,7 @@ void cut_by_median(std::span<ProbePiece> pieces, int cuts, std::vector<std::vect
 DominantLight together(const std::vector<ProbePiece>& pieces) {
     DominantLight sum{{}, {}};
     for (const ProbePiece& piece : pieces) {
-        sum.direction = sum.direction + piece.share * luminance_of(piece) * piece.direction;
+        sum.direction = sum.direction + light_of(piece) * piece.direction;
         for (int c = 0; c < 3; ++c) sum.light[c] += piece.light[c];
     }
     sum.direction = normalized(sum.direction);
@@ -173,30 +191,19 @@ Vec3 find_shining(const std::vector<ProbePiece>& pieces) {
     return best;
 }
 
-/// The excess within 30° of where most light comes from over what lies around, if it is more than a seventh of all
-/// light: a studio's soft boxes. Taken out of `pieces`.
-Lamp take_lamp(std::vector<ProbePiece>& pieces, double all) {
+/// The excess within 30° of a place over what lies around, if it is more than a seventh of all light: a studio's soft
+/// box. Taken out of `pieces`.
+Lamp take_lamp(std::vector<ProbePiece>& pieces, Vec3 middle, double all) {
     constexpr double near = 0.86603, around = 0.76604;  // cos 30°, cos 40°
-    const Vec3 middle = find_shining(pieces);
-    ProbePiece ring;
-    for (const ProbePiece& piece : pieces) {
-        const double cosine = dot(piece.direction, middle);
-        if (cosine >= near || cosine < around) continue;
-        ring.share += piece.share;
-        for (int c = 0; c < 3; ++c) ring.light[c] += piece.light[c];
-    }
+    const ProbePiece ring = ring_around(pieces, middle, near, around);
     std::vector<ProbePiece> lit, rest = pieces;
     double excess = 0;
     for (ProbePiece& left : rest) {
         if (dot(left.direction, middle) < near) continue;
-        ProbePiece more = left;
-        for (int c = 0; c < 3; ++c) {
-            left.light[c] = std::min(left.light[c], ring.light[c] / ring.share * left.share);
-            more.light[c] -= left.light[c];
-        }
-        if (!(luminance_of(more) > 0)) continue;
-        excess += more.share * luminance_of(more);
-        lit.push_back(more);
+        const ProbePiece taken = take_excess(left, ring);
+        if (!(luminance_of(taken) > 0)) continue;
+        excess += light_of(taken);
+        lit.push_back(taken);
     }
     if (!(excess > all / 7)) return {};
     pieces = std::move(rest);
@@ -212,12 +219,12 @@ Lamp take_lamp(std::vector<ProbePiece>& pieces, double all) {
     return lamp;
 }
 
-std::vector<Lamp> find_lamps(std::vector<ProbePiece> pieces) {
-    double all = 0;
-    for (const ProbePiece& piece : pieces) all += piece.share * luminance_of(piece);
+/// `shining`: that of the pieces.
+std::vector<Lamp> find_lamps(std::vector<ProbePiece> pieces, Vec3 shining) {
+    const double all = light_of(pieces);
     std::vector<Lamp> lamps;
     while (lamps.size() < max_lamps) {
-        Lamp lamp = take_lamp(pieces, all);
+        Lamp lamp = take_lamp(pieces, lamps.empty() ? shining : find_shining(pieces), all);
         if (lamp.empty()) break;
         lamps.push_back(std::move(lamp));
     }
@@ -232,7 +239,10 @@ ProbePieces pieces_of_probe(const Probe::Data& probe) {
     pieces.shining = find_shining(pieces.all);
     pieces.rest = pieces.all;
     pieces.dominant = take_dominant_light(pieces.rest);
-    if (!pieces.dominant) pieces.lamps = find_lamps(pieces.all);
+    if (const auto& sun = pieces.dominant)
+        pieces.lamps = {{{*sun, {sun->direction}}}};
+    else
+        pieces.lamps = find_lamps(pieces.all, pieces.shining);
     return pieces;
 }
 
@@ -251,14 +261,14 @@ std::optional<DominantLight> dominant_light(const Lighting& lighting, Vec3 orbit
 }
 
 std::vector<Lamp> lamps_of(const Lighting& lighting, Vec3 orbit_up, const Geometry& geometry) {
-    if (const auto sun = dominant_light(lighting, orbit_up, geometry)) return {{{*sun, {sun->direction}}}};
     const Probe probe = lighting_probe(lighting);
+    const double gain = probe_gain(lighting);
     const Axes turn = grid_from_probe(lighting, orbit_up, geometry);
     std::vector<Lamp> lamps = probe.data().pieces().lamps;
     for (Lamp& lamp : lamps)
         for (auto& [light, rays] : lamp) {
             light.direction = turned(turn, light.direction);
-            for (double& channel : light.light) channel *= probe_gain(lighting);
+            for (double& channel : light.light) channel *= gain;
             for (Vec3& ray : rays) ray = turned(turn, ray);
         }
     return lamps;

@@ -38,7 +38,7 @@ struct ProbePieces {
     /// The brightest place where the excess within 8° over what lies around makes up a tenth of all light.
     std::optional<DominantLight> dominant;
     std::vector<ProbePiece> rest;  ///< all without it
-    std::vector<Lamp> lamps;       ///< that stand out most, where there is no dominant light
+    std::vector<Lamp> lamps;       ///< the dominant light alone; where there is none, what stands out most
     Vec3 shining;                  ///< unit: from where a wide highlight shows most light
 };
 
@@ -50,7 +50,7 @@ Vec3 shining_direction(const Lighting& lighting, Vec3 orbit_up);
 
 /// The dominant light as `lighting` turns and exposes it, grid axes; none of most probes.
 std::optional<DominantLight> dominant_light(const Lighting& lighting, Vec3 orbit_up, const Geometry& geometry);
-/// That light alone, or lamps, at most `max_lamps`; turned and exposed likewise.
+/// ProbePieces::lamps, at most `max_lamps`, turned and exposed likewise.
 std::vector<Lamp> lamps_of(const Lighting& lighting, Vec3 orbit_up, const Geometry& geometry);
 
 }  // namespace chiaro

@@ -136,17 +136,19 @@ LambertTable lambert_table(const Lighting& lighting, Vec3 orbit_up, const Geomet
     const LambertTable& own = probe.data().lambert();
     return tabulated([&](Vec3 normal) {
         LambertTable::Entry entry = own.at(turned(probe_from_grid, normal));
+        std::array<ShCoefficients, 3> less{};
+        for (const auto& [light, towards] : lights) {
+            const double cosine = std::max(dot(normal, light.direction), 0.0);
+            for (std::size_t c = 0; c < 3; ++c) {
+                const double weight = 4 * std::numbers::pi * cosine * light.light[c];
+                for (int i = 0; i < max_coefficients; ++i) less[c][i] += weight * towards[i];
+            }
+        }
         for (std::size_t c = 0; c < 3; ++c) {
             const auto all = rotation(entry[c]);
-            std::array<double, max_coefficients> less{};
-            for (const auto& [light, towards] : lights) {
-                const double cosine = std::max(dot(normal, light.direction), 0.0);
-                const double weight = 4 * std::numbers::pi * cosine * light.light[c];
-                for (int i = 0; i < max_coefficients; ++i) less[i] += weight * towards[i];
-            }
             for (int l = 0; l < max_bands; ++l)
                 for (int i = l * l; i < (l + 1) * (l + 1); ++i)
-                    entry[c][i] = float((gain * all[i] - less[i]) * factors[l]);
+                    entry[c][i] = float((gain * all[i] - less[c][i]) * factors[l]);
         }
         return entry;
     });

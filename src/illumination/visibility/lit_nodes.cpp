@@ -94,7 +94,7 @@ std::vector<std::uint8_t> LitNodes::sunlit(const Lamp& lamp, double node_edges) 
 
 /// As the ray caster reads it.
 kernel::SunLight view_of(const Lamp& lamp, const std::vector<std::uint8_t>& sunlit) {
-    static_assert(kernel::SunLight::max_parts == lamp_parts);
+    static_assert(kernel::SunLight::max_parts == lamp_parts && kernel::VisibilityView::max_suns == max_lamps);
     kernel::SunLight view{sunlit.data(), std::int32_t(lamp.size())};
     Vec3 middle;
     for (std::size_t i = 0; i < lamp.size(); ++i) {
