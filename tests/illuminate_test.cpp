@@ -127,9 +127,9 @@ TEST(SessionStages, TellTheStepsOfTheLight) {
         for (const Stage& stage : session.stages()) names += stage.name + (stage.seconds > 0 ? "* " : " ");
         return names.substr(names.find("classify"));
     };
-    EXPECT_EQ(told(), "classify* illuminate* opacity* extinction* rays* lift* raycast* develop* ");
+    EXPECT_EQ(told(), "classify* illuminate* opacity* extinction* rays* surfaces* raycast* develop* ");
     scene.camera.azimuth_deg += 10;
-    EXPECT_EQ(told(), "classify illuminate opacity extinction rays lift raycast* develop* ");
+    EXPECT_EQ(told(), "classify illuminate opacity extinction rays surfaces raycast* develop* ");
 }
 
 using Illuminate = ToolTest;

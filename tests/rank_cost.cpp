@@ -16,9 +16,10 @@ using namespace chiaro::testing;
 
 int main(int argc, char** argv) try {
     if (argc < 4) return std::fprintf(stderr, "rank_cost METHOD RANKS SIZE [GHOSTS]\n"), 2;
-    const int ranks = std::atoi(argv[2]), size = std::atoi(argv[3]), ghosts = argc > 4 ? std::atoi(argv[4]) : 8;
+    const int ranks = std::atoi(argv[2]), size = std::atoi(argv[3]);
     IlluminationSettings settings;
     from_text(argv[1], settings.method);
+    const int ghosts = argc > 4 ? std::atoi(argv[4]) : ghosts_of(settings.method);
     for (const RankCost& cost : costs_of(float_tubes(size), settings, ranks, ghosts)) {
         if (!cost.is_done) return 1;
         fmt::print(

@@ -1,6 +1,7 @@
 // Ranks as threads of one process: an Exchange among them, and volumes cut into blocks.
 #pragma once
 #include <chiaro/exchange.h>
+#include <chiaro/lighting.h>
 #include <chiaro/volume.h>
 
 #include <barrier>
@@ -101,6 +102,9 @@ inline std::vector<OwnVoxels> cut_up(const std::array<int, 3>& whole, const std:
     }
     return blocks;
 }
+/// Voxels on each side that light by a method needs.
+inline int ghosts_of(Method method) { return method == Method::spao ? 10 : 8; }
+
 /// The block of a volume that owns these voxels, with so many ghosts on each side.
 inline Volume block_of(const Volume& whole, const OwnVoxels& own, int ghosts) {
     Placement place{whole.dimensions, {}, own.first, own.end};

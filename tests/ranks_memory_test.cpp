@@ -22,7 +22,7 @@ TEST(RanksMemory, IsOfTheBlockAndTheField) {
     for (const auto& [method, found_by] : methods)
         for (const int ranks : {1, 2, 8}) {
             SCOPED_TRACE(std::string(to_text(method)) + " by " + std::to_string(ranks) + " ranks");
-            for (const RankCost& cost : costs_of(whole, {.method = method}, ranks, 8)) {
+            for (const RankCost& cost : costs_of(whole, {.method = method}, ranks, ghosts_of(method))) {
                 ASSERT_TRUE(cost.is_done);
                 EXPECT_LE(cost.peak_bytes, 1.4 * cost.block_bytes + cost.field_bytes + found_by + picture + rest);
                 EXPECT_GT(cost.peak_bytes, 0.9 * cost.block_bytes);
@@ -37,7 +37,7 @@ TEST(RanksMemory, IsOfTheBlockAndTheField) {
 TEST(RanksMemory, SendsNoVoxels) {
     const Volume whole = float_tubes(96);
     for (const Method method : {Method::spao, Method::visibility, Method::transport})
-        for (const RankCost& cost : costs_of(whole, {.method = method}, 4, 8)) {
+        for (const RankCost& cost : costs_of(whole, {.method = method}, 4, ghosts_of(method))) {
             ASSERT_TRUE(cost.is_done);
             EXPECT_GT(cost.sent, 1000);
             EXPECT_GT(cost.received, cost.sent);

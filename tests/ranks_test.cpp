@@ -91,7 +91,6 @@ IlluminationSettings by(Method method) {
     settings.visibility.directions = 64;
     return settings;
 }
-constexpr int ghosts = 8;
 
 void check(Method method, bool thick, const Partition& partition) {
     SCOPED_TRACE(std::string(to_text(method)) + (thick ? ", thick slices, " : ", ") + partition.name);
@@ -105,7 +104,7 @@ void check(Method method, bool thick, const Partition& partition) {
         const auto r = std::size_t(ranks->rank());
         Device shared = device;
         shared.ranks = ranks;
-        const Shown part = show(shared, block_of(whole, blocks[r], ghosts), camera, by(method));
+        const Shown part = show(shared, block_of(whole, blocks[r], ghosts_of(method)), camera, by(method));
         EXPECT_EQ(found(one.field), found(part.field)) << "rank " << r;
         if (method == Method::spao) {
             EXPECT_EQ(different_cells(one.field, part.field, blocks[r]), 0u) << "rank " << r;
@@ -231,7 +230,7 @@ std::vector<std::string> errors_of(const std::function<Volume(int rank)>& block,
     });
     return errors;
 }
-Volume half_of(const Volume& whole, int rank, int of_ghosts = ghosts) {
+Volume half_of(const Volume& whole, int rank, int of_ghosts = ghosts_of(Method::spao)) {
     return block_of(whole, cut_up(whole.dimensions, {{0, 2, 33}})[std::size_t(rank)], of_ghosts);
 }
 
@@ -246,7 +245,7 @@ TEST(Ranks, FailTogether) {
     std::vector<std::string> errors = errors_of(no_finite_voxel, by(Method::spao));
     EXPECT_NE(errors[0].find("rank 1: "), std::string::npos) << errors[0];
     EXPECT_NE(errors[1].find("2 values a voxel"), std::string::npos) << errors[1];
-    const auto few_ghosts = [&](int rank) { return half_of(whole, rank, rank == 0 ? 3 : ghosts); };
+    const auto few_ghosts = [&](int rank) { return half_of(whole, rank, rank == 0 ? 3 : ghosts_of(Method::spao)); };
     for (const Method method : {Method::spao, Method::visibility, Method::transport}) {
         errors = errors_of(few_ghosts, by(method));
         EXPECT_NE(errors[0].find("there are 3"), std::string::npos) << errors[0];

@@ -59,11 +59,10 @@ TEST_F(SessionTest, TellsEveryStageInOrder) {
 TEST_F(SessionTest, LightFollowsAnEditAndItsStepsAreTold) {
     scene.illumination.method = Method::spao;
     scene.illumination.spao.levels = 3;
-    EXPECT_EQ(redone(), "illuminate opacity spao mipmaps spao cells of 2 spao cells of 1 lift raycast develop");
+    EXPECT_EQ(redone(), "illuminate opacity spao mipmaps spao cells of 2 spao cells of 1 raycast develop");
     EXPECT_EQ(redone(), "");
     scene.transfer.source = "gray";
-    EXPECT_EQ(redone(),
-              "classify illuminate opacity spao mipmaps spao cells of 2 spao cells of 1 lift raycast develop");
+    EXPECT_EQ(redone(), "classify illuminate opacity spao mipmaps spao cells of 2 spao cells of 1 raycast develop");
     scene.camera.azimuth_deg += 10;
     EXPECT_EQ(redone(), "raycast develop");
     scene.lighting.strength = 0.5;

@@ -6,7 +6,7 @@
 
 #include "classify/medium.h"
 #include "fixtures.h"
-#include "illumination/cells/normal_offset.h"
+#include "illumination/cells/surface_share.h"
 #include "illumination/spao/layers.h"
 #include "illumination/spao/spao.h"
 
@@ -27,7 +27,7 @@ std::vector<std::string> names_of(const StageTimer& timer) {
 Lit in_layers(const Device& device, const Medium& medium, const SpaoSettings& settings) {
     StageTimer timer;
     Progress progress;
-    CellValues light = spao_light(device, medium.data(), settings, settings.normal_factor, timer, progress);
+    CellValues light = spao_light(device, medium.data(), settings, timer, progress);
     return {std::move(light), names_of(timer)};
 }
 
@@ -35,12 +35,8 @@ Lit at_once(const Device& device, const Medium& medium, const SpaoSettings& sett
     StageTimer timer;
     Progress progress;
     const CellOpacity opacity = timer("opacity", [&] { return cell_opacity(device, medium.data(), progress); });
-    const CellValues access = spao_accessibility(
-        device, opacity, settings, visible_blocks(medium.data(), opacity.values.grid, 2), timer, progress);
-    CellValues light = timer("lift", [&] {
-        return normal_offset_off_surfaces(device, access, opacity.values, settings.normal_factor, opacity.visible,
-                                          progress);
-    });
+    const BlockMap read = visible_blocks(medium.data(), opacity.values.grid, access_reach);
+    CellValues light = spao_accessibility(device, opacity, settings, read, timer, progress, true);
     return {std::move(light), names_of(timer)};
 }
 
@@ -97,7 +93,7 @@ TEST(SpaoLayers, CanBeCancelled) {
     StageTimer timer;
     Progress progress;
     progress.cancel();
-    EXPECT_THROW(spao_light(device, medium.data(), {}, 0.5, timer, progress), Error);
+    EXPECT_THROW(spao_light(device, medium.data(), {}, timer, progress), Error);
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include "core/ranks.h"
 #include "core/threads.h"
 #include "illumination/access.h"
-#include "illumination/cells/normal_offset.h"
+#include "illumination/cells/surface_share.h"
 #include "illumination/field.h"
 #include "illumination/floor/floor.h"
 #include "illumination/prepared.h"
@@ -18,14 +18,17 @@
 namespace chiaro {
 namespace {
 
-kernel::AccessView view_of(const CellValues& values) { return {values.data(), view_of(values.grid), 1}; }
+/// Of A, which is what particles show.
+kernel::AccessView view_of(const std::uint16_t* cells, const kernel::GridView& nodes) {
+    return {.cells = cells, .grid = nodes, .strength = 1, .of_surfaces = false, .surface = {}, .off_surface = {}};
+}
 
-IlluminationField field_of(CellValues values, const kernel::GridView& nodes, StageTimer& timer, bool surfaces = true) {
+IlluminationField field_of(CellValues values, kernel::AccessView view, StageTimer& timer) {
     auto data = std::make_shared<IlluminationField::Data>();
-    data->surfaces = surfaces;
-    auto access = std::make_shared<const CellValues>(std::move(values));
-    data->view = kernel::AccessView{access->address(), nodes, 1};  // a GPU may be all that reads it
-    data->access = std::move(access);
+    data->surfaces = view.of_surfaces;
+    data->access = std::make_shared<const CellValues>(std::move(values));
+    view.cells = data->access->address();  // a GPU may be all that reads it
+    data->view = view;
     data->stages = timer.take();
     return IlluminationField(std::move(data));
 }
@@ -81,22 +84,23 @@ IlluminationSettings of_shared_field(IlluminationSettings settings, const Device
 IlluminationField light_of(const Device& device, const Medium::Data& medium, const IlluminationSettings& settings,
                            Progress& progress) {
     StageTimer timer;
-    if (settings.method == Method::spao && is_fused(settings.spao) && shows_surfaces(settings) && !device.has_gpu()) {
-        CellValues lit = spao_light(device, medium, settings.spao, outward_factor(settings), timer, progress);
-        const kernel::GridView cells = view_of(lit.grid);
-        return field_of(std::move(lit), cells, timer);
+    const bool surfaces = shows_surfaces(settings);
+    const auto found = [&] {
+        if (settings.method == Method::spao && is_fused(settings.spao) && surfaces && !device.has_gpu())
+            return spao_light(device, medium, settings.spao, timer, progress);
+        const CellOpacity opacity = timer("opacity", [&] { return cell_opacity(device, medium, progress); });
+        const BlockMap asked = visible_blocks(medium, opacity.values.grid, surfaces ? access_reach : 1);
+        return accessibility(device, medium, opacity, settings, asked, timer, progress, surfaces);
+    };
+    CellValues access = found();
+    kernel::AccessView view = view_of(access.address(), view_of(access.grid));
+    if (surfaces) {
+        const Geometry& geometry = medium.volume.geometry();
+        view.of_surfaces = true;
+        view.surface = surface_access(settings, access.grid.edge_mm / geometry.smallest_spacing_mm());
+        view.off_surface = off_surface_of(geometry);
     }
-    const CellOpacity opacity = timer("opacity", [&] { return cell_opacity(device, medium, progress); });
-    // A sample reads the cells around it, each of which has the value of a cell further out (normal offset).
-    CellValues access = accessibility(device, medium, opacity, settings, visible_blocks(medium, opacity.values.grid, 2),
-                                      timer, progress);
-    const kernel::GridView cells = view_of(access.grid);
-    if (!shows_surfaces(settings)) return field_of(std::move(access), cells, timer, false);
-    CellValues displaced = timer("lift", [&] {
-        return normal_offset_off_surfaces(device, access, opacity.values, outward_factor(settings), opacity.visible,
-                                          progress);
-    });
-    return field_of(std::move(displaced), cells, timer);
+    return field_of(std::move(access), view, timer);
 }
 
 void light(const Device& device, const Medium::Data& medium, const IlluminationSettings& settings, const Sink& sink,
@@ -153,7 +157,7 @@ void scatter(const Device& device, const Medium::Data& medium, const Lighting& l
 Volume sampled_back(const Device& device, const CellValues& values, const DeviceVolume& volume, Progress& progress) {
     Volume out = make_volume(volume.dimensions(), VoxelType::f32);
     out.geometry = volume.geometry();
-    const kernel::AccessView view = view_of(values);
+    const kernel::AccessView view = view_of(values.data(), view_of(values.grid));
     const auto [nx, ny, nz] = out.dimensions;
     const auto fill_row = [&, nx = nx, ny = ny](std::int64_t row, std::int64_t) {
         float* to = out.as<float>().data() + row * nx;
@@ -207,7 +211,8 @@ IlluminationField light_of_histograms(const Device& device, const Medium::Data& 
         ParticleLight light = timer("histogram table", [&] {
             return light_on_particles(device, medium, *histograms_of(prepared), settings.histogram);
         });
-        return field_of(std::move(light.open), light.nodes, timer, false);
+        const kernel::AccessView view = view_of(light.open.address(), light.nodes);
+        return field_of(std::move(light.open), view, timer);
     }
     auto data = std::make_shared<IlluminationField::Data>();
     data->histogram = timer("histogram table", [&] {

@@ -169,11 +169,13 @@ void read_from(LitField& lit, const LevelPages& pages) {
                       grid.shift.z + per_voxel.z * shift.z};
         per_voxel = {per_voxel.x * scale.x, per_voxel.y * scale.y, per_voxel.z * scale.z};
     };
-    if (auto* access = std::get_if<kernel::AccessView>(&lit.view)) move(access->grid);
+    if (auto* access = std::get_if<kernel::AccessView>(&lit.view)) {
+        move(access->grid);
+        access->off_surface.to_level(scale);
+    }
     if (auto* visibility = std::get_if<kernel::VisibilityView>(&lit.view)) {
         move(visibility->light.grid), move(visibility->grid);
-        kernel::Float3& edge = visibility->edge_voxels;
-        edge = {edge.x / scale.x, edge.y / scale.y, edge.z / scale.z};
+        visibility->off_surface.to_level(scale);
         kernel::HighlightView& highlight = visibility->highlight;
         const auto to_level = [&](kernel::Float3& row) { row = {row.x * scale.x, row.y * scale.y, row.z * scale.z}; };
         to_level(highlight.world_x), to_level(highlight.world_y), to_level(highlight.world_z);

@@ -18,8 +18,12 @@ struct LitField {
 
     /// Whether the view asks where surfaces are.
     bool by_surface() const {
-        const auto* visibility = std::get_if<kernel::VisibilityView>(&view);
-        return visibility && visibility->asks_surfaces();
+        return std::visit(
+            [](const auto& field) {
+                if constexpr (std::decay_t<decltype(field)>::by_surface) return field.asks_surfaces();
+                return false;
+            },
+            view);
     }
 };
 

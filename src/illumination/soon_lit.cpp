@@ -14,6 +14,7 @@ IlluminationField spread_out(const IlluminationField& field) {
     kernel::AccessView view = std::get<kernel::AccessView>(field.data().view);
     kernel::Float3& nodes = view.grid.nodes_per_voxel;
     nodes = {nodes.x / 2, nodes.y / 2, nodes.z / 2};
+    view.off_surface.to_level({0.5f, 0.5f, 0.5f});
     auto data = std::make_shared<IlluminationField::Data>();
     data->view = view, data->access = field.data().access;
     data->surfaces = field.data().surfaces;

@@ -172,6 +172,13 @@ private:
         const Mask<F> is_near = since < F(0.5f * met_steps);
         wanted = wanted & !(is_near & (met.share >= F(1 - more)));
         if (!any(wanted)) return;
+        look_up_surface(at, gradient, wanted, is_near, place, met.share, sample);
+    }
+    template <class At, class F>
+    CHIARO_NOINLINE void look_up_surface(const At& at, const Vec3<F>& gradient, const Mask<F>& wanted,
+                                         const Mask<F>& is_near, const Place<F>& place, const F& met_share,
+                                         SamplePoint<F>& sample) const {
+        constexpr float more = 0.05f;
         SurfacePoint<F> here{F(1), sample.p_voxel,
                              towards_eye(sample.outward, F(shading.out) * dot(gradient, place.lattice.step))};
         if (surface.opacity) {  // isosurfaces are whole ones
@@ -179,7 +186,7 @@ private:
             here.share = found.share, here.depth = found.depth;
             if (place.backwards) look_before(wanted, place, here);
         }
-        const F least = met.share + select(is_near, F(more), F(0));
+        const F least = met_share + select(is_near, F(more), F(0));
         here.share = select(wanted & (here.share >= least), here.share, F(0));
         sample.surface = here;
     }

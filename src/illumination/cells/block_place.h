@@ -12,6 +12,12 @@ struct BlockPlace {
     std::uint8_t pieces[edge / height][edge / height];  ///< that are asked for: bit x of [z][y], 16 × 4 × 4 each
 };
 
+/// A block's cells and two around them.
+struct CellTile {
+    static constexpr int edge = BlockPlace::edge, halo = 2, row = edge + 2 * halo, slice = row * row,
+                         size = slice * row;
+};
+
 /// Whether the piece around a cell of a block is asked for.
 CHIARO_INLINE bool is_asked(const std::uint8_t (*pieces)[BlockPlace::edge / BlockPlace::height], std::int32_t x,
                             std::int32_t y, std::int32_t z) {

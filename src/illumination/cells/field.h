@@ -1,29 +1,75 @@
 // Accessibility as the ray caster reads it: one number a cell scales all the light that arrives.
 #pragma once
 #include "illumination/cells/place.h"
+#include "illumination/off_surface.h"
 #include "illumination/view.h"
 
 namespace chiaro::kernel {
 
+/// How open surfaces are, by shares A / (1 + q) of the cells around (cells/surface_share.h): x = 2 A / (1 + q) is 1
+/// over an open flat surface where A is right, and min(1, x (gain + more x)) is shown.
+struct SurfaceAccess {
+    float lift_edges, max_edges;  ///< so far off a surface it is read, and with the sample's depth at most so far
+    float gain, more;
+};
+
 struct AccessView {
-    static constexpr bool modulates = true, adds_opacity = false, by_surface = false;
+    static constexpr bool modulates = true, adds_opacity = false, by_surface = true;
 
     const std::uint16_t* cells;  ///< x fastest, 65535: all light arrives
     GridView grid;
     float strength;
+    bool of_surfaces;  ///< cells hold A / (1 + q), and samples of surfaces read them off those; else A
+    SurfaceAccess surface;
+    OffSurface off_surface;
+
+    CHIARO_INLINE bool asks_surfaces() const { return of_surfaces; }
 
     /// A' = 1 - strength (1 - A), which scales ambient, diffuse and specular light alike.
     template <class F>
+    CHIARO_INLINE Incident<F> incident(const SamplePoint<F>& sample, const ShadingView& shading, F step,
+                                       MetSurface<F>& met) const {
+        if (!of_surfaces) return shown(at(sample.p_voxel), sample, shading);
+        const F share = sample.surface.share;
+        const Mask<F> is_new = share > F(0);
+        if (!any(is_new) && !any(met.share < F(met_whole))) return shown(met.e.x, sample, shading);
+        const F here = F(2) * at(place(sample, is_new));
+        const F open = min(here * mad(share, mad(F(surface.more), here, F(surface.gain - 1)), F(1)), F(1));
+        met.share = select(is_new, share, met.share);
+        met.step = select(is_new, step, met.step);
+        met.e.x = select(is_new, open, met.e.x);
+        return shown(mad(met.share, met.e.x - open, open), sample, shading);
+    }
+    /// Apart from any ray, and from surfaces.
+    template <class F>
     CHIARO_INLINE Incident<F> incident(const SamplePoint<F>& sample, const ShadingView& shading) const {
-        const F arriving = select(sample.cut < F(0), at(sample.p_voxel), F(1));  // nothing lies before a cut
-        const F access = F(1) - F(strength) * (F(1) - arriving);
-        const Incident<F> local = shading.local(sample);
-        return {access * local.diffuse, access * local.specular};
+        return shown(min(at(sample.p_voxel) * F(of_surfaces ? 2 : 1), F(1)), sample, shading);
     }
 
+    /// What cells hold.
     template <class F>
     CHIARO_INLINE F at(Vec3<F> p_voxel) const {
         return share_at(cells, grid, p_voxel);
+    }
+
+private:
+    static constexpr float met_whole = 0.95f;  ///< of a surface; what else is there is not looked up
+
+    /// Where a sample reads: the more of a surface it is, the farther off.
+    template <class F>
+    CHIARO_INLINE Vec3<F> place(const SamplePoint<F>& sample, Mask<F> is_new) const {
+        if (!any(is_new)) return sample.p_voxel;
+        const SurfacePoint<F>& its = sample.surface;
+        const F edges = its.share * min(F(surface.lift_edges) + its.depth, F(surface.max_edges));
+        return select(is_new, off_surface.place(its.p_voxel, edges, off_surface.along_grid(its.normal)),
+                      sample.p_voxel);
+    }
+    template <class F>
+    CHIARO_INLINE Incident<F> shown(F open, const SamplePoint<F>& sample, const ShadingView& shading) const {
+        const F arriving = select(sample.cut < F(0), open, F(1));  // nothing lies before a cut
+        const F access = F(1) - F(strength) * (F(1) - arriving);
+        const Incident<F> local = shading.local(sample);
+        return {access * local.diffuse, access * local.specular};
     }
 };
 

@@ -43,7 +43,7 @@ NodeRange own_nodes(const DeviceVolume::Data& volume, const CellGrid& grid) {
     return own;
 }
 
-void check_ghosts(const DeviceVolume::Data& volume, const CellGrid& grid) {
+void check_ghosts(const DeviceVolume::Data& volume, const CellGrid& grid, int margin) {
     const NodeRange own = own_nodes(volume, grid);
     if (!volume.placement || own.is_empty()) return;
     int missing = 0, there = volume.dimensions[0];
@@ -53,8 +53,8 @@ void check_ghosts(const DeviceVolume::Data& volume, const CellGrid& grid) {
         const double wide = grid.voxels_per_cell[axis];
         const int first_node = int(std::ceil(own.first[a] * wide - 0.5)),
                   end_node = int(std::floor(own.end[a] * wide - 0.5)) + 1;
-        const int first = std::min(first_node - node_margin, place.own_first[a] - light_margin);
-        const int end = std::max(end_node + node_margin, place.own_end[a] + light_margin);
+        const int first = std::min(first_node - node_margin, place.own_first[a] - margin);
+        const int end = std::max(end_node + node_margin, place.own_end[a] + margin);
         const int held = volume.held.first[a], held_end = held + volume.held.size[a];
         if (held > 0) missing = std::max(missing, held - first), there = std::min(there, place.own_first[a] - held);
         if (held_end < volume.dimensions[a])

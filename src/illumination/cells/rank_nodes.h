@@ -15,13 +15,14 @@ struct NodeRange {
 /// whole.
 NodeRange own_nodes(const DeviceVolume::Data& volume, const CellGrid& grid);
 
-/// Voxels beyond a rank's own that it looks at for the light of its samples: normal offset, two shells and their
-/// corners, gradients there; for a surface that a ray has met before it comes to them.
+/// Voxels beyond a rank's own that it looks at for the light of its samples: nodes, gradients there; for a surface that
+/// a ray has met before it comes to them.
 inline constexpr int light_margin = 8;
 /// Beyond its own nodes: values of the next cell, gradients, surfaces that begin just before a node.
 inline constexpr int node_margin = 4;
-/// Throws Error{usage} unless the block reaches so far, or to the volume's border.
-void check_ghosts(const DeviceVolume::Data& volume, const CellGrid& grid);
+/// Throws Error{usage} unless the block reaches so far beyond its own nodes, and `margin` voxels beyond its own ones,
+/// or to the volume's border.
+void check_ghosts(const DeviceVolume::Data& volume, const CellGrid& grid, int margin = light_margin);
 
 /// Of numbers at the nodes each rank has found its own (`size` bytes each, x fastest); then all have all. Bytes sent:
 /// those of a rank's own. For work done `collectively`.

@@ -2,12 +2,12 @@
 
 #include <cstring>
 
-#include "illumination/cells/kernel.h"
+#include "illumination/cells/block_place.h"
 
 namespace chiaro {
 namespace {
 
-using Tile = kernel::NormalOffsetTile;
+using Tile = kernel::CellTile;
 constexpr int halo = Tile::halo, row_cells = Tile::row;
 
 /// A row that reaches beyond the grid's first or last cell.

@@ -1,6 +1,7 @@
 // Light from local histograms, as the ray caster reads it: two words at each node, a colour for each word.
 #pragma once
 #include "illumination/cells/place.h"
+#include "illumination/off_surface.h"
 #include "illumination/view.h"
 #include "kernel/math.h"
 #include "kernel/rgba.h"
@@ -15,7 +16,7 @@ struct HalfLight {
 };
 
 struct HistogramView {
-    static constexpr bool modulates = true, adds_opacity = true, by_surface = false;
+    static constexpr bool modulates = true, adds_opacity = true, by_surface = true;
 
     const float* identifiers;        ///< CodewordPair's bits: forward in the low half; x fastest
     GridView grid;                   ///< of the nodes
@@ -28,6 +29,9 @@ struct HistogramView {
     float shows_ao, shows_bleeding;  ///< 0 or 1
     float anisotropy;                ///< g of Henyey and Greenstein
     bool scatters, is_surface, is_paper;
+    bool of_surfaces;  ///< samples of surfaces read so far off those
+    float lift_edges;
+    OffSurface off_surface;
     bool emits;
     const Rgba* emission_codewords;  ///< G and its colour (premultiplied) of one smallest edge, by word
     float step_edges;                ///< length of a step; set by the ray caster
@@ -47,9 +51,49 @@ struct HistogramView {
         return kernel::scale(around, more / max(g, F(1e-6f)));
     }
 
+    CHIARO_INLINE bool asks_surfaces() const { return of_surfaces; }
+
+    /// The more of a surface a sample is, the farther off it reads, of the half ball on the eye's side.
+    template <class F>
+    CHIARO_INLINE Incident<F> incident(const SamplePoint<F>& sample, const ShadingView& shading, F step,
+                                       MetSurface<F>& met) const {
+        const F share = sample.surface.share;
+        const Mask<F> is_new = share > F(0);
+        F outwards = gather_float(side, index_of(sample.value));
+        Vec3<F> p = sample.p_voxel;
+        if (of_surfaces && any(is_new)) {
+            const Vec3<F> normal = sample.surface.normal;
+            const F edges = share * (F(lift_edges) + sample.surface.depth);
+            p = select(is_new, off_surface.place(sample.surface.p_voxel, edges, off_surface.along_grid(normal)), p);
+            outwards = select(is_new, F(shading.out) * dot(normal, sample.outward), outwards);
+        }
+        HalfLight<F> light = arriving(p, outwards, sample, shading);
+        if (of_surfaces) {
+            met.share = select(is_new, share, met.share);
+            met.step = select(is_new, step, met.step);
+            met.e = select(is_new, light.bleeding, met.e);
+            met.shine.x = select(is_new, light.open, met.shine.x);
+            light.bleeding = mad(met.share, met.e - light.bleeding, light.bleeding);
+            light.open = mad(met.share, met.shine.x - light.open, light.open);
+        }
+        return shown(light, sample, shading);
+    }
+    /// Apart from any ray, and from surfaces.
     template <class F>
     CHIARO_INLINE Incident<F> incident(const SamplePoint<F>& sample, const ShadingView& shading) const {
-        HalfLight<F> light = arriving(sample, shading);
+        return shown(arriving(sample, shading), sample, shading);
+    }
+
+    /// Of the half ball that faces outwards by the sample's value.
+    template <class F>
+    CHIARO_INLINE HalfLight<F> arriving(const SamplePoint<F>& sample, const ShadingView& shading) const {
+        return arriving(sample.p_voxel, gather_float(side, index_of(sample.value)), sample, shading);
+    }
+
+private:
+    template <class F>
+    CHIARO_INLINE Incident<F> shown(HalfLight<F> light, const SamplePoint<F>& sample,
+                                    const ShadingView& shading) const {
         const Mask<F> on_cut = sample.cut >= F(0);  // nothing lies before one
         light.open = select(on_cut, F(1), light.open);
         light.bleeding = {select(on_cut, F(0), light.bleeding.x), select(on_cut, F(0), light.bleeding.y),
@@ -70,12 +114,13 @@ struct HistogramView {
                 local.specular + (others * F(shading.ambient)) * light.bleeding};
     }
 
-    /// Of the half ball that faces outwards; where neither does, of both, each as much as it is open.
+    /// Of the half ball that faces outwards, forward (above 0) or backward; where neither does, of both, each as much
+    /// as it is open.
     template <class F>
-    CHIARO_INLINE HalfLight<F> arriving(const SamplePoint<F>& sample, const ShadingView& shading) const {
-        const F outwards = gather_float(side, index_of(sample.value));
+    CHIARO_INLINE HalfLight<F> arriving(const Vec3<F>& p_voxel, F outwards, const SamplePoint<F>& sample,
+                                        const ShadingView& shading) const {
         const Mask<F> both = !((outwards > F(0)) | (outwards < F(0)));
-        const Corners<F> corners = locate(sample.p_voxel);
+        const Corners<F> corners = locate(p_voxel);
         const HalfLight<F> here = half(corners, outwards >= F(0));
         if (!scatters && !any(both)) return here;
         const HalfLight<F> there = half(corners, outwards < F(0));
@@ -84,8 +129,6 @@ struct HistogramView {
         if (scatters) share = scattered(share, sample, shading, outwards >= F(0), both);
         return {share * here.bleeding + (F(1) - share) * there.bleeding, lerp(there.open, here.open, share)};
     }
-
-private:
     /// Both halves weighted by the phase function of the angle from the light's way to the eye's; at borders half of
     /// that, half of what faces outwards.
     template <class F>

@@ -8,6 +8,12 @@
 namespace chiaro {
 namespace {
 
+/// Smallest voxel edges off a surface, beyond a sample's depth in it, where codewords are read, which are those of the
+/// node one further outwards. Pictures of brains, engine, menger and tubes under white against paths of light: less
+/// error than with -.5 or 1; no ball shows its grid (2.9 % at worst with 0, 1.2 with .3; with 1 those of hard edges do,
+/// beyond which no gradient tells outwards). Isosurfaces have no skin, and none.
+constexpr float codeword_lift = 0.3f;
+
 /// Which half ball faces outwards, -∇α = -α' ∇f: backward where α' > 0. Matter behind an isosurface has higher values.
 std::vector<float> outward_sides(const Medium::Data& medium, double edge_mm) {
     const auto& entries = medium.table.entries;
@@ -84,6 +90,8 @@ std::shared_ptr<const HistogramLight> make_histogram_light(const Device& device,
     view.shows_ao = effects.ao, view.shows_bleeding = effects.bleeding;
     view.anisotropy = float(settings.anisotropy), view.scatters = effects.scattering;
     view.is_surface = medium.shape.mode == Mode::iso, view.is_paper = is_paper;
+    view.of_surfaces = !is_paper, view.lift_edges = view.is_surface ? 0 : codeword_lift,
+    view.off_surface = off_surface_of(medium.volume.geometry());
     if (!optics.emission.empty() && medium.shape.mode == Mode::dvr) {
         h.displaced.array().fetch();
         light->emission = emission_of_codewords(device, h, optics, settings.model);

@@ -1,7 +1,7 @@
 // Where the surface at a cell faces, and how surely: what tells ambient occlusion from obscurance.
 #pragma once
-#include "illumination/cells/kernel.h"
 #include "illumination/cells/opacity.h"
+#include "illumination/cells/outward.h"
 
 namespace chiaro {
 

@@ -13,7 +13,7 @@ using Cells = std::array<int, 3>;
 }  // namespace
 
 kernel::SpaoTile& tile_of_thread() {
-    using Loaded = kernel::NormalOffsetTile;  // as load_tile has it
+    using Loaded = kernel::CellTile;  // as load_tile has it
     static_assert(kernel::SpaoTile::halo == Loaded::halo && kernel::SpaoTile::size == Loaded::size);
     thread_local const auto tile = std::make_unique<kernel::SpaoTile>();
     return *tile;
@@ -28,17 +28,16 @@ kernel::SpaoOutput output_of_cells(const RowsOf<std::uint16_t>& access, const Bl
             x.second - x.first,
             y.second - y.first,
             z.second - z.first,
-            blocks.pieces_of(block).bits,
-            access.held - z.first % access.held,
-            access.held};
+            blocks.pieces_of(block).bits};
 }
 
-kernel::SpaoBlock spao_block(const SpaoSettings& settings, bool goes_on) {
+kernel::SpaoBlock spao_block(const SpaoSettings& settings, bool of_surfaces, bool goes_on) {
     const int octants = octants_of(settings.model);
     return {
         .product = kernel::SpaoProduct(settings.model),
         .last = std::min(settings.levels, kernel::SpaoTile::shells) - 1,
         .normal_factor = float(settings.normal_factor),
+        .of_surfaces = of_surfaces,
         .octants = octants,
         .goes_on = goes_on,
     };
@@ -48,12 +47,13 @@ namespace {
 
 class FusedSweep {
 public:
-    FusedSweep(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings, const BlockMap& blocks,
-               Progress& progress)
+    FusedSweep(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings, bool of_surfaces,
+               const BlockMap& blocks, Progress& progress)
         : device_(device),
           run_(kernel::spao_functions_for(device.isa)),
           opacity_(opacity),
           settings_(settings),
+          of_surfaces_(of_surfaces),
           blocks_(blocks),
           progress_(progress) {}
 
@@ -103,7 +103,7 @@ private:
 
     kernel::SpaoBlock block_on(int g, const Cells& first, kernel::SpaoTile& tile) const {
         const bool has_coarser = g < int(coarse_.size());
-        kernel::SpaoBlock block = spao_block(settings_, has_coarser);
+        kernel::SpaoBlock block = spao_block(settings_, of_surfaces_, has_coarser);
         block.tile = &tile;
         if (has_coarser) block.coarse = coarse_[g].rows_for(first);
         return block;
@@ -113,6 +113,7 @@ private:
     const kernel::SpaoFunctions run_;
     const CellOpacity& opacity_;
     const SpaoSettings& settings_;
+    const bool of_surfaces_;
     const BlockMap& blocks_;
     Progress& progress_;
     std::vector<CoarseGrid> coarse_;  ///< of cells twice, four times, ... as wide
@@ -121,8 +122,8 @@ private:
 }  // namespace
 
 CellValues fused_sweep(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
-                       const BlockMap& blocks, StageTimer& timer, Progress& progress) {
-    FusedSweep sweep(device, opacity, settings, blocks, progress);
+                       const BlockMap& blocks, StageTimer& timer, Progress& progress, bool of_surfaces) {
+    FusedSweep sweep(device, opacity, settings, of_surfaces, blocks, progress);
     return fused_steps(sweep, settings, timer);
 }
 

@@ -12,8 +12,8 @@ inline int coarse_grids(const SpaoSettings& settings) {
     return std::max(0, settings.levels - kernel::SpaoTile::shells);
 }
 inline int octants_of(SpaoModel model) { return model == SpaoModel::corrected ? 8 : 1; }
-/// What is the same for all blocks of a grid; `goes_on`: another is coarser.
-kernel::SpaoBlock spao_block(const SpaoSettings& settings, bool goes_on);
+/// What is the same for all blocks of a grid. `of_surfaces`: as of fused_sweep; `goes_on`: another grid is coarser.
+kernel::SpaoBlock spao_block(const SpaoSettings& settings, bool of_surfaces, bool goes_on);
 inline std::string name_of_cells(int grid) { return "spao cells of " + std::to_string(1 << grid); }
 
 kernel::SpaoTile& tile_of_thread();
@@ -22,8 +22,8 @@ kernel::SpaoOutput output_of_cells(const RowsOf<std::uint16_t>& access, const Bl
 
 /// Fills the cells of the given blocks; `settings` ask for no look-up that moves with the normal. Memory: two bytes a
 /// cell for the result, .6 for coarser opacities and weights, 2.3 for what the coarser grids find out near what is
-/// seen.
+/// seen. `of_surfaces`: A / (1 + q) (cells/surface_share.h).
 CellValues fused_sweep(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
-                       const BlockMap& blocks, StageTimer& timer, Progress& progress);
+                       const BlockMap& blocks, StageTimer& timer, Progress& progress, bool of_surfaces = false);
 
 }  // namespace chiaro

@@ -77,8 +77,12 @@ struct GpuCoarse {
 
 class GpuSweep {
 public:
-    GpuSweep(GpuAccess& access, const SpaoSettings& settings, const BlockMap& blocks)
-        : access_(access), settings_(settings), octants_(octants_of(settings.model)), blocks_(blocks) {}
+    GpuSweep(GpuAccess& access, const SpaoSettings& settings, bool of_surfaces, const BlockMap& blocks)
+        : access_(access),
+          settings_(settings),
+          of_surfaces_(of_surfaces),
+          octants_(octants_of(settings.model)),
+          blocks_(blocks) {}
 
     void make_coarse_grids() {
         for (int g = 1; g <= coarse_grids(settings_); ++g) {
@@ -140,13 +144,14 @@ private:
         kernel::SpaoBatch batch{};
         batch.tiles = tiles_->data();
         batch.opacity = opacity;
-        batch.block = spao_block(settings_, has_coarser);
+        batch.block = spao_block(settings_, of_surfaces_, has_coarser);
         if (has_coarser) batch.coarse = coarse_[g].corners();
         return batch;
     }
 
     GpuAccess& access_;
     const SpaoSettings& settings_;
+    const bool of_surfaces_;
     const int octants_;
     const BlockMap& blocks_;
     std::vector<GpuCoarse> coarse_;
@@ -219,9 +224,9 @@ CellValues combine(GpuAccess& access, const Kernel& kernel, const BlockMap& bloc
 }  // namespace
 
 CellValues fused_on_gpu(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
-                        const BlockMap& blocks, StageTimer& timer, Progress& progress) {
+                        const BlockMap& blocks, StageTimer& timer, Progress& progress, bool of_surfaces) {
     GpuAccess access(device, opacity, progress);
-    GpuSweep sweep(access, settings, blocks);
+    GpuSweep sweep(access, settings, of_surfaces, blocks);
     return fused_steps(sweep, settings, timer);
 }
 

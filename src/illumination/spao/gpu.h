@@ -8,7 +8,7 @@ namespace chiaro {
 /// As fused_sweep on the device's GPU. Memory there: 6 bytes a cell, what fused_sweep keeps of coarser grids, 72 MB of
 /// tiles.
 CellValues fused_on_gpu(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
-                        const BlockMap& blocks, StageTimer& timer, Progress& progress);
+                        const BlockMap& blocks, StageTimer& timer, Progress& progress, bool of_surfaces);
 
 /// Of stored levels, the first `mip_levels` of them mipmaps. Memory there: 6 bytes a cell, and what SpaoLevels keeps.
 CellValues stored_on_gpu(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings, int mip_levels,

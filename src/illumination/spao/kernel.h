@@ -1,6 +1,7 @@
 // The fused sweep over one block, for one cell or sixteen of a row at a time.
 #pragma once
-#include "illumination/cells/kernel.h"
+#include "illumination/cells/block_place.h"
+#include "illumination/cells/outward.h"
 #include "illumination/spao/product.h"
 #include "illumination/spao/tile.h"
 
@@ -38,6 +39,7 @@ struct SpaoBlock {
     SpaoProduct product;
     std::int32_t last;  ///< the last shell that this grid answers for
     float normal_factor;
+    bool of_surfaces;      ///< A / (1 + q) is asked for, not A (cells/surface_share.h)
     std::int32_t octants;  ///< 8, or 1 for the products over whole cubes
     bool goes_on;          ///< whether something lies further out
     /// Of the block's corners on a coarser grid, as far apart as the results: what they are worth to their neighbours.
@@ -149,8 +151,12 @@ CHIARO_INLINE void octants_piece(const SpaoBlock& b, const SpaoPiece<Coarse>& p,
                 store_weighted(r, weight + x, out[s] + x);
             }
         });
-        if constexpr (at_cells)
-            store_shares(min(weigh_octants(outward_share(n, b.normal_factor), n, all, outwards), F(1)), out[0] + x);
+        if constexpr (at_cells) {
+            const F q = outward_share(n, b.normal_factor);
+            F access = min(weigh_octants(q, n, all, outwards), F(1));
+            if (b.of_surfaces) access = access / (F(1) + q);
+            store_shares(access, out[0] + x);
+        }
     }
 }
 
@@ -185,11 +191,6 @@ struct SpaoOutput {
     std::int64_t row, slice;
     std::int32_t nx, ny, nz;
     const std::uint8_t (*pieces)[SpaoTile::edge / 4];
-    std::int32_t wrap = SpaoTile::edge, ring = 0;  ///< from slice `wrap` on they go so many slices further in front
-
-    CHIARO_INLINE std::int64_t place(std::int32_t x, std::int32_t y, std::int32_t z) const {
-        return (z < wrap ? z : z - ring) * slice + y * row + x;
-    }
 };
 
 template <bool at_cells, class F, int width, class Coarse>
@@ -208,7 +209,7 @@ CHIARO_INLINE void find_piece(const SpaoBlock& b, const SpaoPiece<Coarse>& p, co
 template <bool at_cells, class F, int width, class Coarse>
 CHIARO_INLINE void spao_piece(const SpaoBlock& b, const SpaoPiece<Coarse>& p, const SpaoOutput& to, std::int32_t z) {
     std::uint16_t out[8][width];
-    const std::int64_t at = to.place(p.x, p.y, z);
+    const std::int64_t at = z * to.slice + p.y * to.row + p.x;
     const std::int64_t of_weight = z * b.weight_slice + p.y * b.weight_row + p.x;
     find_piece<at_cells, F, width>(b, p, b.weight ? b.weight + of_weight : nullptr, out);
     for (std::int32_t s = 0; s < (at_cells ? 1 : b.octants); ++s) store_piece(out[s], p.x, to.nx, to.at[s] + at);

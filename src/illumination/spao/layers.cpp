@@ -1,9 +1,9 @@
 #include "illumination/spao/layers.h"
 
 #include "classify/medium.h"
-#include "illumination/cells/normal_offset.h"
 #include "illumination/cells/rank_nodes.h"
 #include "illumination/cells/spare_values.h"
+#include "illumination/cells/surface_share.h"
 #include "illumination/spao/coarse.h"
 #include "illumination/spao/fused.h"
 
@@ -12,13 +12,14 @@ namespace {
 
 constexpr int half_edge = block_edge / 2;
 constexpr int margin = 4;                ///< slices that are asked for beyond a layer: the halos of tiles, a piece
+constexpr int rank_margin = 10;          ///< voxels that a cell within access_reach of a rank's own looks at
 constexpr std::size_t busy_blocks = 64;  ///< so many at a time keep all threads at work
 constexpr double crowded = 0.9;          ///< share of blocks from which on large pages waste nothing
 
 class LayeredLight {
 public:
-    LayeredLight(const Device& device, const Medium::Data& medium, const SpaoSettings& settings, double normal_factor,
-                 StageTimer& timer, Progress& progress)
+    LayeredLight(const Device& device, const Medium::Data& medium, const SpaoSettings& settings, StageTimer& timer,
+                 Progress& progress)
         : device_(device),
           volume_(medium.volume.data()),
           settings_(settings),
@@ -26,18 +27,15 @@ public:
           steps_(timer),
           progress_(progress),
           maps_(opacity_maps(medium)),
-          asked_(visible_blocks(medium, grid(), 2)),
+          asked_(visible_blocks(medium, grid(), access_reach)),
           layers_(asked_.count[2]),
           together_(layers_at_once(asked_)),
           // Surfaces' opacities take longer to find than to keep.
           keeps_opacity_(together_ >= layers_ || medium.shape.mode == Mode::iso),
-          opacity_(grid().count, keeps_opacity_ ? grid().count[2] : together_ * block_edge + 3 * margin),
-          access_(grid().count, together_ * block_edge + 2 * margin),
-          displaced_(values_to_write(grid(), maps_.visible, is_sparse(), device.threads)),
-          fill_(opacity_filler(medium, maps_, opacity_.rows())),
-          normal_offset_(
-              slice_lifter(device, access_.rows(), opacity_.rows(), normal_factor, maps_.visible, displaced_)) {
-        check_ghosts(volume_, grid());
+          opacity_(grid().count, keeps_opacity_ ? grid().count[2] : together_ * block_edge + 2 * margin),
+          access_(values_to_write(grid(), asked_, is_sparse(), device.threads)),
+          fill_(opacity_filler(medium, maps_, opacity_.rows())) {
+        check_ghosts(volume_, grid(), rank_margin);
     }
 
     CellValues run() {
@@ -47,12 +45,10 @@ public:
             fill_up_to(end * block_edge + margin);
             if (!coarse_.empty()) steps_.part(name_of_cells(1), [&] { sweep_corners(first, end); });
             steps_.part(name_of_cells(0), [&] { sweep_cells(first, end); });
-            steps_.part("lift",
-                        [&] { normal_offset_up_to(end == layers_ ? grid().count[2] : end * block_edge - margin); });
             discard_before(end);
             progress_.report("spao", double(end) / layers_);
         }
-        return std::move(displaced_);
+        return std::move(access_);
     }
 
 private:
@@ -75,15 +71,15 @@ private:
     }
 
     /// Slices of opacities.
-    void fill_up_to(int end) {
-        steps_.part("opacity", [&] { do_slices(fill_, every_column_, filled_, std::min(end, grid().count[2])); });
-    }
-    void do_slices(const SliceWork& work, const BlockMap& map, int& done, int end) {
-        for (int next = 0; done < end; done = next) {
-            next = std::min(done + block_edge, end);
-            const auto columns = map.columns(done, next);
-            for_all(columns.size(), [&](std::size_t i) { work(columns[i], done, next); });
-        }
+    void fill_up_to(int last) {
+        steps_.part("opacity", [&] {
+            const int end = std::min(last, grid().count[2]);
+            for (int next = 0; filled_ < end; filled_ = next) {
+                next = std::min(filled_ + block_edge, end);
+                const auto columns = every_column_.columns(filled_, next);
+                for_all(columns.size(), [&](std::size_t i) { fill_(columns[i], filled_, next); });
+            }
+        });
     }
 
     /// All that is coarser than the finest corners, whose cells are kept for them.
@@ -182,21 +178,19 @@ private:
             kernel::SpaoTile& tile = tile_of_thread();
             const kernel::SpaoBlock block = block_on(0, at, tile);
             load_tile(opacities(), at, block_edge, Beyond::nothing, tile.opacity);
-            run_.cells(tile, block, output_of_cells(access_.rows(), asked_, blocks[i]));
+            run_.cells(tile, block, output_of_cells(rows_of(access_), asked_, blocks[i]));
         });
     }
 
     kernel::SpaoBlock block_on(int g, const std::array<int, 3>& first, kernel::SpaoTile& tile) const {
         const bool has_coarser = g < int(coarse_.size());
-        kernel::SpaoBlock block = spao_block(settings_, has_coarser);
+        kernel::SpaoBlock block = spao_block(settings_, true, has_coarser);
         block.tile = &tile;
         if (has_coarser) block.coarse = coarse_[std::size_t(g)].rows_for(first);
         return block;
     }
 
-    void normal_offset_up_to(int end) { do_slices(normal_offset_, maps_.visible, normal_offset_done_, end); }
-
-    /// What the layers from `next` on, and slices that are still to be lifted, do not read.
+    /// What the layers from `next` on do not read.
     void discard_before(int next) {
         constexpr int halo = kernel::SpaoTile::halo;
         if (!coarse_.empty()) coarse_[0].discard_cells_before(next * half_edge - halo);
@@ -210,22 +204,22 @@ private:
     StageTimer& steps_;
     Progress& progress_;
     const OpacityMaps maps_;
-    const BlockMap asked_;  ///< a sample reads the cells around it, each of which is lifted from a cell further out
+    const BlockMap asked_;
     const BlockMap every_column_{grid().count, true};
     const int layers_, together_;  ///< of blocks
     const bool keeps_opacity_;
-    SliceRing opacity_, access_;
-    CellValues displaced_;
-    const SliceWork fill_, normal_offset_;
-    int filled_ = 0, normal_offset_done_ = 0;  ///< slices
-    std::vector<CoarseGrid> coarse_;           ///< of cells twice, four times, ... as wide
+    SliceRing opacity_;
+    CellValues access_;
+    const SliceWork fill_;
+    int filled_ = 0;                  ///< slices
+    std::vector<CoarseGrid> coarse_;  ///< of cells twice, four times, ... as wide
 };
 
 }  // namespace
 
-CellValues spao_light(const Device& device, const Medium::Data& medium, const SpaoSettings& settings,
-                      double normal_factor, StageTimer& timer, Progress& progress) {
-    LayeredLight light(device, medium, settings, normal_factor, timer, progress);
+CellValues spao_light(const Device& device, const Medium::Data& medium, const SpaoSettings& settings, StageTimer& timer,
+                      Progress& progress) {
+    LayeredLight light(device, medium, settings, timer, progress);
     return light.run();
 }
 

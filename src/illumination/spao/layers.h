@@ -9,11 +9,11 @@
 
 namespace chiaro {
 
-/// What a picture reads: the same numbers as of cell_opacity, spao_accessibility and normal_offset_off_surfaces one
-/// after the other, where a ray may see something; elsewhere 0. For settings that are fused (spao.h), and on the host.
+/// What a picture of surfaces reads: the same numbers as of cell_opacity and spao_accessibility one after the other,
+/// where samples read them; elsewhere 0. For settings that are fused (spao.h), and on the host.
 /// Memory beyond the answer's two bytes a cell: three layers of blocks, and half a byte a cell for the coarser grids,
 /// given back from layer to layer.
-CellValues spao_light(const Device& device, const Medium::Data& medium, const SpaoSettings& settings,
-                      double normal_factor, StageTimer& timer, Progress& progress);
+CellValues spao_light(const Device& device, const Medium::Data& medium, const SpaoSettings& settings, StageTimer& timer,
+                      Progress& progress);
 
 }  // namespace chiaro

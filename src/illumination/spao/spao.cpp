@@ -66,7 +66,7 @@ bool is_fused(const SpaoSettings& settings) {
 }
 
 CellValues spao_accessibility(const Device& device, const CellOpacity& opacity, const SpaoSettings& settings,
-                              const BlockMap& blocks, StageTimer& timer, Progress& progress) {
+                              const BlockMap& blocks, StageTimer& timer, Progress& progress, bool of_surfaces) {
     const bool is_exact = settings.filter == SpaoFilter::exact;
     const bool is_stored = !is_fused(settings);
     std::optional<CellValues> access;
@@ -74,12 +74,12 @@ CellValues spao_accessibility(const Device& device, const CellOpacity& opacity, 
         access.emplace(is_exact ? exact_on_gpu(device, opacity, settings, blocks, timer, progress)
                        : is_stored
                            ? stored_on_gpu(device, opacity, settings, mip_levels(settings), blocks, timer, progress)
-                           : fused_on_gpu(device, opacity, settings, blocks, timer, progress));
+                           : fused_on_gpu(device, opacity, settings, blocks, timer, progress, of_surfaces));
     };
     if (cuda::try_gpu(device, on_gpu)) return *std::move(access);
     if (is_exact) return from_sums(device, opacity, settings, blocks, timer, progress);
     if (is_stored) return from_levels(device, opacity, settings, blocks, timer, progress);
-    return fused_sweep(device, opacity, settings, blocks, timer, progress);
+    return fused_sweep(device, opacity, settings, blocks, timer, progress, of_surfaces);
 }
 
 }  // namespace chiaro

@@ -1,7 +1,7 @@
 // The same products from means that can be asked for anywhere: stored levels, or exact sums. Look-ups may be moved off
 // the cell, along the normal.
 #pragma once
-#include "illumination/cells/kernel.h"
+#include "illumination/cells/outward.h"
 #include "illumination/spao/product.h"
 #include "kernel/gather.h"
 #include "kernel/launch.h"

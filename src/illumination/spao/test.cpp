@@ -5,7 +5,6 @@
 #include <random>
 
 #include "fixtures.h"
-#include "illumination/cells/kernel.h"
 #include "illumination/field.h"
 #include "illumination/spao/means.h"
 #include "illumination/spao/spao.h"
@@ -374,10 +373,6 @@ TEST(Spao, MemoryOfAnAnswerThatWentLeavesNothingBehind) {
     const auto first = values_above(180);
     EXPECT_NE(values_above(20), first);
     EXPECT_EQ(values_above(180), first);
-}
-
-TEST(Spao, SharesWithoutADivisionAreThoseOfOne) {
-    for (int i = 0; i < 65536; ++i) ASSERT_EQ(kernel::share_of(float(i)), float(i) / 65535);
 }
 
 TEST(Spao, StrengthBlendsTowardsFullLight) {

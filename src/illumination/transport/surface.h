@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "illumination/cells/kernel.h"
+#include "illumination/cells/outward.h"
 #include "illumination/transport/nodes.h"
 #include "illumination/transport/opaque.h"
 

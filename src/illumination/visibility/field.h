@@ -1,5 +1,6 @@
 // Natural light as the ray caster reads it: what of a probe's light arrives, per channel.
 #pragma once
+#include "illumination/off_surface.h"
 #include "illumination/probe/highlight_view.h"
 #include "illumination/transport/field.h"
 #include "illumination/visibility/crowded_nodes.h"
@@ -23,10 +24,9 @@ struct VisibilityView {
     static constexpr std::int32_t max_suns = 2;
     SunLight suns[max_suns];
     Strength strength;
-    Float3 grid_x, grid_y, grid_z;  ///< axes of the grid in the world
-    Float3 edge_voxels;             ///< a smallest voxel edge along them
-    float lift_edges;               ///< V is read so far off a surface
-    CrowdedNodes crowded;           ///< where other matter is nearer than that
+    OffSurface off_surface;
+    float lift_edges;      ///< V is read so far off a surface
+    CrowdedNodes crowded;  ///< where other matter is nearer than that
 
     ScatteredLight scattered;
     CutLight cut_light;
@@ -99,13 +99,9 @@ private:
     CHIARO_NOINLINE void meet(const SurfacePoint<F>& at_surface, const Mask<F>& wanted, F step,
                               MetSurface<F>& met) const {
         constexpr int lanes = LaneTraits<F>::count;
-        const Vec3<F> normal{dot(Vec3<F>(grid_x), at_surface.normal), dot(Vec3<F>(grid_y), at_surface.normal),
-                             dot(Vec3<F>(grid_z), at_surface.normal)};
+        const Vec3<F> normal = off_surface.along_grid(at_surface.normal);
         const auto off = [&](float edges, const Vec3<F>& way) {
-            const F away = F(edges) + at_surface.depth;
-            const Vec3<F> p = at_surface.p_voxel;
-            return Vec3<F>{mad(away * F(edge_voxels.x), way.x, p.x), mad(away * F(edge_voxels.y), way.y, p.y),
-                           mad(away * F(edge_voxels.z), way.z, p.z)};
+            return off_surface.place(at_surface.p_voxel, F(edges) + at_surface.depth, way);
         };
         const auto of_normal = surface.locate(normal);
         const Vec3<F> read_at = off(lift_edges, normal);

@@ -150,10 +150,7 @@ std::shared_ptr<const LitLight> LitNodes::find(const ProbeLight& probe, const Ax
                  .surface = surface,
                  .suns = {},
                  .strength = {float(strength), float((1 - strength) * all / nodes_.step(0))},
-                 .grid_x = float3(rows[0]),
-                 .grid_y = float3(rows[1]),
-                 .grid_z = float3(rows[2]),
-                 .edge_voxels = float3((1 / node_edges) * nodes_.grid.voxels_per_cell),
+                 .off_surface = off_surface_of(probe.geometry),
                  .lift_edges = float(surface_lift * node_edges),
                  .crowded = {nullptr, float(crowded_lift * node_edges)},
                  .scattered = {}};

@@ -1,4 +1,4 @@
-// Light with a shadow of its own on surfaces, found by straight rays, for sixteen harmonics blur it: a sun's, or a
+// Light with a shadow of its own on surfaces, found by rays of its parts, for sixteen harmonics blur it: a sun's, or a
 // lamp's, in parts.
 #pragma once
 #include "kernel/math.h"
