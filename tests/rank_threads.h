@@ -103,7 +103,7 @@ inline std::vector<OwnVoxels> cut_up(const std::array<int, 3>& whole, const std:
     return blocks;
 }
 /// Voxels on each side that light by a method needs.
-inline int ghosts_of(Method method) { return method == Method::spao ? 10 : 8; }
+inline int ghosts_of(Method method) { return method == Method::spao ? 9 : 8; }
 
 /// The block of a volume that owns these voxels, with so many ghosts on each side.
 inline Volume block_of(const Volume& whole, const OwnVoxels& own, int ghosts) {

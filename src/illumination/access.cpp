@@ -28,8 +28,7 @@ constexpr float gain_of_shells = 0.85f, more_of_shells = 0.7f;
 
 kernel::SurfaceAccess surface_access(const IlluminationSettings& settings, double cell_edges) {
     const bool is_of_shells = settings.method == Method::spao && settings.spao.model == SpaoModel::corrected;
-    return {float(access_lift * cell_edges), float(max_access_lift * cell_edges), is_of_shells ? gain_of_shells : 1,
-            is_of_shells ? more_of_shells : 0};
+    return {float(access_lift * cell_edges), is_of_shells ? gain_of_shells : 1, is_of_shells ? more_of_shells : 0};
 }
 
 CellValues accessibility(const Device& device, const Medium::Data& medium, const CellOpacity& opacity,

@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { serve, servedVisits, skip } from "./served.mjs";
-import { drag, eventually, faint, final, pixels, settled, state } from "./visit.mjs";
+import { drag, eventually, faint, final, pixels, settled, state, tapped } from "./visit.mjs";
 
 const all = servedVisits();
 let own;
@@ -96,7 +96,7 @@ test("channels: a reload, and a scene that is loaded, give them back; slices add
 test("channels: legible in both themes, and with fingers", { skip }, async () => {
   for (const colorScheme of ["dark", "light"]) await mixed(async (page) => assert.deepEqual(await faint(page), []), { viewport: { width: 1280, height: 800 }, colorScheme })();
   await mixed(async (page) => {
-    await settled(page, () => row(page, 1).locator(".tool").tap());
+    await tapped(page, row(page, 1).locator(".tool"));
     assert.equal((await scene(page)).channels[1].show, false);
     for (const box of await page.$$eval(".channel-row button", (all) => all.map((one) => one.getBoundingClientRect().height))) assert.ok(box >= 40, `${box} pixels`);
   }, { viewport: { width: 400, height: 800 }, hasTouch: true, isMobile: true })();

@@ -6,7 +6,7 @@ import { scene } from "./mock.mjs";
 import { desktop, phone, savedScene, visits } from "./mocked.mjs";
 import { drawn } from "./page.mjs";
 import { servedVisits, skip } from "./served.mjs";
-import { drag, eventually, faint, final, pixels, settled, state } from "./visit.mjs";
+import { drag, eventually, faint, final, pixels, settled, state, tapped } from "./visit.mjs";
 
 const visit = visits(), all = servedVisits("sample:tubes:32");
 const rest = async (page) => (await state(page)).tf.rest, shapes = async (page) => (await rest(page)).widgets ?? [], curve = async (page) => (await rest(page)).gradient_opacity ?? [];
@@ -156,17 +156,17 @@ visit("with fingers: a shape is drawn, moved, pulled by a side and removed", asy
   await settled(page, () => swipe([gx, gy], [gx, gy - 30]));
   assert.ok((await shapes(page))[0].magnitude[0] > made.magnitude[0] + 1);
   await page.waitForTimeout(400); // longer than what the browser takes for a double tap with the finger before
-  await settled(page, () => page.locator("[aria-label='Add: Ellipse']").tap());
+  await tapped(page, page.locator("[aria-label='Add: Ellipse']"));
   assert.equal((await shapes(page)).length, 2);
   await page.waitForTimeout(400);
-  await settled(page, () => page.locator("[aria-label='Add: Curve']").tap());
+  await tapped(page, page.locator("[aria-label='Add: Curve']"));
   assert.equal((await curve(page)).length, 2);
   await page.locator(".gradient-plot").scrollIntoViewIfNeeded();
   const [px, py] = await middle(page.locator(".gradient-plot .point").nth(1)), [, before] = await curve(page);
   await settled(page, () => swipe([px, py], [px - 10, py - 20]));
   const [, bent] = await curve(page);
   assert.ok(bent.magnitude > before.magnitude && bent.opacity < before.opacity, JSON.stringify(bent));
-  await settled(page, () => page.locator("text=Remove: Curve").tap());
+  await tapped(page, page.locator("text=Remove: Curve"));
   assert.deepEqual(await curve(page), []);
   assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), "no sideways scrolling");
   await shot(page, "phone");

@@ -4,7 +4,7 @@ import { test } from "node:test";
 import { serve, servedVisits, skip } from "./served.mjs";
 import { nrrd } from "./volume_file.mjs";
 import { changed, withChange } from "../../viewer/labels.js";
-import { drag, eventually, faint, final, pixels, settled, state } from "./visit.mjs";
+import { drag, eventually, faint, final, pixels, settled, state, tapped } from "./visit.mjs";
 
 const all = servedVisits();
 let own;
@@ -141,7 +141,7 @@ test("labels: legible in both themes, and with fingers", { skip }, async () => {
   }, { url: own.url, page: { viewport: { width: 1280, height: 800 }, colorScheme } });
   await all.visit(async (page) => {
     await page.waitForSelector(".label-row");
-    await settled(page, () => rows(page).nth(1).locator(".tool").tap());
+    await tapped(page, rows(page).nth(1).locator(".tool"));
     assert.equal((await changes(page)).length, 1);
     for (const box of await page.$$eval(".label-row button", (all) => all.map((one) => one.getBoundingClientRect().height))) assert.ok(box >= 40, `${box} pixels`);
   }, { url: own.url, page: { viewport: { width: 400, height: 800 }, hasTouch: true, isMobile: true } });

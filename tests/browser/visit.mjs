@@ -18,6 +18,14 @@ export async function settled(page, act) {
   await final(page);
 }
 
+/** Taps and waits as `settled` does; taps once more where nothing comes of it, since the browser may take a tap for the end of the gesture before. */
+export const tapped = (page, locator) =>
+  settled(page, async () => {
+    const before = await page.evaluate(() => chiaro.link.n);
+    await locator.tap();
+    await page.waitForFunction((n) => chiaro.link.n > n, before, { polling: 20, timeout: 15000 }).catch(() => locator.tap());
+  });
+
 /** Waits until `holds` answers true: for what comes when it comes. */
 export async function eventually(holds, says) {
   const end = Date.now() + patience;

@@ -9,7 +9,7 @@ namespace chiaro::kernel {
 /// How open surfaces are, by shares A / (1 + q) of the cells around (cells/surface_share.h): x = 2 A / (1 + q) is 1
 /// over an open flat surface where A is right, and min(1, x (gain + more x)) is shown.
 struct SurfaceAccess {
-    float lift_edges, max_edges;  ///< so far off a surface it is read, and with the sample's depth at most so far
+    float lift_edges;  ///< so far off a sample of a surface it is read
     float gain, more;
 };
 
@@ -60,7 +60,7 @@ private:
     CHIARO_INLINE Vec3<F> place(const SamplePoint<F>& sample, Mask<F> is_new) const {
         if (!any(is_new)) return sample.p_voxel;
         const SurfacePoint<F>& its = sample.surface;
-        const F edges = its.share * min(F(surface.lift_edges) + its.depth, F(surface.max_edges));
+        const F edges = its.share * F(surface.lift_edges);
         return select(is_new, off_surface.place(its.p_voxel, edges, off_surface.along_grid(its.normal)),
                       sample.p_voxel);
     }

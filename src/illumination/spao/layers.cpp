@@ -11,10 +11,10 @@ namespace chiaro {
 namespace {
 
 constexpr int half_edge = block_edge / 2;
-constexpr int margin = 4;                ///< slices that are asked for beyond a layer: the halos of tiles, a piece
-constexpr int rank_margin = 10;          ///< voxels that a cell within access_reach of a rank's own looks at
-constexpr std::size_t busy_blocks = 64;  ///< so many at a time keep all threads at work
-constexpr double crowded = 0.9;          ///< share of blocks from which on large pages waste nothing
+constexpr int margin = 4;  ///< slices that are asked for beyond a layer: the halos of tiles, a piece
+constexpr int rank_margin = int(access_reach) + 6;  ///< voxels that the cells samples read look at: two shells, corners
+constexpr std::size_t busy_blocks = 64;             ///< so many at a time keep all threads at work
+constexpr double crowded = 0.9;                     ///< share of blocks from which on large pages waste nothing
 
 class LayeredLight {
 public:
