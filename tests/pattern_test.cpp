@@ -99,7 +99,7 @@ TEST(Pattern, OfAnExactBallIsNone) {
     EXPECT_NEAR(rings.rms, 0.01 / std::sqrt(2.0), 1e-3);
 }
 
-void expect_none_seen(Method method, const std::vector<std::string>& probes) {
+void expect_none_seen(Method method, const std::vector<std::string>& probes, double worst) {
     for (const Mode mode : {Mode::dvr, Mode::iso})
         for (const double edge : {0.8, 2.0})
             for (const std::string& probe : probes) {
@@ -109,13 +109,12 @@ void expect_none_seen(Method method, const std::vector<std::string>& probes) {
                     fmt::print("{}: mean {:.3f}, {:.2f} %, worst {:.1f} %\n", what, found.mean, 100 * found.rms,
                                100 * found.worst);
                 EXPECT_LT(found.rms, 0.005) << what;
-                EXPECT_LT(found.worst, 0.025) << what;
+                EXPECT_LT(found.worst, worst) << what;
             }
 }
 
-TEST(Pattern, OfVisibilityIsNotSeen) { expect_none_seen(Method::visibility, {"white", "sky", "studio"}); }
-TEST(Pattern, OfOcclusionIsNotSeen) {
-    for (const Method method : {Method::spao, Method::histogram}) expect_none_seen(method, {"white"});
-}
+TEST(Pattern, OfVisibilityIsNotSeen) { expect_none_seen(Method::visibility, {"white", "sky", "studio"}, 0.025); }
+TEST(Pattern, OfOcclusionIsNotSeen) { expect_none_seen(Method::spao, {"white"}, 0.02); }
+TEST(Pattern, OfLocalHistogramsIsNotSeen) { expect_none_seen(Method::histogram, {"white"}, 0.03); }
 
 }  // namespace

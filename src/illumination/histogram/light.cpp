@@ -9,11 +9,11 @@ namespace chiaro {
 namespace {
 
 /// Smallest voxel edges off a surface, beyond a sample's depth in it, where codewords are read, which are those of the
-/// node one further outwards. On balls: 2.9 % at worst with 0, 1.9 with .15, 1.6 with .3 (soft edges); but flat walls
+/// node one further outwards. On balls: 2.9 % at worst with 0, 2.1 with .1, 1.6 with .3 (soft edges); but flat walls
 /// between voxels of one value and another, beyond which no gradient tells outwards, show rings with .3. Pictures of
 /// brains, engine, menger and tubes under white against paths of light hardly differ. Isosurfaces have no skin, and
 /// none.
-constexpr float codeword_lift = 0.15f;
+constexpr float codeword_lift = 0.1f;
 
 /// Which half ball faces outwards, -∇α = -α' ∇f: backward where α' > 0. Matter behind an isosurface has higher values.
 std::vector<float> outward_sides(const Medium::Data& medium, double edge_mm) {
