@@ -38,7 +38,9 @@ struct AccessView {
         met.share = select(is_new, share, met.share);
         met.step = select(is_new, step, met.step);
         met.e.x = select(is_new, open, met.e.x);
-        return shown(mad(met.share, met.e.x - open, open), sample, shading);
+        // As of lanes that are left out above: none's answer depends on its neighbours'.
+        const F mixed = mad(met.share, met.e.x - open, open);
+        return shown(select(met.share < F(met_whole), mixed, met.e.x), sample, shading);
     }
     /// Apart from any ray, and from surfaces.
     template <class F>
