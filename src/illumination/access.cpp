@@ -20,8 +20,7 @@ double outward_factor(const IlluminationSettings& settings) {
 }
 
 /// Shells take what they hold to be blocked each on its own, though one wall blocks all: over open planes that lie
-/// aslant of the grid x is .77 to .9. With x (.85 + .7 x) these are open, and .4 stays .45. (Tuned as access_lift is;
-/// balls of 12 to 60 cells are 1 everywhere.)
+/// aslant of the grid x is .77 to .9. With x (.85 + .7 x) these are open, and .4 stays .45. (Tuned as access_lift is.)
 constexpr float gain_of_shells = 0.85f, more_of_shells = 0.7f;
 
 }  // namespace

@@ -25,22 +25,15 @@ struct AccessView {
 
     CHIARO_INLINE bool asks_surfaces() const { return of_surfaces; }
 
-    /// A' = 1 - strength (1 - A), which scales ambient, diffuse and specular light alike.
+    /// A' = 1 - strength (1 - A), which scales ambient, diffuse and specular light alike. No surface is remembered
+    /// along a ray: several ranks find the same of each sample.
     template <class F>
-    CHIARO_INLINE Incident<F> incident(const SamplePoint<F>& sample, const ShadingView& shading, F step,
-                                       MetSurface<F>& met) const {
+    CHIARO_INLINE Incident<F> incident(const SamplePoint<F>& sample, const ShadingView& shading, F,
+                                       MetSurface<F>&) const {
         if (!of_surfaces) return shown(at(sample.p_voxel), sample, shading);
-        const F share = sample.surface.share;
-        const Mask<F> is_new = share > F(0);
-        if (!any(is_new) && !any(met.share < F(met_whole))) return shown(met.e.x, sample, shading);
-        const F here = F(2) * at(place(sample, is_new));
-        const F open = min(here * mad(share, mad(F(surface.more), here, F(surface.gain - 1)), F(1)), F(1));
-        met.share = select(is_new, share, met.share);
-        met.step = select(is_new, step, met.step);
-        met.e.x = select(is_new, open, met.e.x);
-        // As of lanes that are left out above: none's answer depends on its neighbours'.
-        const F mixed = mad(met.share, met.e.x - open, open);
-        return shown(select(met.share < F(met_whole), mixed, met.e.x), sample, shading);
+        const F share = sample.surface.share, here = F(2) * at(place(sample));
+        const F open = here * mad(share, mad(F(surface.more), here, F(surface.gain - 1)), F(1));
+        return shown(min(open, F(1)), sample, shading);
     }
     /// Apart from any ray, and from surfaces.
     template <class F>
@@ -55,15 +48,14 @@ struct AccessView {
     }
 
 private:
-    static constexpr float met_whole = 0.95f;  ///< of a surface; what else is there is not looked up
-
     /// Where a sample reads: the more of a surface it is, the farther off.
     template <class F>
-    CHIARO_INLINE Vec3<F> place(const SamplePoint<F>& sample, Mask<F> is_new) const {
-        if (!any(is_new)) return sample.p_voxel;
+    CHIARO_INLINE Vec3<F> place(const SamplePoint<F>& sample) const {
         const SurfacePoint<F>& its = sample.surface;
+        const Mask<F> is_surface = its.share > F(0);
+        if (!any(is_surface)) return sample.p_voxel;
         const F edges = its.share * F(surface.lift_edges);
-        return select(is_new, off_surface.place(its.p_voxel, edges, off_surface.along_grid(its.normal)),
+        return select(is_surface, off_surface.place(its.p_voxel, edges, off_surface.along_grid(its.normal)),
                       sample.p_voxel);
     }
     template <class F>

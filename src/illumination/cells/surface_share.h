@@ -9,10 +9,10 @@
 
 namespace chiaro {
 
-/// Cells off a sample of a surface where it is read, and how far from what is seen cells are read then. Pictures under
-/// white of a bonsai, two brains, engine, menger and tubes against paths of light, and balls: with less a ball of hard
-/// edges shows its grid (8 % at worst with 1.5, as much as without light with 2), with the sample's depth in its skin
-/// beside it flat walls in a box have rings, and with more furrows are too bright.
+/// Cells off a sample of a surface where it is read, and how far from what is seen cells are read then. Tuned on
+/// pictures under white of a bonsai, two brains, engine, menger and tubes against paths of light, and on balls: nearer,
+/// a ball of hard edges shows more of its grid; with the sample's depth in its skin beside it flat walls in a box have
+/// rings; and farther off furrows are too bright.
 inline constexpr double access_lift = 2, access_reach = access_lift + 1;
 
 /// A / (1 + q) in the place of A, in the given blocks. `normal_factor` is F. For methods that do not do so themselves.
