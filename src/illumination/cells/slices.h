@@ -41,9 +41,7 @@ private:
     VoxelBuffer buffer_;
 };
 
-enum class Beyond { nothing, nearest };  ///< what lies beyond a grid: no matter, or what its nearest cell says
-
-/// A block's cells, `slices` of 32 × 32, and two around them, laid out as kernel::CellTile.
-void load_tile(const CellRows& from, const std::array<int, 3>& first, int slices, Beyond beyond, std::uint16_t* tile);
+/// A block's cells and two around them, laid out as kernel::CellTile. Beyond the grid lies nothing: 0.
+void load_tile(const CellRows& from, const std::array<int, 3>& first, std::uint16_t* tile);
 
 }  // namespace chiaro

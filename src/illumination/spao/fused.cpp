@@ -72,7 +72,7 @@ public:
         for_blocks(grid.needed(), [&](std::size_t b, const Cells& first, kernel::SpaoTile& tile) {
             kernel::SpaoBlock block = block_on(g, first, tile);
             grid.weigh(first, block);
-            load_tile(grid.cells(), first, block_edge, Beyond::nothing, tile.opacity);
+            load_tile(grid.cells(), first, tile.opacity);
             run_.corners(tile, block, grid.output(first, block_edge, grid.needed().pieces_of(b)));
         });
     }
@@ -82,7 +82,7 @@ public:
         const CellRows opacity = rows_of(opacity_.values);
         for_blocks(blocks_, [&](std::size_t b, const Cells& first, kernel::SpaoTile& tile) {
             const kernel::SpaoBlock block = block_on(0, first, tile);
-            load_tile(opacity, first, block_edge, Beyond::nothing, tile.opacity);
+            load_tile(opacity, first, tile.opacity);
             run_.cells(tile, block, output_of_cells(rows_of(access), blocks_, b));
         });
         return access;

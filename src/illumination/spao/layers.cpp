@@ -166,7 +166,7 @@ private:
         kernel::SpaoTile& tile = tile_of_thread();
         kernel::SpaoBlock block = block_on(g, first, tile);
         grid.weigh(first, block);
-        load_tile(grid.cells(), first, block_edge, Beyond::nothing, tile.opacity);
+        load_tile(grid.cells(), first, tile.opacity);
         run_.corners(tile, block, grid.output(first, slices, pieces));
     }
 
@@ -177,7 +177,7 @@ private:
             const std::array<int, 3> at{x * block_edge, y * block_edge, z * block_edge};
             kernel::SpaoTile& tile = tile_of_thread();
             const kernel::SpaoBlock block = block_on(0, at, tile);
-            load_tile(opacities(), at, block_edge, Beyond::nothing, tile.opacity);
+            load_tile(opacities(), at, tile.opacity);
             run_.cells(tile, block, output_of_cells(rows_of(access_), asked_, blocks[i]));
         });
     }

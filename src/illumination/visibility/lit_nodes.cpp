@@ -53,7 +53,7 @@ std::shared_ptr<const LitLight> LitNodes::light(const ProbeLight& probe) const {
                         rows,           probe.surfaces,       probe.particles};
     const std::lock_guard lock(mutex_);
     if (of_ != inputs) {
-        kept_ = find(probe, rows);
+        kept_ = find(probe);
         of_ = inputs;
     }
     return kept_;
@@ -128,7 +128,7 @@ void LitNodes::light_particles(const ShLight& from, const LambertTable& table, L
     lit.view.light = {light.light, view_of(nodes_.grid), {float(scale[0]), float(scale[1]), float(scale[2])}};
 }
 
-std::shared_ptr<const LitLight> LitNodes::find(const ProbeLight& probe, const Axes& rows) const {
+std::shared_ptr<const LitLight> LitNodes::find(const ProbeLight& probe) const {
     const int bands = nodes_.coefficients == 4 ? 2 : 4;
     const ShLight from = sh_light(probe.lighting, probe.orbit_up, probe.geometry, nodes_.window, bands);
     const double node_edges = nodes_.grid.edge_mm / probe.geometry.smallest_spacing_mm();

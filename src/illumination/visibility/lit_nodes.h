@@ -67,7 +67,7 @@ private:
 
         bool operator==(const Inputs&) const = default;
     };
-    std::shared_ptr<const LitLight> find(const ProbeLight& probe, const Axes& rows) const;
+    std::shared_ptr<const LitLight> find(const ProbeLight& probe) const;
     void light_all(const kernel::LightKernel& light) const;
     void light_particles(const ShLight& from, const LambertTable& table, LitLight& lit) const;
     /// T towards each part, the mean over its rays: [node][part].
