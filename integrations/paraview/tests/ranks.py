@@ -94,7 +94,7 @@ look_from(view, (130, 170, 90))
 other, second, _, _ = open_view(source, (320, 240))
 second.ChiaroLighting = "spao"
 second.ChiaroExactCompositing = 1
-look_from(other, (-150, 60, 40))
+look_from(other, (-150, 60, 45))
 shot(other, f"{folder}/other-{ranks}.png")
 keep("second")
 scene.AnimationTime = scene.TimeKeeper.TimestepValues[2]
