@@ -17,6 +17,7 @@ constexpr auto suite_table = std::to_array<Suite>({
     {"skipping", "what empty-space skipping saves", skipping_cases},
     {"channels", "a frame of several channels", channel_cases},
     {"labels", "a frame with labels", label_cases},
+    {"lit", "a frame in light that is there, by each method", lit_cases},
     {"paging", "volumes by bricks: a frame beside one of the whole, reading, pictures of ever larger ones",
      paging_cases},
     {"scenes", "a frame of each scene of bench/scenes", scene_cases},

@@ -52,6 +52,7 @@ std::vector<Case> sampling_cases(const Setup& setup);
 std::vector<Case> skipping_cases(const Setup& setup);
 std::vector<Case> channel_cases(const Setup& setup);
 std::vector<Case> label_cases(const Setup& setup);
+std::vector<Case> lit_cases(const Setup& setup);
 std::vector<Case> paging_cases(const Setup& setup);
 std::vector<Case> scene_cases(const Setup& setup);
 std::vector<Case> way_cases(const Setup& setup);

@@ -306,7 +306,7 @@ TEST_F(Gpus, AreHandedThePreintegratedTableOnce) {
 // Light that was found on the GPU is there for its rays.
 TEST_F(Gpus, KeepTheLightThatTheyFound) {
     const auto copied = [&] { return gpu.stream->device_cache()->copied_bytes(); };
-    const Volume volume = shells_of<std::uint8_t>(40);
+    const Volume volume = shells_of<std::uint8_t>(100);
     const Medium medium = classify(upload(gpu, volume), two_materials(), {});
     Progress progress;
     Frame frame(61, 47);
@@ -321,7 +321,7 @@ TEST_F(Gpus, KeepTheLightThatTheyFound) {
     EXPECT_EQ(copied(), before);  // cells' opacities were found there
     show(field);
     const auto with_surfaces = copied();
-    EXPECT_LT(with_surfaces - before, field.bytes() / 4);  // the table that tells surfaces
+    EXPECT_LT(with_surfaces - before, field.bytes() / 4);  // the tables that tell surfaces
     illuminate(gpu, medium, {}, {}, {.method = Method::spao}, keep, progress);
     show(field);
     EXPECT_EQ(copied(), with_surfaces);

@@ -198,6 +198,23 @@ TEST(LiveSurfaces, HighlightsAreWhereTheReferenceHasThem) {
     }
 }
 
+// Occlusion asks each sample alone where a surface is, so that the order of samples does not matter.
+TEST(LiveSurfaces, OcclusionIsTheSameInEitherOrder) {
+    const Volume volume = ball(0.8, 22.37);
+    for (const TransferFunction& tf : {skin(), skin(60, 400)}) {
+        const auto in_order = [&](Compositing order) {
+            RaySettings rays{.compositing = order};
+            rays.early_termination = 0;
+            return shown(volume, at_ball(22.37), by(Method::spao), tf, matte, {}, rays);
+        };
+        const Frame forwards = in_order(Compositing::front_to_back), backwards = in_order(Compositing::back_to_front);
+        double worst = 0;
+        for (std::size_t i = 0; i < forwards.rgba.size(); ++i)
+            worst = std::max(worst, double(std::abs(forwards.rgba[i] - backwards.rgba[i])));
+        EXPECT_LT(worst, 1e-4);
+    }
+}
+
 TEST(LiveSurfaces, ACutIsASurface) {
     for (const Method method : {Method::spao, Method::visibility, Method::transport})
         for (const double degrees : {0.0, 30.0, 45.0}) {

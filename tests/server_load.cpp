@@ -57,7 +57,8 @@ constexpr const char *camera_target = "median <= 60", *edit_target = "median <= 
 class Latency {
 public:
     Latency(int port, const std::string& token, int process, const std::string& method)
-        : process_(process), page_(port, token, "latency-view") {
+        : process_(process),
+          page_(port, token, fmt::format("latency-{:08x}", std::random_device()())) {  // one that never saw a volume
         const auto told = page_.find(tells_scene, 120);
         if (!told) throw std::runtime_error("no scene");
         scene_ = told->json["scene"];
@@ -69,11 +70,11 @@ public:
         fmt::print("|---|---|---|---|---|---|\n");
     }
 
-    /// One edit from rest: to the first frame, to the first and the first whole one in its own light, and to the last;
-    /// and the CPU time that it took the server.
+    /// One edit from rest: to the first frame, to the first one in its own light, the first in that light at its
+    /// finest, the first of the canvas's size in that, and to the last; and the CPU time that it took the server.
     void edits(const std::string& name, const char* first_target, int count,
                const std::function<void(Json&, int)>& edit) {
-        std::vector<double> first, coarse, fine, last, first_work, work;
+        std::vector<double> first, coarse, fine, whole, last, first_work, work;
         std::map<std::string, std::vector<double>> verbs;
         for (int i = 0; i < count; ++i) {
             edit(scene_, i);
@@ -86,11 +87,15 @@ public:
             if (!shown) throw std::runtime_error("no frame");
             for (const Json& verb : shown->json["verbs"])
                 if (verb["seconds"] > 0) verbs[verb["name"]].push_back(verb["seconds"]);
-            bool is_lit = false, is_fine = false;
+            bool is_lit = false, is_fine = false, is_whole = false;
             const auto note = [&](const Message& frame) {
-                if (!is_lit && has_own_light(frame.json)) coarse.push_back(seconds_since(start)), is_lit = true;
-                const bool is_whole = frame.json["size"] == frame.json["canvas"] && !frame.json["light"]["coarse"];
-                if (is_lit && !is_fine && is_whole) fine.push_back(seconds_since(start)), is_fine = true;
+                const auto once = [&](bool& before, bool now, std::vector<double>& times) {
+                    if (now && !before) times.push_back(seconds_since(start));
+                    before = before || now;
+                };
+                once(is_lit, has_own_light(frame.json), coarse);
+                once(is_fine, is_lit && !frame.json["light"]["coarse"], fine);
+                once(is_whole, is_fine && frame.json["size"] == frame.json["canvas"], whole);
                 return frame.json["stage"] == "final";
             };
             if (!note(*shown))
@@ -103,7 +108,8 @@ public:
         if (process_) print_row("  CPU time", first_work);
         if (scene_["lighting"]["method"] != "none" && name != "camera") {
             print_row(name + ": first in its own light", coarse);
-            print_row(name + ": whole, light at its finest", fine);
+            print_row(name + ": first in light at its finest", fine);
+            print_row(name + ": whole, light at its finest", whole);
         }
         print_row(name + ": final", last, final_target);
         if (process_) print_row("  CPU time", work);

@@ -2,6 +2,7 @@
 // (docs/theory/light.md).
 #include <fmt/format.h>
 
+#include "classify/surface_table.h"
 #include "illumination/probe/data.h"
 #include "sharp_geometry.h"
 
@@ -196,6 +197,54 @@ TEST(Surfaces, ABorderIsASurface) {
     for (const Vec3 normal : {Vec3{0, 0, 1}, Vec3{-1, 0, 0}, Vec3{0.1, 0.2, -0.9}, Vec3{-0.2, 0.9, 0.3}}) {
         const Look look{middle + 60 * normalized(normal), normalized(normal), normalized(cross(normal, {1, 2, 4})), 8};
         EXPECT_NEAR(mean(irradiance_of_columns(seen(volume, look, {.surfaces = true}, 64))), 1, 0.01);
+    }
+}
+
+/// The least and the largest share and depth of values and slopes at most a node of the table away.
+struct Around {
+    double low[2] = {1e9, 1e9}, high[2] = {-1e9, -1e9};
+    Around(const kernel::SurfaceView& model, double stored, double slope, double node) {
+        for (int i = -4; i <= 4; ++i)
+            for (int j = -4; j <= 4; ++j) {
+                const auto at = model.of_slope(float(stored + i * node / 4), float(slope * std::exp2(j / 8.0)));
+                const double found[] = {at.share, at.depth};
+                for (int k = 0; k < 2; ++k) low[k] = std::min(low[k], found[k]), high[k] = std::max(high[k], found[k]);
+            }
+    }
+    double outside(int k, double found) const { return std::max({low[k] - found, found - high[k], 0.0}); }
+};
+
+// What the ray caster reads at samples is what the model says a node of the table away or nearer: of skins of many
+// slopes and a few values wide, within where the transfer function changes and far beyond.
+TEST(Surfaces, TheTableOfSharesIsTheModel) {
+    const Volume bytes = volume_of([](Vec3 p) { return 2 * (p[0] + p[1]); });
+    for (const double width : {3.0, 40.0, 200.0}) {
+        TransferFunction tf;
+        tf.points = {{30, {1, 1, 1}, 0}, {30 + width, {1, 1, 1}, 0.9}};
+        const Medium medium = classify(upload(tested_device(), bytes), tf, {});
+        const kernel::SurfaceView model = surface_table_of(medium.data())->view();
+        ASSERT_TRUE(share_table_of(medium.data()));
+        const kernel::ShareTableView table = share_table_of(medium.data())->view();
+        const double half = 0.5 * double(medium.data().table.entries.size()) / medium.data().table.index_scale;
+        std::mt19937 random(3);
+        std::uniform_real_distribution<float> value(0, 255), octaves(-6, 8);
+        double share = 0, share_off = 0, depth_off = 0, error = 0;
+        constexpr int count = 20000;
+        for (int i = 0; i < count; ++i) {
+            const float stored = value(random), slope = std::exp2(octaves(random));
+            const auto at = table.locate(stored, slope * slope);
+            const double far = std::max(1.0, std::abs(stored - 30 - width / 2) / half);
+            const Around around(model, stored, slope, 1.1 * far * half / table.per_octave);
+            share_off = std::max(share_off, around.outside(0, table.share(at)));
+            if (around.low[0] > 0.1) depth_off = std::max(depth_off, around.outside(1, table.depth(at)));
+            const double truth = model.of_slope(stored, slope).share;
+            share += truth / count, error += std::abs(table.share(at) - truth) / count;
+        }
+        EXPECT_GT(share, 0.05) << width;
+        EXPECT_LT(share_off, 0.02) << width;
+        EXPECT_LT(depth_off, 0.04) << width;
+        EXPECT_LT(error, 0.03) << width;
+        if (std::getenv("CHIARO_SHOW")) fmt::print("{}: {} {} {} {}\n", width, share, share_off, depth_off, error);
     }
 }
 

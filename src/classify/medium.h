@@ -43,6 +43,7 @@ struct LastSegments {
 };
 
 class SurfaceTable;
+class ShareTable;
 
 struct Medium::Data : std::enable_shared_from_this<Data> {
     DeviceVolume volume;
@@ -56,6 +57,7 @@ struct Medium::Data : std::enable_shared_from_this<Data> {
     std::shared_ptr<const Data> lit_as;                 ///< of a level by bricks: the medium whose light it is seen in
     mutable LastSegments last_segments;
     Lazy<std::shared_ptr<const SurfaceTable>> surface_table;  ///< classify/surface_table.h
+    Lazy<std::shared_ptr<const ShareTable>> share_table;      ///< there, too
 
     void add_to(HostArrays& arrays) const {
         volume.data().add_to(arrays);

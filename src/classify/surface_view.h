@@ -15,6 +15,67 @@ struct SurfaceAt {
     F depth;           ///< [0, 2]: edges of matter like this between here and the outside
 };
 
+/// How much of a surface matter is and how deep in it, by value and slope, where opacity is the optical table's alone.
+/// Bilinear; by the bytes of the nodes (v, s), (v + 1, s), (v, s + 1) and (v + 1, s + 1) in a word.
+struct ShareTableView {
+    const std::uint32_t* shares = nullptr;  ///< [octave of the slope's square][value]; null: there is no table
+    const std::uint32_t* depths = nullptr;
+    float scale, offset;    ///< (stored - middle) / half the optical table's width = stored * scale + offset
+    float slope_scale = 0;  ///< from the square of a slope, stored units per smallest edge, to one of that half
+
+    /// Nodes of values are even within the optical table, `per_octave` for either half, and as many for each octave of
+    /// the distance from its middle beyond; two nodes for each octave of slope.
+    static constexpr int per_octave = 128, octaves_beyond = 4, middle = per_octave * (1 + octaves_beyond),
+                         values = 2 * middle + 1, octaves = 32, least_octave = -20;
+    static constexpr float farthest = 1 << octaves_beyond, deepest = 2;
+
+    template <class F>
+    struct Place {
+        typename GatherIndex<F>::type quad;
+        F t, u;
+    };
+
+    template <class F>
+    CHIARO_INLINE Place<F> locate(F stored, F slope_squared) const {
+        F slope = slope_squared * F(slope_scale);
+        const F way = mad(stored, F(scale), F(offset));
+        F far = abs(way);
+        // From farther away all that the optical table changes in is a step, which a steeper slope has there.
+        if (any(far > F(farthest))) {
+            const F nearer = F(farthest) / max(far, F(farthest));
+            slope = slope * nearer * nearer;
+            far = min(far, F(farthest));
+        }
+        const F off = F(per_octave) * select(far < F(1), far, F(1) + octave_of(far));
+        const F v = min(F(middle) + select(way < F(0), F(0) - off, off), F(values - 1 - 1e-3f));
+        const F s = min(max(octave_of(slope) - F(least_octave), F(0)), F(octaves - 1e-3f));
+        const Int<F> i = truncate(v), j = truncate(s), quad = j * Int<F>(values) + i;
+        return {typename GatherIndex<F>::type(quad), v - to_float(i), s - to_float(j)};
+    }
+    template <class F>
+    CHIARO_INLINE F share(const Place<F>& at) const {
+        return F(1.0f / 255) * interpolate(shares, at);
+    }
+    template <class F>
+    CHIARO_INLINE F depth(const Place<F>& at) const {
+        return F(deepest / 255) * interpolate(depths, at);
+    }
+
+    /// Of x > 0, even within each: a float's bits go up by 2^23 an octave, and within it as the number does.
+    template <class F>
+    static CHIARO_INLINE F octave_of(F x) {
+        return mad(to_float(bits_of(x)), F(1.0f / (1 << 23)), F(-127));
+    }
+
+private:
+    template <class F>
+    static CHIARO_INLINE F interpolate(const std::uint32_t* quads, const Place<F>& at) {
+        const Int<F> quad = gather_word(quads, at.quad);
+        const auto byte = [&](int n) CHIARO_INLINE_LAMBDA { return to_float((quad >> Int<F>(8 * n)) & Int<F>(255)); };
+        return lerp(lerp(byte(0), byte(1), at.t), lerp(byte(2), byte(3), at.t), at.u);
+    }
+};
+
 struct SurfaceView {
     const float* opacity;       ///< α of a voxel's smallest edge, over the optical table
     float scale, offset, last;  ///< entry = stored * scale + offset
@@ -66,6 +127,21 @@ struct SurfaceView {
         };
         const F opacities[5]{opacity_at(-1.5f), opacity_at(-0.5f), opacity_at(0), opacity_at(0.5f), opacity_at(1.5f)};
         tell(g, slope, opacities, s);
+        return s;
+    }
+    /// The square of a gradient's slope, stored units per smallest edge.
+    template <class F>
+    CHIARO_INLINE F slope_squared(Vec3<F> gradient) const {
+        const Vec3<F> g = to_world(gradient);
+        return dot(g, g);
+    }
+    /// Of a value whose opacity is the optical table's, and of a slope, stored units per smallest edge.
+    SurfaceAt<float> of_slope(float stored, float slope) const {
+        const auto opacity_at = [&](float edges) { return opacity_of(stored + edges * slope); };
+        const float opacities[5]{opacity_at(-1.5f), opacity_at(-0.5f), opacity_at(0), opacity_at(0.5f),
+                                 opacity_at(1.5f)};
+        SurfaceAt<float> s;
+        tell<float>({slope, 0, 0}, slope, opacities, s);
         return s;
     }
 

@@ -67,7 +67,8 @@ struct Matter {
     float cut_alpha;  ///< a cut through more opaque matter shows the plane's normal
     SolidView solid;
     SurfaceView surface;  ///< of fields that are read by it
-    float met_steps;      ///< of a surface that was met, to what lies behind
+    ShareTableView shares;
+    float met_steps;  ///< of a surface that was met, to what lies behind
     bool skip_empty;
     bool shows_cuts;  ///< cuts through solid matter are lit by all that lies before them
 
@@ -139,7 +140,8 @@ struct Matter {
         if (asks_normals()) {
             const Vec3<F> gradient = place.gradient ? *place.gradient : volume.gradient(at);
             shading.reflect(select(cut.open, cut.normal, F(shading.out) * gradient), sample);
-            if (asks_surfaces) find_surface(at, gradient, visible & !cut.open, place, met, sample);
+            if constexpr (Field::by_surface)
+                if (asks_surfaces) find_surface(at, gradient, visible & !cut.open, place, met, sample);
         }
         Incident<F> incident;
         if constexpr (Field::by_surface)
@@ -161,32 +163,47 @@ private:
         }
     }
 
+    /// Of the sample alone; with its depth for fields that ask for it.
+    template <class At, class F>
+    CHIARO_INLINE SurfacePoint<F> own_surface(const At& at, const Vec3<F>& gradient, const Place<F>& place,
+                                              const SamplePoint<F>& sample) const {
+        SurfacePoint<F> own{F(1), sample.p_voxel,
+                            towards_eye(sample.outward, F(shading.out) * dot(gradient, place.lattice.step))};
+        if (shares.shares) {
+            const auto node = shares.locate(sample.value, surface.slope_squared(gradient));
+            own.share = shares.share(node);
+            if (Field::remembers_surfaces) own.depth = shares.depth(node);
+        } else if (surface.opacity) {  // isosurfaces are whole ones
+            look_up_surface(at, gradient, sample.value, own);
+        }
+        return own;
+    }
+    template <class At, class F>
+    CHIARO_NOINLINE void look_up_surface(const At& at, const Vec3<F>& gradient, const F& value,
+                                         SurfacePoint<F>& own) const {
+        const SurfaceAt<F> found = surface.of(volume, at, value, gradient);
+        own.share = found.share, own.depth = found.depth;
+    }
+
     /// A surface that was met reaches two edges far along its ray. Within the first of them light is looked up again
     /// only where there is more of a surface.
     template <class At, class F>
     CHIARO_INLINE void find_surface(const At& at, Vec3<F> gradient, Mask<F> wanted, const Place<F>& place,
                                     MetSurface<F>& met, SamplePoint<F>& sample) const {
+        if constexpr (!Field::remembers_surfaces) {
+            sample.surface = own_surface(at, gradient, place, sample);
+            sample.surface.share = select(wanted, sample.surface.share, F(0));
+            return;
+        }
         constexpr float more = 0.05f;
         const F since = place.backwards ? F(2 * met_steps) : place.step - met.step;
         met.share = select(since <= F(met_steps), met.share, F(0));
         const Mask<F> is_near = since < F(0.5f * met_steps);
         wanted = wanted & !(is_near & (met.share >= F(1 - more)));
         if (!any(wanted)) return;
-        look_up_surface(at, gradient, wanted, is_near, place, met.share, sample);
-    }
-    template <class At, class F>
-    CHIARO_NOINLINE void look_up_surface(const At& at, const Vec3<F>& gradient, const Mask<F>& wanted,
-                                         const Mask<F>& is_near, const Place<F>& place, const F& met_share,
-                                         SamplePoint<F>& sample) const {
-        constexpr float more = 0.05f;
-        SurfacePoint<F> here{F(1), sample.p_voxel,
-                             towards_eye(sample.outward, F(shading.out) * dot(gradient, place.lattice.step))};
-        if (surface.opacity) {  // isosurfaces are whole ones
-            const SurfaceAt<F> found = surface.of(volume, at, sample.value, gradient);
-            here.share = found.share, here.depth = found.depth;
-            if (place.backwards) look_before(wanted, place, here);
-        }
-        const F least = met_share + select(is_near, F(more), F(0));
+        SurfacePoint<F> here = own_surface(at, gradient, place, sample);
+        if (place.backwards && surface.opacity) look_before(wanted, place, here);
+        const F least = met.share + select(is_near, F(more), F(0));
         here.share = select(wanted & (here.share >= least), here.share, F(0));
         sample.surface = here;
     }

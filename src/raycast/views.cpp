@@ -288,8 +288,12 @@ RayTables make_tables(const Medium::Data& medium, const RaySettings& settings, i
     RayTables tables{mode == Mode::additive ? emission_table(table, step_mm)
                                             : step_table(table, integrated ? step_mm : table.unit_mm),
                      {},
+                     {},
                      {}};
-    if (by_surface && mode == Mode::dvr) tables.surface = surface_table_of(medium);
+    if (by_surface && mode == Mode::dvr) {
+        tables.surface = surface_table_of(medium);
+        tables.shares = share_table_of(medium);
+    }
     if (mode == Mode::dvr && settings.classification == Classification::preintegrated && !is_mixed(medium))
         tables.segments = segment_table(medium, step_mm, albedo_limit, threads);
     return tables;

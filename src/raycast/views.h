@@ -36,11 +36,13 @@ std::vector<kernel::Rgba> emission_table(const OpticalTable& table, double step_
 struct RayTables {
     std::vector<kernel::Rgba> steps;
     std::shared_ptr<const SurfaceTable> surface;
+    std::shared_ptr<const ShareTable> shares;
     std::shared_ptr<const SegmentTable> segments;  ///< null unless needed
 
     void add_to(HostArrays& arrays) const {
         arrays.add(steps);
         if (surface) arrays.add(surface, surface->opacity());
+        if (shares) arrays.add(shares, shares->shares()), arrays.add(shares, shares->depths());
         if (!segments) return;
         arrays.add(segments, segments->entries);
         arrays.add(segments, segments->visible_before);
@@ -109,6 +111,7 @@ kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, cons
                    .cut_alpha = float(1 - std::exp2(-settings.step_voxels)),  // ½ over one voxel
                    .solid = solid_view(settings.step_voxels),
                    .surface = tables.surface ? tables.surface->view() : kernel::SurfaceView{},
+                   .shares = tables.shares ? tables.shares->view() : kernel::ShareTableView{},
                    .met_steps = float(surface_reach / settings.step_voxels),
                    .skip_empty = settings.skip_empty || volume.pages,  // which also tells what is seen
                    .shows_cuts = shows_cuts},

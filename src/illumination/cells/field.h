@@ -14,7 +14,7 @@ struct SurfaceAccess {
 };
 
 struct AccessView {
-    static constexpr bool modulates = true, adds_opacity = false, by_surface = true;
+    static constexpr bool modulates = true, adds_opacity = false, by_surface = true, remembers_surfaces = false;
 
     const std::uint16_t* cells;  ///< x fastest, 65535: all light arrives
     GridView grid;

@@ -16,7 +16,7 @@ struct HalfLight {
 };
 
 struct HistogramView {
-    static constexpr bool modulates = true, adds_opacity = true, by_surface = true;
+    static constexpr bool modulates = true, adds_opacity = true, by_surface = true, remembers_surfaces = true;
 
     const float* identifiers;        ///< CodewordPair's bits: forward in the low half; x fastest
     GridView grid;                   ///< of the nodes
@@ -127,7 +127,8 @@ private:
         F share = is_paper ? F(0.5f) : here.open / max(here.open + there.open, F(1e-6f));
         share = select(both, share, F(1));
         if (scatters) share = scattered(share, sample, shading, outwards >= F(0), both);
-        return {share * here.bleeding + (F(1) - share) * there.bleeding, lerp(there.open, here.open, share)};
+        const F rest = F(1) - share;  // 0 leaves `here` as it is, as where no lane has both
+        return {share * here.bleeding + rest * there.bleeding, share * here.open + rest * there.open};
     }
     /// Both halves weighted by the phase function of the angle from the light's way to the eye's; at borders half of
     /// that, half of what faces outwards.

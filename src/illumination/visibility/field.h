@@ -14,7 +14,7 @@ namespace chiaro::kernel {
 /// Of visibility, whose light is found at the nodes, and of transport, whose nodes hold scattered light: one kind of
 /// view, so that the ray caster is compiled for both at once.
 struct VisibilityView {
-    static constexpr bool modulates = true, adds_opacity = false, by_surface = true;
+    static constexpr bool modulates = true, adds_opacity = false, by_surface = true, remembers_surfaces = true;
 
     NodeLight light;  ///< E of the nodes, on particles
 
