@@ -25,6 +25,9 @@ struct LitField {
             },
             view);
     }
+    /// Whether a table may tell it of them. What histograms hold on either side of a hard edge differs so much that
+    /// rounded shares show.
+    bool by_share_table() const { return by_surface() && !std::holds_alternative<kernel::HistogramView>(view); }
 };
 
 /// Joins field and lighting; a probe is projected on the field where that holds no light of its own.

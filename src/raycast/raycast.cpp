@@ -172,7 +172,7 @@ RenderStatistics fill(const Device& device, const Medium& medium, const Illumina
     const IlluminationField& shown = is_lit(data.shape.mode) ? field : IlluminationField();
     LitField lit = lit_field(shown, lighting, camera, data.lit_as ? *data.lit_as : data);
     if (const auto& pages = data.volume.data().pages) read_from(lit, *pages);
-    const RayTables tables = make_tables(data, settings, device.threads, lit.albedo_limit, lit.by_surface());
+    const RayTables tables = make_tables(data, settings, device.threads, &lit);
     HostArrays arrays = lit.arrays;
     data.add_to(arrays);
     tables.add_to(arrays);

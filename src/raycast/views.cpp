@@ -276,13 +276,13 @@ kernel::ExtremeView extreme_view(const DeviceVolume::Data& volume, Mode mode) {
     return {volume.cells.low.data(), is_spline ? -none : volume.stored_min, -1};
 }
 
-RayTables make_tables(const Medium::Data& medium, const RaySettings& settings, int threads,
-                      std::optional<double> albedo_limit, bool by_surface) {
+RayTables make_tables(const Medium::Data& medium, const RaySettings& settings, int threads, const LitField* lit) {
     // Where nothing is integrated a value shows as one reference length of it.
     const DeviceVolume::Data& volume = medium.volume.data();
     const double step_mm = chiaro::step_mm(settings.step_voxels, volume.geometry, volume.dimensions);
     const Mode mode = medium.shape.mode;
     // Colours of samples that labels tint are limited after that.
+    const std::optional<double> albedo_limit = lit ? lit->albedo_limit : std::nullopt;
     const OpticalTable table = is_labelled_channel(medium) ? medium.table : with_albedos(medium.table, albedo_limit);
     const bool integrated = is_lit(mode) || mode == Mode::additive;
     RayTables tables{mode == Mode::additive ? emission_table(table, step_mm)
@@ -290,9 +290,9 @@ RayTables make_tables(const Medium::Data& medium, const RaySettings& settings, i
                      {},
                      {},
                      {}};
-    if (by_surface && mode == Mode::dvr) {
-        tables.surface = surface_table_of(medium);
-        tables.shares = share_table_of(medium);
+    if (lit && mode == Mode::dvr) {
+        if (lit->by_surface()) tables.surface = surface_table_of(medium);
+        if (lit->by_share_table()) tables.shares = share_table_of(medium);
     }
     if (mode == Mode::dvr && settings.classification == Classification::preintegrated && !is_mixed(medium))
         tables.segments = segment_table(medium, step_mm, albedo_limit, threads);

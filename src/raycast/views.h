@@ -48,9 +48,9 @@ struct RayTables {
         arrays.add(segments, segments->visible_before);
     }
 };
-/// `albedo_limit`: colours are scaled down to it (LitField). `by_surface`: the field asks where surfaces are.
+/// `lit`: what the rays see, whose colours may be limited; null: no light.
 RayTables make_tables(const Medium::Data& medium, const RaySettings& settings, int threads,
-                      std::optional<double> albedo_limit = {}, bool by_surface = false);
+                      const LitField* lit = nullptr);
 kernel::StepTableView step_table_view(const OpticalTable& table, const RayTables& tables);
 /// `table`: may be null.
 kernel::SegmentTableView segment_table_view(const SegmentTable* table);
