@@ -142,7 +142,7 @@ TEST_F(SessionTest, LargeVolumesAreLitSoonByEveryOtherVoxel) {
     if (tested_device().has_gpu()) GTEST_SKIP() << "a GPU needs no such light";
     scene.illumination.method = Method::spao;
     EXPECT_FALSE(session.is_lit_soon(scene)) << "a small volume is lit at once";
-    session.show(make_sample("shells", 224), progress);
+    session.show(make_sample("shells", 324), progress);
     ASSERT_TRUE(session.is_lit_soon(scene));
     const auto apart = [](const Image& a, const Image& b) {
         double sum = 0;

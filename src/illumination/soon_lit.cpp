@@ -5,9 +5,9 @@
 namespace chiaro {
 namespace {
 
-/// Voxels from which on light takes longer than drafts may. (Two cores: 512³ .3 s, of every other voxel .06; 256³ .06
-/// and .01.)
-constexpr double large = 220.0 * 220 * 220;
+/// Voxels from which on light takes longer than drafts may. (512³ on two cores: light .3 s, of every other voxel .06;
+/// 256³: .06 s.)
+constexpr double large = 320.0 * 320 * 320;
 
 /// As pictures of the volume look it up whose every other voxel it is of.
 IlluminationField spread_out(const IlluminationField& field) {
