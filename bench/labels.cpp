@@ -64,13 +64,7 @@ public:
         Session& session = look < 0 ? plain_ : sessions_[std::size_t(look)].session;
         Scene scene = scene_;
         if (look >= 0) scene.labels.loaded = sessions_[std::size_t(look)].labels;
-        session.render(scene, progress_);  // whatever is found once
-        double seconds = 0;
-        for (const double azimuth : {30.0, 60.0}) {
-            scene.camera.azimuth_deg = scene_.camera.azimuth_deg + azimuth;
-            seconds += cpu_seconds([&] { session.render(scene, progress_); });
-        }
-        return 1e3 * seconds / 2;
+        return turned_frame_ms(session, std::move(scene), progress_);
     }
 
 private:

@@ -27,16 +27,9 @@ public:
 
     /// By methods[i]; behind the last without light.
     double milliseconds(std::size_t i) {
-        Session& session = sessions_[i];
         Scene scene = scene_;
         scene.illumination.method = i < std::size(methods) ? methods[i] : Method::none;
-        session.render(scene, progress_);  // the light, found once
-        double seconds = 0;
-        for (const double azimuth : {30.0, 60.0}) {
-            scene.camera.azimuth_deg = scene_.camera.azimuth_deg + azimuth;
-            seconds += cpu_seconds([&] { session.render(scene, progress_); });
-        }
-        return 1e3 * seconds / 2;
+        return turned_frame_ms(sessions_[i], std::move(scene), progress_);
     }
 
 private:

@@ -48,6 +48,16 @@ CameraSettings turned(CameraSettings camera, int frame) {
     return camera;
 }
 
+double turned_frame_ms(Session& session, Scene scene, Progress& progress) {
+    session.render(scene, progress);  // whatever is found once
+    double seconds = 0;
+    for (int frame = 0; frame < 2; ++frame) {
+        scene.camera.azimuth_deg += 30;
+        seconds += cpu_seconds([&] { session.render(scene, progress); });
+    }
+    return 1e3 * seconds / 2;
+}
+
 Turntable::Turntable(const Setup& setup, const Scene& scene) : progress_(setup.progress), session_(setup.device) {
     session_.show(read_volume(scene, progress_), progress_);
 }

@@ -33,6 +33,9 @@ inline constexpr const char* no_data = "skipped: no data (CHIARO_DATA_DIR)";
 inline constexpr int turn_frames = 4;
 CameraSettings turned(CameraSettings camera, int frame);
 
+/// CPU milliseconds of a frame of what the session shows, from two sides, once all but the rays is found.
+double turned_frame_ms(Session& session, Scene scene, Progress& progress);
+
 /// A scene whose volume is read once for all the settings that it is rendered with.
 class Turntable {
 public:

@@ -46,8 +46,8 @@ ShareTable::ShareTable(const OpticalTable& table, const SurfaceTable& surface) {
     view_.scale = float(per_stored), view_.offset = float(-middle * per_stored);
     view_.slope_scale = float(per_stored * per_stored);
     const kernel::SurfaceView by_opacity = surface.view();
-    constexpr float least =
-        0.015f;  // rays remember what they meet: none of less, so that blocks of several ranks agree
+    // Rays remember the surfaces that they meet: none of less than this, so that blocks of several ranks agree.
+    constexpr float least = 0.015f;
     const auto in_bytes = [](float x) { return std::uint8_t(255 * std::min(x, 1.0f) + 0.5f); };
     std::vector<std::uint8_t> share, depth;
     // The places of nodes: what locate() turns into whole numbers.
@@ -61,8 +61,8 @@ ShareTable::ShareTable(const OpticalTable& table, const SurfaceTable& surface) {
             octave > 0 ? float(std::sqrt(of_octave(octave + View::least_octave)) / per_stored) : 0;  // even matter
         for (int i = 0; i < View::values; ++i) {
             const auto found = by_opacity.of_slope(float(middle + way_of(i) / per_stored), slope);
-            share.push_back(found.share < least ? 0 : in_bytes(found.share)),
-                depth.push_back(in_bytes(found.depth / View::deepest));
+            share.push_back(found.share < least ? 0 : in_bytes(found.share));
+            depth.push_back(in_bytes(found.depth / View::deepest));
         }
     }
     const auto quads = [](const std::vector<std::uint8_t>& nodes) {

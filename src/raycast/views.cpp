@@ -281,8 +281,8 @@ RayTables make_tables(const Medium::Data& medium, const RaySettings& settings, i
     const DeviceVolume::Data& volume = medium.volume.data();
     const double step_mm = chiaro::step_mm(settings.step_voxels, volume.geometry, volume.dimensions);
     const Mode mode = medium.shape.mode;
-    // Colours of samples that labels tint are limited after that.
     const std::optional<double> albedo_limit = lit ? lit->albedo_limit : std::nullopt;
+    // Colours of samples that labels tint are limited after that.
     const OpticalTable table = is_labelled_channel(medium) ? medium.table : with_albedos(medium.table, albedo_limit);
     const bool integrated = is_lit(mode) || mode == Mode::additive;
     RayTables tables{mode == Mode::additive ? emission_table(table, step_mm)
