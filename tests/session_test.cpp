@@ -159,6 +159,10 @@ TEST_F(SessionTest, LargeVolumesAreLitSoonByEveryOtherVoxel) {
         EXPECT_LT(apart(soon, own), 1.5) << "but nearly the same, in 255ths";
         EXPECT_EQ(session.render(scene, progress).pixels, own.pixels);
     }
+    scene.mode = Mode::mip;  // shows no light
+    scene.transfer.opacity_scale = 0.7;
+    EXPECT_EQ(session.preview(scene, progress, DraftLight::soon).pixels,
+              session.preview(scene, progress, DraftLight::own).pixels);
 }
 
 TEST_F(SessionTest, ACancelledPreviewLeavesNothingHalfDone) {

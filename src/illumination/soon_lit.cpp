@@ -9,8 +9,9 @@ namespace {
 /// 256³: .06 s.)
 constexpr double large = 320.0 * 320 * 320;
 
-/// As pictures of the volume look it up whose every other voxel it is of.
+/// As pictures of the volume look it up whose every other voxel it is of; modes that show no light have none.
 IlluminationField spread_out(const IlluminationField& field) {
+    if (!std::holds_alternative<kernel::AccessView>(field.data().view)) return field;
     kernel::AccessView view = std::get<kernel::AccessView>(field.data().view);
     kernel::Float3& nodes = view.grid.nodes_per_voxel;
     nodes = {nodes.x / 2, nodes.y / 2, nodes.z / 2};
