@@ -159,8 +159,7 @@ TEST_F(SessionTest, LargeVolumesAreLitSoonByEveryOtherVoxel) {
         EXPECT_LT(apart(soon, own), 1.5) << "but nearly the same, in 255ths";
         EXPECT_EQ(session.render(scene, progress).pixels, own.pixels);
     }
-    scene.mode = Mode::mip;  // shows no light
-    scene.transfer.opacity_scale = 0.7;
+    scene.mode = Mode::mip, scene.transfer.opacity_scale = 0.7;  // shows no light
     EXPECT_EQ(session.preview(scene, progress, DraftLight::soon).pixels,
               session.preview(scene, progress, DraftLight::own).pixels);
 }
