@@ -21,13 +21,15 @@ struct Rung {
     int shrinks;
     double step_factor;
 };
-constexpr Rung ladder[] = {{0, 1}, {1, 1}, {1, 2}, {2, 2}, {3, 2}, {4, 2}};
+constexpr Rung ladder[] = {{0, 1}, {1, 1}, {1, 2}, {2, 2}, {3, 2}, {3, 4}, {4, 4}};
 constexpr int last_rung = int(std::size(ladder)) - 1;
-// Of a frame's time, with samples twice as far apart (measured on shells and tubes of 256³, .59 to .66).
-constexpr double of_coarse = 0.62;
+// Of a frame's time, with samples twice as far apart (measured on shells and tubes of 256³, .59 to .66), and four
+// times, of every other voxel (shells of 512³, .25).
+constexpr double of_coarse = 0.62, of_coarsest = 0.25;
 
 double cost(const DraftSize& draft) {
-    return std::max(1.0, double(draft.width) * draft.height) * (draft.step_factor > 1 ? of_coarse : 1);
+    const double share = draft.step_factor > 2 ? of_coarsest : draft.step_factor > 1 ? of_coarse : 1;
+    return std::max(1.0, double(draft.width) * draft.height) * share;
 }
 
 /// Qualities of drafts, with the share of the bytes of the first that they take (measured on a brain, a torso and
@@ -63,13 +65,15 @@ DraftSize AdaptiveResolution::size(int width, int height, const LinkState& link)
     int first = rung_;
     while (first > 0 && at(first, best).width < least && expected(at(first - 1, best)) < patience) --first;
     DraftSize draft = at(first, best);
-    for (int rung = first; rung <= last_rung; ++rung)
+    for (int rung = first; rung <= last_rung; ++rung) {
+        if (rung > first && ladder[rung].shrinks == ladder[rung - 1].shrinks) continue;  // as many bytes
         for (const auto& [quality, bytes] : qualities) {
             const DraftSize other = at(rung, quality);
             if (rung > first && other.width < least) return draft;
             draft = other;
             if (bytes_per_pixel_ * bytes * draft.width * draft.height <= link.draft_bytes()) return draft;
         }
+    }
     return draft;
 }
 

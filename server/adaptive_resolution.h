@@ -15,8 +15,9 @@ struct DraftSize {
 
 /// Sizes go down from the canvas's by √2 a side, to a quarter of it, so that a frame takes a thirtieth of a second by
 /// what the last ones took (an eighteenth on a slow way of 50 ms, a thirteenth on one of 150); from the first step on,
-/// before sizes become smaller still, samples are twice as far apart; and further, with lower qualities, so that it has
-/// no more bytes than the way to the page has room for, but for that never below 640 pixels across.
+/// before sizes become smaller still, samples are twice as far apart, and four times at last, where large volumes are
+/// drawn by every other voxel; and further, with lower qualities, so that it has no more bytes than the way to the page
+/// has room for, but for that never below 640 pixels across.
 class AdaptiveResolution {
 public:
     static constexpr double target_seconds = 1.0 / 30;

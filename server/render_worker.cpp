@@ -302,13 +302,22 @@ void RenderWorker::refine_cast(const FrameRequest& wanted, Progress& progress) {
     }
     if (wanted.preview && (is_dark || is_whole_)) return;
     has_own_light_ = true;
+    if (is_dark && !is_whole_ && session_->is_lit_soon(once)) {  // a large volume, whose whole picture takes a while
+        Scene small = once;
+        small.width = draft_.width, small.height = draft_.height;
+        small.sampling.step_voxels *= draft_.step_factor;
+        const Image& image = session_->preview(small, progress, DraftLight::own);
+        learn_light();
+        send(wanted, image, "draft", 1);
+    }
     if (is_dark || !is_whole_ || session_->source()) {
         const auto coarse = [&](const Image& image) {  // light, or level of a volume by bricks
             const bool is_coarse_light = session_->light().is_coarse();
             send(wanted, image, is_coarse_light ? "light" : "full", 1, is_coarse_light);
         };
+        const bool finds_light = session_->needs_light(once);
         const Image& image = session_->render(once, progress, coarse);
-        if (is_dark) learn_light();
+        if (finds_light) learn_light();
         note_frame(wanted, once);
         send(wanted, image, is_dark ? "light" : "full", 1);
         if (wanted.preview) return;

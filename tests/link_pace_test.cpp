@@ -173,7 +173,9 @@ TEST(AdaptiveResolution, ASlowSceneIsDrawnWithFewerSamplesBeforeItIsDrawnSmaller
     EXPECT_EQ(drawn(0.04), std::pair(707, 1.0));
     EXPECT_EQ(drawn(0.07), std::pair(707, 2.0));
     EXPECT_EQ(drawn(0.2), std::pair(500, 2.0));
-    EXPECT_EQ(drawn(10), std::pair(250, 2.0));
+    EXPECT_EQ(drawn(0.4), std::pair(354, 2.0));
+    EXPECT_EQ(drawn(0.7), std::pair(354, 4.0));
+    EXPECT_EQ(drawn(10), std::pair(250, 4.0));
 }
 
 namespace {

@@ -69,6 +69,29 @@ TEST_F(SessionTest, LightFollowsAnEditAndItsStepsAreTold) {
     EXPECT_EQ(redone(), "raycast develop");
 }
 
+TEST_F(SessionTest, ColoursAloneLeaveTheLightOfOpacities) {
+    scene.transfer.points = TransferFunction{{{0.2, {1, 1, 1}, 0}, {0.8, {1, 0.5, 0.2}, 0.4}}};
+    for (const Method method : {Method::spao, Method::visibility}) {
+        scene.illumination.method = method;
+        for (const Interpolation interpolation : {Interpolation::linear, Interpolation::automatic}) {
+            scene.interpolation = interpolation;
+            session.render(scene, progress);
+            scene.transfer.points->points[1].rgb[2] += 0.1, scene.transfer.points->points[0].name = "Skin";
+            EXPECT_FALSE(session.needs_light(scene));
+            EXPECT_EQ(redone().find("illuminate"), std::string::npos) << redone();
+            EXPECT_EQ(session.render(scene, progress).pixels, render_image(tested_device(), scene, progress).pixels);
+            scene.transfer.points->points[1].opacity += 0.05;
+            EXPECT_TRUE(session.needs_light(scene));
+            EXPECT_NE(redone().find("illuminate"), std::string::npos);
+            EXPECT_EQ(session.render(scene, progress).pixels, render_image(tested_device(), scene, progress).pixels);
+        }
+    }
+    scene.illumination.method = Method::transport, scene.illumination.transport.grid = 8;
+    session.render(scene, progress);
+    scene.transfer.points->points[1].rgb[0] = 0.1;
+    EXPECT_TRUE(session.needs_light(scene)) << "what is scattered has another colour";
+}
+
 TEST_F(SessionTest, KeepsEverythingWithoutAChange) { EXPECT_EQ(redone(), ""); }
 
 TEST_F(SessionTest, CameraMovesStartAtRaycast) {
@@ -136,32 +159,6 @@ TEST_F(SessionTest, ShowsCoarseLightWhileFinerLightIsFound) {
         EXPECT_LT(squares, worst) << "each is nearer than the one before";
         worst = squares;
     }
-}
-
-TEST_F(SessionTest, LargeVolumesAreLitSoonByEveryOtherVoxel) {
-    if (tested_device().has_gpu()) GTEST_SKIP() << "a GPU needs no such light";
-    scene.illumination.method = Method::spao;
-    EXPECT_FALSE(session.is_lit_soon(scene)) << "a small volume is lit at once";
-    session.show(make_sample("shells", 324), progress);
-    ASSERT_TRUE(session.is_lit_soon(scene));
-    const auto apart = [](const Image& a, const Image& b) {
-        double sum = 0;
-        for (std::size_t i = 0; i < a.pixels.size(); ++i) sum += std::abs(a.pixels[i] - b.pixels[i]);
-        return sum / double(a.pixels.size());
-    };
-    for (const double scale : {1.0, 0.5}) {
-        const Image before = session.preview(scene, progress);
-        scene.transfer.opacity_scale = scale;
-        const Image soon = session.preview(scene, progress, DraftLight::soon);
-        EXPECT_TRUE(session.needs_light(scene)) << "what render keeps stays kept";
-        const Image own = session.preview(scene, progress, DraftLight::own);
-        EXPECT_GT(apart(soon, own), 0) << "another light";
-        EXPECT_LT(apart(soon, own), 1.5) << "but nearly the same, in 255ths";
-        EXPECT_EQ(session.render(scene, progress).pixels, own.pixels);
-    }
-    scene.mode = Mode::mip, scene.transfer.opacity_scale = 0.7;  // shows no light
-    EXPECT_EQ(session.preview(scene, progress, DraftLight::soon).pixels,
-              session.preview(scene, progress, DraftLight::own).pixels);
 }
 
 TEST_F(SessionTest, ACancelledPreviewLeavesNothingHalfDone) {

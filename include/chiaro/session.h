@@ -88,11 +88,12 @@ public:
     /// read by bricks, with each coarser level on the way to the one that is drawn, too.
     CHIARO_EXPORT const Image& render(const Scene& scene, Progress& progress, const Preview& preview = {});
     /// What can be shown at once. Of the reference's radiance one path a pixel. Where the scene's interpolation is
-    /// automatic it is linear here. Of a volume that is read by bricks: what has been read. What render keeps stays
-    /// kept.
+    /// automatic it is linear here. Of a volume that is read by bricks: what has been read. Of one of 220³ voxels or
+    /// more, where samples are two voxels apart and pixels as large as voxels: every other voxel, without light or in
+    /// its own spao, unless `light` is own. What render keeps stays kept.
     CHIARO_EXPORT const Image& preview(const Scene& scene, Progress& progress, DraftLight light = DraftLight::last);
     /// Whether DraftLight::soon is another light than DraftLight::own: ambient occlusion (spao) in a volume of one
-    /// value, of 320³ voxels or more.
+    /// value, of 220³ voxels or more.
     CHIARO_EXPORT bool is_lit_soon(const Scene& scene) const;
     /// Finds all that a render of the scene starts from, its light included, and draws nothing. Where ranks share the
     /// volume (Device::ranks) this is collective, as show() is; a render afterwards is not.

@@ -107,6 +107,17 @@ bool has_linear_drafts(const Scene& scene) {
     return scene.interpolation == Interpolation::automatic && has_finer_interpolation(scene);
 }
 
+bool sees_opacities_alone(const IlluminationSettings& settings) {
+    return settings.method == Method::spao || settings.method == Method::visibility;
+}
+
+TransferSettings without_colors(TransferSettings settings) {
+    if (!settings.points) return settings;
+    settings.points->rgb_space = RgbSpace::srgb, settings.points->name.clear();
+    for (ControlPoint& point : settings.points->points) point.rgb = {0, 0, 0}, point.name.clear();
+    return settings;
+}
+
 Medium finely_interpolated(const Device& device, const Medium& medium, const Scene& scene, double noise,
                            const Progress& progress) {
     const bool is_automatic = scene.interpolation == Interpolation::automatic;

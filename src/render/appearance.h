@@ -44,6 +44,10 @@ Shape shape_for(const Scene& scene);
 bool has_finer_interpolation(const Scene& scene);
 /// Whether drafts are linear where final pictures are not.
 bool has_linear_drafts(const Scene& scene);
+/// Whether light comes from opacities alone, whatever colours are.
+bool sees_opacities_alone(const IlluminationSettings& settings);
+/// What opacities come from: the same, its points without colours and names.
+TransferSettings without_colors(TransferSettings settings);
 /// The medium of final pictures. `medium`: of drafts; `noise`: as Statistics has it.
 Medium finely_interpolated(const Device& device, const Medium& medium, const Scene& scene, double noise,
                            const Progress& progress);

@@ -108,6 +108,7 @@ const Image& Session::preview(const Scene& given, Progress& progress, DraftLight
     State& s = *state_;
     const Scene scene = s.as_drawn(given);
     const bool is_soon = light == DraftLight::soon && s.is_lit_soon(scene), lit = light != DraftLight::last && !is_soon;
+    if (const Image* drawn = lit ? nullptr : s.draw_every_other_voxel(scene, progress)) return *drawn;
     if (lit)
         s.redo_up_to_classify(scene, progress);
     else
@@ -118,24 +119,10 @@ const Image& Session::preview(const Scene& given, Progress& progress, DraftLight
     const Camera camera = s.camera_of(s.camera);
     const Lighting lighting = s.lighting_of(scene, camera);
     if (lit) s.redo_illuminate(scene, camera, lighting, progress, {});
-    const IlluminationField& field = is_soon ? s.redo_soon(scene, lighting, progress) : s.illuminate.result;
+    if (is_soon) s.redo_soon(scene, lighting, progress);
+    const IlluminationField field = is_soon ? spread_out(s.soon.result) : s.illuminate.result;
     if (is_draft) s.medium = s.classify.result.medium;
-    const Medium& medium = s.medium;
-    DeviceFrame& frame = s.previewed.frame;
-    frame.resize(scene.width, scene.height);
-    s.timed("raycast", [&] {
-        IlluminationSettings settings = scene.illumination;
-        settings.reference.rays = 1;
-        const Drawing drawing{s.device, medium, field, lighting, camera, scene, frame, s.previewed.render_statistics};
-        if (s.refiner && s.refiner->draw_what_is_there(drawing, progress)) return progress.check();
-        s.previewed.render_statistics =
-            is_path_traced(settings)
-                ? trace_paths(s.device, medium, lighting, camera, scene.sampling, settings, frame, progress)
-                : raycast(s.device, medium, field, lighting, camera, scene.sampling, frame, progress);
-        progress.check();
-    });
-    s.timed("develop", [&] { s.previewed_image = develop(frame, scene.output); });
-    return s.previewed_image;
+    return s.draw_draft(scene, field, lighting, camera, progress);
 }
 
 CameraSettings Session::fit(const Scene& scene, Progress& progress) {
@@ -177,11 +164,12 @@ bool Session::is_lit_soon(const Scene& given) const { return state_->is_lit_soon
 bool Session::needs_light(const Scene& given) const {
     const State& s = *state_;
     const Scene scene = s.as_drawn(given);
-    return s.prepare.inputs != std::tuple(s.upload.version, preparation_of(scene.illumination)) ||
-           s.classify.inputs !=
-               std::tuple(s.upload.version, scene.transfer, scene.channels, shape_for(scene), s.labels_of(scene)) ||
+    const bool has_medium = sees_opacities_alone(scene.illumination) ||
+                            s.classify.inputs == std::tuple(s.upload.version, scene.transfer, scene.channels,
+                                                            shape_for(scene), s.labels_of(scene));
+    return !has_medium || s.prepare.inputs != std::tuple(s.upload.version, preparation_of(scene.illumination)) ||
            s.illuminate.inputs !=
-               std::tuple(s.medium_version(scene), s.prepare.version, scene.illumination, s.held(scene));
+               std::tuple(s.matter_version(scene), s.prepare.version, scene.illumination, s.held(scene));
 }
 
 ComputedField Session::compute_field(const Scene& scene, Progress& progress) {
@@ -226,9 +214,7 @@ const Frame& Session::frame_with_depth(Progress& progress) {
 }
 const std::vector<Stage>& Session::stages() const { return state_->stages; }
 std::optional<PagingReport> Session::paging() const { return state_->paging; }
-SourceLevel Session::finest() const {
-    return state_->refiner ? state_->refiner->finest() : SourceLevel{volume().dimensions(), volume().geometry()};
-}
+SourceLevel Session::finest() const { return state_->finest(); }
 std::shared_ptr<const BrickSource> Session::source() const {
     return state_->refiner ? state_->refiner->source() : nullptr;
 }

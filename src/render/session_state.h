@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <optional>
 #include <tuple>
+#include <variant>
 
 #include "classify/labels/labelled.h"
 #include "classify/medium.h"
@@ -54,10 +55,14 @@ struct Session::State {
     Kept<Classified, Version, TransferSettings, std::vector<ChannelSettings>, Shape, Version> classify;
     Kept<CameraSettings, Version, CameraSettings, RaySettings, std::pair<int, int>> fit;
     Kept<Medium, Version, Interpolation> interpolate;  // of final pictures, where drafts are not as fine
+    /// What `opacities` names: all that they come from.
+    Kept<std::monostate, Version, TransferSettings, std::vector<ChannelSettings>, Shape, Version, Interpolation>
+        opacities;
     Kept<Probe, std::string, std::vector<Light>> probe;
     Kept<IlluminationField, Version, Version, IlluminationSettings, HeldLight> illuminate;
     Kept<DeviceVolume, Version> every_other;
-    Kept<IlluminationField, Version, IlluminationSettings> soon;  // of every other voxel
+    Kept<Medium, Version, TransferSettings, Shape> every_other_medium;
+    Kept<IlluminationField, Version, TransferSettings, Shape, IlluminationSettings> soon;  // of every other voxel
     Kept<Cast, Version, Version, Lighting, Camera, RaySettings, std::pair<int, int>> raycast;
     Kept<Image, Version, ToneMap> develop;
     Medium medium;  // of the last render or preview
@@ -108,9 +113,13 @@ struct Session::State {
         return camera;
     }
 
+    SourceLevel finest() const {
+        return refiner ? refiner->finest() : SourceLevel{upload.result.dimensions(), upload.result.geometry()};
+    }
+
     Camera camera_of(const CameraSettings& settings) const {
-        if (refiner) return make_camera(settings, refiner->finest().geometry, refiner->finest().dimensions);
-        return make_camera(settings, upload.result.geometry(), upload.result.dimensions());
+        const SourceLevel level = finest();
+        return make_camera(settings, level.geometry, level.dimensions);
     }
 
     /// Bricks have no splines, which between a coarse level's voxels would show nothing either. Lengths in voxels are
@@ -322,10 +331,23 @@ struct Session::State {
         return interpolate.inputs == std::tuple(classify.version, scene.interpolation) ? interpolate.version : 0;
     }
 
+    auto opacities_of(const Scene& scene) const {
+        return std::tuple(upload.version, without_colors(scene.transfer), scene.channels, shape_for(scene),
+                          labels_of(scene),
+                          has_finer_interpolation(scene) ? scene.interpolation : Interpolation::linear);
+    }
+    /// Names what light is found in, of a medium that is there: its opacities, where colours make no difference.
+    Version matter_version(const Scene& scene) const {
+        if (!sees_opacities_alone(scene.illumination)) return medium_version(scene);
+        return opacities.inputs == opacities_of(scene) ? opacities.version : 0;
+    }
+
     void redo_illuminate(const Scene& scene, const Camera& camera, const Lighting& lighting, Progress& progress,
                          const Preview& preview) {
+        if (opacities.inputs != opacities_of(scene))
+            opacities.inputs = opacities_of(scene), opacities.version = ++last_version;
         redo("illuminate", illuminate,
-             {medium_version(scene), prepare.version, scene.illumination, held_light(lighting, scene.illumination)},
+             {matter_version(scene), prepare.version, scene.illumination, held_light(lighting, scene.illumination)},
              [&](IlluminationField& field) {
                  const IlluminationField warm = field;
                  const auto keep = [&, is_draft = has_linear_drafts(scene)](IlluminationField finer) mutable {
@@ -342,22 +364,34 @@ struct Session::State {
         tell_steps(illuminate.result.stages());
     }
 
-    bool is_lit_soon(const Scene& scene) const {
-        const bool is_one_value = others.empty() && scene.channels.empty() && !labels_of(scene);
-        return is_one_value && is_soon_lit(upload.result, scene.illumination);
+    bool has_one_value(const Scene& scene) const {
+        return others.empty() && scene.channels.empty() && !scene.labels.any();
     }
-    /// Of every other voxel.
-    const IlluminationField& redo_soon(const Scene& scene, const Lighting& lighting, Progress& progress) {
+    bool is_lit_soon(const Scene& scene) const {
+        return has_one_value(scene) && is_soon_lit(upload.result, scene.illumination);
+    }
+    /// Every other voxel, and its own light.
+    void redo_soon(const Scene& scene, const Lighting& lighting, Progress& progress) {
+        const Shape shape = shape_for(scene);
         redo("every other voxel", every_other, {upload.version},
              [&](DeviceVolume& volume) { volume = every_other_voxel(upload.result, progress); });
-        redo("illuminate", soon, {classify.version, scene.illumination}, [&](IlluminationField& field) {
-            const Medium halved =
-                chiaro::classify(device, every_other.result, classify.result.tf, shape_for(scene), progress);
-            field = light_of_every_other_voxel(device, halved, lighting, scene.illumination, progress);
+        redo("classify", every_other_medium, {every_other.version, scene.transfer, shape}, [&](Medium& made) {
+            const TransferFunction tf = of_finest_voxels(transfer_function_for(scene.transfer, subject), finest());
+            made = chiaro::classify(device, every_other.result, tf, shape, progress);
         });
+        redo("illuminate", soon, {every_other.version, without_colors(scene.transfer), shape, scene.illumination},
+             [&](IlluminationField& field) {
+                 field = light_of_every_other_voxel(device, every_other_medium.result, lighting, scene.illumination,
+                                                    progress);
+             });
         tell_steps(soon.result.stages());
-        return soon.result;
     }
+
+    // Drafts (session_drafts.cpp).
+    bool may_show_every_other_voxel(const Scene& scene) const;
+    const Image* draw_every_other_voxel(const Scene& scene, Progress& progress);
+    const Image& draw_draft(const Scene& scene, const IlluminationField& field, const Lighting& lighting,
+                            const Camera& camera, Progress& progress);
 
     /// A stage that is done anew each time.
     template <class Verb>

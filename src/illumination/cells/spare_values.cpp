@@ -1,6 +1,8 @@
 #include "illumination/cells/spare_values.h"
 
 #include <algorithm>
+#include <array>
+#include <cstdlib>
 #include <mutex>
 #include <utility>
 
@@ -19,22 +21,32 @@ struct WrittenValues {
     BlockMap written{{0, 0, 0}};  ///< elsewhere 0
 };
 
+/// Whether one grid has every other cell of the other, as drafts of a large volume have.
+bool is_every_other(const std::array<int, 3>& some, const std::array<int, 3>& all) {
+    const auto is_half = [](int n, int of) { return std::abs(2 * n - of) <= 2; };
+    return std::equal(some.begin(), some.end(), all.begin(), is_half);
+}
+
 class SpareValues {
 public:
-    /// What is kept for another grid is given back.
+    /// Where nothing is kept for the grid, what is kept for those of other volumes is given back.
     WrittenValues take(const std::array<int, 3>& count) {
         const std::lock_guard lock(mutex_);
-        WrittenValues taken = std::exchange(last_, WrittenValues());
-        return taken.count == count ? std::move(taken) : WrittenValues();
+        for (WrittenValues& one : newest_first_)
+            if (one.count == count) return std::exchange(one, WrittenValues());
+        for (WrittenValues& one : newest_first_)
+            if (!is_every_other(one.count, count) && !is_every_other(count, one.count)) one = WrittenValues();
+        return {};
     }
     void keep(WrittenValues values) {
         const std::lock_guard lock(mutex_);
-        std::swap(last_, values);
+        if (newest_first_[0].memory.size()) std::swap(newest_first_[0], newest_first_[1]);
+        std::swap(newest_first_[0], values);
     }
 
 private:
     std::mutex mutex_;
-    WrittenValues last_;
+    std::array<WrittenValues, 2> newest_first_;
 };
 
 /// Never destroyed: values may go at the end of the process.

@@ -1,0 +1,55 @@
+// What a session shows at once.
+#include "render/session_state.h"
+
+namespace chiaro {
+
+/// Whether a draft needs no more than every other voxel of a large volume: samples are two voxels apart, and where the
+/// camera looks a pixel is no smaller than a voxel.
+bool Session::State::may_show_every_other_voxel(const Scene& scene) const {
+    const bool is_lit = is_lit_soon(scene) || scene.illumination.method == Method::none;
+    if (!is_lit || refiner || !has_one_value(scene) || !is_large(upload.result)) return false;
+    const bool is_fitted = scene.camera.fit == Fit::volume || scene.camera.fit_centre;
+    const bool is_coarse = scene.sampling.step_voxels >= 2 && looks_at_visible_voxels(scene);
+    // A piece may hold together by one voxel.
+    if (!is_fitted || !is_coarse || scene.clip.largest) return false;
+    const Camera seen_from = camera_of(scene.camera);
+    const double depth = seen_from.projection == Projection::orthographic ? 1 : seen_from.focus_mm;
+    return 2 * seen_from.half_height * depth / scene.height >= upload.result.geometry().smallest_spacing_mm();
+}
+
+/// In its own light; null where it may not be, or opacity goes by gradient, which from voxel to voxel is another.
+const Image* Session::State::draw_every_other_voxel(const Scene& given, Progress& progress) {
+    if (!may_show_every_other_voxel(given)) return nullptr;
+    begin();
+    camera = fitted(given, progress);
+    const Camera seen_from = camera_of(camera);
+    const Lighting lighting = lighting_of(given, seen_from);
+    redo_soon(given, lighting, progress);
+    if (every_other_medium.result.data().volume.data().factor) return nullptr;
+    medium = every_other_medium.result;
+    Scene scene = given;
+    scene.sampling.step_voxels /= 2;
+    return &draw_draft(scene, soon.result, lighting, seen_from, progress);
+}
+
+/// Of `medium`.
+const Image& Session::State::draw_draft(const Scene& scene, const IlluminationField& field, const Lighting& lighting,
+                                        const Camera& seen_from, Progress& progress) {
+    DeviceFrame& frame = previewed.frame;
+    frame.resize(scene.width, scene.height);
+    timed("raycast", [&] {
+        IlluminationSettings settings = scene.illumination;
+        settings.reference.rays = 1;
+        const Drawing drawing{device, medium, field, lighting, seen_from, scene, frame, previewed.render_statistics};
+        if (refiner && refiner->draw_what_is_there(drawing, progress)) return progress.check();
+        previewed.render_statistics =
+            is_path_traced(settings)
+                ? trace_paths(device, medium, lighting, seen_from, scene.sampling, settings, frame, progress)
+                : chiaro::raycast(device, medium, field, lighting, seen_from, scene.sampling, frame, progress);
+        progress.check();
+    });
+    timed("develop", [&] { previewed_image = chiaro::develop(frame, scene.output); });
+    return previewed_image;
+}
+
+}  // namespace chiaro
