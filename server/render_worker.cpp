@@ -16,18 +16,14 @@ using Clock = std::chrono::steady_clock;
 
 // The limits below are seconds as a user feels them, chosen by eye as far as history shows; scripts/latency measures
 // what they lead to.
-constexpr auto rest = milliseconds(120);  // without a newer request: then the image is refined
-constexpr int still_quality = 92, still_far_quality = 75;
+constexpr auto rest = milliseconds(60);  // without a newer request: then the image is refined
+constexpr int still_far_quality = 75;
 // Until a slow way is this free, a picture that a better one follows is not sent.
 constexpr double nearly_free = 0.1;
 // Light that is quicker than this is found while something moves, for an eighth of the time at most.
 constexpr double quick_light = 0.15, light_share = 8, instant_light = 0.04;
-// Light that is this quick needs no picture of the whole size by the last light before it.
-constexpr double soon = 0.4;
 // A picture of the whole size that takes no longer needs no smaller one before it.
 constexpr double at_once = 0.06;
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 Json json_of(const std::vector<Stage>& stages) {
     Json list = Json::array();
@@ -40,13 +36,17 @@ bool holds_no_light(const Scene& scene) {
     return scene.illumination.method == Method::none || is_path_traced(scene.illumination);
 }
 
+}  // namespace
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
 Scene with_samples(Scene scene, int samples) {
     scene.sampling.samples_per_pixel = samples;
     if (samples == 1) scene.camera.aperture_mm = 0;  // a lens takes many rays: what comes first is sharp
     return scene;
 }
-
-}  // namespace
 
 RenderWorker::~RenderWorker() {
     {
@@ -205,8 +205,14 @@ bool RenderWorker::comes_to_rest(const FrameRequest& wanted) {
     // States on a long way come less evenly.
     const auto uneven = std::chrono::duration_cast<Clock::duration>(
         std::chrono::duration<double>(std::min(0.5, callbacks_.link().round_trip)));
-    const auto until = std::max(wanted.arrived, Clock::now() - milliseconds(60)) + rest + uneven;
+    const auto until = wanted.arrived + rest + uneven;
     return !changed_.wait_until(lock, until, [&] { return ending_ || volume_changed_ || newest_; });
+}
+
+Scene RenderWorker::as_draft(Scene scene) const {
+    scene.width = draft_.width, scene.height = draft_.height;
+    scene.sampling.step_voxels *= draft_.step_factor;
+    return scene;
 }
 
 /// The picture that is shown at once, by the last computed lighting.
@@ -223,13 +229,12 @@ void RenderWorker::preview(const FrameRequest& wanted) {
     // What the camera fits is found for the picture, not for a draft of it, whose sides are rounded.
     if (is_small && scene.camera.fit == Fit::visible && !scene.camera.fit_centre)
         scene.camera = session_->fit(wanted.scene, *steady_);
-    scene.width = draft_.width, scene.height = draft_.height;
     if (scene.sampling.classification == Classification::preintegrated) draft_.step_factor = 1;  // a table is of a step
-    scene.sampling.step_voxels *= draft_.step_factor;
+    scene = as_draft(std::move(scene));
     is_whole_ = scene.width == wanted.scene.width && scene.height == wanted.scene.height;
     if (!is_path_traced(scene.illumination) && session_->needs_light(scene) &&
         (is_fresh || light_seconds_ < instant_light))
-        return preview_with_light(wanted, scene);
+        return preview_with_light(wanted, scene, *steady_);
 
     const bool is_soon = session_->needs_light(scene) && session_->is_lit_soon(scene);
     const Image& image = session_->preview(scene, *steady_, is_soon ? DraftLight::soon : DraftLight::last);
@@ -243,7 +248,7 @@ void RenderWorker::preview(const FrameRequest& wanted) {
     const auto encoding = Clock::now();
     resolution_.learn_bytes(draft_, send(wanted, image, is_whole_ ? "full" : "draft", 1, is_soon));
     resolution_.learn(draft_, seconds + seconds_since(encoding));
-    if (wanted.moving && is_light_due(scene)) preview_with_light(wanted, scene);
+    if (wanted.moving && is_light_due(scene)) preview_with_light(wanted, scene, *steady_);
 }
 
 bool RenderWorker::is_light_due(const Scene& scene) const {
@@ -251,82 +256,23 @@ bool RenderWorker::is_light_due(const Scene& scene) const {
            !is_path_traced(scene.illumination) && session_->needs_light(scene);
 }
 
-/// A preview whose light is its own. It is not given up for a newer request: else light would never follow a drag.
-void RenderWorker::preview_with_light(const FrameRequest& wanted, const Scene& small) {
+/// Previews whose light is their own, the last one at its finest. While something moves they are not given up for a
+/// newer request: else light would never follow a drag.
+void RenderWorker::preview_with_light(const FrameRequest& wanted, const Scene& small, Progress& progress) {
     check_light_fits(small);
     has_own_light_ = true;
-    const Image& image = session_->preview(small, *steady_, DraftLight::own);
+    const char* stage = is_whole_ ? "full" : "draft";
+    const auto coarse = [&](const Image& image) { send(wanted, image, stage, 1, true); };
+    const Image& image = session_->preview(small, progress, DraftLight::own, coarse);
     learn_light();
     note_frame(wanted, small);
-    send(wanted, image, is_whole_ ? "full" : "draft", 1);
+    send(wanted, image, stage, 1);
 }
 
 /// Told rather than tried. Voxels stand for cells: of voxels that are no cubes there are more.
 void RenderWorker::check_light_fits(const Scene& scene) const {
     const auto [nx, ny, nz] = session_->volume().dimensions();
     check_memory(light_bytes(scene.illumination, double(nx) * ny * nz) - double(session_->light_bytes()));
-}
-
-void RenderWorker::refine(const FrameRequest& wanted, Progress& progress) {
-    is_refining_ = true;
-    if (is_path_traced(wanted.scene.illumination))
-        refine_traced(wanted, progress);
-    else
-        refine_cast(wanted, progress);
-}
-
-/// Light's own paths: better and better, pass by pass.
-void RenderWorker::refine_traced(const FrameRequest& wanted, Progress& progress) {
-    if (wanted.preview) return;
-    auto sent = Clock::now();
-    const auto show = [&](const Image& better) {
-        if (seconds_since(sent) < 0.2) return;
-        send(wanted, better, "accumulate", 0);
-        sent = Clock::now();
-    };
-    const Image& image = session_->render(wanted.scene, progress, show);
-    note_frame(wanted, wanted.scene);
-    send(wanted, image, "final", session_->render_statistics().paths.samples);
-}
-
-void RenderWorker::refine_cast(const FrameRequest& wanted, Progress& progress) {
-    const Scene once = with_samples(wanted.scene, 1);
-    const int samples = wanted.scene.sampling.samples_per_pixel;
-    const bool is_dark = session_->needs_light(once);
-    if (is_dark) check_light_fits(once);
-    const bool shows_last_light = wanted.preview || (light_seconds_ > soon && !session_->is_lit_soon(once));
-    if (is_dark && !is_whole_ && !awaits_light() && shows_last_light) {
-        const Image& image = session_->preview(once, progress);
-        note_frame(wanted, once);
-        send(wanted, image, "full", 1);
-    }
-    if (wanted.preview && (is_dark || is_whole_)) return;
-    has_own_light_ = true;
-    if (is_dark && !is_whole_ && session_->is_lit_soon(once)) {  // a large volume, whose whole picture takes a while
-        Scene small = once;
-        small.width = draft_.width, small.height = draft_.height;
-        small.sampling.step_voxels *= draft_.step_factor;
-        const Image& image = session_->preview(small, progress, DraftLight::own);
-        learn_light();
-        send(wanted, image, "draft", 1);
-    }
-    if (is_dark || !is_whole_ || session_->source()) {
-        const auto coarse = [&](const Image& image) {  // light, or level of a volume by bricks
-            const bool is_coarse_light = session_->light().is_coarse();
-            send(wanted, image, is_coarse_light ? "light" : "full", 1, is_coarse_light);
-        };
-        const bool finds_light = session_->needs_light(once);
-        const Image& image = session_->render(once, progress, coarse);
-        if (finds_light) learn_light();
-        note_frame(wanted, once);
-        send(wanted, image, is_dark ? "light" : "full", 1);
-        if (wanted.preview) return;
-    }
-    for (int finer = 4; finer < samples; finer *= 4)
-        send(wanted, session_->render(with_samples(wanted.scene, finer), progress), "accumulate", finer);
-    const Image& image = session_->render(wanted.scene, progress);
-    note_frame(wanted, wanted.scene);
-    send(wanted, image, "final", samples);
 }
 
 /// What it took, from the stages that find it.

@@ -41,6 +41,11 @@ struct LastFrame {
     int width, height;
 };
 
+inline constexpr int still_quality = 92;  ///< of a JPEG of what is at rest
+
+double seconds_since(std::chrono::steady_clock::time_point start);
+Scene with_samples(Scene scene, int samples);
+
 class RenderWorker {
 public:
     /// Both may be called from the render worker's thread until it is destroyed.
@@ -74,7 +79,8 @@ private:
     bool change_moment(FrameRequest& wanted);
     bool awaits_light() const { return loaded_->moments() > 1 && !has_own_light_; }
     void preview(const FrameRequest& wanted);
-    void preview_with_light(const FrameRequest& wanted, const Scene& small);
+    void preview_with_light(const FrameRequest& wanted, const Scene& small, Progress& progress);
+    Scene as_draft(Scene scene) const;
     bool is_light_due(const Scene& scene) const;
     void check_light_fits(const Scene& scene) const;
     bool comes_to_rest(const FrameRequest& wanted);

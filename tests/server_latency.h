@@ -143,7 +143,7 @@ private:
     /// Whether a frame's light is of the very state that it answers.
     static bool has_own_light(const Json& frame) {
         const std::string stage = frame["stage"];
-        if (stage == "light" || stage == "accumulate" || stage == "final") return true;
+        if (stage == "light" || stage == "accumulate" || stage == "final" || frame["light"]["coarse"]) return true;
         return std::any_of(frame["verbs"].begin(), frame["verbs"].end(),
                            [](const Json& verb) { return verb["name"] == "illuminate" && verb["seconds"] > 0; });
     }

@@ -1,4 +1,4 @@
-// What a session shows at once of a large volume: every other voxel, in its light.
+// What a session shows at once: of a large volume every other voxel, in its light.
 #include <chiaro/samples.h>
 #include <chiaro/session.h>
 #include <gtest/gtest.h>
@@ -81,6 +81,27 @@ TEST_F(SessionDrafts, CoarseDraftsOfLargeVolumesAreOfEveryOtherVoxel) {
         coarse.camera.zoom = scene.camera.zoom, coarse.clip.largest = true;
         session.preview(coarse, progress);
         EXPECT_EQ(voxels_across(), 224) << "where one voxel may hold a piece together";
+    }
+}
+
+TEST(SessionDraftsInCoarseLight, ComeBeforeThoseInTheOwn) {
+    Progress progress;
+    Session session(tested_device());
+    session.show(make_sample("ball", 24), progress);
+    Scene scene;
+    scene.volume = "sample:ball:24";
+    scene.width = 40, scene.height = 30;
+    for (const Method method : {Method::visibility, Method::transport}) {
+        scene.illumination.method = method;
+        scene.illumination.transport = {.grid = 24, .directions = 24, .first_directions = 100};
+        std::vector<Image> coarse;
+        const Image own =
+            session.preview(scene, progress, DraftLight::own, [&](const Image& i) { coarse.push_back(i); });
+        ASSERT_FALSE(coarse.empty());
+        EXPECT_GT(apart(coarse.front(), own), 0);
+        EXPECT_FALSE(session.needs_light(scene));
+        EXPECT_EQ(session.preview(scene, progress).pixels, own.pixels);
+        session.preview(scene, progress, DraftLight::own, [](const Image&) { FAIL() << "there is no coarser light"; });
     }
 }
 

@@ -90,8 +90,10 @@ public:
     /// What can be shown at once. Of the reference's radiance one path a pixel. Where the scene's interpolation is
     /// automatic it is linear here. Of a volume that is read by bricks: what has been read. Of one of 220³ voxels or
     /// more, where samples are two voxels apart and pixels as large as voxels: every other voxel, without light or in
-    /// its own spao, unless `light` is own. What render keeps stays kept.
-    CHIARO_EXPORT const Image& preview(const Scene& scene, Progress& progress, DraftLight light = DraftLight::last);
+    /// its own spao, unless `light` is own. `coarse` is handed drafts in coarse light that comes before the scene's
+    /// own, which take a quarter of the time at most. What render keeps stays kept.
+    CHIARO_EXPORT const Image& preview(const Scene& scene, Progress& progress, DraftLight light = DraftLight::last,
+                                       const Preview& coarse = {});
     /// Whether DraftLight::soon is another light than DraftLight::own: ambient occlusion (spao) in a volume of one
     /// value, of 220³ voxels or more.
     CHIARO_EXPORT bool is_lit_soon(const Scene& scene) const;

@@ -103,7 +103,7 @@ const Image& Session::render(const Scene& given, Progress& progress, const Previ
     return s.develop.result;
 }
 
-const Image& Session::preview(const Scene& given, Progress& progress, DraftLight light) {
+const Image& Session::preview(const Scene& given, Progress& progress, DraftLight light, const Preview& coarse) {
     const CancelScope scope(progress);
     State& s = *state_;
     const Scene scene = s.as_drawn(given);
@@ -118,7 +118,7 @@ const Image& Session::preview(const Scene& given, Progress& progress, DraftLight
     if (lit || !is_draft) s.redo_interpolate(scene, progress);
     const Camera camera = s.camera_of(s.camera);
     const Lighting lighting = s.lighting_of(scene, camera);
-    if (lit) s.redo_illuminate(scene, camera, lighting, progress, {});
+    if (lit) s.redo_illuminate(scene, camera, lighting, progress, coarse, State::OfCoarseLight::drafts);
     if (is_soon) s.redo_soon(scene, lighting, progress);
     const IlluminationField field = is_soon ? spread_out(s.soon.result) : s.illuminate.result;
     if (is_draft) s.medium = s.classify.result.medium;

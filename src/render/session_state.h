@@ -342,52 +342,20 @@ struct Session::State {
         return opacities.inputs == opacities_of(scene) ? opacities.version : 0;
     }
 
-    void redo_illuminate(const Scene& scene, const Camera& camera, const Lighting& lighting, Progress& progress,
-                         const Preview& preview) {
-        if (opacities.inputs != opacities_of(scene))
-            opacities.inputs = opacities_of(scene), opacities.version = ++last_version;
-        redo("illuminate", illuminate,
-             {matter_version(scene), prepare.version, scene.illumination, held_light(lighting, scene.illumination)},
-             [&](IlluminationField& field) {
-                 const IlluminationField warm = field;
-                 const auto keep = [&, is_draft = has_linear_drafts(scene)](IlluminationField finer) mutable {
-                     field = std::move(finer);
-                     if (!preview || !field.is_coarse()) return;
-                     DeviceFrame frame(scene.width, scene.height);
-                     chiaro::raycast(device, std::exchange(is_draft, false) ? classify.result.medium : medium, field,
-                                     lighting, camera, scene.sampling, frame, progress);
-                     if (!progress.cancelled()) preview(chiaro::develop(frame, scene.output));
-                 };
-                 chiaro::illuminate(device, medium, prepare.result, lighting, scene.illumination, keep, progress, warm);
-                 progress.check();
-             });
-        tell_steps(illuminate.result.stages());
-    }
+    /// What is handed on of each coarse light: a picture, of which the first is a draft (linear, where drafts are); or
+    /// drafts alone, which take a quarter of the time at most.
+    enum class OfCoarseLight { pictures, drafts };
 
+    // Light, and drafts in it (session_light.cpp).
+    void redo_illuminate(const Scene& scene, const Camera& camera, const Lighting& lighting, Progress& progress,
+                         const Preview& preview, OfCoarseLight what = OfCoarseLight::pictures);
     bool has_one_value(const Scene& scene) const {
         return others.empty() && scene.channels.empty() && !scene.labels.any();
     }
     bool is_lit_soon(const Scene& scene) const {
         return has_one_value(scene) && is_soon_lit(upload.result, scene.illumination);
     }
-    /// Every other voxel, and its own light.
-    void redo_soon(const Scene& scene, const Lighting& lighting, Progress& progress) {
-        const Shape shape = shape_for(scene);
-        redo("every other voxel", every_other, {upload.version},
-             [&](DeviceVolume& volume) { volume = every_other_voxel(upload.result, progress); });
-        redo("classify", every_other_medium, {every_other.version, scene.transfer, shape}, [&](Medium& made) {
-            const TransferFunction tf = of_finest_voxels(transfer_function_for(scene.transfer, subject), finest());
-            made = chiaro::classify(device, every_other.result, tf, shape, progress);
-        });
-        redo("illuminate", soon, {every_other.version, without_colors(scene.transfer), shape, scene.illumination},
-             [&](IlluminationField& field) {
-                 field = light_of_every_other_voxel(device, every_other_medium.result, lighting, scene.illumination,
-                                                    progress);
-             });
-        tell_steps(soon.result.stages());
-    }
-
-    // Drafts (session_drafts.cpp).
+    void redo_soon(const Scene& scene, const Lighting& lighting, Progress& progress);
     bool may_show_every_other_voxel(const Scene& scene) const;
     const Image* draw_every_other_voxel(const Scene& scene, Progress& progress);
     const Image& draw_draft(const Scene& scene, const IlluminationField& field, const Lighting& lighting,

@@ -1,7 +1,54 @@
-// What a session shows at once.
+// Light of a session, and drafts in it.
 #include "render/session_state.h"
 
 namespace chiaro {
+
+void Session::State::redo_illuminate(const Scene& scene, const Camera& camera, const Lighting& lighting,
+                                     Progress& progress, const Preview& preview, OfCoarseLight what) {
+    if (opacities.inputs != opacities_of(scene))
+        opacities.inputs = opacities_of(scene), opacities.version = ++last_version;
+    using Clock = std::chrono::steady_clock;
+    redo("illuminate", illuminate,
+         {matter_version(scene), prepare.version, scene.illumination, held_light(lighting, scene.illumination)},
+         [&](IlluminationField& field) {
+             const IlluminationField warm = field;
+             bool is_draft = has_linear_drafts(scene);
+             Clock::time_point next{};
+             const auto keep = [&](IlluminationField finer) {
+                 field = std::move(finer);
+                 const auto start = Clock::now();
+                 if (!preview || !field.is_coarse() || start < next) return;
+                 DeviceFrame frame(scene.width, scene.height);
+                 chiaro::raycast(device, is_draft ? classify.result.medium : medium, field, lighting, camera,
+                                 scene.sampling, frame, progress);
+                 if (!progress.cancelled()) preview(chiaro::develop(frame, scene.output));
+                 if (what == OfCoarseLight::pictures)
+                     is_draft = false;
+                 else
+                     next = Clock::now() + 3 * (Clock::now() - start);
+             };
+             chiaro::illuminate(device, medium, prepare.result, lighting, scene.illumination, keep, progress, warm);
+             progress.check();
+         });
+    tell_steps(illuminate.result.stages());
+}
+
+/// Every other voxel, and its own light.
+void Session::State::redo_soon(const Scene& scene, const Lighting& lighting, Progress& progress) {
+    const Shape shape = shape_for(scene);
+    redo("every other voxel", every_other, {upload.version},
+         [&](DeviceVolume& volume) { volume = every_other_voxel(upload.result, progress); });
+    redo("classify", every_other_medium, {every_other.version, scene.transfer, shape}, [&](Medium& made) {
+        const TransferFunction tf = of_finest_voxels(transfer_function_for(scene.transfer, subject), finest());
+        made = chiaro::classify(device, every_other.result, tf, shape, progress);
+    });
+    redo("illuminate", soon, {every_other.version, without_colors(scene.transfer), shape, scene.illumination},
+         [&](IlluminationField& field) {
+             field =
+                 light_of_every_other_voxel(device, every_other_medium.result, lighting, scene.illumination, progress);
+         });
+    tell_steps(soon.result.stages());
+}
 
 /// Whether a draft needs no more than every other voxel of a large volume: samples are two voxels apart, and where the
 /// camera looks a pixel is no smaller than a voxel.
