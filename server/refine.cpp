@@ -38,8 +38,9 @@ void RenderWorker::refine_cast(const FrameRequest& wanted, Progress& progress) {
     const bool is_dark = session_->needs_light(once);
     if (is_dark) check_light_fits(once);
     const double whole = resolution_.expected({once.width, once.height, still_quality});
-    // Of light that is found while one is drawn no picture of the whole size by the light before is drawn.
-    const bool shows_last_light = wanted.preview || light_seconds_ > std::max(soon, 2 * whole);
+    // No picture of the whole size by the light before is drawn where light is soon there, or while one is drawn.
+    const bool takes_long = !session_->is_lit_soon(once) && light_seconds_ > std::max(soon, 2 * whole);
+    const bool shows_last_light = wanted.preview || takes_long;
     if (is_dark && !is_whole_ && !awaits_light() && shows_last_light) {
         const Image& image = session_->preview(once, progress);
         note_frame(wanted, once);

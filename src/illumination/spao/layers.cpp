@@ -30,8 +30,7 @@ public:
           asked_(visible_blocks(medium, grid(), access_reach)),
           layers_(asked_.count[2]),
           together_(layers_at_once(asked_)),
-          // Surfaces' opacities take longer to find than to keep.
-          keeps_opacity_(together_ >= layers_ || medium.shape.mode == Mode::iso),
+          keeps_opacity_(together_ >= layers_ || takes_long(medium, grid())),
           opacity_(grid().count, keeps_opacity_ ? grid().count[2] : together_ * block_edge + 2 * margin),
           access_(values_to_write(grid(), asked_, is_sparse(), device.threads)),
           fill_(opacity_filler(medium, maps_, opacity_.rows())) {
@@ -56,6 +55,10 @@ private:
     CellRows opacities() { return opacity_.rows(); }
     /// Whether large pages would waste memory.
     bool is_sparse() const { return double(asked_.held().size()) < crowded * double(asked_.holds.size()); }
+    /// Whether opacities take longer to find than to keep: those of surfaces, and of a spline between voxels.
+    static bool takes_long(const Medium::Data& medium, const CellGrid& grid) {
+        return medium.shape.mode == Mode::iso || (medium.volume.data().source && !grid.is_voxel_grid);
+    }
     static int layers_at_once(const BlockMap& blocks) {
         const std::size_t layer = std::size_t(blocks.count[0]) * blocks.count[1];
         return std::clamp(int(busy_blocks / layer), 1, blocks.count[2]);
