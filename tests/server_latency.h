@@ -92,7 +92,7 @@ public:
                     known = known || now;
                 };
                 once(is_lit, has_own_light(frame.json), coarse);
-                once(is_fine, is_lit && !frame.json["light"]["coarse"], fine);
+                once(is_fine, has_own_light(frame.json) && !frame.json["light"]["coarse"], fine);
                 once(is_whole, is_fine && frame.json["size"] == frame.json["canvas"], whole);
                 return frame.json["stage"] == "final";
             };

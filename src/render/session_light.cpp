@@ -5,8 +5,8 @@ namespace chiaro {
 
 void Session::State::redo_illuminate(const Scene& scene, const Camera& camera, const Lighting& lighting,
                                      Progress& progress, const Preview& preview, OfCoarseLight what) {
-    if (opacities.inputs != opacities_of(scene))
-        opacities.inputs = opacities_of(scene), opacities.version = ++last_version;
+    if (auto now = opacities_of(scene); opacities.inputs != now)
+        opacities.inputs = std::move(now), opacities.version = ++last_version;
     using Clock = std::chrono::steady_clock;
     redo("illuminate", illuminate,
          {matter_version(scene), prepare.version, scene.illumination, held_light(lighting, scene.illumination)},
@@ -53,12 +53,10 @@ void Session::State::redo_soon(const Scene& scene, const Lighting& lighting, Pro
 /// Whether a draft needs no more than every other voxel of a large volume: samples are two voxels apart, and where the
 /// camera looks a pixel is no smaller than a voxel.
 bool Session::State::may_show_every_other_voxel(const Scene& scene) const {
-    const bool is_lit = is_lit_soon(scene) || scene.illumination.method == Method::none;
-    if (!is_lit || refiner || !has_one_value(scene) || !is_large(upload.result)) return false;
-    const bool is_fitted = scene.camera.fit == Fit::volume || scene.camera.fit_centre;
+    if (refiner || !has_one_value(scene) || !is_large(upload.result)) return false;
     const bool is_coarse = scene.sampling.step_voxels >= 2 && looks_at_visible_voxels(scene);
     // A piece may hold together by one voxel.
-    if (!is_fitted || !is_coarse || scene.clip.largest) return false;
+    if (!is_coarse || !is_fitted(scene.camera) || scene.clip.largest) return false;
     const Camera seen_from = camera_of(scene.camera);
     const double depth = seen_from.projection == Projection::orthographic ? 1 : seen_from.focus_mm;
     return 2 * seen_from.half_height * depth / scene.height >= upload.result.geometry().smallest_spacing_mm();

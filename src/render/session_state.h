@@ -96,12 +96,14 @@ struct Session::State {
         return lighting;
     }
 
+    /// Whether nothing has to be looked for to know the ball that it fits.
+    static bool is_fitted(const CameraSettings& camera) { return camera.fit == Fit::volume || camera.fit_centre; }
     /// The scene's camera with the ball that it fits, of values that are linear between voxels: so that drafts and
     /// final pictures have one. Zoom changes nothing about it.
     CameraSettings fitted(const Scene& scene, Progress& progress) {
         CameraSettings camera = scene.camera;
         look_from(camera, upload.result.geometry().world);
-        if (camera.fit == Fit::volume || camera.fit_centre) return camera;
+        if (is_fitted(camera)) return camera;
         camera.zoom = 1;
         RaySettings rays = scene.sampling;
         rays.ends = nullptr;
