@@ -4,7 +4,7 @@
 //     static constexpr bool modulates;   // false: the answer is the shading's own; the caster may leave the call out
 //     static constexpr bool adds_opacity;  // true: has glows and glow(), see illumination/histogram/field.h
 //     static constexpr bool by_surface;  // true: may ask where surfaces are: has asks_surfaces(), and incident() takes
-//                                        // the sample's step and the surface that its ray has met
+//                                        // which lanes are seen, their step and the surface that their ray has met
 //     static constexpr bool remembers_surfaces;  // of those: what lies behind a skin belongs to it
 //     template <class F> Incident<F> incident(const SamplePoint<F>&, const ShadingView&) const;
 //

@@ -2,7 +2,7 @@
 #pragma once
 #include <utility>
 
-#include "kernel/lanes.h"
+#include "kernel/math.h"
 
 namespace chiaro::kernel {
 
@@ -252,11 +252,16 @@ CHIARO_NUMBERS(min, min(a.at[i], b.at[i]))
 CHIARO_NUMBERS(max, max(a.at[i], b.at[i]))
 #undef CHIARO_NUMBERS
 template <int N>
+CHIARO_INLINE Numbers<N> exp2(Numbers<N> x) {
+    for (float& number : x.at) number = exp2(number);
+    return x;
+}
+template <int N>
 CHIARO_INLINE void load(const float* from, Numbers<N>& to) {
     __builtin_memcpy(to.at, from, sizeof to.at);
 }
-template <int N>
-CHIARO_INLINE void load(const std::int8_t* from, Numbers<N>& to) {
+template <int N, class Byte>
+requires(sizeof(Byte) == 1) CHIARO_INLINE void load(const Byte* from, Numbers<N>& to) {
     for (int i = 0; i < N; ++i) to.at[i] = float(from[i]);
 }
 template <int N>
@@ -306,6 +311,11 @@ CHIARO_INLINE FourLanes operator*(FourLanes a, FourLanes b) { return a.v * b.v; 
 CHIARO_INLINE FourLanes min(FourLanes a, FourLanes b) { return _mm_min_ps(a.v, b.v); }
 CHIARO_INLINE FourLanes max(FourLanes a, FourLanes b) { return _mm_max_ps(a.v, b.v); }
 CHIARO_INLINE void load(const float* from, FourLanes& to) { to.v = _mm_loadu_ps(from); }
+CHIARO_INLINE void load(const std::uint8_t* from, FourLanes& to) {
+    std::int32_t bytes;
+    __builtin_memcpy(&bytes, from, sizeof bytes);
+    to.v = _mm_cvtepi32_ps(_mm_cvtepu8_epi32(_mm_cvtsi32_si128(bytes)));
+}
 CHIARO_INLINE void store(FourLanes from, float* to) { _mm_storeu_ps(to, from.v); }
 
 /// The halves added up.

@@ -145,7 +145,7 @@ struct Matter {
         }
         Incident<F> incident;
         if constexpr (Field::by_surface)
-            incident = field.incident(sample, shading, place.step, met);
+            incident = field.incident(sample, shading, visible, place.step, met);
         else
             incident = field.incident(sample, shading);
         colour = light_up(colour, incident.diffuse, incident.specular);

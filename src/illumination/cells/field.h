@@ -28,7 +28,7 @@ struct AccessView {
     /// A' = 1 - strength (1 - A), which scales ambient, diffuse and specular light alike. No surface is remembered
     /// along a ray: several ranks find the same of each sample.
     template <class F>
-    CHIARO_INLINE Incident<F> incident(const SamplePoint<F>& sample, const ShadingView& shading, F,
+    CHIARO_INLINE Incident<F> incident(const SamplePoint<F>& sample, const ShadingView& shading, const Mask<F>&, F,
                                        MetSurface<F>&) const {
         if (!of_surfaces) return shown(at(sample.p_voxel), sample, shading);
         const F share = sample.surface.share, here = F(2) * at(place(sample));

@@ -55,7 +55,7 @@ struct HistogramView {
 
     /// The more of a surface a sample is, the farther off it reads, of the half ball on the eye's side.
     template <class F>
-    CHIARO_INLINE Incident<F> incident(const SamplePoint<F>& sample, const ShadingView& shading, F step,
+    CHIARO_INLINE Incident<F> incident(const SamplePoint<F>& sample, const ShadingView& shading, const Mask<F>&, F step,
                                        MetSurface<F>& met) const {
         const F share = sample.surface.share;
         const Mask<F> is_new = share > F(0);

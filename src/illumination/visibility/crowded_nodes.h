@@ -1,6 +1,6 @@
 // Where two surfaces are nearer to each other than V is read off one of them.
 #pragma once
-#include "kernel/math.h"
+#include "kernel/row.h"
 
 namespace chiaro::kernel {
 
@@ -18,9 +18,14 @@ struct CrowdedNodes {
         return min(around * 20, 1.0f) * min((max_seen - seen) * 20, 1.0f);
     }
     /// Each sixth of an optical depth takes a node's weight to 1/e. They still add up to 1.
-    CHIARO_INLINE void weigh_by_air(const std::int64_t (&nodes)[8], float (&weights)[8]) const {
+    template <class Sixteen>
+    CHIARO_INLINE void weigh_by_air(const std::int64_t (&of)[8], float (&weights)[8]) const {
+        float numbers[16] = {};
+        for (int i = 0; i < 8; ++i) numbers[i] = depth[of[i]];
+        const Sixteen air = exp2(Sixteen(-6 * 1.442695f) * min(loaded<Sixteen>(numbers), Sixteen(4.0f)));
+        store(air, numbers);
         float sum = 0;
-        for (int i = 0; i < 8; ++i) sum += weights[i] *= exp(-6 * min(depth[nodes[i]], 4.0f));
+        for (int i = 0; i < 8; ++i) sum += weights[i] *= numbers[i];
         for (int i = 0; i < 8; ++i) weights[i] /= sum;
     }
 

@@ -37,18 +37,18 @@ struct VisibilityView {
     /// ρ E takes the place of ambient and diffuse light. Highlights of surfaces show the probe around the mirrored eye;
     /// where no surfaces are asked for, E from the light's main direction.
     template <class F>
-    CHIARO_INLINE Incident<F> incident(const SamplePoint<F>& sample, const ShadingView& shading, F step,
-                                       MetSurface<F>& met) const {
-        Vec3<F> e;
-        if (scattered.on)
-            e = on_particles(sample);
-        else
-            e = light.at(sample.p_voxel);
+    CHIARO_INLINE Incident<F> incident(const SamplePoint<F>& sample, const ShadingView& shading, const Mask<F>& visible,
+                                       F step, MetSurface<F>& met) const {
+        Vec3<F> e = met.e;
+        Mask<F> of_particles = visible;
         if (surface.entries) {
-            const F share = sample.surface.share;
-            const Mask<F> is_new = share > F(0);
+            const Mask<F> is_new = sample.surface.share > F(0);
             if (any(is_new)) meet(sample.surface, is_new, step, met);
-            e = mad(met.share, met.e - e, e);
+            e = met.e, of_particles = visible & (met.share < F(1));
+        }
+        if (any(of_particles)) {
+            const Vec3<F> around = scattered.on ? on_particles(sample) : light.at(sample.p_voxel);
+            e = select(of_particles, mad(met.share, e - around, around), e);
         }
         cut_light.shine_on(sample.cut, e);
         if (surface.entries) return {e, met.share * met.shine};
@@ -61,7 +61,7 @@ struct VisibilityView {
     template <class F>
     CHIARO_INLINE Incident<F> incident(const SamplePoint<F>& sample, const ShadingView& shading) const {
         MetSurface<F> none;
-        return incident(sample, shading, F(0), none);
+        return incident(sample, shading, F(0) <= F(0), F(0), none);
     }
 
 private:
@@ -76,6 +76,7 @@ private:
         std::int32_t node[lanes];
         float weights[8][lanes];
 
+        Corners() = default;
         template <class F>
         CHIARO_INLINE explicit Corners(const GridLocation<F>& at) {
             __builtin_memcpy(node, &at.node, sizeof node);
@@ -105,16 +106,17 @@ private:
         };
         const auto of_normal = surface.locate(normal);
         const Vec3<F> read_at = off(lift_edges, normal);
-        OfLanes<lanes> of{Corners<lanes>(grid.locate(read_at))};
+        OfLanes<lanes> of(grid.locate(read_at));
         __builtin_memcpy(of.entry, &of_normal.entry, sizeof of.entry);
         for (int corner = 0; corner < 4; ++corner) store_row(of.entry_weights[corner], of_normal.weights[corner]);
         store_row(of.normal[0], normal.x), store_row(of.normal[1], normal.y), store_row(of.normal[2], normal.z);
         store_row(of.wanted, select(wanted, F(1), F(0)));
         store_row(of.outside, grid.outside(read_at));
-        of.nearer.keep(off(crowded.lift_edges, normal));
+        of.nearer = Corners<lanes>(grid.locate(off(crowded.lift_edges, normal)));
         for (std::int32_t sun = 0; sun < max_suns && suns[sun].nodes; ++sun) {
             const Vec3<F> way = suns[sun].way_off(normal);
-            of.sun[sun].keep(off(lift_edges, way)), of.sun_nearer[sun].keep(off(crowded.lift_edges, way));
+            of.sun[sun] = Corners<lanes>(grid.locate(off(lift_edges, way)));
+            of.sun_nearer[sun] = Corners<lanes>(grid.locate(off(crowded.lift_edges, way)));
         }
         if (scattered.around) {
             of.scattered.keep(off(scattered.lift_edges, normal));
@@ -152,12 +154,16 @@ private:
     };
     template <int lanes>
     struct OfLanes {
-        Corners<lanes> seen;
+        Corners<lanes> seen, nearer, sun[max_suns], sun_nearer[max_suns];
         std::int32_t entry[lanes];
         float entry_weights[4][lanes], normal[3][lanes], wanted[lanes], outside[lanes];
         std::int32_t mirrored[lanes];
         float mirrored_weights[4][lanes], reflected[lanes];
-        Places<lanes> nearer, sun[max_suns], sun_nearer[max_suns], scattered, scattered_nearer;
+        Places<lanes> scattered, scattered_nearer;
+
+        /// The rest is left as it is: most of it is of no use to most views.
+        template <class F>
+        CHIARO_INLINE explicit OfLanes(const GridLocation<F>& seen_at) : seen(seen_at) {}
     };
 
     /// Eight nodes around one place, and their weights.
@@ -165,51 +171,49 @@ private:
         std::int64_t nodes[8];
         float weights[8];
 
-        CHIARO_INLINE Around(const GridView& grid, const Vec3<float>& place) {
-            Corners<1>(grid.locate(place)).of(0, grid, nodes, weights);
+        template <int lanes>
+        CHIARO_INLINE Around(const Corners<lanes>& corners, int lane, const GridView& grid) {
+            corners.of(lane, grid, nodes, weights);
         }
     };
 
     /// What of the light gets to a place: V, and the sun's share.
-    template <class Sixteen>
+    template <class F>
     struct Arriving {
-        Sixteen visibility;
-        SunLight::Shares sun[max_suns];
+        typename NumbersOf<F>::Sixteen visibility;
+        typename NumbersOf<F>::Four sun[max_suns];
     };
     /// Where other matter is among the nodes around the place off the surface, it is read nearer; and where that place
     /// lies beyond the last nodes all light arrives: there is nothing.
-    template <class Sixteen, int lanes>
-    CHIARO_INLINE Arriving<Sixteen> arriving(const OfLanes<lanes>& of, int i) const {
-        std::int64_t nodes[8];
-        float weights[8];
-        of.seen.of(i, grid, nodes, weights);
-        const Sixteen far = harmonics.mix<Sixteen>(nodes, weights);
-        Arriving<Sixteen> arriving{far, {}};
-        suns_at(of.sun, i, false, arriving.sun);
-        const float share = crowded.share(surface.seen(far), nodes, weights);
+    template <class F, int lanes>
+    CHIARO_INLINE Arriving<F> arriving(const OfLanes<lanes>& of, int i) const {
+        using Four = typename NumbersOf<F>::Four;
+        using Sixteen = typename NumbersOf<F>::Sixteen;
+        const Around there(of.seen, i, grid);
+        Arriving<F> arriving;
+        arriving.visibility = harmonics.mix<Sixteen>(there.nodes, there.weights);
+        for (std::int32_t sun = 0; sun < max_suns && suns[sun].nodes; ++sun)
+            arriving.sun[sun] = sun_at<F>(sun, Around(of.sun[sun], i, grid));
+        const float share = crowded.share(surface.seen(arriving.visibility), there.nodes, there.weights);
         if (!(share > 0)) return arriving;
-        Around near(grid, of.nearer.of(i));
-        crowded.weigh_by_air(near.nodes, near.weights);
+        Around near(of.nearer, i, grid);
+        crowded.weigh_by_air<Sixteen>(near.nodes, near.weights);
         const float outside = share * of.outside[i], of_far = 1 - share, of_near = share - outside;
         const float all[16] = {outside / surface.mean};
         const Sixteen mixed = Sixteen(of_near) * harmonics.mix<Sixteen>(near.nodes, near.weights);
-        arriving.visibility = (Sixteen(of_far) * far + mixed) + loaded<Sixteen>(all);
-        SunLight::Shares sun_nearer[max_suns];
-        suns_at(of.sun_nearer, i, true, sun_nearer);
-        for (std::int32_t sun = 0; sun < max_suns; ++sun)
-            for (std::int32_t part = 0; part < suns[sun].parts; ++part)
-                arriving.sun[sun][part] = of_far * arriving.sun[sun][part] + of_near * sun_nearer[sun][part] + outside;
+        arriving.visibility = (Sixteen(of_far) * arriving.visibility + mixed) + loaded<Sixteen>(all);
+        for (std::int32_t sun = 0; sun < max_suns && suns[sun].nodes; ++sun) {
+            Around nearer(of.sun_nearer[sun], i, grid);
+            crowded.weigh_by_air<Sixteen>(nearer.nodes, nearer.weights);
+            arriving.sun[sun] =
+                (Four(of_far) * arriving.sun[sun] + Four(of_near) * sun_at<F>(sun, nearer)) + Four(outside);
+        }
         return arriving;
     }
-    /// The share of each part of each sun.
-    template <int lanes>
-    CHIARO_INLINE void suns_at(const Places<lanes> (&places)[max_suns], int i, bool by_air,
-                               SunLight::Shares (&shares)[max_suns]) const {
-        for (std::int32_t sun = 0; sun < max_suns && suns[sun].nodes; ++sun) {
-            Around around(grid, places[sun].of(i));
-            if (by_air) crowded.weigh_by_air(around.nodes, around.weights);
-            suns[sun].arriving(around.nodes, around.weights, shares[sun]);
-        }
+    /// The share of each part of a sun.
+    template <class F>
+    CHIARO_INLINE auto sun_at(std::int32_t sun, const Around& around) const {
+        return suns[sun].template arriving<typename NumbersOf<F>::Four>(around.nodes, around.weights);
     }
     template <class F, int lanes>
     CHIARO_INLINE void shine(const OfLanes<lanes>& of, int i, float* lit, float* shown) const {
@@ -218,18 +222,17 @@ private:
         float entry_weights[4];
         for (int corner = 0; corner < 4; ++corner) entry_weights[corner] = of.entry_weights[corner][i];
         const float normal[3] = {of.normal[0][i], of.normal[1][i], of.normal[2][i]};
-        const Arriving<Sixteen> here = arriving<Sixteen>(of, i);
+        const Arriving<F> here = arriving<F>(of, i);
         const float clear = 1 - strength.shown;
-        Four whole;
-        float open[4], scatter[4] = {0, 0, 0, 0};
-        store(surface.shine<Four>(here.visibility, of.entry[i], entry_weights, strength.shown, clear, whole), lit);
-        store(whole, open);
+        Four whole, e = surface.shine<Four>(here.visibility, of.entry[i], entry_weights, strength.shown, clear, whole);
         for (std::int32_t sun = 0; sun < max_suns && suns[sun].nodes; ++sun)
-            suns[sun].add_to(lit, open, here.sun[sun], normal, strength.shown, clear);
+            suns[sun].add_to(e, whole, here.sun[sun], normal, strength.shown, clear);
+        float open[4], scatter[4] = {0, 0, 0, 0};
+        store(e, lit), store(whole, open);
         if (scattered.around) {
             const Vec3<float> far = of.scattered.of(i), nearer = of.scattered_nearer.of(i);
             const float hidden = scattered.hidden(surface.seen(here.visibility));
-            const Around around(light.grid, far + hidden * (nearer - far));
+            const Around around(Corners<1>(light.grid.locate(far + hidden * (nearer - far))), 0, light.grid);
             scattered.add_to<Sixteen>(scatter, around.nodes, around.weights, normal, surface.horizon(here.visibility));
         }
         if (highlight.radiance) {

@@ -101,7 +101,7 @@ kernel::SunLight view_of(const Lamp& lamp, const std::vector<std::uint8_t>& sunl
         const DominantLight& light = lamp[i].light;
         for (int c = 0; c < 3; ++c) middle = middle + luminance_weights[c] * light.light[c] * light.direction;
         for (int axis = 0; axis < 3; ++axis) view.direction[axis][i] = float(light.direction[axis]);
-        for (int c = 0; c < 3; ++c) view.light[c][i] = float(4 * light.light[c]);
+        for (int c = 0; c < 3; ++c) view.light[i][c] = float(4 * light.light[c]);
     }
     view.ray = float3(lamp.size() == 1 ? lamp[0].light.direction : normalized(middle));
     return view;

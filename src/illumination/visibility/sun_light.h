@@ -1,20 +1,18 @@
 // Light with a shadow of its own on surfaces, found by rays of its parts, for sixteen harmonics blur it: a sun's, or a
 // lamp's, in parts.
 #pragma once
-#include "kernel/math.h"
+#include "kernel/row.h"
 #include "kernel/vec.h"
 
 namespace chiaro::kernel {
 
 struct SunLight {
     static constexpr std::int32_t max_parts = 4;
-    using Shares = float[max_parts];
-
     const std::uint8_t* nodes = nullptr;  ///< [node][part]: transmittance towards it × 255; nullptr: there is none
     std::int32_t parts = 0;               ///< one, or all
     Float3 ray{0, 0, 0};                  ///< unit, towards the middle of its parts, in the axes of the grid
-    Shares direction[3]{};                ///< [axis], unit, towards each part
-    Shares light[3]{};                    ///< [channel]: E of a surface that faces it
+    float direction[3][max_parts]{};      ///< [axis], unit, towards each part
+    float light[max_parts][4]{};          ///< [part][channel]: E of a surface that faces it
 
     /// Which way shares are read off a surface: along the sun's own ray, so that a shadow lies where it falls, until
     /// the place is as high as it would be along the normal. At grazing angles the ray is followed twice as far as
@@ -30,36 +28,35 @@ struct SunLight {
         return {mad(edges, way.x, left * normal.x), mad(edges, way.y, left * normal.y),
                 mad(edges, way.z, left * normal.z)};
     }
-    /// Shares of its light between eight nodes.
-    CHIARO_INLINE void arriving(const std::int64_t (&of)[8], const float (&weights)[8], Shares& shares) const {
-        if (parts == 1)
-            add_up<1>(of, weights, shares);
-        else
-            add_up<max_parts>(of, weights, shares);
-    }
-    /// E is added to the three channels: what arrives × `shown`, and `clear` of all of it; to `open` all of it.
-    CHIARO_INLINE void add_to(float* e, float* open, const Shares& arriving, const float (&normal)[3], float shown,
-                              float clear) const {
-        for (std::int32_t part = 0; part < parts; ++part) {
-            const float cosine =
-                normal[0] * direction[0][part] + normal[1] * direction[1][part] + normal[2] * direction[2][part];
-            if (cosine <= 0) continue;
-            const float of_light = cosine * mad(arriving[part], shown, clear);
-            for (std::int32_t c = 0; c < 3; ++c) {
-                e[c] = mad(of_light, light[c][part], e[c]);
-                open[c] = mad(cosine, light[c][part], open[c]);
-            }
+    /// Shares of its parts' light between eight nodes; of one part all the same.
+    template <class Four>
+    CHIARO_INLINE Four arriving(const std::int64_t (&of)[8], const float (&weights)[8]) const {
+        if (parts == 1) {
+            float share = 0;
+            for (int i = 0; i < 8; ++i) share = mad(weights[i], float(nodes[of[i]]), share);
+            return Four(share / 255);
         }
-    }
-
-private:
-    template <std::int32_t count>
-    CHIARO_INLINE void add_up(const std::int64_t (&of)[8], const float (&weights)[8], Shares& shares) const {
-        float sums[count]{};
+        Four shares(0.0f);
         for (int i = 0; i < 8; ++i)
-            for (std::int32_t part = 0; part < count; ++part)
-                sums[part] = mad(weights[i], float(nodes[of[i] * count + part]), sums[part]);
-        for (std::int32_t part = 0; part < count; ++part) shares[part] = sums[part] / 255;
+            shares = shares + Four(weights[i]) * loaded<Four>(nodes + of[i] * std::int64_t(max_parts));
+        return shares * Four(1.0f / 255);
+    }
+    /// E is added to the channels: what arrives × `shown`, and `clear` of all of it; to `open` all of it.
+    template <class Four>
+    CHIARO_INLINE void add_to(Four& e, Four& open, const Four& arriving, const float (&normal)[3], float shown,
+                              float clear) const {
+        const Four along =
+            (Four(normal[0]) * loaded<Four>(direction[0]) + Four(normal[1]) * loaded<Four>(direction[1])) +
+            Four(normal[2]) * loaded<Four>(direction[2]);
+        const Four facing = max(along, Four(0.0f));
+        float all[max_parts], lit[max_parts];
+        store(facing, all);
+        store(facing * (arriving * Four(shown) + Four(clear)), lit);
+        for (std::int32_t part = 0; part < parts; ++part) {
+            const Four of_part = loaded<Four>(light[part]);
+            e = e + Four(lit[part]) * of_part;
+            open = open + Four(all[part]) * of_part;
+        }
     }
 };
 

@@ -267,7 +267,7 @@ TEST(Nodes, AllLightOfAWhiteProbeArrivesInEmptySpace) {
             kernel::SamplePoint<float> sample{{3, 2, 2}, 0};
             sample.surface = {1, sample.p_voxel, n};
             kernel::MetSurface<float> met;
-            EXPECT_NEAR(lit->view.incident(sample, kernel::ShadingView{}, 0.0f, met).diffuse.x, 1, 0.005);
+            EXPECT_NEAR(lit->view.incident(sample, kernel::ShadingView{}, true, 0.0f, met).diffuse.x, 1, 0.005);
         }
     }
 }
