@@ -3,11 +3,17 @@
 if(CHIARO_SANITIZE)  # these watch the CPU: a GPU has a sanitizer of its own, and the other would be minutes of compiling
   return()
 endif()
-add_custom_target(device_tests DEPENDS ${CHIARO_DEVICE_TESTS})
 foreach(name ${CHIARO_DEVICE_TESTS})
   add_test(NAME cuda/${name} COMMAND ${name})
   set_tests_properties(cuda/${name} PROPERTIES LABELS cuda TIMEOUT ${CHIARO_TEST_TIMEOUT} SKIP_RETURN_CODE 77 ENVIRONMENT CHIARO_TEST_DEVICE=cuda)
 endforeach()
+# All of them, and those of the GPU itself, in one program, which is small enough to be carried to a GPU (scripts/gpu).
+list(TRANSFORM CHIARO_DEVICE_TESTS REPLACE "(.+)" "$<TARGET_OBJECTS:\\1>" OUTPUT_VARIABLE objects)
+foreach(name cuda_test cuda_light_test cuda_histogram_test cuda_frame_test cuda_texture_test)
+  list(APPEND objects $<TARGET_OBJECTS:${name}>)
+endforeach()
+add_executable(gpu_tests EXCLUDE_FROM_ALL ${objects})
+target_link_libraries(gpu_tests PRIVATE places chiaro_bench chiaro GTest::gtest_main fmt::fmt nlohmann_json::nlohmann_json ZLIB::ZLIB OpenEXR::OpenEXR chiaro_warnings)
 
 # That GPU is the same units, compiled for the CPU. It watches its memory itself.
 add_library(cuda_emulated OBJECT ${CHIARO_CUDA_LAUNCHERS} ${PROJECT_SOURCE_DIR}/src/cuda/stream.cpp cuda_emulated/cuda_emulated.cpp cuda_emulated/textures.cpp)
