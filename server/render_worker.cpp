@@ -16,8 +16,7 @@ using Clock = std::chrono::steady_clock;
 
 // The limits below are seconds as a user feels them, chosen by eye as far as history shows; scripts/latency measures
 // what they lead to.
-// Without a newer request: then the image is refined. Mice tell 30 to 60 places a second.
-constexpr auto rest = milliseconds(40);
+constexpr auto rest = milliseconds(60);  // without a newer request: then the image is refined
 constexpr int still_far_quality = 75;
 // Until a slow way is this free, a picture that a better one follows is not sent.
 constexpr double nearly_free = 0.1;
