@@ -83,10 +83,12 @@ void KeptViews::run() {
         {
             const std::lock_guard writing(writing_);
             std::unique_lock lock(mutex_);
-            const auto now = std::exchange(waiting_, {});
+            being_written_ = std::exchange(waiting_, {});
             is_last = ending_;
             lock.unlock();
-            for (const auto& [view, kept] : now) write(kept);
+            for (const auto& [view, kept] : being_written_) write(kept);
+            lock.lock();
+            being_written_.clear();
         }
         std::unique_lock lock(mutex_);
         changed_.wait_for(lock, between_writes, [&] { return ending_; });
@@ -114,7 +116,8 @@ std::optional<KeptView> KeptViews::find(const std::string& view) const {
     if (folder_.empty()) return {};
     {
         const std::lock_guard lock(mutex_);
-        if (const auto found = waiting_.find(view); found != waiting_.end()) return found->second;
+        for (const auto* later : {&waiting_, &being_written_})
+            if (const auto found = later->find(view); found != later->end()) return found->second;
     }
     return read_kept(file_of(view));
 }

@@ -50,7 +50,7 @@ private:
     std::mutex writing_;                       ///< held while files change; taken before `mutex_`
     std::vector<std::filesystem::path> gone_;  ///< what was forgotten
     std::condition_variable changed_;
-    std::map<std::string, KeptView> waiting_;
+    std::map<std::string, KeptView> waiting_, being_written_;  ///< by view; neither is on disk yet
     bool ending_ = false;
     std::thread thread_;
 };

@@ -62,6 +62,19 @@ TEST(ServerKept, IsOnDiskWithinASecondWhileItGoesOn) {
     EXPECT_EQ(on_disk(), 2);
 }
 
+/// Also while it is just being written.
+TEST(ServerKept, WhatWasNotedIsFoundFromThenOn) {
+    const Folder folder;
+    for (int time = 0; time < 200; ++time) {
+        KeptViews kept(folder.views());
+        kept.note(view("view-one", "scan.nrrd", time));
+        for (int look = 0; look < 20; ++look) {
+            const auto found = kept.find("view-one");
+            ASSERT_TRUE(found && found->scene["n"] == time) << "time " << time << ", look " << look;
+        }
+    }
+}
+
 TEST(ServerKept, OldAndDamagedOnesAreAsIfTheyWereNot) {
     const Folder folder;
     {

@@ -10,11 +10,13 @@
 
 #if defined(__CUDACC__)
 #define CHIARO_DEVICE __device__ __forceinline__
+#define CHIARO_ARGUMENT const __grid_constant__
 #define CHIARO_LAUNCH(kernel, grid, block, stream, ...) \
     kernel<<<grid, block, 0, static_cast<cudaStream_t>((stream).handle())>>>(__VA_ARGS__)
 #elif defined(CHIARO_CUDA_EMULATED)
 #include <cuda_runtime_api.h>
 #define CHIARO_DEVICE inline
+#define CHIARO_ARGUMENT const
 #define CHIARO_LAUNCH(kernel, grid, block, stream, ...) \
     cuda_emulated::launch(kernel, grid, block, (stream).handle(), __VA_ARGS__)
 #else
@@ -43,14 +45,16 @@ CHIARO_DEVICE void count(Count* places, std::int32_t pixel, std::int64_t more) {
 
 #ifdef CHIARO_LAUNCH
 
+// Functions that are handed a part of the body read it where it is: without __grid_constant__ every thread copies the
+// body to its stack for them.
 template <class Body>
-__global__ void run_items(Body body, std::int64_t count) {
+__global__ void run_items(CHIARO_ARGUMENT Body body, std::int64_t count) {
     const std::int64_t i = std::int64_t(blockIdx.x) * blockDim.x + threadIdx.x;
     if (i < count) body(i);
 }
 
 template <class Body>
-__global__ void run_pixels(Body body, std::int32_t width, std::int32_t height) {
+__global__ void run_pixels(CHIARO_ARGUMENT Body body, std::int32_t width, std::int32_t height) {
     const std::int32_t x = std::int32_t(blockIdx.x * blockDim.x + threadIdx.x);
     const std::int32_t y = std::int32_t(blockIdx.y * blockDim.y + threadIdx.y);
     if (x < width && y < height) body(x, y);

@@ -8,7 +8,9 @@
 namespace chiaro::cuda {
 namespace {
 
-constexpr std::size_t kept_bytes = std::size_t(256) << 20;  ///< freed memory that a GPU holds ready for the next frame
+/// Of a GPU's memory, what is freed and held ready for what comes next: light at 128³ nodes takes a GiB and more, and
+/// to map it anew takes longer than to find the light.
+constexpr std::size_t kept_share = 8;
 constexpr int oldest = 75;  ///< compute capability × 10 that the kernels are compiled for
 
 std::string name_of_gpu(const GpuInfo& gpu) { return fmt::format("cuda:{} ({})", gpu.index, gpu.name); }
@@ -100,7 +102,7 @@ Stream::Stream(GpuInfo gpu, std::shared_ptr<DeviceCache> device_cache, bool is_o
     handle_ = stream;
     cudaMemPool_t pool{};
     check(cudaDeviceGetDefaultMemPool(&pool, gpu_.index), gpu_);
-    std::uint64_t keep = kept_bytes;
+    std::uint64_t keep = gpu_.memory_bytes / kept_share;
     check(cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &keep), gpu_);
 }
 

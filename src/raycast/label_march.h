@@ -24,7 +24,7 @@ template <class F, class Matter>
 CHIARO_INLINE Vec3<F> gradient_by_labels(const Matter& matter, const Location<F>& at, Mask<F> near_borders, F value) {
     if (any(near_borders)) return matter.volume.gradient(at);
     const auto& channel = *matter.volume.mixture.channels;
-    return gather_float(channel.rise, channel.matter.index(value)) * channel.volume.gradient(at);
+    return gather_float(channel.rise, channel.matter.index(value)) * channel.volume.own_gradient(at);
 }
 
 /// Colours of samples as labels tint them.

@@ -43,11 +43,11 @@ static CHIARO_NOINLINE RgbaLanes<F> mixed_matter(const VolumeView<Voxel>& volume
         const F stored = channel.volume.value(at);
         RgbaLanes<F> matter = channel.matter.at(stored);
         if (channel.by_gradient)
-            matter =
-                scale(load_rgba(channel.by_gradient, channel.volume.factor.index(stored, channel.volume.gradient(at))),
-                      alpha_of(matter));
+            matter = scale(
+                load_rgba(channel.by_gradient, channel.volume.factor.index(stored, channel.volume.own_gradient(at))),
+                alpha_of(matter));
         else if (channel.volume.has_factor())
-            matter = scale(matter, channel.volume.factor_at(at, stored));
+            matter = scale(matter, channel.volume.factor_of(stored, channel.volume.own_gradient(at)));
         sum = accumulate(sum, channel.share ? share_of(channel.share, at) : F(1), matter);
     }
     return matter_of_sum(volume.mixture, at, sum);
@@ -85,7 +85,7 @@ static CHIARO_NOINLINE Vec3<F> mixed_gradient(const VolumeView<Voxel>& volume, c
         const F rise = gather_float(channel.rise, channel.matter.index(stored));
         const bool by_label = volume.mixture.labels.distance || channel.share;
         if (!by_label && !any((rise < F(0)) | (rise > F(0)))) continue;
-        const Vec3<F> gradient = channel.volume.gradient(at);
+        const Vec3<F> gradient = channel.volume.own_gradient(at);
         F left = channel.volume.has_factor() ? channel.volume.factor_of(stored, gradient) : F(1);
         if (channel.share) {
             sum = mad(left * channel.extinction_of(stored), share_gradient(channel.share, at), sum);
@@ -109,7 +109,7 @@ static CHIARO_NOINLINE void mixed_along(const VolumeView<Voxel>& volume, const L
     for (F& sum : sums.at) sum = F(0);
     for (std::int32_t i = 0; i < volume.mixture.count; ++i) {
         const ChannelView<Voxel>& channel = volume.mixture.channels[i];
-        const Vec3<F> gradient = channel.volume.gradient(at);
+        const Vec3<F> gradient = channel.volume.own_gradient(at);
         const F stored = channel.volume.value(at), rate = dot(gradient, way);
         F left = channel.volume.has_factor() ? channel.volume.factor_of(stored, gradient) : F(1);
         if (channel.share) left = left * share_of(channel.share, at);

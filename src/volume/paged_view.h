@@ -68,7 +68,7 @@ struct BrickTable {
                                              ahead, steps_per_voxel);
         const F in_bricks = steps_to_leave<F>(bricks_away, {i.x & brick_begin, i.y & brick_begin, i.z & brick_begin}, p,
                                               F(float(brick_edge / cell_edge)) * ahead, steps_per_voxel);
-        return {is_far | (is_there & ((code & I(1)) == I(0))), min(in_cubes, in_bricks)};
+        return {Mask<F>(is_far | (is_there & ((code & I(1)) == I(0)))), min(in_cubes, in_bricks)};
     }
 };
 

@@ -142,7 +142,12 @@ struct VolumeView {
     /// extinction.
     template <class F>
     CHIARO_INLINE Vec3<F> gradient(const Location<F>& at) const {
-        if (is_mixed()) return mixed_gradient<F>(*this, at);
+        return is_mixed() ? mixed_gradient<F>(*this, at) : own_gradient(at);
+    }
+    /// Of its own voxels. Mixtures ask their channels for it: were it `gradient`, it would call itself, and where a
+    /// GPU's function may, nobody knows how much stack its kernel takes (1 KiB is all that it gets).
+    template <class F>
+    CHIARO_INLINE Vec3<F> own_gradient(const Location<F>& at) const {
         return spline.reach.x > 0 ? mean_gradient<F>(*this, at.p) : differences(at);
     }
 

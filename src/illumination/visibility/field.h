@@ -39,13 +39,12 @@ struct VisibilityView {
     template <class F>
     CHIARO_INLINE Incident<F> incident(const SamplePoint<F>& sample, const ShadingView& shading, const Mask<F>& visible,
                                        F step, MetSurface<F>& met) const {
-        Vec3<F> e = met.e;
-        Mask<F> of_particles = visible;
         if (surface.entries) {
             const Mask<F> is_new = sample.surface.share > F(0);
             if (any(is_new)) meet(sample.surface, is_new, step, met);
-            e = met.e, of_particles = visible & (met.share < F(1));
         }
+        Vec3<F> e = met.e;
+        const Mask<F> of_particles = visible & (met.share < F(1));
         if (any(of_particles)) {
             const Vec3<F> around = scattered.on ? on_particles(sample) : light.at(sample.p_voxel);
             e = select(of_particles, mad(met.share, e - around, around), e);
