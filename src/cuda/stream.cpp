@@ -8,8 +8,8 @@
 namespace chiaro::cuda {
 namespace {
 
-/// Of a GPU's memory, what is freed and held ready for what comes next: light at 128³ nodes takes a GiB and more, and
-/// to map it anew takes longer than to find the light.
+/// Of a GPU's memory, what is freed and held ready for what comes next: a sweep of light through 128³ nodes takes a GiB
+/// and more, which would be mapped anew for each.
 constexpr std::size_t kept_share = 8;
 constexpr int oldest = 75;  ///< compute capability × 10 that the kernels are compiled for
 
