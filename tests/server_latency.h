@@ -153,8 +153,14 @@ private:
     /// As pages do, it keeps the ball that the camera fits from the first picture on.
     void settle() {
         send(false);
-        const auto final = page_.of_stage(n_, "final", 300);
+        const auto final = page_.find(
+            [&](const Message& m) {
+                if (!m.is_frame) return m.json.value("type", "") == "error";
+                return m.json["n"] == n_ && m.json["stage"] == "final";
+            },
+            300);
         if (!final) throw std::runtime_error("no final picture");
+        if (!final->is_frame) throw std::runtime_error(final->json["sentence"].get<std::string>());
         if (!final->json.contains("fit")) return;
         const Json &ball = final->json["fit"], &radius = ball["radius"];
         scene_["camera"].update({{"fit_centre", ball["centre"]}, {"fit_radius", radius}});
