@@ -65,7 +65,7 @@ TEST(ServerKept, IsOnDiskWithinASecondWhileItGoesOn) {
 /// Also while it is just being written.
 TEST(ServerKept, WhatWasNotedIsFoundFromThenOn) {
     const Folder folder;
-    for (int time = 0; time < 200; ++time) {
+    for (int time = 0; time < 1000; ++time) {
         KeptViews kept(folder.views());
         kept.note(view("view-one", "scan.nrrd", time));
         for (int look = 0; look < 20; ++look) {
