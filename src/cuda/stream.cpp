@@ -8,8 +8,8 @@
 namespace chiaro::cuda {
 namespace {
 
-/// Of a GPU's memory, what is freed and held ready for what comes next: a sweep of light through 128³ nodes takes a GiB
-/// and more, which would be mapped anew for each.
+/// What is freed and held ready for what comes next: one in so many of the GPU's bytes. Transport at 128³ nodes takes
+/// more than 512 MiB, which may otherwise be mapped anew for each edit.
 constexpr std::size_t kept_share = 8;
 constexpr int oldest = 75;  ///< compute capability × 10 that the kernels are compiled for
 
