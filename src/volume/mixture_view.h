@@ -47,7 +47,7 @@ static CHIARO_NOINLINE RgbaLanes<F> mixed_matter(const VolumeView<Voxel>& volume
                 load_rgba(channel.by_gradient, channel.volume.factor.index(stored, channel.volume.own_gradient(at))),
                 alpha_of(matter));
         else if (channel.volume.has_factor())
-            matter = scale(matter, channel.volume.factor_of(stored, channel.volume.own_gradient(at)));
+            matter = scale(matter, channel.volume.factor_at(at, stored));
         sum = accumulate(sum, channel.share ? share_of(channel.share, at) : F(1), matter);
     }
     return matter_of_sum(volume.mixture, at, sum);

@@ -145,7 +145,7 @@ struct VolumeView {
         return is_mixed() ? mixed_gradient<F>(*this, at) : own_gradient(at);
     }
     /// Of its own voxels. Mixtures ask their channels for it: were it `gradient`, it would call itself, and where a
-    /// GPU's function may, nobody knows how much stack its kernel takes (1 KiB is all that it gets).
+    /// GPU's function may, the compiler does not know how much stack its kernel takes (1 KiB is all that it gets).
     template <class F>
     CHIARO_INLINE Vec3<F> own_gradient(const Location<F>& at) const {
         return spline.reach.x > 0 ? mean_gradient<F>(*this, at.p) : differences(at);
@@ -188,10 +188,10 @@ struct VolumeView {
     }
 
     CHIARO_INLINE bool has_factor() const { return factor.entries != nullptr; }
-    /// What opacity by gradient leaves of the extinction of a value there.
+    /// What opacity by gradient leaves of the extinction of a value there (mixtures have none of their own).
     template <class F>
     CHIARO_INLINE F factor_at(const Location<F>& at, F stored) const {
-        return factor_of(stored, gradient(at));
+        return factor_of(stored, own_gradient(at));
     }
     template <class F>
     CHIARO_INLINE F factor_of(F stored, Vec3<F> gradient) const {
