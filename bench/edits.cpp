@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <random>
+#include <utility>
 
 #include "turntable.h"
 
@@ -38,6 +39,13 @@ TransferFunction edited(const TransferFunction& tf, int i) {
     }
 }
 
+TransferFunction recoloured(const TransferFunction& tf, int i) {
+    std::mt19937 random{std::uint32_t(i)};
+    TransferFunction changed = tf;
+    for (double& channel : changed.points[random() % changed.points.size()].rgb) channel = double(random()) / 0x1p32;
+    return changed;
+}
+
 std::optional<EditedVolume> edited_volume(const Setup& setup, const std::string& name, int size) {
     if (name == "head_ct_512") {
         const auto file = real_file(setup.data, "head_ct_512.nrrd");
@@ -50,22 +58,49 @@ std::optional<EditedVolume> edited_volume(const Setup& setup, const std::string&
         name == "fog" ? scene_function(fmt::format("shells{}-fog", size)).value() : sample_transfer_function("shells")};
 }
 
-std::vector<Row> measure_edits(const std::string& row, const EditedVolume& subject,
-                               const std::function<void(const Medium&)>& light) {
-    Series wall, cpu;
+std::vector<Row> measure_edits(const std::string& row, const EditedVolume& subject, const LightAfterEdit& light,
+                               TransferFunction (*edit)(const TransferFunction&, int)) {
+    struct {
+        Series wall, cpu;
+    } soon, last;
     for (int i = -1; i < times; ++i) {
-        const TransferFunction tf = edited(subject.tf, i + 1);
-        const Clock wall_clock = Clock::wall(), cpu_clock = Clock::cpu();
-        light(classify(subject.volume, tf, Shape{}));
-        if (i < 0) continue;  // a warm-up
-        wall.push_back(wall_clock.ms()), cpu.push_back(cpu_clock.ms());
+        const TransferFunction tf = edit(subject.tf, i + 1);
+        const Clock wall = Clock::wall(), cpu = Clock::cpu();
+        const auto keep = [&](auto& in) { in.wall.push_back(wall.ms()), in.cpu.push_back(cpu.ms()); };
+        bool is_soon = i >= 0;  // the first one is a warm-up
+        light(classify(subject.volume, tf, Shape{}), [&] {
+            if (std::exchange(is_soon, false)) keep(soon);
+        });
+        if (i >= 0) keep(last);
     }
-    return {{row,
-             "wall ms",
-             spread_of(wall),
-             {},
-             {},
-             fmt::format("the worst of {} edits beside the median; {:.0f} core-ms", times, spread_of(cpu).median)}};
+    const auto row_of = [&](const std::string& name, const auto& of) {
+        return Row{
+            name,
+            "wall ms",
+            spread_of(of.wall),
+            {},
+            {},
+            fmt::format("the worst of {} edits beside the median; {:.0f} core-ms", times, spread_of(of.cpu).median)};
+    };
+    if (soon.wall.empty()) return {row_of(row, last)};
+    return {row_of(row, last), row_of(row + "/coarse", soon)};
+}
+
+std::vector<Row> measure_edits(const Setup& setup, const std::string& row, const std::string& volume, int size,
+                               const IlluminationSettings& settings,
+                               TransferFunction (*edit)(const TransferFunction&, int)) {
+    const std::optional<EditedVolume> subject = edited_volume(setup, volume, size);
+    if (!subject) return {{row, "wall ms", {}, {}, {}, no_data}};
+    IlluminationField field;
+    const auto light = [&](const Medium& medium, const std::function<void()>& soon) {
+        const IlluminationField warm = field;
+        const auto keep = [&](IlluminationField found) {
+            field = std::move(found);
+            if (field.is_coarse()) soon();
+        };
+        illuminate(setup.device, medium, Prepared(), Lighting(), settings, keep, setup.progress, warm);
+    };
+    return measure_edits(row, *subject, light, edit);
 }
 
 }  // namespace chiaro::bench

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "classify/medium.h"
+#include "edits.h"
 #include "illumination/transport/transport.h"
 #include "illumination/transport/uncollided_light.h"
 #include "rows.h"
@@ -191,8 +192,17 @@ std::vector<Case> transport_cases(const Setup& setup) {
                              [=, &setup] { return measure_update(setup, name, sample, grid); }});
             for (const Picture& picture : {frame, speck}) add_frames(name, sample, grid, picture);
         }
-    for (const Picture& picture : {frame, speck})
-        if (!setup.quick) add_frames("transport/head_ct_512/64", head, 64, picture);
+    if (setup.quick) return cases;
+    for (const Picture& picture : {frame, speck}) add_frames("transport/head_ct_512/64", head, 64, picture);
+    const auto add_edits = [&](const std::string& row, const std::string& volume, auto edit) {
+        const IlluminationSettings settings{.method = Method::transport, .transport = {.grid = 64, .error = 0.003}};
+        cases.push_back(
+            {{row, row + "/coarse"}, [=, &setup] { return measure_edits(setup, row, volume, 256, settings, edit); }});
+    };
+    for (const std::string volume : {"shells", "fog", "head_ct_512"})
+        add_edits("transport/update/64/edits/" + volume, volume, edited);
+    for (const std::string volume : {"shells", "head_ct_512"})
+        add_edits("transport/update/64/colours/" + volume, volume, recoloured);
     return cases;
 }
 

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "classify/medium.h"
+#include "edits.h"
 #include "illumination/sh/directions.h"
 #include "illumination/visibility/density.h"
 #include "illumination/visibility/visibility.h"
@@ -220,6 +221,14 @@ std::vector<Case> visibility_cases(const Setup& setup) {
     cases.push_back({{"visibility/128", "visibility/128/walk"},
                      [=, &setup] { return measure_sweep(setup, "visibility/128", size); }});
     add("visibility/update/64", measure_visibility_update);
+    for (const std::string volume : {"shells", "fog", "head_ct_512"}) {
+        if (setup.quick) break;
+        const std::string row = "visibility/update/64/edits/" + volume;
+        const int subsample = volume == "head_ct_512" ? 8 : 4;
+        const IlluminationSettings settings{.method = Method::visibility, .visibility = {.subsample = subsample}};
+        cases.push_back(
+            {{row, row + "/coarse"}, [=, &setup] { return measure_edits(setup, row, volume, 256, settings); }});
+    }
     for (const SweptSubject& subject : subjects(setup))
         for (const PaperColumn& paper : paper_table) {
             const std::string prefix = fmt::format("visibility/{}/1:{}/", subject.name, paper.subsample);

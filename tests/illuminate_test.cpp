@@ -3,6 +3,7 @@
 #include <chiaro/error.h>
 #include <chiaro/session.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "fixtures.h"
@@ -51,6 +52,36 @@ TEST(ComputeField, LiesWhereTheVolumeLies) {
     EXPECT_GT(at(0, 0, 0), 0.9);   // every voxel is filled, also where nothing can be seen
     EXPECT_NEAR(at(1, 9, 4), at(17, 9, 4), 0.03);
     EXPECT_NEAR(at(9, 9, 0), at(9, 9, 8), 0.03);
+}
+
+TEST(IlluminateAgain, AnEditThatChangesNoVoxelsOpacityLeavesVisibility) {
+    const Device device = tested_device();
+    const DeviceVolume voxels = upload(device, thick_ball());
+    IlluminationSettings settings{.method = Method::visibility};
+    settings.visibility.subsample = 1;
+    Progress progress;
+    /// How many fields come, and whether V was swept for.
+    const auto found = [&](const TransferFunction& tf, IlluminationField& field) {
+        int fields = 0;
+        const IlluminationField warm = field;
+        const auto keep = [&](IlluminationField better) { field = std::move(better), ++fields; };
+        illuminate(device, classify(voxels, tf, Shape{}), Prepared(), Lighting(), settings, keep, progress, warm);
+        const bool swept = std::any_of(field.stages().begin(), field.stages().end(),
+                                       [](const Stage& stage) { return stage.name == "visibility"; });
+        return std::pair(fields, swept);
+    };
+    IlluminationField field;
+    TransferFunction tf = two_materials();
+    EXPECT_EQ(found(tf, field), std::pair(4, true));
+    tf.points.push_back({250, {1, 1, 1}, tf.points.back().opacity});  // no voxel is above 200
+    ASSERT_LT(tf.points[tf.points.size() - 2].value, 250);
+    tf.points.push_back({251, {1, 1, 1}, 0.9});
+    EXPECT_EQ(found(tf, field), std::pair(1, false));
+    EXPECT_FALSE(field.is_coarse());
+    settings.visibility.directions = 200;
+    EXPECT_EQ(found(tf, field), std::pair(4, true)) << "it is asked for in another way";
+    for (ControlPoint& point : tf.points) point.opacity *= 0.9;
+    EXPECT_EQ(found(tf, field), std::pair(4, true));
 }
 
 TEST(ComputeField, TellsHowItWasMade) {

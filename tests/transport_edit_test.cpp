@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 
 #include "classify/medium.h"
 #include "fixtures.h"
@@ -37,8 +38,8 @@ protected:
             if (int(fields.size()) == most) progress.cancel();
         };
         const auto go = [&] {
-            refine_transport(device_, medium.data(), lighting_, settings_, {}, SurfaceModel::none, {0, 0, 1}, keep,
-                             timer, progress, &memory_);
+            refine_transport(device_, medium.data(), lighting_, settings_, {}, surfaces_, {0, 0, 1}, keep, timer,
+                             progress, &memory_);
         };
         if (most < 1000)
             EXPECT_THROW(go(), Error);
@@ -59,6 +60,7 @@ protected:
     TransferFunction tf_;
     Lighting lighting_;
     TransportSettings settings_{.grid = 48, .error = 1e-4};
+    SurfaceModel surfaces_ = SurfaceModel::none;
     TransportMemory memory_;
 };
 
@@ -96,6 +98,27 @@ TEST_F(TransportEdit, ATurnedLightMeetsTheSameMatter) {
     EXPECT_EQ(memory_.half->matter(), half);
     memory_ = {};
     EXPECT_LT(distance(fields.back(), refine(shown).back()), 5e-3);
+}
+
+TEST_F(TransportEdit, WhatSurfacesSeeIsFoundAgainOnlyForOtherOpacities) {
+    surfaces_ = SurfaceModel::automatic;
+    settings_ = {.grid = 24, .error = 0.01};
+    const TransportNodes before = refine(medium()).back();
+    tf_.points[1].rgb = {0.2, 0.4, 0.9};
+    const std::vector<TransportNodes> recoloured = refine(medium());
+    EXPECT_EQ(recoloured.back().seen, before.seen);
+    memory_ = {};
+    EXPECT_LT(distance(recoloured.back(), refine(medium()).back()), 0.02);
+    const TransportNodes afresh = refine(medium()).back();
+    tf_.points[1].opacity = 0.05;
+    const TransportNodes denser = refine(medium()).back();
+    ASSERT_NE(denser.seen, afresh.seen);
+    memory_ = {};
+    const auto numbers = [](const TransportNodes& nodes) { return nodes.seen->nodes().harmonics.data(); };
+    const TransportNodes again = refine(medium()).back();
+    ASSERT_EQ(again.seen->nodes().harmonics.size(), denser.seen->nodes().harmonics.size());
+    EXPECT_EQ(std::memcmp(numbers(again), numbers(denser), again.seen->nodes().harmonics.size()), 0);
+    EXPECT_NE(std::memcmp(numbers(again), numbers(afresh), again.seen->nodes().harmonics.size()), 0);
 }
 
 TEST_F(TransportEdit, InterruptedLightIsWhatTheNextStartsFrom) {

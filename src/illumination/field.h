@@ -24,6 +24,7 @@ struct IlluminationField::Data {
     FieldView view;
     std::shared_ptr<const CellValues> access;         ///< what an AccessView reads
     std::shared_ptr<const LitNodes> visibility;       ///< what a VisibilityView is made from, once the light is known
+    std::optional<VisibilitySettings> of_visibility;  ///< how that was found
     std::shared_ptr<const HistogramLight> histogram;  ///< what a HistogramView reads
     std::shared_ptr<const TransportLight> transport;  ///< what a VisibilityView is made from, of scattered light
     std::shared_ptr<TransportMemory> memory;          ///< what further transport starts from

@@ -33,12 +33,13 @@ IlluminationField field_of(CellValues values, kernel::AccessView view, StageTime
     return IlluminationField(std::move(data));
 }
 
-IlluminationField field_of(const Device& device, VisibilityNodes nodes, bool is_coarse, StageTimer& timer,
-                           bool surfaces) {
+IlluminationField field_of(std::shared_ptr<const LitNodes> nodes, const IlluminationSettings& settings, bool is_coarse,
+                           StageTimer& timer) {
     auto data = std::make_shared<IlluminationField::Data>();
-    data->surfaces = surfaces;
+    data->surfaces = shows_surfaces(settings) && settings.visibility.model == VisibilityModel::corrected;
     data->is_coarse = is_coarse;
-    data->visibility = std::make_shared<const LitNodes>(device, std::move(nodes));
+    data->visibility = std::move(nodes);
+    data->of_visibility = settings.visibility;
     data->stages = timer.stages();
     return IlluminationField(std::move(data));
 }
@@ -104,14 +105,17 @@ IlluminationField light_of(const Device& device, const Medium::Data& medium, con
 }
 
 void light(const Device& device, const Medium::Data& medium, const IlluminationSettings& settings, const Sink& sink,
-           Progress& progress) {
+           Progress& progress, const IlluminationField& warm) {
     if (settings.method != Method::visibility) return sink(light_of(device, medium, settings, progress));
     StageTimer timer;
     const auto keep = [&](VisibilityNodes nodes, bool is_coarse) {
-        const bool surfaces = shows_surfaces(settings) && settings.visibility.model == VisibilityModel::corrected;
-        sink(field_of(device, std::move(nodes), is_coarse, timer, surfaces));
+        sink(field_of(std::make_shared<const LitNodes>(device, std::move(nodes)), settings, is_coarse, timer));
     };
-    refine_visibility(device, medium, settings.visibility, keep, timer, progress);
+    const IlluminationField::Data& last = warm.data();
+    const bool may_do = last.of_visibility == settings.visibility && !last.is_coarse && !device.is_shared();
+    if (refine_visibility(device, medium, settings.visibility, may_do ? &last.visibility->nodes() : nullptr, keep,
+                          timer, progress))
+        sink(field_of(last.visibility, settings, false, timer));
 }
 
 /// Of a surface that sees half of all the light there is, whichever way it faces: per channel.
@@ -281,7 +285,7 @@ bool illuminate(const Device& given, const Medium& medium, const Prepared& prepa
     else if (settings.method == Method::histogram)
         sink(light_of_histograms(device, medium.data(), prepared, settings));
     else
-        collectively(device, [&] { light(device, medium.data(), settings, sink, progress); });
+        collectively(device, [&] { light(device, medium.data(), settings, sink, progress, warm); });
     return true;
 } catch (const Error& error) {
     if (error.code() == ErrorCode::interrupted) return false;

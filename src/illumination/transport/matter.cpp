@@ -92,9 +92,11 @@ const Colour& TransportMedium::albedo() const {
     return albedo_([this] { return albedos_of(grid, opaque, swept.lattices.along_x); });
 }
 
-std::shared_ptr<const LitNodes> TransportMedium::seen(const Device& device, StageTimer& timer,
-                                                      Progress& progress) const {
+std::shared_ptr<const LitNodes> TransportMedium::seen(const Device& device, StageTimer& timer, Progress& progress,
+                                                      const TransportMedium* before) const {
     return seen_([&] {
+        if (before && before != this && is_same(seen_through(), before->seen_through()))
+            return before->seen(device, timer, progress);
         VisibilitySettings settings;
         settings.directions = seen_directions;
         const auto density = grid.finer ? grid.finer : std::make_shared<const Density>(copy_of(grid.extinction));

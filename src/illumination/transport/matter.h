@@ -21,11 +21,15 @@ struct TransportMedium {
 
     /// For sweeps here, rows along x; 0 in opaque cells.
     const Colour& albedo() const;
-    /// What surfaces see of the light that no one has scattered yet, at the nodes of the finer grid; found once. Throws
-    /// Error{interrupted}.
-    std::shared_ptr<const LitNodes> seen(const Device& device, StageTimer& timer, Progress& progress) const;
+    /// What surfaces see of the light that no one has scattered yet, at the nodes of the finer grid; found once, and
+    /// not again where `before`, other matter of the same volume, stops light alike. Throws Error{interrupted}.
+    std::shared_ptr<const LitNodes> seen(const Device& device, StageTimer& timer, Progress& progress,
+                                         const TransportMedium* before = nullptr) const;
 
 private:
+    /// What `seen` goes through.
+    const Density& seen_through() const { return grid.finer ? *grid.finer : grid.extinction; }
+
     Lazy<Colour> albedo_;
     Lazy<std::shared_ptr<const LitNodes>> seen_;
 };

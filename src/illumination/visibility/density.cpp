@@ -1,5 +1,7 @@
 #include "illumination/visibility/density.h"
 
+#include <cstring>
+
 #include "classify/medium.h"
 #include "core/threads.h"
 #include "illumination/cells/rank_nodes.h"
@@ -61,6 +63,11 @@ Density assemble(const CellGrid& cells, const BlockMap& blocks, int halvings, co
 int log2_of(int subsample) { return subsample == 1 ? 0 : 1 + log2_of(subsample / 2); }
 
 }  // namespace
+
+bool is_same(const Density& a, const Density& b) {
+    return &a == &b || (a.grid.count == b.grid.count && a.grid.edge_mm == b.grid.edge_mm &&
+                        std::memcmp(a.data(), b.data(), a.grid.size() * sizeof(float)) == 0);
+}
 
 CellGrid halved(const CellGrid& grid) { return coarser(grid, 2); }
 

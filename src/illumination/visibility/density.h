@@ -23,6 +23,9 @@ struct Density {
     const float* on_gpu(cuda::Stream& stream) const { return reinterpret_cast<const float*>(buffer.on_gpu(stream)); }
 };
 
+/// Bit for bit: what light meets is the same.
+bool is_same(const Density& a, const Density& b);
+
 /// The grid with half as many nodes per axis (rounded up), each at the centre of a block of 2³.
 CellGrid halved(const CellGrid& grid);
 

@@ -64,12 +64,13 @@ ShField find_visibility(const Device& device, const Density& density, const Visi
     return swept_by(sweep_visibility, device, density, settings, timer, progress);
 }
 
-void refine_visibility(const Device& device, const Medium::Data& medium, const VisibilitySettings& settings,
-                       const std::function<void(VisibilityNodes, bool is_coarse)>& keep, StageTimer& timer,
-                       Progress& progress) {
+bool refine_visibility(const Device& device, const Medium::Data& medium, const VisibilitySettings& settings,
+                       const VisibilityNodes* before, const std::function<void(VisibilityNodes, bool is_coarse)>& keep,
+                       StageTimer& timer, Progress& progress) {
     std::vector<std::shared_ptr<const Density>> densities;  // from fine to coarse
     const auto add = [&](Density density) { densities.push_back(std::make_shared<const Density>(std::move(density))); };
     add(timer("density", [&] { return density_for(medium, settings.subsample, device, progress); }));
+    if (before && before->density && is_same(*before->density, *densities.front())) return true;
     for (int f = settings.subsample; f < 8; f *= 2) add(halved(*densities.back(), device, progress));
     for (int level = int(densities.size()) - 1; level >= 0; --level) {
         VisibilitySettings coarse = settings;
@@ -77,6 +78,7 @@ void refine_visibility(const Device& device, const Medium::Data& medium, const V
         coarse.directions = std::max(settings.directions >> level, std::min(settings.directions, 64));
         keep(visibility_nodes(device, densities[std::size_t(level)], coarse, timer, progress), level > 0);
     }
+    return false;
 }
 
 }  // namespace chiaro

@@ -16,10 +16,11 @@ VisibilityNodes visibility_nodes(const Device& device, std::shared_ptr<const Den
                                  const VisibilitySettings& settings, StageTimer& timer, Progress& progress);
 
 /// Hands the nodes of a coarse field to `keep` at once, then those of finer ones, the last as the settings ask for:
-/// every 8th cell, 4th ..., the coarse ones with fewer directions (some 5 % of the last one's time in all). Throws
+/// every 8th cell, 4th ..., the coarse ones with fewer directions (some 5 % of the last one's time in all). None where
+/// those `before`, found as the settings ask for, are of the same density: returns whether they are. Throws
 /// Error{interrupted}.
-void refine_visibility(const Device& device, const Medium::Data& medium, const VisibilitySettings& settings,
-                       const std::function<void(VisibilityNodes, bool is_coarse)>& keep, StageTimer& timer,
-                       Progress& progress);
+bool refine_visibility(const Device& device, const Medium::Data& medium, const VisibilitySettings& settings,
+                       const VisibilityNodes* before, const std::function<void(VisibilityNodes, bool is_coarse)>& keep,
+                       StageTimer& timer, Progress& progress);
 
 }  // namespace chiaro
