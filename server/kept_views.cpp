@@ -122,13 +122,29 @@ std::optional<KeptView> KeptViews::find(const std::string& view) const {
     return read_kept(file_of(view));
 }
 
-std::vector<KeptView> KeptViews::all() const {
+std::vector<KeptView> KeptViews::on_disk() const {
     std::vector<KeptView> kept;
     std::error_code error;
     if (folder_.empty()) return kept;
     for (const auto& entry : fs::directory_iterator(folder_, error))
         if (entry.path().filename().string().ends_with(ending))
             if (auto one = read_kept(entry.path())) kept.push_back(std::move(*one));
+    return kept;
+}
+
+std::vector<KeptView> KeptViews::all() const {
+    std::map<std::string, KeptView> by_view;
+    {
+        const std::lock_guard lock(mutex_);  // before the disk is read: what is written meanwhile is found here
+        by_view = waiting_;
+        by_view.insert(being_written_.begin(), being_written_.end());
+    }
+    for (KeptView& one : on_disk()) {
+        const std::string view = one.view;
+        by_view.try_emplace(view, std::move(one));
+    }
+    std::vector<KeptView> kept;
+    for (auto& [view, one] : by_view) kept.push_back(std::move(one));
     return kept;
 }
 
@@ -152,7 +168,7 @@ void KeptViews::forget_below(const fs::path& folder) {
     gone_.push_back(folder);
     std::erase_if(waiting_, [&](const auto& entry) { return is_gone(entry.second); });
     std::error_code error;
-    for (const KeptView& one : all())
+    for (const KeptView& one : on_disk())
         if (is_gone(one)) fs::remove(file_of(one.view), error);
 }
 

@@ -71,6 +71,8 @@ TEST(ServerKept, WhatWasNotedIsFoundFromThenOn) {
         for (int look = 0; look < 20; ++look) {
             const auto found = kept.find("view-one");
             ASSERT_TRUE(found && found->scene["n"] == time) << "time " << time << ", look " << look;
+            const auto newest = kept.newest_of("scan.nrrd", "view-two");
+            ASSERT_TRUE(newest && newest->scene["n"] == time) << "time " << time << ", look " << look;
         }
     }
 }
