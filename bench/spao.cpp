@@ -207,13 +207,18 @@ std::vector<Row> measure_rays(const Setup& setup, const std::string& name, Subje
 /// are shown in.
 std::vector<Row> measure_updates(const Setup& setup, const std::string& name, const std::string& volume, int size,
                                  bool is_soon) {
-    const IlluminationSettings settings{.method = Method::spao};
-    if (!is_soon) return measure_edits(setup, name, volume, size, settings);
     std::optional<EditedVolume> subject = edited_volume(setup, volume, size);
     if (!subject) return {{name, "wall ms", {}, {}, {}, no_data}};
-    subject->volume = every_other_voxel(subject->volume, setup.progress);
+    IlluminationSettings settings;
+    settings.method = Method::spao;
+    if (is_soon) subject->volume = every_other_voxel(subject->volume, setup.progress);
     return measure_edits(name, *subject, [&](const Medium& medium, const std::function<void()>&) {
-        light_of_every_other_voxel(setup.device, medium, Lighting(), settings, setup.progress);
+        if (is_soon)
+            light_of_every_other_voxel(setup.device, medium, Lighting(), settings, setup.progress);
+        else
+            illuminate(
+                setup.device, medium, Prepared(), Lighting(), settings, [](const IlluminationField&) {},
+                setup.progress);
     });
 }
 

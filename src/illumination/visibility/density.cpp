@@ -66,6 +66,7 @@ int log2_of(int subsample) { return subsample == 1 ? 0 : 1 + log2_of(subsample /
 
 bool is_same(const Density& a, const Density& b) {
     return &a == &b || (a.grid.count == b.grid.count && a.grid.edge_mm == b.grid.edge_mm &&
+                        a.grid.voxels_per_cell == b.grid.voxels_per_cell &&
                         std::memcmp(a.data(), b.data(), a.grid.size() * sizeof(float)) == 0);
 }
 
