@@ -31,7 +31,7 @@ export function makeKeys(app) {
     if (key === "b") return held.set(key, null), app.light.unlit(true);
     if (key in springs) {
       // A press switches; held, the tool is borrowed until the key is let go.
-      held.set(key, { before: app.ui.tool, at: performance.now() });
+      held.set(key, { before: app.ui.tool, at: event.timeStamp });
       return app.gestures.choose(springs[key]);
     }
     if (key in single) event.preventDefault(), single[key]();
@@ -41,6 +41,6 @@ export function makeKeys(app) {
     const key = event.key.toLowerCase(), spring = held.get(key);
     if (!held.delete(key)) return;
     if (key === "b") app.light.unlit(false);
-    else if (spring && (spring.used || performance.now() - spring.at > 350)) app.gestures.choose(spring.before);
+    else if (spring && (spring.used || event.timeStamp - spring.at > 350)) app.gestures.choose(spring.before);
   });
 }

@@ -5,7 +5,7 @@ import { test } from "node:test";
 import { desktop, phone, savedScene, visits } from "./mocked.mjs";
 import { drawn } from "./page.mjs";
 import { servedVisits, skip } from "./served.mjs";
-import { drag, eventually, faint } from "./visit.mjs";
+import { chooseTool, drag, eventually, faint } from "./visit.mjs";
 import { fileValue, onFile, onVolume, place, shown, slices } from "./volume_file.mjs";
 
 const all = servedVisits(), visit = visits();
@@ -210,7 +210,7 @@ visit("what measuring needs is loaded when it is first used; Escape and Backspac
   const loaded = () => page.evaluate(() => performance.getEntriesByType("resource").map((e) => e.name.split("/").at(-1)).filter((name) => /^mark/.test(name) && name !== "markers.js"));
   assert.deepEqual(await loaded(), []);
   await slices(page);
-  await page.keyboard.press("m");
+  await chooseTool(page, "m", "measure");
   await page.keyboard.up("m");
   await page.waitForSelector(".mark-kinds");
   assert.ok((await loaded()).includes("marks.js"));
@@ -232,7 +232,7 @@ visit("what measuring needs is loaded when it is first used; Escape and Backspac
 
 visit("by keys alone: kinds by arrows, points at the crosshair, points moved, a mark removed", async (page) => {
   await slices(page);
-  await page.keyboard.press("m");
+  await chooseTool(page, "m", "measure");
   await page.keyboard.up("m");
   await page.waitForSelector(".mark-kinds");
   await page.locator("[data-kind=distance]").focus();

@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { scene, settings, volume } from "./mock.mjs";
 import { desktop, phone, savedScene, visits } from "./mocked.mjs";
-import { drag, eventually, faint, final, pixels, settled, state } from "./visit.mjs";
+import { chooseTool, drag, eventually, faint, final, pixels, settled, state } from "./visit.mjs";
 
 const visit = visits();
 
@@ -152,7 +152,7 @@ visit("surfaces and the ends of what glows are lines in the graph to drag", asyn
 });
 
 visit("Adjust picks the value that is seen and drags its opacity", async (page) => {
-  await page.keyboard.press("a");
+  await chooseTool(page, "a", "adjust");
   await page.keyboard.up("a");
   const box = await page.locator("#stage").boundingBox(), r = 0.4 * Math.min(box.width, box.height);
   await page.mouse.move(box.x + box.width / 2 + 0.2 * r, box.y + box.height / 2);

@@ -6,7 +6,7 @@ import { gzipSync } from "node:zlib";
 import { scene, volume } from "./mock.mjs";
 import { desktop, phone, savedScene, visits } from "./mocked.mjs";
 import { drawn } from "./page.mjs";
-import { drag, eventually, faint, final, pixels, settled, state } from "./visit.mjs";
+import { chooseTool, drag, eventually, faint, final, pixels, settled, state } from "./visit.mjs";
 
 const visit = visits();
 const chip = (page, i) => page.locator(".chips .chip").nth(i);
@@ -116,15 +116,15 @@ visit("a plane is pulled by its handle and tilted by its rim, with the pointer a
   await handle.focus();
   await settled(page, () => page.keyboard.press("Shift+ArrowUp"));
   close(plane()[0] * x + plane()[1] * y + plane()[2] * z, Math.cos(Math.PI / 36), "5°");
-  await page.keyboard.press("o");
+  await chooseTool(page, "o", "orbit");
   assert.equal(await handle.isVisible(), false, "only while Cut is chosen");
 });
 
 visit("a tool's key switches to it; used while it is held, it is only borrowed", async (page) => {
   const tool = () => page.evaluate(() => chiaro.ui.tool);
-  await page.keyboard.press("c");
+  await chooseTool(page, "c", "cut");
   assert.equal(await tool(), "cut");
-  await page.keyboard.press("o");
+  await chooseTool(page, "o", "orbit");
   await page.keyboard.down("l");
   await settled(page, () => drag(page, page.locator("#stage"), 40, 0));
   await page.keyboard.up("l");
@@ -142,7 +142,7 @@ visit("the numbers of the window are not cut off", async (page) => {
 } });
 
 visit("a face of the box is pulled on the picture while Cut is chosen; elsewhere it turns", async (page, mock) => {
-  await page.keyboard.press("c");
+  await chooseTool(page, "c", "cut");
   await page.keyboard.up("c");
   const before = await state(page);
   await settled(page, () => drag(page, page.locator("#stage"), 0, -60));

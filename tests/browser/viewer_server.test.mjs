@@ -6,7 +6,7 @@ import { join } from "node:path";
 import { test } from "node:test";
 import { openPage } from "./page.mjs";
 import { chiaro, options, serve as serveIn, servedVisits, skip, token } from "./served.mjs";
-import { drag, final, pixels, reconnected, settled, state } from "./visit.mjs";
+import { chooseTool, drag, final, pixels, reconnected, settled, state } from "./visit.mjs";
 
 const all = servedVisits(), { folder, visit } = all, serve = (volume, port) => serveIn(folder, volume, port);
 
@@ -96,7 +96,7 @@ test("Adjust picks the value of a known sample and makes it denser", { skip }, a
   try {
     await visit(async (page) => {
       const was = await pixels(page);
-      await page.keyboard.press("a");
+      await chooseTool(page, "a", "adjust");
       await page.keyboard.up("a");
       await drag(page, page.locator("#stage"), 0, 0, { release: false });
       await page.waitForFunction(() => chiaro.ui.points.length === 1);

@@ -35,6 +35,10 @@ export async function eventually(holds, says) {
   }
 }
 
+/** Chooses a tool by its key. A key that is down for long, as one is where the machine is busy, only borrows its tool: then once more. */
+export const chooseTool = (page, key, tool) =>
+  eventually(async () => (await page.keyboard.press(key), (await page.evaluate(() => chiaro.ui.tool)) === tool), `${key} chooses ${tool}`);
+
 /** Waits until the page has its server again, and asks for that. */
 export const reconnected = (page) =>
   page.waitForFunction(() => chiaro.link.open || (document.querySelector(".banner button")?.click(), false), null, { polling: 300 });
