@@ -132,25 +132,20 @@ std::vector<KeptView> KeptViews::on_disk() const {
     return kept;
 }
 
-std::vector<KeptView> KeptViews::all() const {
+std::map<std::string, KeptView> KeptViews::all() const {
     std::map<std::string, KeptView> by_view;
     {
         const std::lock_guard lock(mutex_);  // before the disk is read: what is written meanwhile is found here
         by_view = waiting_;
         by_view.insert(being_written_.begin(), being_written_.end());
     }
-    for (KeptView& one : on_disk()) {
-        const std::string view = one.view;
-        by_view.try_emplace(view, std::move(one));
-    }
-    std::vector<KeptView> kept;
-    for (auto& [view, one] : by_view) kept.push_back(std::move(one));
-    return kept;
+    for (const KeptView& one : on_disk()) by_view.try_emplace(one.view, one);
+    return by_view;
 }
 
 std::optional<KeptView> KeptViews::newest_of(const std::string& volume, const std::string& except) const {
     std::optional<KeptView> newest;
-    for (KeptView& one : all())
+    for (auto& [view, one] : all())
         if (one.volume == volume && one.view != except && (!newest || one.seconds < newest->seconds))
             newest = std::move(one);
     return newest;
@@ -158,7 +153,7 @@ std::optional<KeptView> KeptViews::newest_of(const std::string& volume, const st
 
 std::vector<fs::path> KeptViews::volumes() const {
     std::vector<fs::path> named;
-    for (const KeptView& one : all()) named.emplace_back(one.volume);
+    for (const auto& [view, one] : all()) named.emplace_back(one.volume);
     return named;
 }
 

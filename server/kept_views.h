@@ -41,7 +41,7 @@ public:
 private:
     std::filesystem::path file_of(const std::string& view) const;
     std::vector<KeptView> on_disk() const;
-    std::vector<KeptView> all() const;  ///< those that are not there yet, too
+    std::map<std::string, KeptView> all() const;  ///< by view; those that are not there yet, too
     void run();
     void write(const KeptView& kept) const;
     bool is_gone(const KeptView& kept) const;  ///< while locked

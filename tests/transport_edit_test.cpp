@@ -108,8 +108,8 @@ TEST_F(TransportEdit, WhatSurfacesSeeIsFoundAgainOnlyForOtherOpacities) {
     const std::vector<TransportNodes> recoloured = refine(medium());
     EXPECT_EQ(recoloured.back().seen, before.seen);
     memory_ = {};
-    EXPECT_LT(distance(recoloured.back(), refine(medium()).back()), 0.02);
     const TransportNodes afresh = refine(medium()).back();
+    EXPECT_LT(distance(recoloured.back(), afresh), 0.02);
     tf_.points[1].opacity = 0.05;
     const TransportNodes denser = refine(medium()).back();
     ASSERT_NE(denser.seen, afresh.seen);

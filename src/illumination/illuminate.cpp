@@ -112,9 +112,10 @@ void light(const Device& device, const Medium::Data& medium, const IlluminationS
         sink(field_of(std::make_shared<const LitNodes>(device, std::move(nodes)), settings, is_coarse, timer));
     };
     const IlluminationField::Data& last = warm.data();
-    const bool may_do = last.of_visibility == settings.visibility && !last.is_coarse && !device.is_shared();
-    if (refine_visibility(device, medium, settings.visibility, may_do ? &last.visibility->nodes() : nullptr, keep,
-                          timer, progress))
+    // Ranks would have to agree on it.
+    const bool is_as_asked = last.of_visibility == settings.visibility && !last.is_coarse && !device.is_shared();
+    const VisibilityNodes* before = is_as_asked ? &last.visibility->nodes() : nullptr;
+    if (refine_visibility(device, medium, settings.visibility, before, keep, timer, progress))
         sink(field_of(last.visibility, settings, false, timer));
 }
 

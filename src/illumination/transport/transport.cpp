@@ -61,15 +61,15 @@ void refine_transport(const Device& device, const Medium::Data& medium, const Li
             return done;
         });
     };
-    const auto see = [&](const TransportMedium& matter, const TransportSolver* last) {
-        return matter.seen(device, timer, progress, last ? last->matter().get() : nullptr);
+    const auto see = [&](const TransportMedium& matter, const std::shared_ptr<const TransportSolver>& last) {
+        if (surfaces != SurfaceModel::none) matter.seen(device, timer, progress, last ? last->matter().get() : nullptr);
     };
-    const auto light_of = [&](const TransportSolver& solver, const TransportSolver* last) {
+    const auto light_of = [&](const TransportSolver& solver) {
         TransportNodes nodes = solver.nodes(surfaces);
-        if (surfaces != SurfaceModel::none) nodes.seen = see(*solver.matter(), last);
+        if (surfaces != SurfaceModel::none) nodes.seen = solver.matter()->seen(device, timer, progress);
         return nodes;
     };
-    const TransportSolver* const last = before ? memory->fine.get() : nullptr;
+    const TransportMemory last = before ? *memory : TransportMemory{};
     const SharedTransportMedium matter = is_known ? memory->fine->matter() : timer("light grid", [&] {
         return matter_of(device, medium, settings.grid, scattering, progress, surfaces);
     });
@@ -78,21 +78,22 @@ void refine_transport(const Device& device, const Medium::Data& medium, const Li
         const auto half = start(is_known && memory->half ? memory->half->matter() : halved(matter, device, progress),
                                 before ? &before->fine : nullptr);
         iterate(*half, first_iterations);
-        first = light_of(*half, before ? memory->half.get() : nullptr);
+        see(*half->matter(), last.half);
+        first = light_of(*half);
         if (before && has_detail_for(*before, matter->grid.extinction.grid, first->grid))
             first = with_detail(*matter, *first, *before, device);
         keep(*first, true);
         found.now.half = half;
     }
-    if (surfaces != SurfaceModel::none) see(*matter, last);  // before the solver takes its memory
+    see(*matter, last.fine);  // before the solver takes its memory
     const auto fine = start(matter, first ? &*first : before ? &before->fine : nullptr);
     iterate(*fine, first_iterations);
     found.now.fine = fine;
     while (!fine->is_done()) {
-        keep(light_of(*fine, last), true);
+        keep(light_of(*fine), true);
         iterate(*fine, 1);
     }
-    keep(light_of(*fine, last), false);
+    keep(light_of(*fine), false);
 }
 
 }  // namespace chiaro
