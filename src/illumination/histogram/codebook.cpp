@@ -1,4 +1,7 @@
 #include <algorithm>
+#include <array>
+#include <bit>
+#include <limits>
 
 #include "core/threads.h"
 #include "cuda/run.h"
@@ -8,6 +11,21 @@
 #include "illumination/histogram/neighbour_kernel.h"
 
 namespace chiaro {
+namespace {
+
+/// At least `wanted` of the numbers, none below 0, are not above it, and few more. By counting their leading bits.
+std::int32_t bound_of_least(const std::vector<std::int32_t>& numbers, int wanted) {
+    constexpr int shift = 19;  // of a float: sign, exponent and four bits of the fraction
+    std::array<int, std::size_t(1) << (31 - shift)> counts{};
+    const auto bits = [](std::int32_t number) { return std::bit_cast<std::uint32_t>(float(number)) >> shift; };
+    for (const std::int32_t number : numbers) ++counts[bits(number)];
+    std::uint32_t last = 0;
+    for (int found = counts[0]; found < wanted; found += counts[last]) ++last;
+    const float above = std::bit_cast<float>((last + 1) << shift);
+    return above < 2147483648.0f ? std::int32_t(above) : std::numeric_limits<std::int32_t>::max();
+}
+
+}  // namespace
 
 Codebook::Codebook(const Device& device, int bins, HistogramMetric metric, std::vector<PackedHistogram> codewords)
     : bins_(bins), metric_(metric), codewords_(std::move(codewords)) {
@@ -27,11 +45,13 @@ void Codebook::list_neighbours(const Device& device) {
         std::vector<std::uint64_t> order;  // by difference, then by number
         for (auto w = first; w < end; ++w) {
             kernels.differences_to(codebook, codewords_.data() + w * bins_, difference.data());
+            difference[std::size_t(w)] = std::numeric_limits<std::int32_t>::max();  // itself is none
+            const std::int32_t most = bound_of_least(difference, listed_);
             order.clear();
             for (int other = 0; other < count(); ++other)
-                if (other != w) order.push_back(std::uint64_t(difference[std::size_t(other)]) << 16 | unsigned(other));
-            std::nth_element(order.begin(), order.begin() + listed_, order.end());
-            std::sort(order.begin(), order.begin() + listed_);
+                if (difference[std::size_t(other)] <= most)
+                    order.push_back(std::uint64_t(difference[std::size_t(other)]) << 16 | unsigned(other));
+            std::sort(order.begin(), order.end());
             for (int i = 0; i < listed_; ++i) {
                 const std::size_t at = std::size_t(w) * std::size_t(listed_) + std::size_t(i);
                 neighbours[at] = std::uint16_t(order[std::size_t(i)]);
