@@ -50,7 +50,8 @@ Volume widened(const Volume& bytes) {
 std::vector<Row> peak_row(const Setup& setup, const std::string& name, const TemporaryFolder& folder,
                           std::vector<std::string> what, double voxel_bytes) {
     const std::string image = folder / "picture.png", stats = folder / "stats.json";
-    std::vector<std::string> render{"render", "-o", image, "--quiet", "--size", "256x192", "--stats", stats};
+    std::vector<std::string> render{"render",  "-o",      image, "--quiet",         "--size",
+                                    "256x192", "--stats", stats, "--interpolation", "linear"};
     render.insert(render.end(), what.begin(), what.end());
     const Measure peak = [&] {
         run_program(setup.tool, render);
