@@ -7,6 +7,7 @@
 
 #include "classify/segments.h"
 #include "rows.h"
+#include "volume/splined.h"
 
 namespace chiaro::bench {
 namespace {
@@ -29,6 +30,21 @@ std::vector<Row> measure_upload(const Setup& setup, const std::string& name, int
         setup.runs,
         {[&] { return 1e3 * cpu_seconds([&] { upload(setup.device, volume); }); },
          [&] { return 1e3 * cpu_seconds([&] { std::memcpy(copy.data(), volume.voxels.data(), copy.size()); }); }});
+    return {{name, "ms", spread_of(series[0]), median_ratio(series[0], series[1]), "memcpy of the volume"}};
+}
+
+/// A spline's coefficients and the ranges of its cells.
+std::vector<Row> measure_splines(const Setup& setup, const std::string& name, int size, VoxelType type) {
+    const Volume volume = make_shells(size, type);
+    VoxelBuffer copy(volume.voxels.size());
+    const auto make = [&] {
+        const DeviceVolume fresh = upload(setup.device, volume);  // which keeps what was made of it
+        return 1e3 * cpu_seconds([&] { splined(fresh, true); });
+    };
+    const auto series = in_turns(
+        setup.runs, {make, [&] {
+                         return 1e3 * cpu_seconds([&] { std::memcpy(copy.data(), volume.voxels.data(), copy.size()); });
+                     }});
     return {{name, "ms", spread_of(series[0]), median_ratio(series[0], series[1]), "memcpy of the volume"}};
 }
 
@@ -59,6 +75,8 @@ std::vector<Case> pipeline_cases(const Setup& setup) {
     for (const VoxelType type : {VoxelType::u8, VoxelType::u16}) {
         const std::string name = fmt::format("pipeline/upload/{}", type == VoxelType::u8 ? "u8" : "u16");
         cases.push_back({{name}, [=, &setup] { return measure_upload(setup, name, size, type); }});
+        const std::string splines = fmt::format("pipeline/splines/{}", type == VoxelType::u8 ? "u8" : "u16");
+        cases.push_back({{splines}, [=, &setup] { return measure_splines(setup, splines, size, type); }});
     }
     for (const VoxelType type : {VoxelType::u8, VoxelType::u16}) {
         const std::string name = fmt::format("pipeline/segments/{}", type == VoxelType::u8 ? "u8" : "u16");

@@ -13,6 +13,13 @@
 namespace chiaro::bench {
 namespace {
 
+/// A sample's bytes as 16 bits.
+Volume widened(const Volume& bytes) {
+    Volume volume = make_volume(bytes.dimensions, VoxelType::u16);
+    std::ranges::copy(bytes.as<std::uint8_t>(), volume.as<std::uint16_t>().begin());
+    return volume;
+}
+
 std::vector<Row> measure_first_image(const Setup& setup, const std::string& name) {
     const TemporaryFolder folder;
     const std::string volume = folder / "volume.nrrd", image = folder / "picture.png";
@@ -33,17 +40,41 @@ Volume make_u16(int size) {
     return volume;
 }
 
-/// As the program counts it: what this one holds would be laid to a child's account.
-double peak_mib(const std::filesystem::path& stats) {
+nlohmann::json statistics_in(const std::filesystem::path& stats) {
     std::ifstream stream(stats);
-    return nlohmann::json::parse(stream).at("peak_memory_bytes").get<double>() / (1 << 20);
+    return nlohmann::json::parse(stream);
 }
 
-/// A sample's bytes as 16 bits.
-Volume widened(const Volume& bytes) {
-    Volume volume = make_volume(bytes.dimensions, VoxelType::u16);
-    std::ranges::copy(bytes.as<std::uint8_t>(), volume.as<std::uint16_t>().begin());
-    return volume;
+/// As the program counts it: what this one holds would be laid to a child's account.
+double peak_mib(const std::filesystem::path& stats) {
+    return statistics_in(stats).at("peak_memory_bytes").get<double>() / (1 << 20);
+}
+
+double seconds_of_reading(const std::filesystem::path& stats) {
+    const nlohmann::json found = statistics_in(stats);
+    for (const auto& stage : found.at("stages"))
+        if (stage.at("name") == "read") return stage.at("seconds");
+    return 0;
+}
+
+/// Of a file of 16-bit voxels, as it comes and with `options`, beside a second and what reading took.
+std::vector<Row> measure_first_image_u16(const Setup& setup, const std::string& name, int size,
+                                         const std::vector<std::string>& options) {
+    const TemporaryFolder folder;
+    const std::string volume = folder / "volume.nrrd", image = folder / "picture.png", stats = folder / "stats.json";
+    write_nrrd(widened(make_sample("shells", size)), volume, NrrdEncoding::raw);
+    std::vector<std::string> render{"render", volume, "-o", image, "--quiet", "--stats", stats};
+    render.insert(render.end(), options.begin(), options.end());
+    Series cpu, asked;
+    const auto wall = [&] {
+        const double seconds = wall_seconds([&] { cpu.push_back(run_program(setup.tool, render)); });
+        asked.push_back(1 + seconds_of_reading(stats));
+        return seconds;
+    };
+    const auto series = in_turns(setup.runs, {wall});
+    asked.erase(asked.begin(), asked.end() - std::ptrdiff_t(series[0].size()));  // but those of the warm-up
+    return {{name, "s", spread_of(series[0]), median_ratio(series[0], asked), "1 s and reading",
+             fmt::format("{:.2f} s of CPU time", spread_of(cpu).median)}};
 }
 
 /// `what` and `voxel_bytes`: what the tool is to render, and how much the voxels of that are.
@@ -100,6 +131,12 @@ std::vector<Case> tool_cases(const Setup& setup) {
     const std::string first = "tool/first-picture", memory = "tool/peak-memory/", noise = fmt::format("{}-u16", size);
     std::vector<Case> cases{{{first}, [=, &setup] { return measure_first_image(setup, first); }},
                             {{memory + noise}, [=, &setup] { return measure_memory(setup, memory + noise, size); }}};
+    for (const bool linear : {false, true}) {
+        const std::string of_file = first + "/" + noise + (linear ? "/linear" : "");
+        const std::vector<std::string> options =
+            linear ? std::vector<std::string>{"--interpolation", "linear"} : std::vector<std::string>{};
+        cases.push_back({{of_file}, [=, &setup] { return measure_first_image_u16(setup, of_file, size, options); }});
+    }
     for (const char* look : {"sparse", "fog"}) {
         const std::string scene = fmt::format("shells{}-{}", size, look);
         cases.push_back(

@@ -6,6 +6,7 @@
 #include "classify/medium.h"
 #include "fixtures.h"
 #include "volume/device_view.h"
+#include "volume/launch_spline.h"
 #include "volume/splined.h"
 
 using namespace chiaro;
@@ -165,6 +166,67 @@ TEST(Spline, KeepsToTheRangesOfItsCells) {
             }
             EXPECT_EQ(interpolates, largest > data.stored_max);  // it swings over
         }
+}
+
+// What pictures and light depend on, in the last bit.
+TEST(Spline, IsTheSameByAllInstructionSetsAndThreads) {
+    const std::array<int, 3> n{66, 35, 39};
+    const auto bytes_of = [](const VoxelBuffer& buffer, std::size_t count) {
+        return std::vector<std::byte>(buffer.data(), buffer.data() + count);
+    };
+    for (const Volume& volume : {noise<std::uint8_t>(n), noise<std::int16_t>(n), noise<float>(n)})
+        for (const bool interpolates : {true, false}) {
+            const DeviceVolume one = splined(upload(Device::cpu(1, Isa::scalar), volume), interpolates);
+            const DeviceVolume::Data& a = one.data();
+            const std::size_t read = std::size_t(slices_read(n[2], 0) * brick_slice) * size_of(a.stored);
+            for (const Isa isa : available_isas()) {
+                const DeviceVolume other = splined(upload(Device::cpu(3, isa), volume), interpolates);
+                const DeviceVolume::Data& b = other.data();
+                EXPECT_EQ(bytes_of(a.coefficients, read), bytes_of(b.coefficients, read));
+                EXPECT_EQ(bytes_of(a.bricks, read), bytes_of(b.bricks, read));
+                EXPECT_EQ(a.spline.base, b.spline.base);
+                EXPECT_EQ(a.spline.scale, b.spline.scale);
+                EXPECT_EQ(a.cells.low, b.cells.low);
+                EXPECT_EQ(a.cells.high, b.cells.high);
+            }
+        }
+}
+
+// A brick's cells are refined together; each is what it would be alone.
+TEST(Spline, CellsAreRefinedAsEachAlone) {
+    std::mt19937 random(8);
+    std::vector<std::uint16_t> brick(brick_voxels);
+    for (std::uint16_t& code : brick) code = std::uint16_t(random());
+    constexpr int slices = 24, layers = 0b00101011;  // some of them, and fewer slices than the last of these touches
+    const auto coefficient = [&](int x, int y, int z) {
+        return double(brick[std::size_t((std::min(z, slices - 1) * brick_row + y) * brick_row + x)]);
+    };
+    // Along an axis knot i of a cell takes two or three coefficients.
+    const auto refined = [](int i, const auto& at) {
+        return i % 2 == 0 ? (at(i / 2) + at(i / 2 + 1)) / 2 : (at(i / 2) + 6 * at(i / 2 + 1) + at(i / 2 + 2)) / 8;
+    };
+    for (const Isa isa : available_isas()) {
+        kernel::CellBounds bounds;
+        const kernel::CodeFunctions<std::uint16_t> run = kernel::spline_functions_for(isa);
+        run.find_bounds(brick.data(), slices, layers, bounds);
+        for (int cell = 0; cell < 512; cell += 7) {
+            const int x0 = cell % 8 * 4, y0 = cell / 8 % 8 * 4, z0 = cell / 64 * 4;
+            if (!(layers >> (cell / 64) & 1)) continue;
+            double low = 1e9, high = -1e9;
+            for (int k = 0; k < 11; ++k)
+                for (int j = 0; j < 11; ++j)
+                    for (int i = 0; i < 11; ++i) {
+                        const double knot = refined(k, [&](int z) {
+                            return refined(j, [&](int y) {
+                                return refined(i, [&](int x) { return coefficient(x0 + x, y0 + y, z0 + z); });
+                            });
+                        });
+                        low = std::min(low, knot), high = std::max(high, knot);
+                    }
+            EXPECT_NEAR(bounds.low[cell], low, 0.02) << cell;
+            EXPECT_NEAR(bounds.high[cell], high, 0.02) << cell;
+        }
+    }
 }
 
 TEST(Spline, OfEvenMatterIsEven) {

@@ -71,7 +71,7 @@ public:
         progress_.check();
         const SourceLevel& grid = source_.levels()[std::size_t(level_)];
         Vec3 low = grid.geometry.voxel_from_world(plane.at(0, 0)), high = low;
-        for (const auto [column, row] : {std::pair{0, 1}, {1, 0}, {1, 1}}) {
+        for (const auto& [column, row] : {std::pair{0, 1}, {1, 0}, {1, 1}}) {
             const Vec3 p =
                 grid.geometry.voxel_from_world(plane.at(column * (plane.width - 1), row * (plane.height - 1)));
             for (int axis = 0; axis < 3; ++axis)

@@ -14,14 +14,16 @@
 namespace chiaro {
 namespace {
 
-/// Smallest and largest of all.
-std::pair<float, float> range_of(const DeviceVolume::Data& source, Filter filter, const Progress& progress) {
+/// Smallest and largest of all coefficients.
+std::pair<float, float> range_of_coefficients(const DeviceVolume::Data& source, const Progress& progress) {
     std::pair range(std::numeric_limits<float>::max(), std::numeric_limits<float>::lowest());
     std::mutex merging;
-    for_each_brick(source, filter, progress, [&](const std::vector<float>& values, const std::array<int, 3>&) {
-        const auto [low, high] = std::minmax_element(values.begin(), values.end());
+    const auto find_range = kernel::spline_functions_for(source.device.isa).find_range;
+    for_each_brick(source, Filter::coefficients, progress, [&](const float* values, const std::array<int, 3>&) {
+        float low, high;
+        find_range(values, brick_voxels, low, high);
         const std::lock_guard lock(merging);
-        range = {std::min(range.first, *low), std::max(range.second, *high)};
+        range = {std::min(range.first, low), std::max(range.second, high)};
     });
     return range;
 }
@@ -32,19 +34,12 @@ template <class Voxel>
 SplineCoding coding_for(const DeviceVolume::Data& source, const Progress& progress) {
     if constexpr (std::is_floating_point_v<Voxel>) return {};
     constexpr float codes = std::numeric_limits<Voxel>::max();
-    const auto [low, high] = range_of(source, to_coefficients, progress);
+    const auto [low, high] = range_of_coefficients(source, progress);
     SplineCoding coding;
     coding.scale = high > low ? (high - low) / (codes - 1) : 1;
     coding.least = source.stored_min;
     coding.base = std::round((source.stored_min - low) / coding.scale);
     return coding;
-}
-
-template <class Voxel>
-Voxel coded(float value, const SplineCoding& coding) {
-    if constexpr (std::is_floating_point_v<Voxel>) return value;
-    const float code = std::round((value - coding.least) / coding.scale) + coding.base;
-    return Voxel(std::clamp(code, 0.0f, float(std::numeric_limits<Voxel>::max())));
 }
 
 /// The bricks of the filtered voxels, as those of `source` lie.
@@ -58,11 +53,11 @@ VoxelBuffer coded_bricks(const DeviceVolume::Data& source, Filter filter, const 
     if (slices_read(nz, layers - 1) < brick_row)
         bricks.use_small_pages(std::size_t(layers - 1) * bricks_x * bricks_y * brick_voxels * sizeof(Voxel));
     auto* out = reinterpret_cast<Voxel*>(bricks.data());
-    for_each_brick(source, filter, progress, [&](const std::vector<float>& values, const std::array<int, 3>& at) {
+    const kernel::CodeFunctions<Voxel> run = kernel::spline_functions_for(source.device.isa);
+    for_each_brick(source, filter, progress, [&](const float* values, const std::array<int, 3>& at) {
         const std::size_t brick = (std::size_t(at[2]) * bricks_y + std::size_t(at[1])) * bricks_x + std::size_t(at[0]);
-        const auto end = values.begin() + slices_read(source.dimensions[2], at[2]) * brick_slice;
-        std::transform(values.begin(), end, out + brick * brick_voxels,
-                       [&](float value) { return coded<Voxel>(value, coding); });
+        run.to_codes(values, slices_read(source.dimensions[2], at[2]) * brick_slice,
+                     {coding.base, coding.scale, coding.least}, out + brick * brick_voxels);
     });
     return bricks;
 }
@@ -72,10 +67,10 @@ void fill(const DeviceVolume::Data& source, bool interpolates, const Progress& p
     const auto borrowed = [&] { return VoxelBuffer::borrow(source.bricks.data(), source.bricks.size(), nullptr); };
     if (interpolates) {
         made.spline = coding_for<Voxel>(source, progress);
-        made.coefficients = coded_bricks<Voxel>(source, to_coefficients, made.spline, progress);
+        made.coefficients = coded_bricks<Voxel>(source, Filter::coefficients, made.spline, progress);
         made.bricks = borrowed();
     } else {
-        made.bricks = coded_bricks<Voxel>(source, smooth, {}, progress);
+        made.bricks = coded_bricks<Voxel>(source, Filter::smoothed, {}, progress);
         made.coefficients = borrowed();
     }
     find_cells<Voxel>(made);

@@ -6,8 +6,9 @@ namespace chiaro {
 
 /// The volume with a spline that interpolates its voxels or, with the voxels as coefficients, smooths them: then its
 /// voxels are what the spline has there. Its cells hold the ranges of the spline. Made once for each volume, and kept
-/// as long as that. Cost: some 20 core-ns a voxel, half for floats or to smooth; memory: the bricks once more, and the
-/// ranges. Throws Error{interrupted} when cancelled.
+/// as long as that. Cost: some 20 core-ns a voxel (the row pipeline/splines of chiaro bench), half for floats or to
+/// smooth; memory: the bricks once more, the ranges, and some sixty slices of floats while it is made. Throws
+/// Error{interrupted} when cancelled.
 DeviceVolume splined(const DeviceVolume& volume, bool interpolates, const Progress& progress = Progress());
 
 }  // namespace chiaro
