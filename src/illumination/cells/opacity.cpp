@@ -7,6 +7,7 @@
 #include "core/threads.h"
 #include "illumination/cells/gpu.h"
 #include "illumination/cells/launch_gpu.h"
+#include "illumination/cells/launch_values.h"
 #include "volume/device_view.h"
 #include "volume/float3.h"
 #include "volume/occupancy.h"
@@ -59,10 +60,15 @@ public:
         : out_(out),
           entries_(opacity_entries(medium, grid)),
           kernel_(opacity_kernel<Voxel>(medium, grid, entries_)),
-          occupancy_{medium.cells.data(), medium.volume.data().cells.count[0], medium.volume.data().cells.count[1]} {
+          occupancy_{medium.cells.data(), medium.volume.data().cells.count[0], medium.volume.data().cells.count[1]},
+          find_values_(kernel::value_row_for<Voxel>(medium.volume.data().device.isa)) {
         if (!entries_.empty() && sizeof(Voxel) <= 2)
             for (std::size_t v = 0; v < std::size_t(1) << (8 * sizeof(Voxel)); ++v)
                 of_stored_.push_back(kernel_.of_stored(float(v)));
+        for (int x = 0; !kernel_.cells.are_voxels && x < grid.count[0] + lanes; ++x) {
+            along_x_.push_back(float(kernel_.cells.along(0, x)));
+            occupied_x_.push_back(kernel_.volume.voxel(kernel_.volume.clamp(kernel_.cells.of(x, 0, 0))).x >> cell_bits);
+        }
     }
 
     /// Cells [x0, x1) of a row.
@@ -74,8 +80,10 @@ public:
             for (int x = x0; x < x1; ++x) row[x] = is_seen(x, y, z) ? kernel_.of_voxel(x, y, z) : 0;
         else if (kernel_.cells.are_voxels)
             copy_row(x0, x1, y, z, row);
-        else
+        else if (kernel_.volume.has_factor() || kernel_.volume.is_mixed())
             for (int x = x0; x < x1; ++x) row[x] = is_seen(x, y, z) ? kernel_.between_voxels(x, y, z) : 0;
+        else
+            for (int x = x0; x < x1; x += lanes) fill_between_voxels(x, std::min(x + lanes, x1), y, z, row);
         for (int x = x0; kernel_.cells.plane_count > 0 && x < x1; ++x)
             if (kernel_.cells.is_clipped(x, y, z)) row[x] = 0;
     }
@@ -85,6 +93,21 @@ private:
     bool is_seen(int x, int y, int z) const {
         const auto voxel = kernel_.volume.voxel(kernel_.volume.clamp(kernel_.cells.of(x, y, z)));
         return occupancy_.cells[occupancy_.index<float>(voxel)] & 1;
+    }
+
+    /// The same for some cells side by side, whose values are found together.
+    void fill_between_voxels(int x0, int x1, int y, int z, std::uint16_t* row) const {
+        const auto first = kernel_.volume.voxel(kernel_.volume.clamp(kernel_.cells.of(0, y, z)));
+        const std::uint8_t* occupied = occupancy_.cells + occupancy_.index<float>({0, first.y, first.z});
+        std::uint8_t seen[lanes], any = 0;
+        for (int i = 0; i < lanes; ++i) any |= seen[i] = occupied[occupied_x_[std::size_t(x0 + i)]] & 1;
+        if (!any) return void(std::fill(row + x0, row + x1, std::uint16_t(0)));
+        float values[lanes];
+        find_values_(kernel_.volume, {&along_x_[std::size_t(x0)], float(kernel_.cells.along(1, y)),
+                                      float(kernel_.cells.along(2, z)), lanes, values});
+        std::int32_t entry[lanes];
+        for (int i = 0; i < lanes; ++i) entry[i] = kernel_.entry_of(values[i]);
+        for (int x = x0; x < x1; ++x) row[x] = seen[x - x0] ? entries_[std::size_t(entry[x - x0])] : 0;
     }
 
     /// Straight through the bricks: voxel i lies in the brick of interval min(i, n - 2).
@@ -113,11 +136,15 @@ private:
         for (; i < count; ++i) to[i] = opacity(i);
     }
 
+    static constexpr int lanes = 16;
     const RowsOf<std::uint16_t> out_;
     const std::vector<std::uint16_t> entries_;
     const kernel::CellOpacityKernel<Voxel> kernel_;
     const kernel::OccupancyView occupancy_;
+    const kernel::FindValues<Voxel> find_values_;
     std::vector<std::uint16_t> of_stored_;  ///< opacities by stored value
+    std::vector<float> along_x_;            ///< of cells between voxels: where they lie, and in which cell of occupancy
+    std::vector<int> occupied_x_;
 };
 
 CellValues classify_cells(const Device& device, const Medium::Data& medium, const OpacityMaps& maps,

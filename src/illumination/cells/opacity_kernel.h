@@ -39,9 +39,10 @@ struct CellOpacityKernel {
     float edge_mm;     ///< of a cell
     LabelView labels;  ///< that cut isosurfaces; null: none
 
-    CHIARO_INLINE std::uint16_t of_stored(float stored) const {
-        return entries[std::uint32_t(min(max(mad(stored, scale, offset), 0.0f), last))];
+    CHIARO_INLINE std::int32_t entry_of(float stored) const {
+        return std::int32_t(min(max(mad(stored, scale, offset), 0.0f), last));
     }
+    CHIARO_INLINE std::uint16_t of_stored(float stored) const { return entries[entry_of(stored)]; }
     // But for clipping:
     CHIARO_INLINE std::uint16_t of_voxel(std::int32_t x, std::int32_t y, std::int32_t z) const {
         if (volume.is_mixed()) return of_mixture(x, y, z);

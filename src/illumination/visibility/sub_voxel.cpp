@@ -4,9 +4,9 @@
 #include <memory>
 
 #include "cuda/device_cache.h"
+#include "illumination/cells/launch_values.h"
 #include "illumination/visibility/density.h"
 #include "illumination/visibility/launch_gpu.h"
-#include "illumination/visibility/launch_values.h"
 #include "illumination/visibility/sub_voxel_integral.h"
 #include "volume/device_view.h"
 #include "volume/label_view.h"

@@ -1,4 +1,4 @@
-#include "illumination/visibility/value_row.h"
+#include "illumination/cells/value_row.h"
 #include "kernel/launch.h"
 
 namespace chiaro::kernel::CHIARO_ISA {

@@ -1,7 +1,7 @@
 // Values between voxels, compiled once per instruction set.
 #pragma once
 #include "core/isa.h"
-#include "illumination/visibility/value_row.h"
+#include "illumination/cells/value_row.h"
 
 namespace chiaro::kernel {
 
