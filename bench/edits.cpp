@@ -15,6 +15,17 @@ namespace {
 
 constexpr int times = 20;
 
+/// All that the function shows, or one surface whose value lies in the middle half of the function's.
+Shape shape_of(const EditedVolume& subject, int i) {
+    Shape shape;
+    if (!subject.is_surface) return shape;
+    std::mt19937 random{std::uint32_t(i)};
+    const double first = subject.tf.points.front().value, last = subject.tf.points.back().value;
+    shape.mode = Mode::iso;
+    shape.iso = {{.value = first + (last - first) * (0.25 + 0.5 * double(random()) / 0x1p32), .color = Rgb{1, 1, 1}}};
+    return shape;
+}
+
 }  // namespace
 
 TransferFunction edited(const TransferFunction& tf, int i) {
@@ -68,7 +79,7 @@ std::vector<Row> measure_edits(const std::string& row, const EditedVolume& subje
         const Clock wall = Clock::wall(), cpu = Clock::cpu();
         const auto keep = [&](auto& in) { in.wall.push_back(wall.ms()), in.cpu.push_back(cpu.ms()); };
         bool is_soon = i >= 0;  // the first one is a warm-up
-        light(classify(subject.volume, tf, Shape{}), [&] {
+        light(classify(subject.volume, tf, shape_of(subject, i + 1)), [&] {
             if (std::exchange(is_soon, false)) keep(soon);
         });
         if (i >= 0) keep(last);

@@ -16,6 +16,7 @@ TransferFunction recoloured(const TransferFunction& tf, int i);
 struct EditedVolume {
     DeviceVolume volume;
     TransferFunction tf;
+    bool is_surface = false;  ///< an isosurface, whose value is edited, is what is seen
 };
 /// "shells", or "fog" of its shape, of so many voxels along an edge; "head_ct_512": none without the data.
 std::optional<EditedVolume> edited_volume(const Setup& setup, const std::string& name, int size);

@@ -206,11 +206,12 @@ std::vector<Row> measure_rays(const Setup& setup, const std::string& name, Subje
 /// What follows an edit of the transfer function: classify and illuminate; or the light that drafts of large volumes
 /// are shown in.
 std::vector<Row> measure_updates(const Setup& setup, const std::string& name, const std::string& volume, int size,
-                                 bool is_soon) {
+                                 bool is_soon, bool is_surface) {
     std::optional<EditedVolume> subject = edited_volume(setup, volume, size);
     if (!subject) return {{name, "wall ms", {}, {}, {}, no_data}};
     IlluminationSettings settings;
     settings.method = Method::spao;
+    subject->is_surface = is_surface;
     if (is_soon) subject->volume = every_other_voxel(subject->volume, setup.progress);
     return measure_edits(name, *subject, [&](const Medium& medium, const std::function<void()>&) {
         if (is_soon)
@@ -246,14 +247,18 @@ std::vector<Case> spao_cases(const Setup& setup) {
     }
     add("spao/rays", measure_rays);
     if (setup.quick) return cases;
-    const auto add_updates = [&](const std::string& row, const std::string& subject, int edge, bool is_soon) {
-        cases.push_back({{row}, [=, &setup] { return measure_updates(setup, row, subject, edge, is_soon); }});
+    const auto add_updates = [&](const std::string& row, const std::string& subject, int edge, bool is_soon,
+                                 bool is_surface = false) {
+        cases.push_back(
+            {{row}, [=, &setup] { return measure_updates(setup, row, subject, edge, is_soon, is_surface); }});
     };
     for (const int edge : {256, 512}) {
         add_updates(fmt::format("spao/update/{}", edge), "shells", edge, false);
         add_updates(fmt::format("spao/update/{}/fog", edge), "fog", edge, false);
     }
     add_updates("spao/update/512/head-ct", "head_ct_512", 512, false);
+    add_updates("spao/update/512/iso", "shells", 512, false, true);
+    add_updates("spao/update/512/head-ct/iso", "head_ct_512", 512, false, true);
     add_updates("spao/update/512/soon", "shells", 512, true);
     add_updates("spao/update/512/head-ct/soon", "head_ct_512", 512, true);
     return cases;

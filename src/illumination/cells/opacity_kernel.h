@@ -2,6 +2,7 @@
 #pragma once
 #include "illumination/cells/block_place.h"
 #include "illumination/cells/cell_kernel.h"
+#include "illumination/cells/value_row.h"
 
 namespace chiaro::kernel {
 
@@ -12,20 +13,33 @@ struct CoverageView {
     std::int32_t count;
     float inwards;    ///< -1 where stored values fall as values rise
     Float3 per_edge;  ///< voxels
-    CHIARO_INLINE float slope(Vec3<float> gradient) const {
-        const Vec3<float> g{gradient.x * per_edge.x, gradient.y * per_edge.y, gradient.z * per_edge.z};
+    template <class F>
+    CHIARO_INLINE F slope(Vec3<F> gradient) const {
+        const Vec3<F> g{gradient.x * F(per_edge.x), gradient.y * F(per_edge.y), gradient.z * F(per_edge.z)};
         return sqrt(dot(g, g));
     }
     /// α = clamp(½ + (f - iso) / (|∇f| e), 0, 1), times the surface's opacity.
     /// `left`: the most that lies inside.
-    CHIARO_INLINE std::uint16_t opacity(float value, float slope, float left) const {
-        float clear = 1;
+    template <class F>
+    CHIARO_INLINE F opacity(F value, F slope, F left) const {
+        const Mask<F> slopes = slope > F(0);
+        F clear(1);
         for (std::int32_t s = 0; s < count; ++s) {
-            const float above = inwards * (value - values[s]);
-            const float inside = slope > 0 ? max(min(0.5f + above / slope, 1.0f), 0.0f) : float(above >= 0);
-            clear *= 1 - opacities[s] * min(inside, left);
+            const F above = F(inwards) * (value - F(values[s]));
+            const F share = max(min(F(0.5f) + above / select(slopes, slope, F(1)), F(1)), F(0));
+            const F inside = select(slopes, share, select(above >= F(0), F(1), F(0)));
+            clear *= F(1) - F(opacities[s]) * min(inside, left);
         }
-        return share_value(1 - clear);
+        return F(1) - clear;
+    }
+    /// Whether values in such a range lie so far from each surface that nothing is inside in part, whatever gradient
+    /// the range allows (half of it along each axis), rounding included.
+    CHIARO_INLINE bool is_passed_by(float low, float high, bool near_surface) const {
+        const float steepest = near_surface ? slope(Vec3<float>{high - low, high - low, high - low}) * 0.5f : 0;
+        const float far = 0.501f * steepest + 1e-5f * max(abs(low), abs(high));
+        for (std::int32_t s = 0; s < count; ++s)
+            if (low - far <= values[s] && values[s] <= high + far) return false;
+        return true;
     }
 };
 
@@ -58,7 +72,17 @@ struct CellOpacityKernel {
     CHIARO_INLINE std::uint16_t inside(std::int32_t x, std::int32_t y, std::int32_t z, bool near_surface) const {
         const Location<float> at = located(x, y, z);
         const float left = labels.distance ? left_at(distance_at(labels, at)) : 1;
-        return surfaces.opacity(volume.value(at), near_surface ? surfaces.slope(volume.gradient(at)) : 0, left);
+        return share_value(
+            surfaces.opacity<float>(volume.value(at), near_surface ? surfaces.slope(volume.gradient(at)) : 0, left));
+    }
+    /// The same of a row of points without labels, as shares.
+    template <class F>
+    CHIARO_INLINE void find_inside(const ValueRow& row, bool near_surface) const {
+        for (std::int32_t i = 0; i < row.count; i += LaneTraits<F>::count) {
+            const Location<F> at = row.located<F>(volume, i);
+            const F slope = near_surface ? surfaces.slope(volume.own_gradient(at)) : F(0);
+            store_row(row.to + i, surfaces.opacity(volume.value(at), slope, F(1)));
+        }
     }
     CHIARO_INLINE std::uint16_t unclipped(std::int32_t x, std::int32_t y, std::int32_t z, bool near_surface) const {
         if (!entries) return inside(x, y, z, near_surface);

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "cuda/device_cache.h"
-#include "illumination/cells/launch_values.h"
+#include "illumination/cells/launch_rows.h"
 #include "illumination/visibility/density.h"
 #include "illumination/visibility/launch_gpu.h"
 #include "illumination/visibility/sub_voxel_integral.h"
@@ -52,7 +52,7 @@ public:
           matter_(matter),
           view_(view_of<Voxel>(medium.volume.data())),
           centres_(cell_centres(medium, grid)),
-          find_values_(kernel::value_row_for<Voxel>(medium.volume.data().device.isa)) {}
+          run_(kernel::cell_functions_for(medium.volume.data().device.isa)) {}
 
     const CellGrid& grid() const { return grid_; }
     const kernel::VolumeView<Voxel>& view() const { return view_; }
@@ -90,8 +90,8 @@ public:
                 if (!asked) continue;
                 const int first = asked & 1 ? x0 - 1 : middle - 1,
                           last = std::min(asked & 2 ? cells[0].second : middle, cells[0].second);
-                find_values_(view_, {places + (first - x0 + 1), float(centres_.along(1, y)),
-                                     float(centres_.along(2, z)), last - first + 1, values});
+                run_.find_values(view_, {places + (first - x0 + 1), float(centres_.along(1, y)),
+                                         float(centres_.along(2, z)), last - first + 1, values});
                 for (int x = first; x <= last; ++x) *level(x, y, z) = sub_voxel.level_of(values[x - first]);
             }
         const InTile in{tile, cells};
@@ -124,7 +124,7 @@ private:
     const BlockMap& matter_;
     const kernel::VolumeView<Voxel> view_;
     const kernel::CellCentres centres_;
-    const kernel::FindValues<Voxel> find_values_;
+    const kernel::RowFunctions<Voxel> run_;
 };
 
 /// With pointers of the GPU's into `arrays`; `swap_pointers(views, depth)` names them.
