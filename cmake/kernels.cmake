@@ -2,16 +2,18 @@
 # These units must hold no inline code of the standard library: the linker keeps one copy of each such function, and it
 # might keep the one that an older CPU cannot run.
 set(CHIARO_KERNELS native CACHE STRING "Instruction sets that kernels are compiled for: native (scalar and the best of this machine), all, or a list such as scalar;x86_64_v3")
-set(CHIARO_ALL_ISAS scalar x86_64_v2 x86_64_v3 x86_64_v4)
+set(CHIARO_ALL_ISAS scalar x86_64_v2 x86_64_v3 x86_64_v4 x86_64_v4_gather) # the last: AVX-512 where gathers are fast
 
 # The best micro-architecture level of the x86-64 psABI that this machine runs, as core/device.cpp finds it.
 function(chiaro_native_isa result)
   set(flags "")
   if(EXISTS /proc/cpuinfo)
     file(STRINGS /proc/cpuinfo flags REGEX "^flags" LIMIT_COUNT 1)
+    file(STRINGS /proc/cpuinfo vendor REGEX "^vendor_id" LIMIT_COUNT 1)
+    string(APPEND flags " ${vendor}")
   endif()
   set(best scalar)
-  foreach(level "x86_64_v2 sse4_2 popcnt" "x86_64_v3 avx2 fma bmi1 bmi2" "x86_64_v4 avx512f avx512bw avx512cd avx512dq avx512vl")
+  foreach(level "x86_64_v2 sse4_2 popcnt" "x86_64_v3 avx2 fma bmi1 bmi2" "x86_64_v4 avx512f avx512bw avx512cd avx512dq avx512vl" "x86_64_v4_gather avx512_fp16 GenuineIntel")
     separate_arguments(level)
     list(POP_FRONT level isa)
     foreach(flag ${level})
@@ -66,6 +68,7 @@ set(CHIARO_FLAGS_scalar -march=x86-64)
 set(CHIARO_FLAGS_x86_64_v2 -march=x86-64-v2)
 set(CHIARO_FLAGS_x86_64_v3 -march=x86-64-v3)
 set(CHIARO_FLAGS_x86_64_v4 -march=x86-64-v4 -mprefer-vector-width=512)
+set(CHIARO_FLAGS_x86_64_v4_gather ${CHIARO_FLAGS_x86_64_v4} -DCHIARO_HARDWARE_GATHER)
 
 function(chiaro_add_kernels target)
   file(GLOB_RECURSE launches CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/*/launch*.cpp)

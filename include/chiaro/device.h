@@ -11,10 +11,12 @@
 
 namespace chiaro {
 
-/// Instruction sets the kernels are compiled for. `scalar` is the one-pixel-at-a-time reference build.
-enum class Isa { scalar, x86_64_v2, x86_64_v3, x86_64_v4 };
+/// Instruction sets the kernels are compiled for. `scalar` is the one-pixel-at-a-time reference build;
+/// `x86_64_v4_gather` is AVX-512 for processors whose gathers are faster than single loads (Intel's since Sapphire
+/// Rapids).
+enum class Isa { scalar, x86_64_v2, x86_64_v3, x86_64_v4, x86_64_v4_gather };
 
-inline constexpr Isa all_isas[] = {Isa::scalar, Isa::x86_64_v2, Isa::x86_64_v3, Isa::x86_64_v4};
+inline constexpr Isa all_isas[] = {Isa::scalar, Isa::x86_64_v2, Isa::x86_64_v3, Isa::x86_64_v4, Isa::x86_64_v4_gather};
 
 CHIARO_EXPORT std::string_view name_of(Isa isa);  ///< "scalar", "x86-64-v3", ...
 CHIARO_EXPORT std::vector<Isa>

@@ -82,7 +82,7 @@ constexpr auto names_of(Tone) { return std::to_array<std::string_view>({"none", 
 constexpr auto names_of(ComponentsAs) { return std::to_array<std::string_view>({"auto", "rgb", "channels"}); }
 constexpr auto names_of(NrrdEncoding) { return std::to_array<std::string_view>({"raw", "gzip"}); }
 constexpr auto names_of(Isa) {
-    return std::to_array<std::string_view>({"scalar", "x86-64-v2", "x86-64-v3", "x86-64-v4"});
+    return std::to_array<std::string_view>({"scalar", "x86-64-v2", "x86-64-v3", "x86-64-v4", "x86-64-v4-gather"});
 }
 constexpr auto names_of(VoxelType) {
     return std::to_array<std::string_view>(

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
-#include <numeric>
+#include <cstring>
+#include <limits>
 
 #include "classify/clip.h"
 #include "classify/kinds.h"
@@ -63,40 +63,62 @@ std::vector<std::uint8_t> kinds_of(const Medium::Data& medium, const Kinds& kind
     };
     std::vector<std::uint8_t> all(std::size_t(nx) * ny * nz);
     with_stored_voxel(volume, [&](auto zero) {
+        using Voxel = decltype(zero);
+        std::vector<std::uint8_t> of_code;
+        if constexpr (sizeof(Voxel) <= 2)
+            for (int code = 0; code <= std::numeric_limits<Voxel>::max(); ++code)
+                of_code.push_back(kinds.of(float(code)));
+        const auto kind = [&, table = of_code.data()](Voxel stored) {
+            if constexpr (sizeof(Voxel) <= 2) return table[stored];
+            return kinds.of(float(stored));
+        };
         parallel_for(volume.device.threads, nz, 1, [&](std::int64_t z, std::int64_t) {
-            std::uint8_t* to = &all[std::size_t(z) * ny * nx];
-            for (int y = 0; y < ny; ++y)
-                for (int x = 0; x < nx; ++x, ++to) {
-                    *to = kinds.of(float(stored_at<decltype(zero)>(volume, x, y, int(z))));
-                    if (*to == 2 && !kept.empty() && is_cut(x, y, int(z))) *to = 1;
-                }
+            for (int y = 0; y < ny; ++y) {
+                std::uint8_t* row = &all[(std::size_t(z) * ny + std::size_t(y)) * nx];
+                for_each_run<Voxel>(volume, y, int(z), [&](int x, int count, const Voxel* from) {
+                    std::transform(from, from + count, row + x, kind);
+                });
+                for (int x = 0; !kept.empty() && x < nx; ++x)
+                    if (row[x] == 2 && is_cut(x, y, int(z))) row[x] = 1;
+            }
         });
     });
     return all;
 }
 
+/// What is set at i - reach to i + reach of `length`, `stride` apart, for `count` neighbours side by side each.
+void dilate(const std::uint8_t* from, int length, std::size_t stride, std::size_t count, int reach, std::uint8_t* to) {
+    for (int i = 0; i < length; ++i) {
+        std::uint8_t* row = to + std::size_t(i) * stride;
+        std::memcpy(row, from + std::size_t(i) * stride, count);
+        for (int k = std::max(0, i - reach); k <= std::min(length - 1, i + reach); ++k) {
+            const std::uint8_t* other = from + std::size_t(k) * stride;
+            for (std::size_t j = 0; k != i && j < count; ++j) row[j] |= other[j];
+        }
+    }
+}
+
 /// Whether a voxel or one within so many along each axis is set.
 std::vector<std::uint8_t> dilated(std::vector<std::uint8_t> from, const std::array<int, 3>& n, int reach, int threads) {
     std::vector<std::uint8_t> to(from.size());
-    std::size_t stride = 1;
-    for (const int length : n) {
-        const auto lines = std::int64_t(from.size()) / length;
-        parallel_for(threads, lines, 1024, [&](std::int64_t first, std::int64_t end) {
-            for (auto line = first; line < end; ++line) {
-                const std::size_t begin =
-                    std::size_t(line) / stride * stride * std::size_t(length) + std::size_t(line) % stride;
-                for (int i = 0; i < length; ++i) {
-                    std::uint8_t any = 0;
-                    for (int k = std::max(0, i - reach); k <= std::min(length - 1, i + reach); ++k)
-                        any |= from[begin + std::size_t(k) * stride];
-                    to[begin + std::size_t(i) * stride] = any;
+    const std::size_t nx = std::size_t(n[0]), slice = nx * std::size_t(n[1]);
+    parallel_for(threads, std::int64_t(n[1]) * n[2], 64, [&](std::int64_t first, std::int64_t end) {
+        for (std::size_t begin = std::size_t(first) * nx; begin < std::size_t(end) * nx; begin += nx) {
+            std::copy_n(&from[begin], nx, &to[begin]);
+            for (std::size_t k = 1; k <= std::min(std::size_t(reach), nx - 1); ++k)
+                for (std::size_t x = 0; x < nx - k; ++x) {
+                    to[begin + x] |= from[begin + x + k];
+                    to[begin + x + k] |= from[begin + x];
                 }
-            }
-        });
-        std::swap(from, to);
-        stride *= std::size_t(length);
-    }
-    return from;
+        }
+    });
+    parallel_for(threads, n[2], 1, [&](std::int64_t z, std::int64_t) {
+        dilate(&to[std::size_t(z) * slice], n[1], nx, nx, reach, &from[std::size_t(z) * slice]);
+    });
+    parallel_for(threads, n[1], 1, [&](std::int64_t y, std::int64_t) {
+        dilate(&from[std::size_t(y) * nx], n[2], slice, nx, reach, &to[std::size_t(y) * nx]);
+    });
+    return to;
 }
 
 /// The stored values that show nothing, about the one that most voxels have.
@@ -136,7 +158,7 @@ std::pair<float, float> empty_values(const Medium::Data& medium, const Kinds& ki
 
 }  // namespace
 
-Pieces find_pieces(const std::vector<std::uint8_t>& voxels, std::array<int, 3> n) {
+Pieces find_pieces(const std::vector<std::uint8_t>& voxels, std::array<int, 3> n, std::uint8_t least) {
     std::vector<std::vector<Run>> rows(std::size_t(n[1]) * n[2]);
     Sets sets;
     for (int z = 0; z < n[2]; ++z)
@@ -144,9 +166,9 @@ Pieces find_pieces(const std::vector<std::uint8_t>& voxels, std::array<int, 3> n
             const std::size_t row = std::size_t(z) * n[1] + y;
             const std::uint8_t* voxel = &voxels[row * std::size_t(n[0])];
             for (int x = 0; x < n[0]; ++x) {
-                if (!voxel[x]) continue;
+                if (voxel[x] < least) continue;
                 const int first = x;
-                while (x + 1 < n[0] && voxel[x + 1]) ++x;
+                while (x + 1 < n[0] && voxel[x + 1] >= least) ++x;
                 rows[row].push_back({first, x, sets.add()});
             }
             if (y > 0) join_rows(rows[row - 1], rows[row], sets);
@@ -188,14 +210,15 @@ DeviceVolume with_largest_piece(const Medium::Data& medium) {
     const DeviceVolume::Data& volume = medium.volume.data();
     const Kinds kinds(medium);
     std::vector<std::uint8_t> all = kinds_of(medium, kinds);
-    std::vector<std::uint8_t> solid(all.size());
-    std::transform(all.begin(), all.end(), solid.begin(), [](std::uint8_t kind) { return std::uint8_t(kind == 2); });
-    const Pieces pieces = find_pieces(solid, volume.dimensions);
-    const auto near = dilated(pieces.is_of_largest, volume.dimensions, kept_around, volume.device.threads);
-    for (std::size_t i = 0; i < all.size(); ++i) {
-        const bool is_kept = pieces.is_of_largest[i] || (all[i] == 1 && near[i]);
-        all[i] = all[i] != 0 && !is_kept;  // from here on: what goes
-    }
+    const Pieces pieces = find_pieces(all, volume.dimensions, 2);
+    const int threads = volume.device.threads;
+    const auto near = dilated(pieces.is_of_largest, volume.dimensions, kept_around, threads);
+    parallel_for(threads, std::int64_t(all.size()), 1 << 16, [&](std::int64_t first, std::int64_t end) {
+        for (auto i = std::size_t(first); i < std::size_t(end); ++i) {  // from here on: what goes
+            const bool is_kept = pieces.is_of_largest[i] || (all[i] == 1 && near[i]);
+            all[i] = all[i] != 0 && !is_kept;
+        }
+    });
     if (std::find(all.begin(), all.end(), 1) == all.end()) return medium.volume;
     const auto [low, high] = empty_values(medium, kinds);
     return edited(medium.volume, all, [low = low, high = high](float stored) { return std::clamp(stored, low, high); });

@@ -20,6 +20,9 @@ bool runs_v4() {
            __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
            __builtin_cpu_supports("avx512vl");
 }
+/// Any of these would run, but gathers are slow on older processors of Intel's, those without 16-bit floats (sixteen
+/// words take longer than sixteen loads, and much longer since the mitigation of "Downfall", 2023), and of AMD's.
+bool gathers_fast() { return runs_v4() && __builtin_cpu_is("intel") && __builtin_cpu_supports("avx512fp16"); }
 
 bool this_machine_runs(Isa isa) {
     switch (isa) {
@@ -31,6 +34,8 @@ bool this_machine_runs(Isa isa) {
             return runs_v3();
         case Isa::x86_64_v4:
             return runs_v4();
+        case Isa::x86_64_v4_gather:
+            return gathers_fast();
     }
     return false;
 }
@@ -44,7 +49,7 @@ std::string names_of(const std::vector<Isa>& isas) {
 }  // namespace
 
 std::string_view name_of(Isa isa) {
-    constexpr std::string_view names[] = {"scalar", "x86-64-v2", "x86-64-v3", "x86-64-v4"};
+    constexpr std::string_view names[] = {"scalar", "x86-64-v2", "x86-64-v3", "x86-64-v4", "x86-64-v4-gather"};
     return names[int(isa)];
 }
 

@@ -1,6 +1,6 @@
-// Reading memory at one index per lane. Hardware gathers are microcoded; scalar loads put into place are faster, and
-// one load brings the neighbours along x together: two voxels (value) or four (value and gradient). An index is
-// unsigned 32 bit: up to 2^32 elements.
+// Reading memory at one index per lane. One load brings the neighbours along x together: two voxels (value) or four
+// (value and gradient). Loads are put into place one by one, which is faster than most processors' own gathers; those
+// that gather faster (Isa::x86_64_v4_gather) do. An index is unsigned 32 bit: up to 2^32 elements.
 #pragma once
 #include "kernel/lanes.h"
 
@@ -158,6 +158,51 @@ CHIARO_INLINE IntLanes join_halves(__m128i a, __m128i b) {
 #endif
 }
 
+#if defined(CHIARO_HARDWARE_GATHER)
+/// Where indices of 0 would point, were they signed: hardware takes them so.
+template <class V>
+CHIARO_INLINE const void* middle_of(const V* p) {
+    return reinterpret_cast<const void*>(reinterpret_cast<std::uintptr_t>(p) + (sizeof(V) << 31));
+}
+CHIARO_INLINE __m512i as_signed(const Indices& i) {
+    return _mm512_xor_si512(_mm512_load_si512(i.at), _mm512_set1_epi32(INT32_MIN));
+}
+
+template <class V>
+CHIARO_INLINE IntLanes gather_words_at(const V* p, __m512i index) {
+    return IntLanes(NativeInt(_mm512_i32gather_epi32(index, middle_of(p), sizeof(V))));
+}
+/// One 32-bit word per lane, at four distances.
+template <class V>
+CHIARO_INLINE Four<IntLanes> gather_words(const V* p, const Indices& i, Distances at) {
+    const __m512i index = as_signed(i);
+    return {gather_words_at(p + at.a, index), gather_words_at(p + at.b, index), gather_words_at(p + at.c, index),
+            gather_words_at(p + at.d, index)};
+}
+/// One 16-bit word per lane, zero-extended, at four distances. Reads two bytes beyond it: within a brick.
+template <class V>
+CHIARO_INLINE Four<IntLanes> gather_halves(const V* p, const Indices& i, Distances at) {
+    const Four<IntLanes> w = gather_words(p, i, at);
+    const IntLanes low(0xffff);
+    return {w.a & low, w.b & low, w.c & low, w.d & low};
+}
+/// Two 32-bit words per lane, side by side: eight lanes to a gather.
+template <class V>
+CHIARO_INLINE Two<IntLanes> gather_pairs_at(const V* p, __m512i index) {
+    const __m512i low = _mm512_i32gather_epi64(_mm512_castsi512_si256(index), middle_of(p), sizeof(V)),
+                  high = _mm512_i32gather_epi64(_mm512_extracti64x4_epi64(index, 1), middle_of(p), sizeof(V)),
+                  even = _mm512_set_epi32(30, 28, 26, 24, 22, 20, 18, 16, 14, 12, 10, 8, 6, 4, 2, 0),
+                  odd = _mm512_set_epi32(31, 29, 27, 25, 23, 21, 19, 17, 15, 13, 11, 9, 7, 5, 3, 1);
+    return {IntLanes(NativeInt(_mm512_permutex2var_epi32(low, even, high))),
+            IntLanes(NativeInt(_mm512_permutex2var_epi32(low, odd, high)))};
+}
+template <class V>
+CHIARO_INLINE Four<Two<IntLanes>> gather_pairs(const V* p, const Indices& i, Distances at) {
+    const __m512i index = as_signed(i);
+    return {gather_pairs_at(p + at.a, index), gather_pairs_at(p + at.b, index), gather_pairs_at(p + at.c, index),
+            gather_pairs_at(p + at.d, index)};
+}
+#else
 /// One 32-bit word per lane, at four distances.
 template <class V>
 CHIARO_INLINE Four<IntLanes> gather_words(const V* p, const Indices& i, Distances at) {
@@ -172,6 +217,15 @@ CHIARO_INLINE Four<IntLanes> gather_halves(const V* p, const Indices& i, Distanc
     const FourVectors r = halves8(p, i.at, at), s = halves8(p, i.at + 8, at);
     return {join_halves(r.a, s.a), join_halves(r.b, s.b), join_halves(r.c, s.c), join_halves(r.d, s.d)};
 }
+
+/// Two 32-bit words per lane, side by side.
+template <class V>
+CHIARO_INLINE Four<Two<IntLanes>> gather_pairs(const V* p, const Indices& i, Distances at) {
+    constexpr int word = sizeof(std::int32_t) / sizeof(V);
+    const Four<IntLanes> v = gather_words(p, i, at), w = gather_words(p + word, i, at);
+    return {{v.a, w.a}, {v.b, w.b}, {v.c, w.c}, {v.d, w.d}};
+}
+#endif
 
 /// The byte or half at `shift` bits of each word. Words may be negative: the shift is arithmetic, the mask follows it.
 template <int shift, int bits>
@@ -192,12 +246,10 @@ CHIARO_INLINE Four<Two<Lanes>> gather_two(const std::uint16_t* p, const Indices&
     const Four<IntLanes> w = gather_words(p, i, at);
     return {split_halves(w.a), split_halves(w.b), split_halves(w.c), split_halves(w.d)};
 }
+CHIARO_INLINE Two<Lanes> floats_of(Two<IntLanes> words) { return {float_of(words.a), float_of(words.b)}; }
 CHIARO_INLINE Four<Two<Lanes>> gather_two(const float* p, const Indices& i, Distances at) {
-    const Four<IntLanes> v = gather_words(p, i, at), w = gather_words(p + 1, i, at);
-    return {{float_of(v.a), float_of(w.a)},
-            {float_of(v.b), float_of(w.b)},
-            {float_of(v.c), float_of(w.c)},
-            {float_of(v.d), float_of(w.d)}};
+    const Four<Two<IntLanes>> w = gather_pairs(p, i, at);
+    return {floats_of(w.a), floats_of(w.b), floats_of(w.c), floats_of(w.d)};
 }
 CHIARO_INLINE Four<Four<Lanes>> gather_four(const std::uint8_t* p, const Indices& i, Distances at) {
     const Four<IntLanes> w = gather_words(p, i, at);
@@ -207,8 +259,15 @@ CHIARO_INLINE Four<Four<Lanes>> gather_bytes(const std::uint32_t* p, const Indic
     const Four<IntLanes> w = gather_words(p, i, at);
     return {split_four(w.a), split_four(w.b), split_four(w.c), split_four(w.d)};
 }
-template <class V>
-CHIARO_INLINE Four<Four<Lanes>> gather_four(const V* p, const Indices& i, Distances at) {
+CHIARO_INLINE Four<Lanes> split_pair(Two<IntLanes> words) {
+    const Two<Lanes> first = split_halves(words.a), second = split_halves(words.b);
+    return {first.a, first.b, second.a, second.b};
+}
+CHIARO_INLINE Four<Four<Lanes>> gather_four(const std::uint16_t* p, const Indices& i, Distances at) {
+    const Four<Two<IntLanes>> w = gather_pairs(p, i, at);
+    return {split_pair(w.a), split_pair(w.b), split_pair(w.c), split_pair(w.d)};
+}
+CHIARO_INLINE Four<Four<Lanes>> gather_four(const float* p, const Indices& i, Distances at) {
     const Four<Two<Lanes>> v = gather_two(p, i, at), w = gather_two(p + 2, i, at);
     return {{v.a.a, v.a.b, w.a.a, w.a.b},
             {v.b.a, v.b.b, w.b.a, w.b.b},

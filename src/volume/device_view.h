@@ -73,6 +73,17 @@ decltype(auto) with_stored_voxel(const DeviceVolume::Data& volume, Function&& f)
     }
 }
 
+/// Calls visit(x, count, voxels) for the pieces of row (y, z), each of which lies side by side in a brick.
+template <class Voxel, class Visit>
+void for_each_run(const DeviceVolume::Data& volume, int y, int z, const Visit& visit) {
+    const auto* voxels = reinterpret_cast<const Voxel*>(volume.bricks.data());
+    const int n = volume.dimensions[0];
+    for (int x = 0, end = 0; end < n; x = end) {
+        end = x + brick_edge + 1 < n ? x + brick_edge : n;  // the last voxel is the border of the last brick
+        visit(x, end - x, voxels + voxel_index(volume, x, y, z));
+    }
+}
+
 }  // namespace chiaro
 
 namespace chiaro::kernel {

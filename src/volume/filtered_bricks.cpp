@@ -64,79 +64,11 @@ void transpose(const float* from, std::ptrdiff_t from_stride, int rows, int colu
         for (int y = 0; y < rows; ++y) to[x * to_stride + y] = from[y * from_stride + x];
 }
 
-/// The slices of the voxels that a layer of bricks needs, filtered along all axes.
-class Slab {
-public:
-    Slab(const DeviceVolume::Data& source, Filter filter)
-        : source_(source),
-          filter_(filter, source.device.isa, std::ranges::max(source.dimensions)),
-          n_(source.dimensions),
-          values_(new float[slice_size() * std::size_t(std::min(brick_row + 2 * apron, n_[2]))]) {}
-
-    void fill(int layer) {
-        first_ = std::max(layer * brick_edge - brick_before - apron, 0);
-        count_ = std::min((layer + 1) * brick_edge + brick_behind + apron, n_[2]) - first_;
-        parallel_for(source_.device.threads, count_, 1, [&](std::int64_t z, std::int64_t) {
-            with_stored_voxel(source_, [&](auto zero) { load<decltype(zero)>(int(z)); });
-            float* slice = &values_[slice_size() * std::size_t(z)];
-            filter_rows(slice);
-            filter_({slice, n_[0], n_[1], n_[0]});
-        });
-        parallel_for(source_.device.threads, n_[1], 1, [&](std::int64_t y, std::int64_t) {
-            for (int x = 0; x < n_[0]; x += near)
-                filter_({&values_[std::size_t(y) * n_[0] + x], std::ptrdiff_t(slice_size()), count_,
-                         std::min(near, n_[0] - x)});
-        });
-    }
-
-    /// Row y of slice z, either clamped to the volume.
-    const float* row(int y, int z) const {
-        return &values_[std::size_t(std::clamp(z, first_, first_ + count_ - 1) - first_) * slice_size() +
-                        std::size_t(std::clamp(y, 0, n_[1] - 1)) * n_[0]];
-    }
-
-private:
-    /// Lines along z so many at a time: all their rows lie in the nearest cache, for slices begin a line and half a
-    /// page apart from where they would.
-    static constexpr int near = 128;
-    std::size_t slice_size() const { return (std::size_t(n_[0]) * n_[1] + 1023) / 1024 * 1024 + 512 + 16; }
-
-    template <class Voxel>
-    void load(int z) {
-        const auto* voxels = reinterpret_cast<const Voxel*>(source_.bricks.data());
-        for (int y = 0; y < n_[1]; ++y)
-            for (int x = 0; x < n_[0]; x += brick_edge) {
-                const int end = x + brick_edge + 1 < n_[0] ? x + brick_edge : n_[0];
-                const Voxel* from = voxels + voxel_index(source_, x, y, z + first_);
-                std::copy(from, from + (end - x), &values_[slice_size() * z + std::size_t(y) * n_[0] + x]);
-                if (end == n_[0]) break;
-            }
-    }
-
-    /// Along x, some rows side by side.
-    void filter_rows(float* slice) const {
-        constexpr int together = 16;
-        std::vector<float> columns(together * std::size_t(n_[0]));
-        for (int y = 0; y < n_[1]; y += together) {
-            const int rows = std::min(together, n_[1] - y);
-            float* from = slice + std::size_t(y) * n_[0];
-            transpose(from, n_[0], rows, n_[0], columns.data(), together);
-            filter_({columns.data(), together, n_[0], rows});
-            transpose(columns.data(), together, n_[0], rows, from, n_[0]);
-        }
-    }
-
-    const DeviceVolume::Data& source_;
-    LineFilter filter_;
-    std::array<int, 3> n_;
-    int first_ = 0, count_ = 0;
-    std::unique_ptr<float[]> values_;  // as many as the thickest slab has
-};
-
 /// The numbers of one brick, border included: beyond the volume the last one of each axis stands or, of coefficients,
 /// what goes straight on from the last two.
 class Brick {
 public:
+    template <class Slab>
     Brick(const Slab& slab, const std::array<int, 3>& n, const std::array<int, 3>& at, bool goes_on) {
         std::array<int, 3> first;
         for (std::size_t a = 0; a < 3; ++a) first[a] = at[a] * brick_edge - brick_before;
@@ -176,17 +108,85 @@ private:
 
 }  // namespace
 
-void for_each_brick(const DeviceVolume::Data& source, Filter filter, const Progress& progress,
-                    const VisitBrick& visit) {
-    const auto [nx, ny, nz] = source.dimensions;
+/// The slices of the voxels that a layer of bricks needs, filtered along all axes.
+class FilteredBricks::Slab {
+public:
+    Slab(const DeviceVolume::Data& source, Filter filter)
+        : source_(source),
+          filter_(filter, source.device.isa, std::ranges::max(source.dimensions)),
+          n_(source.dimensions),
+          values_(new float[slice_size() * std::size_t(std::min(brick_row + 2 * apron, n_[2]))]) {}
+
+    void fill(int layer) {
+        first_ = std::max(layer * brick_edge - brick_before - apron, 0);
+        count_ = std::min((layer + 1) * brick_edge + brick_behind + apron, n_[2]) - first_;
+        parallel_for(source_.device.threads, count_, 1, [&](std::int64_t z, std::int64_t) {
+            with_stored_voxel(source_, [&](auto zero) { load<decltype(zero)>(int(z)); });
+            float* slice = &values_[slice_size() * std::size_t(z)];
+            filter_rows(slice);
+            filter_({slice, n_[0], n_[1], n_[0]});
+        });
+        parallel_for(source_.device.threads, n_[1], 1, [&](std::int64_t y, std::int64_t) {
+            for (int x = 0; x < n_[0]; x += near)
+                filter_({&values_[std::size_t(y) * n_[0] + x], std::ptrdiff_t(slice_size()), count_,
+                         std::min(near, n_[0] - x)});
+        });
+    }
+
+    /// Row y of slice z, either clamped to the volume.
+    const float* row(int y, int z) const {
+        return &values_[std::size_t(std::clamp(z, first_, first_ + count_ - 1) - first_) * slice_size() +
+                        std::size_t(std::clamp(y, 0, n_[1] - 1)) * n_[0]];
+    }
+
+private:
+    /// Lines along z so many at a time: all their rows lie in the nearest cache, for slices begin a line and half a
+    /// page apart from where they would.
+    static constexpr int near = 128;
+    std::size_t slice_size() const { return (std::size_t(n_[0]) * n_[1] + 1023) / 1024 * 1024 + 512 + 16; }
+
+    template <class Voxel>
+    void load(int z) {
+        for (int y = 0; y < n_[1]; ++y) {
+            float* row = &values_[slice_size() * std::size_t(z) + std::size_t(y) * n_[0]];
+            for_each_run<Voxel>(source_, y, z + first_,
+                                [&](int x, int count, const Voxel* from) { std::copy_n(from, count, row + x); });
+        }
+    }
+
+    /// Along x, some rows side by side.
+    void filter_rows(float* slice) const {
+        constexpr int together = 16;
+        std::vector<float> columns(together * std::size_t(n_[0]));
+        for (int y = 0; y < n_[1]; y += together) {
+            const int rows = std::min(together, n_[1] - y);
+            float* from = slice + std::size_t(y) * n_[0];
+            transpose(from, n_[0], rows, n_[0], columns.data(), together);
+            filter_({columns.data(), together, n_[0], rows});
+            transpose(columns.data(), together, n_[0], rows, from, n_[0]);
+        }
+    }
+
+    const DeviceVolume::Data& source_;
+    LineFilter filter_;
+    std::array<int, 3> n_;
+    int first_ = 0, count_ = 0;
+    std::unique_ptr<float[]> values_;  // as many as the thickest slab has
+};
+
+FilteredBricks::FilteredBricks(const DeviceVolume::Data& source, Filter filter)
+    : source_(source), filter_(filter), slab_(std::make_unique<Slab>(source, filter)) {}
+FilteredBricks::~FilteredBricks() = default;
+
+void FilteredBricks::for_each(const Progress& progress, const VisitBrick& visit) {
+    const auto [nx, ny, nz] = source_.dimensions;
     const int bricks_x = brick_count(nx), bricks_y = brick_count(ny);
-    Slab slab(source, filter);
     for (int layer = 0; layer < brick_count(nz); ++layer) {
         progress.check();
-        slab.fill(layer);
-        parallel_for(source.device.threads, bricks_x * bricks_y, 1, [&](std::int64_t b, std::int64_t) {
+        slab_->fill(layer);
+        parallel_for(source_.device.threads, bricks_x * bricks_y, 1, [&](std::int64_t b, std::int64_t) {
             const std::array<int, 3> at{int(b % bricks_x), int(b / bricks_x), layer};
-            visit(Brick(slab, source.dimensions, at, filter == Filter::coefficients).values(), at);
+            visit(Brick(*slab_, source_.dimensions, at, filter_ == Filter::coefficients).values(), at);
         });
     }
 }

@@ -15,11 +15,11 @@ namespace chiaro {
 namespace {
 
 /// Smallest and largest of all coefficients.
-std::pair<float, float> range_of_coefficients(const DeviceVolume::Data& source, const Progress& progress) {
+std::pair<float, float> range_of(FilteredBricks& coefficients, Isa isa, const Progress& progress) {
     std::pair range(std::numeric_limits<float>::max(), std::numeric_limits<float>::lowest());
     std::mutex merging;
-    const auto find_range = kernel::spline_functions_for(source.device.isa).find_range;
-    for_each_brick(source, Filter::coefficients, progress, [&](const float* values, const std::array<int, 3>&) {
+    const auto find_range = kernel::spline_functions_for(isa).find_range;
+    coefficients.for_each(progress, [&](const float* values, const std::array<int, 3>&) {
         float low, high;
         find_range(values, brick_voxels, low, high);
         const std::lock_guard lock(merging);
@@ -31,10 +31,10 @@ std::pair<float, float> range_of_coefficients(const DeviceVolume::Data& source, 
 /// How coefficients are stored: as wide as the voxels, over the range that occurs; the least voxel value, which often
 /// is the empty one, exactly.
 template <class Voxel>
-SplineCoding coding_for(const DeviceVolume::Data& source, const Progress& progress) {
+SplineCoding coding_for(const DeviceVolume::Data& source, FilteredBricks& coefficients, const Progress& progress) {
     if constexpr (std::is_floating_point_v<Voxel>) return {};
     constexpr float codes = std::numeric_limits<Voxel>::max();
-    const auto [low, high] = range_of_coefficients(source, progress);
+    const auto [low, high] = range_of(coefficients, source.device.isa, progress);
     SplineCoding coding;
     coding.scale = high > low ? (high - low) / (codes - 1) : 1;
     coding.least = source.stored_min;
@@ -44,7 +44,7 @@ SplineCoding coding_for(const DeviceVolume::Data& source, const Progress& progre
 
 /// The bricks of the filtered voxels, as those of `source` lie.
 template <class Voxel>
-VoxelBuffer coded_bricks(const DeviceVolume::Data& source, Filter filter, const SplineCoding& coding,
+VoxelBuffer coded_bricks(const DeviceVolume::Data& source, FilteredBricks& filtered, const SplineCoding& coding,
                          const Progress& progress) {
     VoxelBuffer bricks(source.bricks.size());
     const auto [nx, ny, nz] = source.dimensions;
@@ -54,7 +54,7 @@ VoxelBuffer coded_bricks(const DeviceVolume::Data& source, Filter filter, const 
         bricks.use_small_pages(std::size_t(layers - 1) * bricks_x * bricks_y * brick_voxels * sizeof(Voxel));
     auto* out = reinterpret_cast<Voxel*>(bricks.data());
     const kernel::CodeFunctions<Voxel> run = kernel::spline_functions_for(source.device.isa);
-    for_each_brick(source, filter, progress, [&](const float* values, const std::array<int, 3>& at) {
+    filtered.for_each(progress, [&](const float* values, const std::array<int, 3>& at) {
         const std::size_t brick = (std::size_t(at[2]) * bricks_y + std::size_t(at[1])) * bricks_x + std::size_t(at[0]);
         run.to_codes(values, slices_read(source.dimensions[2], at[2]) * brick_slice,
                      {coding.base, coding.scale, coding.least}, out + brick * brick_voxels);
@@ -65,12 +65,13 @@ VoxelBuffer coded_bricks(const DeviceVolume::Data& source, Filter filter, const 
 template <class Voxel>
 void fill(const DeviceVolume::Data& source, bool interpolates, const Progress& progress, DeviceVolume::Data& made) {
     const auto borrowed = [&] { return VoxelBuffer::borrow(source.bricks.data(), source.bricks.size(), nullptr); };
+    FilteredBricks filtered(source, interpolates ? Filter::coefficients : Filter::smoothed);
     if (interpolates) {
-        made.spline = coding_for<Voxel>(source, progress);
-        made.coefficients = coded_bricks<Voxel>(source, Filter::coefficients, made.spline, progress);
+        made.spline = coding_for<Voxel>(source, filtered, progress);
+        made.coefficients = coded_bricks<Voxel>(source, filtered, made.spline, progress);
         made.bricks = borrowed();
     } else {
-        made.bricks = coded_bricks<Voxel>(source, Filter::smoothed, {}, progress);
+        made.bricks = coded_bricks<Voxel>(source, filtered, {}, progress);
         made.coefficients = borrowed();
     }
     find_cells<Voxel>(made);
