@@ -11,10 +11,4 @@ namespace chiaro {
 DeviceVolume edited(const DeviceVolume& volume, const std::vector<std::uint8_t>& is_changed,
                     const std::function<float(float stored)>& new_value);
 
-/// The stored value of voxel (x, y, z).
-template <class Voxel>
-Voxel stored_at(const DeviceVolume::Data& volume, int x, int y, int z) {
-    return reinterpret_cast<const Voxel*>(volume.bricks.data())[voxel_index(volume, x, y, z)];
-}
-
 }  // namespace chiaro
