@@ -28,7 +28,8 @@ struct Subject {
     int size;          ///< of a sample
 };
 constexpr Subject cornell{"cornell", "", 128}, head_256{"head-256", "head_unc.nii.gz", 0},
-    cthead{"cthead", "cthead.nrrd", 0}, head_512{"head-512", "head_ct_512.nrrd", 0};
+    cthead{"cthead", "cthead.nrrd", 0}, brain{"brain", "brain_mri.nii.gz", 0},
+    head_512{"head-512", "head_ct_512.nrrd", 0};
 
 /// Nothing where the data is missing. Quick: the middle of a sample, small.
 std::optional<Volume> volume_of(const Setup& setup, const Subject& subject) {
@@ -198,6 +199,7 @@ std::vector<Case> histogram_cases(const Setup& setup) {
     };
     for (const int clusters : {256, 512, 1024}) add(cornell, 32, clusters, 16);
     for (const int radius : {12, 16, 24}) add(head_256, radius, 2048, 64);
+    add(brain, 24, 2048, 64);
     add(head_512, 32, 2048, 64);
     add_errors(setup, cornell, {.radius = 16}, cases);
     add_errors(setup, head_256, {}, cases);

@@ -177,7 +177,7 @@ inline int latency(int port, const std::string& token, double seconds, int proce
     Latency bench(port, token, process, method);
     const auto turn = [](Json& scene, int i) { scene["camera"]["azimuth_deg"] = 35 + 3 * (i % 100 + 1); };
     const auto edit = [](Json& scene, int i) {
-        scene["transfer_function"]["opacity_scale"] = 1 + 0.01 * (i % 100 + 1);
+        scene["transfer_function"]["opacity_scale"] = 1 + 0.005 * (i % 200 + 1);
     };
     const int turns = std::clamp(int(seconds), 5, 40);
     bench.edits("camera", camera_target, turns, turn);

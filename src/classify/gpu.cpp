@@ -7,7 +7,8 @@ namespace chiaro {
 GpuOccupancy occupancy_on_gpu(cuda::Stream& stream, const DeviceVolume::Data& volume, const RangeTest& is_visible) {
     const auto [nx, ny, nz] = volume.cells.count;
     const std::int64_t row = nx, slice = row * ny, cells = slice * nz;
-    GpuOccupancy made{std::vector<std::uint8_t>(std::size_t(cells) + 1), {stream, std::size_t(cells) + 1}};
+    GpuOccupancy made{std::vector<std::uint8_t>(std::size_t(cells) + kernel::spare_bytes),
+                      {stream, std::size_t(cells) + kernel::spare_bytes}};
     const cuda::Array<std::uint8_t> one(stream, 2 * std::size_t(cells)), other(stream, 2 * std::size_t(cells));
 
     HostArrays arrays;
@@ -23,7 +24,7 @@ GpuOccupancy occupancy_on_gpu(cuda::Stream& stream, const DeviceVolume::Data& vo
     kernel::spread_occupancy(stream, to_other, 1, nx);
     kernel::spread_occupancy(stream, to_one, row, ny);
     kernel::spread_occupancy(stream, to_other, slice, nz);
-    made.on_gpu.zero();  // the spare byte
+    made.on_gpu.zero();  // the spare bytes
     kernel::write_occupancy(stream, to_one, codes);
     stream.download(made.codes.data(), codes, made.codes.size());
     stream.wait();

@@ -11,6 +11,7 @@
 
 #include "classify/occupancy_kernel.h"
 #include "core/lazy.h"
+#include "kernel/gather.h"
 #include "volume/device_volume.h"
 
 namespace chiaro {
@@ -108,7 +109,7 @@ struct RangeTest {
     bool operator()(float low, float high) const { return view(low, high); }
 };
 
-/// The code of every cell (volume/occupancy.h), and a spare byte at the end.
+/// The code of every cell (volume/occupancy.h), and kernel::spare_bytes at the end.
 /// A cell is occupied where `is_visible` says so of its range of stored values, and where `left` (of each cell; empty:
 /// all) is not 0. Throws Error{interrupted} when
 /// cancelled.

@@ -100,7 +100,7 @@ std::vector<std::uint8_t> codes_of(const CellGrid<Kind>& kinds, const IsOccupied
                                    const Progress& progress) {
     KindDistance<Kind> distances(kinds, progress);
     const CellGrid<std::uint8_t>& distance = distances.compute();
-    std::vector<std::uint8_t> codes(kinds.at.size() + 1);
+    std::vector<std::uint8_t> codes(kinds.at.size() + kernel::spare_bytes);
     for (std::size_t c = 0; c < kinds.at.size(); ++c)
         codes[c] = kernel::cell_code(distance.at[c], is_occupied(kinds.at[c]));
     return codes;

@@ -49,6 +49,8 @@ CHIARO_INLINE Four<Four<float>> gather_bytes(const std::uint32_t* p, std::int32_
     };
     return {bytes(p[at.a]), bytes(p[at.b]), bytes(p[at.c]), bytes(p[at.d])};
 }
+/// For a byte a word may be read: so many lie behind the last one.
+inline constexpr std::size_t spare_bytes = 3;
 CHIARO_INLINE std::int32_t gather_byte(const std::uint8_t* p, std::int32_t index) { return p[std::uint32_t(index)]; }
 CHIARO_INLINE std::int32_t gather_word(const std::uint32_t* p, std::int32_t index) {
     return std::int32_t(p[std::uint32_t(index)]);
@@ -59,6 +61,54 @@ CHIARO_INLINE float gather_float(const float* p, std::int32_t index) { return p[
 #ifdef CHIARO_SIMD
 inline namespace CHIARO_ISA {
 
+#if defined(CHIARO_HARDWARE_GATHER)
+/// Hardware takes indices as signed: less 2^31, from the middle of what they may reach.
+struct Indices {
+    __m512i at;
+    CHIARO_INLINE explicit Indices(IntLanes index)
+        : at(_mm512_xor_si512(__m512i(index.v), _mm512_set1_epi32(INT32_MIN))) {}
+};
+
+template <class V>
+CHIARO_INLINE const void* middle_of(const V* p) {
+    return reinterpret_cast<const void*>(reinterpret_cast<std::uintptr_t>(p) + (sizeof(V) << 31));
+}
+template <class V>
+CHIARO_INLINE IntLanes gather_words(const V* p, const Indices& i) {
+    return IntLanes(NativeInt(_mm512_i32gather_epi32(i.at, middle_of(p), sizeof(V))));
+}
+/// One 32-bit word per lane, at four distances.
+template <class V>
+CHIARO_INLINE Four<IntLanes> gather_words(const V* p, const Indices& i, Distances at) {
+    return {gather_words(p + at.a, i), gather_words(p + at.b, i), gather_words(p + at.c, i), gather_words(p + at.d, i)};
+}
+/// One 16-bit word per lane, zero-extended, at four distances. Reads two bytes beyond it: within a brick.
+template <class V>
+CHIARO_INLINE Four<IntLanes> gather_halves(const V* p, const Indices& i, Distances at) {
+    const Four<IntLanes> w = gather_words(p, i, at);
+    const IntLanes low(0xffff);
+    return {w.a & low, w.b & low, w.c & low, w.d & low};
+}
+/// Two 32-bit words per lane, side by side: eight lanes to a gather.
+template <int bytes>
+CHIARO_INLINE Two<IntLanes> gather_pairs_at(const void* p, __m512i index) {
+    const __m512i low = _mm512_i32gather_epi64(_mm512_castsi512_si256(index), p, bytes),
+                  high = _mm512_i32gather_epi64(_mm512_extracti64x4_epi64(index, 1), p, bytes),
+                  even = _mm512_set_epi32(30, 28, 26, 24, 22, 20, 18, 16, 14, 12, 10, 8, 6, 4, 2, 0),
+                  odd = _mm512_set_epi32(31, 29, 27, 25, 23, 21, 19, 17, 15, 13, 11, 9, 7, 5, 3, 1);
+    return {IntLanes(NativeInt(_mm512_permutex2var_epi32(low, even, high))),
+            IntLanes(NativeInt(_mm512_permutex2var_epi32(low, odd, high)))};
+}
+template <class V>
+CHIARO_INLINE Four<Two<IntLanes>> gather_pairs(const V* p, const Indices& i, Distances at) {
+    const auto pairs = [&](int distance)
+                           CHIARO_INLINE_LAMBDA { return gather_pairs_at<sizeof(V)>(middle_of(p + distance), i.at); };
+    return {pairs(at.a), pairs(at.b), pairs(at.c), pairs(at.d)};
+}
+CHIARO_INLINE IntLanes gather_byte(const std::uint8_t* p, const Indices& i) {
+    return gather_words(p, i) & IntLanes(255);
+}
+#else
 /// The indices in memory, where scalar address arithmetic finds them. The empty statement keeps the compiler from
 /// picking them out of the vector register again, which takes two instructions each.
 struct Indices {
@@ -158,51 +208,6 @@ CHIARO_INLINE IntLanes join_halves(__m128i a, __m128i b) {
 #endif
 }
 
-#if defined(CHIARO_HARDWARE_GATHER)
-/// Where indices of 0 would point, were they signed: hardware takes them so.
-template <class V>
-CHIARO_INLINE const void* middle_of(const V* p) {
-    return reinterpret_cast<const void*>(reinterpret_cast<std::uintptr_t>(p) + (sizeof(V) << 31));
-}
-CHIARO_INLINE __m512i as_signed(const Indices& i) {
-    return _mm512_xor_si512(_mm512_load_si512(i.at), _mm512_set1_epi32(INT32_MIN));
-}
-
-template <class V>
-CHIARO_INLINE IntLanes gather_words_at(const V* p, __m512i index) {
-    return IntLanes(NativeInt(_mm512_i32gather_epi32(index, middle_of(p), sizeof(V))));
-}
-/// One 32-bit word per lane, at four distances.
-template <class V>
-CHIARO_INLINE Four<IntLanes> gather_words(const V* p, const Indices& i, Distances at) {
-    const __m512i index = as_signed(i);
-    return {gather_words_at(p + at.a, index), gather_words_at(p + at.b, index), gather_words_at(p + at.c, index),
-            gather_words_at(p + at.d, index)};
-}
-/// One 16-bit word per lane, zero-extended, at four distances. Reads two bytes beyond it: within a brick.
-template <class V>
-CHIARO_INLINE Four<IntLanes> gather_halves(const V* p, const Indices& i, Distances at) {
-    const Four<IntLanes> w = gather_words(p, i, at);
-    const IntLanes low(0xffff);
-    return {w.a & low, w.b & low, w.c & low, w.d & low};
-}
-/// Two 32-bit words per lane, side by side: eight lanes to a gather.
-template <class V>
-CHIARO_INLINE Two<IntLanes> gather_pairs_at(const V* p, __m512i index) {
-    const __m512i low = _mm512_i32gather_epi64(_mm512_castsi512_si256(index), middle_of(p), sizeof(V)),
-                  high = _mm512_i32gather_epi64(_mm512_extracti64x4_epi64(index, 1), middle_of(p), sizeof(V)),
-                  even = _mm512_set_epi32(30, 28, 26, 24, 22, 20, 18, 16, 14, 12, 10, 8, 6, 4, 2, 0),
-                  odd = _mm512_set_epi32(31, 29, 27, 25, 23, 21, 19, 17, 15, 13, 11, 9, 7, 5, 3, 1);
-    return {IntLanes(NativeInt(_mm512_permutex2var_epi32(low, even, high))),
-            IntLanes(NativeInt(_mm512_permutex2var_epi32(low, odd, high)))};
-}
-template <class V>
-CHIARO_INLINE Four<Two<IntLanes>> gather_pairs(const V* p, const Indices& i, Distances at) {
-    const __m512i index = as_signed(i);
-    return {gather_pairs_at(p + at.a, index), gather_pairs_at(p + at.b, index), gather_pairs_at(p + at.c, index),
-            gather_pairs_at(p + at.d, index)};
-}
-#else
 /// One 32-bit word per lane, at four distances.
 template <class V>
 CHIARO_INLINE Four<IntLanes> gather_words(const V* p, const Indices& i, Distances at) {
@@ -225,6 +230,15 @@ CHIARO_INLINE Four<Two<IntLanes>> gather_pairs(const V* p, const Indices& i, Dis
     const Four<IntLanes> v = gather_words(p, i, at), w = gather_words(p + word, i, at);
     return {{v.a, w.a}, {v.b, w.b}, {v.c, w.c}, {v.d, w.d}};
 }
+CHIARO_INLINE IntLanes gather_byte(const std::uint8_t* p, const Indices& i) {
+    const auto bytes4 = [&](int lane) CHIARO_INLINE_LAMBDA {
+        __m128i v = _mm_cvtsi32_si128(p[i.at[lane]]);
+        v = _mm_insert_epi8(v, p[i.at[lane + 1]], 4);
+        v = _mm_insert_epi8(v, p[i.at[lane + 2]], 8);
+        return _mm_insert_epi8(v, p[i.at[lane + 3]], 12);
+    };
+    return join_words(bytes4(0), bytes4(4), bytes4(8), bytes4(12));
+}
 #endif
 
 /// The byte or half at `shift` bits of each word. Words may be negative: the shift is arithmetic, the mask follows it.
@@ -234,8 +248,18 @@ CHIARO_INLINE Lanes bit_field(IntLanes word) {
 }
 CHIARO_INLINE Two<Lanes> split_bytes(IntLanes half) { return {bit_field<0, 8>(half), to_float(half >> IntLanes(8))}; }
 CHIARO_INLINE Two<Lanes> split_halves(IntLanes word) { return {bit_field<0, 16>(word), bit_field<16, 16>(word)}; }
+template <int byte>
+CHIARO_INLINE Lanes byte_of(IntLanes word) {
+#if defined(__AVX512F__)
+    constexpr int none = int(0x80808000);  // of the three bytes above: 0
+    const __m512i from = _mm512_set4_epi32(none + 12 + byte, none + 8 + byte, none + 4 + byte, none + byte);
+    return to_float(IntLanes(NativeInt(_mm512_shuffle_epi8(__m512i(word.v), from))));
+#else
+    return bit_field<8 * byte, 8>(word);
+#endif
+}
 CHIARO_INLINE Four<Lanes> split_four(IntLanes word) {
-    return {bit_field<0, 8>(word), bit_field<8, 8>(word), bit_field<16, 8>(word), bit_field<24, 8>(word)};
+    return {bit_field<0, 8>(word), byte_of<1>(word), byte_of<2>(word), byte_of<3>(word)};
 }
 
 CHIARO_INLINE Four<Two<Lanes>> gather_two(const std::uint8_t* p, const Indices& i, Distances at) {
@@ -278,16 +302,6 @@ CHIARO_INLINE Four<Four<Lanes>> gather_four(const float* p, const Indices& i, Di
 CHIARO_INLINE IntLanes gather_word(const std::uint32_t* p, const Indices& i) {
     return gather_words(p, i, {0, 0, 0, 0}).a;
 }
-CHIARO_INLINE IntLanes gather_byte(const std::uint8_t* p, const Indices& i) {
-    const auto bytes4 = [&](int lane) CHIARO_INLINE_LAMBDA {
-        __m128i v = _mm_cvtsi32_si128(p[i.at[lane]]);
-        v = _mm_insert_epi8(v, p[i.at[lane + 1]], 4);
-        v = _mm_insert_epi8(v, p[i.at[lane + 2]], 8);
-        return _mm_insert_epi8(v, p[i.at[lane + 3]], 12);
-    };
-    return join_words(bytes4(0), bytes4(4), bytes4(8), bytes4(12));
-}
-
 CHIARO_INLINE IntLanes gather_byte(const std::uint8_t* p, IntLanes index) { return gather_byte(p, Indices(index)); }
 
 CHIARO_INLINE Lanes gather_float(const float* p, IntLanes index) {
@@ -297,7 +311,7 @@ CHIARO_INLINE Lanes gather_float(const float* p, IntLanes index) {
 }  // namespace CHIARO_ISA
 #endif
 
-/// What gathers take as an index: for a SIMD type the indices are spilled once and serve several loads.
+/// What gathers take as an index: for a SIMD type the indices are made ready once and serve several loads.
 template <class F>
 struct GatherIndex;
 template <>

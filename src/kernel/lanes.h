@@ -36,7 +36,6 @@ CHIARO_INLINE float select(bool m, float a, float b) { return m ? a : b; }
 CHIARO_INLINE std::int32_t select(bool m, std::int32_t a, std::int32_t b) { return m ? a : b; }
 /// b, but 0 where a < limit.
 CHIARO_INLINE float zero_below(float a, float limit, float b) { return a < limit ? 0 : b; }
-CHIARO_INLINE bool any_below(float a, float limit) { return a < limit; }
 CHIARO_INLINE float min(float a, float b) { return a < b ? a : b; }
 CHIARO_INLINE float max(float a, float b) { return a > b ? a : b; }
 CHIARO_INLINE std::int32_t min(std::int32_t a, std::int32_t b) { return a < b ? a : b; }

@@ -46,7 +46,7 @@ CHIARO_INLINE F exp2_below_0(F x) {
         series = mad(r, series, F(0.69311360f));
         return mad(r, series, F(1));
     };
-    if (!any_below(x, F(-0.5f))) return series_of(x);
+    if (!any(x < F(-0.5f))) return series_of(x);
     const F clamped = max(x, F(-126));
     const F whole = floor(clamped + F(0.5f)), series = series_of(clamped - whole);
     const F power = float_of(bits_of(series) + (truncate(whole) << Int<F>(23)));

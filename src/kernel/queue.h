@@ -15,7 +15,7 @@ CHIARO_INLINE void hand_over(bool set, std::int32_t place, Vec3<float> colour, f
 #ifdef CHIARO_SIMD
 inline namespace CHIARO_ISA {
 CHIARO_INLINE IntLanes set_before(MaskLanes m) {
-    const unsigned bits = mask_bits(m.bits);
+    const unsigned bits = bits_of(m);
     std::int32_t before[16];
     for (int i = 0, sum = 0; i < 16; ++i) {
         before[i] = sum;
@@ -32,7 +32,7 @@ CHIARO_INLINE void hand_over(MaskLanes set, IntLanes place, Vec3<Lanes> colour, 
     __builtin_memcpy(r, &colour.x, sizeof r), __builtin_memcpy(g, &colour.y, sizeof g);
     __builtin_memcpy(b, &colour.z, sizeof b), __builtin_memcpy(a, &alpha, sizeof a);
     __builtin_memcpy(at, &place, sizeof at);
-    for (unsigned bits = mask_bits(set.bits); bits; bits &= bits - 1) {
+    for (unsigned bits = bits_of(set); bits; bits &= bits - 1) {
         const int i = __builtin_ctz(bits);
         results[at[i]] = {r[i], g[i], b[i], a[i]};
     }

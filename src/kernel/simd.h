@@ -56,10 +56,17 @@ CHIARO_INLINE Pack<R, N> map(Op op, P... p) {
 
 using Lanes = Pack<float, 16>;
 using IntLanes = Pack<std::int32_t, 16>;
+#if defined(__AVX512F__)
+/// A bit per lane, as registers for masks have it.
+struct MaskLanes {
+    __mmask16 bits;
+};
+#else
 /// All bits set where true.
 struct MaskLanes {
     IntLanes bits;
 };
+#endif
 
 #define CHIARO_OP(expression) \
     [](auto u, auto v) __attribute__((always_inline)) { return expression; }
@@ -84,6 +91,22 @@ CHIARO_INLINE IntLanes operator<<(IntLanes a, IntLanes b) { return map<std::int3
 /// Arithmetic, as for int: mask what may be negative.
 CHIARO_INLINE IntLanes operator>>(IntLanes a, IntLanes b) { return map<std::int32_t, 16>(CHIARO_OP(u >> v), a, b); }
 
+#if defined(__AVX512F__)
+#define CHIARO_COMPARE(op, of_floats, of_ints)                                                                  \
+    CHIARO_INLINE MaskLanes operator op(Lanes a, Lanes b) { return {_mm512_cmp_ps_mask(a.v, b.v, of_floats)}; } \
+    CHIARO_INLINE MaskLanes operator op(IntLanes a, IntLanes b) {                                               \
+        return {_mm512_cmp_epi32_mask(__m512i(a.v), __m512i(b.v), of_ints)};                                    \
+    }
+CHIARO_COMPARE(<, _CMP_LT_OS, _MM_CMPINT_LT)
+CHIARO_COMPARE(<=, _CMP_LE_OS, _MM_CMPINT_LE)
+CHIARO_COMPARE(>, _CMP_GT_OS, _MM_CMPINT_NLE)
+CHIARO_COMPARE(>=, _CMP_GE_OS, _MM_CMPINT_NLT)
+CHIARO_COMPARE(==, _CMP_EQ_OQ, _MM_CMPINT_EQ)
+CHIARO_COMPARE(!=, _CMP_NEQ_UQ, _MM_CMPINT_NE)
+CHIARO_INLINE MaskLanes operator&(MaskLanes a, MaskLanes b) { return {__mmask16(a.bits & b.bits)}; }
+CHIARO_INLINE MaskLanes operator|(MaskLanes a, MaskLanes b) { return {__mmask16(a.bits | b.bits)}; }
+CHIARO_INLINE MaskLanes operator!(MaskLanes a) { return {__mmask16(~a.bits)}; }
+#else
 #define CHIARO_COMPARE(op)                                                                                             \
     CHIARO_INLINE MaskLanes operator op(Lanes a, Lanes b) { return {map<std::int32_t, 16>(CHIARO_OP(u op v), a, b)}; } \
     CHIARO_INLINE MaskLanes operator op(IntLanes a, IntLanes b) {                                                      \
@@ -95,13 +118,14 @@ CHIARO_COMPARE(>)
 CHIARO_COMPARE(>=)
 CHIARO_COMPARE(==)
 CHIARO_COMPARE(!=)
-#undef CHIARO_COMPARE
 CHIARO_INLINE MaskLanes operator&(MaskLanes a, MaskLanes b) { return {a.bits & b.bits}; }
 CHIARO_INLINE MaskLanes operator|(MaskLanes a, MaskLanes b) { return {a.bits | b.bits}; }
 CHIARO_INLINE MaskLanes operator!(MaskLanes a) {
     return {map<std::int32_t, 16>(
         [](auto m) __attribute__((always_inline)) { return ~m; }, a.bits)};
 }
+#endif
+#undef CHIARO_COMPARE
 CHIARO_INLINE MaskLanes& operator&=(MaskLanes& a, MaskLanes b) { return a = a & b; }
 
 }  // namespace CHIARO_ISA
@@ -133,13 +157,9 @@ CHIARO_INLINE NativeInt native_widened(const std::int8_t* from) {
 CHIARO_INLINE NativeFloat native_floor(NativeFloat a) {
     return _mm512_roundscale_ps(a, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC);
 }
-CHIARO_INLINE unsigned native_bits(NativeInt m) { return _mm512_movepi32_mask(__m512i(m)); }
 template <int imm>
 CHIARO_INLINE NativeFloat native_shuffle(NativeFloat a, NativeFloat b) {
     return _mm512_shuffle_ps(a, b, imm);
-}
-CHIARO_INLINE NativeInt native_select(NativeInt m, NativeInt a, NativeInt b) {
-    return NativeInt(_mm512_ternarylogic_epi32(__m512i(m), __m512i(a), __m512i(b), 0xCA));
 }
 #elif defined(__AVX2__)
 typedef Pack<float, 8>::V NativeFloat;
@@ -215,12 +235,17 @@ CHIARO_INLINE Lanes float_of(IntLanes a) { return map<float, 16>(CHIARO_UNARY(Na
 CHIARO_INLINE Lanes abs(Lanes a) { return float_of(bits_of(a) & IntLanes(0x7fffffff)); }
 
 CHIARO_INLINE Lanes mad(Lanes a, Lanes b, Lanes c) { return a * b + c; }
+#if defined(__AVX512F__)
+CHIARO_INLINE IntLanes select(MaskLanes m, IntLanes a, IntLanes b) {
+    return IntLanes(NativeInt(_mm512_mask_blend_epi32(m.bits, __m512i(b.v), __m512i(a.v))));
+}
+/// Bit i: lane i.
+CHIARO_INLINE unsigned bits_of(MaskLanes m) { return m.bits; }
+#else
 CHIARO_INLINE IntLanes select(MaskLanes m, IntLanes a, IntLanes b) {
     return map<std::int32_t, 16>(
         [](auto x, auto y, auto z) __attribute__((always_inline)) { return native_select(x, y, z); }, m.bits, a, b);
 }
-CHIARO_INLINE Lanes select(MaskLanes m, Lanes a, Lanes b) { return float_of(select(m, bits_of(a), bits_of(b))); }
-
 template <int N>
 CHIARO_INLINE unsigned mask_bits(Pack<std::int32_t, N> m) {
     if constexpr (is_native<std::int32_t, N>)
@@ -228,18 +253,17 @@ CHIARO_INLINE unsigned mask_bits(Pack<std::int32_t, N> m) {
     else
         return mask_bits(m.lo) | mask_bits(m.hi) << (N / 2);
 }
-CHIARO_INLINE bool any(MaskLanes m) { return mask_bits(m.bits) != 0; }
+/// Bit i: lane i.
+CHIARO_INLINE unsigned bits_of(MaskLanes m) { return mask_bits(m.bits); }
+#endif
+CHIARO_INLINE Lanes select(MaskLanes m, Lanes a, Lanes b) { return float_of(select(m, bits_of(a), bits_of(b))); }
+CHIARO_INLINE bool any(MaskLanes m) { return bits_of(m) != 0; }
+CHIARO_INLINE int count(MaskLanes m) { return __builtin_popcount(bits_of(m)); }
 // Without a mask in between, which costs where the machine keeps masks in registers of their own.
 CHIARO_INLINE Lanes zero_below(Lanes a, Lanes limit, Lanes b) {
     return map<float, 16>(
         [](auto u, auto v, auto w) __attribute__((always_inline)) { return u < v ? decltype(w){} : w; }, a, limit, b);
 }
-#if defined(__AVX512F__)
-CHIARO_INLINE bool any_below(Lanes a, Lanes limit) { return _mm512_cmp_ps_mask(a.v, limit.v, _CMP_LT_OQ) != 0; }
-#else
-CHIARO_INLINE bool any_below(Lanes a, Lanes limit) { return any(a < limit); }
-#endif
-CHIARO_INLINE int count(MaskLanes m) { return __builtin_popcount(mask_bits(m.bits)); }
 
 }  // namespace CHIARO_ISA
 }  // namespace chiaro::kernel

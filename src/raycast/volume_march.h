@@ -1,5 +1,7 @@
 // Emission and absorption along a ray (Max 1995; CS 247): one loop for every classification and order.
 #pragma once
+#include <type_traits>
+
 #include "raycast/composite.h"
 #include "raycast/label_march.h"
 #include "raycast/matter.h"
@@ -84,12 +86,13 @@ CHIARO_INLINE RgbaLanes<F> mixed_colour(const Matter& matter, Way way, const At&
     return matter.step.template interpolated<F>(eight, at.t);
 }
 
-/// Takes sample k, the middle of step k, in voxel coordinates at p.
+/// Takes sample k, the middle of step k, in voxel coordinates at p. Where the last one `was_lit` the gradient will be
+/// asked for, and its value comes with it.
 template <class F, class Matter, class Way, class Ray>
 CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& lattice, const Cut<F>& cut,
                                Mask<F> sampled, F k, F cut_end, Vec3<F> p, VoxelIndex<F> voxel,
                                const CellTint<F>& tints, const typename Matter::template Held<F>& held,
-                               EndValue<F>& known, MetSurface<F>& met, Ray& ray) {
+                               EndValue<F>& known, MetSurface<F>& met, bool& was_lit, Ray& ray) {
     const bool by_ends = way.classification == Classification::preintegrated;
     Classified<F> c;
     if (by_ends) {
@@ -97,10 +100,15 @@ CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& 
         p = matter.volume.clamp(lattice.position(k)), voxel = matter.volume.voxel(p);
     }
     const auto at = by_ends ? matter.volume.locate(p, voxel) : matter.locate(p, voxel, held);
+    constexpr bool shares = std::is_same_v<Way, CommonMarch> && requires { matter.volume.is_plain(); };
+    Vec3<F> gradient;
+    bool has_gradient = false;
     if (way.mixed) {
         c = {mixed_colour<F>(matter, way, at), F(0)};
     } else {
-        if (!by_ends) c.value = matter.volume.value(at);
+        if constexpr (shares)
+            if (was_lit) gradient = matter.volume.differences(at, c.value), has_gradient = true;
+        if (!by_ends && !has_gradient) c.value = matter.volume.value(at);
         if (way.classification == Classification::post) c.colour = matter.table.at(c.value);
         if (way.classification == Classification::pre)
             c.colour = matter.table.interpolated(matter.volume.corners(at), at.t);
@@ -108,7 +116,7 @@ CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& 
 
     F alpha = select(sampled, alpha_of(c.colour), F(0));
     Mask<F> visible = alpha > F(0);
-    Vec3<F> gradient;
+    if constexpr (shares) was_lit = false;
     if (way.by_gradient) {
         if (!any(visible)) return;
         gradient = matter.volume.gradient(at);
@@ -139,7 +147,8 @@ CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& 
     take_share(lattice.rest, way.additive, visible & (k >= lattice.full), c.colour, alpha);
     if constexpr (may_be_labelled)
         if (way.labelled) tint_by_labels(matter, at, tints, visible, c.colour, alpha);
-    bool has_gradient = way.by_gradient;
+    if constexpr (shares) was_lit = matter.asks_normals() && matter.volume.is_plain();
+    has_gradient = has_gradient || way.by_gradient;
     if constexpr (may_be_labelled) has_gradient = has_gradient || (way.labelled && matter.labels.cuts());
     matter.light(at, solid, visible, {lattice, k, way.backwards, has_gradient ? &gradient : nullptr}, met, sample,
                  c.colour);
@@ -184,6 +193,7 @@ CHIARO_INLINE Int<F> march_volume(const Matter& matter, Way way, const Lattice<F
     CellTint<F> tints;
     typename Matter::template Held<F> held;
     MetSurface<F> met;
+    bool was_lit = false;
     Int<F> samples(0);
     while (any(alive)) {
         const F k = way.backwards ? lattice.first + lattice.end - F(1) - j : j;
@@ -208,7 +218,7 @@ CHIARO_INLINE Int<F> march_volume(const Matter& matter, Way way, const Lattice<F
             }
         }
         samples += select(sampled, Int<F>(1), Int<F>(0));
-        take_sample(matter, way, lattice, cut, sampled, k, cut_end, p, voxel, tints, held, known, met, ray);
+        take_sample(matter, way, lattice, cut, sampled, k, cut_end, p, voxel, tints, held, known, met, was_lit, ray);
         j = next;
         alive &= (j < lattice.end) & (ray.transmittance > F(matter.cutoff));
     }

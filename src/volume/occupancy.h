@@ -17,13 +17,14 @@ struct Cube {
 };
 
 struct OccupancyView {
-    const std::uint8_t* cells;  ///< 2 × radius in cells + occupied; x fastest; one spare byte at the end
+    const std::uint8_t* cells;  ///< 2 × radius in cells + occupied; x fastest; `spare_bytes` at the end
     std::int32_t cells_x, cells_y;
 
     template <class F>
     CHIARO_INLINE Int<F> index(VoxelIndex<F> i) const {
         using I = Int<F>;
-        return ((i.z >> I(cell_bits)) * I(cells_y) + (i.y >> I(cell_bits))) * I(cells_x) + (i.x >> I(cell_bits));
+        return (i.z >> I(cell_bits)) * I(cells_x * cells_y) + (i.y >> I(cell_bits)) * I(cells_x) +
+               (i.x >> I(cell_bits));
     }
 
     template <class F>

@@ -81,7 +81,7 @@ PagedLevel::PagedLevel(std::shared_ptr<const BrickSource> source, int level, con
     pages_->coarse = coarse;
     pages_->slots.assign(count, absent);
     pages_->seen.assign(count, 0);
-    pages_->codes = VoxelBuffer(std::size_t(room) * cells + 1);
+    pages_->codes = VoxelBuffer(std::size_t(room) * cells + kernel::spare_bytes);
     const Vec3 shift = like.geometry.voxel_from_world(grid.geometry.origin_mm);
     for (int axis = 0; axis < 3; ++axis) {
         pages_->per_voxel[std::size_t(axis)] = grid.geometry.spacing_mm[axis] / like.geometry.spacing_mm[axis];

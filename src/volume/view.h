@@ -83,6 +83,20 @@ CHIARO_INLINE Int<F> place_in_brick(VoxelIndex<F> i) {
            before;
 }
 
+/// Of a voxel in all bricks: where it would lie were all one brick, and what bricks add. Five products, none of which
+/// waits for another.
+template <class F>
+CHIARO_INLINE Int<F> place_in_bricks(VoxelIndex<F> i, std::int32_t bricks_x, std::int32_t bricks_y) {
+    using I = Int<F>;
+    const std::uint32_t row = std::uint32_t(bricks_x) * brick_voxels, slice = row * std::uint32_t(bricks_y);
+    const auto per_brick = [](std::uint32_t voxels, int within)
+                               CHIARO_INLINE_LAMBDA { return I(std::int32_t(voxels - std::uint32_t(within))); };
+    const I as_one = i.z * I(brick_slice) + i.y * I(brick_row) + i.x + I(brick_before * (brick_slice + brick_row + 1));
+    return as_one + ((i.z >> I(brick_bits)) * per_brick(slice, brick_edge * brick_slice) +
+                     (i.y >> I(brick_bits)) * per_brick(row, brick_edge * brick_row) +
+                     (i.x >> I(brick_bits)) * per_brick(brick_voxels, brick_edge));
+}
+
 /// Voxels in bricks (volume/bricks.h). Points are in voxel coordinates, clamped to the box of the voxel centres.
 template <class Voxel>
 struct VolumeView {
@@ -108,10 +122,9 @@ struct VolumeView {
 
     template <class F>
     CHIARO_INLINE Location<F> locate(Vec3<F> p, VoxelIndex<F> i) const {
-        return {
-            typename GatherIndex<F>::type(brick_of(i, bricks_x, bricks_y) * Int<F>(brick_voxels) + place_in_brick(i)),
-            {p.x - to_float(i.x), p.y - to_float(i.y), p.z - to_float(i.z)},
-            p};
+        return {typename GatherIndex<F>::type(place_in_bricks(i, bricks_x, bricks_y)),
+                {p.x - to_float(i.x), p.y - to_float(i.y), p.z - to_float(i.z)},
+                p};
     }
 
     /// Trilinear, or of the spline; in stored units.
@@ -156,11 +169,18 @@ struct VolumeView {
     /// the border voxel itself. 32 voxels in 12 loads.
     template <class F>
     CHIARO_INLINE Vec3<F> differences(const Location<F>& at) const {
+        F value;
+        return differences(at, value);
+    }
+    /// And the trilinear value, which falls off on the way.
+    template <class F>
+    CHIARO_INLINE Vec3<F> differences(const Location<F>& at, F& value) const {
         const Vec3<F> t = at.t;
         constexpr int y = brick_row, z = brick_slice;
         const Four<Four<F>> rows = gather_four(voxels - 1, at.index, {0, y, z, z + y});
         const Four<F> s{lerp(rows.a.b, rows.a.c, t.x), lerp(rows.b.b, rows.b.c, t.x), lerp(rows.c.b, rows.c.c, t.x),
                         lerp(rows.d.b, rows.d.c, t.x)};
+        value = lerp(lerp(s.a, s.b, t.y), lerp(s.c, s.d, t.y), t.z);
         const F dx = lerp(lerp(slope(rows.a, t.x), slope(rows.b, t.x), t.y),
                           lerp(slope(rows.c, t.x), slope(rows.d, t.x), t.y), t.z);
         const Four<F> sy = along_x(gather_two(voxels, at.index, {-y, 2 * y, z - y, z + 2 * y}), t.x);
@@ -171,6 +191,8 @@ struct VolumeView {
     }
 
     CHIARO_INLINE bool is_mixed() const { return mixture.channels != nullptr; }
+    /// Whether value and gradient are both those of `differences`.
+    CHIARO_INLINE bool is_plain() const { return !is_mixed() && !spline.coefficients && !(spline.reach.x > 0); }
     /// What a sample is made of, of mixtures: extinction per mm and colour times extinction.
     template <class F>
     CHIARO_INLINE RgbaLanes<F> matter_at(const Location<F>& at) const {

@@ -195,7 +195,10 @@ private:
         return planes(blend(codewords, c, forward));
     }
 
-    static CHIARO_INLINE HalfLight<float> planes(const Rgba& c) { return {{c.r, c.g, c.b}, c.a}; }
+    template <ByChannel C>
+    static CHIARO_INLINE auto planes(const C& c) {
+        return HalfLight<decltype(C::r)>{colour_of(c), alpha_of(c)};
+    }
     template <class Pack>
     static CHIARO_INLINE auto planes(const Pack& c) {
         const Pack p = transpose(c.q0, c.q1, c.q2, c.q3);  // its own inverse

@@ -188,7 +188,7 @@ private:
     CHIARO_INLINE bool is_lit(std::int32_t node) const {
         for (std::int32_t p = 0; p < planes.packs; ++p)
             for (std::int32_t lane = 0; lane < SweepPack::width; lane += LaneTraits<F>::count)
-                if (any_below(F(0), load_row<F>(planes.light + planes.light_at(node, p) + lane))) return true;
+                if (any(F(0) < load_row<F>(planes.light + planes.light_at(node, p) + lane))) return true;
         return false;
     }
 
