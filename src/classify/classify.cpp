@@ -66,9 +66,7 @@ void find_occupancy(const Device& device, Medium::Data& data, const Progress& pr
         data.cells = make_occupancy(volume.cells, std::cref(is_visible), device.threads, progress, cells_left(volume));
     else if (!cuda::try_gpu(device, on_gpu))
         data.cells = make_occupancy(volume.cells, std::cref(is_visible), device.threads, progress);
-    std::size_t occupied = 0;
-    for (const std::uint8_t code : data.cells) occupied += code & 1;
-    data.occupied_fraction = double(occupied) / double(data.cells.size() - kernel::spare_bytes);
+    data.find_occupied_fraction();
 }
 
 /// The volume by which values are found so.

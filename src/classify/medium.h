@@ -60,6 +60,12 @@ struct Medium::Data : std::enable_shared_from_this<Data> {
     Lazy<std::shared_ptr<const SurfaceTable>> surface_table;  ///< classify/surface_table.h
     Lazy<std::shared_ptr<const ShareTable>> share_table;      ///< there, too
 
+    std::size_t cell_count() const { return cells.size() - kernel::spare_bytes; }
+    /// From `cells`.
+    void find_occupied_fraction() {
+        const auto occupied = std::count_if(cells.begin(), cells.end(), [](std::uint8_t code) { return code & 1; });
+        occupied_fraction = double(occupied) / double(cell_count());
+    }
     void add_to(HostArrays& arrays) const {
         volume.data().add_to(arrays);
         arrays.add(weak_from_this(), cells);

@@ -186,7 +186,7 @@ Medium mixed(const Device& device, MixtureParts parts, const Shape& shape, const
     data->volume = volume_of(parts);
     data->table = channels.front()->table;
     data->shape = shape;
-    std::vector<std::uint8_t> occupied(channels.front()->cells.size() - kernel::spare_bytes);
+    std::vector<std::uint8_t> occupied(channels.front()->cell_count());
     for (const auto& channel : channels)
         for (std::size_t c = 0; c < occupied.size(); ++c) occupied[c] |= channel->cells[c] & 1;
     for (std::size_t c = 0; c < labelled.size(); ++c) occupied[c] &= labelled[c];

@@ -23,7 +23,7 @@ bool code_cells(const CellRanges& ranges, const RangeTest& is_visible, std::uint
 class ShownCells {
 public:
     explicit ShownCells(const Medium::Data& medium) : count_(medium.volume.data().cells.count) {
-        shown_.resize(medium.cells.size() - kernel::spare_bytes);
+        shown_.resize(medium.cell_count());
         for (std::size_t c = 0; c < shown_.size(); ++c) shown_[c] = medium.cells[c] & 1;
         std::ptrdiff_t stride = 1;
         for (const int n : count_) {

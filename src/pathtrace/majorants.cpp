@@ -56,7 +56,7 @@ std::vector<float> extinction_of_cells(const Medium::Data& medium, const std::ve
 /// Extinctions add.
 std::vector<float> largest_of_cells(const Medium::Data& medium, const std::vector<float>& runs, int threads) {
     if (!is_mixed(medium)) return extinction_of_cells(medium, runs, threads);
-    std::vector<float> sums(medium.cells.size() - kernel::spare_bytes);
+    std::vector<float> sums(medium.cell_count());
     for_each_channel(medium, [&](const Medium::Data& channel) {
         const std::vector<float> its = extinction_of_cells(channel, runs_of(channel), threads);
         for (std::size_t c = 0; c < sums.size(); ++c) sums[c] += its[c] * (1 + 1e-6f);
@@ -109,8 +109,8 @@ Majorants make_majorants(const Medium::Data& medium, int threads) {
     const bool surfaces = medium.shape.mode == Mode::iso;
     const auto is_empty = [&](std::size_t c) { return !(medium.cells[c] & 1); };
     Majorants majorants{{}, runs_of(medium)};
-    std::vector<float> largest = surfaces ? std::vector<float>(medium.cells.size() - kernel::spare_bytes, 1)
-                                          : largest_of_cells(medium, majorants.runs, threads);
+    std::vector<float> largest =
+        surfaces ? std::vector<float>(medium.cell_count(), 1) : largest_of_cells(medium, majorants.runs, threads);
     const double edge = medium.volume.geometry().smallest_spacing_mm();
     std::vector<float> best(largest.size());
     for (std::size_t c = 0; c < best.size(); ++c) {
@@ -141,7 +141,7 @@ Majorants one_majorant(const Medium::Data& medium) {
         const std::vector<float> its = extinctions_of(channel);
         largest += *std::max_element(its.begin(), its.end()) * (1 + 1e-6f);
     });
-    majorants.cells.assign(medium.cells.size() - kernel::spare_bytes, packed(largest, kernel::by_voxel - 1));
+    majorants.cells.assign(medium.cell_count(), packed(largest, kernel::by_voxel - 1));
     return majorants;
 }
 

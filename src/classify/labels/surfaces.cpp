@@ -60,8 +60,7 @@ Medium with_labelled_surfaces(const Device& device, const Medium::Data& medium,
     const CellRanges& cells = data->volume.data().cells;
     const RangeTest is_crossed = crossed_range(data->volume.data(), data->shape.iso);
     data->cells = make_occupancy(cells, std::cref(is_crossed), device.threads, progress);
-    const auto occupied = std::count_if(data->cells.begin(), data->cells.end(), [](std::uint8_t c) { return c & 1; });
-    data->occupied_fraction = double(occupied) / double(data->cells.size() - kernel::spare_bytes);
+    data->find_occupied_fraction();
     data->surface_labels = std::move(labels);
     return Medium(std::move(data));
 }
