@@ -4,6 +4,7 @@
 
 #include "classify/largest.h"
 #include "fixtures.h"
+#include "volume/device_view.h"
 
 using namespace chiaro;
 using chiaro::testing::tested_device;
@@ -83,8 +84,7 @@ Volume larger_ball(const Clip& clip = {}) {
                         for (int h = -2; h <= 2; ++h)
                             if (x + h >= 0 && x + h < n[0] && y + j >= 0 && y + j < n[1] && z + k >= 0 && z + k < n[2])
                                 near |= kept[index(n, x + h, y + j, z + k)] != 0;
-                const bool shows = evaluate(two_materials(), before[i]).opacity > 0;
-                if (shows && !kept[i] && (solid[i] || !near)) voxels[i] = std::min<std::uint8_t>(before[i], 60);
+                if (!kept[i] && (solid[i] || !near)) voxels[i] = std::min<std::uint8_t>(before[i], 60);
             }
     return volume;
 }
@@ -138,6 +138,50 @@ TEST(Largest, IsAPartOfTheMedium) {
             EXPECT_EQ(picture(found), picture(expected)) << to_text(method);
         }
     }
+}
+
+/// A ball in matter of a value between two visible ranges, in a thin shell of the lower one.
+Volume ball_in_shell() {
+    return chiaro::testing::sampled<std::uint8_t>({44, 44, 44}, [](double x, double y, double z) {
+        const double r = std::hypot(x - 22, y - 22, z - 22);
+        return r < 11 ? 220.0 : r < 14 ? 160.0 : r < 15 ? 110.0 : 0.0;
+    });
+}
+
+/// Whatever lies between voxels: five voxels and farther from the piece no value is one that shows something.
+TEST(Largest, NothingIsSeenOfTheOthers) {
+    std::mt19937 random(7);
+    for (const Volume& volume : {things(), ball_in_shell()})
+        for (const Interpolation interpolation : {Interpolation::linear, Interpolation::cubic, Interpolation::smooth}) {
+            Shape shape{.interpolation = interpolation};
+            shape.clip.largest = true;
+            const DeviceVolume whole = upload(tested_device(), volume);
+            const Medium medium = classify(whole, two_materials(), shape);
+            const auto view = view_of<std::uint8_t>(medium.data().volume.data());
+            const auto& n = volume.dimensions;
+            std::vector<std::uint8_t> solid(volume.as<std::uint8_t>().size());
+            for (std::size_t i = 0; i < solid.size(); ++i)
+                solid[i] = evaluate(two_materials(), volume.as<std::uint8_t>()[i]).opacity >= 0.1;
+            const auto kept = flooded(solid, n);
+            const auto is_far = [&](const kernel::Vec3<float>& p) {
+                const auto from = [](float at) { return std::max(int(at) - 5, 0); };
+                for (int z = from(p.z); z <= std::min(int(p.z) + 6, n[2] - 1); ++z)
+                    for (int y = from(p.y); y <= std::min(int(p.y) + 6, n[1] - 1); ++y)
+                        for (int x = from(p.x); x <= std::min(int(p.x) + 6, n[0] - 1); ++x)
+                            if (kept[index(n, x, y, z)]) return false;
+                return true;
+            };
+            int far = 0, seen = 0;
+            for (int i = 0; i < 30000; ++i) {
+                const auto along = [&](int size) { return std::uniform_real_distribution<float>(0, size - 1)(random); };
+                const kernel::Vec3<float> p{along(n[0]), along(n[1]), along(n[2])};
+                if (!is_far(p)) continue;
+                ++far;
+                seen += evaluate(two_materials(), view.value(view.locate(p, view.voxel(p)))).opacity > 0;
+            }
+            EXPECT_GT(far, 3000);
+            EXPECT_EQ(seen, 0) << int(interpolation);
+        }
 }
 
 /// What the clip cuts away connects nothing, and counts for nothing.

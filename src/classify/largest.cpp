@@ -52,36 +52,45 @@ void join_rows(const std::vector<Run>& a, const std::vector<Run>& b, Sets& sets)
     }
 }
 
-/// The kind of each voxel; where the clip cuts it away no part of a piece.
-std::vector<std::uint8_t> kinds_of(const Medium::Data& medium, const Kinds& kinds) {
-    const DeviceVolume::Data& volume = medium.volume.data();
+/// A byte for each voxel, by its stored value.
+template <class OfValue>
+std::vector<std::uint8_t> bytes_of(const DeviceVolume::Data& volume, const OfValue& of) {
     const auto [nx, ny, nz] = volume.dimensions;
-    const auto kept = half_spaces(medium.shape.clip, volume.geometry, volume.dimensions);
-    const auto is_cut = [&](int x, int y, int z) {
-        const Vec3 p{double(x), double(y), double(z)};
-        return std::any_of(kept.begin(), kept.end(), [&](const HalfSpace& h) { return dot(h.normal, p) > h.d; });
-    };
     std::vector<std::uint8_t> all(std::size_t(nx) * ny * nz);
     with_stored_voxel(volume, [&](auto zero) {
         using Voxel = decltype(zero);
         std::vector<std::uint8_t> of_code;
         if constexpr (sizeof(Voxel) <= 2)
-            for (int code = 0; code <= std::numeric_limits<Voxel>::max(); ++code)
-                of_code.push_back(kinds.of(float(code)));
-        const auto kind = [&, table = of_code.data()](Voxel stored) {
+            for (int code = 0; code <= std::numeric_limits<Voxel>::max(); ++code) of_code.push_back(of(float(code)));
+        const auto byte = [&, table = of_code.data()](Voxel stored) {
             if constexpr (sizeof(Voxel) <= 2) return table[stored];
-            return kinds.of(float(stored));
+            return of(float(stored));
         };
         parallel_for(volume.device.threads, nz, 1, [&](std::int64_t z, std::int64_t) {
-            for (int y = 0; y < ny; ++y) {
-                std::uint8_t* row = &all[(std::size_t(z) * ny + std::size_t(y)) * nx];
+            for (int y = 0; y < ny; ++y)
                 for_each_run<Voxel>(volume, y, int(z), [&](int x, int count, const Voxel* from) {
-                    std::transform(from, from + count, row + x, kind);
+                    std::transform(from, from + count, &all[(std::size_t(z) * ny + std::size_t(y)) * nx] + x, byte);
                 });
-                for (int x = 0; !kept.empty() && x < nx; ++x)
-                    if (row[x] == 2 && is_cut(x, y, int(z))) row[x] = 1;
-            }
         });
+    });
+    return all;
+}
+
+/// The kind of each voxel; where the clip cuts it away no part of a piece.
+std::vector<std::uint8_t> kinds_of(const Medium::Data& medium, const Kinds& kinds) {
+    const DeviceVolume::Data& volume = medium.volume.data();
+    std::vector<std::uint8_t> all = bytes_of(volume, [&](float stored) { return kinds.of(stored); });
+    const auto kept = half_spaces(medium.shape.clip, volume.geometry, volume.dimensions);
+    if (kept.empty()) return all;
+    const auto [nx, ny, nz] = volume.dimensions;
+    parallel_for(volume.device.threads, nz, 1, [&](std::int64_t z, std::int64_t) {
+        std::uint8_t* kind = &all[std::size_t(z) * ny * nx];
+        for (int y = 0; y < ny; ++y)
+            for (int x = 0; x < nx; ++x, ++kind) {
+                const Vec3 p{double(x), double(y), double(z)};
+                const auto cuts = [&](const HalfSpace& h) { return dot(h.normal, p) > h.d; };
+                if (*kind == 2 && std::any_of(kept.begin(), kept.end(), cuts)) *kind = 1;
+            }
     });
     return all;
 }
@@ -121,38 +130,56 @@ std::vector<std::uint8_t> dilated(std::vector<std::uint8_t> from, const std::arr
     return to;
 }
 
-/// The stored values that show nothing, about the one that most voxels have.
-std::pair<float, float> empty_values(const Medium::Data& medium, const Kinds& kinds) {
+/// Stored values that show nothing, and between which nothing is seen either: from one empty range of values to another
+/// interpolation goes through what is visible.
+struct EmptyRange {
+    float low, high;
+};
+
+[[noreturn]] void refuse_to_leave_out() {
+    throw Error(ErrorCode::usage, "--largest: the transfer function shows every value, so nothing can be left out");
+}
+
+/// Of the entries that show nothing, which lie in a row: [first, last] of each such row.
+std::vector<std::pair<std::size_t, std::size_t>> empty_rows(const std::vector<std::uint8_t>& of_entry) {
+    std::vector<std::pair<std::size_t, std::size_t>> rows;
+    for (std::size_t j = 0; j < of_entry.size(); ++j) {
+        if (of_entry[j] != 0) continue;
+        if (!rows.empty() && rows.back().second + 1 == j)
+            rows.back().second = j;
+        else
+            rows.push_back({j, j});
+    }
+    return rows;
+}
+
+/// Those that most voxels beside the piece have (`near`: a byte a voxel).
+EmptyRange empty_range(const Medium::Data& medium, const Kinds& kinds, const std::vector<std::uint8_t>& near) {
     const DeviceVolume::Data& volume = medium.volume.data();
-    const auto refuse = [] {
-        throw Error(ErrorCode::usage, "--largest: the transfer function shows every value, so nothing can be left out");
-    };
     if (kinds.is_iso()) {
         const auto outside = values_outside(volume, kinds.lowest, {volume.stored_min, volume.stored_max});
-        if (!outside) refuse();
-        return *outside;
+        if (!outside) refuse_to_leave_out();
+        return {outside->first, outside->second};
     }
-    std::vector<std::uint64_t> cells(medium.table.entries.size());  // by the least value in each: enough to choose
-    for (const float low : volume.cells.low) ++cells[kinds.entry(low)];
-    std::size_t first = 0, last = 0;
-    std::uint64_t most = 0;
-    bool found = false;
-    for (std::size_t j = 0; j < cells.size(); ++j) {
-        if (kinds.of_entry[j] != 0) continue;
-        std::size_t end = j;
-        std::uint64_t sum = 0;
-        for (; end < cells.size() && kinds.of_entry[end] == 0; ++end) sum += cells[end];
-        if (!found || sum > most) first = j, last = end - 1, most = sum, found = true;
-        j = end;
-    }
-    if (!found) refuse();
+    const auto rows = empty_rows(kinds.of_entry);
+    if (rows.empty()) refuse_to_leave_out();
+    std::vector<std::uint8_t> row_of(kinds.of_entry.size(), 0);  // from 1 on; what there is more of shares a number
+    const auto number = [](std::size_t r) { return std::uint8_t(std::min<std::size_t>(r, 254) + 1); };
+    for (std::size_t r = 0; r < rows.size(); ++r)
+        std::fill(&row_of[rows[r].first], &row_of[rows[r].second] + 1, number(r));
+    const auto row = bytes_of(volume, [&](float stored) { return row_of[kinds.entry(stored)]; });
+    std::array<std::uint64_t, 256> voxels{};
+    constexpr std::uint64_t first_of_all = std::uint64_t(1) << 32;  // where there are none, those of the whole volume
+    for (std::size_t i = 0; i < row.size(); ++i) voxels[row[i]] += near[i] ? first_of_all : 1;
+    const auto most = std::max_element(voxels.begin() + 1, voxels.end()) - voxels.begin() - 1;
+    const auto [first, last] = rows[std::min(std::size_t(most), rows.size() - 1)];
     const OpticalTable& table = medium.table;
     const auto stored = [&](std::size_t j) { return (double(j) - table.index_offset) / table.index_scale; };
     // The outermost entries stand for all that lies beyond.
     double low = first == 0 ? volume.stored_min : stored(first);
-    double high = last + 1 == cells.size() ? volume.stored_max : stored(last);
+    double high = last + 1 == row_of.size() ? volume.stored_max : stored(last);
     if (volume.whole_numbers) low = std::ceil(low), high = std::floor(high);
-    if (low > high) refuse();
+    if (low > high) refuse_to_leave_out();
     return {float(low), float(high)};
 }
 
@@ -209,19 +236,26 @@ std::optional<std::pair<float, float>> values_outside(const DeviceVolume::Data& 
 DeviceVolume with_largest_piece(const Medium::Data& medium) {
     const DeviceVolume::Data& volume = medium.volume.data();
     const Kinds kinds(medium);
-    std::vector<std::uint8_t> all = kinds_of(medium, kinds);
+    const auto all = kinds_of(medium, kinds);
     const Pieces pieces = find_pieces(all, volume.dimensions, 2);
     const int threads = volume.device.threads;
-    const auto near = dilated(pieces.is_of_largest, volume.dimensions, kept_around, threads);
-    parallel_for(threads, std::int64_t(all.size()), 1 << 16, [&](std::int64_t first, std::int64_t end) {
-        for (auto i = std::size_t(first); i < std::size_t(end); ++i) {  // from here on: what goes
-            const bool is_kept = pieces.is_of_largest[i] || (all[i] == 1 && near[i]);
-            all[i] = all[i] != 0 && !is_kept;
+    auto near = dilated(pieces.is_of_largest, volume.dimensions, kept_around, threads);
+    bool is_alone = true;
+    for (std::size_t i = 0; i < all.size() && is_alone; ++i)
+        is_alone = all[i] == 0 || pieces.is_of_largest[i] || (all[i] == 1 && near[i]);
+    if (is_alone) return medium.volume;
+    const auto [low, high] = empty_range(medium, kinds, near);
+    const auto shows_nothing = [low = low, high = high](float stored) { return low <= stored && stored <= high; };
+    auto goes = bytes_of(volume, [&](float stored) -> std::uint8_t { return !shows_nothing(stored); });
+    parallel_for(threads, std::int64_t(goes.size()), 1 << 16, [&](std::int64_t first, std::int64_t end) {
+        for (auto i = std::size_t(first); i < std::size_t(end); ++i) {
+            goes[i] &= !pieces.is_of_largest[i] && !(near[i] && all[i] < 2);
+            near[i] = !near[i];  // from here on: what is bounded
         }
     });
-    if (std::find(all.begin(), all.end(), 1) == all.end()) return medium.volume;
-    const auto [low, high] = empty_values(medium, kinds);
-    return edited(medium.volume, all, [low = low, high = high](float stored) { return std::clamp(stored, low, high); });
+    return edited(
+        medium.volume, goes, [low = low, high = high](float stored) { return std::clamp(stored, low, high); },
+        std::make_shared<CoefficientBounds>(CoefficientBounds{std::move(near), low, high}));
 }
 
 }  // namespace chiaro

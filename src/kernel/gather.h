@@ -108,6 +108,10 @@ CHIARO_INLINE Four<Two<IntLanes>> gather_pairs(const V* p, const Indices& i, Dis
 CHIARO_INLINE IntLanes gather_byte(const std::uint8_t* p, const Indices& i) {
     return gather_words(p, i) & IntLanes(255);
 }
+template <class V>
+CHIARO_INLINE IntLanes gather_word(const V* p, const Indices& i) {
+    return gather_words(p, i);
+}
 #else
 /// The indices in memory, where scalar address arithmetic finds them. The empty statement keeps the compiler from
 /// picking them out of the vector register again, which takes two instructions each.
@@ -239,6 +243,10 @@ CHIARO_INLINE IntLanes gather_byte(const std::uint8_t* p, const Indices& i) {
     };
     return join_words(bytes4(0), bytes4(4), bytes4(8), bytes4(12));
 }
+template <class V>
+CHIARO_INLINE IntLanes gather_word(const V* p, const Indices& i) {
+    return gather_words(p, i, {0, 0, 0, 0}).a;
+}
 #endif
 
 /// The byte or half at `shift` bits of each word. Words may be negative: the shift is arithmetic, the mask follows it.
@@ -299,14 +307,9 @@ CHIARO_INLINE Four<Four<Lanes>> gather_four(const float* p, const Indices& i, Di
             {v.d.a, v.d.b, w.d.a, w.d.b}};
 }
 
-CHIARO_INLINE IntLanes gather_word(const std::uint32_t* p, const Indices& i) {
-    return gather_words(p, i, {0, 0, 0, 0}).a;
-}
 CHIARO_INLINE IntLanes gather_byte(const std::uint8_t* p, IntLanes index) { return gather_byte(p, Indices(index)); }
 
-CHIARO_INLINE Lanes gather_float(const float* p, IntLanes index) {
-    return float_of(gather_words(p, Indices(index), {0, 0, 0, 0}).a);
-}
+CHIARO_INLINE Lanes gather_float(const float* p, IntLanes index) { return float_of(gather_word(p, Indices(index))); }
 
 }  // namespace CHIARO_ISA
 #endif

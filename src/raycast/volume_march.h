@@ -44,6 +44,14 @@ struct EndValue {
     F steps{-1};  ///< where it was read
 };
 
+/// What a ray keeps of a sample for the next ones.
+template <class F>
+struct Kept {
+    EndValue<F> end;
+    MetSurface<F> met;
+    bool was_lit = false;  ///< the next one's gradient will be asked for
+};
+
 /// What is classified: a point, or a step by the values at its ends.
 template <class F>
 struct Classified {
@@ -86,28 +94,28 @@ CHIARO_INLINE RgbaLanes<F> mixed_colour(const Matter& matter, Way way, const At&
     return matter.step.template interpolated<F>(eight, at.t);
 }
 
-/// Takes sample k, the middle of step k, in voxel coordinates at p. Where the last one `was_lit` the gradient will be
-/// asked for, and its value comes with it.
+/// Takes sample k, the middle of step k, in voxel coordinates at p. Where the last one was lit its value comes with its
+/// gradient.
 template <class F, class Matter, class Way, class Ray>
 CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& lattice, const Cut<F>& cut,
                                Mask<F> sampled, F k, F cut_end, Vec3<F> p, VoxelIndex<F> voxel,
-                               const CellTint<F>& tints, const typename Matter::template Held<F>& held,
-                               EndValue<F>& known, MetSurface<F>& met, bool& was_lit, Ray& ray) {
+                               const CellTint<F>& tints, const typename Matter::template Held<F>& held, Kept<F>& kept,
+                               Ray& ray) {
     const bool by_ends = way.classification == Classification::preintegrated;
     Classified<F> c;
     if (by_ends) {
-        c = classify_step(matter, lattice, way.backwards, sampled, k, known);
+        c = classify_step(matter, lattice, way.backwards, sampled, k, kept.end);
         p = matter.volume.clamp(lattice.position(k)), voxel = matter.volume.voxel(p);
     }
     const auto at = by_ends ? matter.volume.locate(p, voxel) : matter.locate(p, voxel, held);
-    constexpr bool shares = std::is_same_v<Way, CommonMarch> && requires { matter.volume.is_plain(); };
+    constexpr bool finds_both = std::is_same_v<Way, CommonMarch> && requires { matter.volume.is_plain(); };
     Vec3<F> gradient;
     bool has_gradient = false;
     if (way.mixed) {
         c = {mixed_colour<F>(matter, way, at), F(0)};
     } else {
-        if constexpr (shares)
-            if (was_lit) gradient = matter.volume.differences(at, c.value), has_gradient = true;
+        if constexpr (finds_both)
+            if (kept.was_lit) gradient = matter.volume.differences(at, c.value), has_gradient = true;
         if (!by_ends && !has_gradient) c.value = matter.volume.value(at);
         if (way.classification == Classification::post) c.colour = matter.table.at(c.value);
         if (way.classification == Classification::pre)
@@ -116,7 +124,7 @@ CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& 
 
     F alpha = select(sampled, alpha_of(c.colour), F(0));
     Mask<F> visible = alpha > F(0);
-    if constexpr (shares) was_lit = false;
+    if constexpr (finds_both) kept.was_lit = false;
     if (way.by_gradient) {
         if (!any(visible)) return;
         gradient = matter.volume.gradient(at);
@@ -147,10 +155,10 @@ CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& 
     take_share(lattice.rest, way.additive, visible & (k >= lattice.full), c.colour, alpha);
     if constexpr (may_be_labelled)
         if (way.labelled) tint_by_labels(matter, at, tints, visible, c.colour, alpha);
-    if constexpr (shares) was_lit = matter.asks_normals() && matter.volume.is_plain();
+    if constexpr (finds_both) kept.was_lit = matter.asks_normals() && matter.volume.is_plain();
     has_gradient = has_gradient || way.by_gradient;
     if constexpr (may_be_labelled) has_gradient = has_gradient || (way.labelled && matter.labels.cuts());
-    matter.light(at, solid, visible, {lattice, k, way.backwards, has_gradient ? &gradient : nullptr}, met, sample,
+    matter.light(at, solid, visible, {lattice, k, way.backwards, has_gradient ? &gradient : nullptr}, kept.met, sample,
                  c.colour);
     if (emits) {
         c.colour = accumulate(c.colour, F(1), emission);
@@ -189,11 +197,9 @@ CHIARO_INLINE Int<F> march_volume(const Matter& matter, Way way, const Lattice<F
     F j = lattice.first, leave(0);
     F cut_end(0);
     if (const Mask<F> open = alive & cut.open; any(open)) cut_end = solid_behind(matter, lattice, open);
-    EndValue<F> known;
+    Kept<F> kept;
     CellTint<F> tints;
     typename Matter::template Held<F> held;
-    MetSurface<F> met;
-    bool was_lit = false;
     Int<F> samples(0);
     while (any(alive)) {
         const F k = way.backwards ? lattice.first + lattice.end - F(1) - j : j;
@@ -218,7 +224,7 @@ CHIARO_INLINE Int<F> march_volume(const Matter& matter, Way way, const Lattice<F
             }
         }
         samples += select(sampled, Int<F>(1), Int<F>(0));
-        take_sample(matter, way, lattice, cut, sampled, k, cut_end, p, voxel, tints, held, known, met, was_lit, ray);
+        take_sample(matter, way, lattice, cut, sampled, k, cut_end, p, voxel, tints, held, kept, ray);
         j = next;
         alive &= (j < lattice.end) & (ray.transmittance > F(matter.cutoff));
     }

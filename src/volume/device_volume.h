@@ -23,6 +23,12 @@ struct SplineCoding {
     float base = 0, scale = 1, least = 0;
 };
 
+/// Coefficients of a spline that are kept between two stored values, so that it is wherever all around it are.
+struct CoefficientBounds {
+    std::vector<std::uint8_t> is_bounded;  ///< 1 for each voxel whose own is, x fastest
+    float low, high;
+};
+
 /// What opacity by gradient leaves of the extinction: [row][column], a row for each magnitude of the gradient in data
 /// units per mm, a column for each stored value (one: for all).
 struct ExtinctionFactor {
@@ -73,7 +79,8 @@ struct DeviceVolume::Data : std::enable_shared_from_this<Data> {
 
     VoxelBuffer coefficients;  ///< of a spline, laid out as the bricks; empty: values are linear between voxels
     SplineCoding spline;
-    std::array<float, 3> normal_reach{0, 0, 0};  ///< of thick slices: kernel::SplineView::reach
+    std::shared_ptr<const CoefficientBounds> bounds;  ///< of the spline that interpolates it; null: none
+    std::array<float, 3> normal_reach{0, 0, 0};       ///< of thick slices: kernel::SplineView::reach
     const Data* source = nullptr;  ///< of a spline: the volume whose bricks it borrows, and which outlives it
     mutable Splines splines;
     DeviceVolume plain;  ///< of a medium's with a factor or a mixture: what it borrows all from

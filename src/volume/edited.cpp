@@ -29,11 +29,12 @@ void edit_brick(const DeviceVolume::Data& volume, std::array<int, 3> brick, cons
 }  // namespace
 
 DeviceVolume edited(const DeviceVolume& volume, const std::vector<std::uint8_t>& is_changed,
-                    const std::function<float(float)>& new_value) {
+                    const std::function<float(float)>& new_value, std::shared_ptr<const CoefficientBounds> bounds) {
     const DeviceVolume::Data& source = volume.data();
     auto made = std::make_shared<DeviceVolume::Data>();
     made->describe_as(source);
     made->cells = source.cells;
+    made->bounds = std::move(bounds);
     made->bricks = VoxelBuffer(source.bricks.size());
     std::memcpy(made->bricks.data(), source.bricks.data(), source.bricks.size());
     const std::array<int, 3> bricks{brick_count(source.dimensions[0]), brick_count(source.dimensions[1]),

@@ -136,8 +136,7 @@ private:
         const Vec3<F> q = coarse_grid.clamp(Vec3<F>(mad(p.x, s.x, F(coarse_shift.x)), mad(p.y, s.y, F(coarse_shift.y)),
                                                     mad(p.z, s.z, F(coarse_shift.z))));
         const VoxelIndex<F> j = coarse_grid.voxel(q);
-        const I there =
-            brick_of<F>(j, coarse_grid.bricks_x, coarse_grid.bricks_y) * I(brick_voxels) + place_in_brick(j);
+        const I there = place_in_bricks(j, coarse_grid.bricks_x, coarse_grid.bricks_y);
         index = select(is_absent, there + I(std::int32_t(first_coarse)), index);
         t = {select(is_absent, q.x - to_float(j.x), t.x), select(is_absent, q.y - to_float(j.y), t.y),
              select(is_absent, q.z - to_float(j.z), t.z)};

@@ -42,6 +42,29 @@ SplineCoding coding_for(const DeviceVolume::Data& source, FilteredBricks& coeffi
     return coding;
 }
 
+/// The codes of a brick, border included, whose coefficients would lie beyond the bounds.
+template <class Voxel>
+void keep_within(const CoefficientBounds& bounds, const SplineCoding& coding, const std::array<int, 3>& n,
+                 const std::array<int, 3>& brick, int slices, Voxel* codes) {
+    const auto code_of = [&](float stored) { return (stored - coding.least) / coding.scale + coding.base; };
+    float low = code_of(bounds.low), high = code_of(bounds.high);
+    if constexpr (!std::is_floating_point_v<Voxel>) {
+        constexpr float most = std::numeric_limits<Voxel>::max();
+        high = std::clamp(std::floor(high), 0.f, most), low = std::clamp(std::ceil(low), 0.f, high);
+    }
+    const auto voxel = [&](int i, std::size_t axis) {
+        return std::size_t(std::clamp(brick[axis] * brick_edge - brick_before + i, 0, n[axis] - 1));
+    };
+    for (int z = 0; z < slices; ++z)
+        for (int y = 0; y < brick_row; ++y) {
+            const std::size_t row = (voxel(z, 2) * std::size_t(n[1]) + voxel(y, 1)) * std::size_t(n[0]);
+            for (int x = 0; x < brick_row; ++x) {
+                Voxel& code = codes[z * brick_slice + y * brick_row + x];
+                if (bounds.is_bounded[row + voxel(x, 0)]) code = std::clamp(code, Voxel(low), Voxel(high));
+            }
+        }
+}
+
 /// The bricks of the filtered voxels, as those of `source` lie.
 template <class Voxel>
 VoxelBuffer coded_bricks(const DeviceVolume::Data& source, FilteredBricks& filtered, const SplineCoding& coding,
@@ -56,8 +79,10 @@ VoxelBuffer coded_bricks(const DeviceVolume::Data& source, FilteredBricks& filte
     const kernel::CodeFunctions<Voxel> run = kernel::spline_functions_for(source.device.isa);
     filtered.for_each(progress, [&](const float* values, const std::array<int, 3>& at) {
         const std::size_t brick = (std::size_t(at[2]) * bricks_y + std::size_t(at[1])) * bricks_x + std::size_t(at[0]);
-        run.to_codes(values, slices_read(source.dimensions[2], at[2]) * brick_slice,
-                     {coding.base, coding.scale, coding.least}, out + brick * brick_voxels);
+        const int slices = slices_read(source.dimensions[2], at[2]);
+        Voxel* codes = out + brick * brick_voxels;
+        run.to_codes(values, slices * brick_slice, {coding.base, coding.scale, coding.least}, codes);
+        if (source.bounds) keep_within(*source.bounds, coding, source.dimensions, at, slices, codes);
     });
     return bricks;
 }

@@ -172,7 +172,7 @@ struct VolumeView {
         F value;
         return differences(at, value);
     }
-    /// And the trilinear value, which falls off on the way.
+    /// And the trilinear value, which is found with it.
     template <class F>
     CHIARO_INLINE Vec3<F> differences(const Location<F>& at, F& value) const {
         const Vec3<F> t = at.t;
