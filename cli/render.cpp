@@ -13,6 +13,7 @@
 #include "paging_options.h"
 #include "render_film.h"
 #include "scene_source.h"
+#include "unused_settings.h"
 
 namespace chiaro::cli {
 namespace {
@@ -29,6 +30,12 @@ struct RenderOptions {
 };
 
 bool is_exr(const std::filesystem::path& path) { return path.extension() == ".exr"; }
+
+bool shows_nothing(const Frame& frame) {
+    for (std::size_t i = 3; i < frame.rgba.size(); i += 4)
+        if (frame.rgba[i] > 0) return false;
+    return true;
+}
 
 /// Everything that can be refused before the work begins.
 void check_options(const RenderOptions& o, const FramePattern& pattern, const Scene& scene) {
@@ -67,6 +74,8 @@ public:
         if (!o_.first_picture.empty()) first_picture(job);
         show(scene_, session_, stats_, job, o_.common, o_.frames.has_value(),
              pattern_.is_of_moments() ? nullptr : &paging_);
+        if (!o_.common.quiet)
+            for (const auto& sentence : unused_settings(o_.flags.given(), scene_)) say(sentence);
         session_.expect_one_look();
         o_.frames ? turntable(job) : pattern_.is_of_moments() ? moments(job) : image(job);
         stats_.paging = session_.paging();
@@ -75,6 +84,10 @@ public:
         if (stats_.paths.samples && !o_.common.quiet) tell_noise(stats_.paths);
         if (!o_.common.quiet)
             for (const auto& note : session_.notes()) say(note);
+        if (!o_.common.quiet && shows_nothing(session_.frame()))
+            say("nothing is visible: no matter with any opacity lies in the picture; --transfer, --window, "
+                "--threshold, "
+                "--iso, the clip and the camera decide that");
         if (o_.common.verbose) tell_stages(stats_, device_);
     }
 

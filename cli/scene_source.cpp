@@ -13,7 +13,9 @@ namespace chiaro::cli {
 namespace {
 
 void tell_guess(const Session& session, const Scene& scene) {
-    if (!scene.transfer.source.empty() || scene.transfer.points || scene.volume.starts_with("sample:")) return;
+    const bool is_own_labels = !scene.labels.source.empty() && scene.labels.source == scene.volume;
+    if (!scene.transfer.source.empty() || scene.transfer.points || scene.volume.starts_with("sample:") || is_own_labels)
+        return;
     const Guess& guess = session.guess();
     say(fmt::format("looks like {} ({}): using --transfer {}", guess.modality, guess.reason, guess.preset));
 }

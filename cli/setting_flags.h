@@ -22,6 +22,7 @@ public:
     void add_to(CLI::App& app, const Wanted& wanted);
 
     bool any() const { return !given_.empty(); }
+    const GivenSettings& given() const { return given_; }
     /// Sets what was given on the command line, which wins over what the scene says. Throws Error{usage}.
     void apply(Scene& scene) const;
 

@@ -34,6 +34,9 @@ TEST(Contradictions, AreNotedWhereOneHasPrecedence) {
     expect_noted(folder.write("both.nhdr", nrrd_good + directions + "data file: v.raw\n"), "spacings beside");
     expect_noted(folder.write("pixdim.nii", Nifti(2, 8).sform({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 3, 0}).bytes() + voxels),
                  "pixdim states voxels of 0.5 x 2 x 3 mm");
+    Nifti mirrored(2, 8);
+    mirrored.qform(0, 0, 0, {0, 0, 0}).set<float>(80, -0.5f);
+    expect_noted(folder.write("mirrored.nii", mirrored.bytes() + voxels), "pixdim states negative voxel sizes");
     for (const std::uint32_t size : {0, 1}) {
         std::string tiff = tiff_file({TiffImage{}, TiffImage{}});
         const std::string field =

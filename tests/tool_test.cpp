@@ -147,6 +147,51 @@ TEST_F(Tool, TellsTheGuessOnce) {
     EXPECT_EQ(tool("render a.nrrd --size 16x16 --elevation -20 --up -x --light -30,20,red -o p.png --quiet").err, "");
 }
 
+/// One line for each flag that no light, camera or mode of the picture goes by; none for those that it does.
+TEST_F(Tool, TellsWhatChangesNothing) {
+    struct Case {
+        const char *arguments, *flag;  ///< null: each changes something
+    };
+    const Case cases[] = {
+        {"--probe sky", "--probe"},
+        {"--probe sky --probe-background", nullptr},
+        {"--lighting visibility --probe sky --probe-rotation 30", nullptr},
+        {"--lighting visibility --light 10,20", "--light"},
+        {"--lighting visibility --light 10,20 --probe lights", nullptr},
+        {"--light 10,20", nullptr},
+        {"--iso 40", "--iso"},
+        {"--mode iso --iso 40", nullptr},
+        {"--focus 100", "--focus"},
+        {"--view left --azimuth 20", "--azimuth"},
+        {"--eye 50,50,50 --target 0,0,0 --zoom 2", "--zoom"},
+        {"--azimuth 20 --elevation 5 --zoom 2", nullptr},
+        {"--mode mip --spao-levels 3", "--spao-levels"},
+        {"--mode mip --lighting none", nullptr},
+        {"--lighting visibility --spao-levels 3", "--spao-levels"},
+        {"--lighting visibility --sh-bands 2", nullptr},
+    };
+    for (const auto& [arguments, flag] : cases) {
+        const Said said = tool("render sample:torso:16 --size 16x16 -o p.png " + std::string(arguments));
+        EXPECT_EQ(said.code, 0) << said.err;
+        if (flag)
+            EXPECT_TRUE(said.err.starts_with(std::string("chiaro: ") + flag + " changes nothing: ")) << said.err;
+        else
+            EXPECT_EQ(said.err, "") << arguments;
+        EXPECT_LE(std::count(said.err.begin(), said.err.end(), '\n'), 1) << said.err;
+    }
+}
+
+TEST_F(Tool, TellsWhereNothingIsVisible) {
+    const std::string render = "render sample:ball:16 --size 16x16 -o p.png ";
+    EXPECT_EQ(tool(render).err, "");
+    for (const char* arguments : {"--opacity-scale 0", "--clip-plane 1,0,0,-1000", "--mode iso --iso 300"}) {
+        const Said said = tool(render + arguments);
+        EXPECT_EQ(said.code, 0) << arguments;
+        EXPECT_TRUE(said.err.starts_with("chiaro: nothing is visible")) << arguments << said.err;
+        EXPECT_EQ(tool(render + arguments + " --quiet").err, "");
+    }
+}
+
 // Scene, picture, scene: what the picture carries remakes it to the byte, and is the same scene again.
 TEST_F(Tool, APictureRemakesItself) {
     const std::string scene = "render sample:menger:16 --size 40x30 --quiet --transfer viridis -o a.png ";

@@ -316,6 +316,10 @@ Guess guess_of(const Volume& volume) { return guess(volume, measure(volume)); }
 
 }  // namespace
 
+TEST(Guess, OneValueAloneIsNoAngiography) {
+    EXPECT_EQ(guess_of(with_peaks(VoxelType::u8, {{77, 0, 1}}, 77, 77)).reason, "all values are the same");
+}
+
 TEST(Guess, ACtWithoutItsUnitIsKnownByItsAir) {
     const auto zero_of = [](std::initializer_list<Peak> peaks) {
         return measure(with_peaks(VoxelType::u16, peaks, 0, 3500)).hu_zero;

@@ -199,7 +199,12 @@ TEST(ZarrWrite, NothingIsOverwrittenOrTakenForAnotherVolume) {
     Progress cancelled;
     cancelled.cancel();
     EXPECT_THROW(write_zarr(*source, store, {}, cancelled), Error);
-    EXPECT_THROW(read(store), Error) << "half a store is none";
+    try {
+        read(store);
+        ADD_FAILURE() << "half a store is none";
+    } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find("may have been interrupted"), std::string::npos) << error.what();
+    }
     EXPECT_NE(sentence({ZarrEncoding::raw}).find("another conversion"), std::string::npos);
     fs::remove_all(store / "0");  // as if it were broken off before
     EXPECT_EQ(sentence({}), "");

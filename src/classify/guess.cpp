@@ -38,7 +38,7 @@ bool has_bright_plateau(const Statistics& data) { return data.p99 > 0 && data.p9
 /// Vessels full of contrast medium after all else was subtracted: nearly all is dark, the rest as bright as can be.
 bool is_sparse_and_bright(const Statistics& data) {
     const double range = data.max - data.min;
-    return data.p99 <= data.min + 0.01 * range && data.p999 >= data.min + 0.5 * range;
+    return range > 0 && data.p99 <= data.min + 0.01 * range && data.p999 >= data.min + 0.5 * range;
 }
 
 /// A density that thins out: from its background the histogram only falls. Solid matter has a peak of its own.
@@ -130,6 +130,7 @@ Guess from_values(const Volume& volume, const Statistics& data) {
     const bool anatomical = volume.geometry.world != World::unknown, is_8_bit = size_of(volume.type) == 1;
     const std::string type(name_of(volume.type));
     if (looks_like_hu(volume, data)) return {"CT", "ct-bone", "values of " + range_text(data) + " look like HU"};
+    if (data.max <= data.min) return {"simulation", "simulation", "all values are the same"};
     if (data.hu_zero > 0 || looks_like_unscaled_ct(volume, data)) return without_rescale(data, "16 bit values");
     if (const auto hint = from_words(volume, "")) return *hint;
     if (is_sparse_and_bright(data))

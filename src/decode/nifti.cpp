@@ -142,9 +142,11 @@ bool agree(const Vec3& a, const Vec3& b) {
 void set_geometry(const NiftiHeader& header, Volume& volume) {
     Geometry& geometry = volume.geometry;
     const double unit = millimetres_per_unit(header, volume);
+    bool is_mirrored = false;
     for (int axis = 0; axis < 3; ++axis) {
         const bool flat = axis == 2 && volume.dimensions[2] == 1 && header.pixdim[3] == 0;
-        geometry.spacing_mm[axis] = flat ? unit : unit * header.pixdim[std::size_t(axis) + 1];
+        geometry.spacing_mm[axis] = flat ? unit : unit * std::abs(header.pixdim[std::size_t(axis) + 1]);
+        is_mirrored = is_mirrored || header.pixdim[std::size_t(axis) + 1] < 0;
     }
     if (header.sform_code > 0) {
         const auto& s = header.srow;
@@ -161,6 +163,7 @@ void set_geometry(const NiftiHeader& header, Volume& volume) {
         geometry.world = World::ras;
         geometry.origin_mm = unit * Vec3{header.qoffset[0], header.qoffset[1], header.qoffset[2]};
         geometry.direction = axes_of_qform(header);
+        if (is_mirrored) volume.notes.push_back("pixdim states negative voxel sizes; their magnitudes are taken");
     } else {
         volume.notes.push_back("states neither sform nor qform, so its orientation is unknown");
     }

@@ -132,6 +132,10 @@ Candidate examine(const std::string& stated_name, const ReadOptions& options) {
     if (!candidate.is_file && !candidate.is_folder)
         throw Error(ErrorCode::input,
                     "cannot read '" + one_line(name) + "': it is neither a regular file nor a folder");
+    if (candidate.is_folder && candidate.ends_with({".zarr"}) && !is_zarr_folder(name))
+        throw Error(ErrorCode::input, "cannot read '" + one_line(name) +
+                                          "': an OME-Zarr without its description, which is written last; what made it "
+                                          "may have been interrupted (chiaro convert goes on where it was)");
     if (!candidate.is_file) return candidate;
     std::ifstream file(name, std::ios::binary);
     if (!file) throw Error(ErrorCode::input, "cannot read '" + one_line(name) + "': it cannot be opened");

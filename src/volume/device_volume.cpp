@@ -33,6 +33,14 @@ int exponent_for(const Conversion<Source>& c) {
     return fits ? 0 : std::min(40 - std::ilogb(most), 1020);
 }
 
+/// Whether all numbers are so far from 0 that floats would hold little of what tells one from another: pressure in Pa,
+/// time in s.
+template <class Source>
+bool is_far_from_zero(const Conversion<Source>& c) {
+    const double range = double(c.high) - double(c.low);
+    return range > 0 && largest_of(c) > 256 * range;
+}
+
 /// Smallest and largest finite stored value; low > high if there is none.
 template <class Source>
 Conversion<Source> stored_range(const Volume& volume, int threads, const Progress& progress) {
@@ -170,22 +178,25 @@ void store(const Source& source, DeviceVolume::Data& data) {
     } else {
         c = joined(source.device, stored_range<Stored>(volume, source.device.threads, source.progress));
         if (c.low > c.high) throw Error(ErrorCode::input, "no voxel of " + volume.source + " is a finite number");
+        const auto shift_to_low = [&] {
+            c.shift = c.low;
+            data.shift = double(c.low);
+            data.offset += data.scale * data.shift;
+        };
         if constexpr (std::is_integral_v<Stored>)
             if (std::make_unsigned_t<Stored>(c.high) - std::make_unsigned_t<Stored>(c.low) <= 65535u) {
                 data.stored = VoxelType::u16;
-                c.shift = c.low;
-                data.shift = double(c.low);
-                data.offset += data.scale * data.shift;
+                shift_to_low();
                 return fill_bricks<Stored, std::uint16_t>(source, c, data);
             }
         data.stored = VoxelType::f32;
-        data.exact =
-            std::is_same_v<Stored, float> ? c.all_finite : largest_of(c) <= 0x1p24 && std::is_integral_v<Stored>;
-        if constexpr (std::is_floating_point_v<Stored>) {
-            c.exponent = exponent_for(c);
-            data.scale = std::ldexp(data.scale, -c.exponent);
-            data.exact = data.exact && c.exponent == 0;
-        }
+        if constexpr (std::is_floating_point_v<Stored>) c.exponent = exponent_for(c);
+        const bool is_shifted = c.exponent == 0 && is_far_from_zero(c);
+        const double largest = is_shifted ? double(c.high) - double(c.low) : largest_of(c);
+        data.exact = std::is_same_v<Stored, float> ? c.all_finite && c.exponent == 0
+                                                   : largest <= 0x1p24 && std::is_integral_v<Stored>;
+        data.scale = std::ldexp(data.scale, -c.exponent);
+        if (is_shifted) shift_to_low();
         fill_bricks<Stored, float>(source, c, data);
     }
 }

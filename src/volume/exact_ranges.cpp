@@ -16,11 +16,14 @@ namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-/// Of the box's voxels as they are stored; what is not finite makes its bound infinite.
+/// Of the box's voxels as a volume stores them; what is not finite makes its bound infinite.
 template <class Source>
-std::pair<float, float> range_of(const std::vector<Source>& voxels) {
+std::pair<float, float> range_of(const std::vector<Source>& voxels, const DeviceVolume::Data& like) {
     Conversion<Source> conversion;
-    if constexpr (std::is_integral_v<Source>) conversion.shift = std::numeric_limits<Source>::min();
+    if constexpr (std::is_integral_v<Source>)
+        conversion.shift = std::numeric_limits<Source>::min();
+    else
+        conversion.shift = Source(like.shift);
     float low = infinity, high = -infinity;
     bool below = false, above = false;
     for (const Source v : voxels) {
@@ -29,7 +32,7 @@ std::pair<float, float> range_of(const std::vector<Source>& voxels) {
                 (v > 0 ? above : below) = true;
                 continue;
             }
-            low = std::min(low, v), high = std::max(high, v);
+            low = std::min(low, v - conversion.shift), high = std::max(high, v - conversion.shift);
         } else {
             const auto stored = float(convert<std::make_unsigned_t<Source>>(v, conversion));
             low = std::min(low, stored), high = std::max(high, stored);
@@ -60,7 +63,7 @@ BrickRanges exact_ranges(const BrickSource& source, const DeviceVolume::Data& li
             if constexpr (sizeof(Source) <= 2 || std::is_same_v<Source, float>) {
                 std::vector<Source> voxels(std::size_t(box.size[0]) * box.size[1] * box.size[2]);
                 source.read(0, box, reinterpret_cast<std::byte*>(voxels.data()));
-                std::tie(ranges.low[std::size_t(b)], ranges.high[std::size_t(b)]) = range_of(voxels);
+                std::tie(ranges.low[std::size_t(b)], ranges.high[std::size_t(b)]) = range_of(voxels, like);
             }
         });
     });

@@ -14,8 +14,8 @@ namespace chiaro {
 inline constexpr double below_2_41 =
     0x1.fffffep40;  ///< the last float: the largest double may not be rounded up to infinity
 
-/// How stored numbers become device numbers: device = stored - shift, then clamped to [low, high] where that is not
-/// finite; of floating-point numbers times 2^exponent.
+/// How stored numbers become device numbers: device = stored - shift, of those in [low, high] that is next where a
+/// stored one is not finite; of floating-point numbers without shift times 2^exponent.
 template <class Source>
 struct Conversion {
     Source shift = 0;
@@ -35,10 +35,11 @@ Device convert(Source v, const Conversion<Source>& c) {
     if constexpr (std::is_floating_point_v<Source>) {
         // NaN reads as the smallest value, which transfer functions leave empty more often than any other.
         if (!std::isfinite(v)) v = v > 0 ? c.high : c.low;
-        if (c.exponent == 0) return Device(v);
+        if (c.exponent == 0) return Device(v - c.shift);
         return Device(std::clamp(double(std::ldexp(v, c.exponent)), -below_2_41, below_2_41));
     } else if constexpr (std::is_floating_point_v<Device>) {
-        return Device(v);
+        return c.shift == 0 ? Device(v)
+                            : Device(std::make_unsigned_t<Source>(v) - std::make_unsigned_t<Source>(c.shift));
     } else {
         return Device(std::make_unsigned_t<Source>(v) - std::make_unsigned_t<Source>(c.shift));
     }

@@ -27,7 +27,8 @@ Conversion<Source> conversion_of(const DeviceVolume::Data& like) {
     if constexpr (std::is_integral_v<Source>)
         c.shift = std::numeric_limits<Source>::min();
     else
-        c.low = Source(like.stored_min), c.high = Source(like.stored_max);
+        c.shift = Source(like.shift), c.low = Source(like.stored_min) + c.shift,
+        c.high = Source(like.stored_max) + c.shift;
     return c;
 }
 

@@ -109,6 +109,34 @@ TYPED_TEST(StoredTypes, ValuesAndCellRangesSurviveBricking) {
             }
 }
 
+/// Values that are far from 0 beside their range keep what tells them apart: pressure in Pa, times, large numbers.
+template <class T>
+double largest_error_of(double offset, double range) {
+    std::mt19937 random(3);
+    const std::array<int, 3> n{9, 8, 7};
+    const Volume volume =
+        sampled<T>(n, [&](double, double, double) { return offset + range * (random() % 1000) / 999; });
+    const DeviceVolume uploaded = upload(tested_device(), volume);
+    double largest = 0;
+    for (int z = 0; z < n[2]; ++z)
+        for (int y = 0; y < n[1]; ++y)
+            for (int x = 0; x < n[0]; ++x) {
+                const double stored =
+                    value_at(view_of<float>(uploaded), kernel::Vec3<float>{float(x), float(y), float(z)});
+                const T given = volume.as<T>()[(std::size_t(z) * n[1] + y) * n[0] + x];
+                largest = std::max(largest, std::abs(uploaded.data().value_of(stored) - double(given)));
+            }
+    return largest;
+}
+
+TEST(Upload, KeepsValuesFarFromZeroApart) {
+    EXPECT_LT(largest_error_of<double>(1e9, 1), 2e-7);
+    EXPECT_LT(largest_error_of<double>(-101325, 0.1), 2e-8);
+    EXPECT_EQ(largest_error_of<float>(101325, 100), 0);
+    EXPECT_EQ(largest_error_of<std::int64_t>(1e12, 1e6), 0);
+    EXPECT_LT(largest_error_of<double>(5, 10), 1e-6);
+}
+
 TEST(Upload, KeepsBytesAndShortsAndNarrowsWideIntegers) {
     const auto stored = [](auto zero, double top) {
         using T = decltype(zero);
