@@ -177,6 +177,12 @@ void print_moments(const Moments& moments) {
     if (!line.empty()) fmt::print("              {}\n", line);
 }
 
+/// So many that values far from 0 are told apart.
+int digits_of(const Statistics& s) {
+    const double range = s.max - s.min, largest = std::max(std::abs(s.min), std::abs(s.max));
+    return range > 0 ? std::clamp(int(std::ceil(std::log10(largest / range))) + 4, 6, 16) : 6;
+}
+
 void print_text(const Told& told) {
     const auto& [volume, sampled, source, s, guess, detached, channels, labels] = told;
     const std::string parts = volume.components > 1 ? fmt::format(", {} components", volume.components) : "";
@@ -188,8 +194,10 @@ void print_text(const Told& told) {
         fmt::print("  levels      {}, halved to {}; what follows is of {} voxels of them (--exact: of all)\n",
                    source->levels().size(), to_text(source->levels().back().dimensions), to_text(sampled.dimensions));
     if (!channels.empty()) print_channels(told);
-    fmt::print("  values      {:.6g} to {:.6g}\n", s.min, s.max);
-    fmt::print("  percentiles 1 %: {:.6g}, 50 %: {:.6g}, 99 %: {:.6g}, 99.9 %: {:.6g}\n", s.p1, s.p50, s.p99, s.p999);
+    const int digits = digits_of(s);
+    fmt::print("  values      {:.{}g} to {:.{}g}\n", s.min, digits, s.max, digits);
+    fmt::print("  percentiles 1 %: {:.{}g}, 50 %: {:.{}g}, 99 %: {:.{}g}, 99.9 %: {:.{}g}\n", s.p1, digits, s.p50,
+               digits, s.p99, digits, s.p999, digits);
     fmt::print("  noise       {:.2g} % of the range from 1 to 99.9 %{}\n", 100 * s.noise,
                s.noise > worth_smoothing ? ": --interpolation auto smooths, where thin structures survive" : "");
     if (s.nonfinite) fmt::print("  not finite  {} voxels\n", s.nonfinite);

@@ -126,6 +126,10 @@ void run(const ViewOptions& o) {
         bar.clear();
         if (o.common.verbose) say(fmt::format("read {} in {:.3f} s", options.scene->volume, seconds));
     };
+    options.unreadable = [&](const std::string& sentence) {
+        bar.clear();
+        say(sentence + "; the page goes on without it");
+    };
     server::Viewer viewer(options);
     tell(viewer, o);
     if (!o.no_open && has_display()) open_browser(viewer.url());

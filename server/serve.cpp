@@ -70,7 +70,8 @@ public:
                    Progress(options.report),
                    options.changed},
           base_path_(options.base_path),
-          read_in_(options.read_in) {
+          read_in_(options.read_in),
+          unreadable_(options.unreadable) {
         context_.lists["embed_from"] = options.embed_from;
         if (context_.initial) reading_.post([this] { read_first(); });
     }
@@ -224,7 +225,8 @@ private:
             first_ = context_.volumes.load(*context_.initial, context_.first);
             const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
             if (read_in_) read_in_(passed.count());
-        } catch (const std::exception&) {  // told to each page that asks for it
+        } catch (const std::exception& error) {  // told to each page that asks for it
+            if (unreadable_ && !context_.first.cancelled()) unreadable_(error.what());
         }
     }
 
@@ -279,6 +281,7 @@ private:
     std::map<std::string, std::shared_ptr<View>> views_;                 // of the network's thread alone
     std::shared_ptr<const Loaded> first_;
     std::function<void(double)> read_in_;
+    std::function<void(const std::string&)> unreadable_;
     SerialQueue reading_, leaving_;  // the last members: their work uses the others
 };
 

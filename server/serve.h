@@ -36,7 +36,9 @@ struct ViewerOptions {
     Device device;
     PagingSettings paging{};                   ///< how volumes that do not fit are read
     Progress::Report report = {};              ///< hears of reading the first volume
-    std::function<void(double)> read_in = {};  ///< is told the seconds it took; both from another thread
+    std::function<void(double)> read_in = {};  ///< is told the seconds it took ...
+    /// ... or why it cannot be read, which each page is told, too; all three from another thread.
+    std::function<void(const std::string& sentence)> unreadable = {};
 };
 
 /// The server behind server/PROTOCOL.md. Listens from its construction on. Throws Error{usage, output}.

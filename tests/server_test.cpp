@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <sys/file.h>
 
+#include <future>
+
 #include "server_case.h"
 
 using namespace chiaro;
@@ -346,6 +348,19 @@ TEST(Server, TellsOfTheFirstReadingAndGivesItUp) {
 }
 
 /// What local histograms take in the user's cache, and nothing else that is there.
+TEST(Server, TellsWhyTheFirstVolumeCannotBeRead) {
+    setenv("CHIARO_VIEW_TOKEN", test_token, 1);
+    server::ViewerOptions options;
+    options.port = 0, options.device = Device::cpu(2);
+    options.scene = scene_of_volume("/nowhere/scan.nrrd");
+    std::promise<std::string> told;
+    options.unreadable = [&](const std::string& sentence) { told.set_value(sentence); };
+    server::Viewer viewer(options);
+    auto sentence = told.get_future();
+    ASSERT_EQ(sentence.wait_for(std::chrono::seconds(60)), std::future_status::ready);
+    EXPECT_NE(sentence.get().find("there is no such file"), std::string::npos);
+}
+
 TEST(Server, TellsAndClearsWhatIsKept) {
     const Server server;
     const char* was = std::getenv("XDG_CACHE_HOME");

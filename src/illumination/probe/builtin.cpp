@@ -8,6 +8,7 @@
 #include "core/did_you_mean.h"
 #include "core/threads.h"
 #include "illumination/probe/data.h"
+#include "illumination/probe/lights.h"
 
 namespace chiaro {
 namespace {
@@ -131,6 +132,7 @@ Probe builtin_probe(const std::string& name) {
         if (name == row.name) return sampled(row);
         names.push_back(row.name);
     }
+    names.push_back(lights_probe);
     throw Error(ErrorCode::usage, fmt::format("no light probe '{}': it is a file (.hdr, .exr) or one of {}{}", name,
                                               fmt::join(names, ", "), did_you_mean(name, names)));
 }
