@@ -84,7 +84,7 @@ public:
         if (stats_.paths.samples && !o_.common.quiet) tell_noise(stats_.paths);
         if (!o_.common.quiet)
             for (const auto& note : session_.notes()) say(note);
-        if (!o_.common.quiet && shows_nothing(session_.frame()))
+        if (!o_.common.quiet && !shows_something_)
             say("nothing is visible: no matter with any opacity lies in the picture; --transfer, --window, "
                 "--threshold, "
                 "--iso, the clip and the camera decide that");
@@ -105,6 +105,7 @@ private:
         stats_.frames.push_back(time);
         stats_.samples += session_.render_statistics().samples;
         stats_.paths = session_.render_statistics().paths;
+        shows_something_ = shows_something_ || !shows_nothing(session_.frame());
     }
 
     void write(const Scene& scene, int frame, Job& job) {
@@ -177,6 +178,7 @@ private:
     Session session_{device_};
     Stats stats_;
     double write_seconds_ = 0;
+    bool shows_something_ = false;
 };
 
 }  // namespace

@@ -17,8 +17,8 @@ constexpr OfMethod of_methods[] = {{"spao-", Method::spao},
                                    {"transport-", Method::transport},
                                    {"reference-", Method::reference}};
 
-bool is_lit_by_probe(Method method) {
-    return method == Method::visibility || method == Method::transport || method == Method::reference;
+bool is_lit_by_probe(const IlluminationSettings& light) {
+    return light.method == Method::visibility || light.method == Method::transport || is_path_traced(light);
 }
 
 /// Why a setting changes nothing; empty where it does, or might.
@@ -30,7 +30,8 @@ std::string why_unused(std::string_view name, const Scene& scene) {
     if (is("focus") && camera.aperture_mm == 0) return "without --aperture all is sharp";
     const bool is_orbit = is("azimuth", "elevation");
     if (is_orbit && camera.view) return "--view says where the camera is";
-    if ((is_orbit || is("zoom", "view")) && camera.eye) return "--eye and --target say where the camera is";
+    const bool zooms = is("zoom") && camera.projection == Projection::perspective;
+    if ((is_orbit || zooms) && camera.eye) return "--eye and --target say where the camera is";
     const bool is_of_light = is("lighting", "light", "probe", "probe-rotation", "probe-exposure", "glow", "surfaces");
     bool is_of_method = false;
     for (const OfMethod& of : of_methods) {
@@ -41,11 +42,12 @@ std::string why_unused(std::string_view name, const Scene& scene) {
                                to_text(method));
     }
     if (!is_lit(scene.mode) && (is_of_light || is_of_method) && !(is("lighting") && method == Method::none) &&
-        !(name.starts_with("probe") && scene.lighting.probe.background))
+        !((name.starts_with("probe") || is("light")) && scene.lighting.probe.background))
         return fmt::format("--mode {} shows no light", to_text(scene.mode));
-    if (is("light") && is_lit_by_probe(method) && scene.lighting.probe.source != "lights")
+    if (is("light") && is_lit_by_probe(scene.illumination) && scene.lighting.probe.source != "lights")
         return fmt::format("--lighting {} takes its light from --probe (--probe lights has these)", to_text(method));
-    if (is("probe", "probe-rotation", "probe-exposure") && !is_lit_by_probe(method) && !scene.lighting.probe.background)
+    if (is("probe", "probe-rotation", "probe-exposure") && !is_lit_by_probe(scene.illumination) &&
+        !scene.lighting.probe.background)
         return fmt::format("--lighting {} takes no light from a probe; visibility, transport and reference do",
                            to_text(method));
     if (is("glow") && method != Method::histogram) return "it belongs to --lighting histogram";

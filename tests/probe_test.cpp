@@ -156,7 +156,7 @@ TEST_F(ProbeTool, RefusalsAreOneSentenceWithTheRightCode) {
     };
     EXPECT_EQ(said("stdio"),
               "2 chiaro: no light probe 'stdio': it is a file (.hdr, .exr) or one of white, sky, studio, "
-              "windows, three-point; did you mean 'studio'?\n");
+              "windows, three-point, lights; did you mean 'studio'?\n");
     EXPECT_EQ(said("none.hdr"), "3 chiaro: cannot read 'none.hdr': No such file or directory\n");
     write("text.hdr", "no picture");
     EXPECT_EQ(said("text.hdr"), "3 chiaro: text.hdr: is neither a Radiance picture (.hdr) nor an OpenEXR file\n");

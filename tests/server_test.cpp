@@ -347,7 +347,7 @@ TEST(Server, TellsOfTheFirstReadingAndGivesItUp) {
     EXPECT_TRUE(page.of_stage(1, "final"));
 }
 
-/// What local histograms take in the user's cache, and nothing else that is there.
+/// The terminal is, once; the page goes on.
 TEST(Server, TellsWhyTheFirstVolumeCannotBeRead) {
     setenv("CHIARO_VIEW_TOKEN", test_token, 1);
     server::ViewerOptions options;
@@ -361,6 +361,7 @@ TEST(Server, TellsWhyTheFirstVolumeCannotBeRead) {
     EXPECT_NE(sentence.get().find("there is no such file"), std::string::npos);
 }
 
+/// What local histograms take in the user's cache, and nothing else that is there.
 TEST(Server, TellsAndClearsWhatIsKept) {
     const Server server;
     const char* was = std::getenv("XDG_CACHE_HOME");

@@ -100,10 +100,7 @@ Medium classified_value(const Device& device, const DeviceVolume& volume, const 
     data->volume = volume;
     data->shape = shape;
     data->table = make_optical_table(volume.data(), tf, shape);
-    if (shape.clip.largest) {
-        data->volume = with_largest_piece(*data);
-        data->table = make_optical_table(data->volume.data(), tf, shape);
-    }
+    if (shape.clip.largest) data->volume = with_largest_piece(*data);
     data->volume = interpolated(data->volume, shape.interpolation, progress);
     if (shape.mode == Mode::dvr || shape.mode == Mode::additive)
         data->volume = with_factor(data->volume, make_factor(data->volume.data(), tf, shape.color));

@@ -159,7 +159,7 @@ EmptyRange empty_range(const Medium::Data& medium, const Kinds& kinds, const std
     if (kinds.is_iso()) {
         const auto outside = values_outside(volume, kinds.lowest, {volume.stored_min, volume.stored_max});
         if (!outside) refuse_to_leave_out();
-        return {outside->first, outside->second};
+        return {outside->first, std::max(outside->first, outside->second)};
     }
     const auto rows = empty_rows(kinds.of_entry);
     if (rows.empty()) refuse_to_leave_out();
@@ -240,16 +240,22 @@ DeviceVolume with_largest_piece(const Medium::Data& medium) {
     const Pieces pieces = find_pieces(all, volume.dimensions, 2);
     const int threads = volume.device.threads;
     auto near = dilated(pieces.is_of_largest, volume.dimensions, kept_around, threads);
-    bool is_alone = true;
+    bool is_alone = kinds.is_iso() || empty_rows(kinds.of_entry).size() < 2;
     for (std::size_t i = 0; i < all.size() && is_alone; ++i)
         is_alone = all[i] == 0 || pieces.is_of_largest[i] || (all[i] == 1 && near[i]);
     if (is_alone) return medium.volume;
     const auto [low, high] = empty_range(medium, kinds, near);
-    const auto shows_nothing = [low = low, high = high](float stored) { return low <= stored && stored <= high; };
-    auto goes = bytes_of(volume, [&](float stored) -> std::uint8_t { return !shows_nothing(stored); });
+    const auto beside = dilated(pieces.is_of_largest, volume.dimensions, 1, threads);
+    // Means and smallest values along rays count what shows nothing, too.
+    const bool counts_all = medium.shape.mode == Mode::mean || medium.shape.mode == Mode::minip;
+    auto goes = bytes_of(
+        volume, [low = low, high = high](float stored) -> std::uint8_t { return !(low <= stored && stored <= high); });
     parallel_for(threads, std::int64_t(goes.size()), 1 << 16, [&](std::int64_t first, std::int64_t end) {
         for (auto i = std::size_t(first); i < std::size_t(end); ++i) {
-            goes[i] &= !pieces.is_of_largest[i] && !(near[i] && all[i] < 2);
+            const bool stays = all[i] == 0   ? beside[i] || counts_all
+                               : all[i] == 1 ? near[i] != 0
+                                             : pieces.is_of_largest[i] != 0;
+            goes[i] &= !stays;
             near[i] = !near[i];  // from here on: what is bounded
         }
     });

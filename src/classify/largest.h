@@ -25,8 +25,9 @@ std::optional<std::pair<float, float>> values_outside(const DeviceVolume::Data& 
 
 /// The volume of which only the largest piece is visible: voxels of an opacity of .1 and more over the opacity's unit
 /// (Mode::iso: at or above the lowest surface's value) whose centres the clip keeps, and what is fainter within two
-/// voxels of it. All others get values that show nothing, and between which nothing is seen either: of the range of
-/// such values that most voxels beside the piece have. A spline would swing beyond these, so farther off its
+/// voxels of it. All others but those beside it get values that show nothing, and between which nothing is seen either:
+/// of the range of such values that most voxels near the piece have (Mode::mean and minip: only those that showed
+/// something). A spline would swing beyond these, so farther off its
 /// coefficients are bounded. Throws Error{usage} where no value shows nothing. Cost: a copy of the bricks, a byte a
 /// voxel, and four more while it is made; some 15 core-ns a voxel.
 DeviceVolume with_largest_piece(const Medium::Data& medium);

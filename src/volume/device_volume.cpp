@@ -186,6 +186,7 @@ void store(const Source& source, DeviceVolume::Data& data) {
         if constexpr (std::is_integral_v<Stored>)
             if (std::make_unsigned_t<Stored>(c.high) - std::make_unsigned_t<Stored>(c.low) <= 65535u) {
                 data.stored = VoxelType::u16;
+                data.exact = largest_of(c) <= 0x1p53;
                 shift_to_low();
                 return fill_bricks<Stored, std::uint16_t>(source, c, data);
             }
@@ -193,8 +194,9 @@ void store(const Source& source, DeviceVolume::Data& data) {
         if constexpr (std::is_floating_point_v<Stored>) c.exponent = exponent_for(c);
         const bool is_shifted = c.exponent == 0 && is_far_from_zero(c);
         const double largest = is_shifted ? double(c.high) - double(c.low) : largest_of(c);
-        data.exact = std::is_same_v<Stored, float> ? c.all_finite && c.exponent == 0
-                                                   : largest <= 0x1p24 && std::is_integral_v<Stored>;
+        data.exact = std::is_same_v<Stored, float>
+                         ? c.all_finite && c.exponent == 0
+                         : largest <= 0x1p24 && largest_of(c) <= 0x1p53 && std::is_integral_v<Stored>;
         data.scale = std::ldexp(data.scale, -c.exponent);
         if (is_shifted) shift_to_low();
         fill_bricks<Stored, float>(source, c, data);

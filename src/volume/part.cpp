@@ -30,8 +30,9 @@ DeviceVolume part_of(const BrickSource& source, int level, const VoxelBox& box, 
     source.read(level, box, part.voxels.data());
     DeviceVolume uploaded = upload(Device::cpu(whole.data().device.threads), std::move(part));
     auto& data = const_cast<DeviceVolume::Data&>(uploaded.data());  // nobody else has it yet
-    data.stored_min = std::min(data.stored_min, whole.data().stored_min);
-    data.stored_max = std::max(data.stored_max, whole.data().stored_max);
+    const auto its = [&](float stored) { return float((whole.data().value_of(stored) - data.offset) / data.scale); };
+    data.stored_min = std::min(data.stored_min, its(whole.data().stored_min));
+    data.stored_max = std::max(data.stored_max, its(whole.data().stored_max));
     return uploaded;
 }
 

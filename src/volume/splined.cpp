@@ -50,7 +50,8 @@ void keep_within(const CoefficientBounds& bounds, const SplineCoding& coding, co
     float low = code_of(bounds.low), high = code_of(bounds.high);
     if constexpr (!std::is_floating_point_v<Voxel>) {
         constexpr float most = std::numeric_limits<Voxel>::max();
-        high = std::clamp(std::floor(high), 0.f, most), low = std::clamp(std::ceil(low), 0.f, high);
+        low = std::clamp(std::ceil(low), 0.f, most), high = std::clamp(std::floor(high), 0.f, most);
+        if (low > high) return;  // no code lies between the bounds
     }
     const auto voxel = [&](int i, std::size_t axis) {
         return std::size_t(std::clamp(brick[axis] * brick_edge - brick_before + i, 0, n[axis] - 1));

@@ -42,8 +42,9 @@ DeviceVolume without_hidden(const Medium::Data& medium, const LabelBricks& label
         throw Error(ErrorCode::usage,
                     "labels: every value that a voxel can have lies within the lowest isosurface (--iso), so nothing "
                     "can be hidden");
-    return edited(medium.volume, hidden_voxels(labels, volume),
-                  [&](float stored) { return std::clamp(stored, outside->first, outside->second); });
+    return edited(
+        medium.volume, hidden_voxels(labels, volume),
+        [&](float stored) { return std::clamp(stored, outside->first, outside->second); }, volume.bounds);
 }
 
 }  // namespace
