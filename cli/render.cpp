@@ -86,8 +86,7 @@ public:
             for (const auto& note : session_.notes()) say(note);
         if (!o_.common.quiet && !shows_something_)
             say("nothing is visible: no matter with any opacity lies in the picture; --transfer, --window, "
-                "--threshold, "
-                "--iso, the clip and the camera decide that");
+                "--threshold, --iso, the clip and the camera decide that");
         if (o_.common.verbose) tell_stages(stats_, device_);
     }
 

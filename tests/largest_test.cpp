@@ -161,7 +161,8 @@ Volume wall() {
     });
 }
 
-/// Whatever lies between voxels: off the piece no value is one that shows something. So far, voxels are as they were.
+/// At no point that is far enough from the piece, between voxels neither: linear values read voxels up to one away,
+/// splines up to two, and voxels within two of the piece may stay as they are.
 TEST(Largest, NothingIsSeenOfTheOthers) {
     std::mt19937 random(7);
     for (const Volume& volume : {things(), ball_in_shell<std::uint8_t>(), ball_in_shell<float>(), wall()})

@@ -347,7 +347,7 @@ TEST(Server, TellsOfTheFirstReadingAndGivesItUp) {
     EXPECT_TRUE(page.of_stage(1, "final"));
 }
 
-/// The terminal is, once; the page goes on.
+/// Without a page that asks for the volume.
 TEST(Server, TellsWhyTheFirstVolumeCannotBeRead) {
     setenv("CHIARO_VIEW_TOKEN", test_token, 1);
     server::ViewerOptions options;

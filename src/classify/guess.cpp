@@ -38,7 +38,7 @@ bool has_bright_plateau(const Statistics& data) { return data.p99 > 0 && data.p9
 /// Vessels full of contrast medium after all else was subtracted: nearly all is dark, the rest as bright as can be.
 bool is_sparse_and_bright(const Statistics& data) {
     const double range = data.max - data.min;
-    return range > 0 && data.p99 <= data.min + 0.01 * range && data.p999 >= data.min + 0.5 * range;
+    return data.p99 <= data.min + 0.01 * range && data.p999 >= data.min + 0.5 * range;
 }
 
 /// A density that thins out: from its background the histogram only falls. Solid matter has a peak of its own.

@@ -3,6 +3,7 @@
 #include <chiaro/error.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>

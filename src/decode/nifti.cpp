@@ -148,6 +148,8 @@ void set_geometry(const NiftiHeader& header, Volume& volume) {
         geometry.spacing_mm[axis] = flat ? unit : unit * std::abs(header.pixdim[std::size_t(axis) + 1]);
         is_mirrored = is_mirrored || header.pixdim[std::size_t(axis) + 1] < 0;
     }
+    if (is_mirrored && header.sform_code <= 0)
+        volume.notes.push_back("pixdim states negative voxel sizes; their magnitudes are taken");
     if (header.sform_code > 0) {
         const auto& s = header.srow;
         const auto column = [&](int i) { return unit * Vec3{s[0][i], s[1][i], s[2][i]}; };
@@ -163,7 +165,6 @@ void set_geometry(const NiftiHeader& header, Volume& volume) {
         geometry.world = World::ras;
         geometry.origin_mm = unit * Vec3{header.qoffset[0], header.qoffset[1], header.qoffset[2]};
         geometry.direction = axes_of_qform(header);
-        if (is_mirrored) volume.notes.push_back("pixdim states negative voxel sizes; their magnitudes are taken");
     } else {
         volume.notes.push_back("states neither sform nor qform, so its orientation is unknown");
     }

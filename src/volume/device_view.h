@@ -73,6 +73,21 @@ decltype(auto) with_stored_voxel(const DeviceVolume::Data& volume, Function&& f)
     }
 }
 
+/// Calls visit(number, voxel) for the first slices of a brick's numbers, border included: `voxel` is the one whose it
+/// is or, beyond the volume, the nearest; x fastest.
+template <class Number, class Visit>
+void for_each_of_brick(const std::array<int, 3>& n, const std::array<int, 3>& brick, int slices, Number* numbers,
+                       const Visit& visit) {
+    const auto voxel = [&](int i, std::size_t axis) {
+        return std::size_t(std::clamp(brick[axis] * brick_edge - brick_before + i, 0, n[axis] - 1));
+    };
+    for (int z = 0; z < slices; ++z)
+        for (int y = 0; y < brick_row; ++y) {
+            const std::size_t row = (voxel(z, 2) * std::size_t(n[1]) + voxel(y, 1)) * std::size_t(n[0]);
+            for (int x = 0; x < brick_row; ++x) visit(numbers[z * brick_slice + y * brick_row + x], row + voxel(x, 0));
+        }
+}
+
 /// Calls visit(x, count, voxels) for the pieces of row (y, z), each of which lies side by side in a brick.
 template <class Voxel, class Visit>
 void for_each_run(const DeviceVolume::Data& volume, int y, int z, const Visit& visit) {

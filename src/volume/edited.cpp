@@ -7,26 +7,6 @@
 #include "volume/device_view.h"
 
 namespace chiaro {
-namespace {
-
-/// Replaces the voxels of a brick, those of its border too.
-template <class Voxel>
-void edit_brick(const DeviceVolume::Data& volume, std::array<int, 3> brick, const std::vector<std::uint8_t>& is_changed,
-                const std::function<float(float)>& new_value, Voxel* voxels) {
-    const auto [nx, ny, nz] = volume.dimensions;
-    for (int z = 0; z < brick_row; ++z)
-        for (int y = 0; y < brick_row; ++y)
-            for (int x = 0; x < brick_row; ++x) {
-                const auto at = [&](int i, int axis, int n) {
-                    return std::clamp(brick[std::size_t(axis)] * brick_edge - brick_before + i, 0, n - 1);
-                };
-                const std::size_t voxel = (std::size_t(at(z, 2, nz)) * ny + at(y, 1, ny)) * nx + at(x, 0, nx);
-                Voxel& stored = voxels[z * brick_slice + y * brick_row + x];
-                if (is_changed[voxel]) stored = Voxel(new_value(float(stored)));
-            }
-}
-
-}  // namespace
 
 DeviceVolume edited(const DeviceVolume& volume, const std::vector<std::uint8_t>& is_changed,
                     const std::function<float(float)>& new_value, std::shared_ptr<const CoefficientBounds> bounds) {
@@ -47,7 +27,10 @@ DeviceVolume edited(const DeviceVolume& volume, const std::vector<std::uint8_t>&
                          const std::array<int, 3> at{int(b % bricks[0]), int(b / bricks[0] % bricks[1]),
                                                      int(b / (std::int64_t(bricks[0]) * bricks[1]))};
                          Voxel* brick = all + std::size_t(b) * brick_voxels;
-                         edit_brick(source, at, is_changed, new_value, brick);
+                         for_each_of_brick(source.dimensions, at, brick_row, brick,
+                                           [&](Voxel& stored, std::size_t voxel) {
+                                               if (is_changed[voxel]) stored = Voxel(new_value(float(stored)));
+                                           });
                          fill_cells(brick, at, brick_row, made->cells);
                      });
     });

@@ -14,8 +14,8 @@ namespace chiaro {
 inline constexpr double below_2_41 =
     0x1.fffffep40;  ///< the last float: the largest double may not be rounded up to infinity
 
-/// How stored numbers become device numbers: device = stored - shift, of those in [low, high] that is next where a
-/// stored one is not finite; of floating-point numbers without shift times 2^exponent.
+/// How stored numbers become device numbers: device = stored - shift; low or high stands for one that is not finite.
+/// Floating-point numbers with an exponent have no shift: device = stored * 2^exponent.
 template <class Source>
 struct Conversion {
     Source shift = 0;

@@ -53,17 +53,9 @@ void keep_within(const CoefficientBounds& bounds, const SplineCoding& coding, co
         low = std::clamp(std::ceil(low), 0.f, most), high = std::clamp(std::floor(high), 0.f, most);
         if (low > high) return;  // no code lies between the bounds
     }
-    const auto voxel = [&](int i, std::size_t axis) {
-        return std::size_t(std::clamp(brick[axis] * brick_edge - brick_before + i, 0, n[axis] - 1));
-    };
-    for (int z = 0; z < slices; ++z)
-        for (int y = 0; y < brick_row; ++y) {
-            const std::size_t row = (voxel(z, 2) * std::size_t(n[1]) + voxel(y, 1)) * std::size_t(n[0]);
-            for (int x = 0; x < brick_row; ++x) {
-                Voxel& code = codes[z * brick_slice + y * brick_row + x];
-                if (bounds.is_bounded[row + voxel(x, 0)]) code = std::clamp(code, Voxel(low), Voxel(high));
-            }
-        }
+    for_each_of_brick(n, brick, slices, codes, [&](Voxel& code, std::size_t voxel) {
+        if (bounds.is_bounded[voxel]) code = std::clamp(code, Voxel(low), Voxel(high));
+    });
 }
 
 /// The bricks of the filtered voxels, as those of `source` lie.
