@@ -81,7 +81,11 @@ struct Lattice {
     Interval<F> own;          ///< of these, steps that count, where a volume is shown block by block
 
     /// Voxel coordinates of sample k.
-    CHIARO_INLINE Vec3<F> position(F k) const { return at(min(k + F(0.5f), full + F(0.5f) * rest)); }
+    CHIARO_INLINE Vec3<F> position(F k) const { return middle(k, F(1)); }
+    /// Of the middle of a step, or a part of one, that begins after k steps.
+    CHIARO_INLINE Vec3<F> middle(F k, F length) const {
+        return at(min(mad(F(0.5f), length, k), full + F(0.5f) * rest));
+    }
     /// Voxel coordinates after a number of steps, of `full + rest` to the exit.
     CHIARO_INLINE Vec3<F> at(F steps) const { return mad(steps, step, entry); }
     CHIARO_INLINE F exit() const { return full + rest; }

@@ -58,6 +58,7 @@ struct Matter {
     VolumeView<Voxel> volume;
     OccupancyView occupancy;
     StepTableView table;
+    OnsetTableView onsets;
     SegmentTableView segments;
     StepOfMatter step;  ///< of mixtures, in the place of the table
     LabelView labels;   ///< that lie in one channel; else null
@@ -69,6 +70,7 @@ struct Matter {
     SurfaceView surface;  ///< of fields that are read by it
     ShareTableView shares;
     float met_steps;  ///< of a surface that was met, to what lies behind
+    bool refines;     ///< lit rays, where colours change much
     bool skip_empty;
     bool shows_cuts;  ///< cuts through solid matter are lit by all that lies before them
 
@@ -141,7 +143,7 @@ struct Matter {
             const Vec3<F> gradient = place.gradient ? *place.gradient : volume.gradient(at);
             shading.reflect(select(cut.open, cut.normal, F(shading.out) * gradient), sample);
             if constexpr (Field::by_surface)
-                if (asks_surfaces) find_surface(at, gradient, visible & !cut.open, place, met, sample);
+                if (asks_surfaces) find_surface(at, gradient, visible, cut.open, place, met, sample);
         }
         Incident<F> incident;
         if constexpr (Field::by_surface)
@@ -188,8 +190,9 @@ private:
     /// A surface that was met reaches two edges far along its ray. Within the first of them light is looked up again
     /// only where there is more of a surface.
     template <class At, class F>
-    CHIARO_INLINE void find_surface(const At& at, Vec3<F> gradient, Mask<F> wanted, const Place<F>& place,
-                                    MetSurface<F>& met, SamplePoint<F>& sample) const {
+    CHIARO_INLINE void find_surface(const At& at, Vec3<F> gradient, const Mask<F>& visible, const Mask<F>& cut,
+                                    const Place<F>& place, MetSurface<F>& met, SamplePoint<F>& sample) const {
+        Mask<F> wanted = visible & !cut;
         if constexpr (!Field::remembers_surfaces) {
             sample.surface = own_surface(at, gradient, place, sample);
             sample.surface.share = select(wanted, sample.surface.share, F(0));
@@ -197,7 +200,7 @@ private:
         }
         constexpr float more = 0.05f;
         const F since = place.backwards ? F(2 * met_steps) : place.step - met.step;
-        met.share = select(since <= F(met_steps), met.share, F(0));
+        met.share = select(visible & (since > F(met_steps)), F(0), met.share);
         const Mask<F> is_near = since < F(0.5f * met_steps);
         wanted = wanted & !(is_near & (met.share >= F(1 - more)));
         if (!any(wanted)) return;

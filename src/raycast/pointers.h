@@ -37,9 +37,9 @@ void swap_pointers(Views&, kernel::VolumeView<kernel::Texel>&) {}
 template <class Views, class Voxel, class Field>
 void swap_pointers(Views& views, kernel::RaycastKernel<Voxel, Field>& kernel) {
     swap_pointers(views, kernel.matter.volume);
-    views.to_device_pointers(kernel.matter.occupancy.cells, kernel.matter.table.entries, kernel.matter.segments.entries,
-                             kernel.matter.segments.visible_before, kernel.matter.surface.opacity,
-                             kernel.matter.shares.shares, kernel.matter.shares.depths);
+    views.to_device_pointers(kernel.matter.occupancy.cells, kernel.matter.table.entries, kernel.matter.onsets.onsets,
+                             kernel.matter.segments.entries, kernel.matter.segments.visible_before,
+                             kernel.matter.surface.opacity, kernel.matter.shares.shares, kernel.matter.shares.depths);
     if (kernel.mode != kernel::March::extreme) kernel.extreme.cell_bound = nullptr;  // not read
     views.to_device_pointers(kernel.extreme.cell_bound, kernel.bounds.near_mm, kernel.bounds.far_mm,
                              kernel.frame.ends_mm);

@@ -16,6 +16,23 @@ struct StepTableView : RgbaTable {
     }
 };
 
+/// How much colours change between a value and the nearest one that shows nothing: where two values differ by much,
+/// what lies between them may be seen, whatever either shows.
+struct OnsetTableView {
+    const float* onsets;  ///< of the step table's entries
+
+    template <class F>
+    CHIARO_INLINE F of(const StepTableView& steps, F value) const {
+        return gather_float(onsets, steps.index(value));
+    }
+    /// From the middle of a step, over which the value rises by twice `half`, to either of its ends.
+    template <class F>
+    CHIARO_INLINE F change(const StepTableView& steps, F value, F half) const {
+        const F here = of(steps, value);
+        return max(abs(of(steps, value + half) - here), abs(of(steps, value - half) - here));
+    }
+};
+
 /// Pre-integrated steps over the stored values at their ends (classify/segments.h).
 struct SegmentTableView {
     const Rgba* entries;          ///< [value at the near end][value at the far end]

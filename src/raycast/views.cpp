@@ -209,6 +209,21 @@ std::vector<kernel::Rgba> emission_table(const OpticalTable& table, double step_
     return table_of(table, [=](double extinction_per_mm) { return extinction_per_mm * step_mm; });
 }
 
+std::vector<float> onset_table(const std::vector<kernel::Rgba>& steps) {
+    const auto change = [](const kernel::Rgba& a, const kernel::Rgba& b) {
+        return std::max({std::abs(a.r - b.r), std::abs(a.g - b.g), std::abs(a.b - b.b), std::abs(a.a - b.a)});
+    };
+    std::vector<float> onsets(steps.size());
+    kernel::Rgba before{0, 0, 0, 0};
+    float since = 0;
+    for (std::size_t i = 0; i < steps.size(); before = steps[i++])
+        onsets[i] = since = steps[i].a > 0 ? since + change(before, steps[i]) : 0;
+    before = {0, 0, 0, 0}, since = 0;
+    for (std::size_t i = steps.size(); i-- > 0; before = steps[i])
+        onsets[i] = std::min(onsets[i], since = steps[i].a > 0 ? since + change(before, steps[i]) : 0);
+    return onsets;
+}
+
 void check_ends(const RaySettings& settings, const Frame& frame) {
     if (!settings.ends) return;
     const RayEnds& ends = *settings.ends;
@@ -276,6 +291,19 @@ kernel::ExtremeView extreme_view(const DeviceVolume::Data& volume, Mode mode) {
     return {volume.cells.low.data(), is_spline ? -none : volume.stored_min, -1};
 }
 
+namespace {
+
+/// Whether lit rays are refined: not in drafts, which are linear.
+bool refines(const Medium::Data& medium) {
+    bool any_spline = false;
+    for_each_channel(medium, [&](const Medium::Data& channel) {
+        any_spline = any_spline || channel.volume.data().coefficients.size() > 0;
+    });
+    return any_spline;
+}
+
+}  // namespace
+
 RayTables make_tables(const Medium::Data& medium, const RaySettings& settings, int threads, const LitField* lit) {
     // Where nothing is integrated a value shows as one reference length of it.
     const DeviceVolume::Data& volume = medium.volume.data();
@@ -289,7 +317,9 @@ RayTables make_tables(const Medium::Data& medium, const RaySettings& settings, i
                                             : step_table(table, integrated ? step_mm : table.unit_mm),
                      {},
                      {},
+                     {},
                      {}};
+    if (lit && mode == Mode::dvr && refines(medium)) tables.onsets = onset_table(tables.steps);
     if (lit && mode == Mode::dvr) {
         if (lit->by_surface()) tables.surface = surface_table_of(medium);
         if (lit->by_share_table()) tables.shares = share_table_of(medium);

@@ -32,15 +32,20 @@ std::vector<kernel::Rgba> step_table(const OpticalTable& table, double step_mm);
 /// The same of what adds up: κ h.
 std::vector<kernel::Rgba> emission_table(const OpticalTable& table, double step_mm);
 
+/// How much colours change between each entry and the nearest one of no opacity (kernel::OnsetTableView). What lies
+/// beyond the table has none.
+std::vector<float> onset_table(const std::vector<kernel::Rgba>& steps);
+
 /// What the kernel looks colours up in.
 struct RayTables {
     std::vector<kernel::Rgba> steps;
+    std::vector<float> onsets;  ///< of the steps; empty where rays are not refined
     std::shared_ptr<const SurfaceTable> surface;
     std::shared_ptr<const ShareTable> shares;
     std::shared_ptr<const SegmentTable> segments;  ///< null unless needed
 
     void add_to(HostArrays& arrays) const {
-        arrays.add(steps);
+        arrays.add(steps), arrays.add(onsets);
         if (surface) arrays.add(surface, surface->opacity());
         if (shares) arrays.add(shares, shares->shares()), arrays.add(shares, shares->depths());
         if (!segments) return;
@@ -100,6 +105,7 @@ kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, cons
         .matter = {.volume = view_of<Voxel>(volume),
                    .occupancy = {medium.cells.data(), cell_count(nx), cell_count(ny)},
                    .table = step_table_view(medium.table, tables),
+                   .onsets = {tables.onsets.data()},
                    .segments = segment_table_view(tables.segments.get()),
                    .step = {float(step_mm(settings.step_voxels, volume.geometry, volume.dimensions)),
                             float(albedo_limit.value_or(std::numeric_limits<double>::infinity()))},
@@ -113,6 +119,7 @@ kernel::RaycastKernel<Voxel, Field> make_kernel(const Medium::Data& medium, cons
                    .surface = tables.surface ? tables.surface->view() : kernel::SurfaceView{},
                    .shares = tables.shares ? tables.shares->view() : kernel::ShareTableView{},
                    .met_steps = float(surface_reach / settings.step_voxels),
+                   .refines = !tables.onsets.empty(),
                    .skip_empty = settings.skip_empty || volume.pages,  // which also tells what is seen
                    .shows_cuts = shows_cuts},
         .camera = camera_view(camera, volume.geometry, frame.width, frame.height),

@@ -5,6 +5,7 @@
 #include "raycast/composite.h"
 #include "raycast/label_march.h"
 #include "raycast/matter.h"
+#include "raycast/refinement.h"
 
 namespace chiaro::kernel {
 
@@ -49,7 +50,8 @@ template <class F>
 struct Kept {
     EndValue<F> end;
     MetSurface<F> met;
-    bool was_lit = false;  ///< the next one's gradient will be asked for
+    Refinement<F> refinement;  ///< where there is light
+    bool was_lit = false;      ///< the next one's gradient will be asked for
 };
 
 /// What is classified: a point, or a step by the values at its ends.
@@ -59,12 +61,12 @@ struct Classified {
     F value;  ///< of mixtures none
 };
 
-/// Step k between its two ends, in whole steps from the entry but for the exit.
+/// A step between its two ends, in steps from the entry.
 template <class F, class Matter>
 CHIARO_INLINE Classified<F> classify_step(const Matter& matter, const Lattice<F>& lattice, bool backwards,
-                                          Mask<F> sampled, F k, EndValue<F>& known) {
-    const F exit = lattice.exit(), here = backwards ? min(k + F(1), exit) : k,
-            there = backwards ? k : min(k + F(1), exit);
+                                          Mask<F> sampled, const Step<F>& step, EndValue<F>& known) {
+    const F exit = lattice.exit(), far_end = min(step.k + step.length, exit), here = backwards ? far_end : step.k,
+            there = backwards ? step.k : far_end;
     const Mask<F> unknown = sampled & (known.steps != here);
     F before = known.value;
     if (any(unknown)) before = select(unknown, matter.value_at(matter.volume.clamp(lattice.at(here))), before);
@@ -94,18 +96,19 @@ CHIARO_INLINE RgbaLanes<F> mixed_colour(const Matter& matter, Way way, const At&
     return matter.step.template interpolated<F>(eight, at.t);
 }
 
-/// Takes sample k, the middle of step k, in voxel coordinates at p. Where the last one was lit its value comes with its
-/// gradient.
+/// Takes the sample in the middle of a step, in voxel coordinates at p, or finds that the step is to be refined:
+/// `next`. Where the last one was lit its value comes with its gradient.
 template <class F, class Matter, class Way, class Ray>
 CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& lattice, const Cut<F>& cut,
-                               Mask<F> sampled, F k, F cut_end, Vec3<F> p, VoxelIndex<F> voxel,
+                               Mask<F> sampled, const Step<F>& step, F cut_end, Vec3<F> p, VoxelIndex<F> voxel,
                                const CellTint<F>& tints, const typename Matter::template Held<F>& held, Kept<F>& kept,
-                               Ray& ray) {
+                               F& next, Ray& ray) {
+    const F k = step.k;
     const bool by_ends = way.classification == Classification::preintegrated;
     Classified<F> c;
     if (by_ends) {
-        c = classify_step(matter, lattice, way.backwards, sampled, k, kept.end);
-        p = matter.volume.clamp(lattice.position(k)), voxel = matter.volume.voxel(p);
+        c = classify_step(matter, lattice, way.backwards, sampled, step, kept.end);
+        p = matter.volume.clamp(lattice.middle(k, step.length)), voxel = matter.volume.voxel(p);
     }
     const auto at = by_ends ? matter.volume.locate(p, voxel) : matter.locate(p, voxel, held);
     constexpr bool finds_both = std::is_same_v<Way, CommonMarch> && requires { matter.volume.is_plain(); };
@@ -125,9 +128,8 @@ CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& 
     F alpha = select(sampled, alpha_of(c.colour), F(0));
     Mask<F> visible = alpha > F(0);
     if constexpr (finds_both) kept.was_lit = false;
-    if (way.by_gradient) {
-        if (!any(visible)) return;
-        gradient = matter.volume.gradient(at);
+    if (way.by_gradient && any(visible)) {
+        gradient = matter.volume.gradient(at), has_gradient = true;
         take_share(matter.volume.factor_of(c.value, gradient), way.additive, visible, c.colour, alpha);
         visible = alpha > F(0);
     }
@@ -137,7 +139,24 @@ CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& 
             const Mask<F> near_borders = visible & tints.several;
             if (any(near_borders)) cut_by_labels(matter, at, way.additive, visible, c.value, c.colour, alpha);
             visible = alpha > F(0);
-            if (any(visible) && matter.asks_normals()) gradient = gradient_by_labels(matter, at, near_borders, c.value);
+            if (any(visible) && matter.asks_normals())
+                gradient = gradient_by_labels(matter, at, near_borders, c.value), has_gradient = true;
+        }
+    }
+    if constexpr (Matter::modulates) {
+        if (matter.refines) {
+            F onset = alpha, within(0);
+            if (!way.mixed) {
+                onset = select(visible, matter.onsets.of(matter.table, c.value), F(0));
+                if (matter.asks_normals() && any(visible & !kept.refinement.on)) {
+                    if (!has_gradient) gradient = matter.volume.gradient(at), has_gradient = true;
+                    const F half = F(0.5f) * dot(gradient, lattice.step);
+                    within = select(visible, matter.onsets.change(matter.table, c.value, half), F(0));
+                }
+            }
+            sampled = sampled & !kept.refinement.again(sampled & (k < lattice.full), step.j, onset, within,
+                                                       ray.transmittance, next);
+            visible = visible & sampled;
         }
     }
     RgbaLanes<F> emission;
@@ -152,19 +171,29 @@ CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& 
     const Cut<F> solid{cut.normal, Mask<F>(sampled & (k < cut_end)), cut.number};
     SamplePoint<F> sample{p, c.value};
     sample.solid = matter.solid.of(alpha);
-    take_share(lattice.rest, way.additive, visible & (k >= lattice.full), c.colour, alpha);
+    Mask<F> is_part = k >= lattice.full;
+    F share = lattice.rest;
+    if constexpr (Matter::modulates) {
+        share = select(is_part, share, step.length);
+        is_part = is_part | kept.refinement.on;
+    }
+    take_share(share, way.additive, visible & is_part, c.colour, alpha);
     if constexpr (may_be_labelled)
         if (way.labelled) tint_by_labels(matter, at, tints, visible, c.colour, alpha);
     if constexpr (finds_both) kept.was_lit = matter.asks_normals() && matter.volume.is_plain();
-    has_gradient = has_gradient || way.by_gradient;
-    if constexpr (may_be_labelled) has_gradient = has_gradient || (way.labelled && matter.labels.cuts());
     matter.light(at, solid, visible, {lattice, k, way.backwards, has_gradient ? &gradient : nullptr}, kept.met, sample,
                  c.colour);
     if (emits) {
+        F glow = alpha_of(emission);
+        take_share(share, way.additive, visible & is_part, emission, glow);
         c.colour = accumulate(c.colour, F(1), emission);
-        alpha = alpha + alpha_of(emission);
+        alpha = alpha + glow;
     }
-    if (way.by_block) visible = visible & (k >= lattice.own.near) & (k < lattice.own.far);
+    if (way.by_block) {
+        F whole = k;
+        if constexpr (Matter::modulates) whole = kept.refinement.whole_step(step, way.backwards);
+        visible = visible & (whole >= lattice.own.near) & (whole < lattice.own.far);
+    }
     ray.reach(visible, p);
     if (way.additive)
         ray.add_emission(visible, c.colour);
@@ -187,13 +216,15 @@ CHIARO_NOINLINE F solid_behind(const Matter& matter, const Lattice<F>& lattice, 
     return steps;
 }
 
-/// Marches through the lattice's steps in either order, and hands the ray what it meets; j counts them as they are met.
+/// Marches through the lattice's steps in either order, and hands the ray what it meets; j counts them as they are met,
+/// and is no whole number where a step is refined.
 /// A pre-integrated step is empty where it lies in an empty cube as a whole, so it starts at its end, any other where
 /// its sample is.
 template <class F, class Matter, class Way, class Ray>
 CHIARO_INLINE Int<F> march_volume(const Matter& matter, Way way, const Lattice<F>& lattice, const Cut<F>& cut,
                                   Mask<F> alive, Ray& ray) {
     const bool by_ends = way.classification == Classification::preintegrated;
+    constexpr bool refines = Matter::modulates;
     F j = lattice.first, leave(0);
     F cut_end(0);
     if (const Mask<F> open = alive & cut.open; any(open)) cut_end = solid_behind(matter, lattice, open);
@@ -202,21 +233,31 @@ CHIARO_INLINE Int<F> march_volume(const Matter& matter, Way way, const Lattice<F
     typename Matter::template Held<F> held;
     Int<F> samples(0);
     while (any(alive)) {
-        const F k = way.backwards ? lattice.first + lattice.end - F(1) - j : j;
-        const F end = way.backwards ? min(k + F(1), lattice.exit()) : k;
-        const Vec3<F> p = matter.volume.clamp(by_ends ? lattice.at(end) : lattice.position(k));
+        F length(1);
+        if constexpr (refines) length = kept.refinement.length();
+        const F k = way.backwards ? lattice.first + lattice.end - length - j : j;
+        const F end = way.backwards ? min(k + length, lattice.exit()) : k;
+        const Vec3<F> p = matter.volume.clamp(by_ends ? lattice.at(end) : lattice.middle(k, length));
         const VoxelIndex<F> voxel = matter.volume.voxel(p);
-        F next = j + F(1);
+        F next = j + length;
         Mask<F> sampled = alive;
         if (matter.skip_empty) {
-            const Mask<F> lost = alive & (j >= leave);
+            Mask<F> lost = alive & (j >= leave);
+            if constexpr (refines) lost = lost | (alive & kept.refinement.on);
             if (any(lost)) {
                 Mask<F> empty = matter.skip_empty_cells(lattice, lost, p, voxel, by_ends ? j : next, next, leave, held);
                 if (by_ends) empty = empty & (next > j), next = max(next, j + F(1));
+                if constexpr (refines) {
+                    next = select(kept.refinement.on, j + length, next);
+                    leave = select(kept.refinement.on, F(0), leave);
+                    if (matter.refines)
+                        kept.refinement.again(empty & (k < lattice.full), j, F(0), F(0), ray.transmittance, next);
+                }
                 sampled = alive & !empty;
                 if constexpr (Way::may_be_labelled)
                     if (way.labelled) tints.enter(matter.labels, lost & sampled, matter.occupancy.index(voxel));
                 if (!any(sampled)) {
+                    if constexpr (refines) kept.refinement.go_on(next);
                     j = next;
                     alive &= j < lattice.end;
                     continue;
@@ -224,7 +265,9 @@ CHIARO_INLINE Int<F> march_volume(const Matter& matter, Way way, const Lattice<F
             }
         }
         samples += select(sampled, Int<F>(1), Int<F>(0));
-        take_sample(matter, way, lattice, cut, sampled, k, cut_end, p, voxel, tints, held, kept, ray);
+        take_sample(matter, way, lattice, cut, sampled, {j, k, length}, cut_end, p, voxel, tints, held, kept, next,
+                    ray);
+        if constexpr (refines) kept.refinement.go_on(next);
         j = next;
         alive &= (j < lattice.end) & (ray.transmittance > F(matter.cutoff));
     }
