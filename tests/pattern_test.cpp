@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/linear_system.h"
+#include "illumination/probe/data.h"
 #include "surface_subject.h"
 
 using namespace chiaro;
@@ -35,23 +36,21 @@ struct Pattern {
 class Environment {
 public:
     explicit Environment(const Probe& probe) {
-        const int width = probe.width(), height = probe.height(), block = width % 8 + height % 8 ? 1 : 8;
+        const ProbeImage& image = probe.data().image;
+        const int block = image.width % 8 + image.height % 8 ? 1 : 8, columns = image.width / block;
         double sum = 0;
-        for (std::size_t i = 1; i < probe.rgb().size(); i += 3) sum += probe.rgb()[i];
-        const double bright = 8 * sum / (double(width) * height);
-        const std::size_t columns = std::size_t(width / block);
-        std::vector<Vec3> blocks(columns * std::size_t(height / block), Vec3{0, 0, 0});
-        for (int y = 0; y < height; ++y)
-            for (int x = 0; x < width; ++x) {
-                const double polar = pi * (y + 0.5) / height, azimuth = 2 * pi * (0.5 - (x + 0.5) / width);
-                const double radiance = probe.rgb()[3 * (std::size_t(y) * width + x) + 1];
-                const Vec3 flux =
-                    radiance * std::sin(polar) * (pi / height) * (2 * pi / width) *
-                    Vec3{std::sin(polar) * std::cos(azimuth), std::sin(polar) * std::sin(azimuth), std::cos(polar)};
+        for (std::size_t i = 1; i < image.rgb.size(); i += 3) sum += image.rgb[i];
+        const double bright = 8 * sum / (double(image.width) * image.height);
+        std::vector<Vec3> blocks(std::size_t(columns * (image.height / block)), Vec3{0, 0, 0});
+        for (int y = 0; y < image.height; ++y)
+            for (int x = 0; x < image.width; ++x) {
+                const double radiance = image.rgb[3 * (std::size_t(y) * std::size_t(image.width) + std::size_t(x)) + 1];
+                const Vec3 flux = radiance * image.solid_angle(y) * image.direction(x + 0.5, y + 0.5);
+                Vec3& of_block = blocks[std::size_t(y / block * columns + x / block)];
                 if (radiance > bright)
                     fluxes_.push_back(flux);
                 else
-                    add(flux, blocks[std::size_t(y / block) * columns + std::size_t(x / block)]);
+                    of_block = of_block + flux;
             }
         fluxes_.insert(fluxes_.end(), blocks.begin(), blocks.end());
     }
@@ -63,8 +62,6 @@ public:
     }
 
 private:
-    static void add(Vec3 flux, Vec3& sum) { sum = sum + flux; }
-
     std::vector<Vec3> fluxes_;
 };
 

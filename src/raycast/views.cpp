@@ -213,14 +213,16 @@ std::vector<float> onset_table(const std::vector<kernel::Rgba>& steps) {
     const auto change = [](const kernel::Rgba& a, const kernel::Rgba& b) {
         return std::max({std::abs(a.r - b.r), std::abs(a.g - b.g), std::abs(a.b - b.b), std::abs(a.a - b.a)});
     };
-    std::vector<float> onsets(steps.size());
-    kernel::Rgba before{0, 0, 0, 0};
-    float since = 0;
-    for (std::size_t i = 0; i < steps.size(); before = steps[i++])
-        onsets[i] = since = steps[i].a > 0 ? since + change(before, steps[i]) : 0;
-    before = {0, 0, 0, 0}, since = 0;
-    for (std::size_t i = steps.size(); i-- > 0; before = steps[i])
-        onsets[i] = std::min(onsets[i], since = steps[i].a > 0 ? since + change(before, steps[i]) : 0);
+    std::vector<float> onsets(steps.size(), std::numeric_limits<float>::max());
+    const auto count_from = [&](auto step, auto end, auto onset) {
+        kernel::Rgba before{0, 0, 0, 0};
+        for (float since = 0; step != end; before = *step++) {
+            since = step->a > 0 ? since + change(before, *step) : 0;
+            *onset = std::min(*onset, since), ++onset;
+        }
+    };
+    count_from(steps.begin(), steps.end(), onsets.begin());
+    count_from(steps.rbegin(), steps.rend(), onsets.rbegin());
     return onsets;
 }
 
