@@ -1,6 +1,8 @@
 // Cubic B-splines between voxels, against closed forms and sums over all coefficients.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <numbers>
 #include <random>
 
 #include "classify/medium.h"
@@ -318,15 +320,57 @@ TEST(Interpolation, OfAMediumIsThatOfItsShape) {
     }
 }
 
-// Of a single look: bricks in which nothing is seen go, of coefficients and of the voxels that they were made of.
+/// Between a plane's normal and those that are found where values are half way, RMS: of a mask, 200 or 0 by whether a
+/// voxel lies above it.
+double angle_deg(const Vec3& normal, const DeviceVolume& mask, bool by_differences) {
+    double sum = 0;
+    int count = 0;
+    const auto view = view_of<std::uint8_t>(mask.data());
+    const auto locate = [&](Point p) { return view.locate(p, view.voxel(p)); };
+    for (float y = 8; y < 40; y += 0.37f)
+        for (float x = 8; x < 40; x += 0.37f) {
+            float below = 8, above = 40;
+            for (int i = 0; i < 24; ++i) {
+                const float z = (below + above) / 2;
+                (view.value(locate({x, y, z})) < 100 ? below : above) = z;
+            }
+            const auto at = locate({x, y, below});
+            const Point g = by_differences ? view.differences(at) : view.gradient(at);
+            const double cosine = dot(normalized(Vec3{g.x, g.y, g.z}), normal);
+            sum += std::pow(std::acos(std::min(1.0, cosine)) * 180 / std::numbers::pi, 2), ++count;
+        }
+    return std::sqrt(sum / count);
+}
+
+// The faces of a mask's voxels were terraces on the brain that the README shows first.
+TEST(Interpolation, SmoothNormalsHardlyShowAMasksVoxels) {
+    for (const double rise : {0.0, 0.1, 0.2, 0.35}) {
+        const Vec3 normal = normalized({-rise, -rise / 3, 1});
+        const DeviceVolume mask = splined(
+            upload(tested_device(), sampled<std::uint8_t>({48, 48, 48},
+                                                          [&](double x, double y, double z) {
+                                                              return dot(normal, Vec3{x, y, z - 14}) > 0 ? 200 : 0;
+                                                          })),
+            false);
+        const double found = angle_deg(normal, mask, false), of_one_voxel = angle_deg(normal, mask, true);
+        if (std::getenv("CHIARO_SHOW")) fmt::print("rise {}: {:.2f} for {:.2f} degrees\n", rise, found, of_one_voxel);
+        EXPECT_LT(found, 0.6 * of_one_voxel + 0.01) << rise;
+    }
+}
+
+// Of a single look: bricks in which nothing is seen go, of coefficients and of the voxels that they were made of. Some
+// end where a brick does, beyond which normals may look.
 TEST(Unseen, OfASplineChangesNoBit) {
-    for (const Interpolation interpolation : {Interpolation::cubic, Interpolation::smooth}) {
+    for (const auto& [interpolation, thickness] :
+         {std::pair{Interpolation::cubic, 1.0}, {Interpolation::smooth, 1.0}, {Interpolation::cubic, 4.0}}) {
         Shot shot;
         shot.shape.interpolation = interpolation;
         shot.lighting.shading = Shading::phong;
-        const DeviceVolume voxels = upload(
-            shot.device, sampled<std::uint8_t>({100, 70, 65},
-                                               [](double x, double y, double z) { return x + y + z < 20 ? 210 : 30; }));
+        shot.tf.points = {{35, {1, 1, 1}, 0}, {40, {1, 1, 1}, 0.05}, {255, {1, 1, 1}, 0.05}};
+        Volume volume = sampled<std::uint8_t>(
+            {100, 70, 65}, [](double x, double y, double z) { return x < 31 && y + z < 20 ? 210 : 30; });
+        volume.geometry.spacing_mm.z = thickness;
+        const DeviceVolume voxels = upload(shot.device, volume);
         const Medium medium = classify(voxels, shot.tf, shot.shape);
         Progress progress;
         const auto drawn = [&] {
@@ -342,7 +386,7 @@ TEST(Unseen, OfASplineChangesNoBit) {
         const DeviceVolume::Data& data = medium.data().volume.data();
         for (const VoxelBuffer* buffer : {&data.coefficients, &data.bricks, &voxels.data().bricks})
             EXPECT_GT(std::count(buffer->data(), buffer->data() + buffer->size(), std::byte(0)),
-                      0.9 * double(buffer->size()))
+                      0.85 * double(buffer->size()))
                 << to_text(interpolation);
     }
 }

@@ -280,7 +280,7 @@ TEST_F(Tool, WritesStats) {
     EXPECT_GT(stats["samples"], 0);
     std::string names;
     for (const auto& stage : stats["stages"]) names += stage["name"].get<std::string>() + " ";
-    EXPECT_EQ(names, "read measure upload prepare classify fit interpolate illuminate raycast develop write ");
+    EXPECT_EQ(names, "read measure upload prepare classify interpolate fit illuminate raycast develop write ");
 }
 
 TEST_F(Tool, RendersTurntables) {

@@ -4,8 +4,8 @@
 namespace chiaro {
 namespace {
 
-constexpr Rgb dark_red{0.45, 0.10, 0.08}, flesh{0.80, 0.48, 0.38}, skin{0.90, 0.70, 0.58}, bone{0.93, 0.88, 0.76},
-    ivory{0.98, 0.96, 0.90}, blood{0.78, 0.12, 0.10}, lung_blue{0.45, 0.60, 0.80}, lung_rose{0.86, 0.62, 0.58},
+constexpr Rgb dark_red{0.45, 0.10, 0.08}, flesh{0.80, 0.48, 0.38}, skin{0.90, 0.70, 0.58}, bone{0.92, 0.87, 0.75},
+    ivory{0.96, 0.94, 0.88}, blood{0.78, 0.12, 0.10}, lung_blue{0.45, 0.60, 0.80}, lung_rose{0.86, 0.62, 0.58},
     muscle_red{0.68, 0.28, 0.22}, fat_yellow{0.93, 0.80, 0.50}, liver_brown{0.52, 0.24, 0.17},
     vein_blue{0.32, 0.36, 0.72}, white{1, 1, 1}, black{0, 0, 0};
 
@@ -231,8 +231,8 @@ std::span<const PresetRow> preset_rows() {
          {{0.12, {0.45, 0.68, 0.85}, 0},
           {0.25, {0.55, 0.75, 0.82}, 0.03},
           {0.40, {0.88, 0.72, 0.52}, 0.3},
-          {0.65, {0.96, 0.85, 0.66}, 0.95},
-          {1, {1.00, 0.97, 0.92}, 0.99}}},
+          {0.65, {0.94, 0.83, 0.64}, 0.95},
+          {1, {0.96, 0.93, 0.88}, 0.99}}},
         {{"simulation", "simulation", "smoke, flames and densities: soft, cold to hot", to_data},
          1,
          per_voxel,

@@ -3,14 +3,17 @@
 namespace chiaro {
 namespace {
 
-/// Whether any of a brick's 4³ cells is occupied.
-bool shows_something(const Medium::Data& medium, const std::array<int, 3>& brick) {
+/// Whether a sample that shows something looks up voxels of a brick: one in its 4³ cells or, where normals are means of
+/// points around, up to three voxels beside them.
+bool is_looked_up(const Medium::Data& medium, const std::array<int, 3>& brick) {
     constexpr int per_brick = brick_edge / cell_edge;
+    const int beside = medium.volume.data().normal_reach[0] > 0 ? 1 : 0;
     const auto& count = medium.volume.data().cells.count;
-    const auto end = [&](int axis) { return std::min((brick[axis] + 1) * per_brick, count[axis]); };
-    for (int z = brick[2] * per_brick; z < end(2); ++z)
-        for (int y = brick[1] * per_brick; y < end(1); ++y)
-            for (int x = brick[0] * per_brick; x < end(0); ++x)
+    const auto first = [&](int axis) { return std::max(brick[axis] * per_brick - beside, 0); };
+    const auto end = [&](int axis) { return std::min((brick[axis] + 1) * per_brick + beside, count[axis]); };
+    for (int z = first(2); z < end(2); ++z)
+        for (int y = first(1); y < end(1); ++y)
+            for (int x = first(0); x < end(0); ++x)
                 if (medium.cells[(std::size_t(z) * count[1] + y) * count[0] + x] & 1) return true;
     return false;
 }
@@ -37,7 +40,7 @@ void discard_unseen(const Medium& medium) {
     for (int z = 0; z < brick_count(nz); ++z)
         for (int y = 0; y < brick_count(ny); ++y)
             for (int x = 0; x < brick_count(nx); ++x, ++brick)
-                if (shows_something(shown, {x, y, z})) {
+                if (is_looked_up(shown, {x, y, z})) {
                     discard(first, brick);
                     first = brick + 1;
                 }

@@ -37,7 +37,7 @@ bool are_labels_alone(const Scene& scene);
 /// White all over, of which labels leave their own shapes and colours, unless the settings ask for another.
 TransferFunction of_labels_alone(const TransferSettings& settings, const Subject& subject);
 
-/// Linear, as drafts are and what a camera is fitted to, or by texture.
+/// Linear, as drafts are, or by texture.
 Shape shape_for(const Scene& scene);
 
 /// Whether final pictures are found another way than drafts.

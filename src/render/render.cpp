@@ -49,12 +49,13 @@ Image render_image(const Device& device, const Scene& scene, Progress& progress)
     const TransferFunction tf = transfer_function_for(scene.transfer, subject);
     Medium medium = classify(device, voxels, tf, shape_for(scene), progress);
 
+    if (has_finer_interpolation(scene))
+        medium = finely_interpolated(device, medium, scene, subject.statistics.noise, progress);
+
     // What lights it.
     const Camera camera =
         make_camera(fit_camera(device, medium, scene.camera, scene.sampling, scene.width, scene.height, progress),
                     geometry, dimensions);
-    if (has_finer_interpolation(scene))
-        medium = finely_interpolated(device, medium, scene, subject.statistics.noise, progress);
     if (looks_at_visible_voxels(scene)) discard_unseen(medium);  // no other will be asked for
     Lighting lighting = with_probe(scene.lighting);
     lighting.probe_up = camera.orbit_up;

@@ -66,10 +66,10 @@ const Image& Session::render(const Scene& given, Progress& progress, const Previ
     State& s = *state_;
     const Scene scene = s.as_drawn(given);
     s.redo_up_to_classify(scene, progress);
-    s.camera = s.fitted(scene, progress);
     s.redo_interpolate(scene, progress);
     const Medium& medium = s.medium;
     const Version version = s.medium_version(scene);
+    s.camera = s.fitted(scene, version, progress);
     const Camera camera = s.camera_of(s.camera);
     const Lighting lighting = s.lighting_of(scene, camera);
 
@@ -113,9 +113,11 @@ const Image& Session::preview(const Scene& given, Progress& progress, DraftLight
         s.redo_up_to_classify(scene, progress);
     else
         s.begin(), s.redo_classify(scene, progress);
-    s.camera = s.fitted(scene, progress);
     const bool is_draft = has_linear_drafts(scene);
-    if (lit || !is_draft) s.redo_interpolate(scene, progress);
+    // The camera fits what the final picture shows, unless that takes long to know.
+    const bool asks_final = lit || !is_draft || (!s.is_fitted(scene.camera) && !is_large(s.upload.result));
+    if (asks_final) s.redo_interpolate(scene, progress);
+    s.camera = s.fitted(scene, asks_final ? s.medium_version(scene) : s.classify.version, progress);
     const Camera camera = s.camera_of(s.camera);
     const Lighting lighting = s.lighting_of(scene, camera);
     if (lit) s.redo_illuminate(scene, camera, lighting, progress, coarse, State::OfCoarseLight::drafts);
@@ -130,7 +132,8 @@ CameraSettings Session::fit(const Scene& scene, Progress& progress) {
     const std::vector<Stage> shown = s.shown;
     s.begin();
     s.redo_classify(scene, progress);
-    const CameraSettings camera = s.fitted(scene, progress);
+    if (!s.is_fitted(scene.camera)) s.redo_interpolate(scene, progress);
+    const CameraSettings camera = s.fitted(scene, s.medium_version(scene), progress);
     s.shown = shown;  // the next picture tells
     return camera;
 }
@@ -139,6 +142,7 @@ CameraSettings Session::fit_all_around(const Scene& scene, Progress& progress) {
     State& s = *state_;
     s.begin();
     s.redo_classify(scene, progress);
+    s.redo_interpolate(scene, progress);
     CameraSettings camera;
     s.timed("fit", [&] {
         camera =

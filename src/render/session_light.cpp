@@ -66,7 +66,7 @@ bool Session::State::may_show_every_other_voxel(const Scene& scene) const {
 const Image* Session::State::draw_every_other_voxel(const Scene& given, Progress& progress) {
     if (!may_show_every_other_voxel(given)) return nullptr;
     begin();
-    camera = fitted(given, progress);
+    camera = fitted(given, 0, progress);  // as it is given
     const Camera seen_from = camera_of(camera);
     const Lighting lighting = lighting_of(given, seen_from);
     redo_soon(given, lighting, progress);

@@ -98,9 +98,9 @@ struct Session::State {
 
     /// Whether nothing has to be looked for to know the ball that it fits.
     static bool is_fitted(const CameraSettings& camera) { return camera.fit == Fit::volume || camera.fit_centre; }
-    /// The scene's camera with the ball that it fits, of values that are linear between voxels: so that drafts and
-    /// final pictures have one. Zoom changes nothing about it.
-    CameraSettings fitted(const Scene& scene, Progress& progress) {
+    /// The scene's camera with the ball that it fits, of what `medium` shows, which has that version. Zoom changes
+    /// nothing about it.
+    CameraSettings fitted(const Scene& scene, Version version, Progress& progress) {
         CameraSettings camera = scene.camera;
         look_from(camera, upload.result.geometry().world);
         if (is_fitted(camera)) return camera;
@@ -108,9 +108,8 @@ struct Session::State {
         RaySettings rays = scene.sampling;
         rays.ends = nullptr;
         const auto [width, height] = std::pair(scene.width, scene.height);
-        redo("fit", fit, {classify.version, camera, rays, {width, height}}, [&](CameraSettings& found) {
-            found = fit_camera(device, classify.result.medium, camera, rays, width, height, progress);
-        });
+        redo("fit", fit, {version, camera, rays, {width, height}},
+             [&](CameraSettings& found) { found = fit_camera(device, medium, camera, rays, width, height, progress); });
         camera = fit.result, camera.zoom = scene.camera.zoom;
         return camera;
     }

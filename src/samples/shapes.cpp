@@ -44,7 +44,7 @@ TransferFunction solid(Rgb rgb) {
 }
 
 TransferFunction slab_transfer_function() { return homogeneous({0.60, 0.80, 1.0}, 0.05); }
-TransferFunction ball_transfer_function() { return solid({0.90, 0.55, 0.30}); }
+TransferFunction ball_transfer_function() { return solid({0.88, 0.54, 0.30}); }
 TransferFunction halfspace_transfer_function() { return solid({0.80, 0.80, 0.80}); }
 
 }  // namespace

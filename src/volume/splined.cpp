@@ -99,14 +99,16 @@ void fill(const DeviceVolume::Data& source, bool interpolates, const Progress& p
 
 namespace {
 
-/// Half a slice's thickness along each axis, in voxels, where slices lie so much farther apart than voxels that normals
-/// show them: on balls with edges of .4 and .8 voxel in slices 2 and 4 voxels apart the mean over eight points so far
-/// away shows half of them. Farther than three voxels would leave nothing to see.
-std::array<float, 3> normal_reach(const Geometry& geometry) {
+/// How far from a sample the points lie of which its normal is the mean, per axis in voxels. Where slices lie so much
+/// farther apart than voxels that normals show them, half a slice's thickness: on balls with edges of .4 and .8 voxel
+/// in slices 2 and 4 voxels apart this shows half of them. Farther than three voxels would leave nothing to see. Of
+/// smoothed voxels one voxel: so a segmented brain's surface hardly shows the faces of its mask's voxels; with one and
+/// a half, sample:tubes has dark outlines, with three its sulci turn inside out.
+std::array<float, 3> normal_reach(const Geometry& geometry, bool interpolates) {
     constexpr double thick = 1.5, farthest = 3;
     const Vec3& spacing = geometry.spacing_mm;
     const double least = geometry.smallest_spacing_mm(), most = std::max({spacing.x, spacing.y, spacing.z});
-    if (most < thick * least) return {0, 0, 0};
+    if (most < thick * least) return interpolates ? std::array{0.f, 0.f, 0.f} : std::array{1.f, 1.f, 1.f};
     std::array<float, 3> reach;
     for (int axis = 0; axis < 3; ++axis)
         reach[std::size_t(axis)] = float(std::min(0.5 * most / spacing[axis], farthest));
@@ -125,7 +127,7 @@ DeviceVolume splined(const DeviceVolume& volume, bool interpolates, const Progre
         made->describe_as(*source);
         made->cells = source->cells;
         made->stored_min = source->stored_min, made->stored_max = source->stored_max;
-        made->normal_reach = normal_reach(source->geometry);
+        made->normal_reach = normal_reach(source->geometry, interpolates);
         made->source = source.get();
         with_stored_voxel(*source, [&](auto zero) { fill<decltype(zero)>(*source, interpolates, progress, *made); });
         kept = made;
