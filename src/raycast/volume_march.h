@@ -96,6 +96,24 @@ CHIARO_INLINE RgbaLanes<F> mixed_colour(const Matter& matter, Way way, const At&
     return matter.step.template interpolated<F>(eight, at.t);
 }
 
+/// Of steps with samples at `at`: those across which colours change so much that they are to be taken again in parts.
+/// What is found of the gradient serves their light.
+template <class F, class Matter, class At>
+CHIARO_INLINE Mask<F> find_refined(const Matter& matter, bool mixed, const Lattice<F>& lattice, const Step<F>& step,
+                                   const At& at, Mask<F> sampled, Mask<F> visible, F value, F alpha, F transmittance,
+                                   Vec3<F>& gradient, bool& has_gradient, Refinement<F>& refinement, F& next) {
+    F onset = alpha, within(0);
+    if (!mixed) {
+        onset = select(visible, matter.onsets.of(matter.table, value), F(0));
+        if (matter.asks_normals() && any(visible & !refinement.on)) {
+            if (!has_gradient) gradient = matter.volume.gradient(at), has_gradient = true;
+            const F half = F(0.5f) * dot(gradient, lattice.step);
+            within = select(visible, matter.onsets.change(matter.table, value, half), F(0));
+        }
+    }
+    return refinement.again(sampled & (step.k < lattice.full), step.j, onset, within, transmittance, next);
+}
+
 /// Takes the sample in the middle of a step, in voxel coordinates at p, or finds that the step is to be refined:
 /// `next`. Where the last one was lit its value comes with its gradient.
 template <class F, class Matter, class Way, class Ray>
@@ -145,17 +163,9 @@ CHIARO_INLINE void take_sample(const Matter& matter, Way way, const Lattice<F>& 
     }
     if constexpr (Matter::modulates) {
         if (matter.refines) {
-            F onset = alpha, within(0);
-            if (!way.mixed) {
-                onset = select(visible, matter.onsets.of(matter.table, c.value), F(0));
-                if (matter.asks_normals() && any(visible & !kept.refinement.on)) {
-                    if (!has_gradient) gradient = matter.volume.gradient(at), has_gradient = true;
-                    const F half = F(0.5f) * dot(gradient, lattice.step);
-                    within = select(visible, matter.onsets.change(matter.table, c.value, half), F(0));
-                }
-            }
-            sampled = sampled & !kept.refinement.again(sampled & (k < lattice.full), step.j, onset, within,
-                                                       ray.transmittance, next);
+            const Mask<F> again = find_refined(matter, way.mixed, lattice, step, at, sampled, visible, c.value, alpha,
+                                               ray.transmittance, gradient, has_gradient, kept.refinement, next);
+            sampled = sampled & !again;
             visible = visible & sampled;
         }
     }

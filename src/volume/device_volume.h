@@ -80,7 +80,7 @@ struct DeviceVolume::Data : std::enable_shared_from_this<Data> {
     VoxelBuffer coefficients;  ///< of a spline, laid out as the bricks; empty: values are linear between voxels
     SplineCoding spline;
     std::shared_ptr<const CoefficientBounds> bounds;  ///< of the spline that interpolates it; null: none
-    std::array<float, 3> normal_reach{0, 0, 0};       ///< of thick slices: kernel::SplineView::reach
+    std::array<float, 3> normal_reach{0, 0, 0};       ///< kernel::SplineView::reach
     const Data* source = nullptr;  ///< of a spline: the volume whose bricks it borrows, and which outlives it
     mutable Splines splines;
     DeviceVolume plain;  ///< of a medium's with a factor or a mixture: what it borrows all from

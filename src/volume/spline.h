@@ -66,7 +66,7 @@ template <class Voxel>
 struct SplineView {
     const Voxel* coefficients;  ///< null: values are linear between voxels
     float base, scale, least;   ///< stored = (coefficient - base) * scale + least
-    Float3 reach;               ///< voxels: half a slice's thickness, where slices are thick; else 0
+    Float3 reach;               ///< voxels: how far the points lie of which a normal is the mean (normal_reach); or 0
 
     template <class F>
     CHIARO_INLINE F stored(F coefficient) const {

@@ -151,8 +151,8 @@ struct VolumeView {
         return gather_two(voxels, at.index, {0, brick_row, brick_slice, brick_slice + brick_row});
     }
 
-    /// Stored units per voxel; of thick slices the mean over their thickness (SplineView::reach); of mixtures that of
-    /// extinction.
+    /// Stored units per voxel; of thick slices and smoothed voxels the mean of points around (SplineView::reach); of
+    /// mixtures that of extinction.
     template <class F>
     CHIARO_INLINE Vec3<F> gradient(const Location<F>& at) const {
         return is_mixed() ? mixed_gradient<F>(*this, at) : own_gradient(at);
