@@ -135,6 +135,7 @@ private:
     void image(Job& job) {
         count_frame(render(scene_, job));
         scene_.camera = session_.camera();
+        stand_by_frame(scene_, session_.volume().geometry().world);
         scene_.lighting.probe.exposure = session_.probe_exposure();
         keep_stages();
         write(scene_, scene_.read.time, job);
@@ -153,6 +154,7 @@ private:
 
     void turntable(Job& job) {
         scene_.camera = session_.fit_all_around(scene_, job.progress);
+        stand_by_frame(scene_, session_.volume().geometry().world);
         Scene scene = scene_;
         const auto turn = [&](double frames) {
             scene.camera.azimuth_deg = scene_.camera.azimuth_deg + 360 * frames / *o_.frames;

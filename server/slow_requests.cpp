@@ -113,6 +113,7 @@ Json View::save(const Json& request, Progress& progress) {
     Session session = session_of(scene, progress);
     Image picture = session.render(scene, progress);
     scene.camera = session.camera();
+    stand_by_frame(scene, session.volume().geometry().world);
     scene.lighting.probe.exposure = session.probe_exposure();
     progress.report("write", 0);
     Metadata metadata;

@@ -226,7 +226,7 @@ std::shared_ptr<const Loaded> Volumes::load(const Scene& scene, Progress& progre
 
 Json scene_json(const Scene& scene, const Session& session) {
     Scene complete = scene;
-    look_from(complete.camera, session.volume().geometry().world);
+    stand_by_frame(complete, session.volume().geometry().world);
     complete.transfer.points = session.resolve(scene.transfer);
     complete.transfer.source.clear();
     complete.transfer.opacity_unit.reset(), complete.transfer.opacity_unit_mm.reset();

@@ -190,6 +190,36 @@ TEST(Fit, TheFirstViewIsThreeQuarters) {
     }
 }
 
+// A head in a studio was lit from behind.
+TEST(Fit, ProbesStandBesideTheFirstView) {
+    for (const auto& [world, turned] : {std::pair{World::lps, -90.0}, {World::ras, 90.0}, {World::unknown, 0.0}}) {
+        Session session(tested_device());
+        Progress progress;
+        Volume volume = make_sample("ball", 24);
+        volume.geometry.world = world;
+        session.show(std::move(volume), progress);
+        Scene scene = scene_of_volume("sample:ball:24");
+        scene.width = 24, scene.height = 20;
+        scene.illumination.method = Method::visibility;
+        scene.lighting.probe.source = "studio";
+        const auto shown = session.render(scene, progress).pixels;
+        stand_by_frame(scene, world);
+        EXPECT_EQ(scene.lighting.probe.rotation_deg, turned);
+        EXPECT_EQ(session.render(scene, progress).pixels, shown);
+        // Seen from there it is lit as a ball without a frame is.
+        scene.camera.azimuth_deg -= turned, scene.lighting.probe.rotation_deg = 0;
+        const auto elsewhere = session.render(scene, progress).pixels;
+        double difference = 0;
+        for (std::size_t i = 0; i < shown.size(); ++i) difference += std::abs(int(shown[i]) - int(elsewhere[i]));
+        EXPECT_LT(difference / double(shown.size()), 1.5) << turned;
+        // Who says how it is turned is heard.
+        Scene told = scene_of_volume("sample:ball:24");
+        set_by_name(told, {{"probe-rotation", "0"}}, [](auto name, auto) { return std::string(name); });
+        stand_by_frame(told, world);
+        EXPECT_EQ(told.lighting.probe.rotation_deg, 0);
+    }
+}
+
 TEST(Fit, EveryRealVolumeFillsItsPicture) {
     const char* data = std::getenv("CHIARO_DATA_DIR");
     if (!data) GTEST_SKIP() << "skipped: no data";

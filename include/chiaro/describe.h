@@ -178,7 +178,7 @@ void describe(Visit&& visit, S& s) {
     visit(Setting{"probe", "probe", "",
                   "environment map (HDRI) that lights the volume: an equirectangular image file, a built-in one (default of visibility, transport and reference: white), or one of the lights that --light has, in the dark"}
           .written("FILE.hdr|.exr|white|sky|studio|windows|three-point|lights").kept(SceneForm::custom), s.source);
-    visit(Setting{"probe-rotation", "probe.rotation", "degrees", "turns the environment map around the up axis"}
+    visit(Setting{"probe-rotation", "probe.rotation", "degrees", "turns the environment map around the up axis; where nothing tells, with the first view of a volume that has an anatomical frame"}
           .within(-36000, 36000).written("DEG"), s.rotation_deg);
     visit(Setting{"probe-exposure", "probe.exposure", "stops",
                   "multiplies the environment map's light by 2 to this power; auto: one from a file until it lights a white ball well"}

@@ -32,6 +32,8 @@ struct ProbeSettings {
     double rotation_deg = 0;  ///< added to the azimuth of what the probe shows
     ProbeExposure exposure;   ///< its light is multiplied by 2^stops
     bool background = false;  ///< the picture shows it behind the volume
+    /// Not a setting: nobody said how it is turned, so the volume's frame does (stand_by_frame).
+    bool by_frame = false;
     bool operator==(const ProbeSettings&) const = default;
 };
 

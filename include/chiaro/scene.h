@@ -88,9 +88,13 @@ struct Scene {
 /// lights, which then must be fixed to the world's directions. Throws as load_probe, and Error{usage}.
 CHIARO_EXPORT Probe load_probe(const Lighting& lighting);
 
-/// What a volume is shown with where nothing else is said: from where its frame has it (CameraSettings::by_frame),
-/// samples that name materials (SampleInfo) pre-classified.
+/// What a volume is shown with where nothing else is said: from where its frame has it, with the probe beside that
+/// (`by_frame` of either), samples that name materials (SampleInfo) pre-classified.
 CHIARO_EXPORT Scene scene_of_volume(const std::string& volume);
+
+/// Puts what a volume's frame says in the place of `by_frame`: where the camera looks from (look_from), and the probe
+/// turned so that its lights stand beside that view as they do around volumes without an anatomical frame.
+CHIARO_EXPORT void stand_by_frame(Scene& scene, World world);
 
 /// Throws Error{code} when settings contradict each other.
 CHIARO_EXPORT void check(const Scene& scene, ErrorCode code);

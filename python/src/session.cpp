@@ -85,6 +85,7 @@ public:
     /// The scene of the last render, with what it found: the ball that the camera fits, and the exposure.
     Scene seen(Scene scene) const {
         scene.camera = session_.camera();
+        stand_by_frame(scene, session_.volume().geometry().world);
         scene.lighting.probe.exposure = session_.probe_exposure();
         return scene;
     }

@@ -136,6 +136,16 @@ Probe load_probe(const Lighting& lighting) {
     return source == lights_probe ? probe_of_lights(lighting.lights) : load_probe(source);
 }
 
+void turn_by_frame(ProbeSettings& probe, World world) {
+    if (!probe.by_frame) return;
+    probe.by_frame = false;
+    CameraSettings first;
+    const double elsewhere_deg = first.azimuth_deg;
+    first.by_frame = true;
+    look_from(first, world);
+    probe.rotation_deg = first.azimuth_deg - elsewhere_deg;
+}
+
 Lighting with_probe(Lighting lighting) {
     if (!lighting.probe.source.empty()) lighting.loaded_probe = load_probe(lighting);
     return lighting;

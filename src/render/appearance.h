@@ -55,6 +55,9 @@ Medium finely_interpolated(const Device& device, const Medium& medium, const Sce
 /// Whether its pictures look up voxels only where the medium shows something (see discard_unseen).
 bool looks_at_visible_voxels(const Scene& scene);
 
+/// How a probe is turned whose settings do not tell: as the camera of a volume's first picture is (look_from), so that
+/// its lights stand beside that as they do around volumes without an anatomical frame.
+void turn_by_frame(ProbeSettings& probe, World world);
 /// With the probe that its settings name; as it is where they name none. Throws as load_probe.
 Lighting with_probe(Lighting lighting);
 

@@ -95,7 +95,8 @@ LightError measure_light(Session& session, const Scene& scene, Progress& progres
     const DeviceVolume& volume = session.volume();
     const Medium& medium = session.medium();
     const Camera camera = make_camera(session.camera(), volume.geometry(), volume.dimensions());
-    const Lighting lighting = with_probe(plain.lighting);
+    Lighting lighting = with_probe(plain.lighting);
+    turn_by_frame(lighting.probe, volume.geometry().world);
 
     const std::vector<Vec3> seen = visible_points(medium, camera, scene, points);
     if (seen.size() < fewest_points) throw Error(ErrorCode::usage, "not measured: too little is seen");

@@ -58,6 +58,7 @@ Image render_image(const Device& device, const Scene& scene, Progress& progress)
                     geometry, dimensions);
     if (looks_at_visible_voxels(scene)) discard_unseen(medium);  // no other will be asked for
     Lighting lighting = with_probe(scene.lighting);
+    turn_by_frame(lighting.probe, geometry.world);
     lighting.probe_up = camera.orbit_up;
 
     // How much light arrives where: the last field is the finest.

@@ -25,13 +25,18 @@ void check_against(const ExpectedVolume& stated, const Volume& volume) {
 Scene scene_of_volume(const std::string& volume) {
     Scene scene;
     scene.volume = volume;
-    scene.camera.by_frame = true;
+    scene.camera.by_frame = scene.lighting.probe.by_frame = true;
     for (const SampleInfo& sample : list_samples()) {
         const std::string name = "sample:" + sample.name;
         if (sample.names_materials && (volume == name || volume.starts_with(name + ":")))
             scene.sampling.classification = Classification::pre;
     }
     return scene;
+}
+
+void stand_by_frame(Scene& scene, World world) {
+    look_from(scene.camera, world);
+    turn_by_frame(scene.lighting.probe, world);
 }
 
 Volume read_volume(const Scene& scene, Progress& progress) {

@@ -87,6 +87,7 @@ struct Session::State {
     /// The scene's, with its probe loaded and standing as the camera's orbit has it.
     Lighting lighting_of(const Scene& scene, const Camera& camera) {
         Lighting lighting = scene.lighting;
+        turn_by_frame(lighting.probe, upload.result.geometry().world);
         lighting.probe_up = camera.orbit_up;
         if (!lighting.probe.source.empty()) {
             redo("probe", probe, probe_inputs(lighting), [&](Probe& loaded) { loaded = load_probe(lighting); });
@@ -139,6 +140,7 @@ struct Session::State {
     /// What the scene's light would leave in a field; a probe that is not loaded yet is none.
     HeldLight held(const Scene& scene) const {
         Lighting lighting = scene.lighting;
+        turn_by_frame(lighting.probe, upload.result.geometry().world);
         lighting.probe_up = camera_of(scene.camera).orbit_up;
         if (!lighting.probe.source.empty())
             lighting.loaded_probe = probe.inputs == probe_inputs(lighting) ? probe.result : Probe();

@@ -16,6 +16,7 @@ void put_away(Scene& scene, const GivenSettings& given) {
     if (turns_orbit || is_aimed) scene.camera.matrix.reset();
     if (turns_orbit || is_aimed || is_matrix) scene.camera.view.reset(), scene.camera.by_frame = false;
     if (is_given("up")) scene.camera.by_frame = false;
+    if (is_given("probe-rotation")) scene.lighting.probe.by_frame = false;
     if (is_given("fit")) scene.camera.fit_centre.reset(), scene.camera.fit_radius_mm.reset();  // found anew
 }
 
