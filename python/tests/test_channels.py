@@ -79,27 +79,28 @@ def test_refused_shapes(two):
 
 
 def test_labels(tool, tmp_path):
+    look = LOOK | {"fit": "volume"}  # a session keeps what its first picture's camera fits
     volume = chiaro.Volume(ball(0))
     labels = np.zeros((16, 16, 16), np.uint16)
     labels[:, :, 8:] = 3
     table = [{"value": 3, "name": "right", "rgb": [1, 0, 0]}]
-    image = chiaro.render(volume, labels=labels, label_table=table, transfer="gray", **LOOK)
+    image = chiaro.render(volume, labels=labels, label_table=table, transfer="gray", **look)
     chiaro.write(volume, tmp_path / "v.nrrd")
     chiaro.write(chiaro.Volume(labels), tmp_path / "l.nrrd")
     (tmp_path / "t.json").write_text('{"labels": [{"value": 3, "rgb": [1, 0, 0]}]}')
     picture = tmp_path / "p.png"
-    tool("render", str(tmp_path / "v.nrrd"), "-o", str(picture), "--labels", str(tmp_path / "l.nrrd"), "--label-table", str(tmp_path / "t.json"), "--transfer", "gray", "--size", "48x40", "--lighting", "spao")
+    tool("render", str(tmp_path / "v.nrrd"), "-o", str(picture), "--labels", str(tmp_path / "l.nrrd"), "--label-table", str(tmp_path / "t.json"), "--transfer", "gray", "--size", "48x40", "--lighting", "spao", "--fit", "volume")
     assert same(image, chiaro.read_image(picture))
     for told in ({3: {"rgb": [1, 0, 0]}}, str(tmp_path / "t.json")):
-        assert same(image, chiaro.render(volume, labels=labels, label_table=told, transfer="gray", **LOOK))
-    plain = chiaro.render(volume, transfer="gray", **LOOK)
+        assert same(image, chiaro.render(volume, labels=labels, label_table=told, transfer="gray", **look))
+    plain = chiaro.render(volume, transfer="gray", **look)
     assert not same(image, plain)
-    session = chiaro.Session(volume, labels=labels, label_table=table, transfer="gray", **LOOK)
+    session = chiaro.Session(volume, labels=labels, label_table=table, transfer="gray", **look)
     assert same(session.image(), image)
     session.labels = None
     assert same(session.image(), plain)
     own = [{"value": 3, "transfer_function": chiaro.TransferFunction([(0, 0, 1, 0, 0), (200, 0, 1, 0, 0.5)])}]
-    green = np.asarray(chiaro.render(volume, labels=labels, label_table=own, transfer="gray", background="black", **LOOK))
+    green = np.asarray(chiaro.render(volume, labels=labels, label_table=own, transfer="gray", background="black", **look))
     assert green[20, 32, 1] > green[20, 32, 0] + 20
 
 
