@@ -100,7 +100,7 @@ def test_labels(tool, tmp_path):
     session.labels = None
     assert same(session.image(), plain)
     own = [{"value": 3, "transfer_function": chiaro.TransferFunction([(0, 0, 1, 0, 0), (200, 0, 1, 0, 0.5)])}]
-    green = np.asarray(chiaro.render(volume, labels=labels, label_table=own, transfer="gray", background="black", **look))
+    green = np.asarray(chiaro.render(volume, labels=labels, label_table=own, transfer="gray", background="black", **LOOK))
     assert green[20, 32, 1] > green[20, 32, 0] + 20
 
 
