@@ -342,6 +342,7 @@ TEST_F(SessionTest, DraftsAreLinearWhereFinalPicturesAreFiner) {
     EXPECT_EQ(drawn(Interpolation::smooth, false), fine);
     EXPECT_EQ(drawn(Interpolation::smooth, true), fine) << "who names one gets it at once";
     EXPECT_NE(drawn(Interpolation::cubic, false), fine);
+    EXPECT_EQ(session.camera(), camera);
     scene.sampling.classification = Classification::pre;  // of materials
     EXPECT_EQ(drawn(Interpolation::automatic, false), drawn(Interpolation::linear, false));
 }
