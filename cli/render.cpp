@@ -134,9 +134,7 @@ private:
 
     void image(Job& job) {
         count_frame(render(scene_, job));
-        scene_.camera = session_.camera();
-        stand_by_frame(scene_, session_.volume().geometry().world);
-        scene_.lighting.probe.exposure = session_.probe_exposure();
+        scene_ = session_.as_seen(scene_);
         keep_stages();
         write(scene_, scene_.read.time, job);
         stats_.stages.push_back({"write", write_seconds_});

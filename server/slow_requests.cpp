@@ -112,9 +112,7 @@ Json View::save(const Json& request, Progress& progress) {
     // A session of its own: the page goes on with its.
     Session session = session_of(scene, progress);
     Image picture = session.render(scene, progress);
-    scene.camera = session.camera();
-    stand_by_frame(scene, session.volume().geometry().world);
-    scene.lighting.probe.exposure = session.probe_exposure();
+    scene = session.as_seen(std::move(scene));
     progress.report("write", 0);
     Metadata metadata;
     if (flag_in(request, "metadata", true)) metadata = {{"chiaro", to_json(scene)}};

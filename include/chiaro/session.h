@@ -114,6 +114,9 @@ public:
     CHIARO_EXPORT double probe_exposure() const;
     /// The scene's, with the ball that the last render or preview fitted.
     CHIARO_EXPORT const CameraSettings& camera() const;
+    /// The scene of the last render or preview with what that found: its camera, how the probe stands (stand_by_frame),
+    /// and its exposure.
+    CHIARO_EXPORT Scene as_seen(Scene scene) const;
 
     /// Of the last render; while `preview` is called with paths, theirs. A GPU brings it when it is first asked for.
     CHIARO_EXPORT const Frame& frame() const;

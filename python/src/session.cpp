@@ -83,12 +83,7 @@ public:
         return array_of(frame);
     }
     /// The scene of the last render, with what it found: the ball that the camera fits, and the exposure.
-    Scene seen(Scene scene) const {
-        scene.camera = session_.camera();
-        stand_by_frame(scene, session_.volume().geometry().world);
-        scene.lighting.probe.exposure = session_.probe_exposure();
-        return scene;
-    }
+    Scene seen(const Scene& scene) const { return session_.as_seen(scene); }
     /// With the ball that all frames of a turntable fit.
     Scene fitted_all_around(Scene scene, py::object report) {
         use({report}, [&](Progress& progress, News&) { scene.camera = session_.fit_all_around(scene, progress); });

@@ -198,6 +198,12 @@ std::vector<DeviceVolume> Session::volumes() const {
     return all;
 }
 double Session::probe_exposure() const { return state_->probe_exposure; }
+Scene Session::as_seen(Scene scene) const {
+    scene.camera = camera();
+    stand_by_frame(scene, volume().geometry().world);
+    scene.lighting.probe.exposure = probe_exposure();
+    return scene;
+}
 const CameraSettings& Session::camera() const { return state_->camera; }
 const Medium& Session::medium() const { return state_->medium; }
 const IlluminationField& Session::light() const { return state_->illuminate.result; }

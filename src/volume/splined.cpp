@@ -103,7 +103,7 @@ namespace {
 /// farther apart than voxels that normals show them, half a slice's thickness: on balls with edges of .4 and .8 voxel
 /// in slices 2 and 4 voxels apart this shows half of them. Farther than three voxels would leave nothing to see. Of
 /// smoothed voxels one voxel: so a segmented brain's surface hardly shows the faces of its mask's voxels; with one and
-/// a half, sample:tubes has dark outlines, with three its sulci turn inside out.
+/// a half, sample:tubes has dark outlines; with three, the brain's sulci turn inside out.
 std::array<float, 3> normal_reach(const Geometry& geometry, bool interpolates) {
     constexpr double thick = 1.5, farthest = 3;
     const Vec3& spacing = geometry.spacing_mm;
